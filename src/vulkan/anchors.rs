@@ -1,30 +1,30 @@
-//! The anchors of fronts over a floor plan, as shaders have them. The twin of `glsl/anchors.glsl` and
-//! of the numbers in `glsl/anchored.glsl`.
+//! Numbers the anchors of fronts over a floor plan for shaders. The twin of `glsl/anchors.glsl` and of the
+//! numbers in `glsl/anchored.glsl`.
 
 use super::TexelChart;
 use crate::constants::{FIRST_INSIDE, SOURCES_INSIDE};
 use crate::surface::{Seed, Surface};
 use crate::update::{Anchor, InsideSources};
 
-/// Bytes of the sources inside cells and of the metric where shaders find them.
+/// Bytes of the sources inside cells and of the metric, where shaders find them.
 pub(crate) const ANCHOR_BYTES: usize = (SOURCES_INSIDE as usize + 1) * size_of::<[f32; 4]>();
 
-/// A floor plan, and the sources inside cells of its last map.
+/// Floor plan with the sources inside cells of its last map.
 #[derive(Debug)]
 pub(crate) struct Anchors {
-    /// From a point's number to that of the point below it.
+    /// Difference between the numbers of a point and of the point below it.
     points_in_row: usize,
     inside: InsideSources,
 }
 
 impl Anchors {
-    /// If a surface is a floor plan, whose points can be numbered.
+    /// Returns the anchors of a surface; `None` if it is not a floor plan whose points can be numbered.
     pub(crate) fn of(surface: &Surface, texels: TexelChart) -> Option<Self> {
         let points_in_row = texels.edges_extent().width as usize;
         Some(Self { points_in_row, inside: InsideSources::new(surface.floor()?) })
     }
 
-    /// The first fundamental form: of rows, of both, of columns.
+    /// Returns the first fundamental form: of rows, of both, and of columns.
     pub(crate) fn metric(&self) -> [f32; 3] {
         self.inside.grid().metric().map(|part| part as f32)
     }
@@ -34,8 +34,8 @@ impl Anchors {
         self.inside.truncate(0);
     }
 
-    /// The numbers of the anchors of seeds, as fronts carry them; `None`, and nothing is remembered, if
-    /// there is no room for so many sources inside cells.
+    /// Returns the numbers of the anchors of seeds, as fronts carry them. If there is no room for all sources
+    /// inside cells, it returns `None` and forgets these sources.
     pub(crate) fn numbers(&mut self, seeds: &[Seed]) -> Option<Vec<f32>> {
         let before = self.inside.all().len();
         let numbers: Vec<_> = seeds.iter().map(|seed| self.number(seed)).collect();
@@ -55,7 +55,7 @@ impl Anchors {
         Anchor::new(number).value()
     }
 
-    /// Writes sources, by column, row and time, and the metric where shaders find them.
+    /// Writes the sources, each by column, row and time, and the metric to where shaders find them.
     pub(crate) fn write(&self, bytes: &mut [u8]) {
         let (sources, rest) = bytes.split_at_mut(SOURCES_INSIDE as usize * size_of::<[f32; 4]>());
         let places = sources.chunks_exact_mut(size_of::<[f32; 4]>());

@@ -1,10 +1,10 @@
-//! Barriers, each named by the hazard it covers.
+//! Records barriers. Each kind of access is named by the hazard that it covers.
 
 use ash::vk;
 
 use super::record::MOST_TOGETHER;
 
-/// A side of a barrier: pipeline stages and the kinds of access in them.
+/// One side of a barrier: pipeline stages, and the kinds of access in them.
 pub(crate) type Access = (vk::PipelineStageFlags, vk::AccessFlags);
 
 pub(crate) const NOTHING: Access = (vk::PipelineStageFlags::TOP_OF_PIPE, vk::AccessFlags::NONE);
@@ -40,13 +40,13 @@ pub(crate) const PASS: Access = (
 );
 pub(crate) const HOST_READ: Access = (vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ);
 
-/// What follows a copy that the host reads while the map goes on.
+/// Passes and the host, after a copy that the host reads while the map goes on.
 pub(crate) const PASS_AND_HOST: Access = (
     vk::PipelineStageFlags::from_raw(PASS.0.as_raw() | HOST_READ.0.as_raw()),
     vk::AccessFlags::from_raw(PASS.1.as_raw() | HOST_READ.1.as_raw()),
 );
 
-/// Makes what `before` has written visible to `after`.
+/// Makes the writes of `before` visible to `after`.
 pub(crate) fn memory(
     device: &ash::Device,
     commands: vk::CommandBuffer,
@@ -72,7 +72,7 @@ pub(crate) fn memory(
     }
 }
 
-/// Brings an image from one layout into another, between `before` and `after`.
+/// Transitions an image from one layout into another, between `before` and `after`.
 pub(crate) fn image(
     device: &ash::Device,
     commands: vk::CommandBuffer,
@@ -97,7 +97,7 @@ pub(crate) fn image(
     }
 }
 
-/// What an image is brought from and to.
+/// Barrier of an image with a transition of its layout.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ImageBarrier {
     pub(crate) image: vk::Image,
@@ -120,7 +120,7 @@ impl ImageBarrier {
     }
 }
 
-/// Several barriers as one: the stages of all, the accesses of those over all memory, and images.
+/// Records several barriers as one: the stages of all, the accesses over all memory, and the images.
 pub(crate) fn merged(
     device: &ash::Device,
     commands: vk::CommandBuffer,
@@ -133,7 +133,7 @@ pub(crate) fn merged(
     }
     let all = vk::MemoryBarrier::default().src_access_mask(before.1).dst_access_mask(after.1);
     let all = [all];
-    // Images alone have nothing to do with other memory.
+    // Barriers of images alone do not concern other memory.
     let all = if (before.1 | after.1).is_empty() { &all[..0] } else { &all[..] };
     let mut infos = [vk::ImageMemoryBarrier::default(); MOST_TOGETHER];
     for (info, image) in infos.iter_mut().zip(images) {
@@ -156,7 +156,7 @@ pub(crate) const COLOR: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
     layer_count: vk::REMAINING_ARRAY_LAYERS,
 };
 
-/// Shows that the validation layers are listening: leaves out barriers on purpose.
+/// Checks that the validation layers are active, by leaving out barriers on purpose.
 #[cfg(test)]
 pub(crate) mod tests {
     use std::cell::RefCell;
@@ -174,7 +174,7 @@ pub(crate) mod tests {
         LEFT_OUT.with_borrow_mut(|choice| choice.as_mut().is_some_and(choose))
     }
 
-    /// Does something without the memory barriers that are chosen.
+    /// Calls `record` without the memory barriers for which `chosen` returns true.
     pub(crate) fn without<T>(
         chosen: impl FnMut(Access, Access) -> bool + 'static,
         record: impl FnOnce() -> T,
@@ -185,7 +185,7 @@ pub(crate) mod tests {
         done
     }
 
-    /// Chooses the barrier with this number, counted from 0.
+    /// Returns a function that chooses the barrier with this number, counted from 0.
     pub(crate) fn number(which: usize) -> impl FnMut(Access, Access) -> bool {
         let mut numbers = 0..;
         move |_, _| numbers.next() == Some(which)

@@ -1,4 +1,4 @@
-//! What a device can do at best, measured: against these ceilings a map's time tells what bounds
+//! Measures the best performance of a device. Compared with these ceilings, a map's time shows what bounds
 //! it. Solvers do not use them.
 
 use std::sync::Arc;
@@ -21,57 +21,57 @@ use crate::surface::Chart;
 use crate::update::Wavefront;
 use crate::vulkan::DeviceChoice;
 
-/// What a device can do at best, by the clock of the host.
+/// Best performance of a device, by the host's clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ceilings {
-    /// Bytes a second, read plus written, of a pass that copies one image to another (64 MiB of
-    /// them, which may fit a large cache).
+    /// Bytes a second, read plus written, of a pass that copies one image to another. It moves 64 MiB, which
+    /// may fit a large cache.
     pub copy: f64,
-    /// Updates from one triangle a second, by wavefront ([`Wavefront::ALL`]), with everything in
-    /// registers.
+    /// Updates from one triangle a second, by wavefront ([`Wavefront::ALL`]), with all data in registers.
     pub triangles: [f64; Wavefront::ALL.len()],
-    /// An empty dispatch of one workgroup with the barrier after it.
+    /// Time of an empty dispatch of one workgroup with the barrier after it.
     pub dispatch: Duration,
-    /// The same, with the number of workgroups from a buffer.
+    /// Time of the same dispatch if it is indirect, with the number of workgroups from a buffer.
     pub indirect_dispatch: Duration,
-    /// An indirect dispatch of no workgroup with the barrier after it: what a pass costs that is
-    /// recorded beyond convergence.
+    /// Time of an indirect dispatch of no workgroup with the barrier after it. It is the cost of a pass that
+    /// is recorded beyond convergence.
     pub skipped_dispatch: Duration,
-    /// A barrier alone.
+    /// Time of a barrier alone.
     pub barrier: Duration,
-    /// What a timestamp adds to a dispatch and its barrier; `None` where queues for compute write
-    /// none.
+    /// Time that a timestamp adds to a dispatch and its barrier; `None` if queues for compute write no
+    /// timestamps.
     pub timestamp: Option<Duration>,
-    /// An empty submission, until the host knows that it has ended.
+    /// Time from an empty submission until the host knows that it has ended.
     pub submission: Duration,
-    /// Bytes a second from the device's memory into an array of the host's.
+    /// Bytes a second from the device's memory into an array of the host.
     pub read_back: f64,
 }
 
-/// Points on a side of the grid whose fronts are copied; each image takes half of the bytes.
+/// Points on a side of the grid whose fronts are copied. Each image takes half of the bytes.
 const SIDE: usize = 2048;
-/// Texels on a side of the grid that is computed on.
+/// Texels on a side of the grid on which updates are computed.
 const COMPUTED: u32 = 512;
-/// Bytes read back.
+/// Number of bytes read back.
 const READ_BACK: usize = 16 << 20;
-/// Recordings are lengthened until they take so long.
+/// Recordings are lengthened until they take this long.
 const LONG_ENOUGH: Duration = Duration::from_millis(20);
-/// But to no more than so many of what is measured; lavapipe ends loops after 65 535 turns.
+/// Largest number of repetitions in a recording. Lavapipe ends loops after 65 535 trips.
 const MOST: u32 = 1 << 14;
-/// Timestamps in a recording.
+/// Number of timestamps in a recording.
 const TIMESTAMPS: u32 = 128;
-/// Where the buffer of group counts holds zeros...
+/// Offset in the buffer of workgroup counts from which on it holds zeros.
 const NO_GROUP: u64 = 0;
-/// ... and from where on ones.
+/// Offset in this buffer from which on it holds ones.
 const ONE_GROUP: u64 = 64;
-/// Each recording is submitted so many times, and the shortest counts: other work only adds.
+/// Number of times each recording is submitted. The shortest time counts, since other work can only add to
+/// it.
 const TRIES: usize = 5;
 
 impl Ceilings {
     /// Measures a device, in about a second.
     ///
     /// # Errors
-    /// If there is no such device, or it fails.
+    /// If there is no such device, or a Vulkan call on it fails.
     pub fn measure(choice: &DeviceChoice) -> Result<Self, VulkanError> {
         let context = Arc::new(Context::new(choice, false)?);
         let mut probe = Probe::new(&context)?;
@@ -79,22 +79,22 @@ impl Ceilings {
     }
 }
 
-/// What is measured with; freed when it is dropped.
+/// Resources for the measurements. Dropping it frees them.
 struct Probe<'a> {
     context: &'a Arc<Context>,
     solver: embed::Solver,
     images: Option<GridImages>,
-    /// Memory of the device's and memory that the host reads.
+    /// Buffer in device memory, and buffer that the host reads.
     buffers: Vec<Buffer>,
     copy: vk::Pipeline,
-    /// By wavefront.
+    /// Pipelines of the updates, by wavefront.
     updates: Vec<vk::Pipeline>,
     commands: CommandBuffer,
-    /// Null where there are none.
+    /// Query pool; null if the queue writes no timestamps.
     timestamps: vk::QueryPool,
 }
 
-/// Texels of a pass, and its updates from four triangles.
+/// Texels of a pass, and its repeated updates from four triangles.
 #[derive(Clone, Copy)]
 struct Load {
     texels: [u32; 2],
@@ -190,8 +190,8 @@ impl<'a> Probe<'a> {
         })
     }
 
-    /// Brings images into their layout, group counts into a buffer of them, and shaders through
-    /// the driver's compiler.
+    /// Transitions images into their layout, writes workgroup counts to the buffer, and lets the driver
+    /// compile the shaders.
     fn prepare(&self) -> Result<(), VulkanError> {
         let grid = self.grid();
         self.context.run(|device, commands| {
@@ -219,12 +219,13 @@ impl<'a> Probe<'a> {
         self.images.as_ref().expect("they are there from the start")
     }
 
-    /// The time of one of many.
+    /// Returns the time of one of many.
     fn each(&self, one: impl Fn(&Self, vk::CommandBuffer)) -> Result<Duration, VulkanError> {
         self.repeated(|probe, commands, count| (0..count).for_each(|_| one(probe, commands)))
     }
 
-    /// The time of one repetition, in a recording of many, beside that of a recording of none.
+    /// Returns the time of one repetition in a recording of many. The time of a recording without repetitions
+    /// is subtracted.
     fn repeated(
         &self,
         record: impl Fn(&Self, vk::CommandBuffer, u32),
@@ -236,11 +237,11 @@ impl<'a> Probe<'a> {
             count *= 2;
             all = time(count)?;
         }
-        // Other work on the machine may have come between, so no less than half of all.
+        // Other work on the machine may have come between, so at least half of the time counts.
         Ok((all - nothing.min(all / 2)).max(Duration::from_nanos(1)) / count)
     }
 
-    /// The shortest time of a recording.
+    /// Returns the shortest time of a recording.
     fn time(&self, record: impl Fn(&Self, vk::CommandBuffer)) -> Result<Duration, VulkanError> {
         self.commands.record(|_, commands| record(self, commands))?;
         let mut shortest = Duration::MAX;
@@ -252,7 +253,7 @@ impl<'a> Probe<'a> {
         Ok(shortest)
     }
 
-    /// Bytes a second.
+    /// Returns the bytes a second of a read-back.
     fn read_back(&mut self) -> Result<f64, VulkanError> {
         let (from, to) = (self.buffers[0].buffer, self.buffers[1].buffer);
         self.commands.record(|_, commands| {
@@ -276,7 +277,7 @@ impl<'a> Probe<'a> {
         self.recording(commands).barrier(PASS, PASS);
     }
 
-    /// What a timestamp after each of many adds to one.
+    /// Returns the time that a timestamp after each of many dispatches adds to one.
     fn timestamp(
         &self,
         one: impl Fn(&Self, vk::CommandBuffer),
@@ -285,14 +286,14 @@ impl<'a> Probe<'a> {
             return Ok(None);
         }
         let [mut without, mut with] = [Duration::MAX; 2];
-        // In turns, since it is a small difference, and other work comes and goes.
+        // Both are measured in turns: the difference is small, and other work comes and goes.
         for _ in 0..TRIES {
             without = without.min(self.time(|probe, commands| {
                 (0..TIMESTAMPS).for_each(|_| one(probe, commands));
             })?);
             with = with.min(self.time(|probe, commands| {
                 let device = &probe.context.device;
-                // SAFETY: the pool holds so many queries, which no other submission uses.
+                // SAFETY: the pool holds this many queries, which no other submission uses.
                 unsafe { device.cmd_reset_query_pool(commands, probe.timestamps, 0, TIMESTAMPS) };
                 for query in 0..TIMESTAMPS {
                     one(probe, commands);
@@ -311,7 +312,7 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// One invocation for each texel.
+    /// Records a dispatch with one invocation for each texel.
     fn dispatch(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, load: Load) {
         self.bind(commands, pipeline, load);
         let [width, height] = load.texels;
@@ -319,7 +320,7 @@ impl<'a> Probe<'a> {
         unsafe { self.context.device.cmd_dispatch(commands, width.div_ceil(WORKGROUP), height, 1) };
     }
 
-    /// An indirect dispatch of as many workgroups as the buffer says at an offset.
+    /// Records an indirect dispatch of as many workgroups as the buffer says at an offset.
     fn dispatch_indirect(&self, commands: vk::CommandBuffer, load: Load, offset: u64) {
         self.bind(commands, self.copy, load);
         let groups = self.buffers[0].buffer;
@@ -329,7 +330,7 @@ impl<'a> Probe<'a> {
 
     fn bind(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, load: Load) {
         let (device, pipelines) = (&self.context.device, &self.solver.pipelines);
-        // Both passes see the same set, and the first takes the start of the other's constants.
+        // Both passes use the same set, and the push constants of the copy are the first part of the other's.
         let is_copy = pipeline == self.copy;
         let shader = if is_copy { &ceiling_copy::SHADER } else { &ceiling_updates::SHADER };
         let layout = pipelines.layout(shader);
@@ -369,7 +370,7 @@ mod tests {
         let context = Arc::new(Context::new(&DeviceChoice::Name(device), true).unwrap());
         let ceilings = Probe::new(&context).unwrap().measure().unwrap();
         context.check_validation().unwrap();
-        // Wide enough for any device, and narrow enough to find a wrong unit.
+        // The range is wide enough for any device, and narrow enough to detect a wrong unit.
         for rate in [&ceilings.triangles[..], &[ceilings.copy, ceilings.read_back]].concat() {
             assert!((1e6..1e14).contains(&rate), "{ceilings:?}");
         }

@@ -1,8 +1,8 @@
-//! Descriptor sets of a surface and of what its maps are solved in.
+//! Creates the descriptor sets of a surface and of the resources in which its maps are solved.
 //!
-//! Every device binds four storage images and four storage buffers to a pass. So a pass sees the set of its
-//! surface, with the fronts that it reads and how its map goes on, and beside it either that of a map, with
-//! the fronts that it writes, or one of the host's.
+//! Every device can bind four storage images and four storage buffers to a pass. Each pass therefore uses two
+//! sets. The surface's set contains the fronts that the pass reads and the progress of the map. The other is
+//! either that of a map, with the fronts that the pass writes, or one of the host.
 
 use ash::vk;
 
@@ -11,14 +11,14 @@ use super::memory::{Buffer, Image};
 use super::pipelines::Pipelines;
 use super::shaders::{count_of, set_0, set_1, set_2};
 
-/// The number of the host's sets, and of those of maps.
+/// Number of the host's sets. `MAP` is the number of the sets of maps.
 const HOST: u32 = 1;
 const MAP: u32 = 2;
 
-/// Sets that a pass sees, with those of a number that it does not use.
+/// Number of sets of a pass, with those that it does not use.
 pub(crate) const SETS: u32 = MAP + 1;
 
-/// Storage images, or storage buffers, that a pass sees at most.
+/// Returns the largest number of storage images, or of storage buffers, that a pass uses.
 pub(crate) const fn most_seen(kind: vk::DescriptorType) -> u32 {
     let (host, map) = (count_of(kind, &set_1::KINDS), count_of(kind, &set_2::KINDS));
     count_of(kind, &set_0::KINDS) + if host > map { host } else { map }
@@ -30,24 +30,25 @@ const _: () = assert!(
     "devices need offer no more than four of each"
 );
 
-/// What a pass is bound to.
+/// Descriptor sets bound to a pass.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sets {
     surface: vk::DescriptorSet,
-    /// Its number, and the set.
+    /// Number of the other set, and the set.
     other: (u32, vk::DescriptorSet),
 }
 
 impl Sets {
-    /// The same surface and fronts, beside something of the host's.
+    /// Returns the sets of the same surface and fronts, with a set of the host.
     pub(crate) fn with_host(self, set: vk::DescriptorSet) -> Self {
         Self { other: (HOST, set), ..self }
     }
 
-    /// Binds them for pipelines of a layout.
+    /// Binds the sets for pipelines with this layout.
     ///
     /// # Safety
-    /// The command buffer is being recorded on the device, and the layout is that of passes which see such sets.
+    /// The command buffer is being recorded on the device, and the layout is that of passes which use such
+    /// sets.
     pub(crate) unsafe fn bind(
         self,
         device: &ash::Device,
@@ -64,7 +65,7 @@ impl Sets {
     }
 }
 
-/// What the sets of a grid, or of a batch, are made of; nothing where no pass asks for it.
+/// Resources of the sets of a grid, or of a batch. Those that no pass uses are `None`.
 #[derive(Clone, Copy)]
 pub(crate) struct Contents<'a> {
     pub(crate) edges: &'a Image,
@@ -77,22 +78,22 @@ pub(crate) struct Contents<'a> {
     pub(crate) tiles: Option<&'a Buffer>,
     /// Blocks of lines, or distances of maps in shared memory.
     pub(crate) blocks: &'a Buffer,
-    /// Where [`UNPACK`](super::passes::UNPACK) leaves distances.
+    /// Buffer to which [`UNPACK`](super::passes::UNPACK) writes distances.
     pub(crate) distances: &'a Buffer,
 }
 
-/// The sets of a grid, or of a batch.
+/// Descriptor sets of a grid, or of a batch.
 #[derive(Debug, Default)]
 pub(crate) struct GridSets {
-    /// For each of the two images of fronts those of a pass that writes it and reads the other.
+    /// For each of the two images of fronts, the sets of a pass that writes it and reads the other.
     pub(crate) writing: [Sets; 2],
-    /// In the place of the host's, of the pass that unpacks distances.
+    /// Set of the pass that unpacks distances, in the place of a set of the host.
     pub(crate) read_back: vk::DescriptorSet,
     pool: vk::DescriptorPool,
 }
 
 impl GridSets {
-    /// [`GridSets::destroy`] must be called before the device goes.
+    /// Allocates and fills the sets. [`GridSets::destroy`] must be called before the device is destroyed.
     pub(crate) fn new(
         device: &ash::Device,
         pipelines: &Pipelines,
@@ -125,14 +126,14 @@ impl GridSets {
         Ok(new)
     }
 
-    /// Frees them. No submitted work may still use them.
+    /// Frees the sets. No submitted work may still use them.
     pub(crate) fn destroy(&mut self, device: &ash::Device) {
         // SAFETY: the caller has made sure that nothing uses the sets; a null handle is allowed.
         unsafe { device.destroy_descriptor_pool(std::mem::take(&mut self.pool), None) };
     }
 }
 
-/// Room for the sets of a grid.
+/// Creates a pool with room for the sets of a grid.
 fn pool(device: &ash::Device) -> Result<vk::DescriptorPool, VulkanError> {
     let kinds = [
         vk::DescriptorType::STORAGE_IMAGE,
@@ -150,7 +151,7 @@ fn pool(device: &ash::Device) -> Result<vk::DescriptorPool, VulkanError> {
         .map_err(VulkanError::from_call("vkCreateDescriptorPool"))
 }
 
-/// The sets of passes that write an image of fronts.
+/// Fills the sets of passes that write one of the images of fronts.
 fn fill(
     device: &ash::Device,
     (surface, map): (vk::DescriptorSet, vk::DescriptorSet),

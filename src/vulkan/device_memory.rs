@@ -1,4 +1,4 @@
-//! Where the memory of images and buffers comes from.
+//! Allocates the memory of images and buffers through a trait that hosts can implement.
 
 use std::ptr::NonNull;
 use std::sync::MutexGuard;
@@ -7,35 +7,36 @@ use ash::vk;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator};
 use gpu_allocator::{AllocationError, MemoryLocation};
 
-/// Gives device memory to surfaces, contours, paths and regions: gpu-allocator's [`Allocator`], or a renderer's own
-/// allocator behind the same two calls.
+/// Allocator of device memory for surfaces, contours, paths and regions. It is gpu-allocator's [`Allocator`],
+/// or a renderer's own allocator behind the same two calls.
 pub trait DeviceMemory {
-    /// Finds room for an image or a buffer.
+    /// Allocates memory for an image or a buffer.
     ///
     /// # Errors
-    /// If there is none, or a call of Vulkan's fails.
+    /// If there is no room, or a Vulkan call fails.
     fn allocate(&mut self, wanted: &MemoryRequest) -> Result<MemoryBlock, AllocationError>;
 
-    /// Takes a block back that it has given. Nothing uses it any more.
+    /// Frees a block that this allocator has returned. Nothing uses the block any more.
     fn free(&mut self, block: MemoryBlock);
 }
 
-/// What memory is wanted for.
+/// Request for the memory of an image or a buffer.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct MemoryRequest {
-    /// For reports, such as "edge lengths".
+    /// Name of the resource for reports, such as "edge lengths".
     pub name: &'static str,
-    /// Of the image or buffer.
+    /// Memory requirements of the image or buffer.
     pub requirements: vk::MemoryRequirements,
-    /// Whether the program reads or writes it. Such memory is coherent, and stays mapped.
+    /// Location of the memory, which says whether the program reads or writes it. Memory that the program
+    /// accesses is coherent and stays mapped.
     pub location: MemoryLocation,
-    /// What it is for: a buffer, or an image with optimal tiling.
+    /// Whether the memory is for a buffer. Otherwise it is for an image with optimal tiling.
     pub is_buffer: bool,
 }
 
 impl MemoryRequest {
-    /// What the memory's type has to have, and what it should have.
+    /// Returns the properties that the memory type must have, and those that it should have.
     pub fn properties(&self) -> [vk::MemoryPropertyFlags; 2] {
         use vk::MemoryPropertyFlags as Flags;
         let mapped = Flags::HOST_VISIBLE | Flags::HOST_COHERENT;
@@ -47,7 +48,7 @@ impl MemoryRequest {
     }
 }
 
-/// A part of device memory.
+/// Range of device memory.
 #[derive(Debug)]
 pub struct MemoryBlock {
     memory: vk::DeviceMemory,
@@ -57,24 +58,24 @@ pub struct MemoryBlock {
     origin: Origin,
 }
 
-/// By what its giver knows it.
+/// Identity of a block in the allocator that returned it.
 #[derive(Debug)]
 enum Origin {
     GpuAllocator(Allocation),
     Number(u64),
 }
 
-// SAFETY: mapped memory belongs to no thread; who has the block has it to itself.
+// SAFETY: mapped memory belongs to no thread, and the owner of a block has exclusive access to it.
 unsafe impl Send for MemoryBlock {}
-// SAFETY: a shared block only reads it.
+// SAFETY: a shared block is only read.
 unsafe impl Sync for MemoryBlock {}
 
 impl MemoryBlock {
-    /// A block with a number by which its giver knows it.
+    /// Creates a block. Its allocator identifies it by `number`.
     ///
     /// # Safety
-    /// The memory is of the device, holds so many bytes from the offset on, which nothing else uses until the
-    /// block is freed, and if they are mapped, then there.
+    /// `memory` was allocated from the device, has at least `size` bytes after `offset`, and nothing else
+    /// uses this range until the block is freed. If `mapped` is given, this range is mapped at that address.
     pub unsafe fn new(
         memory: vk::DeviceMemory,
         (offset, size): (u64, u64),
@@ -84,7 +85,7 @@ impl MemoryBlock {
         Self { memory, offset, size, mapped, origin: Origin::Number(number) }
     }
 
-    /// The number that it was made with; `None` if it is of gpu-allocator's.
+    /// Returns the number that the block was created with; `None` if it comes from gpu-allocator.
     pub fn number(&self) -> Option<u64> {
         match self.origin {
             Origin::Number(number) => Some(number),
@@ -92,26 +93,27 @@ impl MemoryBlock {
         }
     }
 
-    /// The memory, and where the block begins in it.
+    /// Returns the memory, and the offset of the block in it.
     pub fn place(&self) -> (vk::DeviceMemory, u64) {
         (self.memory, self.offset)
     }
 
-    /// Bytes.
+    /// Returns the size of the block in bytes.
     pub fn size(&self) -> u64 {
         self.size
     }
 
-    /// What is mapped of it.
+    /// Returns the mapped bytes of the block; `None` if it is not mapped.
     pub(crate) fn bytes(&self) -> Option<&[u8]> {
-        // SAFETY: its maker has promised that it is mapped there.
+        // SAFETY: the creator of the block has promised that it is mapped at this address.
         self.mapped.map(|at| unsafe { std::slice::from_raw_parts(at.as_ptr(), self.size as usize) })
     }
 
-    /// The same, to be written.
+    /// Returns the mapped bytes of the block for writing; `None` if it is not mapped.
     pub(crate) fn bytes_mut(&mut self) -> Option<&mut [u8]> {
         let size = self.size as usize;
-        // SAFETY: its maker has promised that it is mapped there, and nothing else uses it.
+        // SAFETY: the creator of the block has promised that it is mapped at this address and that nothing
+        // else uses it.
         self.mapped.map(|at| unsafe { std::slice::from_raw_parts_mut(at.as_ptr(), size) })
     }
 }
@@ -129,7 +131,7 @@ impl DeviceMemory for Allocator {
             },
         )?;
         Ok(MemoryBlock {
-            // SAFETY: it is freed by the block's end alone.
+            // SAFETY: the memory is freed only when the block is freed.
             memory: unsafe { allocation.memory() },
             offset: allocation.offset(),
             size: allocation.size(),
@@ -140,14 +142,14 @@ impl DeviceMemory for Allocator {
 
     fn free(&mut self, block: MemoryBlock) {
         if let Origin::GpuAllocator(allocation) = block.origin {
-            // An allocation of another allocator is the only reason to fail.
+            // Freeing fails only for an allocation of another allocator.
             let freed = Allocator::free(self, allocation);
             debug_assert!(freed.is_ok(), "{freed:?}");
         }
     }
 }
 
-/// That of others behind a mutex.
+/// Forwards to the allocator behind a mutex.
 impl<M: DeviceMemory> DeviceMemory for MutexGuard<'_, M> {
     fn allocate(&mut self, wanted: &MemoryRequest) -> Result<MemoryBlock, AllocationError> {
         M::allocate(self, wanted)

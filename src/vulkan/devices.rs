@@ -1,4 +1,4 @@
-//! What Vulkan offers on this machine.
+//! Lists the Vulkan devices of this machine and chooses one.
 
 use ash::vk;
 
@@ -7,24 +7,24 @@ use super::driver;
 use super::instance::Instance;
 use super::requirements::{unmet, version_text};
 
-/// The kind of a device that computes on the processor's cores.
+/// Kind of a device that computes on the processor's cores.
 const CPU: &str = "CPU";
 
-/// Which Vulkan device, in the order of [`devices`].
+/// Choice of a Vulkan device. Indices are those of [`devices`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum DeviceChoice {
-    /// The first usable one: a discrete GPU before an integrated one before others.
+    /// The best usable device: a discrete GPU before an integrated one, and that before others.
     #[default]
     Any,
-    /// The same, but no device that is a CPU.
+    /// The best usable device that is not a CPU.
     Gpu,
-    /// The first whose name contains this text, whatever the case.
+    /// The first device whose name contains this text, ignoring case.
     Name(String),
-    /// The one with this index.
+    /// The device with this index.
     Index(usize),
 }
 
-/// An index, or else a part of the name.
+/// Parses an index. Any other text is taken as a part of the name.
 impl std::str::FromStr for DeviceChoice {
     type Err = std::convert::Infallible;
 
@@ -33,27 +33,28 @@ impl std::str::FromStr for DeviceChoice {
     }
 }
 
-/// A Vulkan device of this machine.
+/// Description of a Vulkan device of this machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceInfo {
-    /// Position in the list.
+    /// Position of the device in the list.
     pub index: usize,
-    /// Its name.
+    /// Name of the device.
     pub name: String,
-    /// `discrete GPU`, `integrated GPU`, `virtual GPU`, `CPU` or `other`.
+    /// Kind of the device: `discrete GPU`, `integrated GPU`, `virtual GPU`, `CPU` or `other`.
     pub kind: &'static str,
-    /// The Vulkan version it supports.
+    /// Vulkan version that the device supports.
     pub api_version: String,
-    /// Name and version of its driver, where the driver tells them.
+    /// Name and version of the driver, where the driver reports them.
     pub driver: String,
-    /// What it lacks for this crate, or what its driver is known to do wrong; empty if it is usable.
+    /// Requirements of this crate that the device does not meet, and known faults of its driver. The list is
+    /// empty for a usable device.
     pub unmet: Vec<String>,
 }
 
 /// Lists the Vulkan devices of this machine, usable or not.
 ///
 /// # Errors
-/// If there is no loader, or it finds no device.
+/// If there is no Vulkan loader, or the loader finds no device.
 pub fn devices() -> Result<Vec<DeviceInfo>, VulkanError> {
     let instance = Instance::new(false)?;
     Ok(found(&instance)?.into_iter().map(|(info, _)| info).collect())
@@ -74,7 +75,7 @@ pub(crate) fn choose(
     }
 }
 
-/// Which of these is meant.
+/// Returns the index in `infos` of the device that `choice` means.
 fn position(infos: &[DeviceInfo], choice: &DeviceChoice) -> Result<usize, VulkanError> {
     let unknown = |wanted| {
         let entry = |info: &DeviceInfo| format!("{}: \"{}\"", info.index, info.name);
@@ -95,7 +96,7 @@ fn position(infos: &[DeviceInfo], choice: &DeviceChoice) -> Result<usize, Vulkan
     }
 }
 
-/// The best of those that will do.
+/// Returns the index of the best device that meets the requirements and for which `will_do` holds.
 fn first_usable(
     infos: &[DeviceInfo],
     will_do: impl Fn(&DeviceInfo) -> bool,
@@ -115,7 +116,7 @@ fn found(instance: &Instance) -> Result<Vec<(DeviceInfo, vk::PhysicalDevice)>, V
     // SAFETY: the instance is alive.
     let physical_devices = unsafe { instance.handle.enumerate_physical_devices() };
     let physical_devices = match physical_devices {
-        // Loaders without any driver answer so.
+        // Loaders without any driver return this error.
         Err(vk::Result::ERROR_INITIALIZATION_FAILED) => Vec::new(),
         other => other.map_err(VulkanError::from_call("vkEnumeratePhysicalDevices"))?,
     };
@@ -193,7 +194,7 @@ mod tests {
     fn devices_are_named_by_a_part_of_the_name_or_an_index() {
         let machine = devices(&[("other", true), (CPU, false)]);
         let position = |text: &str| position(&machine, &text.parse().unwrap());
-        // Whether it can be used is found out by who has asked for it.
+        // The choice finds a device that is not usable too. The caller finds out whether it is.
         assert_eq!((position("DEVICE 1").unwrap(), position("1").unwrap()), (1, 1));
         for wanted in ["2", "card"] {
             let error = position(wanted).unwrap_err().to_string();

@@ -1,4 +1,4 @@
-//! What drivers say of themselves, and those that are known to be wrong.
+//! Reads the name and version of a driver, and knows drivers that compute wrong results.
 
 use std::ffi::CStr;
 
@@ -6,7 +6,8 @@ use ash::vk;
 
 use super::requirements::API_VERSION;
 
-/// Its name and version, in its own words; empty where it is older than Vulkan 1.1.
+/// Returns the driver's name and version, as it reports them. The text is empty for a device older than
+/// Vulkan 1.1.
 pub(super) fn words(
     instance: &ash::Instance,
     device: vk::PhysicalDevice,
@@ -29,10 +30,11 @@ pub(super) fn words(
     format!("{name} {info}").trim().to_owned()
 }
 
-/// What is wrong with a driver of this name and version, and what to do; `None` of most.
+/// Returns the known fault of a driver and its remedy; `None` for most drivers. `words` are the
+/// driver's name and version.
 pub(super) fn known_fault(words: &str) -> Option<&'static str> {
-    // Measured with 24.0.5: whole tiles are left out, and maps of pairs end early, since loops end after fewer trips
-    // than elsewhere. 22.3, 25.0 and 25.2 are right.
+    // Measured with 24.0.5: loops end after fewer trips than on other versions. As a result whole tiles are
+    // left out, and maps of pairs end early. Versions 22.3, 25.0 and 25.2 are correct.
     words.starts_with("llvmpipe Mesa 24.0.").then_some(
         "lavapipe of Mesa 24.0 leaves out parts of maps: install a newer Mesa, which Ubuntu 24.04 has among its updates",
     )

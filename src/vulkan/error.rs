@@ -1,4 +1,4 @@
-//! Why the Vulkan engine cannot run.
+//! Errors of the Vulkan engine.
 
 use ash::vk;
 
@@ -6,17 +6,17 @@ use super::Schedule;
 use crate::surface::{SourceError, SurfaceError};
 use crate::update::Wavefront;
 
-/// Why the Vulkan engine cannot run.
+/// Reason why the Vulkan engine cannot run.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum VulkanError {
-    /// There is no Vulkan loader.
+    /// The system has no Vulkan loader.
     #[error(
         "no Vulkan loader on this machine ({0}); install one (libvulkan1 on Debian and Ubuntu) \
          or use the CPU engine"
     )]
     NoLoader(String),
-    /// The loader has no driver, or the driver no device.
+    /// The loader finds no driver, or the driver no device.
     #[error(
         "the Vulkan loader finds no device; install a driver (mesa-vulkan-drivers on Debian and \
          Ubuntu brings lavapipe, which needs no GPU) or use the CPU engine"
@@ -25,33 +25,33 @@ pub enum VulkanError {
     /// No device meets the requirements.
     #[error("no Vulkan device is usable: {0}")]
     NoUsableDevice(String),
-    /// The device asked for does not exist.
+    /// The requested device does not exist.
     #[error("there is no Vulkan device {wanted}; available: {available}")]
     UnknownDevice {
-        /// The name or index asked for.
+        /// Requested name or index.
         wanted: String,
-        /// The devices there are.
+        /// Devices that exist.
         available: String,
     },
-    /// The device asked for does not meet the requirements.
+    /// The requested device does not meet the requirements.
     #[error("Vulkan device \"{device}\" is not usable: {unmet}")]
     Unusable {
-        /// Its name.
+        /// Name of the device.
         device: String,
-        /// What it lacks.
+        /// Requirements that the device does not meet.
         unmet: String,
     },
-    /// The grid is larger than the device's images.
+    /// The grid is larger than the device's images can be.
     #[error(
         "a grid of {rows} x {cols} points is too large for \"{device}\": it holds at most \
          {limit} points a side; use the CPU engine"
     )]
     TooLarge {
-        /// Rows of the grid.
+        /// Number of rows of the grid.
         rows: usize,
-        /// Columns of the grid.
+        /// Number of columns of the grid.
         cols: usize,
-        /// The device's name.
+        /// Name of the device.
         device: String,
         /// Largest number of rows or columns.
         limit: usize,
@@ -62,154 +62,154 @@ pub enum VulkanError {
          {available} MiB; use the CPU engine"
     )]
     TooMuchMemory {
-        /// Rows of the grid.
+        /// Number of rows of the grid.
         rows: usize,
-        /// Columns of the grid.
+        /// Number of columns of the grid.
         cols: usize,
-        /// The device's name.
+        /// Name of the device.
         device: String,
-        /// MiB needed.
+        /// Memory needed, in MiB.
         needed: u64,
-        /// MiB in the device's largest heap.
+        /// Size of the device's largest heap, in MiB.
         available: u64,
     },
-    /// Portions of such sizes do not fit the device.
+    /// The device has no room for portions of these sizes.
     #[error("maps cannot be solved in such portions: {0}")]
     Tuning(String),
-    /// A map was to be computed in shared memory and does not fit it.
+    /// A map was to be computed in shared memory and does not fit there.
     #[error(
         "a map of {rows} x {cols} points does not fit the {available} bytes of shared memory of \
          \"{device}\"; compute it in images"
     )]
     NotInSharedMemory {
-        /// Rows of the grid.
+        /// Number of rows of the grid.
         rows: usize,
-        /// Columns of the grid.
+        /// Number of columns of the grid.
         cols: usize,
-        /// The device's name.
+        /// Name of the device.
         device: String,
-        /// Bytes of shared memory of a workgroup.
+        /// Shared memory of a workgroup, in bytes.
         available: u32,
     },
-    /// An allocation failed.
+    /// A memory allocation failed.
     #[error("cannot allocate {what} on the device: {source}")]
     Allocation {
-        /// Which resource.
+        /// Name of the resource.
         what: &'static str,
-        /// The allocator's word.
+        /// Error of the allocator.
         source: gpu_allocator::AllocationError,
     },
     /// A Vulkan call failed.
     #[error("{call} failed: {result}{}", hint(*.result))]
     Call {
-        /// The call.
+        /// Name of the Vulkan function.
         call: &'static str,
-        /// What it returned.
+        /// Result that the call returned.
         result: vk::Result,
     },
-    /// Validation was asked for and its layer is missing.
+    /// Validation was requested and its layer is missing.
     #[error(
         "the layer VK_LAYER_KHRONOS_validation is missing; install it (vulkan-validationlayers \
          on Debian and Ubuntu) or turn validation off"
     )]
     NoValidationLayer,
-    /// The validation layers found something.
+    /// The validation layers reported messages.
     #[error("the Vulkan validation layers report {} message(s), the first: {}", .0.len(), .0[0])]
     Validation(Vec<String>),
-    /// A plan was asked for without the pipelines that it needs.
+    /// A plan was requested without the pipelines that it needs.
     #[error(
         "the solver was not made for {schedule} with {wavefront} fronts: name both to Solver::new or add_passes"
     )]
     NoPasses {
-        /// The schedule asked for.
+        /// Requested schedule.
         schedule: Schedule,
-        /// The wavefront asked for.
+        /// Requested wavefront.
         wavefront: Wavefront,
     },
-    /// A buffer or image of the host's cannot be used as described.
+    /// A buffer or image of the host cannot be used as described.
     #[error("your buffer or image of {what} cannot be used: {reason}")]
     HostBuffer {
-        /// What it holds.
+        /// Contents of the buffer or image.
         what: &'static str,
-        /// What is wrong with it.
+        /// Reason why it cannot be used.
         reason: String,
     },
-    /// A surface has no buffer or image with this number.
+    /// The surface has no buffer or image with this number.
     #[error(
         "the surface has {count} {what}, counted from 0, and number {number} was asked for{}",
         if *count == 0 { "; it is made with them, unless an array is given in their place" } else { "" }
     )]
     NoSuch {
-        /// Of which kind.
+        /// Kind of the buffer or image.
         what: &'static str,
-        /// The number asked for.
+        /// Requested number.
         number: usize,
-        /// How many there are.
+        /// Number of buffers or images of this kind.
         count: usize,
     },
-    /// A profile was asked for of a solver that was made without.
+    /// A profile was requested from a solver that was not made for profiling.
     #[error("the solver was not made for profiling: make it with Solver::for_profiling")]
     NotForProfiling,
-    /// A plan was made for a grid of another size.
+    /// The plan was made for a grid of another size.
     #[error("the plan was made for a grid of another size than the surface's")]
     OtherGrid,
-    /// A surface was used before it was prepared.
+    /// The surface was used before it was prepared.
     #[error("the surface is not prepared: record that once, before anything else")]
     NotPrepared,
-    /// A map was asked for before there were edges.
+    /// A map was requested before the edges were measured.
     #[error(
         "the surface was never measured for such maps: measure its points in the first frame, and again \
          after it is prepared anew or curved passes are added to the solver"
     )]
     NotMeasured,
-    /// Something of a map was asked for before there was one.
+    /// A result of a map was requested before there was a map.
     #[error("the surface has no map yet: solve one before this, and again after measuring")]
     NoMap,
-    /// A map is to go on with another method than it was started with.
+    /// A map was to be continued with another method than the one it was started with.
     #[error(
         "the map was started with another wavefront or schedule: go on with its own plan, add sources \
          and find regions with its own wavefront"
     )]
     OtherMap,
-    /// An outcome was asked for before the recording has run.
+    /// An outcome was requested before the recording ran.
     #[error(
         "the last recording for slot {slot} has not run: ask for its outcome after the fence of its \
          submission"
     )]
     NotRun {
-        /// The slot.
+        /// Number of the slot.
         slot: usize,
     },
-    /// A slot is recorded while its last recording has not run.
+    /// A slot was recorded while its last recording had not run.
     #[error(
         "slot {slot} is recorded again and its last recording has not run: use as many slots as frames \
          in flight, and wait for the fence of a frame before its slot is recorded again"
     )]
     InFlight {
-        /// The slot.
+        /// Number of the slot.
         slot: usize,
     },
-    /// The device has never seen the surface's preparation.
+    /// The preparation of the surface was recorded and never ran on the device.
     #[error(
         "the surface's preparation was recorded and has not run, so that its maps are wrong: submit it before its \
          first frame, or record it again in the same command buffer as that"
     )]
     PreparationLost,
-    /// The surface has images of distances of its own.
+    /// The surface owns its images of distances.
     #[error(
         "the surface was made with images of distances of its own: give it the host's when it is made \
          (SurfaceInfo::results)"
     )]
     OwnResults,
-    /// Points or sources are replaced while all of their descriptors are in use.
+    /// Points or sources were replaced while all of their descriptor sets were in use.
     #[error(
         "the surface's {what} {number} are replaced again while recordings that read them have not run: wait for \
          the fence of a frame, or use as many slots as frames in flight"
     )]
     InputInFlight {
-        /// Points or sources.
+        /// Kind of the input: points or sources.
         what: &'static str,
-        /// Their number.
+        /// Number of the input.
         number: usize,
     },
     /// Contours, paths or regions were made before an input of their surface was replaced.
@@ -218,54 +218,54 @@ pub enum VulkanError {
          rebind first"
     )]
     OldInput {
-        /// Points or sources.
+        /// Kind of the input: points or sources.
         what: &'static str,
-        /// Their number.
+        /// Number of the input.
         number: usize,
     },
-    /// One of several frames that are recorded together cannot be.
+    /// One of several frames that are recorded together cannot be recorded.
     #[error("frame {number} of those recorded together, counted from 0: {source}")]
     OfFrame {
-        /// Its number.
+        /// Number of the frame.
         number: usize,
-        /// What is wrong with it.
+        /// Error of this frame.
         source: Box<VulkanError>,
     },
-    /// Two of the frames that are recorded together are of one surface.
+    /// Two of the frames that are recorded together belong to one surface.
     #[error(
         "its surface has another frame among them: frames of one surface follow one another, in recordings of \
          their own"
     )]
     TwiceTogether,
-    /// A surface was used after it was destroyed.
+    /// The surface was used after it was destroyed.
     #[error("the surface was destroyed before")]
     Destroyed,
     /// Contours or paths were made for another surface.
     #[error("the contours or paths were made for another surface than the recording's")]
     OtherSurface,
-    /// Contours, paths or regions cannot be made or recorded as asked.
+    /// Contours, paths or regions cannot be made or recorded as requested.
     #[error("no {what}: {reason}")]
     Curves {
-        /// Which of them.
+        /// Kind of the result: contours, paths or regions.
         what: &'static str,
-        /// What is wrong.
+        /// Reason for the failure.
         reason: String,
     },
-    /// More sources than a recording can bring with it.
+    /// More sources were given than a recording can contain.
     #[error("{given} sources are more than the {most} that a recording can hold: use a buffer")]
     TooManySources {
-        /// How many were given.
+        /// Number of sources given.
         given: usize,
-        /// How many are taken.
+        /// Largest number of sources in a recording.
         most: usize,
     },
-    /// More sources inside cells than a map with anchors has room for.
+    /// A map with anchors has no room for this number of sources inside cells.
     #[error(
         "more than {most} sources inside cells are too many for a map of anchored fronts: solve for all of \
          them at once, which takes curved ones then, or add them to a map of curved fronts"
     )]
     TooManyAnchors {
-        /// How many there is room for.
+        /// Largest number of sources inside cells.
         most: usize,
     },
     /// A source cannot be used.
@@ -278,14 +278,14 @@ pub enum VulkanError {
 
 impl VulkanError {
     #[cfg(feature = "capi")]
-    /// What is wrong, for a program that has no other engine.
+    /// Returns the error's text for a program that has no other engine.
     pub(crate) fn without_other_engines(&self) -> String {
         const ADVICE: [&str; 3] =
             ["; use the CPU engine", ", or use the CPU engine", " or the CPU engine"];
         ADVICE.iter().fold(self.to_string(), |text, advice| text.replace(advice, ""))
     }
 
-    /// Names the call that a result comes from.
+    /// Returns a function that turns the result of the Vulkan function `call` into an error.
     pub(crate) fn from_call(call: &'static str) -> impl Fn(vk::Result) -> Self {
         move |result| Self::Call { call, result }
     }

@@ -1,4 +1,4 @@
-//! What a surface and its map occupy on the device.
+//! Allocates the images and buffers of a surface and its map on the device.
 
 use std::ops::Range;
 
@@ -17,28 +17,30 @@ use super::{TexelChart, Tuning, VulkanError};
 use crate::constants::LAYERS;
 use crate::surface::Chart;
 
-/// Edges are uploaded, points measured, and distances read back, in bands of rows of at most this many bytes.
+/// Largest number of bytes of a band of rows. Edges are uploaded, points measured and distances read back in
+/// bands.
 const BAND_BYTES: usize = 16 << 20;
-/// The smallest upload buffer: room for the sources on a small grid.
+/// Smallest size of the upload buffer in bytes: room for the sources on a small grid.
 const LEAST_UPLOAD_BYTES: usize = 64 << 10;
-/// Bytes of a point, at most: position and slowness, or its edges.
+/// Largest number of bytes of a point: position and slowness, or its edges.
 pub(crate) const POINT_BYTES: usize = 16;
 
-/// Numbers that are kept of a tile.
+/// Numbers that are kept for a tile.
 pub(crate) const TILE_WORDS: usize = 6;
 
-/// Sources that a recording brings with it, at most.
+/// Largest number of sources in a recording.
 pub(crate) const INLINE_SOURCES: usize = 1024;
 
-/// What a grid's images serve.
+/// Purpose of a grid's images.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Purpose<'a> {
-    /// Edges and sources come from the program's memory, and distances go back there, through
-    /// buffers of 4 bytes a point, up to 16 MiB, each. Behind the edges is room for anchors. Surfaces whose slowness is
-    /// uneven have it on the device too, 4 bytes a point.
+    /// Headless solving. Edges and sources come from the program's memory, and distances go back there. Both
+    /// pass through buffers of 4 bytes a point, up to 16 MiB each. The upload buffer has room for anchors
+    /// after the edges. If the slowness of the surface is uneven, it is on the device too, 4 bytes a point.
     Headless { slowed: bool },
-    /// All stays on the device, for so many frames in flight, and there are so many images of distances, used by
-    /// these queue families.
+    /// Embedding in a renderer. Everything stays on the device. `slots` is the number of frames in flight,
+    /// `results` the number of images of distances, and `families` are the queue families that use these
+    /// images.
     Embedded { slots: usize, results: usize, families: &'a [u32], slowed: bool },
 }
 
@@ -50,7 +52,7 @@ impl Purpose<'_> {
         }
     }
 
-    /// Whether there is a slowness beside the Gaussian curvature.
+    /// Returns whether there is a slowness beside the Gaussian curvature.
     fn is_slowed(self) -> bool {
         match self {
             Self::Headless { slowed } | Self::Embedded { slowed, .. } => slowed,
@@ -58,9 +60,9 @@ impl Purpose<'_> {
     }
 }
 
-/// The images of one surface: edge lengths (16 bytes a point), Gaussian curvature (4) and two of
-/// fronts (8 each: arrival time and curvature), with the lists of tiles, a buffer of points or edges, and a
-/// buffer for read-back or images of distances.
+/// Images and buffers of one surface. The images hold edge lengths (16 bytes a point), Gaussian curvature (4)
+/// and twice the fronts (8 each: arrival time and curvature). The buffers hold the lists of tiles, and points
+/// or edges. There is a buffer for read-back, or images of distances.
 #[derive(Debug)]
 pub(crate) struct GridImages {
     pub(crate) chart: Chart,
@@ -68,7 +70,7 @@ pub(crate) struct GridImages {
     pub(crate) edges: Image,
     pub(crate) gaussian: Image,
     slowed: bool,
-    /// Frames in flight.
+    /// Number of frames in flight.
     pub(crate) slots: usize,
     pub(crate) fronts: [Image; 2],
     pub(crate) results: Vec<Image>,
@@ -77,15 +79,15 @@ pub(crate) struct GridImages {
     pub(crate) tiles: Buffer,
     pub(crate) blocks: Buffer,
     pub(crate) upload: Buffer,
-    /// Distances to read back, or sources that a recording brings with it.
+    /// Buffer of distances to read back, or of sources that a recording contains.
     pub(crate) download: Buffer,
     pub(crate) sets: GridSets,
 }
 
 impl GridImages {
-    /// Allocates them. The caller has checked the size against the device's limits.
+    /// Allocates the images and buffers. The caller has checked the size against the device's limits.
     ///
-    /// [`GridImages::destroy`] must be called before device or allocator go.
+    /// [`GridImages::destroy`] must be called before the device or the allocator is destroyed.
     pub(crate) fn new(
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
@@ -155,7 +157,7 @@ impl GridImages {
         })
     }
 
-    /// Bytes that [`GridImages::new`] would take from the allocator.
+    /// Returns the bytes that [`GridImages::new`] would take from the allocator.
     pub(crate) fn bytes_for(
         device: &ash::Device,
         tuning: Tuning,
@@ -172,40 +174,40 @@ impl GridImages {
         Ok(bytes)
     }
 
-    /// What the last recording with this number has written that has run.
+    /// Returns the record with this number, as the last recording that has run wrote it.
     pub(crate) fn record(&self, number: usize) -> Record {
         let bytes = &self.outcome.read()[number * size_of::<Record>()..];
         let record: *const Record = bytemuck::from_bytes(&bytes[..size_of::<Record>()]);
-        // SAFETY: the record is there. The device may be writing it, of which whoever asks too early learns
-        // by its serial.
+        // SAFETY: the record is there. The device may be writing it; whoever reads it too early learns that
+        // from its serial.
         unsafe { record.read_volatile() }
     }
 
-    /// All of them, in mapped memory: of an embedded grid one for each frame in flight, and a last one of which
-    /// only the serial is written.
+    /// Returns all records, in mapped memory. An embedded grid has one for each frame in flight, and a last
+    /// one of which only the serial is written.
     pub(crate) fn records(&self) -> &[Record] {
         let count = self.slots + 1;
         bytemuck::cast_slice(&self.outcome.read()[..count * size_of::<Record>()])
     }
 
-    /// Whether there is room for a slowness beside the Gaussian curvature.
+    /// Returns whether there is room for a slowness beside the Gaussian curvature.
     pub(crate) fn is_slowed(&self) -> bool {
         self.slowed
     }
 
-    /// Where edges and sources of a headless surface are written.
+    /// Returns the memory to which edges and sources of a headless surface are written.
     pub(crate) fn staging(&mut self) -> &mut [u8] {
         let bytes = upload_bytes(self.chart, transfer_bytes(self.chart));
         &mut self.upload.mapped()[..bytes]
     }
 
-    /// Where shaders find the anchors of a headless floor plan.
+    /// Returns the memory in which shaders find the anchors of a headless floor plan.
     pub(crate) fn anchors(&mut self) -> &mut [u8] {
         let bytes = upload_bytes(self.chart, transfer_bytes(self.chart));
         &mut self.upload.mapped()[bytes..][..ANCHOR_BYTES]
     }
 
-    /// Bytes of device and staging memory held.
+    /// Returns the bytes of device and staging memory held.
     pub(crate) fn bytes(&self) -> u64 {
         let images = [&self.edges, &self.gaussian, &self.fronts[0], &self.fronts[1]];
         let images = images.into_iter().chain(&self.results);
@@ -275,7 +277,7 @@ fn buffer_infos(
             (CpuToGpu, 1, ("read-back", bytes, GpuToCpu))
         }
         Purpose::Embedded { slots, .. } => {
-            // One more says how far the device has come.
+            // The additional record says how far the device has come.
             (GpuOnly, slots + 1, ("sources", INLINE_SOURCES * SOURCE_BYTES, GpuOnly))
         }
     };
@@ -292,44 +294,45 @@ fn buffer_infos(
     .map(|(name, size, location)| BufferInfo { name, size: size as u64, location })
 }
 
-/// For points in bands of at most so many bytes, and for sources.
+/// Returns the bytes of the upload buffer, for points in bands of at most `most` bytes, and for sources.
 pub(crate) fn upload_bytes(chart: Chart, most: usize) -> usize {
     let points = (band_rows(chart, POINT_BYTES, most) + HALO) * chart.cols * POINT_BYTES;
     points.max(LEAST_UPLOAD_BYTES)
 }
 
-/// For each tile its state, the round it waits for, a place on two lists, and how urgent it is in even and odd rounds.
+/// Returns the bytes kept for tiles. For each tile they are its state, the round that it waits for, a place
+/// on each of two lists, and its urgency in even and in odd rounds.
 fn tiles_bytes(texels: TexelChart, tile: u32) -> usize {
     let [cols, rows] = texels.tiles(tile);
     TILE_WORDS * size_of::<u32>() * cols as usize * rows as usize
 }
 
-/// For each scan and block what its dispatch reads.
+/// Returns the bytes of the dispatch arguments of each block in each scan.
 fn blocks_bytes(texels: TexelChart, lines: u32) -> usize {
     Scan::ALL.len() * texels.block_pitch(lines) as usize * size_of::<[u32; 3]>()
 }
 
-/// Bytes of a band between the program's memory and the device: 4 for each of the grid's points, so
-/// that transfer takes a sixth of what the map does, but for small grids, where a submission more would
-/// take longer than what it brings.
+/// Returns the bytes of a band that is transferred between the program's memory and the device: 4 for each
+/// point of the grid. The buffers then take a sixth of the memory of the map. Bands of small grids are
+/// larger, since another submission would take longer than it is worth.
 pub(crate) fn transfer_bytes(chart: Chart) -> usize {
     (4 * chart.points()).clamp(256 << 10, BAND_BYTES)
 }
 
-/// Bytes of a band of a host's points, which are measured band by band in each frame that they change in:
-/// 6 for each of the grid's points, three bands. Grids of up to 512 x 512 points are measured at once,
-/// since there two passes more would take longer than what they save is worth.
+/// Returns the bytes of a band of a host's points: 6 for each point of the grid, which gives three bands.
+/// Points are measured band by band in each frame in which they change. Grids of up to 512 x 512 points are
+/// measured at once: there the time of two more passes would outweigh the memory that they save.
 pub(crate) fn frame_bytes(chart: Chart) -> usize {
     (6 * chart.points()).clamp(4 << 20, BAND_BYTES)
 }
 
-/// Rows of a band of at most so many bytes: even, so that a texel lies in one band.
+/// Returns the rows of a band of at most `most` bytes. The number is even, so that a texel lies in one band.
 fn band_rows(chart: Chart, point_bytes: usize, most: usize) -> usize {
     let rows = most / (chart.cols * point_bytes);
     (rows / 2 * 2).clamp(2, chart.rows.next_multiple_of(2))
 }
 
-/// The grid's rows in bands of at most so many bytes.
+/// Returns the grid's rows in bands of at most `most` bytes.
 pub(crate) fn bands(
     chart: Chart,
     point_bytes: usize,
@@ -339,16 +342,16 @@ pub(crate) fn bands(
     (0..chart.rows).step_by(step).map(move |row| row..(row + step).min(chart.rows))
 }
 
-/// The rows whose points are needed to measure the edges of a band. An edge to the north also depends
-/// on how the surface bends at its other end; at an end where the line ends, at the next two points
-/// inwards.
+/// Returns the rows whose points are needed to measure the edges of a band. An edge to the north also depends
+/// on how the surface bends at its other end. At an end where the line ends, it depends on the next two
+/// points inwards.
 pub(crate) fn rows_around(band: &Range<usize>, chart: Chart) -> Range<usize> {
     band.start.saturating_sub(BEFORE)..(band.end + AFTER).min(chart.rows)
 }
 
 const BEFORE: usize = 3;
 const AFTER: usize = 2;
-/// Rows around a band, at most.
+/// Largest number of rows around a band.
 const HALO: usize = BEFORE + AFTER;
 
 #[cfg(test)]

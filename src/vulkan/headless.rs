@@ -1,4 +1,4 @@
-//! A device and a queue of our own, for use without a renderer.
+//! Creates a device and a queue of this crate's own, for use without a renderer.
 
 use std::mem::ManuallyDrop;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -11,18 +11,18 @@ use super::profile::{Capabilities, Capability, PassRecord, Profile};
 use super::validation::ValidationLog;
 use super::{DeviceChoice, DeviceInfo, VulkanError, devices, requirements};
 
-/// A device with one compute queue, an allocator and command buffers.
+/// Device with one compute queue, an allocator and a command pool.
 pub(crate) struct Context {
     pub(crate) device: ash::Device,
     pub(crate) info: DeviceInfo,
     pub(crate) physical_device: vk::PhysicalDevice,
-    /// For profiling, if the device was opened for that.
+    /// Profiling capabilities, if the device was opened for profiling.
     pub(crate) capabilities: Option<Capabilities>,
     queue: vk::Queue,
     allocator: ManuallyDrop<Mutex<Allocator>>,
     pool: vk::CommandPool,
     fence: vk::Fence,
-    // Last, so that it is dropped last.
+    // This field comes last because fields are dropped in order.
     pub(crate) instance: Instance,
 }
 
@@ -31,7 +31,8 @@ impl Context {
         Self::open(choice, validate, None)
     }
 
-    /// With all that profiling takes, but for what is left out, if that is given.
+    /// Opens a device. If `left_out` is given, everything that profiling uses is enabled, except for these
+    /// capabilities.
     pub(crate) fn open(
         choice: &DeviceChoice,
         validate: bool,
@@ -115,7 +116,7 @@ impl Context {
         self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Records, submits and waits.
+    /// Records commands, submits them and waits for their end.
     pub(crate) fn run(
         self: &Arc<Self>,
         append: impl FnOnce(&ash::Device, vk::CommandBuffer),
@@ -125,7 +126,7 @@ impl Context {
         commands.submit_and_wait()
     }
 
-    /// An error if the validation layers have found anything.
+    /// Returns an error if the validation layers have reported anything.
     pub(crate) fn check_validation(&self) -> Result<(), VulkanError> {
         let messages = self.instance.validation_log().map_or(Vec::new(), ValidationLog::messages);
         if messages.is_empty() { Ok(()) } else { Err(VulkanError::Validation(messages)) }
@@ -146,33 +147,33 @@ impl Drop for Context {
     }
 }
 
-/// How command buffers are recorded, submitted and waited for.
+/// Records and submits command buffers, and waits for them.
 pub(crate) trait Submitter {
-    /// Records one, in place of what it held.
+    /// Records a command buffer. Its earlier contents are replaced.
     fn record(
         &self,
         commands: &CommandBuffer,
         append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&Profile>),
     ) -> Result<(), VulkanError>;
 
-    /// Submits what it has recorded, and waits.
+    /// Submits the recorded commands and waits for their end.
     fn submit(&mut self, commands: &CommandBuffer) -> Result<(), VulkanError>;
 
-    /// The time of a map counts from now on.
+    /// Starts the clock of a map again.
     fn restart(&mut self) {}
 
-    /// Whether it looks at passes.
+    /// Returns whether the submitter watches passes.
     fn is_watching(&self) -> bool {
         false
     }
 
-    /// The passes that were submitted last, if it looks at them.
+    /// Returns the records of the passes submitted last, if the submitter watches passes.
     fn last(&mut self) -> Option<&mut [PassRecord]> {
         None
     }
 }
 
-/// Nobody looks on.
+/// Submitter that does not watch passes.
 pub(crate) struct Unwatched;
 
 impl Submitter for Unwatched {
@@ -189,7 +190,8 @@ impl Submitter for Unwatched {
     }
 }
 
-/// A command buffer that can be recorded anew and submitted once each time, or many times one after another.
+/// Command buffer that can be recorded anew. Each recording is submitted once, or many times one after
+/// another.
 pub(crate) struct CommandBuffer {
     context: Arc<Context>,
     buffer: vk::CommandBuffer,
@@ -197,12 +199,12 @@ pub(crate) struct CommandBuffer {
 }
 
 impl CommandBuffer {
-    /// For one submission of what is recorded.
+    /// Allocates a command buffer whose recordings are submitted once.
     pub(crate) fn new(context: &Arc<Context>) -> Result<Self, VulkanError> {
         Self::with(context, vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT)
     }
 
-    /// For any number of them.
+    /// Allocates a command buffer whose recordings may be submitted any number of times.
     pub(crate) fn kept(context: &Arc<Context>) -> Result<Self, VulkanError> {
         Self::with(context, vk::CommandBufferUsageFlags::empty())
     }
@@ -221,7 +223,7 @@ impl CommandBuffer {
         Ok(Self { context: Arc::clone(context), buffer: buffers[0], usage })
     }
 
-    /// Records it, in place of what it held.
+    /// Records the command buffer. Its earlier contents are replaced.
     pub(crate) fn record(
         &self,
         append: impl FnOnce(&ash::Device, vk::CommandBuffer),

@@ -1,4 +1,4 @@
-//! An instance of our own.
+//! Creates a Vulkan instance of this crate's own.
 
 use std::ffi::CStr;
 
@@ -8,13 +8,13 @@ use super::VulkanError;
 use super::requirements::API_VERSION;
 use super::validation::{self, Messenger, ValidationLog};
 
-/// The loader and an instance, with the validation layers if asked for.
+/// Vulkan loader and instance, with the validation layers if requested.
 pub(crate) struct Instance {
     // The entry keeps the loader's library in memory.
     _entry: ash::Entry,
     pub(crate) handle: ash::Instance,
     messenger: Option<Messenger>,
-    /// Whether tools can be shown labels and names.
+    /// Whether `VK_EXT_debug_utils` is enabled for labels and names that tools show.
     pub(crate) debug_utils: bool,
 }
 
@@ -23,7 +23,8 @@ impl Instance {
         Self::open(validate, false)
     }
 
-    /// With labels and names for tools, where the loader offers them.
+    /// Creates an instance. If `labels` is set, it enables labels and names for tools, where the loader
+    /// offers them.
     pub(crate) fn open(validate: bool, labels: bool) -> Result<Self, VulkanError> {
         // SAFETY: the loader's library is the system's own and is kept loaded by the entry.
         let entry = unsafe { ash::Entry::load() }
@@ -32,7 +33,7 @@ impl Instance {
             .application_name(c"geosweep")
             .engine_name(c"geosweep")
             .api_version(API_VERSION);
-        // SAFETY: no layer's extensions are asked for.
+        // SAFETY: no layer's extensions are requested.
         let offered = unsafe { entry.enumerate_instance_extension_properties(None) };
         let offered = offered.unwrap_or_default();
         let offers = |name: &CStr| {
@@ -44,7 +45,8 @@ impl Instance {
         if validate || debug_utils {
             extensions.push(ext::debug_utils::NAME.as_ptr());
         }
-        // Else loaders hide devices that are Vulkan's but for some corners: those of MoltenVK.
+        // Without this flag loaders hide devices that implement only the portable subset of Vulkan, as those
+        // of MoltenVK do.
         if offers(khr::portability_enumeration::NAME) {
             extensions.push(khr::portability_enumeration::NAME.as_ptr());
             info.flags |= vk::InstanceCreateFlags::ENUMERATE_PORTABILITY_KHR;

@@ -1,4 +1,4 @@
-//! How large a grid a device takes.
+//! Checks whether a grid fits the images and the memory of a device.
 
 use ash::vk;
 
@@ -6,24 +6,24 @@ use super::{TexelChart, VulkanError, requirements};
 use crate::constants::{BORDER, LAYERS};
 use crate::surface::Chart;
 
-/// What a device's images and memory hold.
+/// Limits of a device's images and memory.
 #[derive(Clone, Debug)]
 pub(crate) struct Limits {
-    /// The device's name.
+    /// Name of the device.
     device: String,
     pub(crate) kind: vk::PhysicalDeviceType,
-    /// Texels on a side of an image.
+    /// Largest side of an image, in texels.
     side: u32,
-    /// Bytes of an image.
+    /// Largest size of an image, in bytes.
     largest_image: u64,
-    /// Bytes of the largest heap.
+    /// Size of the largest heap, in bytes.
     pub(crate) heap: u64,
-    /// Bytes of a buffer that a shader sees.
+    /// Largest range of a buffer that a shader can access, in bytes.
     pub(crate) storage_range: u64,
 }
 
 impl Limits {
-    /// Of a device that meets the requirements.
+    /// Reads the limits of a device that meets the requirements.
     pub(crate) fn of(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> Self {
         // SAFETY: the physical device is from this instance.
         let (properties, memory) = unsafe {
@@ -45,7 +45,7 @@ impl Limits {
         }
     }
 
-    /// The texels of a grid that fits the device.
+    /// Returns the texels of a grid, or an error if the grid does not fit the device.
     pub(crate) fn texels(&self, chart: Chart) -> Result<TexelChart, VulkanError> {
         let (rows, cols, device) = (chart.rows, chart.cols, self.device.clone());
         let texels = TexelChart::new(chart).filter(|texels| {
@@ -61,7 +61,7 @@ impl Limits {
         let fronts = u64::from(LAYERS) * bytes(texels.fronts_extent());
         let gaussian = bytes(texels.fronts_extent());
         let needed = edges + gaussian + 2 * fronts;
-        // Not all drivers refuse what does not fit: on some the system ends the process instead.
+        // Some drivers do not refuse what does not fit: there the system ends the process instead.
         if needed > self.heap || edges > self.largest_image {
             let image = if edges > self.largest_image { self.largest_image } else { self.heap };
             let available = self.heap.min(image) >> 20;

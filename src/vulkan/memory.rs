@@ -1,4 +1,4 @@
-//! Images and buffers with their memory, from the caller's device and allocator.
+//! Creates images and buffers with their memory, from the caller's device and allocator.
 
 use ash::vk;
 use gpu_allocator::MemoryLocation;
@@ -6,11 +6,11 @@ use gpu_allocator::MemoryLocation;
 use super::device_memory::{DeviceMemory, MemoryBlock, MemoryRequest};
 use super::{VulkanError, barrier};
 
-/// The format of a grid's images: 2 x 2 points, or the four edges of one point, a texel.
+/// Format of a grid's images. A texel holds 2 x 2 points, or the four edges of one point.
 pub(crate) const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
-/// The format of images of distances.
+/// Format of images of distances.
 pub(crate) const RESULT_FORMAT: vk::Format = vk::Format::R32_SFLOAT;
-/// Of both kinds: hosts sample them, and copy from them.
+/// Usage of both kinds of images. It lets hosts sample them and copy from them.
 pub(crate) const IMAGE_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
     vk::ImageUsageFlags::STORAGE.as_raw()
         | vk::ImageUsageFlags::SAMPLED.as_raw()
@@ -18,18 +18,18 @@ pub(crate) const IMAGE_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_ra
         | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
 );
 
-/// An image to create.
+/// Parameters of an image to create.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ImageInfo<'a> {
     pub(crate) name: &'static str,
     pub(crate) format: vk::Format,
     pub(crate) extent: vk::Extent3D,
     pub(crate) layers: u32,
-    /// Queue families that use it at once, if there is more than one.
+    /// Queue families that use the image concurrently, if there is more than one.
     pub(crate) families: &'a [u32],
 }
 
-/// A buffer to create.
+/// Parameters of a buffer to create.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BufferInfo {
     pub(crate) name: &'static str,
@@ -37,7 +37,7 @@ pub(crate) struct BufferInfo {
     pub(crate) location: MemoryLocation,
 }
 
-/// A storage image in device memory with its view.
+/// Storage image in device memory, with its view.
 #[derive(Debug)]
 pub(crate) struct Image {
     pub(crate) image: vk::Image,
@@ -45,7 +45,7 @@ pub(crate) struct Image {
     block: Option<MemoryBlock>,
 }
 
-/// A storage buffer.
+/// Storage buffer with its memory.
 #[derive(Debug)]
 pub(crate) struct Buffer {
     pub(crate) buffer: vk::Buffer,
@@ -134,7 +134,7 @@ impl ImageInfo<'_> {
         unsafe { device.create_image(&info, None) }.map_err(VulkanError::from_call("vkCreateImage"))
     }
 
-    /// Bytes that the image will take.
+    /// Returns the number of bytes that the image will take.
     pub(crate) fn bytes(&self, device: &ash::Device) -> Result<u64, VulkanError> {
         let image = self.create(device)?;
         // SAFETY: the image is from this device, and nothing has used it.
@@ -159,7 +159,7 @@ impl BufferInfo {
             .map_err(VulkanError::from_call("vkCreateBuffer"))
     }
 
-    /// Bytes that the buffer will take.
+    /// Returns the number of bytes that the buffer will take.
     pub(crate) fn bytes(&self, device: &ash::Device) -> Result<u64, VulkanError> {
         let buffer = self.create(device)?;
         // SAFETY: the buffer is from this device, and nothing has used it.
@@ -207,13 +207,13 @@ impl Buffer {
         self.block.as_ref().map_or(0, MemoryBlock::size)
     }
 
-    /// The buffer's memory, to read; it must be host-visible.
+    /// Returns the buffer's memory for reading. The memory must be host-visible.
     pub(crate) fn read(&self) -> &[u8] {
         let bytes = self.block.as_ref().and_then(MemoryBlock::bytes);
         bytes.expect("only buffers made host-visible are mapped")
     }
 
-    /// The buffer's memory; it must be host-visible.
+    /// Returns the buffer's memory for writing. The memory must be host-visible.
     pub(crate) fn mapped(&mut self) -> &mut [u8] {
         let bytes = self.block.as_mut().and_then(MemoryBlock::bytes_mut);
         bytes.expect("only buffers made host-visible are mapped")

@@ -1,16 +1,16 @@
 //! The Vulkan engine: the paper's section 5.3 on compute shaders.
 //!
-//! Arrival times are kept in two RGBA32F images with 2 x 2 grid points a texel, edge lengths in
-//! a third with one point a texel. A pass reads one image of times and writes the other. A
-//! [`Schedule`] says which points a pass visits: the raster schedule scans the grid block by block
-//! of lines, with a barrier between blocks, and skips by arithmetic on where the sources are what
-//! cannot have been reached; tiles are visited where something has changed beside them. Nothing is
-//! read back to steer: the device finds out that a map has converged, and passes recorded beyond
-//! that visit nothing.
+//! This module stores arrival times in two RGBA32F images with 2 x 2 grid points a texel. A third image holds
+//! the edge lengths, one point a texel. A pass reads one image of times and writes the other. A [`Schedule`]
+//! decides which points a pass visits. The raster schedule scans the grid in blocks of lines, with a barrier
+//! between blocks. From the positions of the sources it computes which points no front can have reached yet,
+//! and skips them. The tiles schedule visits the tiles beside which something has changed. The host reads
+//! nothing back to steer: the device detects that a map has converged, and passes recorded beyond that visit
+//! nothing.
 //!
-//! A [`plan`] is a list of plain values. [`embed`] records it into a renderer's own command buffer,
-//! on its device and with its allocator. [`Solver`] brings its own of each. What a device must offer
-//! is in [`requirements`]: Vulkan 1.1, and no extension or feature.
+//! A [`plan`] is a list of plain values. [`embed`] records it into a renderer's own command buffer, on the
+//! renderer's device and with its allocator. [`Solver`] brings its own device, command buffers and allocator.
+//! [`requirements`] lists what a device must offer: Vulkan 1.1, and no extension or feature.
 
 mod anchors;
 mod barrier;

@@ -1,4 +1,4 @@
-//! The origins of curved fronts, as shaders have them. The twin of `glsl/anchors.glsl`.
+//! Numbers the origins of curved fronts for shaders. The twin of `glsl/anchors.glsl`.
 
 use std::collections::HashMap;
 
@@ -8,13 +8,13 @@ use crate::constants::{SOURCES_INSIDE, WHOLE};
 use crate::surface::{Origin, Seed, Tagged};
 use crate::update::{Curvature, SEED};
 
-/// How many origins shaders have room for; fronts of further ones carry their curvature.
+/// Largest number of origins in shaders. Fronts of further origins carry their curvature.
 const MOST: usize = SOURCES_INSIDE as usize / 2;
 
-/// What shaders read of an origin: by column and row one end and the step to the other, then the time.
+/// Origin as shaders read it: column and row of one end, the step from there to the other end, then the time.
 type Words = [[f32; 4]; 2];
 
-/// The origins of a map, numbered as they come.
+/// Origins of a map, numbered in the order in which they come.
 #[derive(Debug, Default)]
 pub(super) struct NumberedOrigins {
     numbers: HashMap<[u64; 5], u32>,
@@ -26,13 +26,14 @@ impl NumberedOrigins {
         self.words.is_empty()
     }
 
-    /// Forgets those of the last map.
+    /// Forgets the origins of the last map.
     pub(super) fn forget(&mut self) {
         self.numbers.clear();
         self.words.clear();
     }
 
-    /// What the fronts at seeds carry: the numbers of their origins, or their curvatures where none is known.
+    /// Returns what the fronts at seeds carry: the numbers of their origins, or their curvatures if the
+    /// origin is unknown.
     pub(super) fn carried(&mut self, seeds: &[Seed]) -> Vec<f32> {
         let mut carried = curvatures(seeds);
         for (carried, seed) in carried.iter_mut().zip(seeds) {
@@ -59,7 +60,7 @@ impl NumberedOrigins {
         })
     }
 
-    /// Writes them where shaders find them.
+    /// Writes the origins to where shaders find them.
     pub(super) fn write(&self, bytes: &mut [u8]) {
         let words: &[u8] = bytemuck::cast_slice(&self.words);
         bytes[..words.len()].copy_from_slice(words);

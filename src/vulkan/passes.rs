@@ -1,4 +1,4 @@
-//! The table of passes.
+//! Contains the table of passes.
 
 use std::marker::PhantomData;
 
@@ -10,25 +10,25 @@ use super::profile::PassKind::{self, *};
 use super::shaders::{self, Constant, Shader};
 use crate::update::Wavefront;
 
-/// A row of the table.
+/// Row of the table.
 #[derive(Debug)]
 pub(crate) struct Row {
-    /// What it sees, how it is specialized and what is pushed to it stand there.
+    /// Shader, with its bindings, specialization constants and push constants.
     pub(crate) shader: &'static Shader,
-    /// What profiles say of it; nothing if it only measures the device.
+    /// Kind of the pass in profiles; `None` if it only measures the device.
     pub(crate) kind: Option<PassKind>,
     /// Whether each wavefront has a pipeline of its own.
     pub(crate) depends_on_wavefront: bool,
-    /// Of its workgroups, if a constant says it.
+    /// Width of the workgroups, if a constant sets it.
     width: Option<Width>,
 }
 
-/// How many invocations wide a workgroup is.
+/// Width of a workgroup in invocations.
 #[derive(Clone, Copy, Debug)]
 enum Width {
     /// [`Tuning::scan_width`].
     Scans,
-    /// A texel of a tile each.
+    /// One invocation for each texel on a side of a tile.
     Tiles,
     /// [`MapSize::invocations`].
     Maps,
@@ -45,7 +45,7 @@ impl Row {
     }
 }
 
-/// A pass to which these constants are pushed.
+/// Pass whose push constants are of type `P`.
 #[derive(Debug)]
 pub(crate) struct Pass<P> {
     number: usize,
@@ -65,7 +65,7 @@ impl<P: Pod> Pass<P> {
         Self { number, constants: PhantomData }
     }
 
-    /// Its place in the [`TABLE`].
+    /// Returns the number of the pass in the [`TABLE`].
     pub(crate) const fn number(self) -> usize {
         self.number
     }
@@ -75,7 +75,7 @@ impl<P: Pod> Pass<P> {
     }
 }
 
-/// A pass for every surface and wavefront, of which a solver has the pipeline from the start.
+/// Pass for every surface and wavefront. A solver has its pipeline from the start.
 #[derive(Debug)]
 pub(crate) struct CommonPass<P>(Pass<P>);
 
@@ -88,7 +88,7 @@ impl<P> Clone for CommonPass<P> {
 impl<P> Copy for CommonPass<P> {}
 
 impl<P: Pod> CommonPass<P> {
-    /// As one among all.
+    /// Returns the pass as one among all.
     pub(crate) const fn pass(self) -> Pass<P> {
         self.0
     }
@@ -115,7 +115,7 @@ macro_rules! passes {
         $(pub(crate) const $name: Pass<shaders::$shader::Push> =
             Pass::new(Number::$name as usize);)*
 
-        /// The numbers of the common passes.
+        /// Numbers of the common passes.
         pub(crate) const COMMON: &[usize] = &[$($common.number()),*];
 
         /// All passes.
@@ -124,7 +124,7 @@ macro_rules! passes {
             $(Row::new(&shaders::$shader::SHADER, $kind, passes!(@width $($width)?))),*
         ];
 
-        /// Room for the largest block of push constants; every device offers 128 bytes.
+        /// Size of the largest block of push constants, in bytes. Every device offers 128 bytes.
         pub(crate) const PUSH_CONSTANT_BYTES: u32 = largest(&[
             $(shaders::$common_shader::SHADER.push_constant_bytes,)*
             $(shaders::$shader::SHADER.push_constant_bytes),*
@@ -132,7 +132,8 @@ macro_rules! passes {
     };
 }
 
-// The name of a pass, its shader, its kind in profiles, and how wide its workgroups are where a constant says it.
+// The columns are the name of a pass, its shader, its kind in profiles, and the width of its workgroups if a
+// constant sets it.
 passes! {
     common {
         POINTS_FROM_BUFFER: points_from_buffer, Some(Points);
@@ -184,10 +185,10 @@ passes! {
     }
 }
 
-/// In the order of [`Scan::ALL`].
+/// Passes of the scans, in the order of [`Scan::ALL`].
 pub(crate) const SCANS: [Pass<shaders::scan::Push>; 4] =
     [SCAN_DOWN, SCAN_UP, SCAN_RIGHT, SCAN_LEFT];
-/// The same over the maps of a batch.
+/// Passes of the scans over the maps of a batch, in the same order.
 pub(crate) const PAIRWISE_SCANS: [Pass<shaders::pairwise_scan::Push>; 4] =
     [PAIRWISE_SCAN_DOWN, PAIRWISE_SCAN_UP, PAIRWISE_SCAN_RIGHT, PAIRWISE_SCAN_LEFT];
 
@@ -202,7 +203,7 @@ const fn largest(sizes: &[u32]) -> u32 {
     largest
 }
 
-/// What pipelines are specialized by.
+/// Values by which pipelines are specialized.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Specialization {
     pub(crate) tuning: Tuning,
@@ -211,13 +212,13 @@ pub(crate) struct Specialization {
     pub(crate) map: MapSize,
 }
 
-/// What is known of a map when its pipelines are chosen.
+/// Properties of a map that determine its pipelines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Variant {
     pub(crate) wavefront: Wavefront,
-    /// Whether obtuse triangles are split, as they are on any surface that is not known to have none.
+    /// Whether obtuse triangles are split. They are on every surface that is not known to have none.
     pub(crate) splits: bool,
-    /// Whether the surface has a slowness that is not the same everywhere.
+    /// Whether the slowness of the surface is not the same everywhere.
     pub(crate) slowed: bool,
     /// Whether fronts may carry the numbers of their origins.
     pub(crate) named: bool,
@@ -232,7 +233,7 @@ impl From<Wavefront> for Variant {
 impl Variant {
     pub(crate) const COUNT: usize = 8 * Wavefront::EVERY.len();
 
-    /// All, by their places among a pass's pipelines.
+    /// Returns all variants, by their places among a pass's pipelines.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         (0..8).flat_map(|bits| {
             let [splits, slowed, named] = [0, 1, 2].map(|bit| bits >> bit & 1 != 0);
@@ -241,29 +242,29 @@ impl Variant {
     }
 }
 
-/// Of maps in the shared memory of workgroups; zeros for other passes.
+/// Size of maps in the shared memory of workgroups; zeros for other passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct MapSize {
-    /// Points that there is room for.
+    /// Number of points for which there is room.
     pub(crate) room: u32,
     pub(crate) invocations: u32,
-    /// Of pipelines that are for one size alone.
+    /// Size of the maps, if the pipeline is for one size alone.
     pub(crate) known: KnownSize,
 }
 
-/// Zeros where it is pushed.
+/// Size of maps as specialization constants; zeros if the size is pushed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct KnownSize {
     pub(crate) rows: u32,
     pub(crate) cols: u32,
-    /// From a point in shared memory to the one below it.
+    /// Distance in shared memory from a point to the one below it.
     pub(crate) pitch: u32,
-    /// In a dispatch, at most.
+    /// Largest number of iterations in a dispatch.
     pub(crate) iterations: u32,
 }
 
 impl Row {
-    /// The place of its pipeline among all that it may have.
+    /// Returns the place of the pipeline for a variant among all that the pass may have.
     pub(crate) fn place_of(&self, variant: Variant) -> usize {
         let splits = self.shader.depends_on(Constant::Splits) && variant.splits;
         let wavefront = if self.depends_on_wavefront { variant.wavefront as usize } else { 0 };
@@ -273,12 +274,12 @@ impl Row {
         (bits[0] + 2 * bits[1] + 4 * bits[2]) * Wavefront::EVERY.len() + wavefront
     }
 
-    /// Its direction, if it is a scan's.
+    /// Returns the direction of the scan, if the pass is one.
     fn scan(&self) -> Option<Scan> {
         if let Some(Scan(scan)) = self.kind { Some(scan) } else { None }
     }
 
-    /// The numbers and values of its specialization constants.
+    /// Returns the numbers and values of the specialization constants.
     pub(crate) fn constants(&self, of: &Specialization) -> Vec<(u32, i32)> {
         let Specialization { tuning, on_processor, variant, map } = *of;
         let Variant { wavefront, splits, slowed, named } = variant;
@@ -309,7 +310,7 @@ impl Row {
         self.shader.constants.iter().map(|&(number, constant)| (number, value(constant))).collect()
     }
 
-    /// What debuggers and drivers call its pipeline.
+    /// Returns the pipeline's name in debuggers and drivers.
     pub(crate) fn name(&self, variant: Variant) -> String {
         let wavefront = variant.wavefront;
         let scan = self.scan().map_or(String::new(), |scan| format!(" {}", scan.name()));

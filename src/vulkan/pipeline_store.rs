@@ -1,4 +1,4 @@
-//! Keeps what a driver has compiled in a file, so that the next process starts at once.
+//! Keeps compiled pipelines in a file, so that the next process starts without compiling them.
 
 use std::ffi::OsStr;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -11,28 +11,31 @@ use ash::vk;
 use super::VulkanError;
 use super::passes::TABLE;
 
-/// A Vulkan pipeline cache with a file behind it, named after the device, its driver and the shaders of this build.
+/// Vulkan pipeline cache backed by a file. The file is named after the device, its driver and the shaders of
+/// this build.
 ///
-/// A file that is not whole, or of another driver, counts as empty.
+/// A file that is incomplete or belongs to another driver counts as empty.
 #[derive(Debug)]
 pub struct PipelineStore {
     cache: vk::PipelineCache,
     file: PathBuf,
-    /// What the file held, if it was of use.
+    /// Digest of the file's contents, if they were usable.
     digest: Option<u64>,
 }
 
-/// Names the folder, if the program does not.
+/// Name of the environment variable that names the folder, if the program does not.
 const VARIABLE: &str = "GEOSWEEP_PIPELINES";
 
-/// The folder that headless solvers keep their pipelines in, if the program has said.
+/// Folder in which headless solvers keep their pipelines. The outer `None` means that the program has not
+/// chosen.
 static FOLDER: RwLock<Option<Option<PathBuf>>> = RwLock::new(None);
 
-/// Has every headless solver of this process that is opened from now on ([`super::Solver::new`]) keep its pipelines in
-/// a folder, which is made if need be, or in none. A program that does not call this leaves it to the environment
-/// variable `GEOSWEEP_PIPELINES`, which names a folder; without it there is none.
+/// Sets the folder in which headless solvers of this process keep their pipelines. It applies to every solver
+/// that is opened afterwards ([`super::Solver::new`]). The folder is created if necessary; `None` turns the
+/// store off. If a program does not call this function, the environment variable `GEOSWEEP_PIPELINES` names
+/// the folder. Without that variable nothing is kept.
 ///
-/// A folder that cannot be read or written is no error: pipelines are compiled then, as without one.
+/// A folder that cannot be read or written is not an error: pipelines are then compiled as without a folder.
 ///
 /// ```no_run
 /// use geosweep::{DeviceChoice, vulkan};
@@ -49,16 +52,17 @@ fn folder() -> Option<PathBuf> {
     FOLDER.read().unwrap_or_else(PoisonError::into_inner).clone().unwrap_or_else(named)
 }
 
-/// Files are a device's newest: so many drivers and builds may take turns.
+/// Number of newest files kept for a device. This many drivers and builds can alternate without compiling
+/// again.
 const FILES_KEPT: usize = 4;
 
-/// A file that is larger is not read: it cannot be ours.
+/// Largest size of a file that is read, in bytes. A larger file cannot come from this crate.
 const MOST_BYTES: u64 = 1 << 28;
 
 const EXTENSION: &str = "pipelines";
 
 impl PipelineStore {
-    /// A store in the folder of this process, if it has one.
+    /// Opens a store in the folder of this process, if it has one.
     pub(super) fn of_process(
         properties: &vk::PhysicalDeviceProperties,
         device: &ash::Device,
@@ -66,8 +70,8 @@ impl PipelineStore {
         folder().map(|folder| Self::open(properties, device, &folder)).transpose()
     }
 
-    /// Creates the pipeline cache, from the file if there is one. [`PipelineStore::destroy`] must be called before the
-    /// device is destroyed.
+    /// Creates the pipeline cache, from the file if there is one. [`PipelineStore::destroy`] must be called
+    /// before the device is destroyed.
     ///
     /// # Errors
     /// If `vkCreatePipelineCache` fails.
@@ -86,15 +90,16 @@ impl PipelineStore {
         Ok(Self { cache, file, digest: found.as_deref().map(digest) })
     }
 
-    /// To create pipelines with.
+    /// Returns the pipeline cache, to create pipelines with.
     pub fn cache(&self) -> vk::PipelineCache {
         self.cache
     }
 
-    /// Writes the file anew if pipelines have come to it. Another process finds the old file or the new one, whole.
+    /// Writes the file again if the cache has new pipelines. Another process finds the whole old file or the
+    /// whole new one.
     ///
     /// # Errors
-    /// If the driver does not give the data, or the file cannot be written.
+    /// If the driver does not return the data, or the file cannot be written.
     pub fn save(&mut self, device: &ash::Device) -> io::Result<()> {
         // SAFETY: the cache is alive until it is destroyed.
         let data = unsafe { device.get_pipeline_cache_data(self.cache) };
@@ -117,14 +122,14 @@ impl PipelineStore {
         written
     }
 
-    /// Destroys the pipeline cache. Pipelines that were created with it do not need it.
+    /// Destroys the pipeline cache. Pipelines created with it do not need it any more.
     pub fn destroy(&mut self, device: &ash::Device) {
         // SAFETY: no pipeline is being created with it, since the caller has it alone; null is allowed.
         unsafe { device.destroy_pipeline_cache(std::mem::take(&mut self.cache), None) };
     }
 }
 
-/// What the names of all files of a device begin with.
+/// Returns the text with which the names of all files of a device begin.
 fn device_name(properties: &vk::PhysicalDeviceProperties) -> String {
     format!("{:04x}-{:04x}-", properties.vendor_id, properties.device_id)
 }
@@ -138,7 +143,7 @@ fn file_name(properties: &vk::PhysicalDeviceProperties) -> String {
     format!("{device}{driver:016x}-{shaders:016x}.{EXTENSION}")
 }
 
-/// The data of a file that is whole.
+/// Returns the data of a file if it is complete.
 fn read(file: &Path) -> Option<Vec<u8>> {
     if fs::metadata(file).ok()?.len() > MOST_BYTES {
         return None;
@@ -148,7 +153,8 @@ fn read(file: &Path) -> Option<Vec<u8>> {
     (u64::from_le_bytes(*written) == digest(data)).then(|| data.to_vec())
 }
 
-/// Whether data begin as the device's driver has them begin (`VkPipelineCacheHeaderVersionOne`): not every driver looks.
+/// Returns whether `data` begin with the header of this device's driver (`VkPipelineCacheHeaderVersionOne`).
+/// Not every driver checks that.
 fn is_of(data: &[u8], properties: &vk::PhysicalDeviceProperties) -> bool {
     let words = [32, 1, properties.vendor_id, properties.device_id];
     let header = words.iter().flat_map(|word: &u32| word.to_le_bytes());
@@ -162,10 +168,11 @@ fn digest(data: &[u8]) -> u64 {
     digest.finish()
 }
 
-/// Removes a device's files but for the newest, with room for this one. What cannot be removed stays.
+/// Removes all files of a device but the newest, so that there is room for `file`. Files that cannot be
+/// removed stay.
 fn remove_old(folder: &Path, file: &Path) {
     let name = file.file_name().and_then(OsStr::to_str).unwrap_or_default();
-    // Vendor and device.
+    // The first two parts of the name are the vendor and the device.
     let of_device = name.splitn(3, '-').take(2).collect::<Vec<_>>().join("-");
     let Ok(entries) = fs::read_dir(folder) else { return };
     let mut others: Vec<_> = entries

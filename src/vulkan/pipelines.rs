@@ -1,5 +1,5 @@
-//! The compute pipelines of a device: each is made once, when it is first asked for, and shared by
-//! all surfaces.
+//! Creates the compute pipelines of a device. Each pipeline is made once, when it is first requested, and all
+//! surfaces share it.
 
 use std::io::Cursor;
 use std::marker::PhantomData;
@@ -19,7 +19,7 @@ use super::shaders::{Shader, set_0, set_1, set_2};
 use super::{Tuning, VulkanError};
 use crate::update::Wavefront;
 
-/// A pipeline to which these constants are pushed.
+/// Pipeline whose push constants are of type `P`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pipeline<P> {
     pub(crate) handle: vk::Pipeline,
@@ -27,57 +27,57 @@ pub(crate) struct Pipeline<P> {
     constants: PhantomData<fn(P)>,
 }
 
-/// The pipelines of the table's passes, and the layouts that are common to them.
+/// Pipelines of the passes in the table, and their common layouts.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     pub(crate) tuning: Tuning,
     /// Whether the device computes on a processor's cores.
     on_processor: bool,
-    /// Where the host shows labels and names to tools.
+    /// Labels and names for tools, if the host enables them.
     pub(crate) labels: Option<Labels>,
-    /// How pipelines are created.
+    /// Flags with which pipelines are created.
     flags: vk::PipelineCreateFlags,
-    /// Locked while pipelines are created.
+    /// Pipeline cache, locked while pipelines are created.
     cache: Mutex<Cache>,
-    /// Of the sets that every pass sees: a surface, and the fronts that are read.
+    /// Layout of the sets that every pass uses: a surface, and the fronts that are read.
     pub(crate) surface_set_layout: vk::DescriptorSetLayout,
-    /// Of the sets with the host's images and buffers.
+    /// Layout of the sets with the host's images and buffers.
     pub(crate) host_set_layout: vk::DescriptorSetLayout,
-    /// Of the sets with what a map is solved in.
+    /// Layout of the sets with the resources in which a map is solved.
     pub(crate) map_set_layout: vk::DescriptorSetLayout,
-    /// In the place of the host's sets where a pass sees none.
+    /// Empty layout, in the place of the host's sets for passes that use none.
     no_set_layout: vk::DescriptorSetLayout,
-    /// Of passes that see no set of the host's, and of those that see one.
-    /// Of passes that see nothing of the host's and of those that do, by the words that are pushed: a layout has room
-    /// for no more, so that each dispatch sets all of it.
+    /// Pipeline layouts of passes without and with a set of the host, by the number of words pushed. A layout
+    /// has room for no more words than its passes push, so that each dispatch sets all of them.
     layouts: [[vk::PipelineLayout; SIZES_PUSHED]; 2],
-    /// By pass and variant ([`Row::place_of`]).
+    /// Pipelines made, by pass and variant ([`Row::place_of`]).
     made: [[OnceLock<vk::Pipeline>; Variant::COUNT]; TABLE.len()],
-    /// Of passes that depend on the size of maps too, the one used last at the end.
+    /// Pipelines of passes that also depend on the size of maps. The one used last is at the end.
     sized: Mutex<Vec<Sized>>,
 }
 
-/// What pipelines are created with.
+/// Pipeline cache with which pipelines are created.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cache {
     handle: vk::PipelineCache,
-    /// Whether several threads may create pipelines with it at once.
+    /// Whether several threads may create pipelines with the cache at once.
     is_shared: bool,
 }
 
 impl Cache {
-    /// The host's, or none if it is null. The host may have promised the driver that one thread at a time uses it.
+    /// Wraps the host's cache, or none if `handle` is null. The host may have promised the driver that one
+    /// thread at a time uses the cache.
     pub(crate) fn of_host(handle: vk::PipelineCache) -> Self {
         Self { handle, is_shared: handle == vk::PipelineCache::null() }
     }
 
-    /// One that the driver synchronizes.
+    /// Wraps a cache that the driver synchronizes.
     pub(crate) fn shared(handle: vk::PipelineCache) -> Self {
         Self { handle, is_shared: true }
     }
 }
 
-/// A pipeline for maps of a size.
+/// Pipeline for maps of one size.
 #[derive(Debug)]
 struct Sized {
     number: usize,
@@ -87,22 +87,22 @@ struct Sized {
     users: InUse,
 }
 
-/// Numbers of words that may be pushed.
+/// Number of possible counts of pushed words.
 const SIZES_PUSHED: usize = 1 + PUSH_CONSTANT_BYTES as usize / size_of::<u32>();
 
-/// To be kept as long as a pipeline for maps of a size is used.
+/// Guard that is kept as long as a pipeline for maps of one size is used.
 pub(crate) type InUse = Arc<()>;
 
-/// So many pipelines for maps of sizes that nothing uses are kept, so that a host may compute maps of ever
-/// new sizes.
+/// Largest number of unused pipelines for maps of one size that are kept. A host may thus compute maps of
+/// ever new sizes.
 const SIZES_KEPT: usize = 16;
 
 impl Pipelines {
-    /// The layouts, and no pipeline. [`Pipelines::destroy`] must be called before the device is
+    /// Creates the layouts, and no pipeline. [`Pipelines::destroy`] must be called before the device is
     /// destroyed.
     ///
-    /// With `capture`, for which the device must have `pipelineExecutableInfo`, drivers keep what
-    /// they can tell of pipelines.
+    /// With `capture`, drivers keep their statistics of pipelines. The device must then have the feature
+    /// `pipelineExecutableInfo`.
     pub(crate) fn new(
         device: &ash::Device,
         (tuning, on_processor): (Tuning, bool),
@@ -163,7 +163,7 @@ impl Pipelines {
         Ok(())
     }
 
-    /// Pipelines are created with this cache from now on.
+    /// Sets the cache with which pipelines are created from now on.
     pub(crate) fn set_cache(&self, cache: Cache) {
         *lock(&self.cache) = cache;
     }
@@ -172,8 +172,8 @@ impl Pipelines {
         &self.made[number][TABLE[number].place_of(variant)]
     }
 
-    /// Makes the pipelines of passes, by their numbers in the table, unless they are there;
-    /// `variant` is that of passes which depend on it.
+    /// Makes the pipelines of passes, given by their numbers in the table, unless they exist. Passes that
+    /// depend on the variant are made for `variant`.
     pub(crate) fn make_all(
         &self,
         device: &ash::Device,
@@ -185,8 +185,8 @@ impl Pipelines {
         self.make_each(device, &wanted)
     }
 
-    /// The same for passes of several variants, on several threads where the cache allows it: drivers take up to
-    /// seconds to compile a shader.
+    /// Makes the pipelines of passes for several variants. If the cache allows it, several threads do this:
+    /// drivers take up to seconds to compile a shader.
     pub(crate) fn make_each(
         &self,
         device: &ash::Device,
@@ -204,7 +204,8 @@ impl Pipelines {
             while let Some(&&(number, variant)) = missing.get(next.fetch_add(1, Ordering::Relaxed))
             {
                 let new = self.create_one(device, number, variant, *cache)?;
-                // No other thread creates it: this one has the cache, and its helpers have other passes.
+                // No other thread creates this pipeline: this thread has locked the cache, and its helpers
+                // create other passes.
                 self.place(number, variant).get_or_init(|| new);
             }
             Ok(())
@@ -222,7 +223,7 @@ impl Pipelines {
         })
     }
 
-    /// The pipeline of a pass, which is made unless it is there.
+    /// Returns the pipeline of a pass, and makes it unless it exists.
     pub(crate) fn make<P: Pod>(
         &self,
         device: &ash::Device,
@@ -243,7 +244,7 @@ impl Pipelines {
             return Ok(made);
         }
         let cache = lock(&self.cache);
-        // Another thread may have made it before it released the cache.
+        // Another thread may have made the pipeline before it released the cache.
         if let Some(&made) = place.get() {
             return Ok(made);
         }
@@ -264,8 +265,8 @@ impl Pipelines {
         self.create(device, &TABLE[number], &of, cache)
     }
 
-    /// The pipeline of a pass for maps of this size, which is made unless it is there. It may go once nothing
-    /// holds what comes with it; no submitted work may use it then.
+    /// Returns the pipeline of a pass for maps of the size `map`, and makes it unless it exists. The pipeline
+    /// may be destroyed once nothing holds the returned guard. No submitted work may use it then.
     pub(crate) fn make_sized<P: Pod>(
         &self,
         device: &ash::Device,
@@ -291,7 +292,7 @@ impl Pipelines {
         while sized.len() > SIZES_KEPT {
             let idle = sized.iter().position(|of| Arc::strong_count(&of.users) == 1);
             let Some(place) = idle else { break };
-            // SAFETY: no one holds it, so that no submitted work uses it.
+            // SAFETY: nothing holds the pipeline's guard, so that no submitted work uses the pipeline.
             unsafe { device.destroy_pipeline(sized.remove(place).handle, None) };
         }
         Ok(made)
@@ -301,12 +302,12 @@ impl Pipelines {
         Pipeline { handle, layout: self.layout(pass.row().shader), constants: PhantomData }
     }
 
-    /// Whether the pipelines of passes were made for a variant.
+    /// Returns whether the pipelines of passes were made for a variant.
     pub(crate) fn have(&self, numbers: &[usize], variant: Variant) -> bool {
         numbers.iter().all(|&number| self.place(number, variant).get().is_some())
     }
 
-    /// The pipeline of a pass for a variant, if it was made.
+    /// Returns the pipeline of a pass for a variant, if it was made.
     pub(crate) fn made<P: Pod>(
         &self,
         pass: Pass<P>,
@@ -316,7 +317,8 @@ impl Pipelines {
         Some(self.with_handle(pass, handle))
     }
 
-    /// The pipeline of a pass with this number, if it was made, and its layout with how many bytes are pushed.
+    /// Returns the pipeline of the pass with this number, if it was made, with its layout and the number of
+    /// bytes pushed.
     pub(crate) fn numbered(
         &self,
         number: usize,
@@ -327,13 +329,13 @@ impl Pipelines {
         Some((handle, (self.layout(shader), shader.push_constant_bytes)))
     }
 
-    /// The pipeline of a pass of every surface.
+    /// Returns the pipeline of a common pass, which serves every surface.
     pub(crate) fn of<P: Pod>(&self, pass: CommonPass<P>) -> Pipeline<P> {
         let made = self.made(pass.pass(), Wavefront::Planar);
         made.expect("a solver begins with the common passes")
     }
 
-    /// All that were made, with their names.
+    /// Returns all pipelines that were made, with their names.
     pub(crate) fn named(&self) -> impl Iterator<Item = (String, vk::Pipeline)> {
         let made = TABLE.iter().zip(&self.made).flat_map(|(row, made)| {
             Variant::all().zip(made).filter_map(|(variant, made)| {
@@ -346,21 +348,21 @@ impl Pipelines {
         made.chain(sized.collect::<Vec<_>>())
     }
 
-    /// Names an object for tools, if they look on.
+    /// Names an object for tools, if names are enabled.
     pub(crate) fn name(&self, name: &str, object: impl vk::Handle) {
         if let Some(labels) = &self.labels {
-            // In captures they stand among the host's.
+            // In captures these names stand among the host's.
             labels.name(object, &format!("geosweep: {name}"));
         }
     }
 
-    /// The same of an image and its view, of which layers and tools tell as often.
+    /// Names an image and its view. Layers and tools refer to both.
     pub(crate) fn name_image(&self, name: &str, image: &Image) {
         self.name(name, image.image);
         self.name(name, image.view);
     }
 
-    /// The layout of a shader's pipelines.
+    /// Returns the layout of a shader's pipelines.
     pub(crate) fn layout(&self, shader: &Shader) -> vk::PipelineLayout {
         self.layouts[usize::from(shader.sees_host)][words(shader.push_constant_bytes)]
     }
@@ -380,8 +382,8 @@ impl Pipelines {
         Ok(made)
     }
 
-    /// From now on pipelines are made for these sizes, and those that were made are destroyed. No submitted work
-    /// may still use them.
+    /// Sets the sizes for which pipelines are made, and destroys those that were made. No submitted work may
+    /// still use them.
     pub(crate) fn set_tuning(&mut self, device: &ash::Device, tuning: Tuning) {
         self.destroy_made(device);
         self.tuning = tuning;
@@ -419,7 +421,7 @@ impl Pipelines {
     }
 }
 
-/// The place of a layout with room for so many bytes of push constants.
+/// Returns the place of the layout with room for `bytes` bytes of push constants.
 fn words(bytes: u32) -> usize {
     bytes as usize / size_of::<u32>()
 }
@@ -428,7 +430,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The layout of a set with one descriptor of each of these kinds.
+/// Creates the layout of a set with one descriptor of each of these kinds.
 fn set_layout(
     device: &ash::Device,
     kinds: &[vk::DescriptorType],
@@ -463,7 +465,7 @@ fn pipeline_layout(
         .map_err(VulkanError::from_call("vkCreatePipelineLayout"))
 }
 
-/// A compute pipeline of a shader, with specialization constants by their numbers.
+/// Creates a compute pipeline from a shader, with specialization constants by their numbers.
 fn compute_pipeline(
     device: &ash::Device,
     shader: &Shader,
@@ -491,8 +493,8 @@ fn compute_pipeline(
         .name(c"main")
         .specialization_info(&specialization);
     let info = vk::ComputePipelineCreateInfo::default().flags(flags).stage(stage).layout(layout);
-    // SAFETY: module, layout and cache are valid, no other thread uses the cache by us unless the driver
-    // synchronizes it, and all that the structures point to is alive.
+    // SAFETY: module, layout and cache are valid, and all that the structures point to is alive. This crate
+    // does not use the cache on another thread unless the driver synchronizes it.
     let pipelines = unsafe { device.create_compute_pipelines(cache, &[info], None) };
     // SAFETY: a pipeline does not need its module once it is created.
     unsafe { device.destroy_shader_module(module, None) };

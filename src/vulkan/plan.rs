@@ -1,22 +1,23 @@
-//! The list of passes of a recording, as plain values that need no device: [`super::Schedule::plan`].
+//! Lists the passes of a recording as plain values that need no device: [`super::Schedule::plan`].
 //!
-//! An iteration of the raster schedule is four rotated scans; a scan is one dispatch for each
-//! block of lines (rows or columns) of texels, each followed by a barrier. In the first iteration
-//! from sources that the host knows, bounds play the part of the paper's scissor test: what lies
-//! outside the box that the fronts can have reached is infinite before and after, and is not visited.
-//! All other passes are dispatched indirectly, by arguments that the device sets: a scan visits the
-//! blocks in which, or on the line behind which, something has changed since its last visit
-//! (`glsl/blocks.glsl`), and nothing once the map has converged. No host reads anything for it.
+//! An iteration of the raster schedule is four rotated scans. A scan is one dispatch for each block of lines
+//! (rows or columns) of texels, each followed by a barrier. In the first iteration from sources that the host
+//! knows, bounds take the place of the paper's scissor test. What lies outside the box that the fronts can
+//! have reached is infinite before and after, and is not visited. All other passes are dispatched indirectly,
+//! with arguments that the device sets. A scan then visits the blocks in which, or on the line behind which,
+//! something has changed since its last visit (`glsl/blocks.glsl`). It visits nothing once the map has
+//! converged. The host reads nothing for this.
 //!
-//! Where a line fits a workgroup, a dispatch takes many blocks in turn, since dispatches that wait for one
-//! another are what small grids cost: the workgroup asks of each block whether it is due, and barriers inside
-//! it stand for those between dispatches. There are no bounds then, which only save workgroups.
+//! If a line fits a workgroup, a dispatch takes many blocks in turn, since dispatches that wait for one
+//! another are the main cost of small grids. The workgroup checks for each block whether it is due, and
+//! barriers inside the workgroup replace those between dispatches. Such scans have no bounds, which would
+//! only save workgroups.
 
 use std::ops::Range;
 
 use super::TexelChart;
 
-/// The four rotated raster scans (paper, figure 3, second row), in the order of an iteration.
+/// One of the four rotated raster scans (paper, figure 3, second row), in the order of an iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Scan {
     /// Towards larger rows.
@@ -30,10 +31,10 @@ pub enum Scan {
 }
 
 impl Scan {
-    /// All four, in the order of an iteration.
+    /// All four scans, in the order of an iteration.
     pub const ALL: [Self; 4] = [Self::Down, Self::Up, Self::Right, Self::Left];
 
-    /// The scan's direction as a step in x (columns) and y (rows).
+    /// Returns the scan's direction as a step in x (columns) and y (rows).
     pub fn ahead(self) -> (i32, i32) {
         match self {
             Self::Down => (0, 1),
@@ -43,7 +44,7 @@ impl Scan {
         }
     }
 
-    /// The name used in reports.
+    /// Returns the name used in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Down => "down",
@@ -54,67 +55,67 @@ impl Scan {
     }
 }
 
-/// A block of lines of texels of a scan, or those of its lines that lie within bounds; or several blocks. Blocks follow one
-/// another from the first row, or column, of the grid on, whichever way the scan goes. Rows and columns
-/// of texels count the images' border.
+/// Block of lines of texels of a scan, or its lines within bounds, or several blocks. Blocks follow one
+/// another from the first row, or column, of the grid on, in whichever direction the scan goes. Rows and
+/// columns of texels include the border of the images.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ScanPass {
-    /// The scan.
+    /// Scan to which the pass belongs.
     pub scan: Scan,
-    /// The first row (down, up) or column (right, left) of texels, in the order of the scan.
+    /// First row (down, up) or column (right, left) of texels, in the order of the scan.
     pub line: u32,
-    /// How many of them.
+    /// Number of lines.
     pub lines: u32,
-    /// The texels visited in each.
+    /// Texels visited in each line.
     pub texels: Range<u32>,
-    /// Which of the two images of fronts the scan writes; it reads the other.
+    /// Number of the image of fronts that the scan writes. It reads the other of the two images.
     pub writes: usize,
-    /// Whether the pass is dispatched in any case, as in the first iteration, or only if something can
-    /// change in the block and the map has not converged.
+    /// Whether the pass is dispatched in any case, as in the first iteration. Otherwise it is dispatched only
+    /// if something can change in the block and the map has not converged.
     pub always: bool,
-    /// Whether one workgroup takes several blocks of lines, one after the other, and passes over those that
-    /// are not due.
+    /// Whether one workgroup takes several blocks of lines, one after the other. It skips those that are not
+    /// due.
     pub in_turn: bool,
 }
 
 impl ScanPass {
-    /// How many blocks of so many lines it passes.
+    /// Returns the number of blocks of `lines` lines in the pass.
     pub(super) fn blocks(&self, lines: u32) -> u32 {
         if self.in_turn { self.lines.div_ceil(lines) } else { 1 }
     }
 
-    /// Texels that it visits, if it is dispatched.
+    /// Returns the number of texels that the pass visits, if it is dispatched.
     fn visits(&self) -> u64 {
         u64::from(self.lines) * self.texels.len() as u64
     }
 }
 
-/// A step of a recording. After each, what it has written is visible to those that follow, and what it
-/// has read may be overwritten.
+/// Step of a recording. After each step, its writes are visible to the following steps, and what it has read
+/// may be overwritten.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Step {
-    /// A block of lines of a scan.
+    /// Updates a block of lines of a scan.
     Scan(ScanPass),
-    /// All points at once.
+    /// Updates all points at once.
     AllPoints {
-        /// Which of the two images of fronts is written; the other is read.
+        /// Number of the image of fronts that is written. The other of the two images is read.
         writes: usize,
     },
-    /// The tiles on the list of a round.
+    /// Updates the tiles on the list of a round.
     Tiles {
-        /// Counted from 0 in the recording.
+        /// Number of the round in the recording, counted from 0.
         round: u32,
     },
     /// Brings all tiles back to image 0, and decides whether more rounds follow.
     Settle {
-        /// In the recording.
+        /// Number of rounds in the recording.
         rounds: u32,
     },
     /// Decides whether another iteration follows.
     Count,
 }
 
-/// A box of texels outside which nothing has been reached.
+/// Rectangle of texels outside which no point has been reached.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Reached {
     /// Rows of texels.
@@ -124,7 +125,7 @@ pub struct Reached {
 }
 
 impl Reached {
-    /// The smallest box around texels, given by row and column; `None` if there is none.
+    /// Returns the smallest rectangle around texels, given by row and column; `None` if there are no texels.
     pub fn around(texels: impl IntoIterator<Item = (u32, u32)>) -> Option<Self> {
         let point = |(row, col): (u32, u32)| Self { rows: row..row + 1, cols: col..col + 1 };
         texels.into_iter().map(point).reduce(|a, b| Self {
@@ -133,40 +134,43 @@ impl Reached {
         })
     }
 
-    /// The whole grid.
+    /// Returns the rectangle of the whole grid.
     pub fn everywhere(texels: TexelChart) -> Self {
         Self { rows: texels.inner_rows(), cols: texels.inner_cols() }
     }
 }
 
-/// In how large portions the grid is visited; see [`super::Tuning`].
+/// Sizes of the portions in which the grid is visited; see [`super::Tuning`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Portions {
-    /// Lines of texels in a dispatch of a scan.
+    /// Number of lines of texels in a block of a scan.
     pub lines: u32,
-    /// Texels of a line up to which a dispatch of a scan takes many such blocks in turn; none if 0.
+    /// Largest number of texels of a line for which a dispatch of a scan takes many blocks in turn. With 0 no
+    /// dispatch does.
     pub across: u32,
-    /// Iterations of four scans in a recording, at most.
+    /// Largest number of iterations of four scans in a recording.
     pub iterations: u32,
-    /// Points on a side of a tile.
+    /// Number of points on a side of a tile.
     pub tile: u32,
-    /// Rounds of tiles in a recording, at most; by default by the number of tiles.
+    /// Largest number of rounds of tiles in a recording. `None` selects it by the number of tiles.
     pub rounds: Option<u32>,
-    /// Texels that a submission visits, at most, as far as single steps allow. Recordings have fewer iterations
-    /// for it, but one at least: [`parts`] cuts that.
+    /// Largest number of texels that a submission visits, as far as single steps allow. It reduces the
+    /// iterations in a recording, but to no fewer than one: [`parts`] cuts that one.
     pub visits: u64,
 }
 
 impl Portions {
-    /// Iterations of so many visits of the whole grid in a recording, of so many that are wanted.
+    /// Returns the number of iterations in a recording, at most `wanted`. An iteration visits the whole grid
+    /// `visits` times.
     pub(super) fn iterations_of(&self, visits: u64, texels: TexelChart, wanted: u32) -> u32 {
         (self.visits / (visits * texels.all())).clamp(1, wanted.into()) as u32
     }
 }
 
-/// Cuts the steps of a recording that visits more than so many texels into several that visit half as many, at most,
-/// unless one is a single step: so a submission is a small share of the iteration too. Rounds of tiles are not cut, since what they visit is known to the device alone: [`Portions::visits`]
-/// leaves fewer of them in a recording.
+/// Cuts the steps of a recording that visits more than `visits` texels into several parts. Each part visits
+/// at most half as many, unless it is a single step, so that a submission is a small share of the iteration
+/// too. Rounds of tiles are not cut, since only the device knows what they visit. [`Portions::visits`] leaves
+/// fewer of them in a recording.
 ///
 /// ```
 /// use geosweep::surface::Chart;
@@ -202,13 +206,13 @@ pub fn parts(steps: &[Step], texels: TexelChart, visits: u64) -> Vec<&[Step]> {
     parts
 }
 
-/// Number of iterations, or rounds of tiles, that the steps make.
+/// Returns the number of iterations, or of rounds of tiles, in the steps.
 pub fn iterations(steps: &[Step]) -> u32 {
     let counts = |step: &&Step| matches!(step, Step::Count | Step::Tiles { .. });
     steps.iter().filter(counts).count() as u32
 }
 
-/// Number of texels that the scans among the steps visit, as far as they are dispatched.
+/// Returns the number of texels that the scans among the steps visit, as far as they are dispatched.
 pub fn texels_scanned(steps: &[Step]) -> u64 {
     let visited = |step: &Step| match step {
         Step::Scan(pass) => pass.visits(),
@@ -231,7 +235,7 @@ mod tests {
         TexelChart::new(Chart { rows: side, cols: side }).unwrap()
     }
 
-    /// Of an iteration that visits everything a thirty-second at 8192 points a side.
+    /// At 8192 points a side a submission is a thirty-second of an iteration that visits everything.
     #[test]
     fn a_submission_is_a_small_share_of_a_large_map() {
         for (side, shares) in [(1024, 1), (2048, 1), (4096, 8), (6000, 17), (8192, 32)] {
@@ -262,7 +266,7 @@ mod tests {
             let parts: Vec<_> = parts(&steps, texels, 1).iter().map(|part| part.len()).collect();
             parts
         };
-        // Eight blocks in each of four scans, the last with the count; two updates.
+        // There are eight blocks in each of four scans, the last with the count, and two updates.
         let blocks = [vec![1; 31], vec![2]].concat();
         assert_eq!(cut(Schedule::Raster), blocks);
         assert_eq!(cut(Schedule::AllPoints), [1, 2]);

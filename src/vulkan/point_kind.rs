@@ -1,23 +1,22 @@
-//! What the floats of a grid point are, and all that depends on it on a device.
+//! Defines what the floats of a grid point mean, and what depends on that on a device.
 
 use super::passes::{CommonPass, EDGES_FROM_HEIGHTS, EDGES_FROM_METRIC, EDGES_FROM_POSITIONS};
 use super::shaders::edges_from_heights;
 use crate::surface::Spacing;
 
-/// What the floats of a point are.
+/// Meaning of the floats of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointKind {
     /// Three coordinates.
     Positions,
-    /// A height over a rectangular grid.
+    /// Height over a rectangular grid.
     Heights(Spacing),
-    /// The metric alone, in index coordinates: the entries rr, rc and cc of
-    /// [`crate::MetricTensor`], in square units. Where it is not positive definite, lengths are
-    /// wrong.
+    /// Metric alone, in index coordinates: the entries rr, rc and cc of [`crate::MetricTensor`], in square
+    /// units. If the metric is not positive definite, lengths are wrong.
     Metric,
 }
 
-/// What passes have to know of a kind.
+/// Properties of a kind that passes need.
 struct Traits {
     floats: u32,
     spacing: Option<Spacing>,
@@ -38,27 +37,27 @@ impl PointKind {
         }
     }
 
-    /// Floats of a point, without its slowness.
+    /// Returns the number of floats of a point, without its slowness.
     pub(crate) fn floats(self) -> u32 {
         self.traits().floats
     }
 
-    /// Bytes of a point in the upload buffer, which holds its slowness too.
+    /// Returns the bytes of a point in the upload buffer, which also contains its slowness.
     pub(crate) fn uploaded_bytes(self) -> u64 {
         4 * (u64::from(self.floats()) + 1)
     }
 
-    /// Between columns and rows, where points are heights.
+    /// Returns the spacing of columns and rows, if points are heights.
     pub(crate) fn spacing(self) -> Option<Spacing> {
         self.traits().spacing
     }
 
-    /// The pass that measures edges.
+    /// Returns the pass that measures edges.
     pub(crate) fn edges(self) -> CommonPass<edges_from_heights::Push> {
         self.traits().edges
     }
 
-    /// Whether points lie somewhere: a curve can be lifted to them, and edges can be arcs.
+    /// Returns whether points have positions. Then a curve can be lifted to them, and edges can be arcs.
     pub(crate) fn has_positions(self) -> bool {
         self.traits().has_positions
     }

@@ -1,4 +1,4 @@
-//! How a map's iterations go, as the device keeps it. The twin of `glsl/progress.glsl`.
+//! Describes the progress of a map's iterations as the device stores it. The twin of `glsl/progress.glsl`.
 
 use std::mem::offset_of;
 use std::ops::Range;
@@ -10,15 +10,15 @@ pub(crate) use super::shaders::progress::Progress;
 use crate::Stop;
 use crate::constants::{ROUND_WORDS, VISIT_WORDS};
 
-/// What is known of a map's iterations: the first part of [`Progress`].
+/// Outcome of a map's iterations: the first part of [`Progress`].
 #[derive(Clone, Copy, Debug, AnyBitPattern, NoUninit)]
 #[repr(C)]
 pub(crate) struct Outcome {
     residual: u32,
     renews: u32,
-    /// Of four scans, of updates of all points, or rounds of tiles.
+    /// Number of iterations of four scans or of two updates of all points, or number of rounds of tiles.
     pub(crate) iterations: u32,
-    /// Of the last iteration, in units of the last place.
+    /// Largest change in the last iteration, in units of the last place.
     pub(crate) last_residual: u32,
     since_reached: u32,
     done: u32,
@@ -47,23 +47,23 @@ impl Outcome {
         self.done != 0
     }
 
-    /// Whether it is done because nothing changes any more.
+    /// Returns whether the map is done because nothing changes any more.
     pub(crate) fn has_converged(&self) -> bool {
         self.is_done() && self.last_residual <= self.tolerance
     }
 
-    /// Largest relative change in the last iteration.
+    /// Returns the largest relative change in the last iteration.
     pub(crate) fn residual(&self) -> f64 {
         crate::surface::relative_change::<f32>(self.last_residual)
     }
 }
 
-/// What a renderer reads of a slot.
+/// Record of a slot, as a renderer reads it.
 #[derive(Clone, Copy, Debug, AnyBitPattern, NoUninit)]
 #[repr(C)]
 pub(crate) struct Record {
     pub(crate) outcome: Outcome,
-    /// The number of the surface's last preparation that has run.
+    /// Number of the surface's last preparation that has run.
     pub(crate) prepared: u32,
     pub(crate) passed_over: u32,
     pub(crate) holes: u32,
@@ -72,50 +72,50 @@ pub(crate) struct Record {
     pub(crate) compared: u32,
     pub(crate) continued: u32,
     pub(crate) turns: [u32; 2],
-    /// Of the recording that has written it, last of all; 0 if none has.
+    /// Serial of the recording that wrote the record; 0 if none has. It is written last.
     pub(crate) serial: u32,
 }
 
-/// Dispatches of scans in a recording of which profiles learn whether they have visited something.
+/// Number of dispatches of scans in a recording for which profiles learn whether they visited anything.
 pub(crate) const VISITS: u32 = 32 * VISIT_WORDS;
-/// Bytes of all the progress.
+/// Bytes of the whole progress.
 pub(crate) const BYTES: u64 = size_of::<Progress>() as u64;
 
-/// Where the parts lie, in bytes.
+/// Offsets of the parts, in bytes.
 pub(crate) mod offset {
     use super::*;
 
     pub(crate) const GRID_GROUPS: u64 = offset_of!(Progress, grid_groups) as u64;
 
-    /// What the dispatch of a round reads, then how many tiles are on its list.
+    /// Returns the offset of a round: the arguments of its dispatch, then the number of tiles on its list.
     pub(crate) const fn round(round: u32) -> u64 {
         (offset_of!(Progress, rounds) + round as usize * ROUND_WORDS as usize * size_of::<u32>())
             as u64
     }
 
-    /// How many these are.
+    /// Returns the offset of the number of tiles on a round's list.
     pub(crate) const fn listed(of: u32) -> u64 {
         round(of) + size_of::<[u32; 3]>() as u64
     }
 
-    /// And how many of them have waited.
+    /// Returns the offset of the number of these tiles that waited.
     pub(crate) const fn waited(of: u32) -> u64 {
         listed(of) + size_of::<u32>() as u64
     }
 
-    /// The texels that were brought back to one image.
+    /// Number of texels that were brought back to one image.
     pub(crate) const SETTLED: u64 = offset_of!(Progress, settled) as u64;
 
-    /// A bit for each dispatch of a scan, which only profiles use.
+    /// A bit for each dispatch of a scan. Only profiles use it.
     pub(crate) const VISITS: u64 = offset_of!(Progress, visits) as u64;
 
-    /// What is known of a renderer's input: the last part, which no start of a map touches.
+    /// State of a renderer's input. This last part is not changed when a map starts.
     pub(crate) const INPUT: u64 = PREPARED.start;
     pub(crate) const PREPARED: Range<u64> =
         offset_of!(Progress, prepared) as u64..PASSED_OVER.start;
     pub(crate) const PASSED_OVER: Range<u64> =
         offset_of!(Progress, passed_over) as u64..POINTS.start;
-    /// What is known of its points.
+    /// State of the input's points.
     pub(crate) const POINTS: Range<u64> = offset_of!(Progress, holes) as u64..BYTES;
     pub(crate) const INPUT_BYTES: u64 = BYTES - INPUT;
     pub(crate) const INPUT_IN_RECORD: u64 = offset_of!(Record, prepared) as u64;
@@ -123,8 +123,9 @@ pub(crate) mod offset {
     const _: () = assert!(INPUT_IN_RECORD + INPUT_BYTES == SERIAL_IN_RECORD);
 }
 
-/// Before the first iteration of a map whose fronts may meet or not ([`crate::surface::Origins`]); the whole grid
-/// takes so many groups, and has so many tiles. Visits need no beginning.
+/// Returns the progress before the first iteration of a map. `fronts_meet` says whether its fronts may meet
+/// ([`crate::surface::Origins`]). The whole grid takes `grid` workgroups, and has `tiles` tiles. Visits need
+/// no initial value.
 pub(crate) fn start(stop: Stop, fronts_meet: u32, grid: [u32; 2], tiles: u32) -> Progress {
     Progress {
         renews: 1,
@@ -137,8 +138,8 @@ pub(crate) fn start(stop: Stop, fronts_meet: u32, grid: [u32; 2], tiles: u32) ->
     }
 }
 
-/// Before more rounds of so many tiles, of which none is listed: all slots but the first, and what follows
-/// them up to the visits, are to be written.
+/// Returns the progress before more rounds of `tiles` tiles, none of which is listed. The caller writes all
+/// slots but the first, and what follows them up to the visits.
 pub(crate) fn before_rounds(tiles: u32) -> Progress {
     let mut progress = Progress::zeroed();
     let (rounds, _) = progress.rounds.as_chunks_mut::<{ ROUND_WORDS as usize }>();

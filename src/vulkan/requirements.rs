@@ -1,12 +1,12 @@
-//! What a device must offer: to be known before it is created.
+//! States what a device must offer, so that a program can check it before it creates the device.
 //!
-//! An instance for Vulkan 1.1 or later, a device with a queue family for compute, and nothing
-//! else: no extension and no feature needs to be enabled, and no limit is asked for beyond those that Vulkan
-//! guarantees. [`unmet`] names what a physical device
-//! lacks. [`API_VERSION`], [`DEVICE_EXTENSIONS`] and [`features`] exist so that a program can merge
-//! them with its own wishes and stay right if they ever grow. A device that offers
-//! `VK_KHR_portability_subset`, as those of MoltenVK do, asks every program to enable that; nothing that it
-//! leaves out is used here.
+//! The engine needs an instance for Vulkan 1.1 or later and a device with a queue family for compute. No
+//! extension and no feature has to be enabled, and no limit has to exceed the minimum that Vulkan guarantees.
+//! [`unmet`] lists the requirements that a physical device does not meet. [`API_VERSION`],
+//! [`DEVICE_EXTENSIONS`] and [`features`] let a program merge the requirements with its own. Such a program
+//! stays correct if the requirements ever grow. A device that offers `VK_KHR_portability_subset`, as those of
+//! MoltenVK do, requires every program to enable that extension. This crate uses nothing that such a device
+//! leaves out.
 //!
 //! ```no_run
 //! # use geosweep::ash::{self, vk};
@@ -30,21 +30,22 @@ use super::memory::{FORMAT, IMAGE_USAGE, RESULT_FORMAT};
 use super::passes::PUSH_CONSTANT_BYTES;
 use crate::constants::{MOST_GROUPS, SURROUNDINGS_WORKGROUP};
 
-/// The Vulkan version needed; instances should be created for it or a later one.
+/// Vulkan version needed. Instances should be created for this version or a later one.
 pub const API_VERSION: u32 = vk::API_VERSION_1_1;
 
-/// The device extensions needed: none.
+/// Device extensions needed: none.
 pub const DEVICE_EXTENSIONS: &[&CStr] = &[];
 
-/// The device features needed: none.
+/// Returns the device features needed: none.
 pub fn features() -> vk::PhysicalDeviceFeatures {
     vk::PhysicalDeviceFeatures::default()
 }
 
-/// Shared memory that every device offers, of which surroundings of sources take most.
+/// Shared memory of a workgroup in bytes, as every device offers. The pass over the surroundings of sources
+/// needs most of it.
 const SHARED_MEMORY_BYTES: u32 = 16 << 10;
 
-/// Names what a device lacks; an empty list means that the engine runs on it.
+/// Returns the requirements that a device does not meet. If the list is empty, the engine runs on the device.
 pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> Vec<String> {
     // SAFETY: the physical device is from this instance.
     let properties = unsafe { instance.get_physical_device_properties(physical_device) };
@@ -55,7 +56,7 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
     }
     let limits = properties.limits;
     for (what, offered, needed) in [
-        // The largest of those that are no matter of tuning.
+        // The widest workgroup whose size is not a matter of tuning.
         (
             "workgroups hold # invocations",
             limits.max_compute_work_group_invocations,
@@ -110,19 +111,20 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
     unmet
 }
 
-/// What is said of such an instance.
+/// Message about an instance that was created for Vulkan 1.0.
 pub(crate) const FOR_VULKAN_1_0: &str = "its instance was created for Vulkan 1.0, and 1.1 is needed: say so in \
                                          VkApplicationInfo::apiVersion";
 
-/// Whether a device knows no function of Vulkan 1.1: its instance was created for 1.0, and so is the device
-/// whatever the driver can.
+/// Returns whether a device lacks the functions of Vulkan 1.1. That is so if its instance was created for
+/// 1.0, whatever the driver supports.
 pub(crate) fn is_for_vulkan_1_0(instance: &ash::Instance, device: &ash::Device) -> bool {
     let name = c"vkTrimCommandPool".as_ptr();
     // SAFETY: the device is from this instance.
     unsafe { (instance.fp_v1_0().get_device_proc_addr)(device.handle(), name) }.is_none()
 }
 
-/// A queue family for compute, rather without graphics: on large GPUs that is the async one.
+/// Returns a queue family for compute. A family without graphics is preferred: on large GPUs that is the
+/// async compute queue.
 pub fn compute_queue_family(
     instance: &ash::Instance,
     physical_device: vk::PhysicalDevice,
@@ -143,7 +145,8 @@ fn compute_family(families: &[vk::QueueFamilyProperties]) -> Option<u32> {
         .map(|index| index as u32)
 }
 
-/// Whether a device is Vulkan's but for some corners, and asks for an extension that says so.
+/// Returns whether a device offers the extension `VK_KHR_portability_subset`: it implements Vulkan except for
+/// some corners, and requires programs to enable that extension.
 pub(crate) fn is_portable_subset(
     instance: &ash::Instance,
     physical_device: vk::PhysicalDevice,
@@ -156,7 +159,7 @@ pub(crate) fn is_portable_subset(
     offered.unwrap_or_default().iter().any(is_wanted)
 }
 
-/// The largest side of a grid's images and their largest size in bytes.
+/// Returns the largest side of a grid's images in texels, and their largest size in bytes.
 pub(crate) fn largest_side(
     instance: &ash::Instance,
     physical_device: vk::PhysicalDevice,

@@ -1,4 +1,4 @@
-//! In which order the points of a grid are updated, and in how large portions.
+//! Chooses the order in which the points of a grid are updated, and the sizes of the portions.
 
 use std::fmt;
 
@@ -10,17 +10,17 @@ use crate::Wavefront;
 use crate::name::{UnknownName, by_name};
 use crate::surface::Chart;
 
-/// The order of updates on the device. All lead to the same map.
+/// Order of updates on the device. All orders lead to the same map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Schedule {
-    /// The paper's: four rotated scans over the whole grid, one after another, several lines of
-    /// texels a dispatch.
+    /// The schedule of the paper: four rotated scans over the whole grid, one after another. A dispatch takes
+    /// several lines of texels.
     Raster,
-    /// All points at once from their eight triangles, again and again. A front advances by one
-    /// point an update, so it is for tiny grids, and for comparison.
+    /// Updates of all points at once from their eight triangles, repeated. A front advances by one point per
+    /// update, so that this schedule suits only tiny grids and comparisons.
     AllPoints,
-    /// Rounds of scans inside tiles, in shared memory; a round visits the tiles beside which the
-    /// one before has changed something.
+    /// Rounds of scans inside tiles, in shared memory. A round visits the tiles beside which the previous
+    /// round has changed something.
     Tiles,
 }
 
@@ -28,7 +28,7 @@ impl Schedule {
     /// All schedules.
     pub const ALL: [Self; 3] = [Self::Raster, Self::AllPoints, Self::Tiles];
 
-    /// The name used on the command line and in reports.
+    /// Returns the name used on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Raster => "raster",
@@ -37,7 +37,7 @@ impl Schedule {
         }
     }
 
-    /// What it does, in a line: help for those who choose.
+    /// Returns a description of one line, for help texts.
     pub fn about(self) -> &'static str {
         match self {
             Self::Raster => "Scans over rows and columns, as in the paper",
@@ -46,7 +46,8 @@ impl Schedule {
         }
     }
 
-    /// The best schedule on a kind of device for a grid, as far as it is known.
+    /// Returns the schedule that measured best for a grid on a device of this kind, as far as it was
+    /// measured.
     pub fn best_on(kind: vk::PhysicalDeviceType, chart: Chart) -> Self {
         let side = chart.rows.max(chart.cols);
         let on_cpu = kind == vk::PhysicalDeviceType::CPU;
@@ -55,7 +56,7 @@ impl Schedule {
     }
 }
 
-/// By its [`name`](Schedule::name).
+/// Parses the [`name`](Schedule::name) of a schedule.
 impl std::str::FromStr for Schedule {
     type Err = UnknownName;
 
@@ -70,31 +71,32 @@ impl fmt::Display for Schedule {
     }
 }
 
-/// Sizes of portions, which shaders take as specialization constants.
+/// Sizes of portions. Shaders receive them as specialization constants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Tuning {
-    /// Invocations of a workgroup of a raster scan: texels of a line. Where a whole line fits (with one less than
-    /// [`scan_lines`](Tuning::scan_lines) to spare at each end), a dispatch takes many blocks of lines in turn.
+    /// Invocations of a workgroup of a raster scan, one for each texel of a line. If a whole line fits a
+    /// workgroup, with one less than [`scan_lines`](Tuning::scan_lines) texels to spare at each end, a
+    /// dispatch takes many blocks of lines in turn.
     pub scan_width: u32,
-    /// Lines of texels in one dispatch of a raster scan. At each end of a workgroup all but one
-    /// of so many texels are computed by its neighbour too.
+    /// Lines of texels in a block, which one dispatch of a raster scan takes. At each end of a workgroup
+    /// `scan_lines - 1` texels are computed by its neighbour too.
     pub scan_lines: u32,
-    /// Points on a side of a tile; even.
+    /// Number of points on a side of a tile; even.
     pub tile: u32,
-    /// Iterations of four scans inside a tile in one round, at most.
+    /// Largest number of iterations of four scans inside a tile in one round.
     pub inner: u32,
-    /// Iterations of raster scans, or rounds of tiles, in a submission, at most; by default by the size of
-    /// the grid. On large grids there are fewer iterations than asked for.
+    /// Largest number of iterations of raster scans, or of rounds of tiles, in a submission. `None` selects
+    /// it by the size of the grid. On large grids a submission has fewer iterations than this.
     pub together: Option<u32>,
-    /// Texels that are visited in a submission, at most, as far as single dispatches allow: systems take a
-    /// device that is busy for seconds for hung, and nothing else is drawn meanwhile. By default 4 million. An
-    /// iteration that visits more is cut into several submissions ([`parts`](super::plan::parts)), but for recordings into a renderer's
-    /// command buffer.
+    /// Largest number of texels that a submission visits, as far as single dispatches allow. `None` selects 4
+    /// million. Systems consider a device that is busy for seconds hung, and nothing else is drawn meanwhile.
+    /// An iteration that visits more texels is cut into several submissions ([`parts`](super::plan::parts)).
+    /// Recordings into a renderer's command buffer are not cut.
     pub visits: Option<u64>,
 }
 
 impl Tuning {
-    /// The sizes for a device.
+    /// Returns the best sizes for a device.
     pub fn of(properties: &vk::PhysicalDeviceProperties) -> Self {
         let limits = &properties.limits;
         let on_cpu = properties.device_type == vk::PhysicalDeviceType::CPU;
@@ -108,19 +110,20 @@ impl Tuning {
         }
     }
 
-    /// Measured on lavapipe (Mesa 22.3, two cores, 1200 x 1200 points): blocks of four lines take
-    /// 0.8 times as long as single lines with planar fronts and 0.65 times with curved ones; of
-    /// eight, 0.8 and 0.75. Workgroups of 128, by which blocks go in turn up to 244 points a side in place of 116, take
-    /// 0.4 to 1.1 times as long there and 0.9 to 2.1 times at 320 points.
+    /// Sizes for devices that are CPUs. Measured on lavapipe (Mesa 22.3, two cores, 1200 x 1200 points):
+    /// blocks of four lines take 0.8 times as long as single lines with planar fronts, and 0.65 times with
+    /// curved ones. Blocks of eight lines take 0.8 and 0.75 times as long. Workgroups of 128 invocations let
+    /// blocks go in turn up to 244 points a side in place of 116. They take 0.4 to 1.1 times as long there,
+    /// and 0.9 to 2.1 times at 320 points.
     const ON_CPU: Self =
         Self { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None, visits: None };
-    /// Of scans, not measured: fewer dispatches for an eighth more updates. A warp for each tile; with one iteration
-    /// in it, in place of four, maps by tiles take an NVIDIA H200 0.55 to 0.65 of the time from 256 to 4096 points a
-    /// side, and as long with 64.
+    /// Sizes for GPUs. Those of scans are not measured: they save dispatches at the cost of an eighth more
+    /// updates. Each tile has a warp. With one iteration in a tile in place of four, maps by tiles take an
+    /// NVIDIA H200 0.55 to 0.65 of the time from 256 to 4096 points a side, and the same time at 64 points.
     const ON_GPU: Self =
         Self { scan_width: 128, scan_lines: 8, tile: 16, inner: 1, together: None, visits: None };
 
-    /// Whether a device has room for them.
+    /// Checks that a device has room for these sizes.
     pub(crate) fn check(&self, limits: &vk::PhysicalDeviceLimits) -> Result<(), VulkanError> {
         let Self { scan_width, scan_lines, tile, inner, together, visits } = *self;
         let refuse = |reason: String| Err(VulkanError::Tuning(reason));
@@ -154,13 +157,13 @@ impl Tuning {
         Ok(())
     }
 
-    /// Shared memory of a tile with curved fronts: edge lengths, Gaussian curvature and four
-    /// copies of the fronts at its points and those around it.
+    /// Returns the bytes of shared memory of a tile with curved fronts: edge lengths, Gaussian curvature and
+    /// four copies of the fronts, at its points and those around it.
     fn tile_bytes(tile: u32) -> u32 {
         (tile + 2).pow(2) * (16 + 4 + 4 * 8) + 16
     }
 
-    /// What a plan for a grid needs to know of them.
+    /// Returns the sizes that a plan for a grid needs.
     pub fn portions(&self, wavefront: Wavefront, texels: TexelChart) -> Portions {
         let small = texels.rows.max(texels.cols) <= SMALL_SIDE;
         let iterations = if small && wavefront != Wavefront::Planar { 5 } else { 4 };
@@ -174,46 +177,47 @@ impl Tuning {
         }
     }
 
-    /// Texels of a line that a workgroup of a raster scan writes.
+    /// Returns the number of texels of a line that a workgroup of a raster scan writes.
     pub(crate) fn scan_texels(&self) -> u32 {
         self.scan_width - 2 * (self.scan_lines - 1)
     }
 }
 
-/// Lines of a block, at most: shaders note in the bits of a word which of them have changed.
+/// Largest number of lines in a block. Shaders note in the bits of a word which lines have changed.
 const MOST_LINES: u32 = 32;
 
-/// Of each visited texel 96 bytes are read and written with planar fronts, and 144 with curved ones: 0.6 GB at
-/// most, 12 milliseconds on an integrated GPU that moves 50 GB a second. A map of 1024 x 1024 points still has four
-/// iterations in a submission, and one of 8192 x 8192 points an eighth of a scan.
+/// Default of [`Tuning::visits`]. An update of a texel reads and writes 96 bytes with planar fronts, and 144
+/// with curved ones. A submission thus moves at most 0.6 GB, which takes 12 milliseconds on an integrated GPU
+/// that moves 50 GB a second. A map of 1024 x 1024 points still has four iterations in a submission, and one
+/// of 8192 x 8192 points an eighth of a scan.
 const VISITS_TOGETHER: u64 = 1 << 22;
 
-/// Up to so many texels a side, circular and curved fronts on smooth surfaces settle in five
-/// iterations (measured: sphere, peaks, cone and torus of 33 to 129 points); beyond, and planar
-/// fronts anywhere, in four. A second submission costs a small map 6 % of its time on lavapipe.
+/// Largest side in texels of a small grid. Up to this size circular and curved fronts on smooth surfaces
+/// settle in five iterations (measured: sphere, peaks, cone and torus of 33 to 129 points). On larger grids,
+/// and with planar fronts on any grid, four iterations suffice. A second submission costs a small map 6 % of
+/// its time on lavapipe.
 const SMALL_SIDE: u32 = 96;
 
-/// Where a schedule is the best one.
+/// Range of devices and grids for which a schedule is the best.
 struct Choice {
     on_cpu: bool,
-    /// Most rows and columns of the grid.
+    /// Largest number of rows or columns of the grid.
     side: usize,
     schedule: Schedule,
 }
 
-/// Which schedule where; the first entry that applies counts.
+/// Best schedules. The first entry that applies is used.
 const CHOICES: [Choice; 3] = [
-    // Measured on lavapipe (Mesa 22.3, two cores), planar and curved, tiles over raster scans: 9
-    // to 25 points a side 0.2 to 1.0 of the time; 33 points 0.75 to 1.7.
-    // A dispatch costs more than a tile's work there. All points at once took twice as long at 9
-    // points, where they did best.
+    // Measured on lavapipe (Mesa 22.3, two cores), planar and curved fronts. Tiles take 0.2 to 1.0 of the
+    // time of raster scans at 9 to 25 points a side, and 0.75 to 1.7 at 33 points. A dispatch costs more than
+    // a tile's work there. All points at once did best at 9 points, and took twice as long there.
     Choice { on_cpu: true, side: 32, schedule: Schedule::Tiles },
-    // Measured as above: from 49 points on tiles take 2 to 20 times as long on a sphere, since
-    // barriers inside shaders are dear there. In a maze, where each round visits few tiles, they took
-    // 0.4 to 0.9 of the time at 129 to 257 points while scans visited all blocks of lines; since these
-    // pass over what cannot change, tiles take 1.3 to 2.2 times as long (medians of 5 pairs beside other work).
+    // Measured as above. From 49 points on tiles take 2 to 20 times as long on a sphere, since barriers
+    // inside shaders are expensive there. In a maze each round visits few tiles. There they took 0.4 to 0.9
+    // of the time at 129 to 257 points while scans visited all blocks of lines. Now that scans skip what
+    // cannot change, tiles take 1.3 to 2.2 times as long (medians of 5 pairs beside other work).
     Choice { on_cpu: true, side: usize::MAX, schedule: Schedule::Raster },
-    // Measured on an NVIDIA H200 (docs/devices): on a sphere tiles take 0.2 to 0.8 of the time of raster scans from 64 to
-    // 4096 points a side, planar and curved.
+    // Measured on an NVIDIA H200 (docs/devices), planar and curved fronts on a sphere: tiles take 0.2 to 0.8
+    // of the time of raster scans from 64 to 4096 points a side.
     Choice { on_cpu: false, side: usize::MAX, schedule: Schedule::Tiles },
 ];

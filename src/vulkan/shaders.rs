@@ -1,28 +1,28 @@
-//! The shaders, as the build has found them in their SPIR-V: for each its module with what it sees,
-//! by what it is specialized, and its blocks as structures. A Rust side that does not match a
-//! shader does not compile.
+//! Contains the shaders, as the build finds them in their SPIR-V. Each shader has a module with its bindings,
+//! its specialization constants, and its blocks as structures. A Rust side that does not match a shader does
+//! not compile.
 
 #![allow(dead_code, reason = "the build writes all that shaders have, and not all is for Rust")]
 
 use ash::vk;
 
-/// A compiled shader and its interface.
+/// Compiled shader with its interface.
 #[derive(Debug)]
 pub(crate) struct Shader {
-    /// Of its file in glsl/.
+    /// Name of the shader's file in glsl/.
     pub(crate) name: &'static str,
     pub(crate) spirv: &'static [u8],
-    /// Set and number of each descriptor that it uses.
+    /// Set and number of each descriptor that the shader uses.
     pub(crate) bindings: &'static [(u32, u32)],
-    /// Whether the host's own images and buffers are among them: it then sees no set of maps.
+    /// Whether the host's own images and buffers are among them. The shader then uses no set of maps.
     pub(crate) sees_host: bool,
-    /// Its specialization constants, by their numbers.
+    /// Specialization constants, by their numbers.
     pub(crate) constants: &'static [(u32, Constant)],
     pub(crate) push_constant_bytes: u32,
 }
 
 impl Shader {
-    /// Whether a constant specializes it.
+    /// Returns whether a constant specializes the shader.
     pub(crate) const fn depends_on(&self, wanted: Constant) -> bool {
         let mut place = 0;
         while place < self.constants.len() {
@@ -35,7 +35,7 @@ impl Shader {
     }
 }
 
-/// How many of these descriptors are of a kind.
+/// Returns how many of these descriptors are of a kind.
 pub(crate) const fn count_of(kind: vk::DescriptorType, kinds: &[vk::DescriptorType]) -> u32 {
     let (mut count, mut place) = (0, 0);
     while place < kinds.len() {

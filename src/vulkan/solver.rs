@@ -1,4 +1,4 @@
-//! Headless solving: upload, iterate, read back.
+//! Headless solving: uploads a surface, iterates and reads the distances back.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -22,10 +22,11 @@ use crate::surface::Seed;
 use crate::update::Wavefront;
 use crate::vulkan::DeviceChoice;
 
-/// Turns the validation layers on in every [`Solver`], if set to anything but 0.
+/// Name of the environment variable that turns the validation layers on in every [`Solver`], if its value is
+/// not 0.
 const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
 
-/// A Vulkan device with the pipelines, for use without a renderer.
+/// A Vulkan device with its pipelines, for use without a renderer.
 ///
 /// ```no_run
 /// use geosweep::Stop;
@@ -44,61 +45,62 @@ const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Solver {
-    /// With the passes of the schedules and wavefronts that were used so far.
+    /// Solver on the device, with the passes of the schedules and wavefronts used so far.
     pub(super) for_device: embed::Solver,
     pub(super) context: Arc<Context>,
-    /// Where pipelines are kept, if they are.
+    /// Store that keeps pipelines between processes, if there is one.
     store: Option<PipelineStore>,
 }
 
-/// How a device computes a map.
+/// Parameters of solving a map on a device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Method {
-    /// The front assumed inside a triangle. [`Wavefront::Anchored`] is solved as [`Wavefront::Curved`] but
-    /// over floor plans ([`crate::Surface::is_floor_plan`]) of up to 33 million points, from up to 4096 sources
-    /// inside cells.
+    /// Front assumed inside a triangle. [`Wavefront::Anchored`] requires a floor plan
+    /// ([`crate::Surface::is_floor_plan`]) of at most 33 million points, and at most 4096 sources inside
+    /// cells. All other maps are solved with [`Wavefront::Curved`] in its place.
     pub wavefront: Wavefront,
-    /// The order of updates; by default [`Schedule::best_on`] the device.
+    /// Order of updates. `None` selects [`Schedule::best_on`] the device.
     pub schedule: Option<Schedule>,
-    /// When to stop; an iteration is one of the schedule's.
+    /// Stopping criterion. It counts the iterations of the schedule.
     pub stop: Stop,
 }
 
-/// A distance map as the Vulkan engine leaves it.
+/// Distance map computed by the Vulkan engine.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    /// Distances, row-major, +infinity where the sources do not reach.
+    /// Distances in row-major order; +infinity where no source reaches.
     pub distances: Vec<f32>,
-    /// The front assumed: [`Wavefront::Anchored`] only where it could be, see [`Method::wavefront`].
+    /// Front assumed. It is [`Wavefront::Anchored`] only where that was possible, see [`Method::wavefront`].
     pub wavefront: Wavefront,
-    /// The order of updates.
+    /// Order of updates that was used.
     pub schedule: Schedule,
-    /// Iterations of four scans, of two updates of all points, or rounds of tiles.
+    /// Number of iterations, each of four scans or of two updates of all points, or number of rounds of tiles.
     pub iterations: u32,
     /// Largest relative change of a front in the last iteration.
     pub residual: f64,
-    /// From the first submission, which forgets the map before, to the end of the last.
+    /// Time from the first submission, which forgets the previous map, to the end of the last.
     pub time: Duration,
 }
 
 impl Solver {
-    /// Opens a device. With the environment variable `GEOSWEEP_VALIDATION` set to anything but
-    /// 0, the validation layers are on, as with [`Solver::with_validation`].
+    /// Opens a device. If the environment variable `GEOSWEEP_VALIDATION` is set to anything but 0, the
+    /// validation layers are on, as with [`Solver::with_validation`].
     pub fn new(choice: &DeviceChoice) -> Result<Self, VulkanError> {
         Self::open(choice, is_validation_wanted())
     }
 
-    /// Opens a device under the Khronos validation layers, with synchronization and GPU-assisted
-    /// validation. Every call then fails that leaves a message in the log.
+    /// Opens a device under the Khronos validation layers, with synchronization and GPU-assisted validation.
+    /// Every call that leaves a message in the log then fails.
     pub fn with_validation(choice: &DeviceChoice) -> Result<Self, VulkanError> {
         Self::open(choice, true)
     }
 
-    /// Opens a device with all that it offers for [`Solver::profile`], but for what is left out: that
-    /// is as on a device that lacks it. `GEOSWEEP_VALIDATION` counts as in [`Solver::new`].
+    /// Opens a device and enables everything that it offers for [`Solver::profile`], except for the
+    /// capabilities in `left_out`. Those behave as on a device that lacks them. The variable
+    /// `GEOSWEEP_VALIDATION` counts as in [`Solver::new`].
     ///
     /// # Errors
-    /// As [`Solver::new`]; what a device does not offer for profiling is no error.
+    /// As [`Solver::new`]. A capability that the device lacks is not an error.
     pub fn for_profiling(
         choice: &DeviceChoice,
         left_out: &[Capability],
@@ -135,21 +137,22 @@ impl Solver {
         }
     }
 
-    /// The device's name.
+    /// Returns the device's name.
     pub fn device_name(&self) -> &str {
         &self.context.info.name
     }
 
-    /// In how large portions it visits the grid.
+    /// Returns the sizes of the portions in which the solver visits the grid.
     pub fn tuning(&self) -> Tuning {
         self.for_device.pipelines.tuning
     }
 
-    /// The same solver with other sizes of portions than [`Tuning::of`] the device, to find out which are best.
-    /// Surfaces that were uploaded before are of no use to it.
+    /// Returns this solver with other sizes of portions than [`Tuning::of`] the device, to find out which are
+    /// best. Surfaces that were uploaded before can no longer be used with it.
     ///
     /// # Errors
-    /// [`VulkanError::Tuning`] if the device has no room for them, or a call of Vulkan's that fails.
+    /// [`VulkanError::Tuning`] if the device has no room for these sizes, or the error of a Vulkan call that
+    /// fails.
     pub fn with_tuning(mut self, tuning: Tuning) -> Result<Self, VulkanError> {
         let (instance, device) = (&self.context.instance.handle, &self.context.device);
         // SAFETY: the physical device is from this instance.
@@ -162,12 +165,12 @@ impl Solver {
         Ok(self)
     }
 
-    /// What the validation layers have said; `None` if they are off.
+    /// Returns the messages of the validation layers; `None` if the layers are off.
     pub fn validation_log(&self) -> Option<&ValidationLog> {
         self.context.instance.validation_log()
     }
 
-    /// Computes a map from seeds, which must lie on the surface.
+    /// Computes a map from `seeds`, which must lie on the surface.
     pub fn solve(
         &mut self,
         surface: &mut SurfaceOnDevice,
@@ -178,7 +181,7 @@ impl Solver {
         self.restore(surface, seeds, method, solution)
     }
 
-    /// Adds seeds to the last map of the surface, which has converged with the same wavefront.
+    /// Adds seeds to the last map of the surface, which must have converged with the same wavefront.
     ///
     /// # Errors
     /// As [`Solver::solve`], and [`VulkanError::TooManyAnchors`] if a map of anchored fronts has no room for
@@ -194,7 +197,7 @@ impl Solver {
         self.restore(surface, seeds, method, solution)
     }
 
-    /// Starts again from seeds that are lost ([`Seed::is_lost`]), until none is.
+    /// Solves again from the seeds that are lost ([`Seed::is_lost`]), until none is.
     fn restore(
         &mut self,
         surface: &mut SurfaceOnDevice,
@@ -206,7 +209,7 @@ impl Solver {
         let is_lost = |seed: &Seed, distances: &[f32]| {
             seed.is_lost(distances[chart.index(seed.row, seed.col)])
         };
-        // Only curved fronts are ever taken back.
+        // Only curved fronts are ever withdrawn.
         while solution.wavefront.is_curved()
             && solution.iterations < method.stop.iterations
             && seeds.iter().any(|seed| is_lost(seed, &solution.distances))
@@ -224,13 +227,14 @@ impl Solver {
         Ok(solution)
     }
 
-    /// What the device offers for profiling; `None` unless the solver was made by
+    /// Returns what the device offers for profiling; `None` unless the solver was made by
     /// [`Solver::for_profiling`].
     pub fn capabilities(&self) -> Option<&Capabilities> {
         self.context.capabilities.as_ref()
     }
 
-    /// What the driver has made of the pipelines used so far; none where the device does not tell.
+    /// Returns the driver's statistics of the pipelines used so far. The list is empty if the device does not
+    /// provide them.
     pub fn executables(&self) -> Result<Vec<Executable>, VulkanError> {
         match self.capabilities().is_some_and(|found| found.executables.is_ok()) {
             true => {
@@ -240,7 +244,7 @@ impl Solver {
         }
     }
 
-    /// Computes the map that [`Solver::solve`] computes, and tells of every pass.
+    /// Computes the same map as [`Solver::solve`] and returns a record of every pass.
     ///
     /// # Errors
     /// As [`Solver::solve`], and [`VulkanError::NotForProfiling`] unless the solver was made by
@@ -263,7 +267,7 @@ impl Solver {
         let detail = Detail { tiles: detail.tiles && schedule.has_rounds(), ..detail };
         let room = passes + PASSES_AROUND;
         let mut session = Session::new(&self.context, capabilities, room, tiles, detail)?;
-        // What has been recorded before is without queries.
+        // Command buffers that were recorded before contain no queries.
         surface.goes_on = None;
         let solved = self.solve_watched(surface, seeds, method, Start::Fresh, &mut session);
         surface.goes_on = None;
@@ -308,7 +312,7 @@ impl Solver {
             }
             recorder.start(stop, schedule, causal, start == Start::FromLast);
         };
-        // Those that the upload buffer does not hold beside the last go ahead.
+        // The upload buffer holds `most` seeds. All but the last part are seeded by submissions of their own.
         let most = images.staging().len() / size_of::<SeedTexel>();
         let (ahead, last) = seeds.split_at(seeds.len().saturating_sub(1) / most * most);
         if !ahead.is_empty() {
@@ -338,11 +342,11 @@ impl Solver {
         }
         let mut outcome = images.record(0).outcome;
         while !outcome.is_done() {
-            // One recording serves all but the last iterations, of which fewer may be left.
+            // One recording serves all iterations but the last ones, of which fewer may be left.
             let left = stop.iterations - outcome.iterations;
             let wanted = (variant, schedule.plan(texels, portions, None, most(left)));
             let parts = plan::parts(&wanted.1, texels, portions.visits);
-            // Who looks at passes knows those of the last recording only.
+            // A submitter that watches passes knows only those of the last recording.
             let is_kept = parts.len() == 1 || !submitter.is_watching();
             let is_recorded = is_kept && goes_on.as_ref() == Some(&wanted);
             while further.len() < parts.len() {
@@ -371,7 +375,7 @@ impl Solver {
         Ok(Solution { distances, wavefront, schedule, iterations, residual, time })
     }
 
-    /// Makes the passes of a schedule and a variant unless they are there.
+    /// Makes the passes of a schedule and a variant, unless they exist.
     fn make_passes(
         &mut self,
         images: &GridImages,
@@ -400,7 +404,7 @@ impl Solver {
         })
     }
 
-    /// Records, submits and waits.
+    /// Records commands, submits them and waits for their end.
     pub(super) fn run(
         &self,
         submitter: &mut impl Submitter,
@@ -429,7 +433,7 @@ impl Solver {
     }
 }
 
-/// Records a part of the steps of a plan, and after the last how the iterations have gone.
+/// Records part `number` of a plan's steps. After the last part it records the copy of the outcome.
 fn record_part(recorder: &Recorder, variant: Variant, parts: &[&[Step]], number: usize) {
     let before = parts[..number].last().and_then(|part| part.last());
     recorder.steps_after(before, variant, parts[number]);
@@ -439,7 +443,7 @@ fn record_part(recorder: &Recorder, variant: Variant, parts: &[&[Step]], number:
     recorder.end_portion();
 }
 
-/// Puts seeds where `seed.comp` reads them; how many they are.
+/// Writes seeds to the buffer that `seed.comp` reads, and returns their number.
 fn write_seeds(seeds: &[SeedTexel], images: &mut GridImages) -> u32 {
     let bytes = bytemuck::cast_slice(seeds);
     images.staging()[..bytes.len()].copy_from_slice(bytes);
@@ -450,8 +454,8 @@ fn is_validation_wanted() -> bool {
     std::env::var_os(VALIDATION_VARIABLE).is_some_and(|value| value != "0")
 }
 
-/// Passes in a submission beside the steps of a plan, at most: copies of what the device decides,
-/// and how the iterations have gone.
+/// Largest number of passes in a submission beside the steps of a plan: copies of the device's decisions, and
+/// of the outcome of the iterations.
 const PASSES_AROUND: u32 = 8;
 
 impl Drop for Solver {
@@ -459,7 +463,7 @@ impl Drop for Solver {
         let device = &self.context.device;
         self.for_device.destroy(device);
         if let Some(store) = &mut self.store {
-            // Without the file the next process compiles again.
+            // A failed save is no error: the next process compiles the pipelines again.
             let _ = store.save(device);
             store.destroy(device);
         }
@@ -501,7 +505,7 @@ mod tests {
         (before, after) == (PASS, PASS)
     }
 
-    /// Shows that the validation layers are listening: without this, a clean log says nothing.
+    /// Checks that the validation layers are active. Without this a clean log would prove nothing.
     #[test]
     fn a_missing_barrier_is_reported() {
         let surface = hill();
@@ -517,7 +521,7 @@ mod tests {
         }
     }
 
-    /// What a host's tools see of us is what the layers say of a fault.
+    /// Names in the layers' messages about a fault are those that a host's tools see.
     #[test]
     fn pipelines_have_names_while_profiling() {
         let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());
@@ -548,9 +552,9 @@ mod tests {
         assert_eq!(log.messages(), Vec::<String>::new());
     }
 
-    /// Replaces one function of the device by one that fails.
+    /// Returns a solver with one function of the device replaced by one that fails.
     fn with_failing(name: &'static CStr, result: extern "system" fn() -> vk::Result) -> Solver {
-        // Not under validation: the layers would rightly complain of what the fault leaves.
+        // Validation is off, since the layers would rightly report what the fault leaves behind.
         let mut solver = Solver::open(&DeviceChoice::Any, false).unwrap();
         let context = Arc::get_mut(&mut solver.context).unwrap();
         let (instance, handle) = (&context.instance.handle, context.device.handle());

@@ -1,4 +1,4 @@
-//! A surface on a device, and what its maps need beside the solver's pipelines.
+//! Holds a surface on a device, with what its maps need beside the solver's pipelines.
 
 use std::sync::Arc;
 
@@ -15,42 +15,42 @@ use crate::constants::SOURCES_INSIDE;
 use crate::surface::{Origins, Seed, Surface};
 use crate::update::{Setting, Wavefront};
 
-/// A surface's edge lengths on a device, ready for any number of maps.
+/// Edge lengths of a surface on a device, ready for any number of maps.
 ///
-/// Must not outlive its solver's last use of it; memory is freed when it is dropped.
+/// Dropping it frees its memory. It must not outlive its solver's last use of it.
 pub struct SurfaceOnDevice {
     pub(super) images: GridImages,
-    /// Over floor plans.
+    /// Anchors, if the surface is a floor plan.
     pub(super) anchors: Option<Anchors>,
-    /// Whether it has obtuse triangles, as its edges have told.
+    /// Whether the surface has obtuse triangles, according to its edges.
     pub(super) splits: bool,
-    /// Whether its slowness is not the same everywhere.
+    /// Whether the slowness of the surface is not the same everywhere.
     pub(super) slowed: bool,
-    /// Whether the last map's fronts have anchors.
+    /// Whether the fronts of the last map have anchors.
     is_anchored: bool,
-    /// Of the last map's fronts.
+    /// Origins of the last map's fronts.
     pub(super) origins: Origins,
-    /// Those whose numbers curved fronts carry.
+    /// Origins whose numbers curved fronts carry.
     numbered: NumberedOrigins,
-    /// Starts a map.
+    /// Command buffer that starts a map.
     pub(super) first: CommandBuffer,
-    /// Go on with one, as recorded for this wavefront and these steps: one for each part of them.
+    /// Command buffers that continue a map, one for each part of the steps in `goes_on`.
     pub(super) further: Vec<CommandBuffer>,
     pub(super) goes_on: Option<(Variant, Vec<Step>)>,
     pub(super) context: Arc<Context>,
 }
 
-/// What is there before the seeds.
+/// State of the map before the seeds.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Start {
-    /// Nothing.
+    /// No point is reached.
     Fresh,
-    /// The last map.
+    /// The last map is kept.
     FromLast,
 }
 
 impl SurfaceOnDevice {
-    /// Makes room for a surface whose points have these places in texels.
+    /// Allocates resources for a surface whose points have these places in texels.
     pub(super) fn new(
         context: &Arc<Context>,
         pipelines: &Pipelines,
@@ -81,7 +81,7 @@ impl SurfaceOnDevice {
         })
     }
 
-    /// The wavefront of a map, and what the fronts at its seeds carry beside their times.
+    /// Returns the wavefront of a map, and what the fronts at its seeds carry in addition to their times.
     pub(super) fn begin(
         &mut self,
         wavefront: Wavefront,
@@ -94,7 +94,7 @@ impl SurfaceOnDevice {
             self.numbered.forget();
         }
         seeds.iter().for_each(|seed| self.origins.add(seed));
-        // A map goes on as it has begun.
+        // A map is continued with the fronts with which it was started.
         let has_anchors = self.anchors.is_some() && (!goes_on || self.is_anchored);
         let wavefront = match wavefront.or_curved(Setting::of_engine(has_anchors)) {
             // Circles have no centre where rays bend.
@@ -116,7 +116,7 @@ impl SurfaceOnDevice {
             }
         }
         self.is_anchored = false;
-        // Without room for the sources' numbers.
+        // There was no room for the sources' numbers.
         let wavefront = wavefront.or_curved(Setting::of_engine(false));
         let has_origins = seeds.iter().any(|seed| seed.origin.is_some());
         let has_numbers =
@@ -129,12 +129,12 @@ impl SurfaceOnDevice {
         Ok((wavefront, carried))
     }
 
-    /// Whether fronts of the map may carry numbers of origins.
+    /// Returns whether fronts of the map may carry numbers of origins.
     pub(super) fn is_named(&self) -> bool {
         !self.numbered.is_empty()
     }
 
-    /// Bytes of device and staging memory held.
+    /// Returns the bytes of device and staging memory held.
     pub fn bytes(&self) -> u64 {
         self.images.bytes()
     }

@@ -1,5 +1,4 @@
-//! The chart in texels: which texel of the images holds which grid points. The twin of
-//! `glsl/chart.glsl`.
+//! Maps grid points to texels of the images. The twin of `glsl/chart.glsl`.
 
 use std::ops::Range;
 
@@ -8,21 +7,21 @@ use ash::vk;
 use crate::constants::BORDER;
 use crate::surface::Chart;
 
-/// Size of the images of fronts, 2 x 2 grid points a texel with a border of texels that
-/// are never reached.
+/// Size of the images of fronts. A texel holds 2 x 2 grid points. The images have a border of texels that are
+/// never reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TexelChart {
-    /// Rows of texels, the border included.
+    /// Number of rows of texels, with the border.
     pub rows: u32,
-    /// Columns of texels, the border included.
+    /// Number of columns of texels, with the border.
     pub cols: u32,
 }
 
 impl TexelChart {
-    /// Rows, and columns, before the grid's first in an image with one texel a point.
+    /// Number of rows, and of columns, before the grid's first one in an image with one texel a point.
     pub(crate) const POINTS_BEFORE: u32 = 2 * BORDER;
 
-    /// The texels of a grid; `None` if they cannot be counted in 31 bits.
+    /// Returns the texels of a grid; `None` if they cannot be counted in 31 bits.
     pub fn new(chart: Chart) -> Option<Self> {
         let texels = |points: usize| {
             let points = u32::try_from(points).ok().filter(|&points| points < 1 << 30)?;
@@ -31,49 +30,49 @@ impl TexelChart {
         Some(Self { rows: texels(chart.rows)?, cols: texels(chart.cols)? })
     }
 
-    /// Rows of texels with grid points in them.
+    /// Returns the rows of texels that contain grid points.
     pub fn inner_rows(self) -> Range<u32> {
         BORDER..self.rows - BORDER
     }
 
-    /// Columns of texels with grid points in them.
+    /// Returns the columns of texels that contain grid points.
     pub fn inner_cols(self) -> Range<u32> {
         BORDER..self.cols - BORDER
     }
 
-    /// The row and column of the texel of a grid point, and its component in it.
+    /// Returns the row and column of the texel of a grid point, and the point's component in it.
     pub fn texel_of(row: usize, col: usize) -> (u32, u32, usize) {
         (row as u32 / 2 + BORDER, col as u32 / 2 + BORDER, 2 * (row % 2) + col % 2)
     }
 
-    /// Columns and rows of texels with grid points in them.
+    /// Returns the number of columns and rows of texels that contain grid points.
     pub(crate) fn inner(self) -> [u32; 2] {
         [self.cols - 2 * BORDER, self.rows - 2 * BORDER]
     }
 
-    /// Texels with grid points in them.
+    /// Returns the number of texels that contain grid points.
     pub(crate) fn all(self) -> u64 {
         self.inner().map(u64::from).iter().product()
     }
 
-    /// Columns and rows of tiles with so many points on a side.
+    /// Returns the number of columns and rows of tiles with `points` points on a side.
     pub(crate) fn tiles(self, points: u32) -> [u32; 2] {
         self.inner().map(|texels| (2 * texels).div_ceil(points))
     }
 
-    /// Blocks of so many rows of texels, or columns, and one more on each side of the grid: how far
-    /// those of the four scans lie apart.
+    /// Returns the distance between the blocks of two scans: the blocks of `lines` rows, or columns, of
+    /// texels, and one more on each side of the grid.
     pub(crate) fn block_pitch(self, lines: u32) -> u32 {
         let [cols, rows] = self.inner();
         cols.max(rows).div_ceil(lines) + 2
     }
 
-    /// Extent of an image with one texel for 2 x 2 points.
+    /// Returns the extent of an image with one texel for 2 x 2 points.
     pub fn fronts_extent(self) -> vk::Extent3D {
         vk::Extent3D { width: self.cols, height: self.rows, depth: 1 }
     }
 
-    /// Extent of an image with one texel a point.
+    /// Returns the extent of an image with one texel a point.
     pub fn edges_extent(self) -> vk::Extent3D {
         vk::Extent3D { width: 2 * self.cols, height: 2 * self.rows, depth: 1 }
     }

@@ -1,4 +1,4 @@
-//! Sources in the form in which the shaders read them.
+//! Converts sources to the form in which shaders read them.
 
 use super::TexelChart;
 pub(crate) use super::shaders::seed::SeedTexel;
@@ -12,13 +12,14 @@ pub(crate) const SOURCE_BYTES: usize = 16;
 /// Bytes of a texel with sources that shaders read and write.
 pub(crate) const SEED_BYTES: u64 = (size_of::<SeedTexel>() - size_of::<[i32; 2]>()) as u64;
 
-/// The curvatures of the fronts at seeds, as fronts carry them: as well known as through a whole triangle.
+/// Returns the curvatures of the fronts at seeds as fronts carry them, tagged like curvatures that come
+/// through a whole triangle.
 pub(crate) fn curvatures(seeds: &[Seed]) -> Vec<f32> {
     seeds.iter().map(|seed| (seed.curvature as f32).with_tag(tag_of(seed) | WHOLE as u8)).collect()
 }
 
-/// Groups seeds by texel, since each texel is written by one invocation; with each of them what its front
-/// carries beside its time.
+/// Groups seeds by texel, since one invocation writes each texel. `carried` is what the front of each seed
+/// carries in addition to its time.
 pub(crate) fn seed_texels(seeds: &[Seed], carried: &[f32], wavefront: Wavefront) -> Vec<SeedTexel> {
     let place = |seed: &Seed| TexelChart::texel_of(seed.row, seed.col);
     let start = |seed: &Seed, carried: f32| match wavefront {
@@ -52,7 +53,7 @@ mod tests {
     use super::*;
     use crate::update::{Front, SEED};
 
-    /// Else what arrives together with one would take its place on a device alone.
+    /// If they differed, a front that arrives together with a seed would replace it on a device alone.
     #[test]
     fn fronts_at_seeds_are_those_of_the_cpu() {
         for curvature in [0.0, -0.0, 0.5, Seed::AT_SOURCE] {

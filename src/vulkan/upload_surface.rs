@@ -1,4 +1,4 @@
-//! A surface's way onto a device, without a renderer.
+//! Uploads a surface to a device, without a renderer.
 
 use std::ops::Range;
 
@@ -8,12 +8,12 @@ use super::{Solver, SurfaceOnDevice, VulkanError};
 use crate::surface::{Chart, EdgeLengths, Surface};
 
 impl Solver {
-    /// Measures the edges of a surface, which the processor does in lanes while it checks them anyhow, and
-    /// uploads them.
+    /// Measures the edges of a surface and uploads them. The processor checks them in any case, and measures
+    /// them in SIMD lanes.
     ///
     /// # Errors
-    /// If an edge is too long or too short for single precision, or the grid is too large for
-    /// the device's images or memory.
+    /// If an edge is too long or too short for single precision, or the grid is too large for the device's
+    /// images or memory.
     pub fn upload(&self, surface: &Surface) -> Result<SurfaceOnDevice, VulkanError> {
         let chart = surface.chart();
         let texels = self.for_device.limits.texels(chart)?;
@@ -32,7 +32,7 @@ impl Solver {
         }
         let rule = surface.edge_rule();
         let has_positions = surface.geometry().has_positions();
-        // What the device cannot tell from edges.
+        // The device cannot derive these values from edges.
         let known = match slowed || !has_positions {
             true => Some(EdgeLengths::<f32>::new(surface)?),
             false => None,
@@ -51,7 +51,8 @@ impl Solver {
         Ok(on_device)
     }
 
-    /// Uploads what is known of the points, given as a bordered array: see [`super::record::Recorder::upload_ground`].
+    /// Uploads values at the points, given as a bordered array: see
+    /// [`super::record::Recorder::upload_ground`].
     fn upload_ground(
         &self,
         images: &mut GridImages,
@@ -69,8 +70,8 @@ impl Solver {
     }
 }
 
-/// Writes what is known of the points of some rows, of which the first is even, 2 x 2 points a texel, from a
-/// bordered array.
+/// Writes values at the points of some rows, 2 x 2 points a texel, from a bordered array. The first row must
+/// be even.
 fn write_texels(chart: Chart, rows: Range<usize>, known: &[f32], texels: &mut [[f32; 4]]) {
     texels.fill([1.0; 4]);
     for row in rows.clone() {

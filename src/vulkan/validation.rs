@@ -1,4 +1,4 @@
-//! The Khronos validation layers: collected messages of a device's life.
+//! Enables the Khronos validation layers and collects their messages over a device's life.
 
 use std::ffi::{CStr, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,13 +9,14 @@ use super::VulkanError;
 
 pub(crate) const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
-/// The checks turned on beside the layer's usual ones.
+/// Checks that are enabled in addition to the layer's defaults.
 pub(crate) const FEATURES: [vk::ValidationFeatureEnableEXT; 2] = [
     vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION,
     vk::ValidationFeatureEnableEXT::GPU_ASSISTED,
 ];
 
-/// Layers since 1.3.290 tell of hazards between accesses of shaders only if they are asked to.
+/// Returns settings of the layer. Since 1.3.290 it reports hazards between accesses of shaders only if
+/// requested.
 pub(crate) fn settings() -> [vk::LayerSettingEXT<'static>; 1] {
     let setting = vk::LayerSettingEXT::default()
         .layer_name(LAYER)
@@ -28,7 +29,7 @@ pub(crate) fn settings() -> [vk::LayerSettingEXT<'static>; 1] {
     }]
 }
 
-/// Whether the layer takes settings from a program. Older ones do not know the structure.
+/// Returns whether the layer takes settings from a program. Older layers do not know the structure.
 pub(crate) fn takes_settings(entry: &ash::Entry) -> bool {
     // SAFETY: the name is a string.
     let offered = unsafe { entry.enumerate_instance_extension_properties(Some(LAYER)) };
@@ -38,13 +39,13 @@ pub(crate) fn takes_settings(entry: &ash::Entry) -> bool {
     offered.unwrap_or_default().iter().any(is_wanted)
 }
 
-/// Warnings and errors of the validation layers, in the order in which they came. Clones share
-/// one log, which outlives the device: what the layers say while it is destroyed is in it too.
+/// Warnings and errors of the validation layers, in the order in which they came. Clones share one log. The
+/// log outlives the device, so that it also contains what the layers report while the device is destroyed.
 #[derive(Clone, Debug, Default)]
 pub struct ValidationLog(Arc<Mutex<Vec<String>>>);
 
 impl ValidationLog {
-    /// The messages so far.
+    /// Returns the messages so far.
     pub fn messages(&self) -> Vec<String> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -54,8 +55,9 @@ impl ValidationLog {
     }
 }
 
-/// Where messages go: also those of an instance's creation and destruction, if it is told of this. Else layers print
-/// them, among what a program does. The log, which keeps its address, is to outlive the instance.
+/// Returns the description of a messenger that writes to `log`. If an instance is created with it, the log
+/// also receives the messages of the instance's creation and destruction. Otherwise the layers print those
+/// among the program's output. The log must not move, and must outlive the instance.
 pub(crate) fn messages_to(log: &ValidationLog) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
     vk::DebugUtilsMessengerCreateInfoEXT::default()
         .message_severity(
@@ -67,16 +69,16 @@ pub(crate) fn messages_to(log: &ValidationLog) -> vk::DebugUtilsMessengerCreateI
         .user_data(std::ptr::from_ref(log).cast_mut().cast())
 }
 
-/// A debug messenger that fills a log.
+/// Debug messenger that fills a log.
 pub(crate) struct Messenger {
     loader: ext::debug_utils::Instance,
     messenger: vk::DebugUtilsMessengerEXT,
-    /// Boxed, since the callback keeps its address.
+    /// Log of the messages. It is boxed because the callback holds its address.
     log: Box<ValidationLog>,
 }
 
 impl Messenger {
-    /// With a log that the instance has been told of.
+    /// Creates a messenger for a log with which the instance was created.
     pub(crate) fn new(
         entry: &ash::Entry,
         instance: &ash::Instance,
@@ -93,7 +95,7 @@ impl Messenger {
         &self.log
     }
 
-    /// Destroys it, before the instance.
+    /// Destroys the messenger. This must happen before the instance is destroyed.
     pub(crate) fn destroy(&mut self) {
         // SAFETY: the instance is alive, and no call that could report is under way.
         unsafe { self.loader.destroy_debug_utils_messenger(self.messenger, None) };
@@ -113,13 +115,14 @@ unsafe extern "system" fn collect(
         (id, text, &*log.cast::<ValidationLog>())
     };
     if !is_about_the_layer_itself(severity, &id) {
-        // Older layers name it in the text, newer ones beside it.
+        // Older layers name the message in its text, newer ones only beside it.
         let message = match text.contains(&*id) {
             true => text.into_owned(),
             false => format!("[ {id} ] {text}"),
         };
-        // Printed as they come too, since a crashing driver takes the log with it.
-        // What is left behind by code that fails is no news, and the reason would drown.
+        // Messages are also printed as they come, since a crashing driver takes the log with it. While the thread
+        // panics they are not: failing code leaves objects behind, and messages about them would hide the
+        // reason.
         if !std::thread::panicking() {
             eprintln!("validation: {message}");
         }
@@ -128,8 +131,8 @@ unsafe extern "system" fn collect(
     vk::FALSE
 }
 
-/// What the layers say of their own set-up is no finding: which features they turn on for themselves, and which
-/// checks they leave out for want of one.
+/// Returns whether a message is about the layers' own set-up, which is no finding. Such messages say which
+/// features the layers enable for themselves, and which checks they omit because a feature is missing.
 fn is_about_the_layer_itself(severity: vk::DebugUtilsMessageSeverityFlagsEXT, id: &str) -> bool {
     let of_layers = ["WARNING-GPU-Assisted", "UNASSIGNED-GPU-Assisted", "VALIDATION-SETTINGS"];
     severity == vk::DebugUtilsMessageSeverityFlagsEXT::WARNING

@@ -1,5 +1,5 @@
-//! Where the maps of a batch lie, in which portions they are computed, and how many at a time:
-//! plain values that need no device.
+//! Computes where the maps of a batch lie, in which portions they are computed, and how many at a time. The
+//! layout is plain values and needs no device.
 
 use ash::vk;
 
@@ -10,19 +10,19 @@ use crate::surface::Chart;
 use crate::update::Wavefront;
 use crate::vulkan::TexelChart;
 
-/// What a device offers for batches.
+/// Limits of a device that matter for batches.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BatchLimits {
     pub(super) on_cpu: bool,
-    /// Bytes of shared memory of a workgroup.
+    /// Shared memory of a workgroup, in bytes.
     pub(super) shared_memory: u32,
-    /// Invocations of a workgroup.
+    /// Largest number of invocations of a workgroup.
     pub(super) invocations: u32,
-    /// Invocations of a subgroup.
+    /// Number of invocations of a subgroup.
     pub(super) subgroup: u32,
-    /// Layers of an image.
+    /// Largest number of layers of an image.
     pub(super) layers: u32,
-    /// Bytes of a storage buffer.
+    /// Largest size of a storage buffer, in bytes.
     pub(super) buffer: u64,
 }
 
@@ -42,31 +42,31 @@ impl BatchLimits {
     }
 }
 
-/// How a workgroup computes a map in shared memory.
+/// Parameters of the workgroups that compute maps in shared memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Workgroup {
-    /// Points that there is room for in shared memory.
+    /// Number of points for which shared memory has room.
     pub(super) room: u32,
-    /// From a point to the one below it.
+    /// Distance in shared memory from a point to the one below it.
     pub(super) pitch: u32,
     pub(super) invocations: u32,
-    /// Iterations in a dispatch, at most.
+    /// Largest number of iterations in a dispatch.
     pub(super) iterations: u32,
-    /// Whether its pipeline is for this size alone, or for all that have as much room.
+    /// Whether the pipeline is for this size alone. Otherwise it is for all sizes that have this room.
     pub(super) is_known: bool,
 }
 
-/// Iterations in a dispatch, at most: all that most surfaces need, and far below what systems let a
-/// dispatch run before they take it for hung.
+/// Largest number of iterations in a dispatch. Most surfaces need no more. These iterations take far less
+/// time than a dispatch may take before systems consider it hung.
 const MOST_ITERATIONS: u32 = 32;
-/// Trips through loops in a dispatch, at most. Mesa's llvmpipe leaves the loops of a shader after
-/// 65,535 trips an invocation, all loops together, without a word.
+/// Largest number of trips through loops in a dispatch. Mesa's llvmpipe leaves the loops of a shader silently
+/// after 65,535 trips of an invocation, counted over all loops.
 const MOST_TRIPS: u32 = 60_000;
-/// Invocations of a workgroup, at most: with more of them barriers cost more than lines gain.
+/// Largest number of invocations of a workgroup. With more of them, barriers cost more than lines gain.
 const MOST_INVOCATIONS: u32 = 128;
 
 impl Workgroup {
-    /// `None` if a map does not fit.
+    /// Returns the workgroup for maps of a grid; `None` if a map does not fit.
     pub(super) fn fitting(
         chart: Chart,
         wavefront: Wavefront,
@@ -83,7 +83,8 @@ impl Workgroup {
 
         let pairs = rows.max(cols).div_ceil(2);
         let most = MOST_INVOCATIONS.min(limits.invocations);
-        // Whole subgroups: Mesa 22.3's lavapipe may lose what one computes that is filled in part.
+        // Workgroups have whole subgroups: Mesa 22.3's lavapipe may lose what a partly filled subgroup
+        // computes.
         let pairs = pairs.div_ceil(pairs.div_ceil(most));
         let invocations = pairs.next_multiple_of(limits.subgroup).min(most);
 
@@ -99,48 +100,48 @@ impl Workgroup {
     }
 }
 
-/// Room for an area, with at most a quarter too much, so that few pipelines serve all sizes.
+/// Returns the room for an area. It is at most a quarter too large, so that few pipelines serve all sizes.
 fn room(area: u32) -> u32 {
     area.next_multiple_of((area.next_power_of_two() / 8).max(64))
 }
 
-/// Numbers that a point of a map takes: arrival time, and curvature if fronts carry one.
+/// Returns the numbers stored for a point of a map: the arrival time, and a curvature if fronts carry one.
 pub(super) fn numbers(wavefront: Wavefront) -> u32 {
     if wavefront.is_curved() { LAYERS } else { 1 }
 }
 
-/// Numbers in the fan of a pair of points, as `glsl/pairwise_fans.glsl` has it.
+/// Returns the numbers in the fan of a pair of points, as in `glsl/pairwise_fans.glsl`.
 pub(super) fn fan_numbers(wavefront: Wavefront) -> u64 {
     if wavefront.is_curved() { 15 } else { 9 }
 }
 
-/// How the maps of a surface are computed.
+/// Layout of the maps of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BatchLayout {
     pub(super) chart: Chart,
     pub(super) wavefront: Wavefront,
-    /// For maps in shared memory.
+    /// Workgroup of a map, if maps lie in shared memory.
     pub(super) workgroup: Option<Workgroup>,
-    /// Maps of a batch, at most.
+    /// Largest number of maps in a batch.
     pub(super) maps: u32,
-    /// Of each of the two images of a batch, if it has any.
+    /// Bytes of each of the two images of a batch; 0 if it has none.
     pub(super) image: u64,
 }
 
-/// Bytes that the distances of a batch take, and bytes of its images: beyond that a batch does not
-/// grow. Reasoned, not measured: a thousand maps of 64 x 64 points fill any GPU, and so do the lines
-/// of texels of some dozens of larger maps.
+/// Largest number of bytes of a batch's distances, and of its images. Estimated, not measured: a thousand
+/// maps of 64 x 64 points fill any GPU, and so do the lines of texels of some dozens of larger maps.
 const ON_GPU: [u64; 2] = [16 << 20, 256 << 20];
-/// Measured on lavapipe (Mesa 22.3, two cores), maps in images, circular fronts, one iteration: 1 and
-/// 4 MiB take the same time, 256 KiB half as long again and 16 MiB up to three times as long.
+/// Limits for CPUs, in the same order. Measured on lavapipe (Mesa 22.3, two cores), maps in images, circular
+/// fronts, one iteration: 1 and 4 MiB take the same time, 256 KiB half as long again, and 16 MiB up to three
+/// times as long.
 const ON_CPU: [u64; 2] = [4 << 20, 4 << 20];
 
-/// Maps in a batch, at most, however small they are.
+/// Largest number of maps in a batch, however small they are.
 const MOST_MAPS: u64 = 4096;
 
 impl BatchLayout {
-    /// The layout that is wanted, or the best; `None` if maps do not fit shared memory where that
-    /// is wanted.
+    /// Returns the layout for the schedule `wanted`, or the best layout. Returns `None` if shared memory is
+    /// wanted and maps do not fit it.
     pub(super) fn new(
         chart: Chart,
         texels: TexelChart,
@@ -178,19 +179,19 @@ impl BatchLayout {
         }
     }
 
-    /// Layers of an image; at least two, since one is no array.
+    /// Returns the layers of an image. There are at least two, since a single layer is not an array.
     pub(super) fn layers(&self) -> u32 {
         (self.maps * numbers(self.wavefront)).max(2)
     }
 
-    /// Bytes of the fans of the surface, as `glsl/pairwise_fans.glsl` places them.
+    /// Returns the bytes of the surface's fans, as `glsl/pairwise_fans.glsl` places them.
     pub(super) fn fans(&self) -> u64 {
         let Chart { rows, cols } = self.chart;
         let pairs = 2 * (rows * cols.div_ceil(2) + cols * rows.div_ceil(2)) as u64;
         if self.workgroup.is_some() { 4 * fan_numbers(self.wavefront) * pairs } else { 0 }
     }
 
-    /// Bytes of the maps that are kept from one dispatch to the next.
+    /// Returns the bytes of the maps that are kept from one dispatch to the next.
     pub(super) fn kept(&self) -> u64 {
         self.workgroup.map_or(0, |workgroup| {
             let map = self.chart.rows as u64 * u64::from(workgroup.pitch * numbers(self.wavefront));
@@ -198,12 +199,12 @@ impl BatchLayout {
         })
     }
 
-    /// Bytes of the distances of a batch.
+    /// Returns the bytes of the distances of a batch.
     pub(super) fn distances(&self) -> u64 {
         4 * u64::from(self.maps) * self.chart.points() as u64
     }
 
-    /// Bytes of everything.
+    /// Returns the bytes of all images and buffers.
     pub(super) fn bytes(&self) -> u64 {
         2 * self.image
             + self.fans()
@@ -242,13 +243,13 @@ mod tests {
         assert_eq!(fits(65, Wavefront::Planar), None);
         assert_eq!(fits(64, Wavefront::Curved), None);
         assert_eq!(fits(45, Wavefront::Curved).unwrap().pitch, 45);
-        // With room for it, columns do not share a bank.
+        // If there is room for it, the pitch is odd, so that columns do not share a bank.
         let more = BatchLimits { shared_memory: 48 << 10, ..SMALLEST };
         let workgroup = Workgroup::fitting(square(64), Wavefront::Curved, &more).unwrap();
         assert_eq!(workgroup.pitch, 65);
     }
 
-    /// A GPU's drivers compile few pipelines for all sizes, and each map has room.
+    /// On GPUs drivers compile few pipelines for all sizes, and each map has room.
     #[test]
     fn maps_of_many_sizes_share_the_room_that_they_have() {
         let limits = BatchLimits { shared_memory: 48 << 10, ..SMALLEST };

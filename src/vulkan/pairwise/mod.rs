@@ -1,11 +1,10 @@
-//! All pairs: the maps of many sources of one surface at once.
+//! Computes the maps of many sources of one surface at once, for all pairs of points.
 //!
-//! Where a map fits the shared memory of a workgroup, a workgroup is a source, and runs all four
-//! scans, iteration after iteration, without a word to the host; the lengths around the points,
-//! which all maps share, lie in a buffer in the order in which scans pass them. Larger maps lie in
-//! the layers of two images, 2 x 2 points a texel, and a dispatch is a block of lines of all of
-//! them. Each map is iterated until it has converged by itself, so that its row does not depend on
-//! the sources beside it.
+//! If a map fits the shared memory of a workgroup, each source has a workgroup. The workgroup runs all four
+//! scans, iteration after iteration, without the host. The lengths around the points are common to all maps.
+//! They lie in a buffer in the order in which scans use them. Larger maps lie in the layers of two images,
+//! with 2 x 2 points a texel, and a dispatch processes a block of lines of all maps. Each map is iterated
+//! until it has converged by itself, so that its row does not depend on the other sources.
 
 mod layout;
 mod pipelines;
@@ -37,7 +36,7 @@ pub use schedule::PairwiseSchedule;
 use steps::Step;
 use tally::Tally;
 
-/// Room on a device for the maps of a batch of sources of one surface.
+/// Resources on a device for the maps of a batch of sources of one surface.
 ///
 /// ```no_run
 /// use geosweep::Stop;
@@ -54,7 +53,7 @@ use tally::Tally;
 /// ```
 pub struct PairwiseOnDevice {
     context: Arc<Context>,
-    /// The edge lengths that are bound.
+    /// Image of the edge lengths that are bound.
     edges: vk::Image,
     texels: TexelChart,
     wavefront: Wavefront,
@@ -65,14 +64,15 @@ pub struct PairwiseOnDevice {
 }
 
 impl Solver {
-    /// Makes room for the maps of many sources of a surface: as many at a time as suit device and
-    /// grid. In place of anchored fronts they have curved ones, and over a slowness that is not the same everywhere in place
-    /// of circular ones. `schedule` is for measuring; by default maps lie in shared memory where they fit, but
-    /// in images over such a slowness, whatever is asked for.
+    /// Allocates resources for the maps of many sources of a surface. A batch has as many maps as suit the
+    /// device and the grid. Curved fronts replace anchored ones. If the slowness is not the same everywhere,
+    /// they replace circular ones too. `schedule` is for measurements. By default maps lie in shared memory
+    /// where they fit. Over a slowness that is not the same everywhere they lie in images, whatever
+    /// `schedule` is.
     ///
     /// # Errors
-    /// If a batch does not fit the device's memory, or shared memory was asked for and a map does
-    /// not fit it.
+    /// If a batch does not fit the device's memory, or if shared memory was requested and a map does not fit
+    /// it.
     ///
     /// # Panics
     /// If another solver has uploaded the surface.
@@ -95,7 +95,8 @@ impl Solver {
         let mut subgroups = vk::PhysicalDeviceSubgroupProperties::default();
         let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut subgroups);
         let instance = &context.instance.handle;
-        // SAFETY: the physical device is from this instance, and supports Vulkan 1.1, as all that are used.
+        // SAFETY: the physical device is from this instance, and supports Vulkan 1.1 as all devices in use
+        // do.
         unsafe {
             instance.get_physical_device_properties2(context.physical_device, &mut properties)
         };
@@ -114,7 +115,7 @@ impl Solver {
         self.pairwise_in(surface, layout)
     }
 
-    /// The same in a layout that fits the device.
+    /// Allocates the resources for a layout that fits the device.
     fn pairwise_in(
         &self,
         surface: &SurfaceOnDevice,
@@ -149,37 +150,38 @@ impl Solver {
 }
 
 impl PairwiseOnDevice {
-    /// Sources whose maps are computed at a time; more are computed one batch after another.
+    /// Returns the number of sources whose maps are computed at a time. Further sources are computed in
+    /// batches one after another.
     pub fn batch(&self) -> usize {
         self.layout.maps as usize
     }
 
-    /// The front of the maps: the one that was asked for, or the curved one in place of the anchored
-    /// one.
+    /// Returns the front of the maps: the requested one, or the curved one in place of the anchored one.
     pub fn wavefront(&self) -> Wavefront {
         self.wavefront
     }
 
-    /// Where the maps lie.
+    /// Returns where the maps lie.
     pub fn schedule(&self) -> PairwiseSchedule {
         self.layout.schedule()
     }
 
-    /// Bytes of device and staging memory held, beside the surface's.
+    /// Returns the bytes of device and staging memory held, without those of the surface.
     pub fn bytes(&self) -> u64 {
         self.resources.bytes()
     }
 
-    /// Computes the distances from grid points, given by their row-major index, to all points: a
-    /// row of `into` for each, +infinity where a source does not reach. `None` is no source and
-    /// leaves a row of +infinity: give it for holes. Says the most iterations that a map has taken,
-    /// and the largest change in the last of any.
+    /// Computes the distances from grid points, given by their row-major index, to all points. `into` has a
+    /// row for each source; its values are +infinity where the source does not reach. A source that is `None`
+    /// leaves a row of +infinity; use it for holes. Returns the largest number of iterations that a map took,
+    /// and the largest change in the last iteration of any map.
     ///
-    /// Sources of a batch should be neighbours where maps lie in images: only what the fronts of a
-    /// batch can have reached is visited in the first iteration.
+    /// If maps lie in images, the sources of a batch should be neighbours: the first iteration visits only
+    /// what the fronts of the batch can have reached.
     ///
     /// # Panics
-    /// If solver or surface are others than those it was made for, `into` does not have as many rows of as many points, or a source is no grid point.
+    /// If the solver or the surface is not the one that this was made for, if `into` does not have as many
+    /// rows as sources and as many values a row as points, or if a source is not a grid point.
     pub fn solve(
         &mut self,
         solver: &Solver,
@@ -192,13 +194,13 @@ impl PairwiseOnDevice {
         self.solve_watched(solver, sources, stop, into, &mut Unwatched)
     }
 
-    /// Computes the same, and tells of every pass of every batch. What a pass had to do is counted
-    /// over all maps of its batch: an iteration visits those that have not converged. Maps in shared
-    /// memory are gone through by pairs of points, so that no texels are counted.
+    /// Computes the same distances as [`PairwiseOnDevice::solve`] and returns a record of every pass of every
+    /// batch. The work of a pass is counted over all maps of its batch: an iteration visits those that have
+    /// not converged. Maps in shared memory are processed by pairs of points, so that no texels are counted.
     ///
     /// # Errors
-    /// As [`PairwiseOnDevice::solve`], and [`VulkanError::NotForProfiling`] unless the solver was
-    /// made by [`Solver::for_profiling`].
+    /// As [`PairwiseOnDevice::solve`], and [`VulkanError::NotForProfiling`] unless the solver was made by
+    /// [`Solver::for_profiling`].
     ///
     /// # Panics
     /// As [`PairwiseOnDevice::solve`].
@@ -215,7 +217,7 @@ impl PairwiseOnDevice {
         let capabilities = solver.capabilities().ok_or(VulkanError::NotForProfiling)?;
         let scans = self.scans(solver.tuning(), None, stop.iterations);
         let passes = schedules::records(&scans, detail.grain) + PASSES_AROUND;
-        // Each map converges by itself, so that the work is only known by iteration.
+        // Each map converges by itself, so that the work is known only by iteration.
         let grain = match detail.grain {
             Grain::Portions => Grain::Iterations,
             finer => finer,
@@ -317,17 +319,17 @@ impl PairwiseOnDevice {
         Ok(outcome.convergence)
     }
 
-    /// A recording of the raster schedule; nothing for maps in shared memory.
+    /// Returns the steps of a recording of the raster schedule. They are empty for maps in shared memory.
     fn scans(&self, tuning: Tuning, reached: Option<Reached>, most: u32) -> Vec<plan::Step> {
         if self.schedule() == PairwiseSchedule::SharedMemory {
             return Vec::new();
         }
-        // Each map has workgroups of its own, so that there are enough.
+        // Each map has workgroups of its own, so that there are enough without blocks in turn.
         let portions = Portions { across: 0, ..tuning.portions(self.wavefront, self.texels) };
         Schedule::Raster.plan(self.texels, portions, reached, most)
     }
 
-    /// Records commands for so many maps, submits them and waits.
+    /// Records commands for `maps` maps, submits them and waits for their end.
     fn submit(
         &self,
         solver: &Solver,
@@ -350,8 +352,8 @@ impl PairwiseOnDevice {
     }
 }
 
-/// Passes in a submission beside scans and counts, at most: copies, the first texels, iterations in
-/// shared memory.
+/// Largest number of passes in a submission beside scans and counts: copies, the first texels, and iterations
+/// in shared memory.
 const PASSES_AROUND: u32 = 4;
 
 impl Drop for PairwiseOnDevice {
@@ -388,8 +390,8 @@ mod tests {
 
     const SOURCES: [Option<usize>; 3] = [Some(15), None, Some(411)];
 
-    /// Leaves out one barrier of a recording: after the copy of what the host has written, after the
-    /// start, and before the copy of what the host reads.
+    /// Leaves out one barrier of a recording: after the copy of what the host has written, after the start,
+    /// or before the copy of what the host reads.
     #[test]
     fn missing_barriers_are_reported() {
         let surface = hill();
@@ -414,8 +416,8 @@ mod tests {
         }
     }
 
-    /// A pipeline for all sizes that have as much room, as GPUs have it, gives the maps of one for the size alone, in
-    /// one dispatch or several.
+    /// Checks that a pipeline for all sizes with the same room, as GPUs use it, gives the same maps as one
+    /// for a single size, in one dispatch or several.
     #[test]
     fn a_size_that_is_pushed_makes_no_difference() {
         let solver = solver();
@@ -457,7 +459,7 @@ mod tests {
         assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-")), "{messages:?}");
     }
 
-    /// What a host's tools see of us is what the layers say of a fault.
+    /// Names in the layers' messages about a fault are those that a host's tools see.
     #[test]
     fn passes_and_images_have_names_while_profiling() {
         let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());

@@ -1,4 +1,4 @@
-//! The pipelines over the maps of a batch.
+//! Makes the pipelines for the maps of a batch.
 
 use super::layout::{BatchLayout, Workgroup};
 use crate::vulkan::VulkanError;
@@ -11,26 +11,26 @@ use crate::vulkan::shaders::{
     pairwise_count, pairwise_fans, pairwise_scan, pairwise_shared, pairwise_start,
 };
 
-/// The device's pipelines for a batch, by where its maps lie.
+/// Pipelines of a batch, by where its maps lie.
 #[derive(Debug)]
 pub(super) enum BatchPipelines {
     SharedMemory {
-        /// Puts the surface's fans into order.
+        /// Pipeline that arranges the surface's fans.
         fans: Pipeline<pairwise_fans::Push>,
         maps: Pipeline<pairwise_shared::Push>,
-        /// Of the latter, which depends on the size of maps, or on the room for them.
+        /// Guard of the pipeline `maps`, which depends on the size of maps, or on the room for them.
         _in_use: InUse,
     },
     Images {
         start: Pipeline<pairwise_start::Push>,
-        /// In the order of an iteration.
+        /// Pipelines of the scans, in the order of an iteration.
         scans: [Pipeline<pairwise_scan::Push>; 4],
         count: Pipeline<pairwise_count::Push>,
     },
 }
 
 impl BatchPipelines {
-    /// Makes those that are not there.
+    /// Makes the pipelines that do not exist yet.
     pub(super) fn new(
         device: &ash::Device,
         pipelines: &Pipelines,
@@ -77,7 +77,7 @@ mod tests {
     static REAL: OnceLock<vk::PFN_vkCreateComputePipelines> = OnceLock::new();
     static MADE: AtomicU32 = AtomicU32::new(0);
 
-    /// Counts, and has the driver do it.
+    /// Counts the pipelines, and lets the driver create them.
     unsafe extern "system" fn create_and_count(
         device: vk::Device,
         cache: vk::PipelineCache,
@@ -92,7 +92,7 @@ mod tests {
         unsafe { create(device, cache, count, infos, allocator, pipelines) }
     }
 
-    /// A solver whose pipelines are counted.
+    /// Returns a solver whose pipelines are counted.
     fn counted() -> Solver {
         let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());
         let mut context = Context::new(&device, true).unwrap();
@@ -116,8 +116,9 @@ mod tests {
         Solver::with(context).unwrap()
     }
 
-    /// A second matrix of a size makes none, and one of another size at most that for maps in shared memory. Of
-    /// these only so many are kept, but for those in use.
+    /// Checks that a second matrix of the same size creates no pipelines, and that one of another size
+    /// creates at most that for maps in shared memory. Of these only a limited number is kept, except for
+    /// those in use.
     #[test]
     fn matrices_share_the_pipelines_of_the_device() {
         let solver = counted();

@@ -1,4 +1,4 @@
-//! How the maps of a batch go. The twin of `glsl/pairwise_progress.glsl`.
+//! Stores the progress of a batch's maps. The twin of `glsl/pairwise_progress.glsl`.
 
 use std::mem::offset_of;
 
@@ -8,7 +8,7 @@ use crate::surface::{Chart, relative_change};
 use crate::vulkan::shaders::pairwise_count::{Map, Progress};
 use crate::{Convergence, Stop};
 
-/// Where the parts lie, in bytes.
+/// Offsets of the parts, in bytes.
 pub(super) mod offset {
     use super::*;
 
@@ -16,13 +16,13 @@ pub(super) mod offset {
     pub(crate) const COL_GROUPS: u64 = offset_of!(Progress, col_groups) as u64;
 }
 
-/// Bytes of the progress of so many maps.
+/// Returns the bytes of the progress of `maps` maps.
 pub(super) const fn bytes(maps: u32) -> u64 {
     (size_of::<Progress>() + maps as usize * size_of::<Map>()) as u64
 }
 
-/// Writes the progress before the first iteration; sources are points of the chart, and a row and a column of texels take so many groups.
-/// A map without source is done.
+/// Writes the progress before the first iteration. `sources` are points of the chart. A row of texels takes
+/// `row` workgroups, and a column `col`. A map without a source is done.
 pub(super) fn start(
     chart: Chart,
     sources: &[Option<usize>],
@@ -53,11 +53,11 @@ pub(super) fn start(
     }
 }
 
-/// What the host reads of a batch.
+/// Outcome of a batch, as the host reads it.
 pub(super) struct BatchOutcome {
-    /// Whether all maps are.
+    /// Whether all maps are done.
     pub(super) is_done: bool,
-    /// Most iterations and largest change.
+    /// Largest number of iterations, and largest change.
     pub(super) convergence: Convergence,
 }
 
@@ -79,11 +79,11 @@ fn maps(count: usize, from: &[u8]) -> impl Iterator<Item = Map> {
     maps.map(bytemuck::pod_read_unaligned)
 }
 
-/// How one map of a batch has gone.
+/// Progress of one map of a batch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct MapProgress {
     pub(super) iterations: u32,
-    /// Maps without source are from the start.
+    /// Whether the map is done. Maps without a source are done from the start.
     pub(super) is_done: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Recording the steps of a batch.
+//! Records the steps of a batch.
 
 use std::ops::Deref;
 
@@ -25,7 +25,7 @@ use crate::vulkan::shaders::{
     pairwise_count, pairwise_fans, pairwise_scan, pairwise_shared, pairwise_start, unpack,
 };
 
-/// Records for one batch.
+/// Recorder of one batch.
 #[derive(Clone, Copy)]
 pub(super) struct BatchRecorder<'a> {
     pub(super) commands: Commands<'a>,
@@ -33,7 +33,7 @@ pub(super) struct BatchRecorder<'a> {
     pub(super) resources: &'a Resources,
     pub(super) layout: &'a BatchLayout,
     pub(super) texels: TexelChart,
-    /// Maps in the batch.
+    /// Number of maps in the batch.
     pub(super) maps: u32,
 }
 
@@ -46,8 +46,8 @@ impl<'a> Deref for BatchRecorder<'a> {
 }
 
 impl BatchRecorder<'_> {
-    /// Once, before the first batch: brings images into their layout, or puts the surface's fans into
-    /// the order of the scans.
+    /// Prepares the resources once, before the first batch. It transitions the images into their layout, or
+    /// arranges the surface's fans in the order of the scans.
     pub(super) fn prepare(&self) {
         let layouts = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::GENERAL);
         for image in &self.resources.fronts {
@@ -59,7 +59,7 @@ impl BatchRecorder<'_> {
         for scan in 0..Scan::ALL.len() as u32 {
             let (points, lines) = if scan < 2 { (cols, rows) } else { (rows, cols) };
             let groups = [points.div_ceil(2).div_ceil(WORKGROUP), lines, 1];
-            // A pair's fan, out of the images and into its place.
+            // Each fan of a pair is read from the images and written to its place.
             let pairs = u64::from(points.div_ceil(2)) * u64::from(lines);
             let bytes = 4 * fan_numbers(self.layout.wavefront) * pairs;
             let record = PassRecord {
@@ -74,12 +74,12 @@ impl BatchRecorder<'_> {
         self.barrier(SHADER_WRITE, SHADER);
     }
 
-    /// The records of passes over maps in images are those of one map.
+    /// Records steps. The profile's records of passes over maps in images are those of one map.
     pub(super) fn steps(&self, steps: &[Step]) {
         let mut open = None;
         let has_two_layers = self.layout.wavefront.has_two_layers();
         let mut counter = StepCounter::new(self.texels, self.pipelines.tuning, has_two_layers);
-        // What does not begin a batch goes on with one.
+        // A recording that does not begin a batch continues one.
         if steps.first() != Some(&Step::Begin) {
             self.barrier(PASS, PASS);
         }
@@ -141,7 +141,7 @@ impl BatchRecorder<'_> {
             Step::Start => {
                 let TexelChart { rows, cols } = self.texels;
                 let texels = u64::from(rows) * u64::from(cols);
-                // Two images.
+                // Both images are written.
                 let written = 2 * 16 * texels * u64::from(numbers(self.layout.wavefront));
                 let work = Work::of_bytes(0, written);
                 PassRecord { work, ..dispatched(PassKind::Seed, self.start_groups()) }
@@ -198,14 +198,14 @@ impl BatchRecorder<'_> {
     fn unpack(&self) {
         let grid = self.signed_grid();
         let unpack = self.pipelines.of(UNPACK);
-        // The sets that write image 1 read image 0.
+        // The sets of a pass that writes image 1 read image 0.
         self.bind(unpack, self.sets(1).with_host(self.resources.sets.read_back));
         let layers = numbers(self.layout.wavefront) as i32;
         let band = unpack::Push { grid, first_row: 0, band_rows: grid[1], layers };
         self.dispatch(unpack, &band, Groups::These(self.unpack_groups()));
     }
 
-    /// Runs a pass that writes image 0.
+    /// Records a pass that writes image 0.
     fn run<P: Pod>(&self, pipeline: Pipeline<P>, constants: &P, groups: [u32; 3]) {
         self.bind(pipeline, self.sets(0));
         self.dispatch(pipeline, constants, Groups::These(groups));
@@ -219,7 +219,7 @@ impl BatchRecorder<'_> {
         self.grid().map(|points| points as i32)
     }
 
-    /// Columns and rows of points.
+    /// Returns the columns and rows of points.
     fn grid(&self) -> [u32; 2] {
         [self.layout.chart.cols as u32, self.layout.chart.rows as u32]
     }

@@ -1,4 +1,4 @@
-//! What a batch of maps occupies on the device.
+//! Allocates the images and buffers of a batch on the device.
 
 use crate::vulkan::device_memory::DeviceMemory;
 use gpu_allocator::MemoryLocation;
@@ -11,22 +11,22 @@ use crate::vulkan::grid_images::GridImages;
 use crate::vulkan::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo};
 use crate::vulkan::pipelines::Pipelines;
 
-/// The images or buffers of a batch, what the host writes and what it reads.
+/// Images and buffers of a batch, with those that the host writes and reads.
 #[derive(Debug, Default)]
 pub(super) struct Resources {
-    /// Two, or none for maps in shared memory.
+    /// Two images of fronts; none if maps lie in shared memory.
     pub(super) fronts: Vec<Image>,
     buffers: Vec<Buffer>,
     pub(super) sets: GridSets,
 }
 
-/// The order of the buffers.
+/// Buffers, in their order.
 enum Kind {
     Staging,
     Progress,
     Outcome,
     Distances,
-    /// These two for maps in shared memory only.
+    /// `Fans` and `Kept` exist only for maps in shared memory.
     Fans,
     Kept,
 }
@@ -99,7 +99,7 @@ impl Resources {
         &self.buffers[kind as usize]
     }
 
-    /// What the device reads and writes of how the maps go.
+    /// Returns the buffer of the maps' progress on the device.
     pub(super) fn progress(&self) -> &Buffer {
         self.buffer(Kind::Progress)
     }
@@ -112,22 +112,22 @@ impl Resources {
         self.buffer(Kind::Outcome)
     }
 
-    /// Where the host writes the progress of a batch before the first iteration.
+    /// Returns the memory to which the host writes the progress of a batch before the first iteration.
     pub(super) fn write_staging(&mut self) -> &mut [u8] {
         self.buffers[Kind::Staging as usize].mapped()
     }
 
-    /// The progress of a batch, once it was reported.
+    /// Returns the progress of a batch after its report.
     pub(super) fn read_outcome(&mut self) -> &[u8] {
         self.buffers[Kind::Outcome as usize].mapped()
     }
 
-    /// The distances of a batch, map after map.
+    /// Returns the distances of a batch, map after map.
     pub(super) fn read_distances(&mut self) -> &[u8] {
         self.buffers[Kind::Distances as usize].mapped()
     }
 
-    /// Bytes of device and staging memory held.
+    /// Returns the bytes of device and staging memory held.
     pub(super) fn bytes(&self) -> u64 {
         self.fronts.iter().map(Image::bytes).sum::<u64>()
             + self.buffers.iter().map(Buffer::bytes).sum::<u64>()

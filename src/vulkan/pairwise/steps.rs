@@ -1,28 +1,28 @@
-//! The list of passes over a batch, as plain values that need no device.
+//! Lists the passes over a batch as plain values that need no device.
 
 use super::schedule::PairwiseSchedule;
 use crate::vulkan::barrier::{Access, CLEAR, COPY, HOST_READ, PASS, SHADER_WRITE};
 use crate::vulkan::plan;
 
-/// A step of a recording.
+/// Step of a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Step {
     /// Copies what the host has written about the maps to where shaders read it.
     Begin,
-    /// Fills both images: no point reached but the sources.
+    /// Fills both images, so that no point but the sources is reached.
     Start,
-    /// Iterations of all maps in shared memory.
+    /// Runs iterations of all maps in shared memory.
     Workgroups,
-    /// A step of the raster schedule over all maps.
+    /// Runs a step of the raster schedule over all maps.
     Raster(plan::Step),
     /// Unpacks the distances from the images.
     Unpack,
-    /// Copies how the maps have gone to where the host reads it.
+    /// Copies the progress of the maps to where the host reads it.
     Report,
 }
 
 impl Step {
-    /// The barriers before it.
+    /// Returns the barriers before the step.
     pub(super) fn waits(&self) -> &'static [(Access, Access)] {
         match self {
             Self::Begin => &[(COPY, CLEAR), (PASS, CLEAR)],
@@ -31,7 +31,7 @@ impl Step {
         }
     }
 
-    /// The barrier after it.
+    /// Returns the barrier after the step.
     pub(super) fn ends(&self) -> (Access, Access) {
         match self {
             Self::Begin => (CLEAR, PASS),
@@ -42,13 +42,14 @@ impl Step {
     }
 }
 
-/// Starts a batch and iterates; `scans` are those of the raster schedule, for maps in images.
+/// Returns the steps that start a batch and iterate it. `scans` are those of the raster schedule, for maps in
+/// images.
 pub(super) fn first(schedule: PairwiseSchedule, scans: Vec<plan::Step>) -> Vec<Step> {
     let start = (schedule == PairwiseSchedule::Images).then_some(Step::Start);
     [Step::Begin].into_iter().chain(start).chain(further(schedule, scans)).collect()
 }
 
-/// Goes on with maps that are not done.
+/// Returns the steps that continue maps that are not done.
 pub(super) fn further(schedule: PairwiseSchedule, scans: Vec<plan::Step>) -> Vec<Step> {
     let mut steps = match schedule {
         PairwiseSchedule::SharedMemory => vec![Step::Workgroups],

@@ -1,14 +1,14 @@
-//! What the passes over a batch had to do, once it is known how its maps have gone.
+//! Counts the work of the passes over a batch, once the progress of its maps is known.
 
 use super::layout::{self, BatchLayout};
 use super::progress::MapProgress;
 use crate::surface::Chart;
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 
-/// Triangles of a point that a scan sees.
+/// Triangles of a point that a scan uses.
 const TRIANGLES: u64 = 2;
 
-/// A batch.
+/// Batch whose work is counted.
 #[derive(Clone, Copy)]
 pub(super) struct Tally<'a> {
     pub(super) layout: &'a BatchLayout,
@@ -16,15 +16,15 @@ pub(super) struct Tally<'a> {
 }
 
 impl Tally<'_> {
-    /// Completes the records of a recording, of which those of maps in images are of one map each.
-    /// `before` and `after` say how each map had gone before it and has gone since.
+    /// Completes the records of a recording. Records of maps in images are given for one map each. `before`
+    /// and `after` are the progress of each map before and after the recording.
     pub(super) fn settle(
         self,
         passes: &mut [PassRecord],
         before: &[MapProgress],
         after: &[MapProgress],
     ) {
-        // Maps that are not done have all taken the same number of iterations.
+        // All maps that are not done have taken the same number of iterations.
         let iterations = before.iter().map(|map| map.iterations).max().unwrap_or(0);
         let maps = self.sources.len() as u64;
         for pass in passes {
@@ -51,12 +51,12 @@ impl Tally<'_> {
         }
     }
 
-    /// Iterations in shared memory go through lines of points, pair by pair, and read of each pair
-    /// its fan.
+    /// Returns the work of iterations in shared memory. They process lines of points pair by pair, and read
+    /// the fan of each pair.
     fn in_shared_memory(self, before: &[MapProgress], after: &[MapProgress]) -> Work {
         let BatchLayout { chart, wavefront, .. } = *self.layout;
         let Chart { rows, cols } = chart;
-        // Behind the first line there is none. Two scans go over rows, two over columns.
+        // The first line has no line behind it. Two scans process rows, and two columns.
         let [of_rows, of_cols] = [(rows, cols), (cols, rows)].map(|(lines, points)| {
             let (lines, points) = (lines as u64 - 1, points as u64);
             [lines * points, lines * points.div_ceil(2)]
@@ -65,13 +65,13 @@ impl Tally<'_> {
         let kept = self.layout.kept() / u64::from(self.layout.maps);
         let fan = 4 * layout::fan_numbers(wavefront);
         let (mut points, mut read, mut written) = (0, 0, 0);
-        // Maps without source are done from the start.
+        // Maps without a source are done from the start.
         for (before, after) in before.iter().zip(after).filter(|(before, _)| !before.is_done) {
             let iterations = u64::from(after.iterations - before.iterations);
             let mut passed = 2 * iterations;
             if before.iterations == 0 {
-                // In the first iteration opposite scans lead away from the source, and pass each
-                // line but its own once between them.
+                // In the first iteration opposite scans lead away from the source. Together they pass each
+                // line but the source's own once.
                 passed -= 1;
             } else {
                 read += kept;
@@ -84,9 +84,10 @@ impl Tally<'_> {
     }
 }
 
-/// What the count of an iteration moves beside what each map that was not done takes: of those that
-/// were, that they are; of those that are done now, that, and that one map less is pending; and if
-/// none is, no groups for rows and columns (`glsl/pairwise_count.comp`).
+/// Returns what the count of an iteration moves in addition to what each map that was not done takes
+/// (`glsl/pairwise_count.comp`). For a map that was done before, it reads that it is done. For a map that is
+/// done now, it writes that, and reads and writes the number of pending maps. If no map is pending any more,
+/// it writes that rows and columns have no workgroups.
 fn of_ends(number: u32, after: &[MapProgress]) -> Work {
     let count = |is: fn(u32, u32) -> bool| {
         let maps = after.iter().filter(|map| map.is_done && is(map.iterations, number + 1));

@@ -1,4 +1,4 @@
-//! Which blocks of lines the scans of a recording have visited.
+//! Counts which blocks of lines the scans of a recording visited.
 
 use super::pass::{PassKind, PassRecord};
 use super::work::Work;
@@ -6,24 +6,25 @@ use crate::vulkan::plan::Scan;
 use crate::vulkan::progress::VISITS;
 use crate::vulkan::{TexelChart, Tuning};
 
-/// Indirect dispatches of scans that follow one another in an iteration, each for a whole block.
+/// Consecutive blocks of lines in the scans of one iteration. The device decides which of them are due.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Blocks {
     pub(crate) texels: TexelChart,
     pub(crate) tuning: Tuning,
     pub(crate) curved: bool,
-    /// The scan of the first of these, and its block's number from the start of the grid.
+    /// Scan of the first block. `block` is that block's number from the start of the grid.
     pub(crate) scan: Scan,
     pub(crate) block: u32,
-    /// Whether each scan among these takes blocks in turn: by one workgroup a dispatch, which is there in any case.
+    /// Whether each of the four scans takes its blocks in turn: by one workgroup per dispatch, which runs
+    /// even if no block is due.
     pub(crate) in_turn: [bool; 4],
-    /// Number of the first in the recording.
+    /// Number of the first block in the recording.
     pub(crate) first: u32,
     pub(crate) count: u32,
 }
 
 impl Blocks {
-    /// Takes the dispatches in that follow.
+    /// Adds the blocks of the dispatches that follow.
     pub(super) fn absorb(&mut self, next: Self) {
         self.count += next.count;
         for (scan, in_turn) in self.in_turn.iter_mut().enumerate() {
@@ -31,7 +32,7 @@ impl Blocks {
         }
     }
 
-    /// Groups of a scan beyond convergence.
+    /// Returns the number of workgroups of a scan that lies beyond convergence.
     pub(super) fn beyond(&self, record: &PassRecord) -> u32 {
         match record.kind {
             PassKind::Scan(scan) if self.in_turn[scan as usize] => record.dispatches,
@@ -39,8 +40,8 @@ impl Blocks {
         }
     }
 
-    /// The record of these as if all had visited their blocks, less those that have not; `None` if the
-    /// device has not noted as many.
+    /// Returns the record of these blocks without those that the device has not visited. `record` counts all
+    /// of them as visited. Returns `None` if the device cannot note this many blocks.
     pub(super) fn visited(&self, record: PassRecord, visits: &[u32]) -> Option<PassRecord> {
         let numbers = self.first..self.first + self.count;
         if numbers.end > VISITS {
@@ -59,7 +60,7 @@ impl Blocks {
         Some(PassRecord { groups, work, ..record })
     }
 
-    /// Lines of a scan and their length in texels, and its blocks.
+    /// Returns the number of lines of a scan, their length in texels, and the number of its blocks.
     fn of_scan(&self, scan: Scan) -> (u32, u32, u32) {
         let [cols, rows] = self.texels.inner();
         let by_rows = matches!(scan, Scan::Down | Scan::Up);
@@ -67,20 +68,22 @@ impl Blocks {
         (lines, length, lines.div_ceil(self.tuning.scan_lines))
     }
 
-    /// Where in its scan's order a block comes, or the block that comes there.
+    /// Returns the position of `block` in the order of its scan. Given a position, it returns the block
+    /// there.
     fn in_order(scan: Scan, block: u32, blocks: u32) -> u32 {
         let forward = matches!(scan, Scan::Down | Scan::Right);
         if forward { block } else { blocks - 1 - block }
     }
 
-    /// Where in the iteration the first of these comes, counted in the order of its scans.
+    /// Returns the position of the first block in the iteration, counted in the order of its scans.
     fn place(&self) -> u32 {
         let blocks = |scan| self.of_scan(scan).2;
         let before = Scan::ALL.into_iter().take(self.scan as usize).map(blocks);
         before.sum::<u32>() + Self::in_order(self.scan, self.block, blocks(self.scan))
     }
 
-    /// Texels and groups of the block that comes there, as far as these are not there in any case.
+    /// Returns the texels and workgroups of the block at `place`. Workgroups that are dispatched in any case
+    /// do not count.
     fn block(&self, mut place: u32) -> (u64, u32) {
         let block = self.tuning.scan_lines;
         for scan in Scan::ALL {

@@ -1,4 +1,4 @@
-//! The device's clock beside the host's.
+//! Relates the device's clock to the host's.
 
 use std::ffi::CStr;
 use std::time::Instant;
@@ -17,8 +17,8 @@ pub(crate) struct Calibration {
 }
 
 impl Calibration {
-    /// Reads the device's clock, by an extension that the device has enabled, between two readings
-    /// of the host's: the best of several tries.
+    /// Reads the device's clock between two readings of the host's clock. The device must have `extension`
+    /// enabled. The result is the shortest of several tries.
     pub(crate) fn new(
         instance: &ash::Instance,
         device: &ash::Device,
@@ -27,7 +27,7 @@ impl Calibration {
     ) -> Result<Self, VulkanError> {
         let info =
             [vk::CalibratedTimestampInfoKHR::default().time_domain(vk::TimeDomainKHR::DEVICE)];
-        // Both extensions share the function, but for the end of its name.
+        // Both extensions share the function except for the end of its name.
         let read = || {
             // SAFETY: the extension is enabled on the device, which offers its own time domain.
             unsafe {
@@ -55,7 +55,7 @@ impl Calibration {
         Ok(Self { ticks, at, clock })
     }
 
-    /// Nanoseconds from a moment of the host's to a timestamp of the device's.
+    /// Returns the nanoseconds from a moment on the host's clock to a timestamp of the device.
     pub(crate) fn since(&self, start: Instant, timestamp: u64) -> f64 {
         let host = if self.at >= start {
             (self.at - start).as_nanos() as f64

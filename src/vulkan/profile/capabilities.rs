@@ -1,4 +1,4 @@
-//! What a device offers for profiling.
+//! Finds out what a device offers for profiling.
 
 use std::ffi::CStr;
 use std::fmt;
@@ -7,27 +7,27 @@ use ash::{ext, khr, vk};
 
 use super::clock::Clock;
 
-/// What a device may offer for profiling; none of it is needed for a map.
+/// Capability that a device may offer for profiling. Computing a map needs none of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Capability {
-    /// Timestamps on the queue: GPU time of each pass.
+    /// Timestamp queries on the queue: the GPU time of each pass.
     Timestamps,
-    /// Pipeline-statistics queries: invocations of each pass.
+    /// Pipeline-statistics queries: the invocations of each pass.
     Statistics,
     /// `VK_KHR_pipeline_executable_properties`: registers, spills and subgroup size of pipelines.
     Executables,
-    /// Calibrated timestamps: the device's clock beside the host's.
+    /// Calibrated timestamps, which relate the device's clock to the host's.
     Calibration,
     /// `VK_EXT_debug_utils`: labels and names in tools.
     Labels,
 }
 
 impl Capability {
-    /// All of them.
+    /// All capabilities.
     pub const ALL: [Self; 5] =
         [Self::Timestamps, Self::Statistics, Self::Executables, Self::Calibration, Self::Labels];
 
-    /// The name used on the command line and in reports.
+    /// Returns the name used on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Timestamps => "timestamps",
@@ -45,12 +45,12 @@ impl fmt::Display for Capability {
     }
 }
 
-/// Why something cannot be profiled; displayed as "not available on this device (the reason)".
+/// Reason why something cannot be profiled. It is displayed as "not available on this device (the reason)".
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Unavailable(&'static str);
 
 impl Unavailable {
-    /// It was left out on purpose.
+    /// Reason of a capability that was left out on purpose.
     pub const LEFT_OUT: Self = Self("left out as asked");
 }
 
@@ -60,24 +60,24 @@ impl fmt::Display for Unavailable {
     }
 }
 
-/// What a device offers for profiling, and why it does not offer the rest.
+/// Capabilities of a device for profiling, with a reason for each that is missing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Capabilities {
-    /// The queue's clock.
+    /// Clock of the queue.
     pub timestamps: Result<Clock, Unavailable>,
-    /// Whether invocations are counted.
+    /// Whether the device counts invocations.
     pub statistics: Result<(), Unavailable>,
-    /// Whether pipelines tell of their registers.
+    /// Whether the driver reports the registers of pipelines.
     pub executables: Result<(), Unavailable>,
-    /// The extension for calibrated timestamps: the Khronos one or, before it, the vendors'.
+    /// Extension for calibrated timestamps: the Khronos one or, before it, the vendors'.
     pub calibration: Result<&'static CStr, Unavailable>,
-    /// Whether tools see labels and names.
+    /// Whether tools receive labels and names.
     pub labels: Result<(), Unavailable>,
 }
 
 impl Capabilities {
-    /// Asks a device that meets the [requirements](crate::vulkan::requirements), and its queue
-    /// family. `debug_utils` says whether the instance has `VK_EXT_debug_utils` enabled.
+    /// Queries a device that meets the [requirements](crate::vulkan::requirements), and its queue family.
+    /// `debug_utils` says whether the instance has `VK_EXT_debug_utils` enabled.
     pub fn of(
         instance: &ash::Instance,
         physical_device: vk::PhysicalDevice,
@@ -114,7 +114,7 @@ impl Capabilities {
         }
     }
 
-    /// The same, as on a device that lacks these.
+    /// Returns the capabilities of a device that lacks those in `left_out`.
     pub fn without(mut self, left_out: &[Capability]) -> Self {
         const GONE: Unavailable = Unavailable::LEFT_OUT;
         for capability in left_out {
@@ -129,7 +129,7 @@ impl Capabilities {
         self
     }
 
-    /// Why one of them is not there.
+    /// Returns the reason why a capability is missing; `None` if it is available.
     pub fn reason(&self, capability: Capability) -> Option<Unavailable> {
         match capability {
             Capability::Timestamps => self.timestamps.err(),
@@ -140,7 +140,7 @@ impl Capabilities {
         }
     }
 
-    /// The device extensions to enable for them.
+    /// Returns the device extensions to enable for these capabilities.
     pub fn device_extensions(&self) -> Vec<&'static CStr> {
         let executables = self.executables.map(|()| khr::pipeline_executable_properties::NAME);
         executables.into_iter().chain(self.calibration).collect()

@@ -1,18 +1,18 @@
-//! Ticks of a queue's timestamps, as nanoseconds.
+//! Converts ticks of a queue's timestamps to nanoseconds.
 
 use ash::vk;
 
-/// How a queue family counts time.
+/// Properties of a queue family's timestamps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
-    /// Nanoseconds of a tick.
+    /// Length of a tick in nanoseconds.
     pub period: f64,
-    /// The bits of a timestamp that count, from 1 to 64; the others are undefined.
+    /// Number of valid bits of a timestamp, from 1 to 64. The other bits are undefined.
     pub valid_bits: u32,
 }
 
 impl Clock {
-    /// The clock of a queue family; `None` if its queues write no timestamps.
+    /// Returns the clock of a queue family; `None` if its queues write no timestamps.
     pub fn of(
         instance: &ash::Instance,
         physical_device: vk::PhysicalDevice,
@@ -30,18 +30,19 @@ impl Clock {
         (valid_bits > 0 && period > 0.0).then_some(Self { period, valid_bits })
     }
 
-    /// Ticks from one timestamp to a later one, over at most one wrap of the counter.
+    /// Returns the ticks from one timestamp to a later one. The counter may wrap at most once between them.
     pub fn ticks(&self, from: u64, to: u64) -> u64 {
         to.wrapping_sub(from) & self.mask()
     }
 
-    /// Ticks from one timestamp to another that may lie before it, whichever is nearer.
+    /// Returns the ticks from one timestamp to another, which may be earlier. Of both directions around the
+    /// counter the shorter one counts.
     pub fn signed_ticks(&self, from: u64, to: u64) -> i64 {
         let unused = u64::BITS - self.valid_bits;
         (to.wrapping_sub(from) << unused) as i64 >> unused
     }
 
-    /// Nanoseconds from one timestamp to a later one.
+    /// Returns the nanoseconds from one timestamp to a later one.
     ///
     /// ```
     /// use geosweep::vulkan::profile::Clock;

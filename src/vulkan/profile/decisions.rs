@@ -1,16 +1,16 @@
-//! What the device has decided, as it is copied beside a recording.
+//! Reads the device's decisions from the copies that a recording makes of them.
 
 use super::presence::Decisions;
 use crate::constants::{ROUNDS, VISIT_WORDS};
 use crate::vulkan::progress::{self, Outcome, offset};
 
-/// Bytes of a portion of steps: how the iterations had gone before it, then all the progress
-/// after it.
+/// Bytes of the copies for a portion of steps: the outcome of the iterations before the portion, then the
+/// whole progress after it.
 pub(crate) const BYTES: u64 = BEFORE + progress::BYTES;
-/// Of the first part.
+/// Bytes of the copy before the portion.
 pub(crate) const BEFORE: u64 = size_of::<Outcome>() as u64;
 
-/// A portion's decisions, off the device.
+/// Decisions of a portion, read back from the device.
 pub(crate) struct ReadBack {
     before: u32,
     after: u32,
@@ -21,7 +21,7 @@ pub(crate) struct ReadBack {
 }
 
 impl ReadBack {
-    /// From the bytes of a portion.
+    /// Reads the decisions from the bytes of a portion.
     pub(crate) fn new(bytes: &[u8]) -> Self {
         let (before, after) = bytes.split_at(BEFORE as usize);
         let outcome =

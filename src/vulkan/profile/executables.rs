@@ -1,4 +1,4 @@
-//! What a driver has made of a pipeline: registers, spills, the size of subgroups.
+//! Reads the driver's statistics of a pipeline: registers, spills and the size of subgroups.
 
 use std::ffi::{CStr, c_char};
 
@@ -6,32 +6,32 @@ use ash::{khr, vk};
 
 use crate::vulkan::VulkanError;
 
-/// A pipeline as the driver runs it.
+/// Executable that the driver made of a pipeline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Executable {
-    /// The pass or shader that the pipeline is of.
+    /// Pass or shader of the pipeline.
     pub pipeline: String,
-    /// The driver's name for it.
+    /// Driver's name for the executable.
     pub name: String,
     /// Invocations of a subgroup.
     pub subgroup_size: u32,
-    /// What the driver tells.
+    /// Statistics that the driver reports.
     pub statistics: Vec<Statistic>,
 }
 
-/// A number that a driver tells of an executable.
+/// Number that a driver reports about an executable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statistic {
-    /// Such as "Register Count".
+    /// Name of the number, such as "Register Count".
     pub name: String,
-    /// What it means, in the driver's words.
+    /// Meaning of the number, in the driver's words.
     pub description: String,
-    /// The number; 0 or 1 for what is true or false.
+    /// Value of the number. A Boolean is 0 or 1.
     pub value: f64,
 }
 
-/// Reads them. The pipelines, with their names, were created with `CAPTURE_STATISTICS` on a device
-/// with the feature `pipelineExecutableInfo`.
+/// Reads the executables of `pipelines`, which are given with their names. They must have been created with
+/// `CAPTURE_STATISTICS`, on a device with the feature `pipelineExecutableInfo`.
 pub(crate) fn executables(
     loader: &khr::pipeline_executable_properties::Device,
     pipelines: &[(String, vk::Pipeline)],
@@ -75,7 +75,7 @@ impl Statistic {
     }
 }
 
-/// Text up to its NUL.
+/// Returns the text up to its NUL.
 fn text(chars: &[c_char]) -> String {
     let bytes: Vec<u8> = chars.iter().map(|&char| char as u8).collect();
     let text = CStr::from_bytes_until_nul(&bytes).unwrap_or_default();
@@ -86,8 +86,8 @@ fn text(chars: &[c_char]) -> String {
 mod tests {
     use super::*;
 
-    /// No device at hand has the extension, so this holds the reading of it against what the
-    /// specification says of the structures.
+    /// No available device has the extension, so the test checks how its structures are read against the
+    /// specification.
     #[test]
     fn every_format_of_a_statistic_is_a_number() {
         use vk::PipelineExecutableStatisticFormatKHR as Format;

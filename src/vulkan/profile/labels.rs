@@ -1,11 +1,11 @@
-//! Labels of passes and names of objects, for debuggers and profilers that show them.
+//! Labels passes and names objects, for debuggers and profilers that show them.
 
 use std::ffi::CStr;
 use std::fmt;
 
 use ash::{ext, vk};
 
-/// The functions of `VK_EXT_debug_utils`, where the host has enabled it.
+/// Functions of `VK_EXT_debug_utils`, where the host has enabled it.
 #[derive(Clone)]
 pub(crate) struct Labels(ext::debug_utils::Device);
 
@@ -16,7 +16,7 @@ impl fmt::Debug for Labels {
 }
 
 impl Labels {
-    /// The instance must have `VK_EXT_debug_utils` enabled.
+    /// Loads the functions. The instance must have `VK_EXT_debug_utils` enabled.
     pub(crate) fn new(instance: &ash::Instance, device: &ash::Device) -> Self {
         Self(ext::debug_utils::Device::new(instance, device))
     }
@@ -32,13 +32,13 @@ impl Labels {
         unsafe { self.0.cmd_end_debug_utils_label(commands) };
     }
 
-    /// A label over several passes, until what this returns is dropped.
+    /// Opens a label over several passes. It ends when the returned value is dropped.
     pub(crate) fn group<'a>(&'a self, commands: vk::CommandBuffer, label: &CStr) -> Group<'a> {
         self.open(commands, label);
         Group { labels: self, commands }
     }
 
-    /// Names an object. Names are for people: one that cannot be given is no error.
+    /// Names an object. Names serve people only, so that a failure is not an error.
     pub(crate) fn name(&self, object: impl vk::Handle, name: &str) {
         let text: Vec<u8> = name.bytes().chain([0]).collect();
         let Ok(text) = CStr::from_bytes_with_nul(&text) else { return };
@@ -49,7 +49,7 @@ impl Labels {
     }
 }
 
-/// Passes with a label in common.
+/// Passes under a common label.
 #[must_use]
 pub(crate) struct Group<'a> {
     labels: &'a Labels,

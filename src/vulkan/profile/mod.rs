@@ -1,13 +1,13 @@
-//! Low-level profiling: every pass, what it had to do, and what it took.
+//! Profiles each pass of a map: what it had to do, and how long it took.
 //!
-//! Nothing of it is recorded unless it is asked for. A host gives a [`Profile`] a range of its own
-//! query pools ([`Slots`]), records with [`Recording::profiled`], and asks for the records with
-//! [`Profile::resolve`] frames later: no call waits. [`planned`] counts the work of a plan without
-//! a device. [`Solver::for_profiling`] does all of that by itself.
+//! Nothing is recorded for profiling unless it is requested. A host gives a [`Profile`] a range of its own
+//! query pools ([`Slots`]), records with [`Recording::profiled`], and requests the records with
+//! [`Profile::resolve`] frames later. No call waits. [`planned`] counts the work of a plan without a device.
+//! [`Solver::for_profiling`] does all of this by itself.
 //!
-//! A [`PassRecord`] is plain values: forward it to whatever shows them; with the feature `tracing`,
-//! `emit` turns records into spans. [`Capabilities`] says what a device does not offer.
-//! `docs/profiling.md` tells how to read what comes out.
+//! A [`PassRecord`] is plain values, which a program can forward to any viewer. With the feature `tracing`,
+//! `emit` turns records into spans. [`Capabilities`] states what a device does not offer. `docs/profiling.md`
+//! explains how to read the results.
 //!
 //! ```no_run
 //! # use geosweep::ash::{self, vk};

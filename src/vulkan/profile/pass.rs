@@ -1,4 +1,4 @@
-//! The record of one pass: plain values, to be kept, compared and forwarded.
+//! Defines the record of a pass as plain values, which can be stored, compared and forwarded.
 
 use std::ffi::CStr;
 use std::ops::Range;
@@ -6,10 +6,10 @@ use std::ops::Range;
 use super::work::Work;
 use crate::vulkan::plan::Scan;
 
-/// What a pass does.
+/// Kind of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PassKind {
-    /// Brings new images into their layouts, with no edge and no point reached.
+    /// Transitions new images into their layouts, and clears them: no edge, and no point reached.
     Prepare,
     /// Reads a band of the host's points.
     Points,
@@ -17,53 +17,53 @@ pub enum PassKind {
     Edges,
     /// Computes the surface's Gaussian curvature, in two passes.
     Curvature,
-    /// Forgets the last map.
+    /// Clears the last map.
     Forget,
-    /// Sets the progress to its beginning: of all maps of a batch with their sources.
+    /// Resets the progress. For a batch it resets the progress of all maps, which includes their sources.
     Start,
-    /// Sets the lists of tiles for more rounds.
+    /// Resets the lists of tiles for more rounds.
     Resume,
-    /// Takes sources that come with the recording, or finds the texels around them.
+    /// Copies the sources that come with the recording, or finds the texels around sources.
     Sources,
-    /// Solves what a source inside a cell reaches first.
+    /// Solves the surroundings that a source inside a cell reaches first.
     Surroundings,
-    /// Sets the texels with sources, or with what they reach first; for maps of a batch all others, too.
+    /// Sets the texels with sources, or those that the sources reach first. For the maps of a batch it sets
+    /// all other texels too.
     Seed,
-    /// One of the four rotated scans, or a block of its lines.
+    /// Runs one of the four rotated scans, or a block of its lines.
     Scan(Scan),
-    /// An update of all points at once.
+    /// Updates all points at once.
     AllPoints,
-    /// The tiles on the list of a round.
+    /// Updates the tiles on the list of a round.
     Tiles,
     /// Brings all tiles back to one image, and decides whether more rounds follow.
     Settle,
     /// Decides whether another iteration follows.
     Count,
-    /// An iteration with its count, where no finer records are wanted: [`Grain::Iterations`].
+    /// An iteration with its count, if no finer records are requested: [`Grain::Iterations`].
     Iteration,
-    /// From the sources, or from where the last recording has ended, through all iterations or rounds
-    /// of a recording, where no finer records are wanted: [`Grain::Portions`]. Headless, it takes the
-    /// next [`PassKind::Outcome`] in.
+    /// All iterations or rounds of a recording, if no finer records are requested: [`Grain::Portions`]. The
+    /// portion begins with the sources, or where the last recording ended. In headless solving it includes
+    /// the next [`PassKind::Outcome`].
     Portion,
-    /// Puts the lengths around a surface's points into the order of the scans, for maps in shared
-    /// memory.
+    /// Arranges the lengths around a surface's points in the order of the scans, for maps in shared memory.
     Fans,
-    /// Iterations of maps in shared memory, a workgroup each.
+    /// Iterates maps in shared memory, one workgroup each.
     Workgroups,
-    /// Copies what the device has decided to where a [`super::Profile`] finds it: only recorded
-    /// while profiling.
+    /// Copies the device's decisions to where a [`super::Profile`] finds them. It is recorded only while
+    /// profiling.
     Decisions,
-    /// Copies how the iterations have gone.
+    /// Copies the outcome of the iterations.
     Outcome,
     /// Unpacks the map into an image of distances.
     Distances,
     /// Unpacks a band of the map into the read-back buffer.
     Unpack,
-    /// Looks distances up at places of the host's.
+    /// Looks up distances at places given by the host.
     Lookup,
     /// Finds contours, in three passes.
     Contours,
-    /// Traces paths, some steps of each in a pass.
+    /// Traces paths. A pass takes some steps of each path.
     Paths,
     /// Lifts contours or paths to the surface in space.
     Lift,
@@ -72,12 +72,12 @@ pub enum PassKind {
 }
 
 impl PassKind {
-    /// The name used in reports, and as the label of the pass.
+    /// Returns the name used in reports and as the label of the pass.
     pub fn name(self) -> &'static str {
         self.label().to_str().expect("labels are ASCII")
     }
 
-    /// Whether a pass of this kind is a dispatch, rather than copies and clears.
+    /// Returns whether a pass of this kind is a dispatch, as opposed to copies and clears.
     pub fn is_dispatch(self) -> bool {
         use PassKind::*;
         !matches!(self, Prepare | Forget | Start | Resume | Decisions | Outcome)
@@ -120,22 +120,23 @@ impl PassKind {
     }
 }
 
-/// Where in a map a pass belongs.
+/// Part of a map to which a pass belongs.
 enum Part {
-    /// Before its steps.
+    /// Before the steps of the map.
     Start,
     /// Within an iteration, which ends with a count.
     Iteration,
-    /// Rounds of tiles, each a record of its own, and what settles them.
+    /// Rounds of tiles, each a record of its own, and the pass that settles them.
     Rounds,
     /// Between portions of steps.
     Notes,
-    /// Before or after a map, or of many maps at once; or it stands for several passes.
+    /// Before or after a map, or for many maps at once. Records that stand for several passes belong here
+    /// too.
     Outside,
 }
 
 impl PassKind {
-    /// Whether it is one of the steps that iterate a map.
+    /// Returns whether the pass is one of the steps that iterate a map.
     pub fn is_step(self) -> bool {
         match self.part() {
             Part::Iteration | Part::Rounds => true,
@@ -158,22 +159,22 @@ impl PassKind {
     }
 }
 
-/// What a record stands for: the coarser, the fewer timestamps. They take time of their own:
-/// [`crate::vulkan::Ceilings::timestamp`], 15 to 25 microseconds each on lavapipe;
-/// `docs/profiling.md` says what that adds to maps.
+/// Coarseness of the records. A coarser grain writes fewer timestamps. A timestamp takes time by itself:
+/// [`crate::vulkan::Ceilings::timestamp`], 15 to 25 microseconds on lavapipe. `docs/profiling.md` states how
+/// much that adds to maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Grain {
-    /// A portion: from its sources through all iterations or rounds of a recording; headless, with
-    /// how they have gone. Of maps at once, an iteration.
+    /// A record for each portion: from the sources through all iterations or rounds of a recording. In
+    /// headless solving it includes the outcome. For many maps at once, a record for each iteration.
     Portions,
-    /// An iteration: its scans, or its updates of all points, with the count that ends it; or a
-    /// round of tiles.
+    /// A record for each iteration: its scans, or its updates of all points, with the count that ends it.
+    /// With tiles, a record for each round.
     Iterations,
-    /// A scan, with all its blocks of lines, of which there may be a hundred and more, and the
+    /// A record for each scan, with all its blocks of lines, of which there may be a hundred or more, and the
     /// barriers between them.
     #[default]
     Scans,
-    /// Each dispatch.
+    /// A record for each dispatch.
     Blocks,
 }
 
@@ -184,10 +185,10 @@ impl std::fmt::Display for Grain {
 }
 
 impl Grain {
-    /// All of them, the coarsest first.
+    /// All grains, from the coarsest to the finest.
     pub const ALL: [Self; 4] = [Self::Portions, Self::Iterations, Self::Scans, Self::Blocks];
 
-    /// The name used on the command line and in reports.
+    /// Returns the name used on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Portions => "portions",
@@ -197,7 +198,7 @@ impl Grain {
         }
     }
 
-    /// What the record of a pass of some kind is of.
+    /// Returns the kind of the record that contains a pass of kind `pass`.
     pub(crate) fn kind(self, pass: PassKind) -> PassKind {
         match (self, pass.part()) {
             (Self::Blocks | Self::Scans, _)
@@ -210,7 +211,7 @@ impl Grain {
         }
     }
 
-    /// Whether a record takes in what follows in the same iteration and is of the same kind.
+    /// Returns whether a record of this kind includes the following passes of the same kind and iteration.
     pub(crate) fn gathers(self, kind: PassKind) -> bool {
         match kind {
             PassKind::Iteration | PassKind::Portion => true,
@@ -220,12 +221,12 @@ impl Grain {
     }
 }
 
-/// A box of texels. Rows and columns of texels count the images' border.
+/// Rectangle of texels. Rows and columns include the border of the images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Area {
-    /// The first row, and the one after the last.
+    /// First row, and the row after the last.
     pub rows: [u32; 2],
-    /// The first column, and the one after the last.
+    /// First column, and the column after the last.
     pub cols: [u32; 2],
 }
 
@@ -234,38 +235,39 @@ impl Area {
         Self { rows: [rows.start, rows.end], cols: [cols.start, cols.end] }
     }
 
-    /// The smallest box around both.
+    /// Returns the smallest rectangle around both.
     fn around(self, other: Self) -> Self {
         let around = |a: [u32; 2], b: [u32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
         Self { rows: around(self.rows, other.rows), cols: around(self.cols, other.cols) }
     }
 }
 
-/// A pass of a recording, all blocks of a scan, or all passes of an iteration.
+/// Record of a pass, of all blocks of a scan, or of all passes of an iteration.
 ///
-/// What is `None` is not known: it was not measured, or the device decided it and nothing was
-/// read back.
+/// A field that is `None` is unknown: it was not measured, or the device decided it and nothing was read
+/// back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassRecord {
-    /// What it does.
+    /// Kind of the pass.
     pub kind: PassKind,
-    /// The iteration that it belongs to, or the round of tiles: from 0 at the start of the map, or
-    /// of the portion of steps where it is not known what the device has decided. `None` for passes
-    /// outside the iterations too.
+    /// Iteration or round of tiles to which the pass belongs. It counts from 0 at the start of the map. If
+    /// the device's decisions are unknown, it counts from the start of the portion of steps. It is also
+    /// `None` for passes outside the iterations.
     pub iteration: Option<u32>,
-    /// The box around the texels that it was recorded for; `None` for passes that visit no box, too.
+    /// Rectangle around the texels for which the pass was recorded. It is also `None` for passes without such
+    /// a rectangle.
     pub area: Option<Area>,
-    /// Dispatches that it stands for; none for copies and clears.
+    /// Number of dispatches in this record; 0 for copies and clears.
     pub dispatches: u32,
-    /// Workgroups dispatched, in all of them together; none where the map has converged before, but for scans that
-    /// take blocks of lines in turn; `None` for copies and clears too.
+    /// Number of workgroups in all dispatches together. It is zero if the map converged before the pass,
+    /// except for scans that take blocks of lines in turn. It is also `None` for copies and clears.
     pub groups: Option<[u32; 3]>,
-    /// What it had to move and to compute.
+    /// Data that the pass moved, and updates that it computed.
     pub work: Work,
-    /// When it began, in nanoseconds since the start of the recording.
+    /// Start of the pass in nanoseconds since the start of the recording.
     pub begin: Option<u64>,
-    /// Nanoseconds on the device from the end of the pass before to the end of this one, so that
-    /// the barrier between them counts to this one.
+    /// Time on the device in nanoseconds, from the end of the previous pass to the end of this one. It
+    /// includes the barrier between them.
     pub nanoseconds: Option<u64>,
     /// Invocations of compute shaders, as counted by the device.
     pub invocations: Option<u64>,
@@ -286,7 +288,7 @@ impl PassRecord {
         }
     }
 
-    /// Takes the next pass of the same scan or iteration in.
+    /// Adds the next pass of the same scan or iteration to this record.
     pub(crate) fn absorb(&mut self, next: &Self) {
         // A count visits no texels.
         self.area = self.area.zip(next.area).map(|(a, b)| a.around(b)).or(self.area);
@@ -298,14 +300,14 @@ impl PassRecord {
         self.work = self.work.and(next.work);
     }
 
-    /// All passes of a portion, each with what is known of its work.
+    /// Returns one record for all passes of a portion, with what is known of the work of each.
     pub(super) fn of_portion(passes: &[Self]) -> Self {
         let mut all = Self { dispatches: 0, ..Self::new(PassKind::Portion) };
         let visits: Vec<_> = passes.iter().filter(|pass| pass.area.is_some()).collect();
         let sum = |of: fn(&Work) -> Option<u64>| -> Option<u64> {
             visits.iter().map(|pass| of(&pass.work)).sum()
         };
-        // What visits no texels only adds to the bytes.
+        // Passes without texels only add to the bytes.
         let bytes = |of: fn(&Work) -> Option<u64>| {
             let others = passes.iter().filter(|pass| pass.area.is_none());
             let others: u64 = others.filter_map(|pass| of(&pass.work)).sum();
@@ -327,8 +329,8 @@ impl PassRecord {
         all
     }
 
-    /// Whether the pass lies beyond convergence, or no block of its scan was due, or its list of tiles was empty:
-    /// it was dispatched and visited nothing.
+    /// Returns whether the pass was dispatched and visited nothing: it lies beyond convergence, or no block
+    /// of its scan was due, or its list of tiles was empty.
     pub fn is_idle(&self) -> bool {
         let is_scan = matches!(self.kind, PassKind::Scan(_));
         let has_no_groups = self.groups.is_some_and(|groups| groups.contains(&0));

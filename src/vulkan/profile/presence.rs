@@ -1,5 +1,5 @@
-//! What becomes of the passes of a plan: what the device decides of them, and how they are counted as
-//! they are recorded.
+//! Completes the records of a plan's passes with the device's decisions, and counts the steps while they are
+//! recorded.
 
 use super::blocks::Blocks;
 use super::pass::{Area, PassKind, PassRecord};
@@ -10,35 +10,39 @@ use crate::vulkan::{TexelChart, Tuning};
 
 /// Bytes of a texel of four 32-bit numbers.
 const TEXEL: u64 = 16;
-/// What a count of an iteration reads of the progress, and what it writes: `glsl/progress.comp`.
-/// Whether the map is done, the change, its tolerance, iterations and their limit, those since a
-/// point was first reached, and whether fronts may be renewed; without the first and both limits, and
-/// with the last iteration's change.
+/// Work of the count of an iteration: what it reads and writes of the progress (`glsl/progress.comp`). It
+/// reads whether the map is done, the change, its tolerance, the iterations and their limit, the iterations
+/// since a point was first reached, and whether fronts may be renewed. It writes the change, the iterations,
+/// the iterations since a point was first reached, whether fronts may be renewed, and the last iteration's
+/// change.
 const COUNT: Work = Work::of_bytes(4 * 7, 4 * 5);
-/// What it reads if the map is done.
+/// Work of a count whose map was done before.
 const COUNT_BEYOND: Work = Work::of_bytes(4, 0);
-/// What it writes besides if the map is done now: that, and no groups for the grid.
+/// Additional work of a count that finds the map done: it writes that, and that the grid has no workgroups.
 const COUNT_LAST: Work = Work::of_bytes(0, 4 * 2);
 
-/// What decides whether a pass visits anything.
+/// Condition that decides whether a pass visits anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Presence {
-    /// Nothing: it is dispatched as recorded.
+    /// No condition: the pass is dispatched as recorded.
     Always,
-    /// Which blocks of lines are due.
+    /// Visits the blocks of lines that are due.
     Scans(Blocks),
-    /// Whether the map has converged before the iteration of the portion.
+    /// Visits nothing if the map converged before the iteration of the portion.
     Iteration,
-    /// The same of the count that ends an iteration, and whether it was the last.
+    /// The count that ends an iteration. It depends on whether the map converged before, and on whether this
+    /// iteration was the last.
     Count,
-    /// How many texels of so many tiles lie in the other image after the rounds of the portion.
+    /// Settling of `tiles` tiles. It depends on how many texels lie in the other image after the rounds of
+    /// the portion.
     Settle { tiles: u64 },
-    /// The list of this round of the portion, of tiles of so many texels, so many in all.
+    /// A round of the portion. It depends on the round's list. The grid has `tiles` tiles of `texels` texels
+    /// each.
     Round { round: u32, texels: u64, tiles: u64, curved: bool },
 }
 
 impl Presence {
-    /// Of a pass with the next of the same scan or iteration.
+    /// Combines the condition of a pass with that of the next pass of the same scan or iteration.
     pub(crate) fn absorb(&mut self, next: Self) {
         if let (Self::Scans(blocks), Self::Scans(next)) = (self, next) {
             blocks.absorb(next);
@@ -46,24 +50,25 @@ impl Presence {
     }
 }
 
-/// What the device has decided in a portion of steps.
+/// Decisions of the device in a portion of steps.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Decisions<'a> {
-    /// Iterations of the map before the portion.
+    /// Number of iterations of the map before the portion.
     pub before: u32,
-    /// And after it.
+    /// Number of iterations of the map after the portion.
     pub after: u32,
-    /// Whether the map is done then.
+    /// Whether the map is done after the portion.
     pub is_done: bool,
-    /// Tiles on the list of each round of the portion, and how many of them have waited for the next.
+    /// For each round of the portion, the number of tiles on its list, and how many of them waited for the
+    /// next round.
     pub rounds: &'a [[u32; 2]],
-    /// Texels brought back to one image after them.
+    /// Number of texels that were brought back to one image after the rounds.
     pub settled: u32,
-    /// A bit for each dispatch of a scan in the portion: whether it has visited its block.
+    /// A bit for each dispatch of a scan in the portion, which says whether it visited its block.
     pub visits: &'a [u32],
 }
 
-/// The record of a pass once it is known what the device has decided.
+/// Returns the record of a pass once the device's decisions are known.
 pub(crate) fn decided(
     record: PassRecord,
     presence: Presence,
@@ -105,14 +110,14 @@ pub(crate) fn decided(
             let [listed, waited] = rounds.get(round as usize).copied().unwrap_or_default();
             let visited = listed - waited;
             let skipped = texels * (tiles - u64::from(visited));
-            // How many iterations a tile has taken inside, only its workgroup knows.
+            // Only the workgroup of a tile knows how many iterations the tile took inside.
             let work = Work::of_updates(texels * u64::from(visited), skipped, curved, None);
             PassRecord { groups: Some([listed, 1, 1]), work, ..record }
         }
     };
     let counts = match record.kind {
         PassKind::Count | PassKind::Iteration => true,
-        // What comes before the iterations has no number, and rounds of tiles are not counted.
+        // Records before the iterations have no number, and rounds of tiles have no count.
         PassKind::Portion => {
             record.iteration.is_some() && !matches!(presence, Presence::Round { .. })
         }
@@ -129,15 +134,15 @@ pub(crate) fn decided(
     PassRecord { work: record.work.and(more), ..record }
 }
 
-/// Counts the steps of a recording, in their order.
+/// Counter of the steps of a recording, in their order.
 pub(crate) struct StepCounter {
     pub(crate) texels: TexelChart,
     pub(crate) tuning: Tuning,
     pub(crate) curved: bool,
     pub(crate) iteration: u32,
-    /// Dispatches of scans so far.
+    /// Number of dispatches of scans so far.
     pub(crate) scans: u32,
-    /// The scan of the last block of lines, and its iteration.
+    /// Iteration and scan of the last block of lines.
     pub(crate) last: Option<(u32, Scan)>,
 }
 
@@ -146,17 +151,17 @@ impl StepCounter {
         Self { texels, tuning, curved, iteration: 0, scans: 0, last: None }
     }
 
-    /// A record of the iteration.
+    /// Returns the record of a pass in the current iteration.
     pub(crate) fn inside(&self, kind: PassKind) -> PassRecord {
         PassRecord { iteration: Some(self.iteration), ..PassRecord::new(kind) }
     }
 
-    /// The grid's texels.
+    /// Returns the texels of the grid.
     pub(crate) fn everywhere(&self) -> Area {
         Area::new(self.texels.inner_rows(), self.texels.inner_cols())
     }
 
-    /// The count that ends an iteration.
+    /// Returns the record of the count that ends an iteration.
     pub(crate) fn count(&mut self) -> (PassRecord, Presence) {
         let record =
             PassRecord { groups: Some([1; 3]), work: COUNT, ..self.inside(PassKind::Count) };

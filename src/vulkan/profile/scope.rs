@@ -1,4 +1,4 @@
-//! Around a pass while it is being recorded: its label, and its queries.
+//! Adds a label and queries to a pass while it is being recorded.
 
 use ash::vk;
 
@@ -7,7 +7,7 @@ use super::pass::PassRecord;
 use super::presence::Presence;
 use super::slots::Profile;
 
-/// Who looks on while a command buffer is recorded.
+/// Profile and labels that observe the recording of a command buffer.
 #[derive(Clone, Copy)]
 pub(crate) struct Watch<'a> {
     pub(crate) device: &'a ash::Device,
@@ -17,23 +17,23 @@ pub(crate) struct Watch<'a> {
 }
 
 impl Watch<'_> {
-    /// Whether anyone does.
+    /// Returns whether there is a profile or labels.
     pub(crate) fn is_on(&self) -> bool {
         self.profile.is_some() || self.labels.is_some()
     }
 }
 
-/// Ends the pass when it is dropped.
+/// Open pass. Dropping it ends the pass.
 #[must_use]
 pub(crate) struct Scope<'a> {
     watch: Watch<'a>,
     pass: (PassRecord, Presence),
-    /// In the profile, if it has room.
+    /// Number of the pass in the profile, if that has room.
     number: Option<usize>,
 }
 
 impl<'a> Scope<'a> {
-    /// Opens a pass, if anyone looks on.
+    /// Opens a pass if there is a profile or labels.
     pub(crate) fn open(
         watch: Watch<'a>,
         describe: impl FnOnce() -> (PassRecord, Presence),
@@ -53,8 +53,8 @@ impl<'a> Scope<'a> {
         Some(Self { watch, pass, number })
     }
 
-    /// Opens the next pass of a sequence unless the one that is open takes it in; that one ends
-    /// before the next begins.
+    /// Opens the next pass of a sequence, unless the open pass absorbs it. The open pass ends before the next
+    /// begins.
     pub(crate) fn go_on(
         open: &mut Option<Self>,
         watch: Watch<'a>,
@@ -70,8 +70,8 @@ impl<'a> Scope<'a> {
         }
     }
 
-    /// Takes the next pass of the same scan or iteration in, if the profile wants no finer records;
-    /// says whether it does.
+    /// Absorbs the next pass if it belongs to the same scan or iteration and the profile does not request
+    /// finer records. Returns whether it did.
     fn absorb(&mut self, (next, presence): &(PassRecord, Presence)) -> bool {
         let Some(grain) = self.watch.profile.map(Profile::grain) else { return false };
         let record = &mut self.pass.0;

@@ -1,4 +1,4 @@
-//! A map that is profiled on a device of our own, submission by submission.
+//! Profiles a map on a device of this crate's own, submission by submission.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -16,79 +16,79 @@ use crate::vulkan::VulkanError;
 use crate::vulkan::headless::{CommandBuffer, Context, Submitter};
 use crate::vulkan::memory::{Buffer, BufferInfo};
 
-/// What is looked at while a map is computed, beside times.
+/// Choice of what is observed while a map is computed, in addition to times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Detail {
-    /// What is timed.
+    /// Coarseness of the records.
     pub grain: Grain,
-    /// Invocations, where the device counts them.
+    /// Whether invocations are counted, where the device can count them.
     pub invocations: bool,
-    /// Which tiles each round visits; not known of records of whole portions.
+    /// Whether the tiles that each round visits are recorded. They are unknown for records of whole portions.
     pub tiles: bool,
-    /// The time of whole submissions by a pair of timestamps of their own around those of the
-    /// passes, which take time as well.
+    /// Whether whole submissions are timed by a pair of timestamps of their own, around those of the passes,
+    /// which take time as well.
     pub whole: bool,
 }
 
-/// How a map was computed.
+/// Profile of the computation of a map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SolveProfile {
-    /// In their order.
+    /// Submissions in their order.
     pub submissions: Vec<SubmissionRecord>,
-    /// From the first submission to the end of the last before the map is read back, by the host's
-    /// clock; of many maps at once to the end of all.
+    /// Time by the host's clock from the first submission to the end of the last before the map is read back.
+    /// For many maps at once it lasts to the end of all.
     pub time: Duration,
 }
 
-/// A command buffer that was submitted and waited for.
+/// Record of a command buffer that was submitted and waited for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SubmissionRecord {
-    /// When it was submitted, by the host's clock, since the start of the map.
+    /// Time of the submission since the start of the map, by the host's clock.
     pub submitted: Duration,
-    /// And when the host knew that it had ended.
+    /// Time since the start of the map at which the host knew that the submission had ended.
     pub ended: Duration,
-    /// When the device began with it, in nanoseconds on the same clock, where calibrated timestamps
-    /// tell.
+    /// Start of the submission on the device, in nanoseconds on the same clock. It requires calibrated
+    /// timestamps.
     pub begin: Option<f64>,
-    /// Nanoseconds from its first command to its last; from the first pass to the end of the last
-    /// unless [`Detail::whole`] was asked for.
+    /// Nanoseconds from its first command to its last. Without [`Detail::whole`] they last from the first
+    /// pass to the end of the last.
     pub nanoseconds: Option<u64>,
-    /// Nanoseconds from its first command to the first pass; zero unless [`Detail::whole`] was
-    /// asked for.
+    /// Nanoseconds from its first command to the first pass; 0 without [`Detail::whole`].
     pub lead: Option<u64>,
-    /// The passes.
+    /// Records of the passes.
     pub passes: Vec<PassRecord>,
-    /// The tiles that each round visited, where asked for: numbers, row by row of tiles.
+    /// Numbers of the tiles that each round visited, row by row of tiles. The list is empty unless it was
+    /// requested.
     pub tiles: Vec<Vec<u32>>,
 }
 
 impl SolveProfile {
-    /// All passes.
+    /// Returns the records of all passes.
     pub fn passes(&self) -> impl Iterator<Item = &PassRecord> {
         self.submissions.iter().flat_map(|submission| &submission.passes)
     }
 
-    /// Nanoseconds of all passes, if they were measured.
+    /// Returns the nanoseconds of all passes together, if they were measured.
     pub fn pass_nanoseconds(&self) -> Option<u64> {
         self.passes().map(|pass| pass.nanoseconds).sum()
     }
 
-    /// Nanoseconds of all command buffers, if they were measured.
+    /// Returns the nanoseconds of all command buffers together, if they were measured.
     pub fn nanoseconds(&self) -> Option<u64> {
         self.submissions.iter().map(|submission| submission.nanoseconds).sum()
     }
 }
 
-/// The queries and buffers of a solve.
+/// Queries and buffers of a profiled map.
 pub(crate) struct Session {
     context: Arc<Context>,
     capabilities: Capabilities,
     pools: Vec<vk::QueryPool>,
     profile: Profile,
-    /// The pair around everything, where wanted.
+    /// Range whose first and last query are the timestamps around everything, if requested.
     around: Option<QueryRange>,
     buffer: Option<Buffer>,
-    /// Of the grid.
+    /// Number of tiles of the grid.
     tile_count: usize,
     start: Instant,
     calibration: Option<Calibration>,
@@ -96,7 +96,7 @@ pub(crate) struct Session {
 }
 
 impl Session {
-    /// For submissions of so many passes at most, on a grid of so many tiles.
+    /// Creates a session for submissions of at most `passes` passes, on a grid of `tile_count` tiles.
     pub(crate) fn new(
         context: &Arc<Context>,
         capabilities: &Capabilities,
@@ -167,7 +167,7 @@ impl Session {
         Ok(pool)
     }
 
-    /// At the beginning of a command buffer.
+    /// Writes the beginning of a command buffer.
     fn open(&self, device: &ash::Device, commands: vk::CommandBuffer) {
         if let Some(QueryRange { pool, first, count }) = self.around {
             // SAFETY: the pool is ours, and its last results have been read.
@@ -177,7 +177,7 @@ impl Session {
         self.profile.begin(device, commands);
     }
 
-    /// At its end.
+    /// Writes the end of a command buffer.
     fn close(&self, device: &ash::Device, commands: vk::CommandBuffer) {
         self.profile.end(device, commands);
         if let Some(QueryRange { first, count, .. }) = self.around {
@@ -201,7 +201,7 @@ impl Session {
         let bytes = self.buffer.as_ref().expect("it is there from the start").read();
         let (decisions, lists) = bytes.split_at(Slots::DECISION_BYTES as usize);
         let resolved = self.profile.resolve(device, clock, Some(decisions))?;
-        // The submission has been waited for, so that this is the driver's fault.
+        // The submission has been waited for, so a missing result is the driver's fault.
         let missing =
             VulkanError::Call { call: "vkGetQueryPoolResults", result: vk::Result::NOT_READY };
         let Resolved { passes, start, left_out } = resolved.ok_or(missing)?;
@@ -255,14 +255,14 @@ impl Session {
         rounds.zip(lists.chunks(4 * self.tile_count)).map(list).collect()
     }
 
-    /// The map is there after so long.
+    /// Ends the session. `time` is the time that the map took.
     pub(crate) fn finish(mut self, time: Duration) -> SolveProfile {
         let found = std::mem::take(&mut self.found);
         SolveProfile { time, ..found }
     }
 }
 
-/// Between queries, whose results are read after each submission.
+/// Surrounds each recording with queries, and reads their results after each submission.
 impl Submitter for Session {
     fn record(
         &self,
@@ -316,9 +316,9 @@ mod tests {
     use crate::vulkan::profile::Capability;
     use crate::vulkan::{Method, Schedule, Solver};
 
-    /// Queries, copies of decisions and lists, labels and names leave no message under the
-    /// validation layers, with synchronization validation; whatever is left out, the map is the
-    /// same to the last bit.
+    /// Checks that queries, copies of decisions and lists, labels and names leave no message under the
+    /// validation layers, with synchronization validation. Whatever is left out, the map is the same to the
+    /// last bit.
     #[test]
     fn profiles_leave_no_message_and_no_trace_in_the_map() {
         let heights = (0..75 * 90).map(|i| f64::from(i % 7 + i / 270).sin()).collect();
@@ -345,7 +345,7 @@ mod tests {
                     let (watched, profile) = watched.unwrap();
                     assert_eq!(watched.distances, plain.distances);
                     assert_eq!(watched.iterations, plain.iterations);
-                    // Every recording tells how it has gone, and then the map is read back.
+                    // Every recording reports its outcome, and then the map is read back.
                     let ends = match detail.grain {
                         Grain::Portions => PassKind::Portion,
                         _ => PassKind::Outcome,
@@ -353,7 +353,7 @@ mod tests {
                     let recordings = profile.passes().filter(|pass| pass.kind == ends).count();
                     assert!(recordings >= 1 && profile.submissions.len() == recordings + 1);
                 }
-                // What was recorded with queries is not submitted again without.
+                // A recording with queries is not submitted again without them.
                 let again = solver.solve(&mut on_device, &seeds, method).unwrap();
                 assert_eq!(again.distances, plain.distances);
             }

@@ -1,4 +1,4 @@
-//! The host's queries that a recording fills, and what becomes of them frames later.
+//! Fills the host's queries while recording, and turns their results into records frames later.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -10,49 +10,51 @@ use super::pass::{Grain, PassKind, PassRecord};
 use super::presence::{Presence, decided};
 use crate::vulkan::VulkanError;
 
-/// A range of a query pool of the host's.
+/// Range of a query pool of the host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct QueryRange {
-    /// The pool.
+    /// Query pool.
     pub pool: vk::QueryPool,
-    /// Its first query that we may use.
+    /// First query of the range.
     pub first: u32,
-    /// How many.
+    /// Number of queries.
     pub count: u32,
 }
 
-/// What a profile may use of the host's. All parts are optional: what is missing is not in the
-/// records.
+/// Queries and buffers of the host that a profile may use. All of them are optional. The records lack the
+/// values of those that are missing.
 ///
-/// For `passes` passes in a recording:
+/// The sizes are for `passes` passes in a recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Slots {
-    /// `passes + 1` queries of a pool of type `TIMESTAMP`: the first at the start of the recording,
-    /// the next at the end of each pass in turn; with [`Grain::Portions`] the last ones stay unused.
+    /// `passes + 1` queries of a pool of type `TIMESTAMP`. The first is written at the start of the
+    /// recording, and the following ones at the end of each pass in turn. With [`Grain::Portions`] the last
+    /// ones stay unused.
     pub timestamps: Option<QueryRange>,
-    /// `passes` queries of a pool of type `PIPELINE_STATISTICS` with the one statistic
-    /// `COMPUTE_SHADER_INVOCATIONS`, one for each pass; the device feature `pipelineStatisticsQuery`
-    /// must be enabled. They may make passes slower: count in other frames than those you time.
+    /// `passes` queries, one for each pass, of a pool of type `PIPELINE_STATISTICS` with the single statistic
+    /// `COMPUTE_SHADER_INVOCATIONS`. The device feature `pipelineStatisticsQuery` must be enabled. These
+    /// queries may make passes slower, so count invocations in other frames than those that you time.
     pub statistics: Option<QueryRange>,
-    /// A buffer with usage `TRANSFER_DST`, which the host can read, with
-    /// [`Slots::DECISION_BYTES`] for each call of [`super::super::embed::Recording::solve`], `add`
-    /// or `resume` in a recording, from an offset that is a multiple of 4: what the device has
-    /// decided, such as the tiles that it has visited.
+    /// Buffer for the device's decisions, such as the tiles that it has visited. The buffer must have the
+    /// usage `TRANSFER_DST` and be readable by the host. It has [`Slots::DECISION_BYTES`] for each call of
+    /// [`super::super::embed::Recording::solve`], `add` or `resume` in a recording, from an offset that is a
+    /// multiple of 4.
     pub decisions: Option<Decided>,
-    /// Of the tiles that each round has visited their numbers, row by row of tiles: `None` unless
-    /// you want to draw them, since the copies take time. A buffer like the last, with four bytes
-    /// for each tile of the grid and each round of the plan; only the last portion is kept.
+    /// Buffer, and offset in it, for the numbers of the tiles that each round has visited, row by row of
+    /// tiles. Leave it `None` unless you want to draw the tiles, since the copies take time. The buffer must
+    /// be like that of `decisions`, with four bytes for each tile of the grid and each round of the plan.
+    /// Only the last portion is kept.
     pub tile_lists: Option<(vk::Buffer, u64)>,
 }
 
-/// A buffer for what the device decides.
+/// Buffer for the device's decisions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Decided {
-    /// The buffer.
+    /// Buffer.
     pub buffer: vk::Buffer,
-    /// In bytes.
+    /// Offset in the buffer, in bytes.
     pub offset: u64,
-    /// For how many portions it has room.
+    /// Number of portions for which the buffer has room.
     pub portions: u32,
 }
 
@@ -61,27 +63,28 @@ impl Slots {
     pub const DECISION_BYTES: u64 = decisions::BYTES;
 }
 
-/// The passes of one recording as they are recorded, and where their times will be.
+/// Passes of one recording, and the queries that will hold their times.
 ///
-/// Made once for each frame in flight; recording into it allocates nothing. One recording at a time.
+/// Create one for each frame in flight. Recording into it allocates nothing. It serves one recording at a
+/// time.
 pub struct Profile {
     slots: Slots,
     grain: Grain,
-    /// Passes that there is room for.
+    /// Number of passes for which there is room.
     room: usize,
     taken: Mutex<Taken>,
 }
 
-/// What has been taken down so far.
+/// State of the recording so far.
 struct Taken {
     entries: Vec<Entry>,
-    /// Timestamps after the first.
+    /// Number of timestamps written after the first.
     timestamps: u32,
-    /// Whether the last entries still wait for theirs.
+    /// Whether the last entries still lack their timestamp.
     waits: bool,
-    /// Ended.
+    /// Number of portions that have ended.
     portions: u32,
-    /// Passes without room.
+    /// Number of passes for which there was no room.
     left_out: u32,
 }
 
@@ -89,29 +92,30 @@ struct Taken {
 struct Entry {
     record: PassRecord,
     presence: Presence,
-    /// That it belongs to.
+    /// Number of the portion to which the entry belongs.
     portion: u32,
-    /// The number of the one at its end, of the first entry of a recording 1. Entries that are one
-    /// record share it.
+    /// Number of the timestamp at the end of the entry. It is 1 for the first entry of a recording. Entries
+    /// that form one record share it.
     timestamp: u32,
 }
 
-/// What a recording has taken, read back.
+/// Records of a recording, read back.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resolved {
-    /// The passes in their order.
+    /// Passes in the order of recording.
     pub passes: Vec<PassRecord>,
-    /// The device's time at the start of the recording, in ticks of its clock.
+    /// Device's time at the start of the recording, in ticks of its clock.
     pub start: Option<u64>,
-    /// Passes for which there was no room.
+    /// Number of passes for which there was no room.
     pub left_out: u32,
 }
 
 impl Profile {
-    /// With room for so many records of this grain, and so many queries in each range (see [`Slots`]):
-    /// [`super::super::embed::Solver::passes_of_frame`] says how many a frame takes.
+    /// Creates a profile with room for `passes` records of the grain `grain`. Each range must have the number
+    /// of queries that [`Slots`] states; a smaller range reduces the room.
+    /// [`super::super::embed::Solver::passes_of_frame`] returns the number of records of a frame.
     pub fn new(passes: u32, grain: Grain, slots: Slots) -> Self {
-        // An empty range is none.
+        // An empty range counts as none.
         let usable = |range: Option<QueryRange>| range.filter(|range| range.count > 0);
         let slots = Slots {
             timestamps: usable(slots.timestamps),
@@ -144,7 +148,7 @@ impl Profile {
         self.grain
     }
 
-    /// Starts anew, in a command buffer outside a render pass.
+    /// Begins a new recording. The command buffer must be outside a render pass.
     pub(crate) fn begin(&self, device: &ash::Device, commands: vk::CommandBuffer) {
         let mut taken = self.taken();
         taken.entries.clear();
@@ -160,7 +164,7 @@ impl Profile {
         self.write_timestamp(device, commands, 0);
     }
 
-    /// Before a pass of a kind: its number, if there is room for it.
+    /// Opens a pass of kind `kind`, and returns its number if there is room for it.
     pub(crate) fn open(
         &self,
         device: &ash::Device,
@@ -168,7 +172,7 @@ impl Profile {
         kind: PassKind,
     ) -> Option<usize> {
         let mut taken = self.taken();
-        // How the iterations of a portion have gone belongs to it, if it has not ended.
+        // The outcome of a portion's iterations belongs to the portion's record, if that has not ended.
         if !matches!(kind, PassKind::Portion | PassKind::Outcome) {
             self.end_record(device, commands, &mut taken);
         }
@@ -186,7 +190,7 @@ impl Profile {
         Some(number)
     }
 
-    /// After it.
+    /// Closes the pass with this number.
     pub(crate) fn close(
         &self,
         device: &ash::Device,
@@ -198,7 +202,7 @@ impl Profile {
             // SAFETY: the query was begun by `open`.
             unsafe { device.cmd_end_query(commands, pool, first + number as u32) };
         }
-        // The steps of a portion come before the copy of what was decided in it.
+        // The steps of a portion are recorded before the copy of what was decided in it.
         let mut taken = self.taken();
         let (portion, timestamp) = (taken.portions, taken.timestamps + 1);
         taken.entries.push(Entry { record, presence, portion, timestamp });
@@ -208,7 +212,7 @@ impl Profile {
         }
     }
 
-    /// After the last of the entries that are one record.
+    /// Writes the timestamp after the last of the entries that form one record.
     fn end_record(&self, device: &ash::Device, commands: vk::CommandBuffer, taken: &mut Taken) {
         if std::mem::take(&mut taken.waits) {
             taken.timestamps += 1;
@@ -216,7 +220,7 @@ impl Profile {
         }
     }
 
-    /// Where to copy the decisions of this portion, if there is room.
+    /// Returns the place to which the decisions of this portion are copied, if there is room.
     pub(crate) fn decisions(&self) -> Option<(vk::Buffer, u64)> {
         let Decided { buffer, offset, portions } = self.slots.decisions?;
         let number = self.taken().portions;
@@ -224,18 +228,18 @@ impl Profile {
         (number < portions).then_some((buffer, at))
     }
 
-    /// Where to copy the lists of tiles.
+    /// Returns the place to which the lists of tiles are copied.
     pub(crate) fn tile_lists(&self) -> Option<(vk::Buffer, u64)> {
         self.slots.tile_lists
     }
 
-    /// After a portion of steps.
+    /// Ends a portion of steps.
     pub(crate) fn end_portion(&self, device: &ash::Device, commands: vk::CommandBuffer) {
         self.end(device, commands);
         self.taken().portions += 1;
     }
 
-    /// After the last pass.
+    /// Ends the recording after its last pass.
     pub(super) fn end(&self, device: &ash::Device, commands: vk::CommandBuffer) {
         self.end_record(device, commands, &mut self.taken());
     }
@@ -247,10 +251,9 @@ impl Profile {
         unsafe { device.cmd_write_timestamp(commands, stage, pool, first + number) };
     }
 
-    /// What the last recording has taken; `Ok(None)` if the device has not come to its end. Waits
-    /// for nothing. `decisions` is what [`Slots::decisions`] holds, from its offset on, to be read
-    /// once the fence of the submission is signalled; without it, what the device has decided
-    /// stays unknown.
+    /// Returns the records of the last recording; `Ok(None)` if the device has not reached its end. This call
+    /// does not wait. `decisions` are the contents of [`Slots::decisions`] from its offset on. Read them once
+    /// the fence of the submission is signalled. Without them the device's decisions stay unknown.
     ///
     /// # Errors
     /// If the device is lost.
@@ -309,13 +312,13 @@ impl Profile {
     }
 }
 
-/// The results of the first queries of a range; `None` if some are not there yet.
+/// Returns the results of the first `count` queries of a range; `None` if some are not available yet.
 pub(super) fn results(
     device: &ash::Device,
     range: QueryRange,
     count: usize,
 ) -> Result<Option<Vec<u64>>, VulkanError> {
-    // Each with whether it is there.
+    // Each result is followed by its availability.
     let mut results = vec![[0u64; 2]; count];
     if results.is_empty() {
         return Ok(Some(Vec::new()));

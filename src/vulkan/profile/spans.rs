@@ -1,11 +1,11 @@
-//! Passes as spans of the crate `tracing`.
+//! Emits passes as spans of the crate `tracing`.
 
 use super::pass::PassRecord;
 
-/// Emits a span for each pass, one after another, at level `DEBUG` with the target
-/// `geosweep::gpu`: for subscribers that collect what a frame has taken. The device's times are in
-/// its fields, since the passes are over: `begin_ns` since the start of the recording, and `gpu_ns`.
-/// Fields that are not known are left empty.
+/// Emits a span for each pass, one after another, at level `DEBUG` with the target `geosweep::gpu`. It serves
+/// subscribers that collect what a frame took. The passes are over by then, so that the device's times are
+/// fields of the span: `begin_ns` since the start of the recording, and `gpu_ns`. Fields with unknown values
+/// are empty.
 pub fn emit(passes: &[PassRecord]) {
     for pass in passes {
         let work = &pass.work;

@@ -1,85 +1,88 @@
-//! What passes have to move and compute, counted from the plan, and from what the device has
-//! decided where that is read back.
+//! Counts what passes have to move and compute. The counts come from the plan, and from the device's
+//! decisions where those are read back.
 //!
-//! Counted is what the update of a point needs by itself, once: what workgroups compute twice at
-//! their borders is not added, and what caches save is not subtracted. `docs/speed.md` compares
-//! the same counts with a device's ceilings.
+//! A count covers what the update of a point needs by itself, once. It does not include what workgroups
+//! compute twice at their borders, and it does not subtract what caches save. `docs/speed.md` compares the
+//! same counts with a device's ceilings.
 
 use crate::vulkan::upload::SEED_BYTES;
 
-/// Bytes, texels and updates of a pass; `None` for what is not known, or not counted for passes of
-/// its kind.
+/// Bytes, texels and updates of a pass. `None` stands for a number that is unknown, or not counted for passes
+/// of this kind.
 ///
-/// What is moved, in numbers of 4 bytes. One counts once for the texel, place or map that needs it,
-/// however many invocations look at it:
+/// The table lists the moved data in numbers of 4 bytes. A number counts once for the texel, place or map
+/// that needs it, however many invocations read it.
 ///
 /// | pass | reads | writes |
 /// |---|---|---|
-/// | prepare, forget | | the images, their border too |
-/// | points | of each point what is looked at | that and its slowness |
+/// | prepare, forget | | the images with their border |
+/// | points | the values used of each point | the same and its slowness |
 /// | edges | the points around the band | four lengths a point |
-/// | curvature | four lengths a point; in the second pass a number more | a number a point |
-/// | start | | the progress, and six numbers a tile; many maps at once: a copy of their progress |
-/// | resume | six numbers | the progress of rounds, and a number a tile |
-/// | sources | as a dispatch four numbers each | ten for each of four texels; as a copy four each |
-/// | surroundings | four numbers a source, and of each of 100 texels around it its times and 16 lengths; with curved fronts their curvature and the surface's | ten for each of these texels |
-/// | seed | ten numbers a texel, both layers of its fronts | its fronts; many maps at once: those of all |
+/// | curvature | four lengths a point, and one number more in the second pass | one number a point |
+/// | start | | the progress and six numbers a tile; for a batch a copy of its progress |
+/// | resume | six numbers | the progress of rounds, and one number a tile |
+/// | sources | as a dispatch four numbers a source | as a dispatch ten numbers for each of four texels; as a copy four numbers a source |
+/// | surroundings | four numbers a source, and for each of 100 texels around it the times and 16 lengths; with curved fronts their curvature and the surface's | ten numbers for each of these texels |
+/// | seed | ten numbers a texel, and both layers of its fronts | its fronts; for a batch the fronts of all texels |
 /// | scans, all points, tiles | a texel's times and 16 lengths; with curved fronts their curvature and the surface's | times; with curved fronts their curvature |
-/// | settle | a number a tile, and both layers of the texels that are brought back | the same |
-/// | count | of a map that goes on seven numbers of its progress, of one that is done one | five, and two more if it is done now; or none |
+/// | settle | one number a tile, and both layers of the texels that are brought back | the same |
+/// | count | seven numbers of the progress if the map was not done before; otherwise one | five numbers if the map was not done before, and two more if it is done now; otherwise none |
 /// | fans | the numbers of each pair's fan | the same |
-/// | workgroups | the fans of all pairs in all scans, and maps that were begun before | distances, or maps to go on with |
-/// | decisions, outcome | what is copied | the same |
+/// | workgroups | the fans of all pairs in all scans, and maps that were begun before | distances, or maps to be continued |
+/// | decisions, outcome | the copied bytes | the same |
 /// | distances, unpack | each point's time | the same |
-/// | lookup | of each place two numbers, and four times around it | a distance |
-/// | contours: counts | each point's time | a number for each row of cells, and for each of its 64 strips |
-/// | their offsets | a number for each row of cells | the same, and six of the record |
-/// | their segments | times and numbers again | `None`: as many as the device finds |
-/// | paths: starts | of each two numbers and four times, and four numbers of each source | 24 numbers for each that there is room for, three for each start |
-/// | their steps | `None`: as many as the device takes | `None` |
-/// | lift | `None`: as many vertices as the device has found | `None` |
-/// | regions: as a clear | | two numbers a point |
-/// | their sources, twice | four numbers each | `None`: as many points as lie around them |
-/// | the beginnings of ways | of each point two numbers, its time and four lengths; with curved fronts their curvature and the surface's | three numbers |
-/// | the ways, then what is left | `None`: as many points as the ways lead past | `None` |
+/// | lookup | two numbers a place, and the four times around it | one distance a place |
+/// | contours: counts | each point's time | one number for each row of cells, and one for each of its 64 strips |
+/// | contours: offsets | one number for each row of cells | the same, and six numbers of the record |
+/// | contours: segments | the times and numbers again | `None`: depends on how many segments the device finds |
+/// | paths: starts | two numbers and four times a start, and four numbers a source | 24 numbers for each path that there is room for, and three a start |
+/// | paths: steps | `None`: depends on how many steps the device takes | `None` |
+/// | lift | `None`: depends on how many vertices the device has found | `None` |
+/// | regions: clear | | two numbers a point |
+/// | regions: sources, twice | four numbers a source | `None`: depends on how many points lie around the sources |
+/// | regions: beginnings of ways | two numbers, the time and four lengths a point; with curved fronts their curvature and the surface's | three numbers a point |
+/// | regions: ways, then what is left | `None`: depends on how many points the ways lead past | `None` |
 ///
-/// With many maps at once, the count by which one is done reads and writes how many are pending and
-/// writes that this one is not, and with the last of them two numbers more, in place of the two.
+/// In a batch, the count that ends the last iteration of a map differs. In place of the two further numbers
+/// it reads and writes the number of pending maps, and writes that this map is not pending. With the last map
+/// of the batch it writes two numbers more.
 ///
-/// Where a place may be bad, it counts as if it were good: sources lie inside cells, the texels around one,
-/// four or 100, lie on the grid and are no other source's, places looked up and starts lie on the grid where
-/// the map is reached, and there is room for all contours. Not counted is what depends on where things lie,
-/// and is little beside the rest: the lengths of edges around a source, the tiles that seeds and rounds put
-/// on lists, the levels that a search for contours looks at, and the numbers by which rounds are counted.
+/// Places that may be invalid count as valid ones. Sources count as lying inside cells. The four or 100
+/// texels around a source count as lying on the grid and as belonging to no other source. Looked-up places
+/// and starts of paths count as lying on the grid where the map is reached. There is room for all contours.
+/// The counts leave out what depends on positions and is little beside the rest: the lengths of edges around
+/// a source, the tiles that seeds and rounds put on lists, the levels that a search for contours examines,
+/// and the numbers by which rounds are counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
-    /// Texels visited, of 2 x 2 points each. Tiles count whole, also where they reach beyond the
-    /// grid.
+    /// Number of visited texels, of 2 x 2 points each. A tile counts as a whole even where it reaches beyond
+    /// the grid.
     pub texels: Option<u64>,
-    /// Texels that a pass without bounds would have visited as well: the gain of the paper's
-    /// scissor test, of lists of tiles, and of passes beyond convergence. The lines that a scan
-    /// passes over before its first block count to that block.
+    /// Number of texels that a pass without bounds would have visited as well. It is the gain of the paper's
+    /// scissor test, of lists of tiles, and of passes beyond convergence. Lines that a scan skips
+    /// before its first block count to that block.
     pub skipped: Option<u64>,
-    /// Bytes read.
+    /// Number of bytes read.
     pub bytes_read: Option<u64>,
-    /// Bytes written.
+    /// Number of bytes written.
     pub bytes_written: Option<u64>,
-    /// Updates of a point from one triangle.
+    /// Number of updates of a point from one triangle.
     pub triangles: Option<u64>,
 }
 
 /// Bytes of a texel of four 32-bit numbers.
 const TEXEL: u64 = 16;
-/// Triangles of a point that a scan sees, times the points of a texel.
+/// Points of a texel times the triangles of a point that a scan uses.
 const SCAN_TRIANGLES: u64 = 4 * 2;
 
 impl Work {
-    /// Bytes read and written.
+    /// Returns the bytes read and written.
     pub fn bytes(&self) -> Option<u64> {
         Some(self.bytes_read? + self.bytes_written?)
     }
 
-    /// Of both, the other of the same kind or a count of an iteration, which visits no texels.
+    /// Returns the work of both. `other` is of the same kind, or the count of an iteration, which visits no
+    /// texels.
     pub(crate) fn and(self, other: Self) -> Self {
         let sum = |a: Option<u64>, b: Option<u64>| Some(a? + b?);
         let visits = |a: Option<u64>, b: Option<u64>| Some(a? + b.unwrap_or(0));
@@ -92,7 +95,7 @@ impl Work {
         }
     }
 
-    /// Nothing but bytes.
+    /// Returns work that consists of bytes only.
     pub(crate) const fn of_bytes(read: u64, written: u64) -> Self {
         Self {
             texels: None,
@@ -103,8 +106,9 @@ impl Work {
         }
     }
 
-    /// Of texels that are updated: arrival times of the texel's points read and written and the
-    /// lengths of their edges read; with curved fronts their curvature and the surface's as well.
+    /// Returns the work of updating texels. The arrival times of a texel's points are read and written, and
+    /// the lengths of their edges are read. With curved fronts their curvature is read and written too, and
+    /// the surface's is read.
     pub(crate) fn of_updates(
         texels: u64,
         skipped: u64,
@@ -122,13 +126,13 @@ impl Work {
         }
     }
 
-    /// Of texels that a scan updates.
+    /// Returns the work of updating texels in a scan.
     pub(crate) fn of_scan(texels: u64, skipped: u64, curved: bool) -> Self {
         Self::of_updates(texels, skipped, curved, Some(SCAN_TRIANGLES))
     }
 
-    /// Of the texels around so many sources, so many around each, which are read once, updated as often as it
-    /// takes, and written as seeds.
+    /// Returns the work of solving the surroundings of sources, `each` texels around a source. These texels
+    /// are read once, updated as often as necessary, and written as seeds.
     pub(crate) fn of_surroundings(sources: u64, each: u64, curved: bool) -> Self {
         let Self { bytes_read, .. } = Self::of_updates(sources * each, 0, curved, None);
         let places = sources * size_of::<[f32; 4]>() as u64;
@@ -136,7 +140,7 @@ impl Work {
         Self { bytes_read: bytes_read.map(|read| read + places), ..Self::of_bytes(0, seeds) }
     }
 
-    /// The same, but for texels that have not been visited.
+    /// Returns this work without that of texels that were not visited.
     pub(super) fn without(self, unvisited: Self) -> Self {
         let less = |a: Option<u64>, b: Option<u64>| Some(a? - b?);
         Self {
@@ -148,7 +152,8 @@ impl Work {
         }
     }
 
-    /// What one map takes, of so many of `all` maps of a batch that visit the same texels.
+    /// Returns the work of `maps` of the `all` maps of a batch, given the work of one. All maps visit the
+    /// same texels.
     pub(crate) fn of_maps(self, maps: u64, all: u64) -> Self {
         let each = |count: Option<u64>| Some(count? * maps);
         let texels = each(self.texels);
@@ -162,7 +167,7 @@ impl Work {
         }
     }
 
-    /// Of the same texels, none visited.
+    /// Returns the work of a pass over the same texels that visits none of them.
     pub(super) fn none(self) -> Self {
         let skipped = self.texels.zip(self.skipped).map(|(texels, skipped)| texels + skipped);
         let zero = |count: Option<u64>| count.map(|_| 0);

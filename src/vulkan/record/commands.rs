@@ -1,4 +1,4 @@
-//! The commands that all recordings are made of.
+//! Records the commands of which all recordings consist.
 
 use std::ffi::CStr;
 
@@ -13,57 +13,59 @@ use crate::vulkan::passes::PUSH_CONSTANT_BYTES;
 use crate::vulkan::pipelines::{Pipeline, Pipelines};
 use crate::vulkan::profile::{Group, PassKind, PassRecord, Presence, Profile, Scope, Watch, Work};
 
-/// A command buffer that is being recorded.
+/// Command buffer that is being recorded.
 #[derive(Clone, Copy)]
 pub(crate) struct Commands<'a> {
-    /// The device of everything else.
+    /// Device to which everything else belongs.
     pub(crate) device: &'a ash::Device,
-    /// Begun, on a queue family for compute, outside a render pass.
+    /// Command buffer. It has been begun, on a queue family for compute, outside a render pass.
     pub(crate) buffer: vk::CommandBuffer,
-    /// Alive until the commands have run.
+    /// Pipelines, which stay alive until the commands have run.
     pub(crate) pipelines: &'a Pipelines,
-    /// Takes the passes down, if anyone looks on.
+    /// Profile that receives the passes, if there is one.
     pub(crate) profile: Option<&'a Profile>,
-    /// Which part is recorded, of a recording that shares its barriers with others. Such parts have neither labels
-    /// nor a place in profiles.
+    /// Turn of the part that is recorded, if the recording shares its barriers with others. Such parts have
+    /// no labels, and are not in profiles.
     pub(crate) turn: Option<&'a Turn>,
 }
 
-/// How many workgroups are dispatched.
+/// Number of workgroups of a dispatch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Groups {
-    /// So many.
+    /// Number of workgroups in each dimension.
     These([u32; 3]),
-    /// As many as three numbers of a buffer say, at this offset.
+    /// Buffer that holds these three numbers, and their offset in it.
     From(vk::Buffer, u64),
 }
 
 impl Groups {
-    /// Of so many invocations wide and high, in groups along the width.
+    /// Returns the workgroups of a dispatch that is this many invocations wide and high. Workgroups lie along
+    /// the width.
     pub(crate) fn of([width, height]: [u32; 2]) -> Self {
         Self::These([width.div_ceil(WORKGROUP), height, 1])
     }
 
-    /// So many in a line.
+    /// Returns `count` workgroups in a line.
     pub(crate) fn line(count: u32) -> Self {
         Self::These([count, 1, 1])
     }
 
-    /// So many in all and maybe a few more, however many they are. Shaders find a group's place by
-    /// `place_in_dispatch` in `glsl/tiles.glsl`.
+    /// Returns `count` workgroups in all, or slightly more, for any count. Shaders find the place of a
+    /// workgroup by `place_in_dispatch` in `glsl/tiles.glsl`.
     pub(crate) fn in_columns(count: u32) -> Self {
         let column = column_of(count);
         Self::These([count.div_ceil(column), column, 1])
     }
 }
 
-/// Of so many workgroups those in a column, so that there are no more columns than every device takes.
+/// Returns how many of `count` workgroups form a column, so that there are no more columns than every device
+/// accepts.
 pub(crate) fn column_of(count: u32) -> u32 {
     count.div_ceil(MOST_GROUPS).max(1)
 }
 
 impl<'a> Commands<'a> {
-    /// Records what nobody looks at.
+    /// Returns commands without a profile.
     pub(crate) fn new(
         device: &'a ash::Device,
         buffer: vk::CommandBuffer,
@@ -72,8 +74,8 @@ impl<'a> Commands<'a> {
         Self { device, buffer, pipelines, profile: None, turn: None }
     }
 
-    /// To be kept while a pass is recorded: its label, and its place in the profile with what is
-    /// known of it.
+    /// Opens a pass that ends when the returned value is dropped. It has a label, and a place in the profile
+    /// with the known values in `record`.
     pub(crate) fn pass_with(&self, record: PassRecord) -> Option<Scope<'a>> {
         if self.turn.is_some() {
             return None;
@@ -81,18 +83,18 @@ impl<'a> Commands<'a> {
         Scope::open(self.watch(), || (record, Presence::Always))
     }
 
-    /// The same of a copy of so many bytes.
+    /// Opens a pass that copies `bytes` bytes.
     pub(crate) fn pass_of_copy(&self, kind: PassKind, bytes: u64) -> Option<Scope<'a>> {
         let work = Work::of_bytes(bytes, bytes);
         self.pass_with(PassRecord { work, ..PassRecord::new(kind) })
     }
 
-    /// To be kept while several passes are recorded that have a label in common.
+    /// Opens a label over several passes. It ends when the returned value is dropped.
     pub(crate) fn group(&self, label: &CStr) -> Option<Group<'a>> {
         self.pipelines.labels.as_ref().map(|labels| labels.group(self.buffer, label))
     }
 
-    /// Whether what is recorded is another part than the one whose turn it is.
+    /// Returns whether the recorded part is another than the one whose turn it is.
     fn is_skipped(&self) -> bool {
         self.turn.is_some_and(|turn| !turn.is_now())
     }
@@ -102,7 +104,7 @@ impl<'a> Commands<'a> {
         Watch { device, commands: buffer, profile, labels: pipelines.labels.as_ref() }
     }
 
-    /// Binds a pipeline and the sets that it sees.
+    /// Binds a pipeline and the sets that it uses.
     pub(crate) fn bind<P: Pod>(&self, pipeline: Pipeline<P>, sets: Sets) {
         self.bind_handle(pipeline.handle, pipeline.layout, sets);
     }
@@ -118,14 +120,14 @@ impl<'a> Commands<'a> {
         }
     }
 
-    /// Dispatches the pipeline that is bound.
+    /// Dispatches the bound pipeline.
     pub(crate) fn dispatch<P: Pod>(&self, pipeline: Pipeline<P>, constants: &P, groups: Groups) {
         if self.is_skipped() {
             return;
         }
         let bytes = bytes_of(constants);
-        // SAFETY: a pipeline with this layout is bound, the layout has room for the constants of every
-        // pass, and what the buffer holds at the offset are three numbers.
+        // SAFETY: a pipeline with this layout is bound, the layout has room for the constants of every pass,
+        // and the buffer holds three numbers at the offset.
         unsafe {
             if !bytes.is_empty() {
                 let stages = vk::ShaderStageFlags::COMPUTE;
@@ -143,7 +145,7 @@ impl<'a> Commands<'a> {
         }
     }
 
-    /// Dispatches no group of a pipeline, since drivers may compile it at its first dispatch.
+    /// Dispatches no workgroup of a pipeline, since drivers may compile it at its first dispatch.
     pub(crate) fn warm_up(
         &self,
         pipeline: vk::Pipeline,
@@ -153,7 +155,7 @@ impl<'a> Commands<'a> {
         let constants = &[0; PUSH_CONSTANT_BYTES as usize][..pushed as usize];
         let stages = vk::ShaderStageFlags::COMPUTE;
         self.bind_handle(pipeline, layout, sets);
-        // SAFETY: the layout has room for so many bytes.
+        // SAFETY: the layout has room for this many bytes.
         unsafe {
             if pushed > 0 {
                 self.device.cmd_push_constants(self.buffer, layout, stages, 0, constants);
@@ -169,7 +171,7 @@ impl<'a> Commands<'a> {
         }
     }
 
-    /// Brings an image from one layout into another between two kinds of access.
+    /// Transitions an image from one layout into another, between two kinds of access.
     pub(crate) fn image_barrier(
         &self,
         image: vk::Image,
@@ -201,7 +203,7 @@ impl<'a> Commands<'a> {
         }
     }
 
-    /// Zeroes part of a buffer.
+    /// Fills part of a buffer with zeros.
     pub(crate) fn fill(&self, buffer: vk::Buffer, offset: u64, size: u64) {
         self.fill_with(buffer, offset, size, 0);
     }
@@ -215,7 +217,8 @@ impl<'a> Commands<'a> {
         unsafe { self.device.cmd_fill_buffer(self.buffer, buffer, offset, size, number) };
     }
 
-    /// Writes part of a buffer, which has room for it; no more than 65 536 bytes, a multiple of 4.
+    /// Writes part of a buffer, which must have room for it. The number of bytes is a multiple of 4 and at
+    /// most 65 536.
     pub(crate) fn update(&self, buffer: vk::Buffer, offset: u64, bytes: &[u8]) {
         if self.is_skipped() {
             return;
@@ -224,18 +227,18 @@ impl<'a> Commands<'a> {
         unsafe { self.device.cmd_update_buffer(self.buffer, buffer, offset, bytes) };
     }
 
-    /// Copies part of a buffer to one that has room for it there, and does not overlap it.
+    /// Copies part of a buffer to one that has room for it there. The two parts must not overlap.
     pub(crate) fn copy(&self, from: (vk::Buffer, u64), to: (vk::Buffer, u64), size: u64) {
         let part = vk::BufferCopy::default().src_offset(from.1).dst_offset(to.1).size(size);
         self.copy_parts(from.0, to.0, &[part]);
     }
 
-    /// The same of several parts.
+    /// Copies several parts of a buffer.
     pub(crate) fn copy_parts(&self, from: vk::Buffer, to: vk::Buffer, parts: &[vk::BufferCopy]) {
         if self.is_skipped() {
             return;
         }
-        // SAFETY: both buffers hold so many bytes there, of the host's as the host has promised.
+        // SAFETY: both buffers hold this many bytes there. For the host's buffers the host has promised it.
         unsafe { self.device.cmd_copy_buffer(self.buffer, from, to, parts) };
     }
 
@@ -257,7 +260,7 @@ impl<'a> Commands<'a> {
             .image_offset(offset)
             .image_extent(extent);
         let layout = vk::ImageLayout::GENERAL;
-        // SAFETY: the buffer holds so many texels, the part lies in the image, which is in this layout, and
+        // SAFETY: the buffer holds this many texels, the part lies in the image, which is in this layout, and
         // nothing else uses either until the next barrier.
         unsafe { self.device.cmd_copy_buffer_to_image(self.buffer, from, to, layout, &[copy]) };
     }
@@ -269,7 +272,8 @@ mod tests {
 
     #[test]
     fn columns_of_workgroups_are_no_more_than_devices_take() {
-        // Tiles of 16 points on 4112 x 4112, and of 8 points on the largest images.
+        // The counts are those of tiles of 16 points on 4112 x 4112 points, and of 8 points on the largest
+        // images.
         for (count, wanted) in [
             (1, [1, 1, 1]),
             (65_535, [65_535, 1, 1]),

@@ -1,4 +1,4 @@
-//! A map: its start, its sources, and what is read of it.
+//! Records a map: its start, its sources, and what is read from it.
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ fn record_offset(number: usize) -> u64 {
 }
 
 impl Recorder<'_> {
-    /// Forgets the map: no point is reached in either image.
+    /// Clears the map: no point is reached in either image.
     pub(crate) fn forget(&self) {
         let _pass = self.pass_over_images(PassKind::Forget, 0, 2 * u64::from(LAYERS) * 16);
         self.barrier(SHADER, CLEAR);
@@ -33,10 +33,10 @@ impl Recorder<'_> {
         }
     }
 
-    /// Sets the texels with sources, `count` of which are in the upload buffer, in image 0, and
-    /// has what follows begin with the tiles, or blocks of lines, around them.
+    /// Sets the texels with sources in image 0. `count` of them are in the upload buffer. The following
+    /// passes begin with the tiles, or blocks of lines, around these texels.
     pub(crate) fn seed(&self, count: u32, follows: u32) {
-        // A texel's seeds, and its fronts in one image and the other.
+        // The pass reads a texel's seeds and its fronts, and writes its fronts.
         let fronts = 16 * u64::from(LAYERS);
         let each = [SEED_BYTES + fronts, fronts];
         let _pass = self.pass_of_each(PassKind::Seed, [count, 1], each);
@@ -59,13 +59,14 @@ impl Recorder<'_> {
         self.barrier(CLEAR, SHADER);
     }
 
-    /// Copies how the iterations have gone to one of the records that the host reads.
+    /// Copies the outcome of the iterations to one of the records that the host reads.
     pub(crate) fn outcome(&self, number: usize) {
         self.outcome_to(self.grid.outcome.buffer, record_offset(number));
         self.barrier(CLEAR, HOST_READ);
     }
 
-    /// The same, and marks the record with a serial, so that the host sees whether it is there.
+    /// Copies the outcome and marks the record with a serial, by which the host sees that the record is
+    /// complete.
     pub(crate) fn outcome_with_serial(&self, number: usize, serial: u32) {
         let (buffer, at) = (self.grid.outcome.buffer, record_offset(number));
         self.outcome_to(buffer, at);
@@ -74,7 +75,7 @@ impl Recorder<'_> {
         self.barrier(CLEAR, HOST_READ);
     }
 
-    /// Writes a serial behind all passes so far, where the host finds it: in the record with this number.
+    /// Writes a serial after all passes so far to the record with this number, where the host finds it.
     pub(crate) fn mark(&self, number: usize, serial: u32) {
         let at = record_offset(number) + offset::SERIAL_IN_RECORD;
         let passes = (PASS.0 | TRANSFER.0, PASS.1 | TRANSFER.1);
@@ -83,7 +84,7 @@ impl Recorder<'_> {
         self.barrier(CLEAR, HOST_READ);
     }
 
-    /// Copies how the iterations have gone, and what is known of the input, to a buffer that has room for it
+    /// Copies the outcome of the iterations, and the state of the input, to a buffer that has room for them
     /// there.
     pub(crate) fn outcome_to(&self, to: vk::Buffer, at: u64) {
         let size = size_of::<Outcome>() as u64;
@@ -99,8 +100,8 @@ impl Recorder<'_> {
         self.copy_parts(self.grid.progress.buffer, to, &parts);
     }
 
-    /// Sets what is known of a renderer's input, between passes: what its points are like, or how many
-    /// sources are passed over.
+    /// Sets the state of a renderer's input between passes: the properties of its points, or the number of
+    /// sources that are passed over.
     pub(crate) fn set_known(&self, bytes: Range<u64>, number: u32) {
         self.barrier(PASS, CLEAR);
         let count = bytes.end - bytes.start;
@@ -108,7 +109,7 @@ impl Recorder<'_> {
         self.barrier(CLEAR, SHADER);
     }
 
-    /// Unpacks the arrival times in image 0, a band of rows, into the read-back buffer.
+    /// Unpacks the arrival times in image 0 into the read-back buffer, for a band of rows.
     pub(crate) fn unpack(&self, rows: Range<usize>) {
         let chart = self.grid.chart;
         let points = (rows.len() * chart.cols) as u64;

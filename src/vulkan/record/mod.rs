@@ -1,5 +1,5 @@
-//! Recording: each function appends commands to a command buffer that the caller has begun, and
-//! ends with a barrier after which the next function may be recorded. None submits or waits.
+//! Records commands. Each function appends commands to a command buffer that the caller has begun, and ends
+//! with a barrier after which the next function may be recorded. None submits or waits.
 
 mod commands;
 mod map;

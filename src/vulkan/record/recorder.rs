@@ -1,4 +1,4 @@
-//! Recording for one surface.
+//! Records passes over one surface.
 
 use std::ops::Deref;
 
@@ -12,11 +12,11 @@ use crate::vulkan::grid_images::GridImages;
 use crate::vulkan::pipelines::Pipeline;
 use crate::vulkan::profile::{PassKind, PassRecord, Scope, Work};
 
-/// Records for one surface.
+/// Recorder of one surface.
 #[derive(Clone, Copy)]
 pub(crate) struct Recorder<'a> {
     pub(crate) commands: Commands<'a>,
-    /// The surface's.
+    /// Images of the surface.
     pub(crate) grid: &'a GridImages,
 }
 
@@ -29,8 +29,8 @@ impl<'a> Deref for Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// To be kept while a pass of so many invocations wide and high is recorded, with bytes read and
-    /// written for each of them.
+    /// Opens a pass that is this many invocations wide and high, with bytes read and written for each
+    /// invocation. The pass ends when the returned value is dropped.
     pub(crate) fn pass_of_each(
         &self,
         kind: PassKind,
@@ -42,7 +42,7 @@ impl<'a> Recorder<'a> {
         self.pass_with(PassRecord { work, ..dispatched(kind, invocations) })
     }
 
-    /// The same, with bytes read and written for each texel of the images, border included.
+    /// Opens a pass with bytes read and written for each texel of the images, with the border.
     pub(super) fn pass_over_images(
         &self,
         kind: PassKind,
@@ -60,8 +60,8 @@ impl<'a> Recorder<'a> {
         self.bind(pipeline, self.grid.sets.writing[writes]);
     }
 
-    /// Runs a pass that writes image 0, or reads it and writes neither, as `writes` says: so many
-    /// invocations wide and high.
+    /// Records a pass that is this many invocations wide and high. With `writes` 0 it writes image 0. With 1
+    /// it reads image 0 and writes neither.
     pub(crate) fn run<P: Pod>(
         &self,
         pipeline: Pipeline<P>,
@@ -73,7 +73,7 @@ impl<'a> Recorder<'a> {
         self.dispatch(pipeline, constants, Groups::of(invocations));
     }
 
-    /// Runs a pass that also sees something of the host's.
+    /// Records a pass that also uses a set of the host.
     pub(crate) fn host_pass<P: Pod>(
         &self,
         pipeline: Pipeline<P>,
@@ -85,13 +85,14 @@ impl<'a> Recorder<'a> {
         self.dispatch(pipeline, constants, Groups::of(invocations));
     }
 
-    /// The sets of such a pass: those that write image 1 read image 0.
+    /// Returns the sets of such a pass. Those of a pass that writes image 1 read image 0.
     pub(crate) fn with_host(&self, set: vk::DescriptorSet) -> Sets {
         self.grid.sets.writing[1].with_host(set)
     }
 }
 
-/// The record of a dispatch of so many invocations wide and high, in groups along the width.
+/// Returns the record of a dispatch that is this many invocations wide and high. Workgroups lie along the
+/// width.
 pub(crate) fn dispatched(kind: PassKind, [width, height]: [u32; 2]) -> PassRecord {
     let groups = Some([width.div_ceil(WORKGROUP), height, 1]);
     PassRecord { groups, ..PassRecord::new(kind) }

@@ -1,4 +1,4 @@
-//! A surface: its images, the lengths of its edges, its curvature.
+//! Records the preparation of a surface: its images, the lengths of its edges, and its curvature.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::shaders::{edges_from_heights, fan_curvature, gaussian_curvature, typical_edge};
 
 impl Recorder<'_> {
-    /// Brings new images into their layout, with no edge and no point reached.
+    /// Transitions new images into their layout, and clears them: no edge, and no point reached.
     pub(crate) fn prepare(&self) {
         // Four points' edges, the surface's curvature and two images of fronts.
         let written = (4 + 1 + 2 * u64::from(LAYERS)) * 16;
@@ -24,23 +24,23 @@ impl Recorder<'_> {
         let grid = self.grid;
         let layouts = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::GENERAL);
         for image in [&grid.edges, &grid.gaussian, &grid.fronts[0], &grid.fronts[1]] {
-            // Passes of a map before, if the surface is prepared again.
+            // The barrier covers passes of an earlier map, if the surface is prepared again.
             self.image_barrier(image.image, SHADER, CLEAR, layouts);
         }
         self.clear(grid.edges.image, 0, FAR);
-        // Beside curvatures of 0 slownesses of 1, if there are any; no edge leads to where either is read of no point.
+        // Beside curvatures of 0 there are slownesses of 1, if there are any. No edge leads to a texel where
+        // either belongs to no point.
         self.clear(grid.gaussian.image, 0, if grid.is_slowed() { 1.0 } else { 0.0 });
         self.clear_fronts();
         self.barrier(CLEAR, SHADER);
     }
 
-    /// Measures the edges of a band of rows; the points of [`rows_around`] it are in the upload
-    /// buffer.
+    /// Measures the edges of a band of rows. The points of [`rows_around`] it are in the upload buffer.
     pub(crate) fn measure(&self, kind: PointKind, arcs: bool, rows: Range<usize>) {
         let chart = self.grid.chart;
         let size = [chart.cols as u32, rows.len() as u32];
         let around = rows_around(&rows, chart);
-        // Four lengths of each point.
+        // Each point has four lengths.
         let [read, written] = [kind.uploaded_bytes() * around.len() as u64, 16 * rows.len() as u64]
             .map(|bytes| bytes * chart.cols as u64);
         let work = Work::of_bytes(read, written);
@@ -64,7 +64,8 @@ impl Recorder<'_> {
         }
     }
 
-    /// How long edges typically are, once all are there: by that tiles of the next maps come one after another.
+    /// Finds the typical length of edges once all are measured. It determines in which order tiles of the
+    /// next maps are visited.
     fn find_typical_edge(&self) {
         let texels = self.grid.texels.inner().map(|texels| texels as i32);
         self.run(self.pipelines.of(TYPICAL_EDGE), 0, &typical_edge::Push { texels }, [1, 1]);
@@ -89,8 +90,8 @@ impl Recorder<'_> {
         }
     }
 
-    /// Copies what is known of the points of a band of rows, 2 x 2 a texel, from the upload buffer: their Gaussian
-    /// curvature, or to its `right` their slowness.
+    /// Copies values at the points of a band of rows, 2 x 2 a texel, from the upload buffer. They are the
+    /// Gaussian curvature or, to its `right`, the slowness.
     pub(crate) fn upload_ground(&self, rows: Range<usize>, right: bool) {
         let extent = vk::Extent3D {
             width: self.grid.chart.cols.div_ceil(2) as u32,
@@ -107,13 +108,14 @@ impl Recorder<'_> {
         self.barrier(CLEAR, SHADER);
     }
 
-    /// Computes the surface's Gaussian curvature, once all edges are measured by the rule, and on floor plans
-    /// where shortest paths can bend.
+    /// Computes the surface's Gaussian curvature, once all edges are measured by the rule. On floor plans it
+    /// also computes where shortest paths can bend.
     pub(crate) fn bend(&self, rule: EdgeRule, is_floor: bool) {
         let inner = self.grid.texels.inner();
         let texels = inner.map(|texels| texels as i32);
         let share_of_fan = rule.share_of_fan() as f32;
-        // Lengths of the edges of four points, and a number of each besides in the second pass.
+        // Each pass reads the lengths of four points' edges. The second pass also reads a number of each
+        // point.
         let pass = self.pass_of_each(PassKind::Curvature, inner, [64, 16]);
         let size =
             fan_curvature::Push { texels, share_of_fan, is_slowed: self.grid.is_slowed().into() };

@@ -1,7 +1,8 @@
-//! Recordings of several surfaces that share their barriers.
+//! Merges recordings of several surfaces so that they share their barriers.
 //!
-//! Each recording is cut at its barriers. They are gone through as often as the longest has parts, and each time
-//! one part of each is appended, then one barrier that does what the barriers after these parts do.
+//! Each recording is cut at its barriers. All recordings are traversed as often as the longest of them has
+//! parts. Each traversal appends one part of each recording, and then one barrier that replaces those after
+//! these parts.
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -11,23 +12,23 @@ use ash::vk;
 use super::commands::Commands;
 use crate::vulkan::barrier::{self, Access, ImageBarrier};
 
-/// Recordings that share barriers, at most: each brings at most one image to a barrier.
+/// Largest number of recordings that share barriers. Each brings at most one image to a barrier.
 pub(crate) const MOST_TOGETHER: usize = 64;
 
-/// Which part of recordings is appended.
+/// Part of the recordings that is appended, with the barriers after it.
 #[derive(Debug, Default)]
 pub(crate) struct Turn {
     wanted: AtomicU32,
-    /// In which part the recording is that is gone through.
+    /// Number of the part that the current recording has reached.
     part: AtomicU32,
     merged: Mutex<Merged>,
 }
 
-/// What the barriers after a part do, all together.
+/// All barriers after a part, merged.
 #[derive(Debug)]
 struct Merged {
     is_there: bool,
-    /// Stages on both sides, and accesses to all memory.
+    /// Stages before the barrier, and accesses to all memory. `after` holds those after it.
     before: Access,
     after: Access,
     images: [ImageBarrier; MOST_TOGETHER],
@@ -43,7 +44,7 @@ impl Default for Merged {
 }
 
 impl Turn {
-    /// Whether it is the turn of the part that is gone through.
+    /// Returns whether the current part is the one that is appended.
     pub(super) fn is_now(&self) -> bool {
         self.part.load(Relaxed) == self.wanted.load(Relaxed)
     }
@@ -52,12 +53,12 @@ impl Turn {
         self.merged.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A part ends with a barrier over all memory.
+    /// Ends a part with a barrier over all memory.
     pub(super) fn barrier(&self, before: Access, after: Access) {
         self.end_part(|merged| merged.widen(before, after));
     }
 
-    /// A part ends with a barrier of an image.
+    /// Ends a part with a barrier of an image.
     pub(super) fn image_barrier(&self, image: ImageBarrier) {
         self.end_part(|merged| {
             let none = vk::AccessFlags::empty();
@@ -74,8 +75,8 @@ impl Turn {
         self.part.fetch_add(1, Relaxed);
     }
 
-    /// Appends recordings, of which `record` goes through the one with a number, part by part. What it does beside
-    /// recording is done as often as there are parts.
+    /// Appends `count` recordings part by part. `record` traverses the recording with a given number. What
+    /// `record` does besides recording is done as often as there are parts.
     pub(crate) fn take(&self, commands: &Commands, count: usize, record: impl Fn(usize)) {
         for wanted in 0.. {
             self.wanted.store(wanted, Relaxed);

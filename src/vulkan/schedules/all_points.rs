@@ -1,4 +1,4 @@
-//! The schedule that updates all points at once, again and again.
+//! Plans and records the schedule that updates all points at once, repeatedly.
 
 use super::order::{Order, Steps};
 use crate::constants::{NOTHING_FOLLOWS, WORKGROUP};
@@ -12,10 +12,10 @@ use crate::vulkan::shaders::all_points::Push;
 
 pub(super) struct AllPoints;
 
-/// Iterations of two updates of all points in a recording, at most, and fewer on large grids.
+/// Largest number of iterations of two updates of all points in a recording. Large grids have fewer.
 const ITERATIONS: u32 = 32;
 
-/// Triangles of a point, times the points of a texel.
+/// Points of a texel times the triangles of a point.
 const TRIANGLES: u64 = 4 * 8;
 
 impl Order for AllPoints {

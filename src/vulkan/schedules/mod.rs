@@ -1,5 +1,6 @@
-//! The schedules: a file each, which says which passes one takes, plans them, starts a map, records the
-//! steps and counts what they have to do. Here is all that asks which schedule it is.
+//! Plans and records the schedules. Each schedule has a file, which states its passes, plans its steps,
+//! starts a map, records the steps and counts their work. This file contains everything that depends on the
+//! choice of the schedule.
 
 mod all_points;
 mod order;
@@ -34,8 +35,8 @@ impl Schedule {
         }
     }
 
-    /// The steps of a recording: as many iterations (or rounds of tiles) as are worth submitting
-    /// together, and no more than `most`. Before and after it, all fronts are in image 0.
+    /// Returns the steps of a recording: as many iterations (or rounds of tiles) as are worth submitting
+    /// together, and at most `most`. Before and after these steps all fronts are in image 0.
     ///
     /// If the map has just been started, `reached` is the box around its sources. `portions` are
     /// [`Tuning::portions`].
@@ -62,34 +63,34 @@ impl Schedule {
         self.order().plan(texels, portions, reached, most)
     }
 
-    /// The numbers of its passes in the table.
+    /// Returns the numbers of the schedule's passes in the table.
     pub(crate) fn passes(self) -> &'static [usize] {
         self.order().passes()
     }
 
-    /// See [`Order::follows`].
+    /// Returns [`Order::follows`].
     pub(crate) fn follows(self) -> u32 {
         self.order().follows()
     }
 
-    /// Whether it goes by rounds over lists of tiles that the device makes, rather than by iterations over the
-    /// whole grid.
+    /// Returns whether the schedule runs rounds over lists of tiles that the device makes. Otherwise it runs
+    /// iterations over the whole grid.
     pub fn has_rounds(self) -> bool {
         self.order().has_rounds()
     }
 
-    /// See [`Order::together`].
+    /// Returns [`Order::together`].
     pub(crate) fn together(self, texels: TexelChart, portions: Portions) -> u32 {
         self.order().together(texels, portions)
     }
 
-    /// See [`Order::gains_by_surroundings`].
+    /// Returns [`Order::gains_by_surroundings`].
     pub(crate) fn gains_by_surroundings(self) -> bool {
         self.order().gains_by_surroundings()
     }
 }
 
-/// The schedule that a step is of; counts are of several.
+/// Returns the schedule to which a step belongs; `None` for a count, which several schedules use.
 fn order_of(step: &Step) -> Option<&'static dyn Order> {
     match step {
         Step::Scan(_) => Some(&raster::Raster),
@@ -109,11 +110,11 @@ impl Steps<'_, '_> {
 }
 
 impl Recorder<'_> {
-    /// Before the seeds of a map whose fronts are causal or not ([`crate::surface::Origins`]), or of what is added to
-    /// one: no iteration is done.
+    /// Records the start of a map before its seeds, or before what is added to a map: no iteration is done.
+    /// `causal` says whether the map's fronts are causal ([`crate::surface::Origins`]).
     pub(crate) fn start(&self, stop: Stop, schedule: Schedule, causal: bool, is_added: bool) {
         let order = schedule.order();
-        // The progress, what is kept of each tile, and what else the schedule keeps.
+        // The start writes the progress, the numbers kept for each tile, and what else the schedule keeps.
         let written =
             offset::VISITS + TILE_WORDS as u64 * self.tile_bytes() + 4 * order.start_words(self);
         let work = Work::of_bytes(0, written);
@@ -137,7 +138,7 @@ impl Recorder<'_> {
         self.barrier(CLEAR, PASS);
     }
 
-    /// Dispatches no group of any pass of a map, since drivers may compile a pipeline at its first
+    /// Dispatches no workgroup of any pass of a map, since drivers may compile a pipeline at its first
     /// dispatch.
     pub(crate) fn warm_up_map(&self, schedule: Schedule, variant: Variant) {
         let of_schedule = schedule.passes().iter().copied();
@@ -151,17 +152,17 @@ impl Recorder<'_> {
         }
     }
 
-    /// Before more iterations of a map, by a recording as long as the last.
+    /// Records what must precede further iterations of a map. The recording is as long as the last.
     pub(crate) fn go_on(&self, schedule: Schedule, steps: &[Step]) {
         schedule.order().go_on(self, steps);
     }
 
-    /// Runs the steps of a plan, whose pipelines were made for a variant.
+    /// Records the steps of a plan, whose pipelines were made for `variant`.
     pub(crate) fn steps(&self, variant: impl Into<Variant>, steps: &[Step]) {
         self.steps_after(None, variant, steps);
     }
 
-    /// The same of a part of the plan, after the last step of another recording.
+    /// Records a part of a plan's steps. `before` is the last step of the previous recording.
     pub(crate) fn steps_after(
         &self,
         before: Option<&Step>,
@@ -189,7 +190,8 @@ impl Recorder<'_> {
         self.decided_after(visits);
     }
 
-    /// Runs the steps of plans on as many surfaces: those of one number, then a barrier for all.
+    /// Records the steps of plans on several surfaces: all steps with the same number, then one barrier for
+    /// all.
     pub(crate) fn steps_together(all: &[Option<(Self, Variant, &[Step])>]) {
         let count = all.len().min(MOST_TOGETHER);
         let mut recordings: [Option<Steps>; MOST_TOGETHER] = [const { None }; MOST_TOGETHER];
@@ -207,7 +209,7 @@ impl Recorder<'_> {
                     continue;
                 };
                 let Some(step) = steps.get(number) else { continue };
-                // Passes of others have been bound meanwhile.
+                // Passes of other surfaces have been bound meanwhile.
                 recording.bound = None;
                 recording.run(step);
                 last = Some(recorder);
@@ -218,14 +220,15 @@ impl Recorder<'_> {
         }
     }
 
-    /// After the steps of a plan, and what belongs to them.
+    /// Ends a portion after the steps of a plan and what belongs to them.
     pub(crate) fn end_portion(&self) {
         if let Some(profile) = self.profile {
             profile.end_portion(self.device, self.buffer);
         }
     }
 
-    /// As many as there is room for, if a profile wants to know.
+    /// Returns how many dispatches of scans note their visits: as many as there is room for, if a profile
+    /// requests it.
     fn visits_noted(&self, steps: &[Step]) -> u32 {
         if self.profile.and_then(Profile::decisions).is_none() {
             return 0;
@@ -238,8 +241,8 @@ impl Recorder<'_> {
         blocks.sum::<u32>().min(VISITS)
     }
 
-    /// Copies how the iterations have gone so far to where a profile finds it, and forgets so many
-    /// bytes of visits.
+    /// Copies the outcome of the iterations so far to where a profile finds it, and clears `visits` bytes of
+    /// visits.
     fn decided_before(&self, visits: u64) {
         let Some((buffer, offset)) = self.profile.and_then(Profile::decisions) else { return };
         let work = Work::of_bytes(profile::BEFORE_BYTES, profile::BEFORE_BYTES + visits);
@@ -253,7 +256,7 @@ impl Recorder<'_> {
         self.barrier(TRANSFER, PASS_AND_HOST);
     }
 
-    /// Copies what the device has decided by now, with so many bytes of visits.
+    /// Copies the device's decisions to where a profile finds them, with `visits` bytes of visits.
     fn decided_after(&self, visits: u64) {
         let Some((buffer, offset)) = self.profile.and_then(Profile::decisions) else { return };
         let bytes = offset::VISITS + visits;
@@ -263,7 +266,7 @@ impl Recorder<'_> {
     }
 }
 
-/// The record of the next step of a recording.
+/// Returns the record of the next step of a recording.
 pub(super) fn account(counter: &mut StepCounter, step: &Step) -> (PassRecord, Presence) {
     match order_of(step) {
         Some(order) => order.account(counter, step),
@@ -271,13 +274,13 @@ pub(super) fn account(counter: &mut StepCounter, step: &Step) -> (PassRecord, Pr
     }
 }
 
-/// How many records the steps make.
+/// Returns the number of records that the steps make.
 pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
     // Iterations end with a count, so that no scan follows one of the same direction.
     let merged = steps.windows(2).filter(|pair| match &pair[0] {
         Step::Scan(before) => match grain {
-            // What happens in an iteration beyond convergence is only known later, so that a portion
-            // takes room for all of its iterations.
+            // The work of an iteration beyond convergence is known only later, so that a portion takes room
+            // for all of its iterations.
             Grain::Iterations | Grain::Portions => true,
             Grain::Scans => matches!(&pair[1], Step::Scan(after) if before.scan == after.scan),
             Grain::Blocks => false,
@@ -288,8 +291,8 @@ pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
     (steps.len() - merged.count()) as u32
 }
 
-/// The passes of a plan, each as if the map had not converged before it, without times. What rounds
-/// of tiles visit is not known from the plan.
+/// Returns the passes of a plan, each as if the map had not converged before it, without times. A plan does
+/// not determine what rounds of tiles visit.
 ///
 /// ```
 /// use geosweep::Wavefront;
@@ -326,7 +329,7 @@ mod tests {
     const TUNING: Tuning =
         Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None, visits: None };
 
-    /// A dispatch for each block of lines, as on grids of any size.
+    /// Returns portions with one dispatch for each block of lines, as on grids of any size.
     fn portions(wavefront: Wavefront, texels: TexelChart) -> Portions {
         Portions { across: 0, ..TUNING.portions(wavefront, texels) }
     }
@@ -349,7 +352,8 @@ mod tests {
                 let after = decided(record, presence, Some(decisions));
                 assert_eq!(after.iteration, record.iteration.map(|iteration| 7 + iteration));
                 if presence == Presence::Count {
-                    // Seven numbers are looked at and five written, two more at the end; or one is.
+                    // A count reads seven numbers and writes five, and two more at the end. Beyond
+                    // convergence it reads one.
                     let found = after.work.bytes_read.zip(after.work.bytes_written);
                     let last = record.iteration == Some(0);
                     assert_eq!(found, Some(if last { (4 * 7, 4 * (5 + 2)) } else { (4, 0) }));
@@ -369,12 +373,12 @@ mod tests {
         }
     }
 
-    /// Ten rows of texels and seventeen columns in blocks of four; the device has visited the last two
-    /// rows in both scans, and in the scan left the last column.
+    /// The grid has ten rows of texels and seventeen columns, in blocks of four. The device has visited the
+    /// last two rows in both scans, and the last column in the scan left.
     #[test]
     fn blocks_that_were_not_due_are_skipped() {
         let mut visits = [0; VISIT_WORDS as usize];
-        // Three blocks down, three up, five right and five left.
+        // There are three blocks down, three up, five right and five left.
         for number in [2, 3, 11] {
             visits[0] |= 1 << number;
         }
@@ -410,7 +414,7 @@ mod tests {
         }
     }
 
-    /// The same grid, on which a dispatch is a scan.
+    /// Repeats the previous check on the same grid with one dispatch for each scan.
     #[test]
     fn blocks_in_turn_are_skipped_one_by_one() {
         let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();
@@ -424,7 +428,7 @@ mod tests {
             visits[0] |= 1 << number;
         }
         let decisions = Decisions { after: 2, visits: &visits, ..Decisions::default() };
-        // Down, up, right, left, and the count.
+        // The passes are down, up, right, left, and the count.
         let visited = [34, 34, 0, 10, 0, 0, 0, 0, 40, 0];
         let all = [170, 170, 170, 170, 0, 170, 170, 170, 170, 0];
         for (number, &(record, presence)) in found.iter().enumerate() {
@@ -436,7 +440,7 @@ mod tests {
             assert_eq!(after.work.skipped, Some(all[number] - visited[number]), "{number}");
             assert_eq!((after.groups, after.dispatches), (Some([1, 1, 1]), 1));
             assert_eq!(after.is_idle(), visited[number] == 0, "{number}");
-            // Once the map has converged a workgroup finds that nothing is due.
+            // Once the map has converged, a workgroup finds that no block is due.
             let beyond = Decisions { is_done: true, after: 0, ..decisions };
             let after = decided(record, presence, Some(beyond));
             assert_eq!((after.groups, after.work.texels), (Some([1, 1, 1]), Some(0)));
@@ -449,7 +453,7 @@ mod tests {
         let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();
         let portions = portions(Wavefront::Planar, texels);
         let steps = |schedule: Schedule| schedule.plan(texels, portions, None, 2);
-        // Ten rows of texels and seventeen columns in blocks of four.
+        // The grid has ten rows of texels and seventeen columns, in blocks of four.
         let raster = steps(Schedule::Raster);
         assert_eq!(records(&raster, Grain::Blocks), 2 * (2 * 3 + 2 * 5 + 1));
         assert_eq!(records(&raster, Grain::Scans), 2 * (4 + 1));
@@ -477,7 +481,7 @@ mod tests {
             .into_iter()
             .map(|(record, presence)| decided(record, presence, Some(decisions)))
             .collect();
-        // Two rounds of 2 x 3 tiles of 8 x 8 texels, then what settles them.
+        // There are two rounds of 2 x 3 tiles of 8 x 8 texels, then the pass that settles them.
         assert_eq!(found.len(), 3);
         let bytes = Some(2 * 64 * (2 * 16 + 16 + 64 + 2 * 16));
         assert_eq!((found[0].work.texels, found[0].work.skipped), (Some(2 * 64), Some(4 * 64)));
@@ -485,7 +489,7 @@ mod tests {
         assert_eq!((found[0].groups, found[0].iteration), (Some([3, 1, 1]), Some(3)));
         assert!(found[1].is_idle() && found[1].iteration == Some(4));
         assert_eq!((found[2].kind, found[2].groups), (PassKind::Settle, Some([6, 1, 1])));
-        // A state of each tile, and eight numbers of each texel that is brought back, both ways.
+        // It reads and writes a state of each tile, and eight numbers of each texel that is brought back.
         assert_eq!(found[2].work.bytes(), Some(2 * (6 * 4 + 37 * 2 * 16)));
     }
 

@@ -1,4 +1,4 @@
-//! What every schedule says of itself, and what all of them record with.
+//! Defines the interface of a schedule, and what all schedules record with.
 
 use ash::vk;
 use bytemuck::{Pod, bytes_of};
@@ -13,15 +13,16 @@ use crate::vulkan::profile::{PassRecord, Presence, StepCounter};
 use crate::vulkan::progress::{Progress, offset};
 use crate::vulkan::record::{Groups, Recorder};
 
-/// What a schedule is.
+/// Schedule: its passes, plan, recording and work.
 pub(super) trait Order: Sync {
-    /// The numbers of its passes in the table: those of which each wavefront has its own.
+    /// Returns the numbers of its passes in the table, without the common passes. Each wavefront has
+    /// pipelines of its own for them.
     fn passes(&self) -> &'static [usize];
 
-    /// What `glsl/seed.comp` does for it beside setting the sources' texels.
+    /// Returns what `glsl/seed.comp` does for the schedule, in addition to setting the sources' texels.
     fn follows(&self) -> u32;
 
-    /// Steps of a recording; see [`crate::vulkan::Schedule::plan`].
+    /// Returns the steps of a recording; see [`crate::vulkan::Schedule::plan`].
     fn plan(
         &self,
         texels: TexelChart,
@@ -30,46 +31,50 @@ pub(super) trait Order: Sync {
         most: u32,
     ) -> Vec<Step>;
 
-    /// Whether it goes by rounds over lists that the device makes. A recording holds one sequence of them.
+    /// Returns whether the schedule runs rounds over lists that the device makes. A recording contains one
+    /// sequence of rounds.
     fn has_rounds(&self) -> bool;
 
-    /// Iterations or rounds in a submission of our own, at most, where a plan cannot be cut ([`plan::parts`]).
+    /// Returns the largest number of iterations or rounds in a headless submission, where a plan cannot be
+    /// cut ([`plan::parts`]).
     fn together(&self, _: TexelChart, _: Portions) -> u32 {
         u32::MAX
     }
 
-    /// Whether maps from between grid points take fewer iterations if the surroundings of sources are
-    /// solved first.
+    /// Returns whether maps from sources between grid points take fewer iterations if the surroundings of the
+    /// sources are solved first.
     fn gains_by_surroundings(&self) -> bool {
         false
     }
 
-    /// Numbers that [`Order::start`] writes.
+    /// Returns how many numbers [`Order::start`] writes.
     fn start_words(&self, _: &Recorder) -> u64 {
         0
     }
 
-    /// Writes what it keeps beside the progress, before the seeds of a map or of what is added to one.
+    /// Writes what the schedule keeps beside the progress, before the seeds of a map or of what is added to
+    /// one.
     fn start(&self, _: &Recorder, _is_added: bool) {}
 
-    /// Before more steps of a map, by a recording as long as the last.
+    /// Records what must precede further steps of a map. The recording is as long as the last.
     fn go_on(&self, _: &Recorder, _: &[Step]) {}
 
-    /// Records one of its steps.
+    /// Records one of the schedule's steps.
     fn record(&self, recording: &mut Steps, step: &Step);
 
-    /// The record of one of its steps, and what decides whether it visits anything.
+    /// Returns the record of one of its steps, and the condition that decides whether the step visits
+    /// anything.
     fn account(&self, counter: &mut StepCounter, step: &Step) -> (PassRecord, Presence);
 }
 
-/// A recording of steps.
+/// Recording of steps.
 pub(super) struct Steps<'r, 'a> {
     pub(super) recorder: &'r Recorder<'a>,
     pub(super) variant: Variant,
     pub(super) bound: Option<(vk::Pipeline, usize)>,
-    /// How many dispatches of scans, the first ones, note whether they have visited something.
+    /// Number of dispatches of scans, from the first on, that note whether they visited anything.
     pub(super) notes: u32,
-    /// Dispatches of scans so far.
+    /// Number of dispatches of scans so far.
     pub(super) scans: u32,
 }
 
@@ -93,18 +98,18 @@ impl Steps<'_, '_> {
 }
 
 impl Recorder<'_> {
-    /// Writes the progress from an offset up to the visits.
+    /// Writes the progress from the offset `from` up to the visits.
     pub(super) fn write_progress(&self, progress: &Progress, from: u64) {
         let bytes = &bytes_of(progress)[from as usize..offset::VISITS as usize];
         self.update(self.grid.progress.buffer, from, bytes);
     }
 
-    /// How many tiles there are.
+    /// Returns the number of tiles.
     pub(super) fn tiles(&self) -> u32 {
         self.grid.texels.tiles(self.pipelines.tuning.tile).iter().product()
     }
 
-    /// Bytes of one number for each tile.
+    /// Returns the bytes of one number for each tile.
     pub(super) fn tile_bytes(&self) -> u64 {
         u64::from(self.tiles()) * size_of::<u32>() as u64
     }

@@ -1,4 +1,4 @@
-//! The raster schedule: four rotated scans over the whole grid, block of lines by block of lines.
+//! Plans and records the raster schedule: four rotated scans over the whole grid, in blocks of lines.
 
 use std::ops::Range;
 
@@ -13,11 +13,12 @@ use crate::vulkan::shaders::scan::Push;
 
 pub(super) struct Raster;
 
-/// Lines that a dispatch takes in turn, at most, but for a single block: Mesa 22.3's lavapipe ends loops of shaders
-/// after 65,535 trips, all loops of an invocation together, and parts of obtuse triangles may take 784 a line.
+/// Largest number of lines that a dispatch takes in turn, unless a single block has more. Mesa 22.3's
+/// lavapipe ends loops of shaders after 65,535 trips, counted over all loops of an invocation. The parts of
+/// obtuse triangles may take 784 trips a line.
 const LINES_IN_TURN: u32 = 64;
 
-/// Blocks of lines that an update of a buffer starts: 3 KiB.
+/// Number of blocks of lines that one update of a buffer starts: 3 KiB.
 const BLOCKS_TOGETHER: usize = 256;
 
 impl Order for Raster {
@@ -32,7 +33,7 @@ impl Order for Raster {
     }
 
     fn gains_by_surroundings(&self) -> bool {
-        // With other schedules no scan waits for another's next iteration.
+        // In other schedules no scan has to wait for another scan's next iteration.
         true
     }
 
@@ -69,15 +70,16 @@ impl Order for Raster {
         steps
     }
 
-    /// Blocks of lines of all scans, with those beyond the grid: by what each is dispatched.
+    /// Returns the numbers of the dispatch arguments of all blocks of lines in all scans, with the blocks
+    /// beyond the grid.
     fn start_words(&self, recorder: &Recorder) -> u64 {
         let pitch = recorder.grid.texels.block_pitch(recorder.pipelines.tuning.scan_lines);
         3 * Scan::ALL.len() as u64 * u64::from(pitch)
     }
 
-    /// Writes by what blocks of lines are dispatched. All are due in all scans of what is added, since
-    /// the images of fronts may be out of step where the map has converged, and since other schedules
-    /// know of no blocks.
+    /// Writes the dispatch arguments of all blocks of lines. Of a map to which something is added all blocks
+    /// are due in all scans: the two images of fronts may differ where the map has converged, and other
+    /// schedules do not track blocks.
     fn start(&self, recorder: &Recorder, is_added: bool) {
         let (tuning, texels) = (recorder.pipelines.tuning, recorder.grid.texels);
         let groups = texels.inner().map(|length| length.div_ceil(tuning.scan_texels()));
@@ -145,7 +147,7 @@ impl Order for Raster {
             Area::new(pass.texels.clone(), block)
         };
         let width = |range: &std::ops::Range<u32>| range.len() as u32;
-        // Passes that are dispatched indirectly have the groups of a whole line.
+        // Passes that are dispatched indirectly have the workgroups of a whole line.
         let along = if pass.always { width(&pass.texels) } else { length as u32 };
         let count = pass.blocks(counter.tuning.scan_lines);
         let record = PassRecord {
@@ -178,7 +180,7 @@ impl Order for Raster {
     }
 }
 
-/// The texels of a line of a scan.
+/// Returns the texels of a line of a scan.
 fn along(texels: TexelChart, scan: Scan) -> Range<u32> {
     match scan {
         Scan::Down | Scan::Up => texels.inner_cols(),
@@ -186,12 +188,12 @@ fn along(texels: TexelChart, scan: Scan) -> Range<u32> {
     }
 }
 
-/// Number of a pass' first block of lines, from the start of the grid.
+/// Returns the number of a pass's first block of lines, counted from the start of the grid.
 fn block_number(pass: &ScanPass, lines: u32) -> u32 {
     (pass.line - BORDER) / lines
 }
 
-/// What is pushed to the pass over a block, which notes nothing.
+/// Returns the push constants of the pass over a block that notes no visit.
 pub(crate) fn block_of(pass: &ScanPass, texels: TexelChart, lines: u32) -> Push {
     let last = along(texels, pass.scan).end - 1;
     Push {
@@ -206,10 +208,10 @@ pub(crate) fn block_of(pass: &ScanPass, texels: TexelChart, lines: u32) -> Push 
     }
 }
 
-/// The passes of one scan, and the box that can have been reached after it.
+/// Returns the passes of one scan, and widens `reached` to the box that can have been reached after it.
 ///
-/// A line of texels is two of points, and a front advances by one point along a line for each
-/// line of points that the scan passes: one texel for each line of texels.
+/// A line of texels holds two lines of points. For each line of points that the scan passes, a front advances
+/// by one point along the line. That is one texel for each line of texels.
 fn scan_passes(texels: TexelChart, scan: Scan, block: u32, reached: &mut Reached) -> Vec<ScanPass> {
     let (inner_rows, inner_cols) = (texels.inner_rows(), texels.inner_cols());
     let (lines, inner_lines, along, inner_along) = match scan {
@@ -223,7 +225,7 @@ fn scan_passes(texels: TexelChart, scan: Scan, block: u32, reached: &mut Reached
     while passed < visited.len() as u32 {
         let left = visited.len() as u32 - passed;
         let line = if forward { visited.start + passed } else { visited.end - 1 - passed };
-        // Blocks lie where they would if all lines were visited.
+        // Blocks have the same places as if all lines were visited.
         let in_block = (line - inner_lines.start) % block;
         let count = if forward { block - in_block } else { in_block + 1 }.min(left);
         along.start = along.start.saturating_sub(count).max(inner_along.start);
@@ -300,7 +302,7 @@ mod tests {
         }
     }
 
-    /// Marks what a front can reach, point by point, by the scans' own neighbourhoods.
+    /// Marks the points that a front can reach, one by one, by the neighbourhoods of the scans.
     #[test]
     fn nothing_outside_the_bounds_can_be_reached() {
         let (rows, cols) = (13usize, 18usize);
@@ -314,7 +316,7 @@ mod tests {
             for pass in scans(&raster(texels, lines, reached)) {
                 let (dx, dy) = pass.scan.ahead();
                 let forward = dx + dy > 0;
-                // All points of the line's two rows or columns, in bounds or not.
+                // These are all points of the line's two rows or columns, in bounds or not.
                 for half in 0..2 * pass.lines as usize {
                     let first = 2 * (pass.line as usize - 1);
                     let line = if forward { first + half } else { first + 1 - half };
@@ -343,7 +345,8 @@ mod tests {
         }
     }
 
-    /// Lines of 60 texels fit a workgroup, those of 70 do not; of these there are 60.
+    /// Lines of 60 texels, of which there are 70, fit a workgroup. Lines of 70 texels, of which there are 60,
+    /// do not.
     #[test]
     fn a_dispatch_takes_blocks_in_turn_where_lines_fit_a_workgroup() {
         let texels = texels(120, 140);
@@ -359,7 +362,7 @@ mod tests {
         assert!(
             of(Scan::Up).all(|(in_turn, _, lines, blocks)| !in_turn && lines == 6 && blocks == 1)
         );
-        // Seventy lines: ten blocks, then one and a part of one.
+        // Seventy lines are ten blocks, then one and a part of one.
         assert!(of(Scan::Right).eq([(true, 1, 60, 10), (true, 61, 10, 2)]));
         assert!(of(Scan::Left).eq([(true, 70, 10, 2), (true, 60, 60, 10)]));
         assert_eq!(texels_scanned(&steps), 4 * 60 * 70);

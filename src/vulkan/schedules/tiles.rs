@@ -1,4 +1,5 @@
-//! The schedule of tiles: rounds of scans inside those beside which something has changed.
+//! Plans and records the schedule of tiles: rounds of scans inside the tiles beside which something has
+//! changed.
 
 use super::order::{Order, Steps};
 use crate::constants::{ROUNDS, TILES_FOLLOW};
@@ -13,8 +14,8 @@ use crate::vulkan::shaders::{settle, tiles};
 
 pub(super) struct Tiles;
 
-/// Tiles that a round visits on average, times those along both sides of the grid: measured 2.2 and 3.4 on spheres
-/// of 256 and 512 points a side, 1.1 in a maze of 1024 (curved fronts).
+/// Average number of tiles that a round visits, divided by the number of tiles along both sides of the grid.
+/// Measured: 2.2 and 3.4 on spheres of 256 and 512 points a side, and 1.1 in a maze of 1024 (curved fronts).
 const TILES_IN_A_ROUND: u32 = 4;
 
 impl Order for Tiles {
@@ -52,7 +53,7 @@ impl Order for Tiles {
         rounds.clamp(2, ROUNDS.into()) as u32
     }
 
-    /// The list that the last rounds have left is the first.
+    /// Makes the list that the last rounds have left the first one.
     fn go_on(&self, recorder: &Recorder, steps: &[Step]) {
         let is_round = |step: &&Step| matches!(step, Step::Tiles { .. });
         let rounds = steps.iter().filter(is_round).count() as u32;
@@ -70,7 +71,8 @@ impl Order for Tiles {
         recorder.copy((progress, from), (progress, to), list);
         recorder.barrier(COPY, CLEAR);
         recorder.write_progress(&progress::before_rounds(recorder.tiles()), offset::round(1));
-        // Where tiles wait; their states are zero after they have settled, and the lists stay.
+        // Clears the rounds for which tiles wait. The tiles' states are zero after they have settled, and the
+        // lists stay.
         recorder.fill(recorder.grid.tiles.buffer, tiles, tiles);
         recorder.barrier(CLEAR, PASS);
     }
