@@ -93,8 +93,8 @@ const SIZES_PUSHED: usize = 1 + PUSH_CONSTANT_BYTES as usize / size_of::<u32>();
 /// Guard that is kept as long as a pipeline for maps of one size is used.
 pub(crate) type InUse = Arc<()>;
 
-/// Largest number of unused pipelines for maps of one size that are kept. A host may thus compute maps of
-/// ever new sizes.
+/// Number of pipelines for maps of one size beyond which unused ones are destroyed. A host may thus compute
+/// maps of ever new sizes.
 const SIZES_KEPT: usize = 16;
 
 impl Pipelines {

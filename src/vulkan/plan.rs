@@ -3,8 +3,8 @@
 //! An iteration of the raster schedule is four rotated scans. A scan is one dispatch for each block of lines
 //! (rows or columns) of texels, each followed by a barrier. In the first iteration from sources that the host
 //! knows, bounds take the place of the paper's scissor test. What lies outside the box that the fronts can
-//! have reached is infinite before and after, and is not visited. All other passes are dispatched indirectly,
-//! with arguments that the device sets. A scan then visits the blocks in which, or on the line behind which,
+//! have reached is infinite before and after, and is not visited. Scans of further iterations are dispatched
+//! indirectly, with arguments that the device sets, where a dispatch is a block. A scan then visits the blocks in which, or on the line behind which,
 //! something has changed since its last visit (`glsl/blocks.glsl`). It visits nothing once the map has
 //! converged. The host reads nothing for this.
 //!
@@ -70,8 +70,8 @@ pub struct ScanPass {
     pub texels: Range<u32>,
     /// Number of the image of fronts that the scan writes. It reads the other of the two images.
     pub writes: usize,
-    /// Whether the pass is dispatched in any case, as in the first iteration. Otherwise it is dispatched only
-    /// if something can change in the block and the map has not converged.
+    /// Whether the pass visits its block in any case, as in the first iteration. Otherwise it does so only if
+    /// something can change in the block and the map has not converged.
     pub always: bool,
     /// Whether one workgroup takes several blocks of lines, one after the other. It skips those that are not
     /// due.

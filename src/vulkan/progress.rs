@@ -109,7 +109,7 @@ pub(crate) mod offset {
     /// A bit for each dispatch of a scan. Only profiles use it.
     pub(crate) const VISITS: u64 = offset_of!(Progress, visits) as u64;
 
-    /// State of a renderer's input. This last part is not changed when a map starts.
+    /// State of a renderer's input. When a map starts, only [`PASSED_OVER`] of this last part is set to zero.
     pub(crate) const INPUT: u64 = PREPARED.start;
     pub(crate) const PREPARED: Range<u64> =
         offset_of!(Progress, prepared) as u64..PASSED_OVER.start;

@@ -156,7 +156,8 @@ impl PairwiseOnDevice {
         self.layout.maps as usize
     }
 
-    /// Returns the front of the maps: the requested one, or the curved one in place of the anchored one.
+    /// Returns the front of the maps: the requested one, or the curved one in place of the anchored one, and
+    /// over an uneven slowness in place of the circular one.
     pub fn wavefront(&self) -> Wavefront {
         self.wavefront
     }
