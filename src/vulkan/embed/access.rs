@@ -1,10 +1,10 @@
-//! How the host uses what it shares with us, as the two sides of a barrier.
+//! Describes how the host uses shared resources, as one side of a barrier.
 
 use ash::vk;
 
 use crate::vulkan::barrier;
 
-/// Pipeline stages and the kinds of access in them.
+/// Pipeline stages, and the kinds of memory access in them.
 ///
 /// ```
 /// use geosweep::vulkan::embed::Access;
@@ -13,35 +13,35 @@ use crate::vulkan::barrier;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Access {
-    /// In which stages.
+    /// Pipeline stages that access the resource.
     pub stages: vk::PipelineStageFlags,
-    /// Of which kinds.
+    /// Kinds of access in these stages.
     pub access: vk::AccessFlags,
 }
 
 impl Access {
-    /// Nothing to wait for.
+    /// No access: there is nothing to wait for.
     pub const NONE: Self = Self::new(vk::PipelineStageFlags::TOP_OF_PIPE, vk::AccessFlags::NONE);
-    /// Written by a compute shader.
+    /// Writes by a compute shader.
     pub const COMPUTE_WRITE: Self =
         Self::new(vk::PipelineStageFlags::COMPUTE_SHADER, vk::AccessFlags::SHADER_WRITE);
-    /// Read by a compute shader. So do we read the host's points, sources and places: before it
-    /// overwrites them, the host waits for this.
+    /// Reads by a compute shader. The passes of a recording read the host's points, sources and places with
+    /// this access. The host must wait for it before it overwrites them.
     pub const COMPUTE_READ: Self =
         Self::new(vk::PipelineStageFlags::COMPUTE_SHADER, vk::AccessFlags::SHADER_READ);
-    /// Written by a copy.
+    /// Writes by a copy command.
     pub const TRANSFER_WRITE: Self =
         Self::new(vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_WRITE);
-    /// Read by a copy.
+    /// Reads by a copy command.
     pub const TRANSFER_READ: Self =
         Self::new(vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_READ);
-    /// Read by a vertex shader.
+    /// Reads by a vertex shader.
     pub const VERTEX_READ: Self =
         Self::new(vk::PipelineStageFlags::VERTEX_SHADER, vk::AccessFlags::SHADER_READ);
-    /// Read by a fragment shader.
+    /// Reads by a fragment shader.
     pub const FRAGMENT_READ: Self =
         Self::new(vk::PipelineStageFlags::FRAGMENT_SHADER, vk::AccessFlags::SHADER_READ);
-    /// Drawn by `vkCmdDrawIndirect` from a vertex buffer.
+    /// Reads of draw arguments and vertices by `vkCmdDrawIndirect` with a vertex buffer.
     pub const DRAW: Self = Self::new(
         vk::PipelineStageFlags::from_raw(
             vk::PipelineStageFlags::DRAW_INDIRECT.as_raw()
@@ -52,15 +52,15 @@ impl Access {
                 | vk::AccessFlags::VERTEX_ATTRIBUTE_READ.as_raw(),
         ),
     );
-    /// Read through mapped memory, after the fence of the submission.
+    /// Reads by the program through mapped memory, after the fence of the submission.
     pub const HOST_READ: Self = Self::new(vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ);
 
-    /// These stages and kinds.
+    /// Returns the access with these stages and kinds.
     pub const fn new(stages: vk::PipelineStageFlags, access: vk::AccessFlags) -> Self {
         Self { stages, access }
     }
 
-    /// This and another.
+    /// Returns the union of this access and another.
     pub fn and(self, other: Self) -> Self {
         Self::new(self.stages | other.stages, self.access | other.access)
     }
@@ -70,31 +70,32 @@ impl Access {
     }
 }
 
-/// How the host reads an image of distances, this frame and whenever it read that image before.
+/// Access and layout with which the host reads an image of distances. They hold for the reads of this frame
+/// and for all earlier reads of the same image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Reader {
-    /// In which stages, and how.
+    /// Stages and kinds of the reads.
     pub access: Access,
-    /// The layout in which we leave the image.
+    /// Layout in which the recording leaves the image.
     pub layout: vk::ImageLayout,
 }
 
 impl Reader {
-    /// Sampled by a fragment shader.
+    /// Sampling in a fragment shader.
     pub const FRAGMENT: Self = Self::sampled(Access::FRAGMENT_READ);
-    /// Sampled by a vertex shader.
+    /// Sampling in a vertex shader.
     pub const VERTEX: Self = Self::sampled(Access::VERTEX_READ);
-    /// Sampled by a compute shader.
+    /// Sampling in a compute shader.
     pub const COMPUTE: Self = Self::sampled(Access::COMPUTE_READ);
-    /// Copied from.
+    /// Copies from the image.
     pub const COPY: Self =
         Self { access: Access::TRANSFER_READ, layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL };
 
-    /// Sampled on another queue, after a semaphore: nothing on ours waits for it. The stages of the
-    /// readers may be none that our queue has.
+    /// Sampling on another queue, after a semaphore. No command on the recording queue waits for these reads,
+    /// since that queue may lack the stages of the readers.
     pub const OTHER_QUEUE: Self = Self::sampled(Access::NONE);
 
-    /// Sampled in these stages.
+    /// Returns a reader that samples the image in these stages.
     pub const fn sampled(access: Access) -> Self {
         Self { access, layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL }
     }

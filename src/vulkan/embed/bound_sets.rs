@@ -1,4 +1,4 @@
-//! Descriptor sets of contours, paths and regions, which read inputs of their surface.
+//! Manages the descriptor sets of contours, paths and regions, which read inputs of their surface.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -13,24 +13,26 @@ use super::surface::Surface;
 use crate::vulkan::VulkanError;
 use crate::vulkan::pipelines::Pipelines;
 
-/// As many times as there are sets of a surface's input, taken in turn when they are bound to others.
+/// Descriptor sets in several versions, as many as a replaceable input of the surface has. Each rebinding
+/// takes the next free version.
 #[derive(Debug)]
 pub(super) struct BoundSets {
     pool: vk::DescriptorPool,
     versions: Vec<Version>,
     current: usize,
-    /// How often the surface's points and sources had been replaced.
+    /// Number of replacements of each of the surface's points at the last binding. `sources` holds the same
+    /// for its source buffers.
     points: Vec<u32>,
     sources: Vec<u32>,
     flight: Arc<Flight>,
-    /// Of the surface's own sets, which tells surfaces apart.
+    /// Pool of the surface's own sets. It identifies the surface.
     surface: vk::DescriptorPool,
 }
 
 #[derive(Debug)]
 struct Version {
     sets: Vec<HostSet>,
-    /// Serial of the last recording that uses them, if recordings are followed.
+    /// Serial of the last recording that uses the sets; 0 if it is not tracked.
     used: AtomicU32,
 }
 
@@ -55,12 +57,12 @@ impl BoundSets {
         })
     }
 
-    /// The sets of the contents, in their order.
+    /// Returns the current sets, in the order of the contents.
     pub(super) fn sets(&self) -> &[HostSet] {
         &self.versions[self.current].sets
     }
 
-    /// Binds the next sets to what is now the surface's.
+    /// Binds the next free version of the sets to the current inputs of the surface.
     pub(super) fn rebind(
         &mut self,
         device: &ash::Device,
@@ -85,7 +87,7 @@ impl BoundSets {
         Ok(())
     }
 
-    /// Refuses another surface than that which they were made for.
+    /// Returns an error unless `surface` is the one that the sets were made for.
     pub(super) fn check_surface(&self, surface: &Surface) -> Result<(), VulkanError> {
         match surface.sets.pool == self.surface {
             true => Ok(()),
@@ -93,7 +95,8 @@ impl BoundSets {
         }
     }
 
-    /// Refuses points, which the surface has, if they were replaced meanwhile.
+    /// Returns an error if the points with this number were replaced after the last binding. The surface must
+    /// have such points.
     pub(super) fn check_points(&self, surface: &Surface, number: usize) -> Result<(), VulkanError> {
         match self.points[number] == surface.sets.points[number].changes {
             true => Ok(()),
@@ -101,7 +104,7 @@ impl BoundSets {
         }
     }
 
-    /// The same of sources.
+    /// Returns an error if the source buffer was replaced after the last binding.
     pub(super) fn check_sources(
         &self,
         surface: &Surface,
@@ -115,18 +118,19 @@ impl BoundSets {
         }
     }
 
-    /// A recording uses them, behind which the device writes this serial, if any.
+    /// Notes that a recording uses the current sets. `serial` is the number that the device writes after the
+    /// recording, if it is tracked.
     pub(super) fn are_used(&self, serial: Option<u32>) {
         self.versions[self.current].used.store(serial.unwrap_or(0), Relaxed);
     }
 
-    /// Whether a followed recording that uses them may not have run.
+    /// Returns whether a tracked recording that uses the sets may not have run.
     pub(super) fn are_in_flight(&self) -> bool {
         self.versions.iter().any(|of| self.flight.waits_for(of.used.load(Relaxed)))
     }
 
     pub(super) fn destroy(&mut self, device: &ash::Device) {
-        // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.
+        // SAFETY: the caller has made sure that no submitted work uses the sets. Null handles are allowed.
         unsafe { device.destroy_descriptor_pool(self.pool, None) };
         self.pool = vk::DescriptorPool::null();
     }

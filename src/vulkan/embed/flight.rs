@@ -1,4 +1,5 @@
-//! Which recordings of a surface wait for the device, as serial numbers tell that the device writes behind them.
+//! Tracks which recordings of a surface the device has not finished. The device writes a serial number after
+//! each recording.
 
 use std::ptr::NonNull;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -8,9 +9,9 @@ use ash::vk::{self, Handle};
 
 use crate::vulkan::progress::Record;
 
-/// The recordings of a surface, which run in the order in which they were recorded.
+/// Recordings of a surface. They run in the order in which they were recorded.
 ///
-/// Surfaces share it with their contours, paths and regions, which may be destroyed after them.
+/// A surface shares this value with its contours, paths and regions, which may be destroyed after it.
 #[derive(Debug)]
 pub(super) struct Flight {
     /// Serial of the last recording.
@@ -24,30 +25,31 @@ struct Kept {
     records: Option<Records>,
 }
 
-/// The last recording into a command buffer; of serial 0 none.
+/// Last recording into a command buffer. With a `serial` of 0 there is none.
 #[derive(Clone, Copy, Debug, Default)]
 struct Recorded {
     serial: u32,
-    /// Half of the command buffer's handle, which tells those of a host apart.
+    /// Hash of the command buffer's handle, half as long as the handle. It distinguishes the host's command
+    /// buffers.
     commands: u32,
     slot: Option<usize>,
 }
 
-/// Records in mapped memory whose serials the device writes.
+/// Records in mapped memory. The device writes their serials.
 #[derive(Debug)]
 struct Records {
     first: NonNull<Record>,
     count: usize,
 }
 
-// SAFETY: the memory is mapped for the process, not for a thread, and is only read, as volatile.
+// SAFETY: the memory is mapped for the process, not for a thread. It is only read, with volatile reads.
 unsafe impl Send for Records {}
 
-/// Command buffers that are remembered at once. Of more that wait, the oldest is forgotten.
+/// Largest number of command buffers that are tracked at once. If more of them wait, the oldest is forgotten.
 const MOST: usize = 64;
 
 impl Flight {
-    /// `records` are mapped, and stay so until [`Flight::land`].
+    /// Creates the tracker. `records` lies in mapped memory that stays mapped until [`Flight::land`].
     pub(super) fn new(records: &[Record]) -> Self {
         let records = Records { first: NonNull::from(records).cast(), count: records.len() };
         let recordings = [Recorded::default(); MOST];
@@ -58,10 +60,10 @@ impl Flight {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The serial of the next recording, which the device is to write behind it. What was recorded into the same
-    /// command buffer before has run, or is a part of the recording, or never will run.
+    /// Returns the serial of the next recording, which the device must write after it. Any earlier recording
+    /// into the same command buffer has run, is part of this recording, or will never run.
     pub(super) fn next(&self, commands: vk::CommandBuffer, slot: Option<usize>) -> u32 {
-        // 0 is no serial, 2^32 - 1 recordings later either.
+        // 0 is not a serial, even after 2^32 - 1 recordings.
         let serial = self.serial.fetch_add(1, Relaxed).wrapping_add(1).max(1);
         let commands = half(commands);
         let mut kept = self.kept();
@@ -73,18 +75,19 @@ impl Flight {
         serial
     }
 
-    /// The serial that the next recording will have.
+    /// Returns the serial that the next recording will get.
     pub(super) fn coming(&self) -> u32 {
         self.serial.load(Relaxed).wrapping_add(1).max(1)
     }
 
-    /// The serial of the last recording.
+    /// Returns the serial of the last recording.
     pub(super) fn last(&self) -> u32 {
         self.serial.load(Relaxed)
     }
 
-    /// Whether the device may still be at a recording of this serial or one before; 0 is none. Of one whose serial
-    /// was never given out nothing is known.
+    /// Returns whether the device may still execute the recording with this serial or an earlier one. The
+    /// result is false for serial 0, which belongs to no recording, and for serials that were never given
+    /// out.
     pub(super) fn waits_for(&self, serial: u32) -> bool {
         if serial == 0 || later(serial, self.serial.load(Relaxed)) {
             return false;
@@ -94,13 +97,13 @@ impl Flight {
         later(serial, run) && kept.waiting(run).next().is_some()
     }
 
-    /// A recording that has not run, and its slot if it has one.
+    /// Returns a recording that has not run, if there is one. The inner value is its slot, if it has one.
     pub(super) fn waiting(&self) -> Option<Option<usize>> {
         let kept = self.kept();
         kept.waiting(kept.last_run()).map(|recorded| recorded.slot).next()
     }
 
-    /// The last recording for a slot will never run.
+    /// Notes that the last recording for a slot will never run.
     pub(super) fn discard_slot(&self, slot: usize) {
         let mut kept = self.kept();
         let of_slot = kept.recordings.iter_mut().filter(|recorded| recorded.slot == Some(slot));
@@ -110,7 +113,7 @@ impl Flight {
         }
     }
 
-    /// What was recorded into a command buffer will never run.
+    /// Notes that the commands in a command buffer will never run.
     pub(super) fn discard_commands(&self, commands: vk::CommandBuffer) {
         let commands = half(commands);
         for recorded in &mut self.kept().recordings {
@@ -120,7 +123,7 @@ impl Flight {
         }
     }
 
-    /// All have run, or never will: the records may go.
+    /// Notes that each recording has run or will never run. The records may be unmapped afterwards.
     pub(super) fn land(&self) {
         let mut kept = self.kept();
         kept.records = None;
@@ -129,11 +132,11 @@ impl Flight {
 }
 
 impl Kept {
-    /// The serial of the last recording that has run, as far as it has one.
+    /// Returns the serial of the last recording that has run; 0 if there is none.
     fn last_run(&self) -> u32 {
         let Some(Records { first, count }) = self.records else { return 0 };
-        // SAFETY: the records are mapped until `records` is taken. The device may be writing them: a serial is a
-        // single word.
+        // SAFETY: the records stay mapped until `records` is taken. The device may write them at the same
+        // time, but a serial is a single word.
         let serial = |at| unsafe { (&raw const (*first.as_ptr().add(at)).serial).read_volatile() };
         (0..count).map(serial).fold(0, |last, serial| match serial != 0 && later(serial, last) {
             true => serial,
@@ -145,8 +148,9 @@ impl Kept {
         self.recordings.iter().filter(move |of| of.serial != 0 && later(of.serial, run))
     }
 
-    /// Where a recording into a command buffer is kept: in place of the one before, of one that has run, or of
-    /// the oldest.
+    /// Returns the place for a recording into a command buffer. It is the place of the previous recording
+    /// into the same buffer, an empty place, that of a recording that has run, or else that of the oldest
+    /// recording.
     fn place_for(&self, commands: u32) -> usize {
         let all = &self.recordings;
         let find = |is: &dyn Fn(&Recorded) -> bool| all.iter().position(is);
@@ -164,14 +168,14 @@ impl Kept {
     }
 }
 
-/// Whether a serial was given out after another, 0 before all.
+/// Returns whether a serial was given out after another. 0 precedes all serials.
 fn later(serial: u32, other: u32) -> bool {
     other == 0 && serial != 0 || serial.wrapping_sub(other) as i32 > 0
 }
 
 pub(super) fn half(commands: vk::CommandBuffer) -> u32 {
     let handle = commands.as_raw();
-    // Handles are addresses on many drivers: their low halves differ.
+    // On many drivers handles are addresses, whose low halves differ.
     handle as u32 ^ (handle >> 32) as u32
 }
 
@@ -184,7 +188,7 @@ mod tests {
         vk::CommandBuffer::from_raw(number)
     }
 
-    /// What the device would do.
+    /// Writes the serial, as the device does after a recording.
     fn run(records: &mut [Record], at: usize, serial: u32) {
         records[at].serial = serial;
     }

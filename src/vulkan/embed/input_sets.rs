@@ -1,5 +1,5 @@
-//! Descriptor sets of an input that the host may replace by another buffer or image: one more than there are
-//! slots, taken in turn, so that frames in flight keep theirs.
+//! Manages the descriptor sets of an input that the host may replace with another buffer or image. An input
+//! has one set more than the surface has slots. The sets take turns, so that frames in flight keep theirs.
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -9,29 +9,29 @@ use super::flight::Flight;
 use super::host_sets::{self, Content, HostSet};
 use crate::vulkan::VulkanError;
 
-/// The sets of one input.
+/// Descriptor sets of one input.
 #[derive(Debug)]
 pub(super) struct InputSet {
     versions: Box<[Version]>,
     current: usize,
-    /// How often the input was replaced.
+    /// Number of times that the input was replaced.
     pub(super) changes: u32,
 }
 
 #[derive(Debug)]
 struct Version {
     set: HostSet,
-    /// Serial of the last recording that reads it.
+    /// Serial of the last recording that reads the set.
     used: AtomicU32,
 }
 
-/// Sets of an input on a surface with so many slots.
+/// Returns the number of sets of each input on a surface with this many slots.
 pub(super) fn versions(slots: usize) -> usize {
     slots.max(1) + 1
 }
 
 impl InputSet {
-    /// Of so many inputs, each with so many of these sets.
+    /// Creates `inputs` inputs. Each takes the next `versions` sets of the iterator.
     pub(super) fn each(
         inputs: usize,
         versions: usize,
@@ -45,28 +45,30 @@ impl InputSet {
         (0..inputs).map(|_| next()).collect()
     }
 
-    /// The set to be bound.
+    /// Returns the set to bind.
     pub(super) fn set(&self) -> HostSet {
         self.versions[self.current].set
     }
 
-    /// A recording reads the input, of which the serial is the next that is given out.
+    /// Notes that a recording reads the input. The serial of the recording is the next one that is given out.
     pub(super) fn is_read(&self, flight: &Flight) {
         self.versions[self.current].used.store(flight.coming(), Relaxed);
     }
 
-    /// A recording writes what the host gives, after the outcome of its slot, if it has one.
+    /// Notes that a recording writes the host's image. With `has_note` the serial of the recording is the
+    /// next one that is given out. Otherwise the recording is covered by the last serial, which is that of
+    /// the slot's outcome if the outcome was recorded before.
     pub(super) fn is_written(&self, flight: &Flight, has_note: bool) {
         let serial = if has_note { flight.coming() } else { flight.last() };
         self.versions[self.current].used.store(serial, Relaxed);
     }
 
-    /// Whether a recording that reads the input may not have run.
+    /// Returns whether a tracked recording that reads the input may not have run.
     pub(super) fn is_in_flight(&self, flight: &Flight) -> bool {
         self.versions.iter().any(|version| flight.waits_for(version.used.load(Relaxed)))
     }
 
-    /// Replaces the input, in a set that no recording on its way reads.
+    /// Replaces the input. The new content goes into a set that no tracked recording in flight reads.
     pub(super) fn replace(
         &mut self,
         device: &ash::Device,

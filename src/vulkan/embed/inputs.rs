@@ -1,4 +1,4 @@
-//! What the host's images and buffers hold.
+//! Describes the contents of the host's images and buffers.
 
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
@@ -6,45 +6,47 @@ use bytemuck::{Pod, Zeroable};
 use crate::surface::{Chart, Seed, SourceError};
 use crate::vulkan::point_kind::PointKind;
 
-/// The points of a surface in memory of the host's on the device.
+/// Points of a surface in device memory of the host.
 ///
-/// A point with a coordinate, height, entry of the metric or slowness that is NaN, infinite or beyond
-/// 1e12, or with a negative slowness, is a hole. Travel is free where the slowness is 0: one below 1e-12 counts as 1e-12.
+/// A point is a hole if one of its coordinates, its height, an entry of its metric or its slowness is NaN,
+/// infinite or beyond 1e12, or if its slowness is negative. A slowness of 0 makes travel free: values below
+/// 1e-12 count as 1e-12.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Points {
-    /// Where they are.
+    /// Location of the points.
     pub memory: PointMemory,
-    /// What is there.
+    /// Meaning of the floats of a point.
     pub kind: PointKind,
-    /// Which float of a point, counted from its first, is its slowness; 1 everywhere if `None`. In
-    /// an image these are the four components.
+    /// Index of the float that is the point's slowness, counted from the first float of the point. With
+    /// `None` the slowness is 1 everywhere. In an image the floats are the four components.
     pub slowness: Option<u32>,
 }
 
-/// Memory with one entry a grid point, row-major.
+/// Device memory with one entry per grid point, row-major. The host keeps it alive until all recordings that
+/// read it have run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointMemory {
-    /// A buffer with 32-bit floats, such as a vertex buffer. Usage `STORAGE_BUFFER`.
+    /// Buffer of 32-bit floats, such as a vertex buffer. Its usage is `STORAGE_BUFFER`.
     Buffer {
-        /// The buffer.
+        /// Buffer handle.
         buffer: vk::Buffer,
-        /// Bytes before the first point's position or height; a multiple of 4.
+        /// Offset of the first point's position, height or metric in bytes; a multiple of 4.
         offset: u64,
-        /// Bytes from point to point; a multiple of 4.
+        /// Distance between consecutive points in bytes; a multiple of 4.
         stride: u64,
     },
-    /// An image of at least N x M texels (width x height) with components that shaders read as
-    /// floats: R32G32B32A32_SFLOAT for positions, say, or R32_SFLOAT for heights. Usage `SAMPLED`.
+    /// Image of at least N x M texels (width x height) with components that shaders read as floats, such as
+    /// R32G32B32A32_SFLOAT for positions or R32_SFLOAT for heights. Its usage is `SAMPLED`.
     Image {
-        /// A 2D view.
+        /// 2D view of the image.
         view: vk::ImageView,
-        /// The layout in which the image is whenever it is read.
+        /// Layout of the image whenever a recording reads it.
         layout: vk::ImageLayout,
     },
 }
 
 impl PointMemory {
-    /// 32-bit words from point to point in a buffer.
+    /// Returns the number of 32-bit words between consecutive points in a buffer; 0 for an image.
     pub(super) fn stride_words(self) -> i32 {
         match self {
             Self::Buffer { stride, .. } => stride as i32 / size_of::<f32>() as i32,
@@ -54,44 +56,45 @@ impl PointMemory {
 }
 
 impl Points {
-    /// Positions in a buffer, three floats each, so many bytes apart.
+    /// Returns points given as positions in a buffer. Each is three floats, and consecutive points are
+    /// `stride` bytes apart.
     pub fn positions(buffer: vk::Buffer, stride: u64) -> Self {
         let memory = PointMemory::Buffer { buffer, offset: 0, stride };
         Self { memory, kind: PointKind::Positions, slowness: None }
     }
 
-    /// Floats of a point, as far as they are looked at.
+    /// Returns the number of floats of a point that are read.
     pub(super) fn floats(&self) -> u64 {
         u64::from(self.kind.floats()).max(self.slowness.map_or(0, |index| u64::from(index) + 1))
     }
 }
 
-/// A source: a point of the surface where the distance, or time, is known.
+/// Source: a point of the surface at which the distance, or arrival time, is known.
 ///
-/// In a buffer that the host's shaders write, this is a `vec4`, or four floats. An entry that is not
-/// on the grid, in a hole, or has a time that is NaN or not below 1e30 is passed over, so a shader
-/// that has fewer sources than the buffer has room for writes NaN for the rest.
+/// In a buffer that the host's shaders write, a source is a `vec4`, or four floats. An entry is skipped if it
+/// is off the grid or in a hole, or if its time is NaN or not below 1e30. A shader that has fewer sources
+/// than the buffer holds writes NaN to the remaining entries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct PointSource {
-    /// Row, from 0 to M - 1, fractional between grid points.
+    /// Row, from 0 to M - 1. A fractional row lies between grid points.
     pub row: f32,
-    /// Column, from 0 to N - 1.
+    /// Column, from 0 to N - 1; may be fractional.
     pub col: f32,
-    /// Distance, or time, at the source.
+    /// Distance, or arrival time, at the source.
     pub time: f32,
-    /// Curvature of the front there, for a source at a grid point and the curved wavefront: 0 or
-    /// [`Seed::AT_SOURCE`] if the source is a point, [`PointSource::STRAIGHT`] if the grid point is one of
-    /// many on a straight line. Between grid points sources are points. What a shader writes that is
-    /// negative, infinite or no number stands for a point as well.
+    /// Curvature of the front at the source, for a source at a grid point and the curved wavefront. It is 0
+    /// or [`Seed::AT_SOURCE`] if the source is a point, and [`PointSource::STRAIGHT`] if the grid point is
+    /// one of many on a straight line. A source between grid points is always a point. In a buffer, a
+    /// curvature that is negative, infinite or NaN also means a point.
     pub curvature: f32,
 }
 
 impl PointSource {
-    /// The curvature of a straight front.
+    /// Curvature of a straight front.
     pub const STRAIGHT: f32 = crate::constants::FLAT as f32;
 
-    /// A point source.
+    /// Returns a point source with time 0.
     pub fn at(row: f32, col: f32) -> Self {
         Self { row, col, time: 0.0, curvature: Seed::AT_SOURCE as f32 }
     }
@@ -114,50 +117,52 @@ impl PointSource {
     }
 }
 
-/// A buffer of [`PointSource`]s. Usage `STORAGE_BUFFER`.
+/// Buffer of [`PointSource`]s. Its usage is `STORAGE_BUFFER`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SourceBuffer {
-    /// The buffer.
+    /// Buffer handle.
     pub buffer: vk::Buffer,
-    /// Bytes before the first; a multiple of 4.
+    /// Offset of the first source in bytes; a multiple of 4.
     pub offset: u64,
-    /// How many.
+    /// Number of sources.
     pub count: u32,
 }
 
-/// Places at which distances are looked up: two floats each, row and column.
+/// Places at which distances are looked up. A place is two floats: row and column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lookup {
-    /// A buffer with the places. Usage `STORAGE_BUFFER`.
+    /// Buffer that holds the places. Its usage is `STORAGE_BUFFER`.
     pub places: vk::Buffer,
-    /// Bytes before the first; a multiple of 4.
+    /// Offset of the first place in bytes; a multiple of 4.
     pub places_offset: u64,
-    /// A buffer for the distances, one float each. Usage `STORAGE_BUFFER`.
+    /// Buffer that receives the distances, one float per place. Its usage is `STORAGE_BUFFER`.
     pub distances: vk::Buffer,
-    /// Bytes before the first; a multiple of 4.
+    /// Offset of the first distance in bytes; a multiple of 4.
     pub distances_offset: u64,
-    /// How many.
+    /// Number of places.
     pub count: u32,
 }
 
-/// The sources of a recording.
+/// Sources of a recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SourceInput<'a> {
-    /// From the program's memory, copied into the command buffer: at most 1024.
+    /// Sources in the program's memory, at most 1024. They are copied into the command buffer.
     Inline(&'a [PointSource]),
-    /// From the surface's source buffer with this number.
+    /// All sources in the surface's source buffer with this number.
     Buffer(usize),
-    /// From a part of that buffer, as in a ring of which each frame has another part.
+    /// Sources in another part of such a buffer, for instance in a ring of which each frame uses another
+    /// part.
     BufferAt {
-        /// The number of the surface's source buffer.
+        /// Number of the surface's source buffer.
         number: usize,
-        /// Bytes beyond the first source that the surface has there; a multiple of 4.
+        /// Offset in bytes from the surface's first source in that buffer; a multiple of 4.
         offset: u64,
     },
 }
 
 impl SourceInput<'_> {
-    /// Whether a source may lie between grid points: nobody knows what is in a buffer.
+    /// Returns whether a source may lie between grid points. For a buffer this is always true, since its
+    /// contents are unknown.
     pub(super) fn may_lie_inside_cells(&self) -> bool {
         let is_inside =
             |source: &PointSource| source.row.fract() != 0.0 || source.col.fract() != 0.0;
@@ -167,7 +172,8 @@ impl SourceInput<'_> {
         }
     }
 
-    /// The number of its buffer and the bytes beyond its first source, if it is in one.
+    /// Returns the number of the source buffer and the offset in bytes from its first source; `None` for
+    /// inline sources.
     pub(super) fn buffer(&self) -> Option<(usize, u64)> {
         match *self {
             Self::Inline(_) => None,

@@ -1,14 +1,13 @@
-//! Distance maps inside a renderer: recorded into its command buffers, the result stays on the
-//! device.
+//! Records distance maps into the command buffers of a renderer. The result stays on the device.
 //!
-//! The host owns instance, device, queues, frames and synchronization. A [`Solver`] holds the
-//! pipelines, a [`Surface`] the images of one grid, both made up front; [`Recording`] appends
-//! passes and barriers to a command buffer of the host's and does nothing else. How iterations go
-//! is decided on the device. `docs/embedding.md` tells the rest: barriers, frames in flight,
-//! deforming surfaces, costs.
+//! The host is the program that embeds geosweep. It owns the instance, the device, the queues, the frames in
+//! flight and all synchronization. A [`Solver`] holds the pipelines of a device, and a [`Surface`] holds the
+//! images of one grid. The host creates both before the first frame. A [`Recording`] appends passes and
+//! barriers to a command buffer of the host and does nothing else. The device decides by itself when a map
+//! has converged. `docs/embedding.md` describes the barriers, frames in flight, deforming surfaces and costs.
 //!
-//! [`crate::Wavefront::Anchored`] is for surfaces that are known to be floor plans, which no one knows of those
-//! on the device: it is solved as [`crate::Wavefront::Curved`] here.
+//! [`crate::Wavefront::Anchored`] is for surfaces that are known to be floor plans. This is not known of
+//! surfaces whose points are on the device, so it is solved as [`crate::Wavefront::Curved`] here.
 //!
 //! ```no_run
 //! # use geosweep::ash::{self, vk};

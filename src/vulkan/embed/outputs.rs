@@ -1,4 +1,4 @@
-//! Images of the host's that distances are written to.
+//! Lets the host provide the images that distances are written to.
 
 use ash::vk;
 
@@ -7,19 +7,23 @@ use super::recording::nth;
 use super::surface::Surface;
 use crate::vulkan::VulkanError;
 
-/// An image of the host's for the distances of a slot, in place of one that the surface makes: so that a render
-/// graph gives its memory to others while no one needs it.
+/// Image of the host for the distances of a slot, in place of one that the surface allocates. A render graph
+/// can then use its memory for other resources while the distances are not needed.
 ///
-/// Of format R32_SFLOAT, 2D, of N x M texels or more (width x height), a single sample and one level, with usage `STORAGE` and
-/// that of its readers. [`super::Recording::result`] throws away what is there: in which layout the image is before, and whether
-/// its memory was another's, is of no interest, but that the readers and writers of what was there are waited for, with
-/// the stages of [`super::Recording::begin`] or by a barrier of the host's. A surface that is larger than the image writes
-/// what has room.
+/// The image is 2D, of format R32_SFLOAT, with at least N x M texels (width x height), one sample and one mip
+/// level. Its usage is `STORAGE` and whatever its readers need. If the image is smaller than the surface, the
+/// distances outside it are not written.
+///
+/// [`super::Recording::result`] discards the previous contents. The previous layout does not matter, nor does
+/// it matter whether the memory belonged to another resource. Earlier readers and writers of the memory must
+/// have finished: name their stages in [`super::Recording::begin`], or record a barrier.
+///
+/// The host keeps the image and the view alive until all recordings that write them have run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HostImage {
-    /// The image.
+    /// Image handle.
     pub image: vk::Image,
-    /// A view of the level, as R32_SFLOAT.
+    /// View of the image's mip level, as R32_SFLOAT.
     pub view: vk::ImageView,
 }
 
@@ -39,12 +43,15 @@ impl HostImage {
 }
 
 impl Surface {
-    /// Replaces the host's image for the distances of a slot, for recordings from now on, as a render graph does whose
-    /// transient images are others in each frame. Frames in flight go on with the one that they were recorded for.
+    /// Replaces the host's image for the distances of a slot in all later recordings. Render graphs need this
+    /// if their transient images change from frame to frame.
+    ///
+    /// Frames in flight still write the image that they were recorded for. The host keeps it alive until they
+    /// have run.
     ///
     /// # Errors
-    /// If there is no such slot, the surface has images of its own, or so many were given while frames are in flight
-    /// that no descriptor set is left. Then nothing has changed.
+    /// If there is no such slot, the surface uses images of its own, a handle is null, or all descriptor sets
+    /// of the slot are in flight because the image was replaced too often. The surface is unchanged then.
     pub fn set_result(
         &mut self,
         device: &ash::Device,

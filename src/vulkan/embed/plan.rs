@@ -1,4 +1,4 @@
-//! The passes of a recording, made once for many frames.
+//! Lists the passes of a recording. A plan is made once and used for many frames.
 
 use crate::Stop;
 use crate::update::Wavefront;
@@ -6,7 +6,8 @@ use crate::vulkan::plan::{self, Portions, Step};
 use crate::vulkan::profile::Grain;
 use crate::vulkan::{Method, Schedule, TexelChart, schedules};
 
-/// The passes of a recording, for any surface with a grid of one size, in texels of 2 x 2 points.
+/// List of the passes of a recording. It fits every surface whose grid has the same size in texels of 2 x 2
+/// points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     pub(super) texels: TexelChart,
@@ -34,7 +35,8 @@ impl Plan {
             let more = schedule.plan(texels, portions, None, iterations - planned);
             planned += plan::iterations(&more);
             steps.extend(more);
-            // The list of tiles that rounds leave has a place in the recording.
+            // A recording holds one batch of rounds: the list of tiles that a batch leaves has one place in
+            // it.
             if planned >= iterations || schedule.has_rounds() {
                 break;
             }
@@ -42,34 +44,36 @@ impl Plan {
         Self { texels, schedule, wavefront, stop, steps, asked: iterations, iterations: planned }
     }
 
-    /// Most records of a recording of the steps, with those of copies of what the device decides.
+    /// Returns the largest number of profile records that a recording of the steps makes. It includes the
+    /// copies of values that the device decides.
     pub(super) fn records(&self, grain: Grain) -> u32 {
         schedules::records(&self.steps, grain) + 2
     }
 
-    /// The passes, to look at.
+    /// Returns the passes for inspection.
     pub fn steps(&self) -> &[Step] {
         &self.steps
     }
 
-    /// The front assumed in maps of the plan, which is not always the one asked for: see
+    /// Returns the wavefront of the plan's maps. It can differ from the requested one: see
     /// [`super::Solver::new`].
     pub fn wavefront(&self) -> Wavefront {
         self.wavefront
     }
 
-    /// The order of updates.
+    /// Returns the schedule, which is the order of updates.
     pub fn schedule(&self) -> Schedule {
         self.schedule
     }
 
-    /// Iterations, or rounds of tiles, that were asked for, no more than a map may take.
+    /// Returns the requested number of iterations, or of rounds of tiles, limited to what a map may take.
     pub fn asked(&self) -> u32 {
         self.asked
     }
 
-    /// Iterations, or rounds of tiles, in a recording: those beyond convergence visit nothing. Of tiles there
-    /// may be fewer than were [asked](Plan::asked) for, and of raster scans a few more.
+    /// Returns the number of iterations, or of rounds of tiles, in a recording. Iterations after convergence
+    /// visit nothing. A recording may hold fewer rounds of tiles than were [asked](Plan::asked) for, and a
+    /// few more raster iterations.
     pub fn iterations(&self) -> u32 {
         self.iterations
     }

@@ -1,4 +1,4 @@
-//! Inputs of a surface that are replaced: other buffers or images in place of those that it was made with.
+//! Replaces inputs of a surface: other buffers or images take the place of those that it was made with.
 
 use super::host_sets::{points_content, sources_content};
 use super::inputs::{Points, SourceBuffer};
@@ -8,20 +8,22 @@ use super::surface::Surface;
 use crate::vulkan::VulkanError;
 
 impl Surface {
-    /// Replaces the points with a number: recordings from now on read these. Of another kind or in other memory if
-    /// the host likes, but with a slowness only if some points of the surface have had one from the start.
+    /// Replaces the surface's points with this `number` in all later recordings. The new points may be of
+    /// another kind and in another type of memory. They may have a slowness only if some points of the
+    /// surface had one when it was made.
     ///
-    /// Frames in flight go on with the points that they were recorded for, which stay alive until these have run: an
-    /// input has a descriptor set more than there are slots, and takes the next that no followed recording uses.
-    /// Followed are recordings with an outcome, and with [`super::Tools::checks`] all; of others the host takes care.
-    /// Command buffers that are submitted again and again are to be recorded anew.
+    /// Frames in flight still read the old points. The host keeps these alive until the frames have run. Each
+    /// input has one descriptor set more than the surface has slots, and the new points take the next set
+    /// that no tracked recording uses. Recordings with an outcome are tracked. With [`super::Tools::checks`]
+    /// all recordings are. The host must make sure itself that other recordings have run. A command buffer
+    /// that is submitted repeatedly must be recorded again.
     ///
-    /// Edges are those of the old points until [`super::Recording::measure`]; contours and paths are lifted to the
-    /// new ones after [`super::Contours::rebind`] and [`super::Paths::rebind`].
+    /// Edge lengths are those of the old points until [`super::Recording::measure`]. Contours and paths are
+    /// lifted to the new points after [`super::Contours::rebind`] and [`super::Paths::rebind`].
     ///
     /// # Errors
-    /// If there is no such number, the points cannot be used as described, or all descriptor sets are in flight.
-    /// Then nothing has changed.
+    /// If there is no such number, the points cannot be used as described, the surface was destroyed, or all
+    /// descriptor sets of the input are in flight. The surface is unchanged then.
     pub fn set_points(
         &mut self,
         device: &ash::Device,
@@ -42,11 +44,12 @@ impl Surface {
         Ok(())
     }
 
-    /// Replaces the source buffer with a number, as [`Surface::set_points`] does points; paths and regions need
-    /// [`super::Paths::rebind`] and [`super::Regions::rebind`].
+    /// Replaces the surface's source buffer with this `number`, under the same rules as
+    /// [`Surface::set_points`]. Paths and regions read the new buffer after [`super::Paths::rebind`] and
+    /// [`super::Regions::rebind`].
     ///
     /// # Errors
-    /// As [`Surface::set_points`].
+    /// As for [`Surface::set_points`].
     pub fn set_sources(
         &mut self,
         device: &ash::Device,

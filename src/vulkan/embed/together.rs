@@ -1,4 +1,4 @@
-//! Frames of several surfaces, recorded together.
+//! Records frames of several surfaces together, so that they share barriers.
 
 use std::array;
 
@@ -10,32 +10,35 @@ use super::surface::Surface;
 use crate::vulkan::VulkanError;
 use crate::vulkan::record::{Commands, MOST_TOGETHER, Recorder, Turn};
 
-/// A frame of one of several surfaces: [`Solver::record_frames`].
+/// Frame of one of several surfaces that [`Solver::record_frames`] records together.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceFrame<'a> {
-    /// The surface.
+    /// Surface of the frame.
     pub surface: &'a Surface,
-    /// Its frame.
+    /// Frame to record.
     pub frame: Frame<'a>,
-    /// Where its points are read, as [`Recording::points_at`] has it: bytes beyond those of the surface.
+    /// Offset of the points in bytes from where the surface has them, as in [`Recording::points_at`].
     pub points_at: u64,
 }
 
 impl Solver {
-    /// Records frames of several surfaces so that they run beside one another: each as [`Recording::frame`] does,
-    /// with the passes of all between the same barriers.
+    /// Records frames of several surfaces so that they run side by side. Each frame is recorded as by
+    /// [`Recording::frame`], and the passes of all frames share the same barriers.
     ///
-    /// A barrier of Vulkan's has all passes after it wait for all before it, whatever memory it names. So maps that are
-    /// recorded one after another run one after another, and small ones leave a device idle. Recorded together, `n`
-    /// surfaces of one size and plan have the barriers of one and `n` times its dispatches; of others the longest
-    /// counts. 64 share their barriers, more go by 64. Frames have no place in profiles, and one label.
+    /// A Vulkan memory barrier makes all later passes wait for all earlier ones, whatever memory they use.
+    /// Maps that are recorded one after another therefore run one after another, and small maps leave most of
+    /// the device idle. Recorded together, `n` surfaces of the same size and plan need the barriers of one
+    /// surface and `n` times its dispatches. If sizes or plans differ, the longest recording determines the
+    /// number of barriers. Up to 64 frames share their barriers. Larger numbers of frames are recorded in
+    /// groups of 64.
     ///
-    /// The images of distances are those of [`Surface::result`]. Surfaces, sources and slots are looked at as for
-    /// single frames.
+    /// The command buffer must be in the state that [`Solver::record`] requires. Profiles do not record these
+    /// frames, and all of them have one debug label. [`Surface::result`] returns the image of distances of
+    /// each surface. Surfaces, sources and slots are checked as for single frames.
     ///
     /// # Errors
-    /// [`VulkanError::OfFrame`], with what [`Recording::frame`] says of that frame, or
-    /// [`VulkanError::TwiceTogether`] if its surface has another. Then nothing is recorded.
+    /// [`VulkanError::OfFrame`] with the number of the frame and the error of [`Recording::frame`], or with
+    /// [`VulkanError::TwiceTogether`] if its surface has another frame among them. Nothing is recorded then.
     pub fn record_frames(
         &self,
         device: &ash::Device,
@@ -66,7 +69,7 @@ impl Solver {
         self.record(device, commands, of.surface).points_at(of.points_at)
     }
 
-    /// Of frames that were checked, no more than share barriers.
+    /// Records frames that were checked, at most [`MOST_TOGETHER`] of them.
     fn record_together(
         &self,
         device: &ash::Device,
@@ -102,7 +105,7 @@ impl Solver {
             Some((recording.recorder, variant, of.frame.plan.steps()))
         });
         Recorder::steps_together(&steps);
-        // Given out once, since parts are gone through again and again.
+        // Serials are taken once for each frame, since the recordings below are traversed once for each part.
         let serials: [_; MOST_TOGETHER] = array::from_fn(|number| {
             let of = frames.get(number)?;
             let recording = self.recording_of(device, commands, of);
@@ -125,13 +128,13 @@ impl Solver {
 }
 
 impl<'a> Recording<'a> {
-    /// The same, of which the part is recorded whose turn it is.
+    /// Returns this recording, restricted to the part that `turn` selects.
     fn in_turn(mut self, turn: &'a Turn) -> Self {
         self.recorder.commands.turn = Some(turn);
         self
     }
 
-    /// The points that a frame measures, if it does, once it was checked.
+    /// Returns the points that a frame measures, if any. The frame was checked before.
     fn points_of(&self, frame: &Frame) -> Option<(super::host_sets::HostSet, super::Points)> {
         frame.points.and_then(|number| self.points(number).ok())
     }
