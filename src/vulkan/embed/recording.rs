@@ -1,4 +1,4 @@
-//! Recording into the host's command buffer.
+//! Records distance maps into the host's command buffer.
 
 use ash::vk;
 
@@ -26,45 +26,52 @@ use crate::vulkan::shaders::{
 };
 use crate::vulkan::upload::SEED_BYTES;
 
-/// Appends commands for a surface to a command buffer of the host's.
+/// Recorder of the passes of a surface into a command buffer of the host.
 ///
-/// No call submits, waits, maps, or allocates, on the device or the heap. Where a call returns an
-/// error, it has recorded nothing. Recordings of one surface are to run one after another, in the
-/// order in which they are recorded: on one queue, or with semaphores between queues.
+/// No method submits, waits, maps memory, or allocates on the device or the heap. A method that returns an
+/// error has recorded nothing.
+///
+/// Recordings of one surface must run one after another, in the order in which they were recorded: on one
+/// queue, or with semaphores between queues. The solver, the surface and the inputs that a recording reads
+/// must stay alive until it has run.
+///
+/// A recording changes the pipeline, the descriptor sets and the push constants of the compute bind point.
+/// Push constants of graphics pipelines become undefined too. Other graphics state stays as it was. Active
+/// queries count the passes. Conditional rendering must not be active.
 #[derive(Clone, Copy)]
 pub struct Recording<'a> {
     pub(super) recorder: Recorder<'a>,
     pub(super) solver: &'a Solver,
     pub(super) surface: &'a Surface,
-    /// Bytes beyond where the surface has its points.
+    /// Offset of the points in bytes from where the surface has them.
     points_at: u64,
 }
 
-/// What one frame takes: [`Recording::frame`].
+/// Parameters of [`Recording::frame`].
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
-    /// How the host has written points and sources since the frame before.
+    /// Access by which the host has written points and sources since the previous frame.
     pub before: Access,
-    /// The surface's points to measure; `None` if they have not changed since the last frame.
+    /// Number of the surface's points to measure; `None` if they have not changed since the previous frame.
     pub points: Option<usize>,
-    /// Where the fronts start.
+    /// Sources at which the fronts start.
     pub sources: SourceInput<'a>,
-    /// The passes.
+    /// Passes of the map.
     pub plan: &'a Plan,
-    /// Which image of distances is written.
+    /// Slot whose image of distances is written. Each frame in flight has its own slot.
     pub slot: usize,
-    /// Who reads it.
+    /// Reader of the image.
     pub reader: Reader,
-    /// What stands in it for points that are not reached; +infinity, which filters would turn to
-    /// NaN beside such points, or what suits the reader.
+    /// Value of the image at points that are not reached. It may be +infinity, but bilinear filters turn that
+    /// into NaN beside such points. A negative number is easy to test for.
     pub unreached: f32,
 }
 
-/// So many points has a grid for each source of a crowd that has surroundings. Updating these, 400 points
-/// from all sides some sixteen times, takes as long as two to four iterations of 1,500 to 3,000 points, which
-/// is what it saves.
+/// Minimum number of grid points per source for solving the sources' surroundings first, if there are more
+/// than [`FEW_SOURCES`]. Solving a source's surroundings updates 400 points from all sides about sixteen
+/// times. That takes as long as two to four iterations over 1,500 to 3,000 points, which is what it saves.
 const POINTS_FOR_SURROUNDINGS: usize = 4000;
-/// So many sources have surroundings on any grid.
+/// Number of sources whose surroundings are solved on a grid of any size.
 const FEW_SOURCES: usize = 8;
 
 const RECORD_BYTES: u64 = Outcome::BYTES as u64;
@@ -81,25 +88,27 @@ impl<'a> Recording<'a> {
         Self { recorder, solver, surface, points_at: 0 }
     }
 
-    /// The same, with the passes taken down in a profile, which starts anew here: resets its
-    /// queries and takes the time. All other calls go to what this returns, and are to run in one
-    /// submission.
+    /// Returns this recording with `profile`, which receives the passes recorded by the returned value.
+    /// Starts the profile anew: resets its queries in the command buffer and writes the first timestamp. All
+    /// calls on the returned value must run in one submission.
     pub fn profiled(mut self, profile: &'a Profile) -> Self {
         profile.begin(self.recorder.device, self.recorder.buffer);
         self.recorder.commands.profile = Some(profile);
         self
     }
 
-    /// The same, with points read so many bytes beyond where the surface has them, as in a ring of which each
-    /// frame has another part: by [`Recording::measure`], and where contours and paths are lifted. A multiple of 4,
-    /// and 0 for points in an image; looked at where points are read.
+    /// Returns this recording with the points read `offset` bytes after the place where the surface has them,
+    /// as in a ring of which each frame uses another part. The offset applies in [`Recording::measure`] and
+    /// where contours and paths are lifted. It must be a multiple of 4, and 0 for points in an image. The
+    /// methods that read the points check it.
     pub fn points_at(self, offset: u64) -> Self {
         Self { points_at: offset, ..self }
     }
 
-    /// Brings the new surface's images into their layouts. To be recorded once, before anything
-    /// else. Recorded again, it forgets the edge lengths: [`Recording::measure`] has to follow.
-    /// If it never runs, outcomes tell ([`VulkanError::PreparationLost`]).
+    /// Transitions the images of a new surface into their layouts and clears them. It must be recorded once,
+    /// before anything else for the surface. Recorded again, it discards the edge lengths, so that
+    /// [`Recording::measure`] must follow. If the commands never run, outcomes report it
+    /// ([`VulkanError::PreparationLost`]).
     pub fn prepare(&self) {
         let number = number_of_preparation();
         self.recorder.prepare();
@@ -109,11 +118,12 @@ impl<'a> Recording<'a> {
         self.note();
     }
 
-    /// All of a usual frame: [`Recording::begin`], [`Recording::measure`] if there are new points,
-    /// [`Recording::solve`], [`Recording::outcome`] and [`Recording::result`].
+    /// Records a usual frame: [`Recording::begin`], [`Recording::measure`] if there are new points,
+    /// [`Recording::solve`], [`Recording::outcome`] and [`Recording::result`]. Returns the image that it
+    /// writes. The recording contains the barriers between these and before the reads of `frame.reader`.
     ///
     /// # Errors
-    /// As these, and then nothing is recorded.
+    /// As for these methods. Nothing is recorded then.
     pub fn frame(&self, frame: &Frame) -> Result<ResultImage, VulkanError> {
         let result = self.check_frame(frame)?;
         let _group = self.recorder.group(c"geosweep: frame");
@@ -129,8 +139,8 @@ impl<'a> Recording<'a> {
         Ok(result)
     }
 
-    /// With checks, has the device write a number behind what was recorded, so that it is known whether it has
-    /// run. The number, if so.
+    /// With checks, records that the device writes a serial after the commands so far, which shows that they
+    /// have run. Returns the serial, or `None` without checks.
     pub(super) fn note(&self) -> Option<u32> {
         let serial = self.next_note();
         if let Some(serial) = serial {
@@ -148,7 +158,8 @@ impl<'a> Recording<'a> {
         self.recorder.mark(self.surface.grid.slots, serial);
     }
 
-    /// Whether a frame can be recorded; records nothing. The image that it will write.
+    /// Checks whether a frame can be recorded, and records nothing. Returns the image that the frame will
+    /// write.
     pub(crate) fn check_frame(&self, frame: &Frame) -> Result<ResultImage, VulkanError> {
         if let Some(points) = frame.points {
             self.points(points)?;
@@ -164,25 +175,30 @@ impl<'a> Recording<'a> {
         Ok(result)
     }
 
-    /// Waits for what the host has written, and for recordings of this surface before.
+    /// Records a barrier that waits for the accesses in `before`, by which the host has written points and
+    /// sources. The barrier also waits for all earlier compute shaders and transfers on the queue, and so for
+    /// earlier recordings of this surface.
     pub fn begin(&self, before: Access) {
         let (stages, access) = (PASS.0 | TRANSFER.0, PASS.1 | TRANSFER.1);
         let (host_stages, host_access) = before.side();
         self.recorder.barrier((stages | host_stages, access | host_access), (stages, access));
     }
 
-    /// Lets the host read the packed times, or overwrite what was read, after everything so far.
+    /// Records a barrier after everything so far. The accesses in `after` may then read the packed times, or
+    /// overwrite what the passes have read.
     pub fn end(&self, after: Access) {
         self.recorder.barrier((PASS.0 | TRANSFER.0, PASS.1 | TRANSFER.1), after.side());
     }
 
-    /// Measures the surface's edges, and its curvature if a wavefront of the solver needs it, from
-    /// points in the host's memory. The map is lost: [`Recording::solve`] comes next.
+    /// Measures the surface's edges from the surface's points with the number `points`. If a wavefront of the
+    /// solver needs it, it also computes the curvature. The current map is lost, and [`Recording::solve`]
+    /// must follow. The host's points must stay alive until the commands have run.
     ///
-    /// Edges must be shorter than 1e12 units, and those between distinct points longer than 1e-12.
+    /// Edges must be shorter than 1e12 units, and edges between distinct points longer than 1e-12.
     ///
     /// # Errors
-    /// If the surface has no such points, or is not prepared.
+    /// If the surface has no such points, the offset of [`Recording::points_at`] does not fit them, or the
+    /// surface is not prepared.
     pub fn measure(&self, points: usize) -> Result<(), VulkanError> {
         let read = self.points(points)?;
         self.surface.state.check_prepared()?;
@@ -197,7 +213,7 @@ impl<'a> Recording<'a> {
         surface.sets.points[points].is_read(&surface.flight);
         let chart = surface.grid.chart;
         let kind = info.kind;
-        // Without positions there are no other edges than straight ones.
+        // Arcs need positions. Other edges are straight.
         let rule = if kind.has_positions() { surface.edge_rule } else { EdgeRule::Chord };
         recorder.set_known(offset::POINTS, 0);
         for rows in bands(chart, POINT_BYTES, frame_bytes(chart)) {
@@ -228,10 +244,12 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// Computes a map: as many iterations as the plan holds, less those after convergence.
+    /// Computes a new map. It records as many iterations as the plan holds. Those after convergence visit
+    /// nothing.
     ///
     /// # Errors
-    /// If the plan or the sources do not fit the surface, or its edges were never measured.
+    /// If the plan or the sources do not fit the surface, the solver has no pipelines for the plan, or the
+    /// edges were never measured.
     pub fn solve(&self, sources: SourceInput, plan: &Plan) -> Result<(), VulkanError> {
         self.check(plan)?;
         self.check_sources(sources)?;
@@ -248,7 +266,7 @@ impl<'a> Recording<'a> {
         self.steps(plan);
     }
 
-    /// Adds sources to the map, which has converged with the same wavefront.
+    /// Adds sources to the current map, which must have converged with the wavefront of `plan`.
     ///
     /// # Errors
     /// If the plan or the sources do not fit the surface, or there is no map of that wavefront.
@@ -263,12 +281,12 @@ impl<'a> Recording<'a> {
         Ok(())
     }
 
-    /// Goes on with a map that may not have converged, by as many iterations again. In a later
-    /// command buffer or the same; with the plan that it was started with. Visits nothing if
-    /// the map has converged.
+    /// Continues a map that may not have converged by as many iterations as the plan holds. The plan must be
+    /// the one that the map was started with. The call may follow in the same command buffer or in a later
+    /// one. It visits nothing if the map has converged.
     ///
     /// # Errors
-    /// If the plan does not fit the surface, or there is no map of that plan's wavefront and schedule.
+    /// If the plan does not fit the surface, or there is no map with the plan's wavefront and schedule.
     pub fn resume(&self, plan: &Plan) -> Result<(), VulkanError> {
         self.check(plan)?;
         self.surface.state.check_plan(plan)?;
@@ -278,11 +296,12 @@ impl<'a> Recording<'a> {
         Ok(())
     }
 
-    /// Copies how the iterations have gone to the slot's record, for [`Surface::outcome`].
+    /// Copies the outcome of the iterations to the record of `slot`. [`Surface::outcome`] reads it after the
+    /// fence of the submission.
     ///
     /// # Errors
-    /// If there is no such slot, or no map; with [`super::Tools::checks`] also if the slot's last recording
-    /// has not run.
+    /// If there is no such slot or no map. With [`super::Tools::checks`] also if the last recording for the
+    /// slot has not run.
     pub fn outcome(&self, slot: usize) -> Result<(), VulkanError> {
         self.surface.check_slot(slot)?;
         self.surface.state.check_map()?;
@@ -291,7 +310,7 @@ impl<'a> Recording<'a> {
         Ok(())
     }
 
-    /// The serial of a slot's outcome that is recorded next.
+    /// Returns the serial of the outcome that is recorded next for a slot.
     pub(super) fn next_outcome(&self, slot: usize) -> u32 {
         let Self { recorder, surface, .. } = self;
         let serial = surface.flight.next(recorder.buffer, Some(slot));
@@ -303,13 +322,13 @@ impl<'a> Recording<'a> {
         self.recorder.outcome_with_serial(slot, serial);
     }
 
-    /// Copies how the iterations have gone, [`super::Outcome::BYTES`] bytes for
-    /// [`Surface::outcome_from`], into a buffer of the host's with usage `TRANSFER_DST`;
-    /// `offset` is a multiple of 4. Shaders find the number of iterations in the third 32-bit
-    /// number.
+    /// Copies the outcome of the iterations into a buffer of the host, for [`Surface::outcome_from`]. It
+    /// takes [`super::Outcome::BYTES`] bytes at `offset`, which is a multiple of 4. The buffer has the usage
+    /// `TRANSFER_DST`, and must stay alive until the commands have run. Shaders find the number of iterations
+    /// in the third 32-bit word. The accesses in `after` wait for the copy.
     ///
     /// # Errors
-    /// If there is no map, or the record does not lie in the buffer.
+    /// If there is no map, or the record does not fit into the buffer at this offset.
     pub fn outcome_to(
         &self,
         buffer: vk::Buffer,
@@ -329,11 +348,13 @@ impl<'a> Recording<'a> {
         Ok(())
     }
 
-    /// Unpacks the map into the slot's image of distances. The commands wait until the `reader` of
-    /// commands before has done with that image, and the reader of commands after waits for them.
+    /// Unpacks the map into the image of distances of `slot`, and returns the image. Points that are not
+    /// reached become `unreached`. The commands wait for earlier reads of the image by `reader`, and later
+    /// reads by `reader` wait for the commands. The previous contents of the image are discarded. Afterwards
+    /// it has the layout of `reader`.
     ///
     /// # Errors
-    /// If there is no such slot, or no map.
+    /// If there is no such slot or no map.
     pub fn result(
         &self,
         slot: usize,
@@ -361,7 +382,7 @@ impl<'a> Recording<'a> {
         let record = PassRecord { work, ..dispatched(PassKind::Distances, texels) };
         let _pass = recorder.pass_with(record);
         let chart = surface.grid.chart;
-        // Writers of the same slot in commands before are waited for as well.
+        // The barrier also waits for earlier writes of the same slot.
         let (stages, access) = reader.access.side();
         let before = (stages | SHADER_WRITE.0, access | SHADER_WRITE.1);
         let general = vk::ImageLayout::GENERAL;
@@ -376,12 +397,13 @@ impl<'a> Recording<'a> {
         recorder.image_barrier(result.image, SHADER_WRITE, reader.access.side(), layouts);
     }
 
-    /// Looks distances up at the places in a buffer of the host's, bilinear between grid points.
-    /// What is not reached, or not on the grid, is `unreached`. The commands wait for what `before`
-    /// has written.
+    /// Looks up distances at the places in a buffer of the host, by bilinear interpolation between grid
+    /// points. The result is `unreached` at places that are not reached or off the grid. `number` selects one
+    /// of the lookups in [`super::SurfaceInfo::lookups`], whose buffers must stay alive until the commands
+    /// have run. The commands wait for the accesses in `before`, and those in `after` wait for the commands.
     ///
     /// # Errors
-    /// If the surface has no such lookup, or no map.
+    /// If the surface has no such lookup or no map.
     pub fn lookup(
         &self,
         number: usize,
@@ -393,7 +415,7 @@ impl<'a> Recording<'a> {
         let set = *nth(&surface.sets.lookups, "lookups", number)?;
         surface.state.check_map()?;
         let count = surface.lookup_counts[number];
-        // A place and the points around it.
+        // Each lookup reads a place, and the times of the four points around it.
         let _pass = recorder.pass_of_each(PassKind::Lookup, [count, 1], [2 * 4 + 4 * 4, 4]);
         recorder.barrier(before.side(), SHADER);
         let places = lookup::Push {
@@ -409,7 +431,7 @@ impl<'a> Recording<'a> {
         Ok(())
     }
 
-    /// Whether another map may go to a slot, if the host wants to know.
+    /// With checks, returns an error if the slot is still in flight and cannot receive this map.
     fn check_slot(&self, slot: usize, starts_map: bool) -> Result<(), VulkanError> {
         let Self { recorder, surface, solver, .. } = self;
         if !solver.checks {
@@ -430,7 +452,7 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// By which a plan's pipelines are chosen for the surface.
+    /// Returns the variant of the plan's pipelines for this surface.
     pub(super) fn variant(&self, plan: &Plan) -> Variant {
         Variant { slowed: self.surface.grid.is_slowed(), ..plan.wavefront.into() }
     }
@@ -453,8 +475,8 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// Where a pass finds sources that were checked, and how many they are: in these sets of the inline ones, or
-    /// of a buffer with a number.
+    /// Returns the set from which a pass reads the sources, and their number. The set is `inline` for inline
+    /// sources, and `of_buffer` with the number of the buffer otherwise. The sources were checked before.
     pub(super) fn sources_in(
         &self,
         sources: SourceInput,
@@ -471,19 +493,19 @@ impl<'a> Recording<'a> {
         (inline, sources.len() as u32)
     }
 
-    /// Runs the plan's steps.
+    /// Records the steps of the plan.
     fn steps(&self, plan: &Plan) {
         self.recorder.steps(self.variant(plan), plan.steps());
         self.recorder.end_portion();
     }
 
-    /// Starts a map on what is there; the plan's steps follow.
+    /// Starts a map from `sources`, on the current fronts. The plan's steps must follow.
     pub(super) fn start(&self, sources: SourceInput, plan: &Plan, is_added: bool) {
         let Self { recorder, surface, .. } = self;
         let sets = &surface.sets;
         let (set, count) =
             self.sources_in(sources, sets.inline_sources, |number| sets.sources[number].set());
-        // Which of them count the device alone knows.
+        // Only the device knows which of the sources are skipped.
         let causal = count > 1 || is_added || surface.grid.is_slowed();
         recorder.start(plan.stop, plan.schedule, causal, is_added);
         if let SourceInput::Inline(sources) = sources {
@@ -498,7 +520,8 @@ impl<'a> Recording<'a> {
             };
             let pipeline = recorder.pipelines.of(SOURCES);
             let size = [4 * together, 1];
-            // Four invocations share a source. How many edges around it they need, its place says.
+            // Four invocations share a source. How many edges around it they read depends on its place, and
+            // is not counted.
             let each = [size_of::<PointSource>() as u64 / 4, SEED_BYTES];
             let pass = recorder.pass_of_each(PassKind::Sources, size, each);
             recorder.host_pass(pipeline, set.set, &portion, size);
@@ -512,7 +535,7 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// Goes on from so many sources to what they reach first, if maps of the plan gain by it.
+    /// Solves the surroundings of `count` sources, if the maps of the plan gain by it.
     fn surroundings(&self, set: HostSet, count: u32, plan: &Plan) {
         let Self { recorder, surface, solver, .. } = self;
         let chart = surface.grid.chart;
@@ -529,7 +552,7 @@ impl<'a> Recording<'a> {
             ..PassRecord::new(PassKind::Surroundings)
         };
         let pass = recorder.pass_with(record);
-        // A group for each source.
+        // Each source takes one workgroup.
         recorder.host_pass(pipeline, set.set, &sources, [count * WORKGROUP, 1]);
         drop(pass);
         recorder.barrier(SHADER_WRITE, SHADER);
@@ -550,7 +573,8 @@ impl<'a> Recording<'a> {
         Ok((set.at("points", self.points_at)?, self.surface.points[number]))
     }
 
-    /// A set of points in place of the surface's own, read from where this recording does.
+    /// Applies the offset of this recording to a set that reads the surface's points. The offset was checked
+    /// before.
     pub(super) fn points_in(&self, set: HostSet) -> HostSet {
         set.at("points", self.points_at).expect("the points were checked")
     }
@@ -564,16 +588,17 @@ fn points_pass(memory: PointMemory) -> CommonPass<points_from_buffer::Push> {
 }
 
 impl Solver {
-    /// Most records that [`Recording::frame`] makes for a surface, and [`Recording::resume`] with
-    /// the same plan: room for so many in a [`Profile`]. What else is recorded with them
-    /// comes on top: [`super::Contours::passes`], [`super::Paths::passes`], [`super::Regions::passes`], and one for each
-    /// lookup.
+    /// Returns the largest number of profile records that [`Recording::frame`] makes for a surface, or
+    /// [`Recording::resume`] with the same plan. A [`Profile`] needs room for that many. Other calls add to
+    /// it: [`super::Contours::passes`], [`super::Paths::passes`], [`super::Regions::passes`], and one record
+    /// for each lookup.
     pub fn passes_of_frame(&self, surface: &Surface, plan: &Plan, grain: Grain) -> u32 {
         surface.passes_around() + plan.records(grain)
     }
 
-    /// Records for a surface into a command buffer that the host has begun, on a queue family for
-    /// compute and outside a render pass. Costs nothing by itself.
+    /// Returns a recorder for a surface and a command buffer. The host has begun the command buffer, on a
+    /// queue family with compute, and records outside of render passes. The call itself records nothing. See
+    /// [`Recording`] for what must stay alive, and for the state that recordings change.
     pub fn record<'a>(
         &'a self,
         device: &'a ash::Device,
@@ -584,8 +609,8 @@ impl Solver {
     }
 }
 
-/// Sources of a recording that have surroundings on such a grid, at most: some are worth it on any, a crowd
-/// if its surroundings are a small part of the grid.
+/// Returns the largest number of sources of a recording whose surroundings are solved on such a grid. A few
+/// are always worth it. Of many, only if their surroundings are a small part of the grid.
 fn most_surrounded(chart: Chart) -> u32 {
     let share = chart.points() / POINTS_FOR_SURROUNDINGS;
     share.clamp(FEW_SOURCES, SOURCES_TOGETHER as usize) as u32

@@ -1,4 +1,4 @@
-//! The pipelines of a device, shared by all its surfaces.
+//! Creates the pipelines of a device, which all its surfaces share.
 
 use ash::{khr, vk};
 
@@ -12,11 +12,11 @@ use crate::vulkan::profile::{self, Labels};
 use crate::vulkan::shaders::surroundings;
 use crate::vulkan::{Method, Schedule, Tuning, VulkanError, requirements};
 
-/// The pipelines of a device of the host's: each is made once, those of contours, paths and regions when
-/// the first of these are made, and serves all surfaces.
+/// Pipelines of a device of the host. Each is created once and serves all surfaces. Those of contours, paths
+/// and regions are created with the first of these.
 ///
-/// It keeps no reference to the device: the host passes it in, and calls [`Solver::destroy`] before
-/// the device goes.
+/// A solver holds no reference to the device: the host passes the device to each method. The host keeps the
+/// device alive until it has called [`Solver::destroy`].
 #[derive(Debug)]
 pub struct Solver {
     pub(crate) pipelines: Pipelines,
@@ -25,30 +25,31 @@ pub struct Solver {
     pub(super) checks: bool,
 }
 
-/// What the host has enabled on its instance and device for tools that look on.
+/// Features for tools that the host has enabled on its instance and device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tools {
-    /// `VK_EXT_debug_utils`: passes get labels, and images, buffers and pipelines names.
+    /// Use `VK_EXT_debug_utils`: passes get labels, and images, buffers and pipelines get names.
     pub labels: bool,
-    /// `VK_KHR_pipeline_executable_properties` with the feature `pipelineExecutableInfo`: drivers
-    /// tell what they have made of pipelines, by [`Solver::executables`].
+    /// Use `VK_KHR_pipeline_executable_properties` with the feature `pipelineExecutableInfo`:
+    /// [`Solver::executables`] returns the driver's statistics of the pipelines.
     pub executables: bool,
-    /// Recordings are checked for what costs a look at mapped memory: with several slots, a slot that is
-    /// recorded while its last recording has not run is an error, and recordings without an outcome are followed
-    /// too ([`super::Surface::is_in_flight`]), for which each gets a fill and two barriers more. While you develop;
-    /// a recording that is thrown away counts, unless its command buffer is recorded anew.
+    /// Check recordings for mistakes that cost a read of mapped memory to find; for use during development.
+    /// With several slots, it is then an error to record a slot whose last recording has not run. A recording
+    /// that was discarded also counts as not run, unless its command buffer is recorded anew. Recordings
+    /// without an outcome are tracked too ([`super::Surface::is_in_flight`]), at the cost of one fill and two
+    /// barriers each.
     pub checks: bool,
 }
 
 impl Solver {
-    /// Creates the pipelines for these schedules and wavefronts; others can be added later with
-    /// [`Solver::add_passes`].
+    /// Creates a solver with the pipelines for the given schedules and wavefronts. [`Solver::add_passes`] can
+    /// add others later. The call takes long and may run on a thread of its own.
     ///
-    /// No one knows here whether a surface of the host's is a floor plan: [`Wavefront::Anchored`] stands for
-    /// [`Wavefront::Curved`], as in all that follows.
+    /// A solver cannot know whether a surface on the device is a floor plan. [`Wavefront::Anchored`]
+    /// therefore means [`Wavefront::Curved`], here and in all other methods.
     ///
     /// # Errors
-    /// [`VulkanError::Unusable`] with all that the device lacks, or a call of Vulkan's that fails.
+    /// [`VulkanError::Unusable`] with everything that the device lacks, or if a Vulkan call fails.
     pub fn new(
         instance: &ash::Instance,
         physical_device: vk::PhysicalDevice,
@@ -58,10 +59,10 @@ impl Solver {
         Self::with_tools(instance, physical_device, device, passes, Tools::default())
     }
 
-    /// The same, for tools that look on.
+    /// Creates a solver as [`Solver::new`] does, with features for tools.
     ///
     /// # Errors
-    /// As [`Solver::new`].
+    /// As for [`Solver::new`].
     pub fn with_tools(
         instance: &ash::Instance,
         physical_device: vk::PhysicalDevice,
@@ -73,10 +74,11 @@ impl Solver {
         Self::with_cache(instance, physical_device, device, passes, tools, cache)
     }
 
-    /// The same, with a pipeline cache of the host's, which [`Solver::set_pipeline_cache`] says more of.
+    /// Creates a solver as [`Solver::with_tools`] does, with a pipeline cache of the host. See
+    /// [`Solver::set_pipeline_cache`] for how the cache is used.
     ///
     /// # Errors
-    /// As [`Solver::new`].
+    /// As for [`Solver::new`].
     pub fn with_cache(
         instance: &ash::Instance,
         physical_device: vk::PhysicalDevice,
@@ -115,7 +117,7 @@ impl Solver {
         let pipelines = Pipelines::new(device, (tuning, on_processor), labels, tools.executables)?;
         pipelines.set_cache(cache);
         let mut new = Self { pipelines, limits, checks: tools.checks };
-        // All at once, for as many threads as there are.
+        // One call creates all pipelines, so that several threads can share the work.
         let mut wanted: Vec<_> =
             COMMON.iter().map(|&pass| (pass, Wavefront::Planar.into())).collect();
         for &(schedule, wavefront) in passes {
@@ -131,21 +133,23 @@ impl Solver {
         }
     }
 
-    /// Has pipelines be made with a pipeline cache of the host's from now on; with none if it is null.
+    /// Sets the pipeline cache of the host with which pipelines are created from now on. A null handle means
+    /// no cache.
     ///
-    /// The cache stays the host's, which fills it from a file, merges it, saves and destroys it. It
-    /// has to be alive whenever this solver makes pipelines: in [`Solver::with_cache`],
-    /// [`Solver::add_passes`], with the first surface that has a slowness, and where the first [`super::Contours`],
-    /// [`super::Paths`] and [`super::Regions`] (of each wavefront) are made. Once they are made, no pipeline needs it. One thread at a time uses it in
-    /// this solver; for other uses of it at the same time the rules of `vkCreateComputePipelines` hold.
+    /// The cache belongs to the host, which fills it from a file, merges it, saves it and destroys it. It
+    /// must be alive whenever this solver creates pipelines: in [`Solver::with_cache`] and
+    /// [`Solver::add_passes`], with the first surface that has a slowness, and with the first
+    /// [`super::Contours`], [`super::Paths`] and [`super::Regions`] (of each wavefront). Pipelines do not
+    /// need it once they are created. This solver uses the cache from one thread at a time. For other uses at
+    /// the same time, the rules of `vkCreateComputePipelines` apply.
     pub fn set_pipeline_cache(&self, cache: vk::PipelineCache) {
         self.pipelines.set_cache(Cache::of_host(cache));
     }
 
-    /// Creates the pipelines of one more schedule and wavefront, unless they are there.
+    /// Creates the pipelines of one more schedule and wavefront, unless they exist.
     ///
     /// # Errors
-    /// If a call of Vulkan's fails.
+    /// If a Vulkan call fails.
     pub fn add_passes(
         &mut self,
         device: &ash::Device,
@@ -156,7 +160,8 @@ impl Solver {
         self.pipelines.make_each(device, &wanted)
     }
 
-    /// The same, where it is known whether fronts have anchors.
+    /// Creates the pipelines of a schedule and a variant. Unlike the host's methods it can create those of
+    /// anchored fronts.
     pub(crate) fn make_passes(
         &mut self,
         device: &ash::Device,
@@ -166,7 +171,8 @@ impl Solver {
         self.pipelines.make_all(device, schedule.passes(), variant)
     }
 
-    /// What the driver has made of the pipelines; [`Tools::executables`] must be set.
+    /// Returns the driver's statistics of the pipelines. The solver must have been made with
+    /// [`Tools::executables`].
     ///
     /// # Errors
     /// If the driver fails.
@@ -179,12 +185,13 @@ impl Solver {
         profile::executables(&loader, &self.pipelines.named().collect::<Vec<_>>())
     }
 
-    /// Whether the pipelines of a schedule and a variant are there.
+    /// Returns whether the pipelines of a schedule and a variant exist.
     pub(crate) fn has_passes(&self, schedule: Schedule, variant: impl Into<Variant>) -> bool {
         self.pipelines.have(schedule.passes(), variant.into())
     }
 
-    /// The pass that solves a source's surroundings, if maps gain by it: of sources inside cells, or of several.
+    /// Returns the pass that solves a source's surroundings, if maps gain by it. They do with sources inside
+    /// cells, or with several sources.
     pub(super) fn surroundings(
         &self,
         schedule: Schedule,
@@ -194,7 +201,7 @@ impl Solver {
         made.filter(|_| have_surroundings(schedule, variant.wavefront))
     }
 
-    /// Makes the pipelines of all schedules and wavefronts that it has for surfaces with a slowness too.
+    /// Creates pipelines for surfaces with a slowness, for all schedules and wavefronts that the solver has.
     pub(super) fn make_passes_with_slowness(
         &self,
         device: &ash::Device,
@@ -205,25 +212,29 @@ impl Solver {
         self.pipelines.make_each(device, &all.map(slowed).collect::<Vec<_>>())
     }
 
-    /// The schedules and wavefronts that it has pipelines for.
+    /// Returns the schedules and wavefronts for which the solver has pipelines.
     pub(super) fn all_passes(&self) -> impl Iterator<Item = (Schedule, Wavefront)> {
         let of = |schedule| Wavefront::EVERY.map(|wavefront| (schedule, wavefront));
         let all = Schedule::ALL.into_iter().flat_map(of);
         all.filter(|&(schedule, wavefront)| self.has_passes(schedule, wavefront))
     }
 
-    /// Whether some wavefront needs the surface's Gaussian curvature.
+    /// Returns whether a wavefront of the solver needs the surface's Gaussian curvature.
     pub(super) fn is_curved(&self) -> bool {
         self.all_passes().any(|(_, wavefront)| wavefront.is_curved())
     }
 
-    /// The passes of a map on a grid of this size, with this many iterations (or rounds of tiles) a
-    /// recording, and no more than [`Method::stop`] allows in all. Of tiles a recording holds as many rounds
-    /// at most as there are tiles along both sides of the grid together, and 8 to 128: 8 at 48 x 48 points,
-    /// 16 at 120 x 120, 32 at 256 x 256. [`Plan::iterations`] says how many it holds, of those
-    /// [`Plan::asked`] for. More than one recording goes on where the last has left off:
-    /// [`super::Recording::resume`]. Without a schedule it is [`Schedule::best_on`] the device if the solver
-    /// was made for it, else another.
+    /// Returns the passes of a map on a grid of this size. A recording holds `iterations` iterations (or
+    /// rounds of tiles), and no more than [`Method::stop`] allows in all. [`super::Recording::resume`]
+    /// continues a map in further recordings.
+    ///
+    /// With tiles, a recording holds at most as many rounds as there are tiles along both sides of the grid
+    /// together, limited to between 8 and 128: 8 at 48 x 48 points, 16 at 120 x 120, 32 at 256 x 256.
+    /// [`Plan::iterations`] returns the number that it holds, and [`Plan::asked`] the number that was asked
+    /// for.
+    ///
+    /// If the method names no schedule, the plan uses [`Schedule::best_on`] the device if the solver was made
+    /// for it, and another schedule of the solver otherwise.
     ///
     /// # Errors
     /// If the solver was not made for the method's schedule and wavefront, or the grid is too large.
@@ -241,28 +252,27 @@ impl Solver {
         Ok(Plan::new(portions, texels, schedule, method, iterations))
     }
 
-    /// Destroys the pipelines. No submitted work may still use them; the solver is of no use
-    /// afterwards.
+    /// Destroys the pipelines. No submitted work may still use them. The solver cannot be used afterwards.
     pub fn destroy(&mut self, device: &ash::Device) {
         self.pipelines.destroy(device);
     }
 }
 
-/// The passes of a schedule and wavefront, with that which solves surroundings of sources. Headless solvers, which do
-/// without it, start from `Wavefront::seeds`.
+/// Returns the passes of a schedule and wavefront, and the one that solves the surroundings of sources.
+/// Headless solvers do without that one, and start from `Wavefront::seeds`.
 fn passes_of(schedule: Schedule, wavefront: Wavefront) -> impl Iterator<Item = (usize, Variant)> {
     let around = have_surroundings(schedule, wavefront).then_some(SURROUNDINGS.number());
     let all = schedule.passes().iter().copied().chain(around);
     all.map(move |pass| (pass, wavefront.into()))
 }
 
-/// Whether maps from between grid points take fewer iterations if the surroundings of sources are solved
-/// first, or fronts of several sources are more accurate.
+/// Returns whether maps gain if the surroundings of sources are solved first. Either maps from between grid
+/// points take fewer iterations, or fronts of several sources are more accurate.
 fn have_surroundings(schedule: Schedule, wavefront: Wavefront) -> bool {
     wavefront.is_curved() || schedule.gains_by_surroundings() && wavefront != Wavefront::Planar
 }
 
-/// The wavefront over a surface of which it is not known whether it is a floor plan.
+/// Returns the wavefront to use on a surface that may or may not be a floor plan.
 pub(super) fn over_any(wavefront: Wavefront) -> Wavefront {
     wavefront.or_curved(Setting::of_engine(false))
 }

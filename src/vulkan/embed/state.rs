@@ -1,5 +1,5 @@
-//! What has been recorded for a surface so far: what a recording may follow, and which slots wait for
-//! the device.
+//! Tracks what has been recorded for a surface: which recordings may follow, and which slots wait for the
+//! device.
 
 use std::hash::{BuildHasher, RandomState};
 use std::sync::OnceLock;
@@ -12,30 +12,30 @@ use super::plan::Plan;
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
 
-/// Of one surface, whose recordings follow one another.
+/// State of a surface whose recordings follow one another.
 #[derive(Debug)]
 pub(super) struct State {
-    /// The number that the last preparation writes, see [`number_of_preparation`]; 0 without one.
+    /// Number that the last recorded preparation writes, see [`number_of_preparation`]; 0 without one.
     prepared: AtomicU32,
-    /// [`EDGES`], [`CURVATURE`] or nothing.
+    /// [`EDGES`], [`CURVATURE`] or 0.
     measured: AtomicU32,
     destroyed: AtomicBool,
-    /// Schedule and wavefront of the map, see [`number_of`]; 0 without one.
+    /// Schedule and wavefront of the map, see [`number_of`]; 0 without a map.
     map: AtomicU32,
-    /// Of the last map started, to tell it from others.
+    /// Number of maps that were started. It identifies the last one.
     maps: AtomicU32,
     slots: Box<[Slot]>,
 }
 
-/// The last recording of a slot's outcome.
+/// Last recording of a slot's outcome.
 #[derive(Debug, Default)]
 struct Slot {
-    /// 0 if there is none.
+    /// Serial of the recording; 0 if there is none.
     serial: AtomicU32,
     map: AtomicU32,
-    /// Half of the command buffer's handle.
+    /// Hash of the command buffer's handle.
     commands: AtomicU32,
-    /// The preparation that it follows.
+    /// Number of the preparation that the recording follows.
     prepared: AtomicU32,
 }
 
@@ -51,14 +51,14 @@ impl State {
         }
     }
 
-    /// The surface is prepared, by a recording that writes this number.
+    /// Notes that the surface is prepared by a recording that writes this number.
     pub(super) fn prepare(&self, number: u32) {
         self.prepared.store(number, Relaxed);
         self.measured.store(0, Relaxed);
         self.map.store(0, Relaxed);
     }
 
-    /// Whether the preparation of this number is the one that was recorded last.
+    /// Returns whether the preparation that was recorded last has this number.
     pub(super) fn is_prepared_by(&self, number: u32) -> bool {
         number != 0 && number == self.prepared.load(Relaxed)
     }
@@ -77,12 +77,12 @@ impl State {
         self.destroyed.store(true, Relaxed);
     }
 
-    /// Whether the surface is there.
+    /// Returns an error if the surface is destroyed.
     pub(super) fn check_there(&self) -> Result<(), VulkanError> {
         if self.destroyed.load(Relaxed) { Err(VulkanError::Destroyed) } else { Ok(()) }
     }
 
-    /// Whether the surface is there and prepared.
+    /// Returns an error unless the surface is prepared and not destroyed.
     pub(super) fn check_prepared(&self) -> Result<(), VulkanError> {
         self.check_there()?;
         match self.prepared.load(Relaxed) {
@@ -91,7 +91,7 @@ impl State {
         }
     }
 
-    /// Whether there is what maps of a plan need of the surface.
+    /// Returns an error unless the surface has the measurements that maps of the plan need.
     pub(super) fn check_measured(&self, plan: &Plan) -> Result<(), VulkanError> {
         self.check_prepared()?;
         let needed = if plan.wavefront.is_curved() { CURVATURE } else { EDGES };
@@ -99,13 +99,13 @@ impl State {
         if is_there { Ok(()) } else { Err(VulkanError::NotMeasured) }
     }
 
-    /// Whether there is a map.
+    /// Returns an error if there is no map.
     pub(super) fn check_map(&self) -> Result<(), VulkanError> {
         self.check_prepared()?;
         if self.map.load(Relaxed) == 0 { Err(VulkanError::NoMap) } else { Ok(()) }
     }
 
-    /// Whether the map is one of this wavefront.
+    /// Returns an error unless there is a map with this wavefront.
     pub(super) fn check_wavefront(&self, wavefront: Wavefront) -> Result<(), VulkanError> {
         self.check_map()?;
         match self.map.load(Relaxed) % WAVEFRONTS == wavefront as u32 {
@@ -114,13 +114,13 @@ impl State {
         }
     }
 
-    /// Whether the map is one of this plan.
+    /// Returns an error unless there is a map with the plan's schedule and wavefront.
     pub(super) fn check_plan(&self, plan: &Plan) -> Result<(), VulkanError> {
         self.check_map()?;
         if self.map.load(Relaxed) == number_of(plan) { Ok(()) } else { Err(VulkanError::OtherMap) }
     }
 
-    /// A slot's outcome is recorded into a command buffer, with this serial.
+    /// Notes that a slot's outcome is recorded into a command buffer, with this serial.
     pub(super) fn record_outcome(&self, slot: usize, serial: u32, commands: vk::CommandBuffer) {
         let of = &self.slots[slot];
         of.serial.store(serial, Relaxed);
@@ -129,28 +129,29 @@ impl State {
         of.prepared.store(self.prepared.load(Relaxed), Relaxed);
     }
 
-    /// Whether the preparation that the slot's last recording follows is the one that the device has seen.
+    /// Returns whether the device has seen the preparation that the slot's last recording follows. `number`
+    /// is the one in the slot's record.
     pub(super) fn was_prepared_by(&self, slot: usize, number: u32) -> bool {
         self.slots[slot].prepared.load(Relaxed) == number
     }
 
-    /// Whether the slot's last recording has run, as the serial in its record says.
+    /// Returns whether the slot's last recording has run. `serial` is the one in the slot's record.
     pub(super) fn has_run(&self, slot: usize, serial: u32) -> bool {
         serial != 0 && serial == self.slots[slot].serial.load(Relaxed)
     }
 
-    /// Whether a slot waits for the device, as the serial in its record says.
+    /// Returns whether the slot waits for the device. `serial` is the one in the slot's record.
     pub(super) fn is_in_flight(&self, slot: usize, serial: u32) -> bool {
         let last = self.slots[slot].serial.load(Relaxed);
         last != 0 && last != serial
     }
 
-    /// The slot's last recording will never run.
+    /// Notes that the slot's last recording will never run.
     pub(super) fn discard(&self, slot: usize) {
         self.slots[slot].serial.store(0, Relaxed);
     }
 
-    /// The same of all slots whose last recording went into a command buffer.
+    /// Notes that the last recordings of all slots that went into this command buffer will never run.
     pub(super) fn discard_commands(&self, commands: vk::CommandBuffer) {
         for slot in &self.slots {
             if slot.commands.load(Relaxed) == half(commands) {
@@ -159,8 +160,9 @@ impl State {
         }
     }
 
-    /// Whether another map goes to a slot that waits for the device. What was recorded into the same command
-    /// buffer before is gone, if it ever ran; and a host with one slot has the device wait.
+    /// Returns an error if another map would go to a slot that waits for the device. An earlier recording
+    /// into the same command buffer no longer exists, whether it has run or not. With a single slot there is
+    /// no error, since the commands wait on the device.
     pub(super) fn check_slot(
         &self,
         slot: usize,
@@ -178,24 +180,26 @@ impl State {
     }
 }
 
-/// The surface's edges are there; with its curvature, which is not measured for solvers without curved fronts.
+/// State of the measurements: edge lengths alone, or with the curvature, which is not computed for solvers
+/// without curved fronts.
 const EDGES: u32 = 1;
 const CURVATURE: u32 = 2;
 
 const WAVEFRONTS: u32 = Wavefront::EVERY.len() as u32;
 
-/// A number for a plan's schedule and wavefront, none of them 0.
+/// Returns a number for the plan's schedule and wavefront. It is never 0.
 fn number_of(plan: &Plan) -> u32 {
     (plan.schedule as u32 + 1) * WAVEFRONTS + plan.wavefront as u32
 }
 
-/// A number for the next preparation of a surface, which no other in this process has, and memory hardly ever.
+/// Returns the number of the next preparation of a surface. It is unique in this process, and uninitialized
+/// memory hardly ever holds it.
 pub(super) fn number_of_preparation() -> u32 {
     static PREPARATIONS: AtomicU32 = AtomicU32::new(0);
     static FIRST: OnceLock<u32> = OnceLock::new();
     let first = FIRST.get_or_init(|| RandomState::new().hash_one(()) as u32);
     let count = PREPARATIONS.fetch_add(1, Relaxed);
-    // Odd factors keep all numbers apart; 0 is none.
+    // Multiples of an odd factor are all different. 0 means no preparation.
     first.wrapping_add(count.wrapping_mul(0x9E37_79B9)).max(1)
 }
 

@@ -1,4 +1,4 @@
-//! A surface in a renderer: its images, and the host's memory that it reads.
+//! Defines the surface of a renderer: its images, and the host's memory that it reads.
 
 use crate::vulkan::device_memory::DeviceMemory;
 use std::sync::Arc;
@@ -21,36 +21,37 @@ use crate::vulkan::grid_images::{
 use crate::vulkan::memory::{FORMAT, RESULT_FORMAT};
 use crate::vulkan::progress::{Record, offset};
 
-/// What a surface is made for. The host's images and buffers stay the host's: they must be alive
-/// whenever a recording that reads them runs, and their contents may change from frame to frame.
+/// Parameters of a surface. The host's images and buffers still belong to the host. They must be alive
+/// whenever a recording that uses them runs. Their contents may change from frame to frame.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceInfo<'a> {
     /// Size of the grid.
     pub chart: Chart,
-    /// How edges are measured.
+    /// Rule by which edges are measured.
     pub edge_rule: EdgeRule,
-    /// How many frames are in flight: so many images of distances, and records of how iterations
-    /// went, are there to be written in turn. At least 1.
+    /// Number of frames in flight, at least 1. The surface has as many images of distances and records of
+    /// outcomes, which frames write in turn.
     pub slots: usize,
-    /// Queue families that use the images of distances and the packed times: ours and those of the
-    /// readers, which may be the same. If they differ, no ownership needs to be transferred between
-    /// them; if this is empty, it does.
+    /// Queue families that use the images of distances and the packed times: the recording one and those of
+    /// the readers, which may be the same. If this lists different families, their queues share the images
+    /// without ownership transfers. If it is empty, other families need ownership transfers.
     pub queue_families: &'a [u32],
-    /// Images of the host's for the distances, one a slot; none for images that the surface makes. See
+    /// Images of the host for the distances, one per slot. If this is empty, the surface allocates them. See
     /// [`HostImage`].
     pub results: &'a [HostImage],
-    /// Where points may come from, by number: one for each frame in flight, say. If any has a slowness, the surface takes
-    /// 4 bytes a point more, pipelines are made for it of all schedules and wavefronts that the solver has then, and
-    /// planar fronts take the place of circular ones.
+    /// Points that recordings select by number, for instance one entry for each frame in flight. If any of
+    /// them has a slowness, the surface takes 4 more bytes per point. Creating it then also creates pipelines
+    /// with slowness for all schedules and wavefronts that the solver has at that time. Planar fronts take
+    /// the place of circular ones.
     pub points: &'a [Points],
-    /// Buffers that sources may come from, by number.
+    /// Source buffers that recordings select by number.
     pub sources: &'a [SourceBuffer],
-    /// Buffers for lookups, by number.
+    /// Buffers for lookups, which recordings select by number.
     pub lookups: &'a [Lookup],
 }
 
 impl SurfaceInfo<'_> {
-    /// A grid with one slot, and none of the host's memory.
+    /// Returns the parameters of a grid with one slot, and with no memory of the host.
     pub fn new(chart: Chart) -> Self {
         Self {
             chart,
@@ -64,7 +65,7 @@ impl SurfaceInfo<'_> {
         }
     }
 
-    /// Each queue family once.
+    /// Returns each queue family once.
     fn families(&self) -> Vec<u32> {
         let mut families = self.queue_families.to_vec();
         families.sort_unstable();
@@ -93,15 +94,15 @@ impl SurfaceInfo<'_> {
     }
 }
 
-/// A surface on the host's device: edge lengths, curvature and fronts, which all recordings share,
+/// Surface on the host's device. It has the edge lengths, curvature and fronts, which all recordings share,
 /// and an image of distances for each slot.
 ///
-/// Dropping it frees nothing: the host calls [`Surface::destroy`], once no submitted work uses it.
+/// Dropping a surface frees nothing. The host calls [`Surface::destroy`] once no submitted work uses it.
 #[derive(Debug)]
 pub struct Surface {
     pub(super) grid: GridImages,
     pub(super) sets: HostSets,
-    /// Images of the host's for distances, if the surface has none of its own.
+    /// Images of the host for the distances; empty if the surface has its own.
     pub(super) results: Vec<HostImage>,
     pub(super) points: Vec<Points>,
     pub(super) sources: Vec<SourceBuffer>,
@@ -111,62 +112,63 @@ pub struct Surface {
     pub(super) edge_rule: EdgeRule,
 }
 
-/// An image that holds distances: the surface's, made with usage `SAMPLED`, `STORAGE` and `TRANSFER_SRC`, or the
-/// host's.
+/// Image that holds distances. It belongs to the surface, with the usages `SAMPLED`, `STORAGE` and
+/// `TRANSFER_SRC`, or to the host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ResultImage {
-    /// The image.
+    /// Image handle.
     pub image: vk::Image,
-    /// A view of all of it.
+    /// View of the whole image.
     pub view: vk::ImageView,
-    /// R32_SFLOAT, which all devices sample but some without filtering; or R32G32B32A32_SFLOAT.
+    /// R32_SFLOAT, or R32G32B32A32_SFLOAT for packed times. All devices can sample R32_SFLOAT, but some
+    /// cannot filter it.
     pub format: vk::Format,
     /// Width and height in texels.
     pub extent: vk::Extent2D,
-    /// The layout that it has after the recording.
+    /// Layout of the image after the recording.
     pub layout: vk::ImageLayout,
 }
 
-/// The arrival times as the passes keep them: 2 x 2 grid points a texel, in a border of texels
-/// that are never reached. Not for filtering.
+/// Arrival times as the passes store them: 2 x 2 grid points per texel, inside a border of texels that are
+/// never reached. They are not suited to filtering.
 ///
-/// The point at row r and column c is component 2 (r mod 2) + c mod 2 of texel
-/// (c / 2 + border, r / 2 + border), in layer `layer`. What is not reached is 1e30 or more.
+/// The point at row r and column c is component 2 (r mod 2) + c mod 2 of the texel (c / 2 + border, r / 2 +
+/// border), in layer `layer`. Points that are not reached hold 1e30 or more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PackedTimes {
-    /// The image, always in the layout `GENERAL`. The view is an array; other layers are not times.
+    /// Image, always in the layout `GENERAL`. The view is an array. Its other layers do not hold times.
     pub image: ResultImage,
-    /// Of the view.
+    /// Layer of the view that holds the times.
     pub layer: u32,
-    /// Texels around the grid's.
+    /// Width of the border around the grid in texels.
     pub border: u32,
 }
 
-/// How the iterations of a recording went.
+/// Outcome of the iterations of a recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
-    /// Iterations since the start of the map, or rounds of tiles.
+    /// Number of iterations, or of rounds of tiles, since the start of the map.
     pub iterations: u32,
-    /// Largest relative change of a front in the last of them.
+    /// Largest relative change of a front in the last iteration.
     pub residual: f64,
-    /// Whether the map has converged, over edges that were measured. If it has not, it takes
-    /// [`super::Recording::resume`].
+    /// Whether the map has converged, over edges that were measured. If it has not,
+    /// [`super::Recording::resume`] continues it.
     pub converged: bool,
-    /// Whether the surface's edges have been measured on the device: not if the recording that measures them
-    /// has never run.
+    /// Whether the surface's edges have been measured on the device. They have not if the recording that
+    /// measures them has never run.
     pub measured: bool,
-    /// How many grid points are holes: those with something that is not finite, too large, beyond an image
-    /// that is too small, or a slowness that is negative.
+    /// Number of grid points that are holes. A point is a hole if one of its values is not finite or too
+    /// large, if it lies outside an image that is too small, or if its slowness is negative.
     pub holes: u32,
-    /// How many edges between points that can be used have no length: 0, as between points at one place, or
-    /// more than fits a number. A pole or a seam has its own, of which the host knows; more of them are vertices
-    /// that were zeroed, or not written yet.
+    /// Number of edges without a length between points that are not holes. Their length is 0, as between
+    /// points at the same place, or too large for a number. A pole or a seam has such edges, as the host
+    /// knows. More of them mean that vertices were zeroed or not written yet.
     pub edges_without_length: u32,
-    /// How many of the map's sources reach no point: those off the grid, in holes, or with a time that is no
-    /// number below 1e30. Unused entries of a buffer count.
+    /// Number of the map's sources that reach no point: those off the grid, in holes, or with a time that is
+    /// NaN or not below 1e30. Unused entries of a buffer count.
     pub passed_over: u32,
-    /// How well the grid resolves the surface, by the points measured last, as
-    /// [`crate::Surface::resolution`] tells of others: `None` of a metric, or if the grid is too small to tell.
+    /// How well the grid resolves the surface, from the points that were measured last. It is the counterpart
+    /// of [`crate::Surface::resolution`]. It is `None` for a metric, or if the grid is too small to tell.
     pub resolution: Option<Resolution>,
 }
 
@@ -217,23 +219,27 @@ impl Surface {
         GridImages::bytes_for(device, solver.pipelines.tuning, size, purpose)
     }
 
-    /// The grid's size.
+    /// Returns the size of the grid.
     pub fn chart(&self) -> Chart {
         self.grid.chart
     }
 
-    /// Bytes taken from the allocator's memory blocks.
+    /// Returns the bytes taken from the allocator's memory blocks.
     pub fn bytes(&self) -> u64 {
         self.grid.bytes()
     }
 
-    /// How many images of distances there are.
+    /// Returns the number of slots. Each has an image of distances.
     pub fn slots(&self) -> usize {
         self.grid.slots
     }
 
-    /// The image of distances of a slot, one texel a grid point: column to the right, row down.
-    /// `layout` is that of the [`super::Reader`] it was last recorded for.
+    /// Returns the image of distances of a slot. It has one texel per grid point, with columns to the right
+    /// and rows downwards. `layout` is the layout of the [`super::Reader`] for which the image was last
+    /// recorded. The view is valid from the start, for descriptor sets that are written early.
+    ///
+    /// # Errors
+    /// If there is no such slot.
     pub fn result(&self, slot: usize, layout: vk::ImageLayout) -> Result<ResultImage, VulkanError> {
         nth(&self.sets.results, "slots", slot)?;
         let (image, view) = match self.results.get(slot) {
@@ -246,7 +252,8 @@ impl Surface {
         Ok(ResultImage { image, view, format, extent, layout })
     }
 
-    /// The packed arrival times that all slots share: valid after a recording until the next one.
+    /// Returns the packed arrival times, which all slots share. They are valid from one recording to the
+    /// next.
     pub fn packed(&self) -> PackedTimes {
         let (image, extent) = (&self.grid.fronts[0], self.grid.texels.fronts_extent());
         let image = ResultImage {
@@ -259,13 +266,12 @@ impl Surface {
         PackedTimes { image, layer: TIME, border: BORDER }
     }
 
-    /// How the iterations of the last recording for a slot went. To be called after the fence of
-    /// its submission.
+    /// Returns the outcome of the last recording for a slot. Call it after the fence of the submission.
     ///
     /// # Errors
-    /// If there is no such slot, or its last recording has not run: then [`VulkanError::NotRun`]. Of a
-    /// command buffer that is submitted again and again, the last run that has ended counts.
-    /// [`VulkanError::PreparationLost`] if [`super::Recording::prepare`] has not run before it.
+    /// If there is no such slot. [`VulkanError::NotRun`] if the last recording for it has not run. If a
+    /// command buffer is submitted repeatedly, the result is that of the last run that has ended.
+    /// [`VulkanError::PreparationLost`] if [`super::Recording::prepare`] has not run before the recording.
     pub fn outcome(&self, slot: usize) -> Result<Outcome, VulkanError> {
         self.check_slot(slot)?;
         let record = self.grid.record(slot);
@@ -278,11 +284,12 @@ impl Surface {
         }
     }
 
-    /// How the iterations went, from what [`super::Recording::outcome_to`] has copied.
+    /// Returns the outcome that [`super::Recording::outcome_to`] has copied to a buffer of the host.
     ///
     /// # Errors
-    /// [`VulkanError::PreparationLost`] if [`super::Recording::prepare`] of this surface, as it was recorded last,
-    /// has not run before it; so it is of bytes that are no outcome's, or another surface's.
+    /// [`VulkanError::PreparationLost`] if the surface's last recorded [`super::Recording::prepare`] has not
+    /// run before the copy. The error is the same for bytes that are not an outcome, or the outcome of
+    /// another surface.
     pub fn outcome_from(&self, bytes: &[u8; Outcome::BYTES]) -> Result<Outcome, VulkanError> {
         let mut record = [0; size_of::<Record>()];
         record[..Outcome::BYTES].copy_from_slice(bytes);
@@ -293,20 +300,19 @@ impl Surface {
         }
     }
 
-    /// A slot of which the last recording has not run, if there is one: nothing that it uses may be destroyed
-    /// yet, unless it was never submitted.
+    /// Returns a slot whose last recording has not run, if there is one. Nothing that the recording uses may
+    /// be destroyed yet, unless it was never submitted.
     pub fn in_flight(&self) -> Option<usize> {
         (0..self.slots()).find(|&slot| self.state.is_in_flight(slot, self.grid.record(slot).serial))
     }
 
-    /// Whether something that was recorded may not have run, as far as recordings are followed: those with an
-    /// outcome, and with [`super::Tools::checks`] all.
+    /// Returns whether a tracked recording may not have run. Recordings with an outcome are tracked, and with
+    /// [`super::Tools::checks`] all recordings.
     pub fn is_in_flight(&self) -> bool {
         self.flight.waiting().is_some()
     }
 
-    /// Whether a recording that reads the surface's points with this number may not have run, as far as
-    /// recordings are followed.
+    /// Returns whether a tracked recording that reads the surface's points with this number may not have run.
     ///
     /// # Errors
     /// If there are no such points.
@@ -314,7 +320,8 @@ impl Surface {
         Ok(nth(&self.sets.points, "point inputs", number)?.is_in_flight(&self.flight))
     }
 
-    /// Says that the last recording for a slot was thrown away and will never run: it is not waited for.
+    /// Declares that the last recording for a slot was discarded and will never run. The surface no longer
+    /// waits for it.
     ///
     /// # Errors
     /// If there is no such slot.
@@ -325,21 +332,22 @@ impl Surface {
         Ok(())
     }
 
-    /// The same of all that was recorded last into a command buffer, for a slot or not.
+    /// Declares that everything recorded last into a command buffer, for a slot or not, was discarded and
+    /// will never run.
     pub fn discard_commands(&self, commands: vk::CommandBuffer) {
         self.state.discard_commands(commands);
         self.flight.discard_commands(commands);
     }
 
-    /// Most passes of a frame beside those of its plan.
+    /// Returns the largest number of passes of a frame beside those of its plan.
     pub(super) fn passes_around(&self) -> u32 {
         let chart = self.grid.chart;
         let measured = 2 * bands(chart, POINT_BYTES, frame_bytes(chart)).count() as u32 + 2;
         let inline = INLINE_SOURCES as u32;
         let sources = self.sources.iter().map(|sources| sources.count).max();
         let sources = sources.unwrap_or(0).max(inline);
-        // Sources are taken, found and set in portions, and their surroundings solved, merged and set; the rest is
-        // forgotten, started, copied and unpacked.
+        // Sources are taken, and their seeds set, in portions. Their surroundings are solved, merged and set.
+        // The other four passes forget the map, start it, copy the outcome, and unpack the distances.
         measured + 1 + 2 * sources.div_ceil(SOURCES_TOGETHER) + 3 + 4
     }
 
@@ -347,9 +355,9 @@ impl Surface {
         self.result(slot, vk::ImageLayout::UNDEFINED).map(drop)
     }
 
-    /// Frees everything, with the device and the allocator that it was made with. No submitted work
-    /// may still use the surface: in a renderer, wait for the fences of the frames in flight, or put
-    /// it on the list of what is freed so many frames later. A second call does nothing.
+    /// Frees everything. `device` and `allocator` are those that the surface was made with. No submitted work
+    /// may still use the surface: the host waits for the fences of the frames in flight, or frees the surface
+    /// that many frames later. A second call does nothing.
     pub fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
         self.state.destroy();
         self.flight.land();
@@ -359,17 +367,22 @@ impl Surface {
 }
 
 impl Solver {
-    /// Bytes that a surface takes from the allocator's memory blocks on this device, before it is
-    /// made.
+    /// Returns the bytes that a surface would take from the allocator's memory blocks on this device. Nothing
+    /// is allocated.
+    ///
+    /// # Errors
+    /// If the grid is empty or too large for the device, the images in [`SurfaceInfo::results`] cannot be
+    /// used, or a Vulkan call fails.
     pub fn bytes_for(&self, device: &ash::Device, info: &SurfaceInfo) -> Result<u64, VulkanError> {
         Surface::bytes_for(device, self, info)
     }
 
-    /// Makes a surface: the one call that allocates.
+    /// Creates a surface. This is the only call that allocates for a surface. The first recording for it must
+    /// be [`super::Recording::prepare`].
     ///
     /// # Errors
-    /// If the grid is too large for the device, memory runs out, or a buffer of the host's cannot
-    /// be used as described. Nothing is left behind then.
+    /// If the grid is empty or too large for the device, memory runs out, or a buffer or image of the host
+    /// cannot be used as described. Nothing is left behind then.
     pub fn surface(
         &self,
         device: &ash::Device,
@@ -381,7 +394,7 @@ impl Solver {
 }
 
 impl Outcome {
-    /// Bytes of the record that [`super::Recording::outcome_to`] copies.
+    /// Size in bytes of the record that [`super::Recording::outcome_to`] copies.
     pub const BYTES: usize = offset::SERIAL_IN_RECORD as usize;
 
     fn of(record: &Record) -> Self {
