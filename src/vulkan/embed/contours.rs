@@ -1,4 +1,4 @@
-//! Contours on the device, for drawing in the same frame.
+//! Finds contours on the device, for drawing in the same frame.
 
 use crate::vulkan::device_memory::DeviceMemory;
 use ash::vk;
@@ -22,7 +22,7 @@ use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::record::dispatched;
 use crate::vulkan::shaders::contour_counts::Push;
 
-/// Room for the contours of a surface, and the passes that find them: [`Recording::contours`].
+/// Buffer for the contours of a surface, and the passes that find them: [`Recording::contours`].
 ///
 /// ```no_run
 /// # use geosweep::ash::{self, vk};
@@ -53,47 +53,48 @@ use crate::vulkan::shaders::contour_counts::Push;
 /// # Ok(()) }
 /// ```
 ///
-/// Dropping it frees nothing: the host calls [`Contours::destroy`], before or after the surface's.
+/// Dropping a value of this type frees nothing. The host calls [`Contours::destroy`], before or after it
+/// destroys the surface.
 #[derive(Debug)]
 pub struct Contours {
     curves: Curves,
-    /// In their order.
+    /// Pipelines of the passes, in the order of the passes.
     pipelines: [Pipeline<Push>; 3],
 }
 
-/// At which times contours are wanted.
+/// Levels, that is arrival times, at which contours are found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LevelInput<'a> {
-    /// At these, ascending: at most 1024.
+    /// Given levels in ascending order, at most 1024.
     List(&'a [f32]),
-    /// At so many multiples of a distance, from the first: at most 1024. Those beyond the map's
-    /// largest distance cost next to nothing.
+    /// Multiples of a distance, beginning with the distance itself; at most 1024. Levels beyond the largest
+    /// distance of the map cost next to nothing.
     Spacing {
-        /// From level to level; positive.
+        /// Distance between levels; positive.
         step: f32,
-        /// How many.
+        /// Number of levels.
         count: usize,
     },
 }
 
-/// What [`Recording::contours`] takes.
+/// Parameters of [`Recording::contours`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourFrame<'a> {
-    /// At which times.
+    /// Levels of the contours.
     pub levels: LevelInput<'a>,
-    /// The smallest initial value of the map's sources, 0 as a rule: where between grid points a
-    /// contour runs follows from squares of the times since then.
+    /// Smallest initial value of the map's sources, which is usually 0. The position of a contour between
+    /// grid points is interpolated from the squares of the times since then.
     pub start: f32,
-    /// The number of the surface's points to which contours are lifted.
+    /// Number of the surface's points to which the contours are lifted.
     pub points: usize,
-    /// How the host reads the contours, this frame and the frame before; [`Access::DRAW`] as a
-    /// rule. [`Access::NONE`] on another queue, after a semaphore, with contours for each frame in
-    /// flight.
+    /// Access by which the host reads the contours, in this frame and in the previous one; usually
+    /// [`Access::DRAW`]. It is [`Access::NONE`] if another queue reads them after a semaphore. Each frame in
+    /// flight then needs contours of its own.
     pub reader: Access,
 }
 
 const MOST_LEVELS: usize = LEVELS_TOGETHER as usize;
-/// Everything a surface's contours are counted in is no longer than this for a row.
+/// Largest number of words per grid row in which contours are counted.
 const ROW_WORDS: usize = 1 + WORKGROUP as usize;
 
 impl Contours {
@@ -124,27 +125,30 @@ impl Contours {
         curves::bytes_for(device, &parts(limits, chart, vertices)?.1)
     }
 
-    /// Where the contours are: of a single [`super::CurveRecord`], drawn as a list of lines.
+    /// Returns where the contours are. They have a single [`super::CurveRecord`] and are drawn as a list of
+    /// lines.
     pub fn curves(&self) -> CurveBuffer {
         self.curves.curves()
     }
 
-    /// Most records that [`Recording::contours`] makes in a [`crate::vulkan::profile::Profile`],
-    /// beside those of [`Solver::passes_of_frame`].
+    /// Returns the largest number of records that [`Recording::contours`] makes in a
+    /// [`crate::vulkan::profile::Profile`], in addition to those of [`Solver::passes_of_frame`].
     pub fn passes(&self) -> u32 {
         self.pipelines.len() as u32 + 1
     }
 
-    /// Bytes taken from the allocator's memory blocks.
+    /// Returns the bytes taken from the allocator's memory blocks.
     pub fn bytes(&self) -> u64 {
         self.curves.bytes()
     }
 
-    /// Has the contours read the surface's points that were replaced since they were made
-    /// ([`Surface::set_points`]). Recordings in flight go on with those before.
+    /// Binds the surface's current points, after [`Surface::set_points`] has replaced some of them.
+    /// Recordings in flight still read the old points, which the host keeps alive until these recordings have
+    /// run.
     ///
     /// # Errors
-    /// If they were made for another surface or destroyed, or all of their descriptor sets are in flight.
+    /// If the contours were made for another surface or were destroyed, or all of their descriptor sets are
+    /// in flight.
     pub fn rebind(
         &mut self,
         device: &ash::Device,
@@ -154,15 +158,17 @@ impl Contours {
         self.curves.rebind(device, solver, surface)
     }
 
-    /// Bytes of a buffer of the host's: [`Solver::contours_into`].
+    /// Returns the smallest size in bytes of a buffer of the host for [`Solver::contours_into`].
     pub fn buffer_bytes(vertices: u32) -> u64 {
         layout_of(vertices).bytes()
     }
 
-    /// Has contours from now on go to another buffer of the host's. Recordings in flight go on with the one before.
+    /// Replaces the host's buffer in all later recordings of the contours. Recordings in flight still write
+    /// the old buffer, which the host keeps alive until they have run.
     ///
     /// # Errors
-    /// As [`Contours::rebind`], or if they were made with a buffer of their own, or this one is too small.
+    /// As for [`Contours::rebind`], or if the contours have a buffer of their own, or the new buffer is too
+    /// small.
     pub fn set_buffer(
         &mut self,
         device: &ash::Device,
@@ -173,7 +179,8 @@ impl Contours {
         self.curves.set_buffer(device, solver, surface, buffer)
     }
 
-    /// Whether a recording of the contours may not have run: known with [`super::Tools::checks`] alone.
+    /// Returns whether a recording of the contours may not have run. This is known with
+    /// [`super::Tools::checks`] only.
     pub fn is_in_flight(&self) -> bool {
         self.curves.is_in_flight()
     }
@@ -185,11 +192,10 @@ impl Contours {
 }
 
 impl Solver {
-    /// Bytes that contours take from the allocator's memory blocks on this device, before they are
-    /// made.
+    /// Returns the bytes that contours would take from the allocator's memory blocks on this device.
     ///
     /// # Errors
-    /// As [`Solver::contours`].
+    /// As for [`Solver::contours`].
     pub fn bytes_for_contours(
         &self,
         device: &ash::Device,
@@ -199,12 +205,13 @@ impl Solver {
         Contours::bytes_for(device, &self.limits, chart, vertices)
     }
 
-    /// Makes room for contours of a surface, of so many vertices, two for each of their segments:
-    /// 24 bytes a vertex and 260 a row of the grid. The one call that allocates for contours; the first
-    /// of the solver also makes their pipelines.
+    /// Creates contours of a surface, with room for `vertices` vertices. A segment has two of them. The
+    /// memory takes 24 bytes per vertex and 260 bytes per row of the grid. This is the only call that
+    /// allocates for contours. The first call on a solver also creates the pipelines. The host calls
+    /// [`Contours::destroy`] in the end.
     ///
     /// # Errors
-    /// If there is no room for a segment, more than shaders see in one buffer, or memory runs out.
+    /// If there is no room for a segment, the buffer is larger than shaders can access, or memory runs out.
     /// Nothing is left behind then.
     pub fn contours(
         &self,
@@ -216,12 +223,16 @@ impl Solver {
         Contours::new(device, allocator, (self, surface), vertices, None)
     }
 
-    /// The same with a buffer of the host's for what is drawn, from its first byte: with usage `STORAGE_BUFFER`, and `VERTEX_BUFFER`, `INDIRECT_BUFFER` or `SHADER_DEVICE_ADDRESS` as
-    /// its readers ask for. [`Contours::buffer_bytes`] says how large
-    /// it has to be. It is the host's to destroy, and may be another in each frame ([`Contours::set_buffer`]).
+    /// Creates contours as [`Solver::contours`] does, but in a buffer of the host, from its first byte.
+    /// [`Contours::buffer_bytes`] returns the size that the buffer needs. Its usages are `STORAGE_BUFFER` and
+    /// those of its readers, such as `VERTEX_BUFFER`, `INDIRECT_BUFFER` or `SHADER_DEVICE_ADDRESS`.
+    ///
+    /// The host keeps the buffer alive until the recordings that write it have run, and destroys it. Each
+    /// frame may use another buffer ([`Contours::set_buffer`]).
     ///
     /// # Errors
-    /// As [`Solver::contours`], or if the buffer is too small, as far as that can be told.
+    /// As for [`Solver::contours`], or if the buffer is too small, as far as its memory requirements show
+    /// that.
     pub fn contours_into(
         &self,
         device: &ash::Device,
@@ -235,11 +246,11 @@ impl Solver {
 }
 
 fn layout_of(vertices: u32) -> CurveLayout {
-    // Two a segment.
+    // A segment has two vertices.
     CurveLayout { curves: 1, capacity: vertices / 2 * 2, between: 0 }
 }
 
-/// The layout, the buffer of curves and that of levels and counts.
+/// Returns the layout, and the buffers for the curves and for levels and counts.
 fn parts(
     limits: &Limits,
     chart: Chart,
@@ -261,7 +272,7 @@ fn parts(
 }
 
 impl LevelInput<'_> {
-    /// The levels in order, in an array that they may not fill.
+    /// Returns the levels in ascending order, and their number. The rest of the array is unused.
     fn read(self) -> Result<([f32; MOST_LEVELS], usize), VulkanError> {
         let refuse = |reason| Err(VulkanError::Curves { what: "contours", reason });
         let count = match self {
@@ -298,20 +309,23 @@ impl LevelInput<'_> {
 }
 
 impl Recording<'_> {
-    /// Finds the contours of the map, lifts them to the surface and leaves them for the host to
-    /// draw: the segments in the cells from north to south, each row's from west to east, in the
-    /// same order whenever the map is the same. To be recorded after the map, in the same command
-    /// buffer or after [`Recording::begin`]; the commands wait until the reader of commands before
-    /// has done, and the reader of commands after waits for them.
+    /// Finds the contours of the map, lifts them to the surface, and returns the buffer that holds them for
+    /// the host to draw. The segments of the cells are ordered from north to south, and within a row from
+    /// west to east. The same map always gives the same order.
     ///
-    /// The segments are those of [`crate::geometry::contours`]: nearer points lie to the left of
-    /// each, from its first vertex to its second, in a picture of the grid with rows downwards. If there
-    /// are more than there is room for, the southern ones are left out, and
-    /// [`super::CurveRecord::vertices`] says how much room there should be.
+    /// Record it after the map: in the same command buffer, or after [`Recording::begin`] in another. The
+    /// commands wait for earlier reads by the frame's `reader`, and later reads by that reader wait for the
+    /// commands. `contours` must stay alive until the commands have run.
+    ///
+    /// The segments are those of [`crate::geometry::contours`]. Seen from the first vertex of a segment
+    /// towards the second, nearer points lie to the left, in a picture of the grid with rows downwards. If
+    /// there is too little room, the southern segments are left out. [`super::CurveRecord::vertices`] then
+    /// holds the number of vertices that are needed.
     ///
     /// # Errors
-    /// If the contours were made for another surface, there is no map, its points are a metric, or the levels
-    /// are not finite, not ascending or too many.
+    /// If the contours were destroyed or made for another surface, there is no map, there are no such points,
+    /// they are a metric or were replaced since the last [`Contours::rebind`], or the levels are not finite,
+    /// not ascending or too many.
     pub fn contours(
         &self,
         contours: &Contours,
@@ -337,7 +351,7 @@ impl Recording<'_> {
             capacity: curves.layout.capacity as i32,
             start: frame.start,
         };
-        // A row of cells has two of points.
+        // A row of cells lies between two rows of points.
         let rows = chart.rows as u32 - 1;
         let heights = [rows, 1, rows];
         for ((&pipeline, height), work) in contours.pipelines.iter().zip(heights).zip(works(chart))
@@ -353,8 +367,8 @@ impl Recording<'_> {
     }
 }
 
-/// What the passes move: times of all points, and the counts of rows of cells and of their strips.
-/// How many segments the last one writes, the device finds.
+/// Returns the bytes that the passes move: times of all points, and counts of rows of cells and of their
+/// strips. Only the device knows how many segments the last pass writes.
 fn works(chart: Chart) -> [Work; 3] {
     let number = size_of::<u32>() as u64;
     let (times, rows) = (number * chart.points() as u64, number * (chart.rows as u64 - 1));

@@ -1,4 +1,4 @@
-//! Curves on the device: their buffer, its layout, and the passes that lift them to the surface.
+//! Defines the buffer of curves on the device, its layout, and the passes that lift curves to the surface.
 
 use crate::vulkan::device_memory::DeviceMemory;
 use ash::vk;
@@ -24,14 +24,14 @@ use crate::vulkan::profile::PassKind;
 use crate::vulkan::record::dispatched;
 use crate::vulkan::shaders::lift_from_buffer::Push as Lift;
 
-/// A vertex of a contour or path, to be bound as it is: [`CurveVertex::attributes`].
+/// Vertex of a contour or path. Graphics pipelines can read it as it is: [`CurveVertex::attributes`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct CurveVertex {
-    /// x, y and z: between the points of the host's, as [`crate::geometry::Curve::lift`] has it;
-    /// of a height field column and row times the spacing, and the height.
+    /// x, y and z, interpolated between the host's points as by [`crate::geometry::Curve::lift`]. On a height
+    /// field they are column and row times the spacing, and the height.
     pub position: [f32; 3],
-    /// The arrival time there, a contour's level.
+    /// Arrival time at the vertex, which is the level of a contour.
     pub time: f32,
     /// Row, fractional.
     pub row: f32,
@@ -40,10 +40,11 @@ pub struct CurveVertex {
 }
 
 impl CurveVertex {
-    /// Bytes from vertex to vertex.
+    /// Distance between consecutive vertices in bytes.
     pub const BYTES: u32 = size_of::<Self>() as u32;
 
-    /// Position, time, and row and column, at so many shader locations from the first.
+    /// Returns the vertex attributes for a binding: position, time, and row and column. They take three
+    /// shader locations, beginning with `location`.
     pub fn attributes(binding: u32, location: u32) -> [vk::VertexInputAttributeDescription; 3] {
         let attribute = |index, format, offset| vk::VertexInputAttributeDescription {
             location: location + index,
@@ -59,53 +60,53 @@ impl CurveVertex {
     }
 }
 
-/// What is known of a curve, first of all what `vkCmdDrawIndirect` reads: a `VkDrawIndirectCommand`.
+/// Properties of a curve. The record begins with the `VkDrawIndirectCommand` that `vkCmdDrawIndirect` reads.
 ///
-/// The contours of a recording are one curve of separate pieces.
+/// The contours of a recording are a single curve of separate segments.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct CurveRecord {
-    /// How many vertices are drawn: of contours those that there was room for, of a path all of them
-    /// or none.
+    /// Number of vertices that are drawn. For contours it is the number that there was room for, and for a
+    /// path the number of all vertices or 0.
     pub vertex_count: u32,
-    /// 1.
+    /// Number of instances: 1.
     pub instance_count: u32,
-    /// The curve's first vertex, counted from that of the first curve.
+    /// Index of the curve's first vertex, counted from the first vertex of the first curve.
     pub first_vertex: u32,
-    /// 0.
+    /// First instance: 0.
     pub first_instance: u32,
-    /// Of contours how many vertices there would be with room for all; of a path how many there are,
-    /// as far as it has come.
+    /// For contours, the number of vertices that there would be with enough room. For a path, the number of
+    /// vertices as far as it was traced.
     pub vertices: u32,
     status: u32,
     source: u32,
-    /// Of a path: the map's value at its start.
+    /// For a path, the map's value at its start.
     pub distance: f32,
-    /// Of a path: its length, measured as the map measures, as far as it has come.
+    /// For a path, its length as far as it was traced. It is measured in the same way as the map.
     pub length: f32,
 }
 
-/// What has become of a curve.
+/// Status of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CurveStatus {
-    /// All of it is there: a path has arrived at a source.
+    /// The curve is complete. A path has arrived at a source.
     Complete,
     /// There are more vertices than there is room for.
     OutOfRoom,
-    /// A path starts where no front arrives: in a hole, or cut off from the sources.
+    /// The path starts where no front arrives: in a hole, or cut off from the sources.
     Unreached,
-    /// A path starts off the grid, at what is not a number, or there is no start for it.
+    /// The path starts off the grid or at NaN, or no start was given for it.
     Outside,
-    /// A path ends where the map does not lead on to a source, since it has not converged, belongs
-    /// to other sources, or has a pit there.
+    /// The path ends where the map does not lead on to a source. The map has not converged, belongs to other
+    /// sources, or has a pit there.
     Lost,
 }
 
 impl CurveRecord {
-    /// Bytes from record to record.
+    /// Distance between consecutive records in bytes.
     pub const BYTES: u32 = size_of::<Self>() as u32;
 
-    /// What has become of the curve.
+    /// Returns the status of the curve.
     pub fn status(&self) -> CurveStatus {
         match self.status {
             constants::COMPLETE => CurveStatus::Complete,
@@ -116,7 +117,8 @@ impl CurveRecord {
         }
     }
 
-    /// Of a path that has arrived: at which source, in the order given.
+    /// Returns the source at which a path has arrived, as its place in the given order; `None` if it has not
+    /// arrived.
     pub fn source(&self) -> Option<u32> {
         (self.status == constants::COMPLETE).then_some(self.source)
     }
@@ -125,31 +127,31 @@ impl CurveRecord {
 const _: () =
     assert!(CurveRecord::BYTES == 4 * CURVE_WORDS && CurveVertex::BYTES == 4 * VERTEX_WORDS);
 
-/// A buffer of curves, with the usages `VERTEX_BUFFER`, `INDIRECT_BUFFER`, `STORAGE_BUFFER` and
-/// `TRANSFER_SRC`: [`CurveRecord`]s from its first byte, then [`CurveVertex`]es.
+/// Buffer of curves: [`CurveRecord`]s from its first byte, followed by [`CurveVertex`]es. It has the usages
+/// `VERTEX_BUFFER`, `INDIRECT_BUFFER`, `STORAGE_BUFFER` and `TRANSFER_SRC`, unless the host provides it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CurveBuffer {
-    /// The buffer.
+    /// Buffer handle.
     pub buffer: vk::Buffer,
-    /// How many curves, and so records, there are.
+    /// Number of curves, and so of records.
     pub curves: u32,
-    /// Bytes before the first vertex: what the vertex buffer is bound with.
+    /// Offset of the first vertex in bytes, with which the vertex buffer is bound.
     pub vertices_offset: u64,
-    /// Room for vertices of each curve.
+    /// Room for each curve, in vertices.
     pub capacity: u32,
 }
 
-/// Where in a buffer of curves everything is.
+/// Layout of a buffer of curves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CurveLayout {
     pub(super) curves: u32,
-    /// Vertices of a curve.
+    /// Room for each curve, in vertices.
     pub(super) capacity: u32,
-    /// Words between records and vertices.
+    /// Number of words between the records and the vertices.
     pub(super) between: u32,
 }
 
-/// Workgroups that lift a curve, at most.
+/// Largest number of workgroups that lift a single curve.
 const LIFTERS: u32 = 256;
 
 impl CurveLayout {
@@ -166,13 +168,13 @@ impl CurveLayout {
         BufferInfo { name, size: self.bytes(), location: MemoryLocation::GpuOnly }
     }
 
-    /// Refuses what shaders do not see in one buffer, or cannot count.
+    /// Returns an error if shaders cannot access the whole buffer, or cannot count its words.
     pub(super) fn check(self, what: &'static str, limits: &Limits) -> Result<(), VulkanError> {
         check_bytes(what, limits, self.bytes())
     }
 }
 
-/// Refuses a buffer of which shaders see only a part.
+/// Returns an error if shaders cannot access a buffer of this size as a whole.
 pub(super) fn check_bytes(
     what: &'static str,
     limits: &Limits,
@@ -187,37 +189,38 @@ pub(super) fn check_bytes(
     Ok(())
 }
 
-/// Buffers and descriptors of contours or paths on a surface.
+/// Buffers and descriptor sets of the contours or paths of a surface.
 #[derive(Debug)]
 pub(super) struct Curves {
     pub(super) layout: CurveLayout,
     reads: Reads,
-    /// The host's buffer for the curves, if they have none of their own.
+    /// Host's buffer for the curves; `None` if they have one of their own.
     hosts: Option<vk::Buffer>,
-    /// With curves as the first of them, unless the host has them; then what passes count in.
+    /// Own buffers. The first holds the curves, unless the host provides that buffer. The last is the one
+    /// that passes count in.
     buffers: Vec<Buffer>,
-    /// For each of the surface's points the pass that lifts curves to them.
+    /// Pass that lifts curves to each of the surface's points.
     lifting: Vec<Pipeline<Lift>>,
-    /// Of the passes that trace the curves, then of those that lift them.
+    /// Descriptor sets of the passes that trace the curves, followed by those of the passes that lift them.
     sets: Option<BoundSets>,
 }
 
-/// What [`Curves`] are made of.
+/// Parameters of [`Curves`].
 pub(super) struct CurvesInfo<'a> {
     pub(super) layout: CurveLayout,
     pub(super) reads: Reads,
-    /// The curves' own, and others that passes use.
+    /// Buffer of the curves, followed by others that the passes use.
     pub(super) buffers: &'a [BufferInfo],
-    /// A buffer of the host's in place of the first.
+    /// Host's buffer in place of the first one.
     pub(super) hosts: Option<vk::Buffer>,
 }
 
-/// What the passes that trace curves read beside the map.
+/// Inputs of the passes that trace curves, beside the map.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Reads {
-    /// So many bytes of counts in the second buffer.
+    /// This many bytes of counts in the last buffer.
     Counts(u64),
-    /// Sources: inline ones, then those in each of the surface's buffers.
+    /// Sources: the inline ones, followed by those of each of the surface's buffers.
     Sources,
 }
 
@@ -270,7 +273,7 @@ impl Curves {
         Ok(())
     }
 
-    /// What the sets hold.
+    /// Returns the contents of the descriptor sets.
     fn contents(
         &self,
         on: (&ash::Device, &Limits),
@@ -287,7 +290,7 @@ impl Curves {
         Ok(contents.into_iter().map(|input| input.and_output(output)).collect())
     }
 
-    /// Writes another buffer of the host's from now on.
+    /// Replaces the host's buffer in later recordings.
     pub(super) fn set_buffer(
         &mut self,
         device: &ash::Device,
@@ -306,7 +309,7 @@ impl Curves {
         bound
     }
 
-    /// Has them read what is now the surface's.
+    /// Binds the current points and sources of the surface.
     pub(super) fn rebind(
         &mut self,
         device: &ash::Device,
@@ -323,12 +326,12 @@ impl Curves {
         Ok(())
     }
 
-    /// Unless they were destroyed.
+    /// Returns the descriptor sets, or an error if the curves were destroyed.
     pub(super) fn sets(&self) -> Result<&BoundSets, VulkanError> {
         self.sets.as_ref().ok_or(VulkanError::Destroyed)
     }
 
-    /// Whether a followed recording of them may not have run.
+    /// Returns whether a tracked recording of the curves may not have run.
     pub(super) fn is_in_flight(&self) -> bool {
         self.sets.as_ref().is_some_and(BoundSets::are_in_flight)
     }
@@ -337,13 +340,13 @@ impl Curves {
         self.buffers.iter().map(Buffer::bytes).sum()
     }
 
-    /// With the curves.
+    /// Returns the buffer that holds the curves.
     pub(super) fn output(&self) -> vk::Buffer {
         let own = || self.buffers.first().map_or(vk::Buffer::null(), |buffer| buffer.buffer);
         self.hosts.unwrap_or_else(own)
     }
 
-    /// What passes count in.
+    /// Returns the buffer that passes count in.
     pub(super) fn counts(&self) -> vk::Buffer {
         self.buffers.last().map_or(vk::Buffer::null(), |buffer| buffer.buffer)
     }
@@ -354,8 +357,8 @@ impl Curves {
         CurveBuffer { buffer: self.output(), curves, vertices_offset, capacity }
     }
 
-    /// Refuses to be recorded for another surface, or with points that this one does not have, or
-    /// that have no positions.
+    /// Returns an error if the recording is for another surface, if its surface has no such points, if these
+    /// were replaced or have no positions, or if there is no map.
     pub(super) fn check(&self, recording: &Recording, points: usize) -> Result<(), VulkanError> {
         let sets = self.sets()?;
         sets.check_surface(recording.surface)?;
@@ -368,8 +371,8 @@ impl Curves {
         recording.surface.state.check_map()
     }
 
-    /// Lifts all curves to the surface's points with this number, and lets the reader read. The last of a recording
-    /// that was checked.
+    /// Lifts all curves to the surface's points with this number, with a barrier before the reads of
+    /// `reader`. These are the last commands of a recording that was checked before.
     pub(super) fn lift(&self, recording: &Recording, points: usize, reader: Access) {
         let Recording { recorder, surface, .. } = recording;
         let (Some(sets), pipeline) = (&self.sets, self.lifting[points]) else { return };
@@ -389,7 +392,7 @@ impl Curves {
         };
         let lifters = if curves == 1 { capacity.div_ceil(WORKGROUP).clamp(1, LIFTERS) } else { 1 };
         let size = [WORKGROUP * lifters, curves];
-        // How many vertices there are to lift, the device finds.
+        // Only the device knows how many vertices there are to lift.
         let _pass = recorder.pass_with(dispatched(PassKind::Lift, size));
         recorder.host_pass(pipeline, set.set, &lift, size);
         recorder.barrier(SHADER_WRITE, reader.side());
@@ -404,13 +407,13 @@ impl Curves {
     }
 }
 
-/// Refuses a buffer of the host's in place of one that is not the host's.
+/// Returns the error for a host's buffer where the curves have a buffer of their own.
 pub(super) fn own_buffer(what: &'static str) -> VulkanError {
     let reason = "they have a buffer of their own: make them with the host's".into();
     VulkanError::HostBuffer { what, reason }
 }
 
-/// For each of the surface's points the pass that reads them.
+/// Returns the pass that reads each of the surface's points.
 fn lifting(
     device: &ash::Device,
     solver: &Solver,
@@ -424,12 +427,12 @@ fn lifting(
     surface.points.iter().map(make).collect()
 }
 
-/// A buffer of ours, all of it.
+/// Returns the whole of a buffer.
 fn whole(on: (&ash::Device, &Limits), buffer: vk::Buffer, bytes: u64) -> Result<Part, VulkanError> {
     Part::new(on, "curves", buffer, 0, bytes)
 }
 
-/// What buffers of these sizes take from the allocator.
+/// Returns the bytes that buffers of these sizes take from the allocator.
 pub(super) fn bytes_for(device: &ash::Device, infos: &[BufferInfo]) -> Result<u64, VulkanError> {
     infos.iter().map(|info| info.bytes(device)).sum()
 }

@@ -1,4 +1,4 @@
-//! Descriptors of the host's images and buffers, and of images of distances.
+//! Writes the descriptor sets of the host's images and buffers, and of images of distances.
 
 use ash::vk;
 
@@ -14,21 +14,21 @@ use crate::vulkan::pipelines::Pipelines;
 use crate::vulkan::shaders::set_1;
 use crate::vulkan::upload::SOURCE_BYTES;
 
-/// The alignment of a storage buffer's offset that satisfies every device.
+/// Alignment of storage buffer offsets in bytes that satisfies every device.
 const ALIGNMENT: u64 = 256;
-/// Sources or places in a buffer, at most: a dispatch of one invocation each that every device can
-/// make.
+/// Largest number of sources or places in a buffer. Every device can dispatch one invocation for each of
+/// them.
 const MOST_ENTRIES: u32 = 65_535 * WORKGROUP;
 const WORD: u64 = size_of::<f32>() as u64;
 
-/// A part of a buffer: what its descriptor covers, and where its first word is in that.
+/// Part of a buffer: the range that its descriptor covers, and the position of its first word in that range.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part {
     buffer: vk::Buffer,
     start: u64,
     range: u64,
     first_word: i32,
-    /// Bytes behind it that its descriptor covers too.
+    /// Number of bytes after the part that its descriptor also covers.
     room: u64,
 }
 
@@ -55,7 +55,8 @@ impl Part {
         Ok(Self { buffer, start, range, first_word, room: 0 })
     }
 
-    /// The same with a descriptor that covers the rest of the buffer too, if shaders see all of it.
+    /// Returns the part with a descriptor that also covers the rest of the buffer, if shaders can access all
+    /// of it.
     fn with_rest(self, (device, limits): (&ash::Device, &Limits)) -> Self {
         // SAFETY: the buffer is alive, by the host's promise.
         let holds = unsafe { device.get_buffer_memory_requirements(self.buffer) }.size;
@@ -71,8 +72,8 @@ impl Part {
     }
 }
 
-/// Refuses a part that goes beyond a buffer. How large that is, nothing tells but the memory it needs, which
-/// is the size, rounded up by some drivers.
+/// Returns an error if a part extends beyond its buffer. Vulkan does not report the size of a buffer. The
+/// size in its memory requirements takes its place, which some drivers round up.
 pub(super) fn check_extent(
     device: &ash::Device,
     what: &'static str,
@@ -90,7 +91,7 @@ pub(super) fn check_extent(
     Ok(())
 }
 
-/// Refuses a part of a host's buffer that cannot be copied from or to.
+/// Returns an error if a part of a host's buffer cannot be the source or destination of a copy.
 pub(super) fn check_copied(
     device: &ash::Device,
     what: &'static str,
@@ -107,18 +108,18 @@ pub(super) fn check_copied(
     check_extent(device, what, buffer, offset, bytes)
 }
 
-/// A set, and where in its buffers the first word is.
+/// Descriptor set, and the positions of the first words in its buffers.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct HostSet {
     pub(super) set: vk::DescriptorSet,
     pub(super) first_word: i32,
     pub(super) first_output: i32,
-    /// How many bytes later the input may begin.
+    /// Number of bytes by which the start of the input may be moved.
     pub(super) room: u64,
 }
 
 impl HostSet {
-    /// The same with the input so many bytes later.
+    /// Returns the set with the start of the input moved by `offset` bytes.
     pub(super) fn at(self, what: &'static str, offset: u64) -> Result<Self, VulkanError> {
         let refuse = |reason| Err(VulkanError::HostBuffer { what, reason });
         if !offset.is_multiple_of(WORD) {
@@ -135,7 +136,7 @@ impl HostSet {
     }
 }
 
-/// The sets of a surface.
+/// Descriptor sets of a surface.
 #[derive(Debug)]
 pub(super) struct HostSets {
     pub(super) pool: vk::DescriptorPool,
@@ -146,10 +147,10 @@ pub(super) struct HostSets {
     pub(super) lookups: Vec<HostSet>,
 }
 
-/// What the host gives a surface: images of distances, points, sources and lookups.
+/// Resources of the host for a surface: images of distances, points, sources and lookups.
 pub(super) type Hosts<'a> = (&'a [HostImage], &'a [Points], &'a [SourceBuffer], &'a [Lookup]);
 
-/// What a set is made of.
+/// Content of a descriptor set.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Content {
     Result(vk::ImageView),
@@ -160,7 +161,7 @@ pub(super) enum Content {
 }
 
 impl Content {
-    /// What tools call its set.
+    /// Returns the name of the set in debugging tools.
     fn name(self) -> &'static str {
         match self {
             Self::Result(_) => "writes distances",
@@ -171,7 +172,7 @@ impl Content {
         }
     }
 
-    /// With something that the pass writes.
+    /// Returns the content with an output buffer added.
     pub(super) fn and_output(self, output: Part) -> Self {
         match self {
             Self::Texture(view, layout) => Self::TextureAndOutput(view, layout, output),
@@ -190,7 +191,7 @@ impl HostSets {
         (results, points, sources, lookups): Hosts,
     ) -> Result<Self, VulkanError> {
         let versions = versions(grid.slots);
-        // Images of our own are never replaced.
+        // Images of the surface's own are never replaced.
         let of_results = if results.is_empty() { 1 } else { versions };
         let views = grid.results.iter().map(|image| image.view);
         let views = views.chain(results.iter().map(|image| image.view));
@@ -228,13 +229,13 @@ impl HostSets {
     }
 
     pub(super) fn destroy(&mut self, device: &ash::Device) {
-        // SAFETY: the caller has made sure that nothing uses the sets; null handles are allowed.
+        // SAFETY: the caller has made sure that nothing uses the sets. Null handles are allowed.
         unsafe { device.destroy_descriptor_pool(self.pool, None) };
         self.pool = vk::DescriptorPool::null();
     }
 }
 
-/// A pool with a set for each of these contents, in their order.
+/// Creates a pool with a descriptor set for each of the contents, in their order.
 pub(super) fn describe(
     device: &ash::Device,
     pipelines: &Pipelines,
@@ -260,7 +261,7 @@ pub(super) fn describe(
     }
 }
 
-/// The sources that a recording brings with it.
+/// Returns the content for the sources that a recording contains itself.
 fn inline_sources_content(
     on: (&ash::Device, &Limits),
     grid: &GridImages,
@@ -269,7 +270,7 @@ fn inline_sources_content(
     Ok(Content::Input(Part::new(on, "the inline sources", grid.download.buffer, 0, bytes)?))
 }
 
-/// The inline sources, and those in each buffer.
+/// Returns the contents for the inline sources and for each source buffer.
 pub(super) fn all_sources(
     on: (&ash::Device, &Limits),
     grid: &GridImages,
@@ -322,7 +323,7 @@ pub(super) fn points_content(
     }
 }
 
-/// Describes the content to a set that no submitted work uses.
+/// Writes the content to a descriptor set that no submitted work uses.
 pub(super) fn fill(device: &ash::Device, set: vk::DescriptorSet, content: Content) -> HostSet {
     let image = |index, view, layout| {
         let info = [vk::DescriptorImageInfo::default().image_view(view).image_layout(layout)];
@@ -363,11 +364,11 @@ fn write<'a>(
         .dst_set(set)
         .dst_binding(index)
         .descriptor_type(set_1::KINDS[index as usize]);
-    // SAFETY: set, view and buffer are alive, and no submitted work uses the set.
+    // SAFETY: the set, the view and the buffer are alive, and no submitted work uses the set.
     unsafe { device.update_descriptor_sets(&[fill(write)], &[]) };
 }
 
-/// A pool for so many sets, of which each may use any binding.
+/// Creates a pool for `sets` descriptor sets. Each of them may use every binding.
 fn pool(device: &ash::Device, sets: u32) -> Result<vk::DescriptorPool, VulkanError> {
     let sizes =
         set_1::KINDS.map(|kind| vk::DescriptorPoolSize::default().ty(kind).descriptor_count(sets));

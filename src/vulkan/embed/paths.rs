@@ -1,4 +1,4 @@
-//! Geodesic paths on the device, for drawing in the same frame.
+//! Traces geodesic paths on the device, for drawing in the same frame.
 
 use crate::vulkan::device_memory::DeviceMemory;
 use ash::vk;
@@ -22,7 +22,7 @@ use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::record::dispatched;
 use crate::vulkan::shaders::path_starts::Push;
 
-/// Room for paths on a surface, and the passes that trace them: [`Recording::paths`].
+/// Buffer for the paths on a surface, and the passes that trace them: [`Recording::paths`].
 ///
 /// ```no_run
 /// # use geosweep::ash::{self, vk};
@@ -58,59 +58,60 @@ use crate::vulkan::shaders::path_starts::Push;
 /// # Ok(()) }
 /// ```
 ///
-/// Dropping it frees nothing: the host calls [`Paths::destroy`], before or after the surface's.
+/// Dropping a value of this type frees nothing. The host calls [`Paths::destroy`], before or after it
+/// destroys the surface.
 #[derive(Debug)]
 pub struct Paths {
     curves: Curves,
-    /// The pass that begins, and the one that goes on, over and over.
+    /// Pass that begins the paths, and pass that continues them and is repeated.
     pipelines: [Pipeline<Push>; 2],
 }
 
 /// Room for paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathsInfo {
-    /// How many at once: at most 65 535.
+    /// Largest number of paths at once, at most 65 535.
     pub paths: u32,
-    /// Vertices of each. A straight way has one at each grid line that it crosses, so that M + N + 8
-    /// are enough where nothing is in the way.
+    /// Largest number of vertices of each path. A straight path has one vertex at each grid line that it
+    /// crosses, so that M + N + 8 are enough on a surface without obstacles.
     pub vertices: u32,
 }
 
-/// Where paths start: row and column, two floats each. What is off the grid or not a number has no
-/// path.
+/// Starts of paths. Each is a row and a column, two floats. A start that is off the grid or NaN has no path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StartInput<'a> {
-    /// From the program's memory, copied into the command buffer: at most 8192.
+    /// Starts in the program's memory, at most 8192. They are copied into the command buffer.
     Inline(&'a [[f32; 2]]),
-    /// From a buffer of the host's with usage `TRANSFER_SRC`.
+    /// Starts in a buffer of the host with usage `TRANSFER_SRC`.
     Buffer {
-        /// The buffer.
+        /// Buffer handle. The buffer must stay alive until the commands have run.
         buffer: vk::Buffer,
-        /// Bytes before the first; a multiple of 4.
+        /// Offset of the first start in bytes; a multiple of 4.
         offset: u64,
-        /// How many.
+        /// Number of starts.
         count: u32,
     },
 }
 
-/// What [`Recording::paths`] takes.
+/// Parameters of [`Recording::paths`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathFrame<'a> {
-    /// How the host has written starts and sources.
+    /// Access by which the host has written starts and sources.
     pub before: Access,
-    /// Where paths start, no more than there is room for; the other records say
+    /// Starts of the paths, no more than there is room for. The remaining records have the status
     /// [`super::CurveStatus::Outside`] and draw nothing.
     pub starts: StartInput<'a>,
-    /// All sources of the map, those added to it too.
+    /// All sources of the map, including those that were added to it.
     pub sources: SourceInput<'a>,
-    /// The number of the surface's points to which paths are lifted.
+    /// Number of the surface's points to which the paths are lifted.
     pub points: usize,
-    /// How the host reads the paths, this frame and the frame before; [`Access::DRAW`] as a rule.
-    /// [`Access::NONE`] on another queue, after a semaphore, with paths for each frame in flight.
+    /// Access by which the host reads the paths, in this frame and in the previous one; usually
+    /// [`Access::DRAW`]. It is [`Access::NONE`] if another queue reads them after a semaphore. Each frame in
+    /// flight then needs paths of its own.
     pub reader: Access,
 }
 
-/// What one command may copy into a command buffer.
+/// Largest number of starts that one command can copy into a command buffer.
 const INLINE_STARTS: usize = 65_536 / START_BYTES;
 const START_BYTES: usize = size_of::<[f32; 2]>();
 const MOST_PATHS: u32 = 65_535;
@@ -149,28 +150,30 @@ impl Paths {
         curves::bytes_for(device, &parts(limits, info)?.1)
     }
 
-    /// Where the paths are: a [`super::CurveRecord`] each, drawn as a strip of lines.
+    /// Returns where the paths are. Each has a [`super::CurveRecord`] and is drawn as a strip of lines.
     pub fn curves(&self) -> CurveBuffer {
         self.curves.curves()
     }
 
-    /// Most records that [`Recording::paths`] makes in a [`crate::vulkan::profile::Profile`], beside
-    /// those of [`Solver::passes_of_frame`].
+    /// Returns the largest number of records that [`Recording::paths`] makes in a
+    /// [`crate::vulkan::profile::Profile`], in addition to those of [`Solver::passes_of_frame`].
     pub fn passes(&self) -> u32 {
-        // Sources come, paths begin and go on, and are lifted.
+        // The passes write the sources, begin the paths, continue them, and lift them.
         1 + 1 + passes_that_go_on(self.curves.layout, MOST_TRACES) + 1
     }
 
-    /// Bytes taken from the allocator's memory blocks.
+    /// Returns the bytes taken from the allocator's memory blocks.
     pub fn bytes(&self) -> u64 {
         self.curves.bytes()
     }
 
-    /// Has the paths read the surface's points and sources that were replaced since they were made
-    /// ([`Surface::set_points`], [`Surface::set_sources`]). Recordings in flight go on with those before.
+    /// Binds the surface's current points and sources, after [`Surface::set_points`] or
+    /// [`Surface::set_sources`] has replaced some of them. Recordings in flight still read the old ones,
+    /// which the host keeps alive until these recordings have run.
     ///
     /// # Errors
-    /// If they were made for another surface or destroyed, or all of their descriptor sets are in flight.
+    /// If the paths were made for another surface or were destroyed, or all of their descriptor sets are in
+    /// flight.
     pub fn rebind(
         &mut self,
         device: &ash::Device,
@@ -180,15 +183,16 @@ impl Paths {
         self.curves.rebind(device, solver, surface)
     }
 
-    /// Bytes of a buffer of the host's: [`Solver::paths_into`].
+    /// Returns the smallest size in bytes of a buffer of the host for [`Solver::paths_into`].
     pub fn buffer_bytes(info: PathsInfo) -> u64 {
         layout_of(info).bytes()
     }
 
-    /// Has paths from now on go to another buffer of the host's. Recordings in flight go on with the one before.
+    /// Replaces the host's buffer in all later recordings of the paths. Recordings in flight still write the
+    /// old buffer, which the host keeps alive until they have run.
     ///
     /// # Errors
-    /// As [`Paths::rebind`], or if they were made with a buffer of their own, or this one is too small.
+    /// As for [`Paths::rebind`], or if the paths have a buffer of their own, or the new buffer is too small.
     pub fn set_buffer(
         &mut self,
         device: &ash::Device,
@@ -199,7 +203,8 @@ impl Paths {
         self.curves.set_buffer(device, solver, surface, buffer)
     }
 
-    /// Whether a recording of the paths may not have run: known with [`super::Tools::checks`] alone.
+    /// Returns whether a recording of the paths may not have run. This is known with [`super::Tools::checks`]
+    /// only.
     pub fn is_in_flight(&self) -> bool {
         self.curves.is_in_flight()
     }
@@ -211,11 +216,10 @@ impl Paths {
 }
 
 impl Solver {
-    /// Bytes that paths take from the allocator's memory blocks on this device, before they are
-    /// made.
+    /// Returns the bytes that paths would take from the allocator's memory blocks on this device.
     ///
     /// # Errors
-    /// As [`Solver::paths`].
+    /// As for [`Solver::paths`].
     pub fn bytes_for_paths(
         &self,
         device: &ash::Device,
@@ -224,11 +228,12 @@ impl Solver {
         Paths::bytes_for(device, &self.limits, info)
     }
 
-    /// Makes room for paths on a surface: 24 bytes a vertex and 104 a path. The one call that
-    /// allocates for paths; the first of the solver also makes their pipelines.
+    /// Creates paths on a surface. The memory takes 24 bytes per vertex and 104 bytes per path. This is the
+    /// only call that allocates for paths. The first call on a solver also creates the pipelines. The host
+    /// calls [`Paths::destroy`] in the end.
     ///
     /// # Errors
-    /// If there is no room for a path, more than shaders see in one buffer, or memory runs out.
+    /// If there is no room for a path, the buffer is larger than shaders can access, or memory runs out.
     /// Nothing is left behind then.
     pub fn paths(
         &self,
@@ -240,12 +245,16 @@ impl Solver {
         Paths::new(device, allocator, (self, surface), info, None)
     }
 
-    /// The same with a buffer of the host's for what is drawn, from its first byte: with usage `STORAGE_BUFFER` and `TRANSFER_DST`, and `VERTEX_BUFFER`, `INDIRECT_BUFFER` or
-    /// `SHADER_DEVICE_ADDRESS` as its readers ask for. [`Paths::buffer_bytes`] says how large
-    /// it has to be. It is the host's to destroy, and may be another in each frame ([`Paths::set_buffer`]).
+    /// Creates paths as [`Solver::paths`] does, but in a buffer of the host, from its first byte.
+    /// [`Paths::buffer_bytes`] returns the size that the buffer needs. Its usages are `STORAGE_BUFFER`,
+    /// `TRANSFER_DST` and those of its readers, such as `VERTEX_BUFFER`, `INDIRECT_BUFFER` or
+    /// `SHADER_DEVICE_ADDRESS`.
+    ///
+    /// The host keeps the buffer alive until the recordings that write it have run, and destroys it. Each
+    /// frame may use another buffer ([`Paths::set_buffer`]).
     ///
     /// # Errors
-    /// As [`Solver::paths`], or if the buffer is too small, as far as that can be told.
+    /// As for [`Solver::paths`], or if the buffer is too small, as far as its memory requirements show that.
     pub fn paths_into(
         &self,
         device: &ash::Device,
@@ -262,7 +271,8 @@ fn layout_of(PathsInfo { paths, vertices }: PathsInfo) -> CurveLayout {
     CurveLayout { curves: paths, capacity: vertices, between: (2 + PATH_WORDS) * paths }
 }
 
-/// The layout and the one buffer; starts and states lie between records and vertices.
+/// Returns the layout and the only buffer. Starts and states of the paths lie between the records and the
+/// vertices.
 fn parts(limits: &Limits, info: PathsInfo) -> Result<(CurveLayout, [BufferInfo; 1]), VulkanError> {
     let PathsInfo { paths, vertices } = info;
     let refuse = |reason| Err(VulkanError::Curves { what: "paths", reason });
@@ -278,19 +288,23 @@ fn parts(limits: &Limits, info: PathsInfo) -> Result<(CurveLayout, [BufferInfo; 
 }
 
 impl Recording<'_> {
-    /// Traces the paths from some places back to the source, lifts them to the surface and leaves
-    /// them for the host to draw. To be recorded after the map, in the same command buffer or after
-    /// [`Recording::begin`]; the commands wait for what `before` has written and until the reader of
-    /// commands before has done, and the reader of commands after waits for them.
+    /// Traces paths from the frame's starts back to the sources, lifts them to the surface, and returns the
+    /// buffer that holds them for the host to draw.
     ///
-    /// The paths are those of [`crate::geometry::Paths`], in single precision. A path has one
-    /// vertex at least at each grid line that it crosses, and ends at a source exactly. If there is
-    /// none to draw, its record says why ([`super::CurveRecord::status`]). Each looks at each source
-    /// once, and again where one may lie in its cell.
+    /// Record it after the map: in the same command buffer, or after [`Recording::begin`] in another. The
+    /// commands wait for the frame's `before` and for earlier reads by its `reader`. Later reads by that
+    /// reader wait for the commands. `paths`, and the buffers of starts and sources, must stay alive until
+    /// the commands have run.
+    ///
+    /// The paths are those of [`crate::geometry::Paths`], in single precision. A path has at least one vertex
+    /// at each grid line that it crosses, and ends at a source exactly. If there is no path to draw, its
+    /// record says why ([`super::CurveRecord::status`]). Each path examines every source once, and again in
+    /// cells where one may lie.
     ///
     /// # Errors
-    /// If the paths were made for another surface, there is no map, its points are a metric, or starts or
-    /// sources are too many, or beyond their buffer.
+    /// If the paths were destroyed or made for another surface, there is no map, there are no such points or
+    /// they are a metric, points or sources were replaced since the last [`Paths::rebind`], or there are too
+    /// many starts or sources or they lie beyond their buffer.
     pub fn paths(&self, paths: &Paths, frame: &PathFrame) -> Result<CurveBuffer, VulkanError> {
         let (curves, layout) = (&paths.curves, paths.curves.layout);
         curves.check(self, frame.points)?;
@@ -335,7 +349,7 @@ impl Recording<'_> {
         for pass in 0..=passes {
             let pipeline = paths.pipelines[usize::from(pass > 0)];
             let size = [layout.curves, 1];
-            // How many steps paths take, the device finds.
+            // Only the device knows how many steps the paths take.
             let work = match pass {
                 0 => work_of_starts(layout.curves, count as u64, sources as u64),
                 _ => Work::default(),
@@ -350,20 +364,21 @@ impl Recording<'_> {
     }
 }
 
-/// What it moves to begin a path at each of so many starts: the start, the times around it, and the
-/// sources; for each record itself and the path's state, and a vertex of each path.
+/// Returns the bytes moved to begin the paths. Each start needs itself, the times around it, and a vertex.
+/// The sources are read once. Each record writes itself and its path's state.
 fn work_of_starts(records: u32, starts: u64, sources: u64) -> Work {
     let number = size_of::<f32>() as u64;
     let sources = if starts > 0 { size_of::<PointSource>() as u64 * sources } else { 0 };
     let records = number * u64::from(CURVE_WORDS + PATH_WORDS) * u64::from(records);
-    // A vertex is lifted later: its time, row and column.
+    // A vertex holds its time, row and column. A later pass lifts it.
     Work::of_bytes(
         starts * (START_BYTES as u64 + 4 * number) + sources,
         records + starts * 3 * number,
     )
 }
 
-/// How often a path may be traced: again where sources have unlike initial values.
+/// Returns how often a path may be traced. Sources with different initial values may need more than one
+/// trace.
 fn traces(sources: SourceInput) -> u32 {
     match sources {
         SourceInput::Inline(sources) if sources.windows(2).all(|s| s[0].time == s[1].time) => 1,
@@ -373,7 +388,7 @@ fn traces(sources: SourceInput) -> u32 {
 
 const MOST_TRACES: u32 = 3;
 
-/// After the one that begins, if paths are traced so often at most.
+/// Returns the number of passes after the first, if paths are traced `traces` times at most.
 fn passes_that_go_on(layout: CurveLayout, traces: u32) -> u32 {
     traces * layout.capacity.div_ceil(STEPS_TOGETHER)
 }

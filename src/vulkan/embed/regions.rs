@@ -1,4 +1,4 @@
-//! Regions of the points nearest to each source, on the device.
+//! Finds on the device the regions of the points nearest to each source.
 
 use crate::vulkan::device_memory::DeviceMemory;
 use ash::vk;
@@ -25,7 +25,7 @@ use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::record::dispatched;
 use crate::vulkan::shaders::region_starts::Push;
 
-/// Room for the regions of the points nearest to each source, and the passes that find them:
+/// Buffer for the regions of the points nearest to each source, and the passes that find them:
 /// [`Recording::regions`].
 ///
 /// ```no_run
@@ -57,45 +57,48 @@ use crate::vulkan::shaders::region_starts::Push;
 /// # Ok(()) }
 /// ```
 ///
-/// Dropping it frees nothing: the host calls [`Regions::destroy`], before or after the surface's.
+/// Dropping a value of this type frees nothing. The host calls [`Regions::destroy`], before or after it
+/// destroys the surface.
 #[derive(Debug)]
 pub struct Regions {
     chart: Chart,
     wavefront: Wavefront,
     buffer: Option<Buffer>,
-    /// The host's buffer, if there is none of their own.
+    /// Host's buffer; `None` if the regions have one of their own.
     hosts: Option<vk::Buffer>,
-    /// Of the inline sources, and of the surface's source buffers.
+    /// Descriptor sets of the inline sources, followed by those of the surface's source buffers.
     sets: Option<BoundSets>,
-    /// In their order.
+    /// Pipelines of the passes, in the order of the passes.
     pipelines: [Pipeline<Push>; 4],
 }
 
-/// Labels in a buffer with the usages `STORAGE_BUFFER`, `VERTEX_BUFFER` and `TRANSFER_SRC`, from its
-/// first byte: a 32-bit unsigned number for each grid point, row-major. So shaders find that of a vertex
-/// by its number, or it is an attribute of the vertices, `R32_UINT` and 4 bytes apart: labels are not
-/// for filtering, and an image would add nothing but layouts.
+/// Buffer of labels. From its first byte it holds a 32-bit unsigned integer for each grid point, row-major.
+/// It has the usages `STORAGE_BUFFER`, `VERTEX_BUFFER` and `TRANSFER_SRC`, unless the host provides it.
+///
+/// Shaders read the label of a vertex by the vertex's index, or as a vertex attribute of format `R32_UINT`, 4
+/// bytes apart. Labels are not an image, since they cannot be filtered and an image would only add layouts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RegionBuffer {
-    /// The buffer, which is longer.
+    /// Buffer handle. The buffer is longer than the labels.
     pub buffer: vk::Buffer,
-    /// Bytes of all labels: 4 M N.
+    /// Size of all labels in bytes: 4 M N.
     pub bytes: u64,
 }
 
-/// What [`Recording::regions`] takes.
+/// Parameters of [`Recording::regions`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RegionFrame<'a> {
-    /// How the host has written the sources.
+    /// Access by which the host has written the sources.
     pub before: Access,
-    /// All sources of the map, those added to it too. Their places in this list are the labels.
+    /// All sources of the map, including those that were added to it. A label is a place in this list.
     pub sources: SourceInput<'a>,
-    /// How the host reads the labels, this frame and the frame before. [`Access::NONE`] on another
-    /// queue, after a semaphore, with regions for each frame in flight.
+    /// Access by which the host reads the labels, in this frame and in the previous one. It is
+    /// [`Access::NONE`] if another queue reads them after a semaphore. Each frame in flight then needs
+    /// regions of its own.
     pub reader: Access,
 }
 
-/// Of a point two links, of one word, and two places.
+/// Number of words per grid point: two links of one word each, and two places of two words each.
 const POINT_WORDS: u64 = 2 + 2 * 2;
 const WORD: u64 = size_of::<u32>() as u64;
 
@@ -141,7 +144,7 @@ impl Regions {
         }
     }
 
-    /// What the sets hold.
+    /// Returns the contents of the descriptor sets.
     fn contents(
         &self,
         on: (&ash::Device, &Limits),
@@ -162,31 +165,33 @@ impl Regions {
         info(limits, chart)?.bytes(device)
     }
 
-    /// Where the labels are.
+    /// Returns where the labels are.
     pub fn labels(&self) -> RegionBuffer {
         let own = || self.buffer.as_ref().map_or(vk::Buffer::null(), |buffer| buffer.buffer);
         let buffer = self.hosts.unwrap_or_else(own);
         RegionBuffer { buffer, bytes: WORD * self.chart.points() as u64 }
     }
 
-    /// Most records that [`Recording::regions`] makes in a [`crate::vulkan::profile::Profile`],
-    /// beside those of [`Solver::passes_of_frame`].
+    /// Returns the largest number of records that [`Recording::regions`] makes in a
+    /// [`crate::vulkan::profile::Profile`], in addition to those of [`Solver::passes_of_frame`].
     pub fn passes(&self) -> u32 {
-        // Numbers are cleared and sources come, are looked at twice, and ways begin.
+        // The passes clear numbers, write the sources, examine these twice, and begin the ways.
         let [flowing, jumping] = rounds(self.chart);
         1 + 1 + 2 + 1 + flowing + jumping
     }
 
-    /// Bytes taken from the allocator's memory blocks.
+    /// Returns the bytes taken from the allocator's memory blocks.
     pub fn bytes(&self) -> u64 {
         self.buffer.as_ref().map_or(0, Buffer::bytes)
     }
 
-    /// Has the regions read the surface's sources that were replaced since they were made
-    /// ([`Surface::set_sources`]). Recordings in flight go on with those before.
+    /// Binds the surface's current sources, after [`Surface::set_sources`] has replaced some of them.
+    /// Recordings in flight still read the old ones, which the host keeps alive until these recordings have
+    /// run.
     ///
     /// # Errors
-    /// If they were made for another surface or destroyed, or all of their descriptor sets are in flight.
+    /// If the regions were made for another surface or were destroyed, or all of their descriptor sets are in
+    /// flight.
     pub fn rebind(
         &mut self,
         device: &ash::Device,
@@ -202,15 +207,17 @@ impl Regions {
         }
     }
 
-    /// Bytes of a buffer of the host's: [`Solver::regions_into`].
+    /// Returns the smallest size in bytes of a buffer of the host for [`Solver::regions_into`].
     pub fn buffer_bytes(chart: Chart) -> u64 {
         (WORD * POINT_WORDS).saturating_mul(chart.points() as u64)
     }
 
-    /// Has labels from now on go to another buffer of the host's. Recordings in flight go on with the one before.
+    /// Replaces the host's buffer in all later recordings of the regions. Recordings in flight still write
+    /// the old buffer, which the host keeps alive until they have run.
     ///
     /// # Errors
-    /// As [`Regions::rebind`], or if they were made with a buffer of their own, or this one is too small.
+    /// As for [`Regions::rebind`], or if the regions have a buffer of their own, or the new buffer is too
+    /// small.
     pub fn set_buffer(
         &mut self,
         device: &ash::Device,
@@ -229,7 +236,8 @@ impl Regions {
         bound
     }
 
-    /// Whether a recording of the regions may not have run: known with [`super::Tools::checks`] alone.
+    /// Returns whether a recording of the regions may not have run. This is known with
+    /// [`super::Tools::checks`] only.
     pub fn is_in_flight(&self) -> bool {
         self.sets.as_ref().is_some_and(BoundSets::are_in_flight)
     }
@@ -246,11 +254,10 @@ impl Regions {
 }
 
 impl Solver {
-    /// Bytes that regions take from the allocator's memory blocks on this device, before they are
-    /// made.
+    /// Returns the bytes that regions would take from the allocator's memory blocks on this device.
     ///
     /// # Errors
-    /// As [`Solver::regions`].
+    /// As for [`Solver::regions`].
     pub fn bytes_for_regions(
         &self,
         device: &ash::Device,
@@ -259,12 +266,12 @@ impl Solver {
         Regions::bytes_for(device, &self.limits, chart)
     }
 
-    /// Makes room for the regions of maps of a surface with one wavefront: 24 bytes a grid point. The
-    /// one call that allocates for regions; the first of the solver and a wavefront also makes their
-    /// pipelines.
+    /// Creates regions of a surface, for maps with this wavefront. The memory takes 24 bytes per grid point.
+    /// This is the only call that allocates for regions. The first call for a solver and a wavefront also
+    /// creates the pipelines. The host calls [`Regions::destroy`] in the end.
     ///
     /// # Errors
-    /// If shaders do not see so much in one buffer, or memory runs out. Nothing is left behind then.
+    /// If the buffer is larger than shaders can access, or memory runs out. Nothing is left behind then.
     pub fn regions(
         &self,
         device: &ash::Device,
@@ -275,12 +282,16 @@ impl Solver {
         Regions::new(device, allocator, (self, surface), over_any(wavefront), None)
     }
 
-    /// The same with a buffer of the host's for the labels and what they are found by, from its first byte: with usage `STORAGE_BUFFER` and `TRANSFER_DST`, and what its readers ask for.
-    /// [`Regions::buffer_bytes`] says how large it has to be. It is the host's to destroy, and may be another in each
-    /// frame ([`Regions::set_buffer`]).
+    /// Creates regions as [`Solver::regions`] does, but in a buffer of the host, from its first byte. It
+    /// holds the labels and the intermediate values of the passes. [`Regions::buffer_bytes`] returns the size
+    /// that the buffer needs. Its usages are `STORAGE_BUFFER`, `TRANSFER_DST` and those of its readers.
+    ///
+    /// The host keeps the buffer alive until the recordings that write it have run, and destroys it. Each
+    /// frame may use another buffer ([`Regions::set_buffer`]).
     ///
     /// # Errors
-    /// As [`Solver::regions`], or if the buffer is too small, as far as that can be told.
+    /// As for [`Solver::regions`], or if the buffer is too small, as far as its memory requirements show
+    /// that.
     pub fn regions_into(
         &self,
         device: &ash::Device,
@@ -299,8 +310,9 @@ fn info(limits: &Limits, chart: Chart) -> Result<BufferInfo, VulkanError> {
     Ok(BufferInfo { name: "regions", size, location: MemoryLocation::GpuOnly })
 }
 
-/// How many passes make ways longer, and how many go from parent to parent: so many as lead past as many
-/// points as the grid has, and in all an even number, which leaves the labels where they belong.
+/// Returns the number of passes that make ways longer, and of those that go from parent to parent. Passes of
+/// either kind together lead past as many points as the grid has. The sum of both numbers is even, so that
+/// the labels end up in their place.
 fn rounds(chart: Chart) -> [u32; 2] {
     let [flowing, jumping] = [FLOW_JUMPS, PARENT_JUMPS].map(|jumps| {
         let reaches =
@@ -311,25 +323,30 @@ fn rounds(chart: Chart) -> [u32; 2] {
 }
 
 impl Recording<'_> {
-    /// Finds which source is the nearest to each grid point, initial values included, and leaves the
-    /// labels for the host to read: the source's place in the list, counting from 0, and
-    /// [`crate::geometry::NO_REGION`] in holes and where no front arrives. To be recorded after the
-    /// map, in the same command buffer or after [`Recording::begin`]; the commands wait for what
-    /// `before` has written and until the reader of commands before has done, and the reader of
-    /// commands after waits for them.
+    /// Finds the nearest source to each grid point, including initial values, and returns the buffer of
+    /// labels for the host to read. A label is the source's place in the list, counted from 0, or
+    /// [`crate::geometry::NO_REGION`] in holes and where no front arrives.
     ///
-    /// Labels follow the map: each point has that of the source to which its front leads back, found
-    /// in as many passes as the logarithm of the grid's points says, whatever the map is. The same
-    /// map gives the same labels. They are those of [`crate::geometry::Voronoi`] but for points
-    /// within a cell of a border, or two (three with planar fronts), where sources are four cells apart
-    /// or more; the border behind a closer pair may turn about it, by up to 18 degrees on the plane,
-    /// where both lie in one cell. A point as far from two sources has one of their labels, always the
-    /// same. Of sources at one place the first has the region. A curve that is many sources in the
-    /// list has as many labels: shaders can look up in a table of the host's which curve one is of.
+    /// Record it after the map: in the same command buffer, or after [`Recording::begin`] in another. The
+    /// commands wait for the frame's `before` and for earlier reads by its `reader`. Later reads by that
+    /// reader wait for the commands. `regions` and the buffer of sources must stay alive until the commands
+    /// have run.
+    ///
+    /// Labels follow the map: each point gets the label of the source to which its front leads back. The
+    /// number of passes depends on the logarithm of the number of grid points, whatever the map is. The same
+    /// map always gives the same labels.
+    ///
+    /// If sources are at least four cells apart, labels are those of [`crate::geometry::Voronoi`], except at
+    /// points within a cell of a border (two, or three with planar fronts). Behind a closer pair the border
+    /// may be rotated. If both sources lie in the same cell, it turns by up to 18 degrees on the plane.
+    ///
+    /// A point at the same distance from two sources gets one of their labels, always the same one. Of
+    /// several sources at the same place, the first gets the region. A curve that is many sources in the list
+    /// has as many labels. A table of the host can map these labels to curves.
     ///
     /// # Errors
-    /// If the regions were made for another surface or wavefront, there is no map, or the sources are too
-    /// many.
+    /// If the regions were destroyed or made for another surface or wavefront, there is no map, the sources
+    /// are too many or do not fit the surface, or they were replaced since the last [`Regions::rebind`].
     pub fn regions(
         &self,
         regions: &Regions,
@@ -375,7 +392,7 @@ impl Recording<'_> {
         }
         run(1, all, push, work_of_ways(chart, regions.wavefront), ours);
         let [flowing, jumping] = rounds(chart);
-        // How far ways lead, the device finds.
+        // Only the device knows how far ways lead.
         for number in 0..flowing + jumping {
             let is_last = number + 1 == flowing + jumping;
             let push = Push { from: number as i32 % 2, is_last: is_last.into(), ..push };
@@ -387,14 +404,15 @@ impl Recording<'_> {
     }
 }
 
-/// What it takes to look at so many sources once; around how many points they lie, their places say.
+/// Returns the bytes moved to examine `count` sources once. How many points around them are accessed depends
+/// on their places, and is not counted.
 fn work_of_starts(count: u32) -> Work {
     let bytes = size_of::<PointSource>() as u64 * u64::from(count);
     Work { bytes_read: Some(bytes), ..Work::default() }
 }
 
-/// What is read to begin the ways to all points: the earliest source's front and its number, the map's
-/// and four lengths. What is written: a link and a place.
+/// Returns the bytes moved to begin the ways to all points. The pass reads the front and number of the
+/// earliest source, the front of the map, and four lengths. It writes a link and a place.
 fn work_of_ways(chart: Chart, wavefront: Wavefront) -> Work {
     let curvatures = if wavefront.is_curved() { 2 } else { 0 };
     let points = WORD * chart.points() as u64;
