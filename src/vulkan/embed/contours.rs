@@ -137,7 +137,7 @@ impl Contours {
         self.pipelines.len() as u32 + 1
     }
 
-    /// Returns the bytes taken from the allocator's memory blocks.
+    /// Returns the number of bytes taken from the allocator's memory blocks.
     pub fn bytes(&self) -> u64 {
         self.curves.bytes()
     }
@@ -192,7 +192,8 @@ impl Contours {
 }
 
 impl Solver {
-    /// Returns the bytes that contours would take from the allocator's memory blocks on this device.
+    /// Returns the number of bytes that contours take from the allocator's memory blocks on this device. No
+    /// memory is allocated.
     ///
     /// # Errors
     /// As for [`Solver::contours`].
@@ -309,9 +310,9 @@ impl LevelInput<'_> {
 }
 
 impl Recording<'_> {
-    /// Finds the contours of the map, lifts them to the surface, and returns the buffer that holds them for
-    /// the host to draw. The segments of the cells are ordered from north to south, and within a row from
-    /// west to east. The same map always gives the same order.
+    /// Records the passes that find the contours of the map and lift them to the surface. Returns the buffer
+    /// that receives them for the host to draw. The segments are ordered by their cells: from north to south,
+    /// and within a row from west to east. The same map always gives the same order.
     ///
     /// Record it after the map: in the same command buffer, or after [`Recording::begin`] in another. The
     /// commands wait for earlier reads by the frame's `reader`, and later reads by that reader wait for the

@@ -162,7 +162,7 @@ impl Paths {
         1 + 1 + passes_that_go_on(self.curves.layout, MOST_TRACES) + 1
     }
 
-    /// Returns the bytes taken from the allocator's memory blocks.
+    /// Returns the number of bytes taken from the allocator's memory blocks.
     pub fn bytes(&self) -> u64 {
         self.curves.bytes()
     }
@@ -216,7 +216,8 @@ impl Paths {
 }
 
 impl Solver {
-    /// Returns the bytes that paths would take from the allocator's memory blocks on this device.
+    /// Returns the number of bytes that paths take from the allocator's memory blocks on this device. No
+    /// memory is allocated.
     ///
     /// # Errors
     /// As for [`Solver::paths`].
@@ -288,8 +289,8 @@ fn parts(limits: &Limits, info: PathsInfo) -> Result<(CurveLayout, [BufferInfo; 
 }
 
 impl Recording<'_> {
-    /// Traces paths from the frame's starts back to the sources, lifts them to the surface, and returns the
-    /// buffer that holds them for the host to draw.
+    /// Records the passes that trace paths from the frame's starts back to the sources, and lift them to the
+    /// surface. Returns the buffer that receives them for the host to draw.
     ///
     /// Record it after the map: in the same command buffer, or after [`Recording::begin`] in another. The
     /// commands wait for the frame's `before` and for earlier reads by its `reader`. Later reads by that
@@ -377,8 +378,8 @@ fn work_of_starts(records: u32, starts: u64, sources: u64) -> Work {
     )
 }
 
-/// Returns how often a path may be traced. Sources with different initial values may need more than one
-/// trace.
+/// Returns how often a path may be traced at most. Sources with different initial values may take more than
+/// one trace.
 fn traces(sources: SourceInput) -> u32 {
     match sources {
         SourceInput::Inline(sources) if sources.windows(2).all(|s| s[0].time == s[1].time) => 1,

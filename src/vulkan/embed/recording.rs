@@ -26,7 +26,7 @@ use crate::vulkan::shaders::{
 };
 use crate::vulkan::upload::SEED_BYTES;
 
-/// Recorder of the passes of a surface into a command buffer of the host.
+/// Recorder that appends commands for a surface to a command buffer of the host.
 ///
 /// No method submits, waits, maps memory, or allocates on the device or the heap. A method that returns an
 /// error has recorded nothing.
@@ -105,8 +105,8 @@ impl<'a> Recording<'a> {
         Self { points_at: offset, ..self }
     }
 
-    /// Transitions the images of a new surface into their layouts and clears them. It must be recorded once,
-    /// before anything else for the surface. Recorded again, it discards the edge lengths, so that
+    /// Records the layout transitions and clears of a new surface's images. They must be recorded once,
+    /// before anything else for the surface. Recording them again discards the edge lengths, so that
     /// [`Recording::measure`] must follow. If the commands never run, outcomes report it
     /// ([`VulkanError::PreparationLost`]).
     pub fn prepare(&self) {
@@ -119,8 +119,8 @@ impl<'a> Recording<'a> {
     }
 
     /// Records a usual frame: [`Recording::begin`], [`Recording::measure`] if there are new points,
-    /// [`Recording::solve`], [`Recording::outcome`] and [`Recording::result`]. Returns the image that it
-    /// writes. The recording contains the barriers between these and before the reads of `frame.reader`.
+    /// [`Recording::solve`], [`Recording::outcome`] and [`Recording::result`]. All barriers between these,
+    /// and before the reads of `frame.reader`, are part of it. Returns the image that receives the distances.
     ///
     /// # Errors
     /// As for these methods. Nothing is recorded then.
@@ -190,9 +190,9 @@ impl<'a> Recording<'a> {
         self.recorder.barrier((PASS.0 | TRANSFER.0, PASS.1 | TRANSFER.1), after.side());
     }
 
-    /// Measures the surface's edges from the surface's points with the number `points`. If a wavefront of the
-    /// solver needs it, it also computes the curvature. The current map is lost, and [`Recording::solve`]
-    /// must follow. The host's points must stay alive until the commands have run.
+    /// Records the passes that measure the surface's edges, from its points with the number `points`. If a
+    /// wavefront of the solver needs it, they also compute the curvature. The current map is lost, and
+    /// [`Recording::solve`] must follow. The host's points must stay alive until the commands have run.
     ///
     /// Edges must be shorter than 1e12 units, and edges between distinct points longer than 1e-12.
     ///
@@ -244,8 +244,8 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// Computes a new map. It records as many iterations as the plan holds. Those after convergence visit
-    /// nothing.
+    /// Records the passes of a new map from `sources`: as many iterations as the plan holds. Iterations after
+    /// convergence visit nothing. A buffer of sources must stay alive until the commands have run.
     ///
     /// # Errors
     /// If the plan or the sources do not fit the surface, the solver has no pipelines for the plan, or the
@@ -266,10 +266,12 @@ impl<'a> Recording<'a> {
         self.steps(plan);
     }
 
-    /// Adds sources to the current map, which must have converged with the wavefront of `plan`.
+    /// Records the passes that add sources to the current map, which must have converged with the wavefront
+    /// of `plan`.
     ///
     /// # Errors
-    /// If the plan or the sources do not fit the surface, or there is no map of that wavefront.
+    /// If the plan or the sources do not fit the surface, the solver has no pipelines for the plan, or there
+    /// is no map of that wavefront.
     pub fn add(&self, sources: SourceInput, plan: &Plan) -> Result<(), VulkanError> {
         self.check(plan)?;
         self.check_sources(sources)?;
@@ -281,12 +283,13 @@ impl<'a> Recording<'a> {
         Ok(())
     }
 
-    /// Continues a map that may not have converged by as many iterations as the plan holds. The plan must be
-    /// the one that the map was started with. The call may follow in the same command buffer or in a later
-    /// one. It visits nothing if the map has converged.
+    /// Records further iterations of a map that may not have converged, as many as the plan holds. The plan
+    /// must be the one that the map was started with. The iterations may follow in the same command buffer or
+    /// in a later one. They visit nothing if the map has converged.
     ///
     /// # Errors
-    /// If the plan does not fit the surface, or there is no map with the plan's wavefront and schedule.
+    /// If the plan does not fit the surface, the solver has no pipelines for it, or there is no map with the
+    /// plan's wavefront and schedule.
     pub fn resume(&self, plan: &Plan) -> Result<(), VulkanError> {
         self.check(plan)?;
         self.surface.state.check_plan(plan)?;
@@ -296,8 +299,8 @@ impl<'a> Recording<'a> {
         Ok(())
     }
 
-    /// Copies the outcome of the iterations to the record of `slot`. [`Surface::outcome`] reads it after the
-    /// fence of the submission.
+    /// Records a copy of the iterations' outcome to the record of `slot`. [`Surface::outcome`] reads it after
+    /// the fence of the submission.
     ///
     /// # Errors
     /// If there is no such slot or no map. With [`super::Tools::checks`] also if the last recording for the
@@ -322,7 +325,7 @@ impl<'a> Recording<'a> {
         self.recorder.outcome_with_serial(slot, serial);
     }
 
-    /// Copies the outcome of the iterations into a buffer of the host, for [`Surface::outcome_from`]. It
+    /// Records a copy of the iterations' outcome into a buffer of the host, for [`Surface::outcome_from`]. It
     /// takes [`super::Outcome::BYTES`] bytes at `offset`, which is a multiple of 4. The buffer has the usage
     /// `TRANSFER_DST`, and must stay alive until the commands have run. Shaders find the number of iterations
     /// in the third 32-bit word. The accesses in `after` wait for the copy.
@@ -348,10 +351,10 @@ impl<'a> Recording<'a> {
         Ok(())
     }
 
-    /// Unpacks the map into the image of distances of `slot`, and returns the image. Points that are not
-    /// reached become `unreached`. The commands wait for earlier reads of the image by `reader`, and later
-    /// reads by `reader` wait for the commands. The previous contents of the image are discarded. Afterwards
-    /// it has the layout of `reader`.
+    /// Records the pass that unpacks the map into the image of distances of `slot`, and returns the image.
+    /// Points that are not reached become `unreached`. The commands wait for earlier reads of the image by
+    /// `reader`, and later reads by `reader` wait for the commands. The previous contents of the image are
+    /// discarded. Afterwards the image has the layout of `reader`.
     ///
     /// # Errors
     /// If there is no such slot or no map.
@@ -397,10 +400,11 @@ impl<'a> Recording<'a> {
         recorder.image_barrier(result.image, SHADER_WRITE, reader.access.side(), layouts);
     }
 
-    /// Looks up distances at the places in a buffer of the host, by bilinear interpolation between grid
-    /// points. The result is `unreached` at places that are not reached or off the grid. `number` selects one
-    /// of the lookups in [`super::SurfaceInfo::lookups`], whose buffers must stay alive until the commands
-    /// have run. The commands wait for the accesses in `before`, and those in `after` wait for the commands.
+    /// Records the pass that looks up distances at the places in a buffer of the host. It interpolates
+    /// bilinearly between grid points. The result is `unreached` at places that are not reached or off the
+    /// grid. `number` selects one of the lookups in [`super::SurfaceInfo::lookups`], whose buffers must stay
+    /// alive until the commands have run. The commands wait for the accesses in `before`, and those in
+    /// `after` wait for the commands.
     ///
     /// # Errors
     /// If the surface has no such lookup or no map.
@@ -535,7 +539,7 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// Solves the surroundings of `count` sources, if the maps of the plan gain by it.
+    /// Records the passes that solve the surroundings of `count` sources, if the maps of the plan gain by it.
     fn surroundings(&self, set: HostSet, count: u32, plan: &Plan) {
         let Self { recorder, surface, solver, .. } = self;
         let chart = surface.grid.chart;
@@ -609,8 +613,9 @@ impl Solver {
     }
 }
 
-/// Returns the largest number of sources of a recording whose surroundings are solved on such a grid. A few
-/// are always worth it. Of many, only if their surroundings are a small part of the grid.
+/// Returns the largest number of sources of a recording whose surroundings are solved on a grid of this size.
+/// The surroundings of a few sources are always worth solving. Those of many sources are so only if they are
+/// a small part of the grid.
 fn most_surrounded(chart: Chart) -> u32 {
     let share = chart.points() / POINTS_FOR_SURROUNDINGS;
     share.clamp(FEW_SOURCES, SOURCES_TOGETHER as usize) as u32

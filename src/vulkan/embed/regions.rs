@@ -175,12 +175,13 @@ impl Regions {
     /// Returns the largest number of records that [`Recording::regions`] makes in a
     /// [`crate::vulkan::profile::Profile`], in addition to those of [`Solver::passes_of_frame`].
     pub fn passes(&self) -> u32 {
-        // The passes clear numbers, write the sources, examine these twice, and begin the ways.
+        // The passes clear numbers, write the sources, examine these twice, and begin the ways back from all
+        // points.
         let [flowing, jumping] = rounds(self.chart);
         1 + 1 + 2 + 1 + flowing + jumping
     }
 
-    /// Returns the bytes taken from the allocator's memory blocks.
+    /// Returns the number of bytes taken from the allocator's memory blocks.
     pub fn bytes(&self) -> u64 {
         self.buffer.as_ref().map_or(0, Buffer::bytes)
     }
@@ -254,7 +255,8 @@ impl Regions {
 }
 
 impl Solver {
-    /// Returns the bytes that regions would take from the allocator's memory blocks on this device.
+    /// Returns the number of bytes that regions take from the allocator's memory blocks on this device. No
+    /// memory is allocated.
     ///
     /// # Errors
     /// As for [`Solver::regions`].
@@ -310,9 +312,9 @@ fn info(limits: &Limits, chart: Chart) -> Result<BufferInfo, VulkanError> {
     Ok(BufferInfo { name: "regions", size, location: MemoryLocation::GpuOnly })
 }
 
-/// Returns the number of passes that make ways longer, and of those that go from parent to parent. Passes of
-/// either kind together lead past as many points as the grid has. The sum of both numbers is even, so that
-/// the labels end up in their place.
+/// Returns the number of passes that make ways longer, and of those that go from parent to parent. The passes
+/// of each kind suffice for a way over as many points as the grid has. The sum of both numbers is even, so
+/// that the labels end up in their place.
 fn rounds(chart: Chart) -> [u32; 2] {
     let [flowing, jumping] = [FLOW_JUMPS, PARENT_JUMPS].map(|jumps| {
         let reaches =
@@ -323,9 +325,10 @@ fn rounds(chart: Chart) -> [u32; 2] {
 }
 
 impl Recording<'_> {
-    /// Finds the nearest source to each grid point, including initial values, and returns the buffer of
-    /// labels for the host to read. A label is the source's place in the list, counted from 0, or
-    /// [`crate::geometry::NO_REGION`] in holes and where no front arrives.
+    /// Records the passes that find the nearest source to each grid point. The initial value of a source
+    /// counts towards its distance. Returns the buffer that receives the labels for the host to read. A label
+    /// is the source's place in the list, counted from 0, or [`crate::geometry::NO_REGION`] in holes and
+    /// where no front arrives.
     ///
     /// Record it after the map: in the same command buffer, or after [`Recording::begin`] in another. The
     /// commands wait for the frame's `before` and for earlier reads by its `reader`. Later reads by that
@@ -337,8 +340,9 @@ impl Recording<'_> {
     /// map always gives the same labels.
     ///
     /// If sources are at least four cells apart, labels are those of [`crate::geometry::Voronoi`], except at
-    /// points within a cell of a border (two, or three with planar fronts). Behind a closer pair the border
-    /// may be rotated. If both sources lie in the same cell, it turns by up to 18 degrees on the plane.
+    /// points within one or two cells of a border (three with planar fronts). Behind a closer pair the border
+    /// may turn about the pair. If both sources lie in the same cell, it turns by up to 18 degrees on the
+    /// plane.
     ///
     /// A point at the same distance from two sources gets one of their labels, always the same one. Of
     /// several sources at the same place, the first gets the region. A curve that is many sources in the list

@@ -224,7 +224,7 @@ impl Surface {
         self.grid.chart
     }
 
-    /// Returns the bytes taken from the allocator's memory blocks.
+    /// Returns the number of bytes taken from the allocator's memory blocks.
     pub fn bytes(&self) -> u64 {
         self.grid.bytes()
     }
@@ -367,8 +367,8 @@ impl Surface {
 }
 
 impl Solver {
-    /// Returns the bytes that a surface would take from the allocator's memory blocks on this device. Nothing
-    /// is allocated.
+    /// Returns the number of bytes that a surface takes from the allocator's memory blocks on this device. No
+    /// memory is allocated.
     ///
     /// # Errors
     /// If the grid is empty or too large for the device, the images in [`SurfaceInfo::results`] cannot be

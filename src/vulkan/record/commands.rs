@@ -99,6 +99,7 @@ impl<'a> Commands<'a> {
         self.turn.is_some_and(|turn| !turn.is_now())
     }
 
+    /// Returns what passes need for their labels and for the profile.
     pub(crate) fn watch(&self) -> Watch<'a> {
         let Self { device, buffer, pipelines, profile, .. } = *self;
         Watch { device, commands: buffer, profile, labels: pipelines.labels.as_ref() }
@@ -164,6 +165,7 @@ impl<'a> Commands<'a> {
         }
     }
 
+    /// Records a memory barrier between two kinds of access. In a turn, it ends the current part instead.
     pub(crate) fn barrier(&self, before: barrier::Access, after: barrier::Access) {
         match self.turn {
             None => barrier::memory(self.device, self.buffer, before, after),
@@ -171,7 +173,7 @@ impl<'a> Commands<'a> {
         }
     }
 
-    /// Transitions an image from one layout into another, between two kinds of access.
+    /// Records a barrier that transitions an image from one layout into another, between two kinds of access.
     pub(crate) fn image_barrier(
         &self,
         image: vk::Image,

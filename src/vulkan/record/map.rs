@@ -100,8 +100,8 @@ impl Recorder<'_> {
         self.copy_parts(self.grid.progress.buffer, to, &parts);
     }
 
-    /// Sets the state of a renderer's input between passes: the properties of its points, or the number of
-    /// sources that are passed over.
+    /// Sets a part of the state of a renderer's input between passes: the number of its preparation, or the
+    /// properties of its points.
     pub(crate) fn set_known(&self, bytes: Range<u64>, number: u32) {
         self.barrier(PASS, CLEAR);
         let count = bytes.end - bytes.start;

@@ -85,7 +85,8 @@ impl<'a> Recorder<'a> {
         self.dispatch(pipeline, constants, Groups::of(invocations));
     }
 
-    /// Returns the sets of such a pass. Those of a pass that writes image 1 read image 0.
+    /// Returns the sets of a pass that also uses a set of the host. They are those of a pass that writes
+    /// image 1, which reads image 0.
     pub(crate) fn with_host(&self, set: vk::DescriptorSet) -> Sets {
         self.grid.sets.writing[1].with_host(set)
     }

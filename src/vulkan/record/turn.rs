@@ -18,6 +18,7 @@ pub(crate) const MOST_TOGETHER: usize = 64;
 /// Part of the recordings that is appended, with the barriers after it.
 #[derive(Debug, Default)]
 pub(crate) struct Turn {
+    /// Number of the part that is appended.
     wanted: AtomicU32,
     /// Number of the part that the current recording has reached.
     part: AtomicU32,
