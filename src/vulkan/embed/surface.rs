@@ -307,7 +307,8 @@ impl Surface {
     }
 
     /// Returns whether a tracked recording may not have run. Recordings with an outcome are tracked, and with
-    /// [`super::Tools::checks`] all recordings.
+    /// [`super::Tools::checks`] all recordings. At most 64 command buffers of a surface are tracked at once.
+    /// A command buffer that is submitted repeatedly is tracked until its first run has ended.
     pub fn is_in_flight(&self) -> bool {
         self.flight.waiting().is_some()
     }
