@@ -107,8 +107,9 @@ impl ColumnsToLines {
         skip: usize,
         rows: Range<usize>,
     ) {
-        // A transposition makes north of east, north of west's east, and north-east of
-        // south-west, which is stored as the north-east of another point; north-west stays.
+        // In the transposed grid, north is the grid's west, which is stored as the east of the western
+        // neighbour. North-east is the grid's south-west, which is stored as the north-east of that
+        // neighbour. North-west stays.
         let [east, _, north_east, north_west] = edges.planes();
         let Range { start, end } = rows;
         self.transpose(east, up, skip, start + 1..end + 1, [0, 1]);
