@@ -110,7 +110,7 @@ impl TriangleSlots {
         [self.l1, self.l2, self.c].map(|slot| edges.at(point, slot))
     }
 
-    /// The triangle with arrival times at its two other corners.
+    /// Returns the triangle with the given arrival times at its two other corners.
     #[inline]
     pub(super) fn triangle<R: Real>(
         &self,
@@ -122,7 +122,7 @@ impl TriangleSlots {
         Triangle { t1, t2, l1, l2, c }
     }
 
-    /// Whether of x1 and x2 only the one across a diagonal is there.
+    /// Returns whether, of x1 and x2, only the one across a diagonal exists.
     #[inline]
     pub(super) fn is_alone<R: Real>(&self, triangle: Triangle<R>) -> bool {
         [triangle.l1, triangle.l2][self.axis] >= R::FAR
