@@ -230,7 +230,8 @@ mod tests {
 
     #[test]
     fn every_obtuse_triangle_inside_is_split_into_two() {
-        // At 60 degrees, two of eight, each into two; 7 x 5 points are far from the border.
+        // At 60 degrees two of the eight triangles are split, each into two. The 7 x 5 points are far from
+        // the border.
         let surface = Builtin::ShearedPlane { degrees: 60.0 }.surface(9, 9).unwrap();
         let split = Connections::<f64>::split(&surface).unwrap();
         let chart = surface.chart();

@@ -206,7 +206,7 @@ mod tests {
                 for (scans, across) in [(vertical, horizontal), (horizontal, vertical)] {
                     for scan in scans {
                         assert_eq!(found(scan, 0.0), [scan], "{wavefront} {instructions}");
-                        // Along a diagonal the front comes 0.4 after it should have.
+                        // Along a diagonal the front arrives 0.4 late.
                         assert_eq!(found(scan, 0.3), [scan], "{wavefront} {instructions}");
                         let mut three = found(scan, 0.6);
                         three.retain(|found| !across.contains(found));

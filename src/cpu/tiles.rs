@@ -165,7 +165,7 @@ mod tests {
         runs.into_iter().map(|run| [run.start, run.end]).collect()
     }
 
-    /// Takes all that a scan has to look at for due.
+    /// Marks all tiles that a scan has to examine as due.
     fn all_due(tiles: &mut Tiles, scans: [Scan; 2]) {
         tiles.rows_beside_changes(scans).for_each(|(beside, due)| due.copy_from_slice(beside));
     }
@@ -175,7 +175,7 @@ mod tests {
         let mut tiles = Tiles::new(Chart { rows: 70, cols: 160 });
         tiles.touch(40, 100);
         let quiet = vec![false; tiles.len()];
-        // The source lies in tile 2, 6; beside what is due a scan may follow.
+        // The source lies in tile 2, 6. A scan may go on beside tiles that are due.
         all_due(&mut tiles, [Scan::DOWN, Scan::UP]);
         assert_eq!(runs(&tiles, Scan::DOWN, 1, &quiet), [[0; 2]; 0]);
         assert_eq!(runs(&tiles, Scan::DOWN, 2, &quiet), [[4, 9]]);

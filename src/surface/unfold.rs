@@ -535,7 +535,7 @@ mod tests {
     use crate::surface::builtin::Builtin;
     use crate::surface::{Spacing, Surface};
 
-    /// Steps up and down by `height`, with a hole.
+    /// Returns a surface that steps up and down by `height`, with a hole.
     fn steps(height: f64) -> Surface {
         let (rows, cols) = (40, 7);
         let heights = (0..rows * cols).map(|k| height * f64::from((k * k / 3 % 5) as u8)).collect();

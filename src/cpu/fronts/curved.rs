@@ -564,7 +564,7 @@ mod tests {
         assert_eq!(kept.time, R::of(1.5));
         let digit = R::epsilon().wide();
         let is_kept = |front, scan, renews| after::<R>(front, scan, renews) == kept;
-        // Its own scan brings it again.
+        // The same scan brings it again.
         assert!(is_kept([1.5 + digit, 0.3], 2, true));
         assert!(is_kept([1.5 - digit, 0.3 * (1.0 + 64.0 * digit)], 2, true));
         for changed in [[1.5 + 4.0 * digit, 0.3], [1.5, 0.3 * (1.0 + 4096.0 * digit)]] {
@@ -572,7 +572,7 @@ mod tests {
             assert!(!is_kept(changed, 2, true) && is_kept(changed, 2, false));
             assert!(is_kept(changed, 1, true));
         }
-        // Another brings one that arrives together with it, earlier by a digit, or earlier by more.
+        // Another scan brings a front that arrives together with it, earlier by a digit, or earlier by more.
         assert!(is_kept([1.5 - digit, 0.299], 1, true));
         assert!(!is_kept([1.5 - digit, 0.29], 1, true));
         assert!(!is_kept([1.5 - 4.0 * digit, 0.299], 1, true));
