@@ -115,8 +115,8 @@ pub(super) struct ScanLine<'a, R, C, G> {
     pub times: &'a mut [R],
     pub carried: &'a mut [C],
     pub ground: &'a [G],
-    /// The same data of the line that the scan has just passed, from the point before the first to the one
-    /// after the last: n + 2 of each.
+    /// Data of the line that the scan has just passed, from the point before the first to the one after the
+    /// last: n + 2 of each.
     pub times_behind: &'a [R],
     pub carried_behind: &'a [C],
     pub ground_behind: &'a [G],

@@ -119,8 +119,8 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     /// planar updates have a single fixed point. In theory, the updates of the other wavefronts do not. In
     /// practice both ways agree to rounding on smooth and on rough surfaces with holes
     /// (`tests/maps/sampling.rs`), except where curved fronts do not settle. Arrival times only decrease,
-    /// except that a curved front that is renewed may come later by its error. Seeds that lie behind the map
-    /// change nothing. On a new solver this is the same as `solve`.
+    /// except that a curved front that is renewed may come later by its error. Seeds that start no earlier
+    /// than the map at their points change nothing. On a new solver this is the same as `solve`.
     ///
     /// ```
     /// use geosweep::cpu::RotatedScan;

@@ -1,13 +1,17 @@
 //! Finds points that an update leaves unchanged, without the update's square roots and divisions.
 //!
 //! A front crosses the base x1 x2 of a triangle at some point x. The time there is at least the linear
-//! interpolation between t1 and t2, less a bulge. From there the front has to travel at least |x0 - x|, which
-//! is at least u . (x0 - x) for every unit vector u. So it arrives no earlier than the lesser of t1 + u . (x0
-//! - x1) and t2 + u . (x0 - x2), less the bulge. Here x1 is the neighbour across the grid's diagonal, and u
-//! is the direction from it. A scan of the other kind has a triangle on the other side of that diagonal, and
-//! a front that came from there is settled. Until a map has converged, a point is visited about four times,
-//! and one or two visits need the update. With x1 and x2 exchanged, u is the direction from the neighbour
-//! beside. That test tells which of its two triangles an update can skip.
+//! interpolation between t1 and t2, less a bulge. From there the front has to travel at least |x0 - x|. That
+//! is at least `u . (x0 - x)` for every unit vector u. So the front arrives no earlier than the lesser of
+//!
+//! - t1 + u . (x0 - x1) and
+//! - t2 + u . (x0 - x2),
+//!
+//! less the bulge. Here x1 is the neighbour across the grid's diagonal, and u is the direction from it. A
+//! scan of the other kind has a triangle on the other side of that diagonal, and a front that came from there
+//! is settled. Until a map has converged, a point is visited about four times, and one or two visits need the
+//! update. With x1 and x2 exchanged, u is the direction from the neighbour beside. That test tells which of
+//! its two triangles an update can skip.
 //!
 //! [`super::pairwise`] has the same test, with coefficients that are computed once for many maps.
 

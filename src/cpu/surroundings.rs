@@ -30,8 +30,9 @@ use crate::update::{Setting, Wavefront};
 /// Maximum number of rows and columns around a source's cell in its surroundings. With 8, maps from inside
 /// cells take as many iterations as from grid points, or one more. With 4 they take one or two more.
 const REACH: usize = 8;
-/// The same for a lone source among obtuse triangles. The mean error on peaks of 1025 x 1025 points is 2.7e-6
-/// with 8, 2.1e-6 with 12 and 2.0e-6 with 16, the last as with fronts that are not causal at all.
+/// Maximum number of rows and columns for a lone source among obtuse triangles. The mean error on peaks of
+/// 1025 x 1025 points is 2.7e-6 with 8, 2.1e-6 with 12 and 2.0e-6 with 16. The last is that of fronts that
+/// are not causal at all.
 const REACH_AMONG_OBTUSE: usize = 16;
 /// Minimum number of rows and columns. With fewer there is little to gain.
 const LEAST_REACH: usize = 4;
@@ -41,9 +42,9 @@ const SHARE: usize = 40;
 /// Minimum number of grid points for surroundings among obtuse triangles. On smaller grids they would take
 /// more than a twentieth of the time of the whole map, and few iterations are saved there.
 const LEAST_AMONG_OBTUSE: usize = 1_000_000;
-/// Maximum number of sources in long cells that have the smallest surroundings on any grid. In long cells the
-/// maps of several sources differ from those of one ([`crate::surface::Origins`]). Without surroundings their
-/// error is up to ten times as large.
+/// Maximum number of sources in long cells that get surroundings on any grid, with the least reach. In long
+/// cells the maps of several sources differ from those of one ([`crate::surface::Origins`]). Without
+/// surroundings their error is up to ten times as large.
 const MOST_IN_LONG_CELLS: usize = 8;
 /// Ratio of a cell's edges, or of its diagonals, above which the cell is long.
 const LONG: f64 = 1.5;

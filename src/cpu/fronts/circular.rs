@@ -27,8 +27,8 @@ impl Straight for Circular {
         point_source(triangle, self.origins.are_causal())
     }
 
-    /// Earlier by more than rounding. A change of the last digit would be passed on from point to point, and
-    /// all of them would be visited again.
+    /// Accepts only times that are earlier by more than rounding. A change of the last digit would be passed
+    /// on from point to point, and all of them would be visited again.
     #[inline(always)]
     fn earlier<R: Real>(self, now: R, triangle: Triangle<R>) -> R {
         Self::first(now, point_source(triangle, self.origins.are_causal()))

@@ -115,7 +115,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
         accept(kept, arrival, scan, renews)
     }
 
-    /// Of two that arrive together, takes the one that [`Front::first`] takes.
+    /// Takes the same front as [`Front::first`] if both arrive together.
     #[inline(always)]
     fn first(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R> {
         first(a, b)

@@ -66,8 +66,8 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
         seen: impl Fn(usize) -> KeptBy<'a, R, Self>,
     ) -> Self::Arrival;
 
-    /// Returns the front at a point after `arrival` has reached it. The scan that brings it is numbered from
-    /// 1. The arrival is taken if it is the first, or if the scan `renews` a front that it brought earlier.
+    /// Returns the front at a point after `arrival` has reached it, brought by `scan` (numbered from one).
+    /// The arrival is taken if it is the first, or if the scan `renews` a front that it brought earlier.
     fn accept(
         kept: KeptBy<'a, R, Self>,
         arrival: Self::Arrival,

@@ -110,7 +110,7 @@ impl PairwiseScan {
     /// distances from the sources to those points are taken, and are not computed again.
     ///
     /// # Panics
-    /// As [`Self::solve`]; and if `rows` is not a whole number of rows, at most `first` of them.
+    /// As [`Self::solve`]; and if `rows` is not a whole number of rows or has more than `first` rows.
     pub fn solve_below(
         &self,
         rows: &[f32],

@@ -6,8 +6,8 @@ use crate::surface::Chart;
 
 /// The positions of the sources of a batch.
 ///
-/// In the first iteration a scan passes only lines ahead of its map's source. The lines behind the source
-/// have been passed by the opposite scan just before. Passing them again would bring fronts backwards to
+/// In the first iteration a scan passes only lines ahead of its map's source. The points behind the source
+/// have just been reached by the opposite scan, if at all. Passing them again would bring fronts backwards to
 /// points that the scans across have yet to reach by shorter paths, so most of these fronts would be
 /// overwritten. Scans over the whole grid need 1.4 times as long for one iteration.
 #[derive(Clone, Debug)]

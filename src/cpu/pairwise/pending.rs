@@ -56,9 +56,9 @@ impl Pending {
         }
     }
 
-    /// Returns the points of a line that a scan has to visit, or `None` if there are none. The scan must keep
-    /// marked the points that it changes, and then call [`Self::tell`]. If it does not visit them in
-    /// `all_maps`, they stay pending for another visit.
+    /// Takes the points of a line that a scan has to visit, or returns `None` if there are none. The scan
+    /// must keep marked the points that it changes, and then call [`Self::tell`]. If it does not visit them
+    /// in `all_maps`, they stay pending for another visit.
     pub(super) fn take(&mut self, scan: Scan, line: usize, all_maps: bool) -> Option<&mut [u64]> {
         let first = scan.lines().before(self.chart, line, self.known);
         let end = self.chart.by(scan.lines()).cols;

@@ -12,8 +12,8 @@ pub(super) struct Planar<const CAUSAL: bool>;
 /// Coefficients of the planar update of a triangle (paper, eqs. 10 and 15, solved for t0).
 ///
 /// With d = t2 - t1, the front arrives at t0 = t1 + w d + sqrt(alpha - beta d^2) if d is between `low` and
-/// `high`. Beyond these limits the ray runs along an edge. The same formula gives that at the nearer limit,
-/// so the coefficients include the Dijkstra step (16) without a comparison.
+/// `high`. Beyond these limits the ray runs along an edge. Its arrival is what the same formula gives at the
+/// nearer limit. So the coefficients include the Dijkstra step (16) without a comparison.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlanarTriangle {
     low: f32,

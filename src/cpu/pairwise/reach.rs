@@ -7,9 +7,11 @@ use crate::update::Corner;
 /// A lower bound of the arrival times that a fan can give.
 ///
 /// A planar front crosses the base x1 x2 of a triangle at some point x. The time t(x) there is the linear
-/// interpolation between t1 and t2. From there the front has to travel at least |x0 - x|, which is at least u
-/// . (x0 - x) for every unit vector u. The sum is linear in x. So t0 is not earlier than the lesser of t1 + u
-/// . (x0 - x1) and t2 + u . (x0 - x2).
+/// interpolation between t1 and t2. From there the front has to travel at least |x0 - x|. That is at least `u
+/// . (x0 - x)` for every unit vector u. The sum is linear in x. So t0 is not earlier than the lesser of
+///
+/// - t1 + u . (x0 - x1) and
+/// - t2 + u . (x0 - x2).
 ///
 /// Here u runs along the outer edge of each triangle, which is a diagonal of the grid. A scan of the other
 /// direction has a triangle on the other side of that diagonal, and a point that has its time from there
