@@ -1,7 +1,7 @@
 //! Compares the CPU engine's times with those of an earlier commit, so that the cost of a change is seen
 //! before it lands. Usage: `cargo bench --bench floor -- COMMIT`. With words after the commit, only rows are
-//! run whose names contain one of the words. `--pairs N` takes N pairs of runs per row instead of 9. `--tools
-//! BEFORE AFTER` instead of a commit compares two tools that are already built.
+//! run whose names contain one of the words. `--pairs N` takes N pairs of runs per row instead of 9.
+//! `--tools BEFORE AFTER` instead of a commit compares two tools that are already built.
 //!
 //! The tool of the commit is built once in `target/floor/`, from a work tree of its own. The present tool is
 //! built from the work tree as it is. Both run alternately, and each runs first in half of the pairs. For

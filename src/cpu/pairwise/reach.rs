@@ -7,8 +7,8 @@ use crate::update::Corner;
 /// A lower bound of the arrival times that a fan can give.
 ///
 /// A planar front crosses the base x1 x2 of a triangle at some point x. The time t(x) there is the linear
-/// interpolation between t1 and t2. From there the front has to travel at least |x0 - x|. That is at least `u
-/// . (x0 - x)` for every unit vector u. The sum is linear in x. So t0 is not earlier than the lesser of
+/// interpolation between t1 and t2. From there the front has to travel at least |x0 - x|. That is at least
+/// `u . (x0 - x)` for every unit vector u. The sum is linear in x. So t0 is not earlier than the lesser of
 ///
 /// - t1 + u . (x0 - x1) and
 /// - t2 + u . (x0 - x2).
