@@ -1,11 +1,12 @@
-//! Times of the CPU engine over those of an earlier commit, so that what a change costs is seen before it lands:
-//! `cargo bench --bench floor -- COMMIT`, or with words after it those rows whose names have one of them. `--pairs N`
-//! takes N pairs of runs a row in place of 9; `--tools BEFORE AFTER` in place of a commit compares two tools that are
-//! built already.
+//! Compares the CPU engine's times with those of an earlier commit, so that the cost of a change is seen
+//! before it lands. Usage: `cargo bench --bench floor -- COMMIT`. With words after the commit, only rows are
+//! run whose names contain one of the words. `--pairs N` takes N pairs of runs per row instead of 9.
+//! `--tools BEFORE AFTER` instead of a commit compares two tools that are already built.
 //!
-//! The tool of the commit is built in `target/floor/`, once, from a work tree of its own; the present one is built
-//! as it is. Both run in turn, each first in half of the pairs. What is printed is the median over pairs of the ratio of
-//! their `solve_seconds`, with its quartiles: on a shared machine a ratio of runs side by side says more than a time.
+//! The tool of the commit is built once in `target/floor/`, from a work tree of its own. The present tool is
+//! built from the work tree as it is. Both run alternately, and each runs first in half of the pairs. For
+//! each row the median over pairs of the ratio of their `solve_seconds` is printed, with its quartiles. On a
+//! shared machine the ratio of two runs side by side is more reliable than a time.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, exit};
@@ -24,7 +25,7 @@ const ROWS: [(&str, &[&str]); 8] = [
 
 const FRONTS: &[&str] = &["planar", "point", "curved"];
 
-/// What both tools take for a distance map or matrix, and where the latter goes.
+/// Options that both tools accept for a distance map or matrix.
 const ENGINE: [&str; 3] = ["--engine", "cpu", "--json"];
 
 struct Options {
@@ -64,11 +65,11 @@ fn main() {
             println!("| {name} | {old:.2} | {new:.2} | {ratio:.3} | {low:.3} to {high:.3} |");
         }
     }
-    // What is not there has not been written.
+    // Only a row that writes a matrix creates the file.
     let _ = std::fs::remove_file(matrix);
 }
 
-/// What `cargo bench` passes on, beside a flag of its own.
+/// Parses the arguments that `cargo bench` passes on. It adds a flag of its own.
 fn options() -> Result<Options, String> {
     let mut args = std::env::args().skip(1).filter(|arg| arg != "--bench");
     let mut options = Options { commit: String::new(), tools: None, pairs: 9, words: Vec::new() };
@@ -93,8 +94,8 @@ fn options() -> Result<Options, String> {
     }
 }
 
-/// Seconds of both tools in so many pairs of runs, after one that does not count, and the ratios of the second's to the
-/// first's.
+/// Returns the seconds of both tools in `count` pairs of runs, and the ratios of the second tool's to the
+/// first tool's. One more pair runs before them and does not count.
 fn pairs(tools: [&Path; 2], args: &[&str], count: usize) -> [Vec<f64>; 3] {
     let mut found = [(); 3].map(|()| Vec::with_capacity(count));
     for pair in 0..=count {
@@ -110,7 +111,7 @@ fn pairs(tools: [&Path; 2], args: &[&str], count: usize) -> [Vec<f64>; 3] {
     found
 }
 
-/// What the tool says that solving has taken.
+/// Returns the solving time that the tool reports.
 fn solve_seconds(tool: &Path, args: &[&str]) -> f64 {
     let output = Command::new(tool).args(args).output();
     let output = output.unwrap_or_else(|error| fail(&format!("{}: {error}", tool.display())));
@@ -125,7 +126,7 @@ fn solve_seconds(tool: &Path, args: &[&str]) -> f64 {
     })
 }
 
-/// The first quartile, the median and the third.
+/// Returns the first quartile, the median and the third quartile.
 fn quartiles(of: &[f64]) -> [f64; 3] {
     let mut sorted = of.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -137,13 +138,13 @@ fn quartiles(of: &[f64]) -> [f64; 3] {
     [0.25, 0.5, 0.75].map(|part| at(part * last as f64))
 }
 
-/// The tool as the work tree has it.
+/// Builds the tool of the present work tree.
 fn tool_of_today() -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     build(root, &root.join("target"))
 }
 
-/// The tool of a commit, built in a work tree of its own unless it is there already.
+/// Builds the tool of a commit, in a work tree of its own that is reused if it exists.
 fn tool_of(commit: &str, folder: &Path) -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let git = |args: &[&str]| {
@@ -165,7 +166,7 @@ fn tool_of(commit: &str, folder: &Path) -> PathBuf {
 
 /// Builds the tool of a work tree.
 fn build(tree: &Path, target: &Path) -> PathBuf {
-    // Early commits have it in the library's package, behind a feature.
+    // Early commits have the tool in the library's package, behind a feature.
     let tool: &[&str] = match tree.join("tool/Cargo.toml").exists() {
         true => &["-p", "geosweep-cli"],
         false => &["--features", "cli"],

@@ -1,10 +1,10 @@
-//! What lies behind a point as a scan passes it: three neighbours and the triangles between them.
+//! Describes what lies behind a point as a scan passes it: three neighbours and the triangles between them.
 
 use super::scan::Scan;
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real};
 use crate::update::Triangle;
 
-/// Three neighbours that follow one another, and the two triangles that they span with their point.
+/// Three successive neighbours of a point, and the two triangles that they form with it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Behind {
     triangles: [TriangleSlots; 2],
@@ -17,7 +17,7 @@ impl Behind {
         Self { triangles, middle: b }
     }
 
-    /// Those that a scan has just passed.
+    /// Returns the neighbours that a scan has just passed.
     pub(super) fn of(chart: Chart, scan: Scan) -> Self {
         Self::new(chart, scan.behind())
     }
@@ -26,40 +26,41 @@ impl Behind {
         &self.triangles
     }
 
-    /// Their bits in what [`EdgeLengths::obtuse_triangles`] tells of a point.
+    /// Returns the bits of the two triangles in [`EdgeLengths::obtuse_triangles`].
     pub(super) fn bits(&self) -> u8 {
         self.triangles.iter().fold(0, |bits, triangle| bits | triangle.bit())
     }
 
-    /// The second of the neighbours.
+    /// Returns the direction of the second neighbour.
     pub(super) fn middle(&self) -> Direction {
         self.middle
     }
 
-    /// From the point to the neighbours.
+    /// Returns the offsets from the point to the neighbours.
     pub(super) fn points(&self) -> [isize; 3] {
         let [a, b] = &self.triangles;
         [a.x1, a.x2, b.x2]
     }
 
-    /// The edges to them.
+    /// Returns the edges to the neighbours.
     pub(super) fn edges(&self) -> [EdgeSlot; 3] {
         let [a, b] = &self.triangles;
         [a.l1, a.l2, b.l2]
     }
 
-    /// The edges between them.
+    /// Returns the edges between the neighbours.
     pub(super) fn bases(&self) -> [EdgeSlot; 2] {
         self.triangles.each_ref().map(|triangle| triangle.c)
     }
 }
 
-/// Where a triangle's two other corners and its edges lie, seen from its point x0.
+/// The positions of a triangle's two other corners and of its edges, relative to its point x0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleSlots {
-    /// Those of x1 and x2.
+    /// The directions of x1 and x2.
     directions: [Direction; 2],
-    /// Which of x1 and x2 is the neighbour along an axis of the grid; the other is one across a diagonal.
+    /// The index of the corner (0 for x1, 1 for x2) that is the neighbour along an axis of the grid. The
+    /// other one is across a diagonal.
     axis: usize,
     x1: isize,
     x2: isize,
@@ -69,7 +70,7 @@ pub(super) struct TriangleSlots {
 }
 
 impl TriangleSlots {
-    /// The triangle between two directions that follow one another.
+    /// Returns the triangle between two successive directions.
     pub(super) fn new(chart: Chart, first: Direction, second: Direction) -> Self {
         let is_counter_clockwise = first.next() == second;
         let base = if is_counter_clockwise { first.base() } else { second.base().opposite() };
@@ -85,31 +86,31 @@ impl TriangleSlots {
         }
     }
 
-    /// The directions of its two other corners.
+    /// Returns the directions of the two other corners.
     pub(super) fn directions(&self) -> [Direction; 2] {
         self.directions
     }
 
-    /// Its bit in what [`EdgeLengths::obtuse_triangles`] tells of a point.
+    /// Returns the bit of this triangle in [`EdgeLengths::obtuse_triangles`].
     pub(super) fn bit(&self) -> u8 {
         let [first, second] = self.directions;
         let clockwise = if first.next() == second { first } else { second };
         1 << clockwise as u8
     }
 
-    /// The two other corners of a point's triangle.
+    /// Returns the two other corners of a point's triangle.
     #[inline]
     pub(super) fn corners(&self, point: usize) -> [usize; 2] {
         [self.x1, self.x2].map(|offset| point.wrapping_add_signed(offset))
     }
 
-    /// Lengths of x0 x1, x0 x2 and x1 x2.
+    /// Returns the lengths of x0 x1, x0 x2 and x1 x2.
     #[inline]
     pub(super) fn lengths<R: Real>(&self, edges: &EdgeLengths<R>, point: usize) -> [R; 3] {
         [self.l1, self.l2, self.c].map(|slot| edges.at(point, slot))
     }
 
-    /// The triangle with arrival times at its two other corners.
+    /// Returns the triangle with the given arrival times at its two other corners.
     #[inline]
     pub(super) fn triangle<R: Real>(
         &self,
@@ -121,7 +122,7 @@ impl TriangleSlots {
         Triangle { t1, t2, l1, l2, c }
     }
 
-    /// Whether of x1 and x2 only the one across a diagonal is there.
+    /// Returns whether, of x1 and x2, only the one across a diagonal exists.
     #[inline]
     pub(super) fn is_alone<R: Real>(&self, triangle: Triangle<R>) -> bool {
         [triangle.l1, triangle.l2][self.axis] >= R::FAR

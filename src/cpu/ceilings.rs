@@ -1,5 +1,5 @@
-//! What the CPU can do at best, measured: against these ceilings a map's time tells what bounds
-//! it. Solvers do not use them.
+//! Measures the best rates that the CPU can reach. Compared with these ceilings, a map's time shows what
+//! bounds it. Solvers do not use them.
 
 use std::sync::Barrier;
 use std::time::{Duration, Instant};
@@ -14,31 +14,31 @@ use super::tiles::TILE;
 use crate::surface::{EdgeLengths, Real, Spacing, Surface};
 use crate::update::Wavefront;
 
-/// What some threads can do at best in single precision.
+/// The best rates of some threads in single precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ceilings {
-    /// At work side by side.
+    /// Number of threads that run in parallel.
     pub threads: usize,
-    /// Bytes a second, read plus written, of copies of 32 MiB for each thread, which may fit a
-    /// large cache.
+    /// Bytes per second, read plus written, of copies of 32 MiB for each thread. Copies of this size may fit
+    /// a large cache.
     pub copy: f64,
-    /// Updates from one triangle a second, by wavefront ([`Wavefront::ALL`]), of a line of points
-    /// that stays in the nearest cache, on the best instructions there are. Two are counted for a
-    /// point, also where one is left out because it brings nothing.
+    /// Updates from one triangle per second, by wavefront ([`Wavefront::ALL`]), for a line of points that
+    /// stays in the nearest cache, with the best available instructions. Each point counts as two, also where
+    /// one of its triangles is skipped because it brings nothing.
     pub triangles: [f64; Wavefront::ALL.len()],
 }
 
-/// Numbers that a thread copies.
+/// Number of values that a thread copies.
 const COPIED: usize = 8 << 20;
-/// Points of a line: with all that belongs to them some 12 KiB.
+/// Number of points of a line. With all their data they take about 12 KiB.
 const POINTS: usize = 256;
-/// Work is repeated until it takes so long.
+/// Duration up to which work is repeated.
 const LONG_ENOUGH: Duration = Duration::from_millis(20);
-/// And again so many times, of which the shortest counts: other work only adds.
+/// Number of repeated measurements. The shortest counts, since other work only adds time.
 const TRIES: usize = 3;
 
 impl Ceilings {
-    /// Measures so many threads, in about half a second.
+    /// Measures the ceilings of `threads` threads, in about half a second.
     pub fn measure(threads: usize) -> Self {
         let copied = (2 * COPIED * size_of::<f32>()) as f64;
         let edges = two_rows();
@@ -65,7 +65,7 @@ impl Ceilings {
     }
 }
 
-/// How many times a second all threads together do some work.
+/// Returns how many times a second all threads together do some work.
 fn rate<W: FnMut()>(threads: usize, work: impl Fn() -> W + Sync) -> f64 {
     let together = Barrier::new(threads);
     let of_thread = || {
@@ -89,7 +89,7 @@ fn rate<W: FnMut()>(threads: usize, work: impl Fn() -> W + Sync) -> f64 {
     })
 }
 
-/// Two rows of a plane, of which the second is updated from the first again and again.
+/// Two rows of a plane. The second row is updated from the first one again and again.
 struct WarmLine<'a, K: FrontKind<'a, f32>> {
     edges: &'a EdgeLengths<f32>,
     kind: K,
@@ -106,7 +106,7 @@ fn two_rows() -> EdgeLengths<f32> {
 }
 
 impl<'a, K: TriangleKind<'a, f32>> WarmLine<'a, K> {
-    /// In the first row there is the front of a point 300 rows before it, at its first column.
+    /// Creates the rows. The first one has the front of a point 300 rows before it, at its first column.
     fn new(edges: &'a EdgeLengths<f32>, kind: K) -> Self {
         let chart = edges.chart();
         let mut times = vec![f32::FAR; chart.bordered_points()];
@@ -119,7 +119,8 @@ impl<'a, K: TriangleKind<'a, f32>> WarmLine<'a, K> {
         Self { edges, kind, ground, times, carried, changed: [false; POINTS / TILE] }
     }
 
-    /// Updates all points, none of which has been reached: those would be settled. Returns how many.
+    /// Updates all points and returns their number. They are reset to unreached first, since reached ones
+    /// would be settled.
     fn update(&mut self) -> u64 {
         let (chart, scan) = (self.edges.chart(), Scan::DOWN);
         chart.row_of_mut(&mut self.times, 1).fill(f32::FAR);
@@ -146,7 +147,7 @@ mod tests {
     fn ceilings_are_those_of_some_machine() {
         let Ceilings { threads, copy, triangles } = Ceilings::measure(1);
         assert_eq!(threads, 1);
-        // Wide enough for any machine, and narrow enough to find a wrong unit.
+        // Wide enough for any machine, and narrow enough to detect a wrong unit.
         for rate in [copy, triangles[0], triangles[1], triangles[2]] {
             assert!((1e5..1e14).contains(&rate), "{copy:e} {triangles:?}");
         }
@@ -163,7 +164,7 @@ mod tests {
                 }
                 line.times
             });
-            // Through the first row everywhere. Planar fronts are off by a tenth of a cell.
+            // The front comes through the first row everywhere. Planar fronts are off by a tenth of a cell.
             for (i, time) in edges.chart().row_of(&times, 1).iter().enumerate() {
                 let exact = (i as f32).hypot(301.0);
                 assert!((time - exact).abs() < 0.1, "{wavefront} {i}: {time} {exact}");

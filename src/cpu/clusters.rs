@@ -1,12 +1,14 @@
-//! Point sources that lie close together, each with a map of its surroundings of its own.
+//! Solves the surroundings of each point source alone where point sources lie close together.
 //!
-//! Where fronts of two sources meet, a curved update takes both for one: two that arrive together at the ends of a base
-//! look like a circle around a place between their sources, which comes too early. Sources side by side send their fronts
-//! the same way, and the error adds up, to an eighth of a cell on square ones and to a third of the distance on others.
-//! The circles' error falls with the square of the distance from the sources. So each source's front is solved alone for
-//! some cells, the earliest are the seeds, and no front through a triangle replaces them ([`Seed::exact`]).
+//! Where fronts of two sources meet, a curved update takes both for one front. Two fronts that arrive
+//! together at the ends of a base look like a circle around a place between their sources, and this circle
+//! arrives too early. Sources side by side send their fronts the same way. Then the error adds up, to an
+//! eighth of a cell on square cells and to a third of the distance on others. The error of the circles
+//! decreases with the square of the distance from the sources. So each source's front is solved alone for
+//! some cells. The earliest fronts become seeds, and no front through a triangle replaces them
+//! ([`Seed::exact`]).
 //!
-//! Where all cells are alike none of this is needed: there the numbers of origins tell fronts apart
+//! Where all cells are alike this is not needed: there the numbers of origins tell fronts apart
 //! (`src/update/sight.rs`).
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -18,17 +20,18 @@ use super::surroundings::Surroundings;
 use crate::surface::{Direction, Origin, Seed, Sources, Surface};
 use crate::update::Wavefront;
 
-/// How many rows and columns around a source its own map reaches, at most. What is left of the error of two sources
-/// side by side is a 130th of a cell with 16, a 65th with 8.
+/// Maximum number of rows and columns that a source's own map reaches around it. The remaining error of two
+/// sources side by side is a 130th of a cell with 16, and a 65th with 8.
 const REACH: usize = 16;
-/// And at least: with less there is little to gain.
+/// Minimum number of rows and columns. With fewer there is little to gain.
 const LEAST_REACH: usize = 4;
-/// All these maps together have no more points than this part of the grid, or than this number on small ones.
+/// All these maps together have at most the grid's points divided by `SHARE`, or `MOST_POINTS` on small
+/// grids.
 const SHARE: usize = 4;
 const MOST_POINTS: usize = 40_000;
 
-/// Exact seeds around the point sources that have another one near, given the origins of all fronts; none on surfaces
-/// with even cells.
+/// Returns exact seeds around the point sources that have another one near, given the origins of all fronts.
+/// Returns none on surfaces with even cells.
 pub(super) fn around_clusters(
     wavefront: Wavefront,
     surface: &Surface,
@@ -53,8 +56,8 @@ pub(super) fn around_clusters(
     for map in &maps {
         let around: Vec<_> = near.around(map.at).collect();
         let are_all = others.is_empty() && around.len() == maps.len();
-        // What comes from further away has to pass the border of the surroundings, and from there it has as far to go
-        // as is left of the source's own way there.
+        // A front from further away has to cross the border of the surroundings. From there, it has at least
+        // as far to go as is left of the source's own way to the border.
         let alone = if are_all { map.complete } else { 0.5 * (map.complete + first) };
         let complete = around.iter().map(|&other| maps[other].complete).fold(alone, f64::min);
         for seed in &map.seeds {
@@ -68,7 +71,7 @@ pub(super) fn around_clusters(
     earliest.into_values().filter(|seed| seed.exact).collect()
 }
 
-/// The point sources that seeds come from.
+/// Returns the point sources that seeds come from.
 fn points(seeds: &[Seed]) -> Vec<Origin> {
     let mut found = BTreeMap::new();
     for origin in seeds.iter().filter_map(|seed| seed.origin) {
@@ -79,7 +82,8 @@ fn points(seeds: &[Seed]) -> Vec<Origin> {
     found.into_values().collect()
 }
 
-/// Those from which fronts go somewhere: not those amid others at all neighbouring grid points that start as early.
+/// Returns the sources whose fronts leave them. A source is left out if all neighbouring grid points have
+/// sources that start as early.
 fn outer(surface: &Surface, sources: &[Origin]) -> Vec<Origin> {
     let at_point =
         |at: DVec2| (at.fract() == DVec2::ZERO).then_some((at.x as usize, at.y as usize));
@@ -102,11 +106,11 @@ fn outer(surface: &Surface, sources: &[Origin]) -> Vec<Origin> {
     sources.iter().copied().filter(|origin| !is_inner(origin)).collect()
 }
 
-/// The sources that have another one near, and how far their maps reach if they are few enough.
+/// Returns the sources that have another one near, and the reach of their maps, if there are few enough.
 fn crowded(surface: &Surface, sources: &[Origin]) -> Option<(Vec<Origin>, usize)> {
     let most = (surface.chart().points() / SHARE).max(MOST_POINTS);
     let place = |origin: &Origin| origin.ends[0];
-    // A smaller reach has fewer sources near each other.
+    // With a smaller reach, fewer sources are near each other.
     (LEAST_REACH..=REACH).rev().find_map(|reach| {
         let near = Places::of(sources.iter().map(place), reach);
         let has_other = |origin: &&Origin| near.around(place(origin)).count() > 1;
@@ -116,7 +120,7 @@ fn crowded(surface: &Surface, sources: &[Origin]) -> Option<(Vec<Origin>, usize)
     })
 }
 
-/// Places by the square of the grid that they lie in, to find those that are near.
+/// Places sorted into squares of the grid, to find those that are near each other.
 struct Places {
     side: f64,
     all: Vec<DVec2>,
@@ -124,7 +128,7 @@ struct Places {
 }
 
 impl Places {
-    /// To be asked for those no further than this along rows and along columns.
+    /// Sorts places for queries of those within `reach` rows and columns.
     fn of(places: impl Iterator<Item = DVec2>, reach: usize) -> Self {
         let mut new =
             Self { side: reach as f64, all: places.collect(), by_square: BTreeMap::new() };
@@ -139,7 +143,7 @@ impl Places {
         (square.x as i64, square.y as i64)
     }
 
-    /// The numbers of those near a place.
+    /// Returns the numbers of the places near `at`.
     fn around(&self, at: DVec2) -> impl Iterator<Item = usize> {
         let (row, col) = self.square(at);
         let squares: BTreeSet<_> = (-1..=1)
@@ -150,12 +154,12 @@ impl Places {
     }
 }
 
-/// What a source reaches if it is alone.
+/// The front of a source that is alone.
 struct Alone {
     at: DVec2,
-    /// Exact where no other front that is known of comes first.
+    /// Exact where no other known front comes first.
     seeds: Vec<Seed>,
-    /// When its front first leaves its surroundings.
+    /// Time at which the front first leaves its surroundings.
     complete: f64,
 }
 
@@ -192,7 +196,7 @@ impl Alone {
     }
 }
 
-/// A seed that does not tell of its origin.
+/// Returns a seed without its origin.
 fn unnamed(seed: &Seed) -> Seed {
     Seed { origin: None, ..*seed }
 }

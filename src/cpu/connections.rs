@@ -1,4 +1,4 @@
-//! Connections to further neighbours where the eight leave an obtuse angle.
+//! Connects points to farther neighbours where the eight nearest ones leave an obtuse angle.
 
 use rayon::prelude::*;
 
@@ -6,24 +6,24 @@ use crate::constants::EVEN_SLOWNESS;
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Surface, SurfaceError};
 use crate::update::Triangle;
 
-/// The triangles that split obtuse ones, for [`super::fast_marching_with`] (paper, end of
-/// section 3, after Spira and Kimmel).
+/// The triangles that split obtuse ones, for [`super::fast_marching_with`] (paper, end of section 3, after
+/// Spira and Kimmel).
 ///
-/// An obtuse triangle between the neighbours x0 + a and x0 + b is split by the grid point
-/// x0 + a + b, the only one that can lie between them with no other in between, and its halves
-/// again until no angle is obtuse. Where that would reach over a hole or the border, or over what is a quarter slower
-/// or longer than what lies beside it, the obtuse triangle stays alone: the ends of a connection would not tell
-/// what it passes over.
+/// An obtuse triangle between the neighbours x0 + a and x0 + b is split by the grid point x0 + a + b. It is
+/// the only grid point that can lie between them with no other in between. The halves are split again until
+/// no angle is obtuse. A triangle is not split where that would reach over a hole or the border, or over a
+/// part that is a quarter slower or longer than what lies beside it. There, the ends of a connection would
+/// not tell what it passes over.
 #[derive(Clone, Debug)]
 pub struct Connections<R> {
     triangles: Vec<Split<R>>,
-    /// The triangles that look at a point of the bordered array are
+    /// The triangles that have a point of the bordered array as x1 or x2 are
     /// `lookers[first[point]..first[point + 1]]`.
     first: Vec<usize>,
     lookers: Vec<usize>,
 }
 
-/// One half of a split triangle; points are indices into a bordered array.
+/// One half of a split triangle. Points are indices into a bordered array.
 #[derive(Clone, Copy, Debug)]
 struct Split<R> {
     x0: usize,
@@ -32,18 +32,18 @@ struct Split<R> {
     l1: R,
     l2: R,
     c: R,
-    /// By which the lengths are weighted.
+    /// The slowness by which the lengths are weighted.
     slowness: R,
 }
 
 /// A step in rows and columns.
 type Step = (isize, isize);
 
-/// Farthest connection, in rows or columns: a front is not straight over longer ways.
+/// Length of the farthest connection, in rows or columns. Over longer distances a front is not straight.
 const FARTHEST: isize = 8;
 
 impl<R: Real> Connections<R> {
-    /// No further neighbours.
+    /// Returns no connections beyond the eight neighbours.
     pub fn eight(chart: Chart) -> Self {
         Self::new(chart, Vec::new())
     }
@@ -72,7 +72,7 @@ impl<R: Real> Connections<R> {
         Ok(Self::new(chart, triangles))
     }
 
-    /// Number of triangles added.
+    /// Returns the number of added triangles.
     pub fn triangles(&self) -> usize {
         self.triangles.len()
     }
@@ -93,8 +93,8 @@ impl<R: Real> Connections<R> {
         Self { triangles, first, lookers }
     }
 
-    /// The triangles with a point as x1 or x2: their x0, x1 and x2, their lengths, and the slowness that these
-    /// are weighted by.
+    /// Returns the triangles with a point as x1 or x2: their x0, x1 and x2, their lengths, and the slowness
+    /// that weights these.
     pub(super) fn around(
         &self,
         point: usize,
@@ -106,7 +106,7 @@ impl<R: Real> Connections<R> {
     }
 }
 
-/// A grid point and its surface.
+/// A grid point of a surface.
 #[derive(Clone, Copy)]
 struct Corner<'a> {
     surface: &'a Surface,
@@ -121,7 +121,7 @@ impl Corner<'_> {
         place.filter(|&(row, col)| self.surface.has(row, col))
     }
 
-    /// Without slowness.
+    /// Returns the length of a step on the surface, without slowness.
     fn length(self, from: Step, to: Step) -> f64 {
         match self.at(from).zip(self.at(to)) {
             Some((from, to)) => self.surface.length_on_surface(from, to),
@@ -132,11 +132,11 @@ impl Corner<'_> {
     fn is_obtuse(self, a: Step, b: Step) -> bool {
         let (l1, l2) = (self.length((0, 0), a), self.length((0, 0), b));
         let c = self.length(a, b);
-        // Not for a right angle that rounding has opened.
+        // Excludes right angles that rounding has widened.
         l1 * l1 + l2 * l2 < c * c * (1.0 - 1e-9)
     }
 
-    /// Adds the halves of an obtuse triangle, or those of their halves.
+    /// Adds the halves of an obtuse triangle. Obtuse halves are split in turn.
     fn split<R: Real>(self, a: Step, b: Step, triangles: &mut Vec<Split<R>>) {
         let middle = (a.0 + b.0, a.1 + b.1);
         if middle.0.abs().max(middle.1.abs()) > FARTHEST {
@@ -167,8 +167,8 @@ impl Corner<'_> {
         }
     }
 
-    /// The largest slowness in the smallest box around the steps and the point itself, if no point is missing from it and
-    /// neither that nor a metric changes by a quarter within it.
+    /// Returns the largest slowness in the smallest box around the steps and the point itself. Returns `None`
+    /// if a point is missing from the box, or if the slowness or a metric changes by a quarter within it.
     fn slowness_of_box(self, a: Step, b: Step, middle: Step) -> Option<f64> {
         let range = |k: fn(Step) -> isize| {
             let all = [0, k(a), k(b), k(middle)];
@@ -230,7 +230,8 @@ mod tests {
 
     #[test]
     fn every_obtuse_triangle_inside_is_split_into_two() {
-        // At 60 degrees, two of eight, each into two; 7 x 5 points are far from the border.
+        // At 60 degrees two of the eight triangles are split, each into two. The 7 x 5 points are far from
+        // the border.
         let surface = Builtin::ShearedPlane { degrees: 60.0 }.surface(9, 9).unwrap();
         let split = Connections::<f64>::split(&surface).unwrap();
         let chart = surface.chart();

@@ -1,10 +1,10 @@
-//! In which tiles two scans have anything to do, found before they start.
+//! Finds the tiles in which two scans have work, before they start.
 //!
-//! A scan has to look at every tile beside a change, and in most of them confirms that nothing
-//! follows from it: where all points are settled (`settled.rs`) with the fronts that the scan starts
-//! from, it changes nothing unless it brings a change there itself. That is found here for both
-//! scans of a pair at once, row by row as points lie in memory and by any number of threads. So few
-//! tiles are left of which columns have to be transposed.
+//! A scan has to examine every tile beside a change. In most of them it only confirms that the change has no
+//! effect. Where all points are settled (`settled.rs`) with the fronts that the scan starts from, it changes
+//! nothing unless it brings a change there itself. This module finds such tiles for both scans of a pair at
+//! once. It goes row by row, as points lie in memory, and with any number of threads. Few tiles remain whose
+//! columns have to be transposed.
 
 use std::ops::Range;
 
@@ -19,8 +19,8 @@ use super::tiles::{TILE, Tiles};
 use crate::lanes::Loop;
 use crate::surface::{Direction, Real};
 
-/// Finds the tiles in which two scans have something to do; returns how many points were looked
-/// at, twice those that were for both.
+/// Finds the tiles in which two scans have work. Returns the number of examined points. Points examined for
+/// both scans count twice.
 pub(super) fn find_due<'a, R: Real, K: FrontKind<'a, R>>(
     kind: &K,
     before: Before<R, K::Carried, K::Ground>,
@@ -54,7 +54,7 @@ pub(super) fn find_due<'a, R: Real, K: FrontKind<'a, R>>(
     tiles.rows_beside_changes(scans.map(|how| how.scan)).enumerate().map(in_band).sum()
 }
 
-/// The tiles of a row of them that a scan has to look at, which stand side by side.
+/// Returns the runs of adjacent tiles that a scan has to examine in a row of tiles.
 fn runs(beside: &[u8], scan: Scan) -> impl Iterator<Item = Range<usize>> {
     let mut end = 0;
     std::iter::from_fn(move || {
@@ -65,17 +65,17 @@ fn runs(beside: &[u8], scan: Scan) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
-/// Whether a scan has something to do in the tiles of a row of points: adds it to those that are
-/// due there.
+/// A check of whether a scan has work in the tiles along a row of points. It adds the scan to `due` of those
+/// tiles.
 struct Look<'l, 'a, R: Real, K: FrontKind<'a, R>> {
     kind: &'l K,
     before: &'l Before<'l, R, K::Carried, K::Ground>,
     /// The first point.
     first: usize,
     stretch: Stretch<'l, R, K::Carried, K::Ground>,
-    /// Which of their triangles are obtuse, if any are, and the bits of those of the scan.
+    /// The obtuse triangles of the points, if the surface has any, and the bits of those that the scan uses.
     obtuse: Option<(&'l [u8], u8)>,
-    /// From here to the next row.
+    /// Offset from a row to the next.
     stride: isize,
     how: How,
     due: &'l mut [u8],
@@ -93,13 +93,13 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Loop for Look<'_, 'a, R, K> {
             if *due & how.scan.bit() != 0 {
                 continue;
             }
-            // What comes from beyond the neighbours is not seen here.
+            // Fronts from points beyond the neighbours are not examined here.
             let is_split = |start: usize, points: usize| {
                 obtuse.is_some_and(|(obtuse, of_scan)| {
                     obtuse[start..][..points].iter().any(|bits| bits & of_scan != 0)
                 })
             };
-            // As updates stretch: the last one overlaps the one before.
+            // As updates do it: the last stretch overlaps the one before.
             let leaves = match points.checked_sub(TILE) {
                 Some(last) => {
                     let start = (tile * TILE).min(last);
@@ -129,8 +129,8 @@ mod tests {
     const DOWN_UP: [Scan; 2] = [Scan::DOWN, Scan::UP];
     const RIGHT_LEFT: [Scan; 2] = [Scan::RIGHT, Scan::LEFT];
 
-    /// The scans that have something to do around a point in the middle, if arrival times and what fronts
-    /// carry are these.
+    /// Returns the scans that have work around a point in the middle, given arrival times and the data that
+    /// fronts carry.
     fn due<'a, K: FrontKind<'a, f32>>(
         edges: &EdgeLengths<f32>,
         kind: &K,
@@ -165,7 +165,8 @@ mod tests {
         found
     }
 
-    /// So large that the tiles around the middle one have no border, along which nothing is settled.
+    /// Returns a plane so large that the tiles around the middle one have no border. Along borders nothing is
+    /// settled.
     fn plane() -> EdgeLengths<f32> {
         let chart = Chart { rows: 89, cols: 103 };
         let heights = vec![0.0; chart.points()];
@@ -176,7 +177,7 @@ mod tests {
 
     const MIDDLE: [usize; 2] = [40, 55];
 
-    /// A straight front that runs along a scan.
+    /// Returns the arrival time of a straight front that moves in the direction of a scan.
     fn along(scan: Scan, row: usize, col: usize) -> f32 {
         100.0
             + match scan {
@@ -187,7 +188,7 @@ mod tests {
             }
     }
 
-    /// What a scan brings itself is not settled in it.
+    /// A front that a scan brings itself is not settled in that scan.
     #[test]
     fn scans_have_something_to_do_where_their_fronts_would_come_earlier() {
         let edges = plane();
@@ -205,7 +206,7 @@ mod tests {
                 for (scans, across) in [(vertical, horizontal), (horizontal, vertical)] {
                     for scan in scans {
                         assert_eq!(found(scan, 0.0), [scan], "{wavefront} {instructions}");
-                        // Along a diagonal the front comes 0.4 after it should have.
+                        // Along a diagonal the front arrives 0.4 late.
                         assert_eq!(found(scan, 0.3), [scan], "{wavefront} {instructions}");
                         let mut three = found(scan, 0.6);
                         three.retain(|found| !across.contains(found));

@@ -1,4 +1,4 @@
-//! Algorithm 1: fast marching with a heap, the sequential reference.
+//! Solves by fast marching with a heap (Algorithm 1), the sequential reference.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -11,12 +11,12 @@ use super::solution::Solution;
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, Seed};
 use crate::update::{Kept, Triangle, Wavefront};
 
-/// Solves by fast marching (Algorithm 1): points are fixed in the order in which the front
-/// reaches them, and a point is updated from fixed points only.
+/// Solves by fast marching (Algorithm 1). Points are fixed in the order in which the front reaches them. A
+/// point is updated from fixed points only.
 ///
-/// With the planar wavefront and no obtuse triangle this is the raster scans' converged map; where
-/// triangles are obtuse a point can be fixed too early, and the map is an upper bound of it; see
-/// [`fast_marching_with`]. Circular and curved fronts that are fixed too early can err either way.
+/// With the planar wavefront and no obtuse triangle, the result is the converged map of the raster scans.
+/// Where triangles are obtuse, a point can be fixed too early, and the map is an upper bound of the converged
+/// one; see [`fast_marching_with`]. Circular and curved fronts that are fixed too early can err either way.
 pub fn fast_marching<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
@@ -25,8 +25,9 @@ pub fn fast_marching<R: Real>(
     fast_marching_with(edges, &Connections::eight(edges.chart()), seeds, wavefront)
 }
 
-/// [`fast_marching`] with connections to further neighbours, which mend the order in which points
-/// are fixed where triangles are obtuse. Of no account for the anchored wavefront, whose triangles are not.
+/// Runs [`fast_marching`] with connections to farther neighbours. They correct the order in which points are
+/// fixed where triangles are obtuse. The anchored wavefront does not use them, since its triangles are not
+/// obtuse.
 pub fn fast_marching_with<R: Real>(
     edges: &EdgeLengths<R>,
     connections: &Connections<R>,
@@ -43,8 +44,8 @@ pub fn fast_marching_with<R: Real>(
     }
 }
 
-/// The edges from a fixed point to its neighbours, and what lies around the fixed point as each neighbour
-/// sees it.
+/// Returns the edges from a fixed point to its neighbours, and the triangles at the fixed point as each
+/// neighbour sees them.
 fn spokes(chart: Chart) -> [(isize, EdgeSlot, Behind); 8] {
     Direction::ALL.map(|to| {
         let back = to.opposite();
@@ -89,8 +90,8 @@ fn by_triangles<'a, R: Real, K: TriangleKind<'a, R>>(
     march.fronts.finish(1, 0.0)
 }
 
-/// Over a floor plan this is exact: what is fixed has been reached on its shortest way, and has told its
-/// neighbours of its anchor. See `update/anchored.rs`.
+/// Solves over a floor plan, which is exact. A fixed point has been reached on its shortest path and has
+/// passed its anchor on to its neighbours. See `update/anchored.rs`.
 fn by_anchors<R: Real>(edges: &EdgeLengths<R>, seeds: &[Seed], kind: Anchored<R>) -> Solution<R> {
     let spokes = spokes(edges.chart());
     let mut march = March::start(PointFronts::start(edges, kind, seeds), seeds);
@@ -107,7 +108,7 @@ fn by_anchors<R: Real>(edges: &EdgeLengths<R>, seeds: &[Seed], kind: Anchored<R>
     march.fronts.finish(1, 0.0)
 }
 
-/// The fronts, which of them are fixed, and the heap of those that may be next.
+/// The fronts, flags of the fixed points, and the heap of the points that may be fixed next.
 struct March<'a, R: Real, K: FrontKind<'a, R>> {
     fronts: PointFronts<'a, R, K>,
     fixed: Vec<bool>,
@@ -125,11 +126,11 @@ impl<'a, R: Real, K: FrontKind<'a, R>> March<'a, R, K> {
         Self { fronts, fixed: vec![false; chart.bordered_points()], heap }
     }
 
-    /// Fixes the first point that is not.
+    /// Fixes the earliest point that is not fixed yet, and returns it.
     fn next(&mut self) -> Option<usize> {
         loop {
             let Reverse(Arrival { point, .. }) = self.heap.pop()?;
-            // A point stays in the heap under its earlier, larger times too.
+            // A point also stays in the heap with its previous, larger times.
             if !std::mem::replace(&mut self.fixed[point], true) {
                 return Some(point);
             }
@@ -140,13 +141,13 @@ impl<'a, R: Real, K: FrontKind<'a, R>> March<'a, R, K> {
         self.fixed[point]
     }
 
-    /// The front at a point, not reached unless it is fixed.
+    /// Returns the front at a point. A point that is not fixed counts as not reached.
     fn known(&self, point: usize) -> KeptBy<'a, R, K> {
         let front = self.fronts.at(point);
         Kept { time: if self.fixed[point] { front.time } else { R::FAR }, ..front }
     }
 
-    /// Brings what arrives at some time to a point.
+    /// Offers a front that arrives at `time` to a point.
     fn lower(&mut self, point: usize, arrival: K::Arrival, time: R) {
         if self.fronts.lower(point, arrival) > R::Bits::default() {
             self.heap.push(Reverse(Arrival { time, point }));
@@ -154,7 +155,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> March<'a, R, K> {
     }
 }
 
-/// A point of the front, ordered by arrival time; the index makes the order total.
+/// A point of the front, ordered by arrival time. The index makes the order total.
 #[derive(Clone, Copy, PartialEq)]
 struct Arrival<R> {
     time: R,

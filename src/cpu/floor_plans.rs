@@ -1,4 +1,4 @@
-//! Fronts over random floor plans, against exact polygons and against one another.
+//! Tests fronts over random floor plans against exact polygons and against one another.
 
 use glam::DVec2;
 
@@ -13,10 +13,10 @@ use crate::{Engine, Options, Sources, Wavefront, distance_map, distance_map_f64,
 
 const ROWS: usize = 97;
 const COLS: usize = 73;
-/// Plans of each kind.
+/// Number of plans of each kind.
 const PLANS: u64 = 12;
 
-/// Pseudo-random numbers (xorshift) below 1.
+/// A generator of pseudo-random numbers (xorshift) below 1.
 struct Random(u64);
 
 impl Random {
@@ -41,7 +41,7 @@ impl Random {
         DVec2::new(self.between(2.0, ROWS as f64 - 3.0), self.between(2.0, COLS as f64 - 3.0))
     }
 
-    /// A place in a cell, or at a point, that is free.
+    /// Returns a place in a cell, or at a point, that is free.
     fn free_place(&mut self, floor: &[bool], of_random: fn(DVec2) -> DVec2) -> DVec2 {
         let is_free = |place: &DVec2| {
             let corners = [place.floor(), place.ceil()];
@@ -54,7 +54,7 @@ impl Random {
     }
 }
 
-/// What stands on the floor.
+/// The obstacles on the floor.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     /// Nine boxes along the grid.
@@ -72,7 +72,7 @@ enum Kind {
 }
 
 impl Kind {
-    /// Those with holes of some size.
+    /// The kinds with holes of some size.
     const ALL: [Self; 5] =
         [Self::Boxes, Self::Walls, Self::Rooms, Self::TurnedBoxes, Self::Columns];
 
@@ -125,7 +125,7 @@ impl Kind {
     }
 }
 
-/// Whether a place, as seen from the middle of a box, lies in it.
+/// Returns whether a place, relative to the middle of a box, lies in the box.
 fn is_in_box(to: DVec2, half: DVec2, ahead: DVec2) -> bool {
     to.dot(ahead).abs() <= half.x && to.perp_dot(ahead).abs() <= half.y
 }
@@ -137,7 +137,7 @@ fn flat(floor: &[bool]) -> Surface {
     plane.unwrap().with_mask(floor).unwrap()
 }
 
-/// A floor, a source on it and exact distances.
+/// A floor, a source on it, and exact distances.
 struct Case {
     surface: Surface,
     sources: Sources,
@@ -145,12 +145,12 @@ struct Case {
 }
 
 impl Case {
-    /// With the source at a grid point.
+    /// Creates a case with the source at a grid point.
     fn new(kind: Kind, seed: u64) -> Self {
         Self::from_places(kind, seed, DVec2::floor)
     }
 
-    /// With the source inside a cell.
+    /// Creates a case with the source inside a cell.
     fn between(kind: Kind, seed: u64) -> Self {
         Self::from_places(kind, seed, |place| place)
     }
@@ -182,8 +182,8 @@ impl Case {
     }
 }
 
-/// Of single precision: what is left of exact distances, and how far two orders of updates are apart,
-/// and two precisions, of the largest distance.
+/// Figures of maps in single precision: the errors against exact distances, the differences between two
+/// orders of updates, and those between two precisions. Differences are relative to the largest distance.
 #[derive(Default)]
 struct Found {
     errors: Vec<f64>,
@@ -207,8 +207,8 @@ impl Found {
         found
     }
 
-    /// The mean error, and of orders and precisions how many plans differ by more than 2e-5 and the
-    /// largest difference.
+    /// Returns the mean error. For orders and for precisions, returns the number of plans that differ by more
+    /// than 2e-5 and the largest difference.
     fn figures(&self) -> (f64, [(usize, f64); 2]) {
         let mean = self.errors.iter().sum::<f64>() / self.errors.len() as f64;
         let apart = [&self.orders, &self.precisions].map(|differences| {
@@ -219,14 +219,14 @@ impl Found {
     }
 }
 
-/// The mean of two arcs is off behind every corner, but does not depend on rounding.
+/// The mean of two arcs has an error behind every corner, but does not depend on rounding.
 #[test]
 fn curved_fronts_over_floor_plans_agree() {
     for kind in Kind::ALL {
         let (mean, apart) = Found::of(Case::all(kind), Wavefront::Curved).figures();
         println!("{kind:?}, curved: mean error {mean:.1e}, orders and precisions apart {apart:?}");
         assert!(mean < 1e-3, "{kind:?}: {mean:e}");
-        // As much as where there are no holes.
+        // As much as on plans without holes.
         assert!(apart.iter().all(|&(_, most)| most < 5e-6), "{kind:?}: {apart:?}");
     }
 }
@@ -249,7 +249,7 @@ fn anchored_fronts_over_floor_plans_are_exact_and_agree() {
     }
 }
 
-/// From all at once, and one after another, where fronts are overtaken by later ones.
+/// Solves from all sources at once, and one after another, where fronts are overtaken by later ones.
 #[test]
 fn scans_from_several_sources_are_marched_maps() {
     let stop = Stop { tolerance: 1e-13, iterations: 1000 };
@@ -286,7 +286,7 @@ fn scans_from_several_sources_are_marched_maps() {
     }
 }
 
-/// Rays of sources inside cells do not wait beside diagonals: see [`with_diagonals`].
+/// Rays of sources inside cells do not wait beside diagonals; see [`with_diagonals`].
 #[test]
 fn anchored_fronts_settle_in_as_few_iterations_from_between_points() {
     let stop = Stop { tolerance: 1e-6, iterations: 1000 };
@@ -303,7 +303,7 @@ fn anchored_fronts_settle_in_as_few_iterations_from_between_points() {
     }
 }
 
-/// In the order of the shaders of each schedule.
+/// The orders of updates are those of the shaders of each schedule.
 #[test]
 fn anchored_fronts_over_floor_plans_are_exact_in_all_schedules() {
     let rounds = |edges: &EdgeLengths<f32>, seeds: &[Seed], wavefront, stop| {
@@ -332,7 +332,7 @@ fn anchored_fronts_over_floor_plans_are_exact_in_all_schedules() {
     }
 }
 
-/// What marching is asked for here.
+/// Returns the options of fast marching with anchors.
 fn by_anchors() -> Options {
     let (engine, wavefront) = (Engine::FastMarching, Some(Wavefront::Anchored));
     Options { engine, wavefront, ..Options::default() }
@@ -364,14 +364,14 @@ fn anchors_over_floor_plans_are_exact() {
              mean {:.1e}, in single precision {:.1e}",
             means[0], means[1]
         );
-        // Of some 6,400 points on each of twelve plans.
+        // Out of about 6,400 points on each of twelve plans.
         assert_eq!(off, 0, "{kind:?}: {off} points off");
         assert!(largest < 1e-14, "{kind:?}: {largest:e}");
         assert!(means[0] < 1e-15 && means[1] < 1e-7, "{kind:?}: {means:?}");
     }
 }
 
-/// Where a point's neighbours do not know of the corner that its path bends at, the map is late.
+/// Where a point's neighbours do not know the corner at which its path bends, the map is late.
 #[test]
 fn anchors_among_single_points_are_nearly_exact() {
     let (mut off, mut points, mut means, mut largest) = (0, 0, [0.0; 2], 0.0f64);
@@ -394,7 +394,7 @@ fn anchors_among_single_points_are_nearly_exact() {
     assert!(means[0] < 0.01 * means[1], "{means:?}");
 }
 
-/// A floor of 300 x 400 points, crowded with boxes at all angles, with the source inside a cell.
+/// Returns a floor of 300 x 400 points, crowded with boxes at all angles, with the source inside a cell.
 fn crowded(boxes: usize, [shortest, longest]: [DVec2; 2], seed: u64) -> Case {
     let (rows, cols) = (300, 400);
     let mut random = Random::new(seed);
@@ -423,7 +423,8 @@ fn crowded(boxes: usize, [shortest, longest]: [DVec2; 2], seed: u64) -> Case {
     Case { surface, sources: Sources::point(source[0], source[1]), exact }
 }
 
-/// Large plans, on which most paths bend many times: marched, and by scans in single precision.
+/// Solves large plans, on which most paths bend many times, by fast marching and by scans in single
+/// precision.
 #[test]
 fn anchors_among_crowds_are_nearly_exact() {
     for (name, boxes, shortest, longest) in [
@@ -441,7 +442,7 @@ fn anchors_among_crowds_are_nearly_exact() {
             });
             println!("{name} {seed}: marched {marched}; scanned {scanned}");
             for (errors, mean) in [(marched, 1e-8), (scanned, 3e-7)] {
-                // Of ten seeds each: 1.0e-8 and 1.1e-7, single points by up to 5.3e-4.
+                // Ten seeds of each have 1.0e-8 and 1.1e-7, and single points up to 5.3e-4.
                 assert!(
                     errors.mean_relative < mean && errors.max_of_largest < 1e-4,
                     "{name} {seed}"
@@ -451,7 +452,7 @@ fn anchors_among_crowds_are_nearly_exact() {
     }
 }
 
-/// Where anchors are exact, estimates tell rounding, and among single points what is missing.
+/// Where anchors are exact, estimates reflect rounding, and among single points the missing corners.
 #[test]
 fn estimates_over_floor_plans_are_near_the_errors() {
     for (kind, between) in
@@ -482,7 +483,8 @@ fn estimates_over_floor_plans_are_near_the_errors() {
             "{kind:?}, sources between points {between}: mean estimate over mean error {ratio:.2}, \
              errors below twice the estimate {within_twice:.4}, left {left:.2}"
         );
-        // Measured: 2.8 to 4.7, among single points 2.0 with 0.01 and 0.03 left; 98.7 % and more.
+        // Measured: 2.8 to 4.7. Among single points 2.0, with 0.01 and 0.03 left. Within twice the estimate:
+        // 98.7 % and more.
         assert!((1.5..6.0).contains(&ratio) && within_twice > 0.98, "{kind:?}");
         assert!(left < if matches!(kind, Kind::Strewn) { 0.1 } else { 1.1 }, "{kind:?}: {left}");
     }

@@ -1,5 +1,5 @@
-//! Lines of points side by side, and the lengths between them: rows of the grid, or columns of it that a
-//! [`super::panel::Panel`] has transposed into rows.
+//! Describes lines of points side by side, and the lengths of their edges. Lines are rows of the grid, or
+//! columns of it that a [`super::panel::Panel`] has transposed into rows.
 
 use std::ops::Range;
 
@@ -10,35 +10,35 @@ use crate::lanes::prefetch;
 use crate::surface::{EdgeLengths, Real};
 use crate::update::{Carried, Kept};
 
-/// Bordered arrays of lines, while a scan updates them: point p of line l has index l * `stride` + p + 1, with
-/// lines counted from the first and points from the first inside the border.
+/// Bordered arrays of lines while a scan updates them. Point p of line l has index l * `stride` + p + 1.
+/// Lines are counted from the first line, points from the first one inside the border.
 pub(super) struct GridLines<'a, R, C, G> {
     pub stride: usize,
-    /// What lies behind a point, lines being rows.
+    /// The neighbours behind a point, where lines are rows.
     pub behind: Behind,
     pub times: &'a mut [R],
-    /// What fronts carry, and what is known of the surface.
+    /// The data that fronts carry, and the data of the surface.
     pub carried: &'a mut [C],
     pub ground: &'a [G],
-    /// Lengths of the edges to the next point, to the line before, and there to the next and to
-    /// the previous point; empty where they are of no account.
+    /// Lengths of the edges to the next point, to the point on the line before, and on that line to the next
+    /// and to the previous point. Empty where edges are not needed.
     pub edges: [&'a [R]; 4],
     pub place: LinesInGrid<'a, R, C>,
 }
 
-/// Where lines lie in the grid.
+/// The position of lines in the grid.
 pub(super) struct LinesInGrid<'a, R, C> {
     /// All edges of the surface.
     pub edges: &'a EdgeLengths<R>,
-    /// Which row or column, counted from the border, is the first of these lines.
+    /// The row or column, counted from the border, of the first of these lines.
     pub first: usize,
-    /// Of lines that are columns: which rows of them are here, and the whole grid, where fronts are found
-    /// that are not.
+    /// For lines that are columns: the rows of them that are in these arrays, and the arrays of the whole
+    /// grid, which have the fronts at all other points.
     pub beyond: Option<(Range<usize>, &'a [R], &'a [C])>,
 }
 
 impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
-    /// Points of a line and the line behind it.
+    /// Returns part of a line together with the line behind it.
     pub(super) fn line(
         &mut self,
         line: usize,
@@ -67,7 +67,7 @@ impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
         }
     }
 
-    /// The number here of a row or column of the grid.
+    /// Returns the index in these arrays of a row or column of the grid.
     pub(super) fn number(&self, line: usize) -> usize {
         line + 1 - self.place.first
     }
@@ -76,7 +76,7 @@ impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
         if scan.is_forward() { line - 1 } else { line + 1 }
     }
 
-    /// The front at a point of the grid.
+    /// Returns the front at a point of the grid.
     pub(super) fn front(&self, point: usize) -> Kept<R, C> {
         let LinesInGrid { edges, first, beyond } = &self.place;
         let Some((rows, times, carried)) = beyond else {
@@ -91,14 +91,14 @@ impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
         }
     }
 
-    /// Row and column, from the border, of point p of a line.
+    /// Returns the row and column, counted from the border, of point `point` of a line.
     #[inline(always)]
     pub(super) fn position(&self, line: usize, point: usize, scan: Scan) -> [usize; 2] {
         scan.lines().place(self.place.first + line, point + 1).into()
     }
 }
 
-/// Two ranges of an array that do not overlap, the first for writing.
+/// Returns two ranges of an array that do not overlap. The first one is mutable.
 fn here_and_there<T>(array: &mut [T], here: Range<usize>, there: Range<usize>) -> (&mut [T], &[T]) {
     if there.start >= here.end {
         let (low, high) = array.split_at_mut(there.start);
@@ -109,27 +109,27 @@ fn here_and_there<T>(array: &mut [T], here: Range<usize>, there: Range<usize>) -
     }
 }
 
-/// A line of n points and what their update needs.
+/// A line of n points and the data that their update needs.
 pub(super) struct ScanLine<'a, R, C, G> {
-    /// Arrival times, what fronts carry, and what is known of the surface, n of each.
+    /// Arrival times, data carried by fronts, and data of the surface, n of each.
     pub times: &'a mut [R],
     pub carried: &'a mut [C],
     pub ground: &'a [G],
-    /// Those of the line that the scan has just passed, from the point before the first to the one
-    /// after the last: n + 2 of each.
+    /// Data of the line that the scan has just passed, from the point before the first to the one after the
+    /// last: n + 2 of each.
     pub times_behind: &'a [R],
     pub carried_behind: &'a [C],
     pub ground_behind: &'a [G],
-    /// Lengths of the edges to the neighbours behind: the one before, this one, the one after.
+    /// Lengths of the edges to the neighbours behind: the one before, the one beside, the one after.
     pub edges: [&'a [R]; 3],
-    /// Lengths of the edges between the points behind, n + 1 of them.
+    /// Lengths of the n + 1 edges between the points behind.
     pub bases: &'a [R],
-    /// From here to the line that is updated next.
+    /// Offset from a point to the line that is updated next.
     pub next: isize,
 }
 
 impl<R: Real, C: Carried, G> ScanLine<'_, R, C, G> {
-    /// Some of its points.
+    /// Returns the stretch of `points` points from `start` on.
     #[inline(always)]
     pub(super) fn stretch(&self, start: usize, points: usize) -> Stretch<'_, R, C, G> {
         let bases = &self.bases[start..][..points + 1];
@@ -148,14 +148,14 @@ impl<R: Real, C: Carried, G> ScanLine<'_, R, C, G> {
         }
     }
 
-    /// What is known of the surface behind some points: before, beside and after them.
+    /// Returns the surface data behind some points: before, beside and after each of them.
     #[inline(always)]
     pub(super) fn ground_behind(&self, start: usize, points: usize) -> [&[G]; 3] {
         threefold(self.ground_behind, start, points)
     }
 
-    /// Asks for what the next line's update needs from some point on. The machine foresees only what
-    /// follows within a page, and a line is about as long as that.
+    /// Prefetches the data that the update of the next line needs, from the point `start` on. The hardware
+    /// prefetcher stays within a page, and a line is about as long as a page.
     #[inline(always)]
     pub(super) fn prefetch_next(&self, start: usize) {
         let place = self.next + start as isize;
@@ -167,7 +167,7 @@ impl<R: Real, C: Carried, G> ScanLine<'_, R, C, G> {
     }
 }
 
-/// What lies behind points before, beside and after them.
+/// Returns the entries behind points: before, beside and after each of them.
 #[inline(always)]
 fn threefold<T>(behind: &[T], start: usize, points: usize) -> [&[T]; 3] {
     if size_of::<T>() == 0 {

@@ -1,14 +1,15 @@
-//! The update of one line of points from the line behind it: what rotated scans are made of.
+//! Updates one line of points from the line behind it. Rotated scans consist of such updates.
 //!
-//! The loops have no branch, so that the compiler turns points into lanes; see [`Loop`]. What happens at a point
-//! is a matter of the front (`fronts/`).
+//! The loops have no branches, so that the compiler maps points to SIMD lanes; see [`Loop`]. The update of a
+//! point depends on the kind of front (`fronts/`).
 
 use super::Instructions;
 use super::scan::Scan;
 use super::tiles::TILE;
 use crate::lanes::Loop;
 
-/// How points are updated: a scan `renews` fronts that it has brought before, or not.
+/// Options of a line update. `renews`: whether a scan may replace a front that the same scan direction
+/// brought earlier.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct How {
     pub scan: Scan,
@@ -16,8 +17,8 @@ pub(super) struct How {
     pub instructions: Instructions,
 }
 
-/// What updates have come to: the largest change ([`crate::surface::Real::units_between`]), and how many points
-/// have been updated. Those that are settled have not.
+/// Result of updating one or more lines: the largest change ([`crate::surface::Real::units_between`]) and the
+/// number of updated points. Settled points are skipped and not counted.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Updated<B> {
     pub largest: B,
@@ -31,20 +32,21 @@ impl<B: Ord> Updated<B> {
     }
 }
 
-/// A line whose points are updated stretch by stretch. All methods are to be inlined into [`Loop::run`].
+/// A line whose points are updated stretch by stretch. All methods must be inlined into [`Loop::run`].
 pub(super) trait Stretches {
-    /// The largest changes so far, maybe kept apart by their place in the stretch for the sake of lanes.
+    /// The largest changes so far. They may be kept apart by their place in the stretch, for the sake of SIMD
+    /// lanes.
     type Changes: Default;
     type Bits: Ord + Default;
 
-    /// Number of points.
+    /// Returns the number of points.
     fn points(&self) -> usize;
 
-    /// Asks for what the next line's update needs from some point on.
+    /// Prefetches the data that the update of the next line needs, from the point `start` on.
     fn prefetch_next(&self, start: usize);
 
-    /// Updates some points: whether it has changed anything at all, tags included; `None` if all of them
-    /// are settled.
+    /// Updates `points` points from `start` on. Returns whether anything has changed, tags included, or
+    /// `None` if all of the points are settled.
     fn update(
         &mut self,
         start: usize,
@@ -56,16 +58,15 @@ pub(super) trait Stretches {
     fn largest(changes: Self::Changes) -> Self::Bits;
 }
 
-/// The update of a line by a scan, and where to mark which stretches of [`TILE`] points it has
-/// changed.
+/// The update of a line by a scan. `changed` marks the stretches of [`TILE`] points that the update changes.
 pub(super) struct LineUpdate<'a, L> {
     pub line: L,
     pub how: How,
     pub changed: &'a mut [bool],
 }
 
-/// Updates each stretch of [`TILE`] points; the last one overlaps the one before if the line has a
-/// remainder, which does no harm: what has been updated stays as it is.
+/// Updates each stretch of [`TILE`] points. If the line has a remainder, the last stretch overlaps the one
+/// before. This does no harm: updated points stay as they are.
 impl<L: Stretches> Loop for LineUpdate<'_, L> {
     type Output = Updated<L::Bits>;
 
@@ -76,7 +77,7 @@ impl<L: Stretches> Loop for LineUpdate<'_, L> {
         let (mut changes, mut updated) = (L::Changes::default(), 0);
         for (tile, changed) in changed.iter_mut().enumerate() {
             line.prefetch_next(tile * TILE);
-            // Two calls, since a number of points that is known when this is compiled needs no loop.
+            // Two calls, since a number of points that is known at compile time needs no loop.
             let any = match points.checked_sub(TILE) {
                 Some(last) => line.update((tile * TILE).min(last), TILE, how, &mut changes),
                 None => line.update(0, points, how, &mut changes),

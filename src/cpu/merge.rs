@@ -1,4 +1,4 @@
-//! Makes the copies that two opposite scans have worked on the same again.
+//! Merges the two copies of the fronts that opposite scans have worked on.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use crate::lanes::Loop;
 use crate::surface::{Chart, Real};
 use crate::update::{Carried, Kept};
 
-/// Leaves both copies with the first front to arrive at each point.
+/// Leaves the first front to arrive at each point in both copies.
 pub(super) fn merge<'a, R: Real, K: FrontKind<'a, R>>(
     chart: Chart,
     tiles: &Tiles,
@@ -31,7 +31,8 @@ pub(super) fn merge<'a, R: Real, K: FrontKind<'a, R>>(
         merge_band(chart, tiles, band, changed, |points, changed| {
             let a = (&mut a[points.clone()], &mut a_carried[points.clone()]);
             let b = (&mut b[points.clone()], &mut b_carried[points]);
-            // What one scan has left alone is as it was before, and the other's is what has come.
+            // If only one scan has changed a tile, its copy is taken over. The other copy is as it was
+            // before.
             match changed {
                 [true, true] => instructions.run(Merge::<R, K> { a, b, scans }),
                 [true, false] => copy(a, b),
@@ -46,8 +47,8 @@ fn copy<R: Copy, C: Copy>(from: (&mut [R], &mut [C]), to: (&mut [R], &mut [C])) 
     to.1.copy_from_slice(from.1);
 }
 
-/// Calls `merge` with the points of each line of a band's tiles that one of two scans has changed,
-/// and says which.
+/// Calls `merge` with the points of each line in those tiles of a band that one of two scans has changed, and
+/// with flags of the scans that have changed them.
 fn merge_band(
     chart: Chart,
     tiles: &Tiles,
@@ -73,8 +74,8 @@ fn merge_band(
     }
 }
 
-/// Takes the first of two fronts. A copy whose front the other scan had brought before has not changed at
-/// this point.
+/// A merge that takes the first of two fronts. Where a copy still has a front that the other scan brought
+/// earlier, that copy has not changed, and the other one is taken.
 struct Merge<'l, 'a, R: Real, K: FrontKind<'a, R>> {
     a: (&'l mut [R], &'l mut [K::Carried]),
     b: (&'l mut [R], &'l mut [K::Carried]),

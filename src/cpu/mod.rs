@@ -1,15 +1,15 @@
-//! The CPU engine: rotated raster scans in lanes, [`RotatedScan`]; and, point by point, the
-//! references it is held against: directed scans, fast marching and, with the feature `twins`, the shaders'
-//! twins.
+//! Solves distance maps on the CPU: [`RotatedScan`] runs rotated raster scans in SIMD lanes. The
+//! point-by-point references that it is tested against are here too: directed scans, fast marching and, with
+//! the feature `twins`, the shaders' twins.
 //!
-//! All share one update and one array layout (a border of points that are never reached), and
-//! converge to the same map. Single precision is for use, double precision for reference. What a front is,
-//! how it starts, goes on and is compared, is said in one file for each kind (`fronts/`).
+//! All solvers share one update and one array layout, which has a border of points that are never reached.
+//! They converge to the same map. Single precision is for use, double precision for reference. Each kind of
+//! front has a file in `fronts/`, which says what the front is, how it starts, continues and is compared.
 //!
 //! [`RotatedScan`] updates a row from the row behind it, sixteen points at once with AVX-512
-//! (`line_update.rs`); columns are rows of a transposed panel of sixteen (`panel.rs`, `transposed.rs`); and a
-//! scan visits only tiles beside which something has changed since it passed (`tiles.rs`), if anything
-//! follows from that (`due.rs`).
+//! (`line_update.rs`). Columns are updated as rows of a transposed panel of sixteen (`panel.rs`,
+//! `transposed.rs`). A scan visits only tiles beside which something has changed since it last passed
+//! (`tiles.rs`), and only if that change has an effect (`due.rs`).
 
 mod behind;
 mod ceilings;

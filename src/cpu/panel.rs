@@ -1,5 +1,5 @@
-//! Columns as rows: a transposed copy of as many columns as a tile is wide, so that scans to the
-//! right and left read and write points that lie side by side.
+//! Holds columns as rows. A panel is a transposed copy of as many columns as a tile is wide, so that scans to
+//! the right and left read and write points that are adjacent in memory.
 
 use std::ops::Range;
 
@@ -13,26 +13,26 @@ use super::transposed::{ColumnsToLines, TransposedEdges};
 use crate::surface::{Block, Chart, EdgeLengths, Real};
 use crate::update::Carried;
 
-/// Up to [`TILE`] columns of bordered arrays and the one behind them, transposed into lines.
+/// Up to [`TILE`] columns of bordered arrays and the column behind them, transposed into lines.
 #[derive(Clone, Debug)]
 pub(super) struct Panel<R, C, G> {
-    /// The distance from a line to the next.
+    /// Distance in memory from a line to the next.
     stride: usize,
     times: Vec<R>,
     carried: Vec<C>,
     ground: Vec<G>,
-    /// Empty where edges are of no account.
+    /// Edge lengths; empty where they are not needed.
     edges: [Vec<R>; 4],
     /// The first column, counted from the border, and the number of lines.
     first: usize,
     lines: usize,
 }
 
-/// What is known of the grid's surface.
+/// The surface data of the grid.
 #[derive(Clone, Copy)]
 pub(super) struct Grid<'a, R, G> {
     pub edges: &'a EdgeLengths<R>,
-    /// The edges back of its columns, if they are kept.
+    /// Transposed edges from columns to those before them, if they are kept.
     pub transposed: Option<&'a TransposedEdges<R>>,
     pub ground: &'a [G],
 }
@@ -40,7 +40,7 @@ pub(super) struct Grid<'a, R, G> {
 impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
     pub(super) fn new(chart: Chart, needs_edges: bool) -> Self {
         let stride = chart.transposed().stride();
-        // One more, to which edges of the last point reach.
+        // One more entry, to which edges of the last point reach.
         let points = (TILE + 1) * stride + 1;
         Self {
             stride,
@@ -53,13 +53,13 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         }
     }
 
-    /// Frees the room for edges that are kept in [`TransposedEdges`].
+    /// Frees the memory for edges that are kept in [`TransposedEdges`].
     pub(super) fn free_edges_back(&mut self) {
         let [_, back @ ..] = &mut self.edges;
         *back = [(); 3].map(|_| Vec::new());
     }
 
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         let edges = self.edges.iter().map(|array| std::mem::size_of_val(array.as_slice()));
         std::mem::size_of_val(self.times.as_slice())
@@ -68,7 +68,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
             + edges.sum::<usize>()
     }
 
-    /// Copies points of a band of columns, and what their update needs around them.
+    /// Copies points of a band of columns, and the data around them that their update needs.
     pub(super) fn load(
         &mut self,
         grid: Grid<R, G>,
@@ -78,7 +78,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         instructions: Instructions,
     ) {
         let chart = grid.edges.chart();
-        // Counted from the border, column c is 1 + c, and the one behind lies before or after.
+        // Counted from the border, column c is 1 + c, and the column behind is before or after it.
         self.first = if scan.is_forward() { cols.start } else { cols.start + 1 };
         self.lines = cols.len() + 1;
         let lines = ColumnsToLines { chart, first: self.first, count: self.lines, instructions };
@@ -98,7 +98,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         }
     }
 
-    /// The columns as lines, of which some rows are here.
+    /// Returns the columns as lines. The panel holds their entries in `rows`.
     pub(super) fn lines<'a>(
         &'a mut self,
         grid: Grid<'a, R, G>,
@@ -129,7 +129,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         }
     }
 
-    /// Copies points of a band of columns back.
+    /// Copies points of a band of columns back into the grid.
     pub(super) fn store(
         &self,
         (times, carried): (&mut [R], &mut [C]),

@@ -1,4 +1,4 @@
-//! The fronts at all points of a bordered array, updated one by one.
+//! Holds the fronts at all points of a bordered array, and updates them one by one.
 
 use super::behind::Behind;
 use super::fronts::{FrontKind, KeptBy};
@@ -18,7 +18,7 @@ pub(super) struct PointFronts<'a, R: Real, K: FrontKind<'a, R>> {
 }
 
 impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
-    /// No point reached but the seeds.
+    /// Creates fronts where only the seeds are reached.
     pub(super) fn start(edges: &'a EdgeLengths<R>, kind: K, seeds: &[Seed]) -> Self {
         let points = edges.chart().bordered_points();
         let (times, carried) = (vec![R::FAR; points], vec![K::Carried::default(); points]);
@@ -40,7 +40,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
         }
     }
 
-    /// Starts again from seeds that are lost ([`Seed::is_lost`]); returns whether there were any.
+    /// Restores seeds that are lost ([`Seed::is_lost`]). Returns whether there were any.
     pub(super) fn restore(&mut self, seeds: &[Seed]) -> bool {
         let chart = self.edges.chart();
         let is_lost = |seed: &Seed| seed.is_lost(self.time(chart.bordered(seed.row, seed.col)));
@@ -51,13 +51,13 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
         any
     }
 
-    /// Arrival time at a point.
+    /// Returns the arrival time at a point.
     #[inline]
     pub(super) fn time(&self, point: usize) -> R {
         self.times[point]
     }
 
-    /// The front at a point.
+    /// Returns the front at a point.
     #[inline]
     pub(super) fn at(&self, point: usize) -> KeptBy<'a, R, K> {
         Kept { time: self.times[point], carried: self.carried[point] }
@@ -67,13 +67,13 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
         (self.times[point], self.carried[point]) = (front.time, front.carried);
     }
 
-    /// The first of the fronts that reach a point through the two triangles of a scan.
+    /// Returns the first of the fronts that reach a point through the two triangles of a scan.
     #[inline]
     pub(super) fn reach(&self, point: usize, behind: &Behind) -> K::Arrival {
         self.reach_seen(point, behind, |x| self.at(x))
     }
 
-    /// The same, with the fronts at other points seen through `seen`.
+    /// Returns the same as `reach`, with the fronts at other points given by `seen`.
     #[inline]
     pub(super) fn reach_seen(
         &self,
@@ -84,14 +84,14 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
         self.kind.reach(self.edges, point, behind, seen)
     }
 
-    /// Accepts a front at a point if it is the first; returns the change of the time.
+    /// Accepts a front at a point if it is the first. Returns the change of the time.
     #[inline]
     pub(super) fn lower(&mut self, point: usize, arrival: K::Arrival) -> R::Bits {
         self.accept(point, arrival, SEED, false)
     }
 
-    /// Accepts a front that one of the scans, numbered from 1, brings to a point
-    /// ([`FrontKind::accept`]); returns the change of the front.
+    /// Accepts a front that a scan, numbered from 1, brings to a point ([`FrontKind::accept`]). Returns the
+    /// change of the front.
     #[inline]
     pub(super) fn accept(
         &mut self,
@@ -111,22 +111,22 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
     }
 }
 
-/// What the shaders' twins need beside that.
+/// Further methods for the shaders' twins.
 #[cfg(any(test, feature = "twins"))]
 impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
-    /// How much the front at a point has changed since, as from [`Self::accept`].
+    /// Returns the change of the front at a point since `before`, as [`Self::accept`] measures it.
     pub(super) fn change_from(&self, before: &Self, point: usize) -> R::Bits {
         K::change(before.at(point), self.at(point))
     }
 
-    /// Takes over the front at a point.
+    /// Copies the front at a point from `from`.
     pub(super) fn copy_point(&mut self, from: &Self, point: usize) {
         self.set(point, from.at(point));
     }
 
-    /// Takes the first of the fronts that copies have at a point after scans of their own, numbered
-    /// from 1 in their order; returns the change. A front that the copy's own scan has not brought
-    /// stands for nothing but the one that is here; if that has been taken back, none is left.
+    /// Takes the first of the fronts at a point in four copies, after the scans numbered from 1 in the order
+    /// of the copies. Returns the change. A front that the copy's own scan has not brought does not count: it
+    /// stands for the present one. If it has been taken back, no front is left.
     pub(super) fn take_first(&mut self, copies: &[Self; 4], point: usize) -> R::Bits {
         let before = self.at(point);
         let (mut taken, mut left): (Option<KeptBy<'a, R, K>>, _) = (None, before);

@@ -1,28 +1,27 @@
-//! When to stop iterating, and when to stop renewing curved fronts. The twin of
-//! `glsl/progress.comp`.
+//! Decides when to stop iterating, and when to stop renewing curved fronts. The twin of `glsl/progress.comp`.
 //!
-//! Fronts that are renewed settle in a few iterations where each depends on earlier ones alone.
-//! On rough surfaces, or where slowness jumps, triangles let two points depend on one another, and
-//! around corners their fronts can then take turns for ever: three of 48 random surfaces did.
+//! Renewed fronts settle in a few iterations if each depends only on earlier ones. On rough surfaces, or
+//! where the slowness jumps, two points may depend on one another through triangles. Around corners their
+//! fronts may then alternate forever, as on three of 48 random surfaces.
 
 use crate::Stop;
 use crate::constants::{CURVATURE_COUNTS, FIRST_REACHED, PATIENCE};
 use crate::surface::{Real, min, relative_change};
 
-/// What a change of curvature counts, in units of the arrival time: `bend` is its size times that
-/// time. However large, it is not taken for a point's first front.
+/// Returns how much a change of curvature counts, in units of the arrival time. `bend` is the size of the
+/// change times the arrival time. However large, it does not count as a point's first front.
 #[inline(always)]
 pub(crate) fn bend_units<R: Real>(bend: R) -> R::Bits {
     min(bend * R::of(CURVATURE_COUNTS), R::one()).in_units()
 }
 
-/// How the iterations so far have gone.
+/// The progress of the iterations so far.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Progress {
     stop: Stop,
-    /// Iterations of four scans.
+    /// Number of iterations of four scans.
     pub iterations: u32,
-    /// Relative change of the last one.
+    /// Relative change of the last iteration.
     pub residual: f64,
     since_reached: u32,
 }
@@ -32,7 +31,7 @@ impl Progress {
         Self { stop, iterations: 0, residual: f64::INFINITY, since_reached: 0 }
     }
 
-    /// Counts an iteration, given its largest change; returns whether it was the last.
+    /// Counts an iteration, given its largest change. Returns whether it was the last one.
     pub(crate) fn is_done<R: Real>(&mut self, change: R::Bits) -> bool {
         self.iterations += 1;
         self.residual = relative_change::<R>(change);
@@ -43,12 +42,12 @@ impl Progress {
         self.residual <= self.stop.tolerance || self.iterations >= self.stop.iterations
     }
 
-    /// Whether there may be no further iteration.
+    /// Returns whether no further iteration is allowed.
     pub(crate) fn is_last(&self) -> bool {
         self.iterations >= self.stop.iterations
     }
 
-    /// Whether the next iteration renews curved fronts.
+    /// Returns whether the next iteration renews curved fronts.
     pub(crate) fn renews(&self) -> bool {
         self.since_reached < PATIENCE
     }

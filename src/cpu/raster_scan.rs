@@ -1,4 +1,4 @@
-//! Algorithm 3: four directed raster scans, row by row.
+//! Solves by four directed raster scans, row by row (Algorithm 3).
 
 use super::Progress;
 use super::behind::Behind;
@@ -9,8 +9,8 @@ use crate::Stop;
 use crate::surface::{Direction, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 
-/// Solves by directed raster scans in the paper's order (Algorithm 3; figure 3, first row): a
-/// point looks at the three neighbours that its scan has just passed.
+/// Solves by directed raster scans in the paper's order (Algorithm 3; figure 3, first row). A point is
+/// updated from the three neighbours that its scan has just passed.
 pub fn raster_scan<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],

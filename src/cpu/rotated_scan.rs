@@ -1,4 +1,4 @@
-//! Rotated raster scans in lanes: whole rows, then whole columns.
+//! Solves by rotated raster scans in SIMD lanes: whole rows, then whole columns.
 
 use super::Instructions;
 use super::fronts::{FrontKind, for_kind};
@@ -8,8 +8,8 @@ use crate::surface::{Chart, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 use crate::{Convergence, Stop};
 
-/// Solves by the scans rotated by 45 degrees (figure 3, second row): down and up, then right and
-/// left. All points of a row or column are updated at once, in lanes; see [`RotatedScan`].
+/// Solves by the scans rotated by 45 degrees (figure 3, second row): down and up, then right and left. All
+/// points of a row or column are updated at once, in SIMD lanes; see [`RotatedScan`].
 pub fn rotated_scan<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
@@ -23,21 +23,21 @@ pub fn rotated_scan<R: Real>(
     })
 }
 
-/// Solves one map after another of one surface by rotated scans, without allocating anew. The second
-/// map of straight fronts on grids of 256 x 256 points and more fills 12 bytes a point in single
-/// precision that make it and all others faster.
+/// A solver by rotated scans for many maps of one surface, one after another. It allocates memory only once.
+/// For straight fronts on grids of at least 256 x 256 points, the second map fills another 12 bytes per point
+/// (in single precision). They make the second map and all later ones faster.
 ///
-/// Opposite scans run side by side on two copies of the fronts, which are then merged: a front
-/// that turns back has to pass through the other pair of scans anyhow. So the map is the same to
-/// the bit for any number of threads.
+/// Opposite scans run in parallel on two copies of the fronts, which are then merged. This loses nothing: a
+/// front that turns back has to pass through the other pair of scans anyway. So the map is bit-identical for
+/// any number of threads.
 #[derive(Debug)]
 pub struct RotatedScan<'a, R> {
     chart: Chart,
-    /// For a kind of front.
+    /// The scanner for one kind of front.
     scanner: Box<dyn Scans<R> + 'a>,
 }
 
-/// A [`Scanner`], whatever the kind of front.
+/// A [`Scanner`] of any kind of front.
 trait Scans<R>: std::fmt::Debug + Send + Sync {
     fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence;
     fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence;
@@ -89,38 +89,38 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scans<R> for Scanner<'a, R, K> {
 }
 
 impl<'a, R: Real> RotatedScan<'a, R> {
-    /// Makes room for the maps of a surface, on the best instructions there are.
+    /// Allocates the memory for maps of a surface. Uses the best instructions that are available.
     pub fn new(edges: &'a EdgeLengths<R>, wavefront: Wavefront) -> Self {
         let scanner: Box<dyn Scans<R> + 'a> =
             for_kind!(edges, wavefront, kind => Box::new(Scanner::new(edges, kind)));
         Self { chart: edges.chart(), scanner }
     }
 
-    /// Chooses the instructions; the map does not depend on them.
+    /// Sets the instructions. The map does not depend on them.
     ///
     /// # Panics
-    /// If this machine does not have them; see [`Instructions::available`].
+    /// If this machine does not have the instructions; see [`Instructions::available`].
     pub fn with_instructions(mut self, instructions: Instructions) -> Self {
         assert!(Instructions::available().contains(&instructions), "no {instructions} here");
         self.scanner.set_instructions(instructions);
         self
     }
 
-    /// Computes the map of some sources.
+    /// Computes the distance map of `seeds`.
     pub fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         self.scanner.solve(seeds, stop)
     }
 
-    /// Adds sources to the last map, as [`crate::vulkan::Solver::add`] does on a device. Only tiles
-    /// that their fronts reach first are visited, so that a source among many costs what its own
-    /// region does.
+    /// Adds sources to the last map, as [`crate::vulkan::Solver::add`] does on a device. Only tiles that the
+    /// new fronts reach first are visited. So a source among many costs only as much as its own region.
     ///
-    /// If the last map has converged, so has this one, of all sources. With the planar wavefront it
-    /// is the one that [`Self::solve`] finds from all of them, within the tolerance, whose updates
-    /// have a single fixed point. The others' have not in theory; on smooth and on rough surfaces
-    /// with holes both ways agree to rounding all the same (`tests/maps/sampling.rs`), but where curved
-    /// fronts do not settle. Times fall, but a curved front that is renewed may come later by its
-    /// error. Seeds that lie behind the map change nothing. On a new solver this is `solve`.
+    /// If the last map has converged, the result is the converged map of all sources. With the planar
+    /// wavefront it equals the map that [`Self::solve`] finds from all of them, within the tolerance, since
+    /// planar updates have a single fixed point. In theory, the updates of the other wavefronts do not. In
+    /// practice both ways agree to rounding on smooth and on rough surfaces with holes
+    /// (`tests/maps/sampling.rs`), except where curved fronts do not settle. Arrival times only decrease,
+    /// except that a curved front that is renewed may come later by its error. Seeds that start no earlier
+    /// than the map at their points change nothing. On a new solver this is the same as `solve`.
     ///
     /// ```
     /// use geosweep::cpu::RotatedScan;
@@ -143,29 +143,29 @@ impl<'a, R: Real> RotatedScan<'a, R> {
         self.scanner.add(seeds, stop)
     }
 
-    /// The distances of the last map, row-major, +infinity where the sources do not reach.
+    /// Returns the distances of the last map, row-major. They are +infinity where the sources do not reach.
     pub fn distances(&self) -> Vec<R> {
         distances(self.chart, self.scanner.times())
     }
 
-    /// How many times the scans of the last map have come to a point, and read what its update
-    /// needs, or have looked before whether to come.
+    /// Returns the number of point visits of the last map. A visit reads what the point's update needs.
+    /// Points that are examined before a scan, to decide whether to visit them, count as well.
     pub fn visits(&self) -> u64 {
         self.scanner.visits()
     }
 
-    /// How many times they have updated one, each time from one triangle or two: less often, since
-    /// of points that are settled a simpler test finds that no front comes earlier.
+    /// Returns the number of point updates of the last map. Each update uses one or two triangles. There are
+    /// fewer updates than visits, since for settled points a simpler test finds that no front comes earlier.
     pub fn updates(&self) -> u64 {
         self.scanner.updates()
     }
 
-    /// Bytes held, beside the edge lengths.
+    /// Returns the number of bytes held, without the edge lengths.
     pub fn bytes(&self) -> usize {
         self.scanner.bytes()
     }
 
-    /// The arrival times along a row, [`Real::FAR`] or later where no source reaches.
+    /// Returns the arrival times along a row. They are [`Real::FAR`] or later where no source reaches.
     pub(crate) fn row(&self, row: usize) -> &[R] {
         self.chart.row_of(self.scanner.times(), row)
     }

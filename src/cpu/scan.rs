@@ -1,10 +1,11 @@
-//! The four scans of an iteration: which lines they pass, in what order, and what lies behind.
+//! Describes the four scans of an iteration: the lines that they pass, in which order, and which points are
+//! behind.
 
 use std::ops::Range;
 
 use crate::surface::{Direction, Lines};
 
-/// The four scans of an iteration, numbered from 1: down, up, right and left.
+/// One of the four scans of an iteration, numbered from 1: down, up, right and left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Scan(pub u8);
 
@@ -15,22 +16,22 @@ impl Scan {
     pub(super) const LEFT: Self = Self(4);
     pub(super) const ALL: [Self; 4] = [Self::DOWN, Self::UP, Self::RIGHT, Self::LEFT];
 
-    /// Whether lines are rows.
+    /// Returns whether lines are rows.
     pub(super) fn by_rows(self) -> bool {
         self.0 <= 2
     }
 
-    /// The lines that it passes one after another.
+    /// Returns the kind of lines that the scan passes one after another.
     pub(super) fn lines(self) -> Lines {
         if self.by_rows() { Lines::Rows } else { Lines::Cols }
     }
 
-    /// Whether lines are passed in the order of their index.
+    /// Returns whether the scan passes lines in ascending order of their index.
     pub(super) fn is_forward(self) -> bool {
         self.0 % 2 == 1
     }
 
-    /// Some lines, or bands of them, in its order.
+    /// Returns a range of lines, or of bands of lines, in the order of the scan.
     pub(super) fn in_order(
         self,
         Range { start, end }: Range<usize>,
@@ -38,13 +39,13 @@ impl Scan {
         (start..end).map(move |k| if self.is_forward() { k } else { start + end - 1 - k })
     }
 
-    /// Rows and columns from a line to the next.
+    /// Returns the step from a line to the next, in rows and columns.
     pub(super) fn ahead(self) -> [isize; 2] {
         let (row, col) = self.back().opposite().step();
         [row, col]
     }
 
-    /// From a point to that beside it on the line behind.
+    /// Returns the direction from a point to its neighbour on the line behind.
     pub(super) fn back(self) -> Direction {
         match self {
             Self::DOWN => Direction::North,
@@ -54,8 +55,8 @@ impl Scan {
         }
     }
 
-    /// From a point to the three neighbours that the scan has just passed, in the order in which these lie
-    /// on their line.
+    /// Returns the directions from a point to the three neighbours that the scan has just passed. Their order
+    /// is that of the points on their line.
     pub(super) fn behind(self) -> [Direction; 3] {
         let back = self.back();
         match self {
@@ -64,12 +65,12 @@ impl Scan {
         }
     }
 
-    /// The scan by rows that passes lines in the same order: this one, if columns are turned into rows.
+    /// Returns the scan by rows that passes lines in the same order, for columns that are turned into rows.
     pub(super) fn over_lines(self) -> Self {
         if self.is_forward() { Self::DOWN } else { Self::UP }
     }
 
-    /// Its flag.
+    /// Returns the flag of this scan.
     pub(super) fn bit(self) -> u8 {
         1 << self.0
     }

@@ -1,4 +1,4 @@
-//! A copy of the fronts for one of two opposite scans, and the scan itself: band by band, line by line.
+//! Holds a copy of the fronts for one of two opposite scans, and runs the scan: band by band, line by line.
 
 use std::ops::Range;
 
@@ -12,19 +12,19 @@ use super::tiles::Tiles;
 use crate::surface::{Block, Chart, Real};
 use crate::update::Carried;
 
-/// The fronts at all points as one scan sees them, and its work space.
+/// The fronts at all points as one scan sees them, and the scan's working memory.
 #[derive(Clone, Debug)]
 pub(super) struct ScanCopy<R, C, G> {
-    /// Arrival times, and what fronts carry, as bordered arrays.
+    /// Arrival times and the data that fronts carry, as bordered arrays.
     pub times: Vec<R>,
     pub carried: Vec<C>,
-    /// The tiles that the scan has changed.
+    /// Flags of the tiles that the scan has changed.
     pub changed: Vec<bool>,
     pub panel: Panel<R, C, G>,
-    /// The stretches of a band to visit, and the tiles of one of them that have changed.
+    /// The stretches of a band to visit, and flags of the tiles of one stretch that have changed.
     runs: Vec<Range<usize>>,
     marks: Vec<bool>,
-    /// Visits and updates of a point since the start.
+    /// Number of visits and updates of a point since the start of the map.
     pub visits: u64,
     pub updates: u64,
 }
@@ -45,7 +45,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> ScanCopy<R, C, G> {
         }
     }
 
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         std::mem::size_of_val(self.times.as_slice())
             + std::mem::size_of_val(self.carried.as_slice())
@@ -53,14 +53,14 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> ScanCopy<R, C, G> {
             + self.panel.bytes()
     }
 
-    /// No point reached.
+    /// Resets all points to unreached.
     pub(super) fn forget(&mut self) {
         (self.visits, self.updates) = (0, 0);
         self.times.fill(R::FAR);
         self.carried.fill(C::default());
     }
 
-    /// Visits the tiles where something is due, and those ahead of its changes; returns the largest change.
+    /// Visits the tiles that are due, and those ahead of the scan's own changes. Returns the largest change.
     pub(super) fn scan<'a, K: FrontKind<'a, R, Carried = C, Ground = G>>(
         &mut self,
         kind: &K,
@@ -130,7 +130,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> ScanCopy<R, C, G> {
     }
 }
 
-/// The marked ones of some tiles.
+/// Returns those of `tiles` that are marked.
 fn marked<'a>(tiles: &Range<usize>, marks: &'a [bool]) -> impl Iterator<Item = usize> + use<'a> {
     tiles.clone().zip(marks).filter(|&(_, &marked)| marked).map(|(tile, _)| tile)
 }

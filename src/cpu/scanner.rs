@@ -1,4 +1,4 @@
-//! Rotated scans of one kind of front, converging to one map after another.
+//! Runs rotated scans of one kind of front until a map has converged, for one map after another.
 
 use std::borrow::Cow;
 
@@ -19,38 +19,38 @@ use crate::surface::{EdgeLengths, Real, Seed};
 use crate::update::{Kept, tag_of};
 use crate::{Convergence, Stop};
 
-/// Solves for one kind of front; see [`super::RotatedScan`].
+/// A solver for one kind of front; see [`super::RotatedScan`].
 #[derive(Clone, Debug)]
 pub(super) struct Scanner<'a, R: Real, K: FrontKind<'a, R>> {
     edges: &'a EdgeLengths<R>,
     kind: K,
-    /// What the front needs of each point of the surface.
+    /// Data of each surface point that the front needs.
     ground: Cow<'a, [K::Ground]>,
     pub(super) instructions: Instructions,
     tiles: Tiles,
-    /// As two opposite scans see them; the same between pairs of scans.
+    /// The fronts as two opposite scans see them. Between pairs of scans both copies are equal.
     copies: [ScanCopy<R, K::Carried, K::Ground>; 2],
-    /// For straight fronts on large grids, filled by the second map; with others there is more to
-    /// keep beside.
+    /// Transposed edges, for straight fronts on large grids. The second map fills them. Other fronts have
+    /// more data per point to keep.
     transposed: Option<TransposedEdges<R>>,
-    /// Whether there has been a map.
+    /// Whether a map has been solved.
     solved: bool,
-    /// How many points scans have looked at before they started.
+    /// Number of points that were examined before scans started.
     looked: u64,
 }
 
-/// Points from which on edges are transposed for good. On smaller grids these and the panels would be more
-/// than 40 bytes a point, and what is transposed lies in near caches.
+/// Minimum number of grid points for keeping transposed edges. On smaller grids these and the panels would
+/// take more than 40 bytes per point, and the arrays to transpose lie in near caches.
 const TRANSPOSED_FROM: usize = 256 * 256;
 
 impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
     pub(super) fn new(edges: &'a EdgeLengths<R>, kind: K) -> Self {
         let (chart, tiles) = (edges.chart(), Tiles::new(edges.chart()));
         let copy = || ScanCopy::new(chart, &tiles, K::NEEDS_EDGES);
-        // Each by the thread that will use it.
+        // Each copy is allocated by the thread that will use it.
         let copies = rayon::join(copy, copy).into();
         if K::NEEDS_EDGES {
-            // Here, and not first by the threads of a scan, which would wait for one another.
+            // Found here, since the threads of a scan would wait for one another.
             edges.parts_on_side(Scan::DOWN.back());
         }
         let carries_nothing = size_of::<K::Carried>() == 0;
@@ -68,9 +68,9 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         }
     }
 
-    /// Computes the map of some sources.
+    /// Computes the distance map of `seeds`.
     pub(super) fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
-        // Into the pool of threads once, and not for each pair of scans.
+        // Enters the thread pool once, and not for each pair of scans.
         rayon::scope(|_| {
             if std::mem::replace(&mut self.solved, true) {
                 self.transpose_edges();
@@ -81,14 +81,14 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         })
     }
 
-    /// Adds sources to the last map, which is a warm start: only tiles that their fronts reach first are
+    /// Adds sources to the last map, which is a warm start. Only tiles that the new fronts reach first are
     /// visited.
     pub(super) fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         for ScanCopy { carried, .. } in &mut self.copies {
             carried.iter_mut().for_each(|carried| *carried = K::released(*carried));
         }
         self.seed(seeds);
-        // Into the pool of threads once, and not for each pair of scans.
+        // Enters the thread pool once, and not for each pair of scans.
         rayon::scope(|_| self.converge(seeds, stop))
     }
 
@@ -112,7 +112,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         }
     }
 
-    /// The arrival times of the last map, as a bordered array.
+    /// Returns the arrival times of the last map, as a bordered array.
     pub(super) fn times(&self) -> &[R] {
         &self.copies[0].times
     }
@@ -122,7 +122,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         copy.times
     }
 
-    /// The front at a point of the last map.
+    /// Returns the front at a point of the last map.
     pub(super) fn front(&self, row: usize, col: usize) -> KeptBy<'a, R, K> {
         let point = self.edges.chart().bordered(row, col);
         let ScanCopy { times, carried, .. } = &self.copies[0];
@@ -137,7 +137,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         self.copies.iter().map(|copy| copy.updates).sum()
     }
 
-    /// Bytes held, beside the edge lengths and what is kept with them.
+    /// Returns the number of bytes held, without the edge lengths and the data stored with them.
     pub(super) fn bytes(&self) -> usize {
         let ground = match &self.ground {
             Cow::Borrowed(_) => 0,
@@ -148,7 +148,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         copies + self.tiles.bytes() + transposed + ground + self.kind.bytes()
     }
 
-    /// Keeps the edges between columns as scans to the right and left need them.
+    /// Stores the edges between columns in the order that scans to the right and left need.
     fn transpose_edges(&mut self) {
         if let Some(transposed) = &mut self.transposed {
             transposed.fill(self.edges, self.instructions);
@@ -156,7 +156,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         }
     }
 
-    /// No point reached.
+    /// Resets all points to unreached.
     fn forget(&mut self) {
         self.looked = 0;
         self.kind.forget();
@@ -164,7 +164,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         self.tiles.reset();
     }
 
-    /// Starts from seeds that arrive before the map.
+    /// Starts fronts from those seeds that arrive before the map.
     fn seed(&mut self, seeds: &[Seed]) {
         let chart = self.edges.chart();
         self.kind.expect(seeds);
@@ -184,7 +184,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         }
     }
 
-    /// Runs two opposite scans; returns the largest change.
+    /// Runs two opposite scans and returns the largest change.
     fn scan(&mut self, scans: [Scan; 2], renews: bool) -> R::Bits {
         let (edges, ground) = (self.edges, &*self.ground);
         let transposed = self.transposed.as_ref().and_then(TransposedEdges::filled);

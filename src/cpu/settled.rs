@@ -1,15 +1,19 @@
-//! Which points an update leaves as they are, found without its roots and divisions.
+//! Finds points that an update leaves unchanged, without the update's square roots and divisions.
 //!
-//! A front crosses the base x1 x2 of a triangle somewhere, at a time that is no earlier than
-//! linear between t1 and t2 but for a bulge, and has |x0 - x| or more to go from there: at least
-//! u . (x0 - x) for every unit vector u. So it does not arrive before the lesser of
-//! t1 + u . (x0 - x1) and t2 + u . (x0 - x2), less the bulge. Here x1 is the neighbour across the
-//! grid's diagonal and u the direction from it. A scan of the other kind has a triangle on the other
-//! side of that diagonal, and what has come from there is settled: of some four visits of a point
-//! until the map has converged, one or two need the update. With x1 and x2 exchanged, u is the
-//! direction from the neighbour beside: that tells which of its two triangles an update can leave out.
+//! A front crosses the base x1 x2 of a triangle at some point x. The time there is at least the linear
+//! interpolation between t1 and t2, less a bulge. From there the front has to travel at least |x0 - x|. That
+//! is at least `u . (x0 - x)` for every unit vector u. So the front arrives no earlier than the lesser of
 //!
-//! [`super::pairwise`] has the same test with coefficients computed once for many maps.
+//! - t1 + u . (x0 - x1) and
+//! - t2 + u . (x0 - x2),
+//!
+//! less the bulge. Here x1 is the neighbour across the grid's diagonal, and u is the direction from it. A
+//! scan of the other kind has a triangle on the other side of that diagonal, and a front that came from there
+//! is settled. Until a map has converged, a point is visited about four times, and one or two visits need the
+//! update. With x1 and x2 exchanged, u is the direction from the neighbour beside. That test tells which of
+//! its two triangles an update can skip.
+//!
+//! [`super::pairwise`] has the same test, with coefficients that are computed once for many maps.
 
 use crate::surface::{Real, max, min};
 use crate::update::Triangle;
@@ -18,13 +22,13 @@ use crate::update::Triangle;
 pub(crate) struct Visited<R> {
     /// Arrival time.
     pub now: R,
-    /// The two triangles of the scan, x1 being the neighbour across the diagonal in both.
+    /// The two triangles of the scan. In both, x1 is the neighbour across the diagonal.
     pub triangles: [Triangle<R>; 2],
 }
 
 impl<R: Real> Visited<R> {
-    /// Whether no front comes to the point earlier than it has: none is behind it, or neither triangle
-    /// brings one. The latter is told of both triangles.
+    /// Returns whether no front arrives at the point earlier than the present one: no front is behind it, or
+    /// neither triangle brings an earlier one. `settled` tells the latter for each triangle.
     #[inline(always)]
     pub(crate) fn stays(&self, settled: [bool; 2]) -> bool {
         let [left, right] = &self.triangles;
@@ -33,13 +37,13 @@ impl<R: Real> Visited<R> {
     }
 }
 
-/// How much later than the present time planar fronts arrive at least.
+/// Lower bounds of how much later than the present time planar fronts arrive.
 struct Lead<R> {
-    /// From x1.
+    /// The bound from x1.
     across: R,
-    /// From x2, times the length of the edge to x1, which saves a division.
+    /// The bound from x2, times the length of the edge to x1, which saves a division.
     beside: R,
-    /// That length.
+    /// The length of the edge to x1.
     edge: R,
 }
 
@@ -51,24 +55,25 @@ impl<R: Real> Lead<R> {
         Self { across: t1 + l1 - now, beside: (t2 - now) * l1 + projection, edge: l1 }
     }
 
-    /// Whether it is more than a bulge of `dividend / divisor`; not where edges are missing.
+    /// Returns whether both bounds exceed a bulge of `dividend / divisor`. Returns false where edges are
+    /// missing.
     #[inline(always)]
     fn exceeds(self, dividend: R, divisor: R) -> bool {
         (self.across * divisor > dividend) & (self.beside * divisor > self.edge * dividend)
     }
 }
 
-/// Whether no planar front comes through a triangle earlier than `now`. Either end of the base may be x1,
-/// here and below, for one of two tests that find different triangles.
+/// Returns whether no planar front arrives through a triangle earlier than `now`. Here and below, x1 may be
+/// either end of the base. The two choices are different tests, which hold for different triangles.
 #[inline(always)]
 pub(crate) fn from_planar<R: Real>(triangle: Triangle<R>, now: R) -> bool {
     let Lead { across, beside, .. } = Lead::new(triangle, now);
     (across >= R::zero()) & (beside >= R::zero())
 }
 
-/// Whether no circular front does. With its source at a distance of r from the base's nearest point,
-/// the distance from it to the points of the base lies below the chord by c^2 / 8r at most, and r
-/// is not less than t - c / 2 for the earlier end.
+/// Returns whether no circular front arrives through a triangle earlier than `now`. If its source is at a
+/// distance of r from the base's nearest point, the distance from the source to the points of the base is at
+/// most c^2 / 8r below the chord. Here r is at least t - c / 2 for the earlier end.
 #[inline(always)]
 pub(crate) fn from_point_source<R: Real>(triangle: Triangle<R>, now: R) -> bool {
     let Triangle { t1, t2, c, .. } = triangle;
@@ -76,15 +81,15 @@ pub(crate) fn from_point_source<R: Real>(triangle: Triangle<R>, now: R) -> bool 
     Lead::new(triangle, now).exceeds(R::of(0.125) * c * c, distance)
 }
 
-/// Whether no curved front does that has some curvature at x1 and x2, nor comes at the same
-/// time. The front's centre is 1 / kappa from the farther end of the base if kappa is the
-/// larger curvature, so at least 1 / kappa - c from all its points.
+/// Returns whether every curved front through a triangle arrives later than `now`, given its curvatures at x1
+/// and x2. With kappa as the larger curvature, the front's centre is 1 / kappa from the farther end of the
+/// base. So it is at least 1 / kappa - c from all points of the base.
 #[inline(always)]
 pub(super) fn from_curved<R: Real>(triangle: Triangle<R>, curvatures: [R; 2], now: R) -> bool {
     let [k1, k2] = curvatures;
     let kappa = max(max(k1, k2), R::zero()) * triangle.c;
     let divisor = R::of(8.0) * max(R::one() - kappa, R::zero());
-    // What all this may be rounded by.
+    // An upper bound of the rounding in this test.
     let slack = R::of(16.0) * R::epsilon() * now;
     Lead::new(triangle, now).exceeds(triangle.c * kappa + slack * divisor, divisor)
 }
@@ -95,7 +100,8 @@ mod tests {
     use crate::update::{Bends, curved, planar, point_source};
     use glam::DVec2;
 
-    /// Triangles of all shapes, obtuse and acute, with the arrival times of a front from everywhere.
+    /// Calls `check` with triangles of all shapes, obtuse and acute, and the arrival times of fronts from all
+    /// directions.
     fn every_triangle(check: impl Fn(Triangle<f32>)) {
         let steps =
             |from: f64, to: f64| (0..8).map(move |k| from + (to - from) * f64::from(k) / 7.0);
@@ -114,8 +120,9 @@ mod tests {
         }
     }
 
-    /// Checks for present times before and after a front that nothing settled arrives earlier, and
-    /// that the test is worth it: that it holds for so many of the times at which nothing arrives.
+    /// Asserts, for present times before and after a front, that nothing arrives earlier where the test says
+    /// settled. Asserts too that the test is worth its cost: it must hold for more than `share` of the times
+    /// at which nothing arrives.
     fn assert_settles(
         share: f64,
         arrival: impl Fn(Triangle<f32>) -> f32,

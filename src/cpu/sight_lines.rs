@@ -1,9 +1,10 @@
-//! Seeds along straight lines from their origins, on surfaces whose cells are all alike.
+//! Adds seeds along straight lines from their origins, on surfaces whose cells are all alike.
 //!
-//! A grid point has one seed, that of the first front. Where several sources lie within some cells, the region in which
-//! one of them is first may be too narrow, close to it, for any grid point: its front would be lost, though its region
-//! widens further away. Cells that are alike have one metric, and where there is no hole between, a front's time is the
-//! distance along a straight line of the chart. So all points within some cells of a crowded place are seeds.
+//! A grid point has one seed, that of the first front. Where several sources lie within a few cells, the
+//! region in which one of them is first may be too narrow near that source to contain a grid point. Its front
+//! would be lost, though its region widens further away. Cells that are alike have one metric. If no hole is
+//! in between, a front's time is the distance along a straight line of the chart. So all points within a few
+//! cells of a crowded place become seeds.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -13,12 +14,12 @@ use glam::DVec2;
 use super::surroundings::Surroundings;
 use crate::surface::{Direction, EdgeLengths, Origin, Real, Seed, Surface};
 
-/// How many rows and columns around a crowded place.
+/// Number of rows and columns around a crowded place.
 const REACH: usize = 6;
-/// A crowd of more sources has none of these.
+/// Maximum number of sources. A larger crowd has no such seeds.
 const MOST_ORIGINS: usize = 1000;
 
-/// Seeds around those ends of straight sources that have another source near.
+/// Returns seeds around those ends of straight sources that have another source near.
 pub(super) fn along_sight_lines(surface: &Surface, seeds: &[Seed]) -> Vec<Seed> {
     let origins = origins(seeds);
     if !(2..=MOST_ORIGINS).contains(&origins.len()) {
@@ -50,13 +51,14 @@ pub(super) fn along_sight_lines(surface: &Surface, seeds: &[Seed]) -> Vec<Seed> 
     earliest.into_values().collect()
 }
 
-/// The origins that seeds come from.
+/// Returns the origins that seeds come from.
 fn origins(seeds: &[Seed]) -> Vec<Origin> {
     let all = seeds.iter().filter_map(|seed| seed.origin).map(|origin| (origin.key(), origin));
     all.collect::<BTreeMap<_, _>>().into_values().collect()
 }
 
-/// The place of a source that is nearest to another place in rows and columns, and how many of these lie between.
+/// Returns the place of a source that is nearest to `at`, measured in rows and columns, and the larger of the
+/// distances in rows and in columns.
 fn nearest(origin: &Origin, at: DVec2) -> (DVec2, f64) {
     let [a, b] = origin.ends;
     let along = b - a;
@@ -66,7 +68,7 @@ fn nearest(origin: &Origin, at: DVec2) -> (DVec2, f64) {
     (place, (at - place).abs().max_element())
 }
 
-/// Whether all grid points around the straight line between two places are there.
+/// Returns whether all grid points around the straight line between two places exist.
 fn has_no_hole(surface: &Surface, (row, col): (usize, usize), to: DVec2) -> bool {
     let span = |at: usize, to: f64| -> RangeInclusive<usize> {
         at.min(to.floor() as usize)..=at.max(to.ceil() as usize)
@@ -77,7 +79,7 @@ fn has_no_hole(surface: &Surface, (row, col): (usize, usize), to: DVec2) -> bool
 /// The surface around a place.
 struct Ground {
     at: DVec2,
-    /// The first fundamental form, slowness included: of rows, of both, of columns.
+    /// The first fundamental form, including slowness: of rows, mixed, of columns.
     metric: [f64; 3],
 }
 
@@ -99,7 +101,8 @@ impl Ground {
         a.x * (rr * b.x + rc * b.y) + a.y * (rc * b.x + cc * b.y)
     }
 
-    /// What comes from an origin to a grid point along a straight line, and from where.
+    /// Returns the place of an origin from which a front comes to a grid point along a straight line, and the
+    /// seed there.
     fn seed(&self, origin: &Origin, (row, col): (usize, usize)) -> (DVec2, Seed) {
         let at = DVec2::new(row as f64, col as f64);
         let [a, b] = origin.ends;
@@ -121,8 +124,9 @@ impl Ground {
     }
 }
 
-/// The metric of cells that are all alike, from the lengths of edges in the middle of a part of the surface; 1 for
-/// directions in which there are none. At sides of the part arcs are not those of the whole.
+/// Returns the metric of cells that are all alike, from the lengths of edges in the middle of a part of the
+/// surface. It is 1 in directions that have no edges. At the sides of the part, arcs differ from those of the
+/// whole surface.
 fn metric<R: Real>(edges: &EdgeLengths<R>) -> [f64; 3] {
     let chart = edges.chart();
     let from_middle = |&(row, col): &(usize, usize)| {

@@ -1,34 +1,34 @@
-//! Distance maps as solvers leave them.
+//! Defines the distance map that a CPU solver returns.
 
 use rayon::prelude::*;
 
 use crate::surface::{Chart, Real};
 
-/// A distance map as a CPU solver leaves it.
+/// A distance map, as a CPU solver returns it.
 #[derive(Clone, Debug)]
 pub struct Solution<R> {
     chart: Chart,
     times: Vec<R>,
-    /// Iterations of four scans; fast marching counts as one.
+    /// Number of iterations of four scans. Fast marching counts as one iteration.
     pub iterations: u32,
-    /// Largest relative change of an arrival time in the last iteration, to within a factor of two
-    /// upwards; a point that was reached in it counts as 1.
+    /// Largest relative change of an arrival time in the last iteration, rounded up by at most a factor of
+    /// two. A point that was first reached in the last iteration counts as 1.
     pub residual: f64,
 }
 
 impl<R: Real> Solution<R> {
-    /// From the arrival times of a bordered array.
+    /// Creates a solution from the arrival times of a bordered array.
     pub(super) fn new(chart: Chart, times: Vec<R>, iterations: u32, residual: f64) -> Self {
         Self { chart, times, iterations, residual }
     }
 
-    /// The distances, row-major, +infinity where the sources do not reach.
+    /// Returns the distances, row-major. They are +infinity where the sources do not reach.
     pub fn distances(&self) -> Vec<R> {
         distances(self.chart, &self.times)
     }
 }
 
-/// The arrival times of a bordered array as distances, row-major.
+/// Converts the arrival times of a bordered array to distances, row-major.
 pub(super) fn distances<R: Real>(chart: Chart, times: &[R]) -> Vec<R> {
     let mut distances = vec![R::zero(); chart.points()];
     distances.par_chunks_mut(chart.cols).enumerate().for_each(|(row, distances)| {

@@ -1,18 +1,18 @@
-//! Distances to memory, past the caches.
+//! Writes distances to memory, past the caches.
 
 use crate::surface::Real;
 
-/// Copies arrival times that nobody reads soon to where they belong, without a trip through the
-/// caches; what was not reached becomes infinite.
+/// Copies arrival times to memory without loading it into the caches, for data that is not read soon.
+/// Unreached points become infinite.
 ///
-/// An ordinary store first fetches the line of memory that it is going to overwrite, and waits for
-/// it. For rows of a matrix larger than the caches that took a quarter of the time of a map.
+/// An ordinary store first fetches the cache line that it is going to overwrite, and waits for it. For rows
+/// of a matrix larger than the caches this took a quarter of the time of a map.
 ///
 /// # Panics
 /// If two slices of a pair differ in length.
 pub(super) fn stream<'a>(pairs: impl Iterator<Item = (&'a [f32], &'a mut [f32])>) {
     pairs.for_each(|(from, to)| copy(from, to));
-    // Without it another thread could see that the work is done before it sees the numbers.
+    // Without the fence, another thread could see that the work is done before it sees the numbers.
     // SAFETY: every x86-64 machine has SSE.
     #[cfg(target_arch = "x86_64")]
     unsafe {
@@ -31,8 +31,8 @@ fn copy(from: &[f32], to: &mut [f32]) {
     let (fours, last) = from.as_chunks::<4>();
     one_by_one(first, head);
     for (to, from) in vectors.iter_mut().zip(fours) {
-        // SAFETY: every x86-64 machine has SSE; four numbers are read; the vector is aligned, and
-        // fenced before anyone sees it.
+        // SAFETY: every x86-64 machine has SSE; four numbers are read; the vector is aligned, and fenced
+        // before another thread sees it.
         unsafe {
             let times = _mm_loadu_ps(from.as_ptr());
             let reached = _mm_cmplt_ps(times, _mm_set1_ps(f32::FAR));

@@ -1,4 +1,4 @@
-//! Points side by side as an update sees them: what is known of them and of what lies behind.
+//! Describes adjacent points as an update sees them: their own data and the data of the points behind.
 
 use super::behind::Behind;
 use super::settled::Visited;
@@ -6,25 +6,26 @@ use crate::lanes::prefetch;
 use crate::surface::{EdgeLengths, Real, min};
 use crate::update::{Carried, Triangle};
 
-/// A stretch of points in a row or column, what lies behind each of them and the triangles between.
+/// A stretch of points in a row or column, the neighbours behind each of them, and the triangles between.
 ///
-/// All slices have as many entries as there are points, or nothing in them, so that the compiler sees that indices are within
-/// bounds. `C` is what fronts carry beside their arrival times, `G` what is known of the surface.
+/// All slices have as many entries as there are points, or have entries without data, so that the compiler
+/// sees that indices are within bounds. `C` is the data that fronts carry beside their arrival times, `G` the
+/// data of the surface.
 #[derive(Clone, Copy)]
 pub(super) struct Stretch<'a, R, C, G> {
     pub times: &'a [R],
     pub carried: &'a [C],
     pub ground: &'a [G],
-    /// At the neighbours behind: the one before, the one beside, the one after.
+    /// Data at the neighbours behind: the one before, the one beside, the one after.
     pub times_behind: [&'a [R]; 3],
     pub carried_behind: [&'a [C]; 3],
-    /// Lengths of the edges to them, and of those between them.
+    /// Lengths of the edges to the neighbours behind, and of the edges between these.
     pub edges: [&'a [R]; 3],
     pub bases: [&'a [R]; 2],
 }
 
 impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
-    /// Part of it.
+    /// Returns part of the stretch.
     #[inline(always)]
     pub(super) fn part(&self, start: usize, points: usize) -> Self {
         Self {
@@ -38,21 +39,22 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
         }
     }
 
-    /// Whether there is no point beside point i behind; see [`crate::update::Bends`].
+    /// Returns whether point `i` has no neighbour beside it on the line behind; see [`crate::update::Bends`].
     #[inline(always)]
     pub(super) fn is_alone(&self, i: usize) -> bool {
         self.edges[1][i] >= R::FAR
     }
 
-    /// One of the two triangles of point i: with the points behind before and beside it, or with those
-    /// beside and after it. Of an obtuse one the edges, if any of the stretch may be obtuse (`SPLIT`).
+    /// Returns one of the two triangles of point `i`: the left one, with the points behind that are before
+    /// and beside it, or the right one, with those beside and after it. If the stretch may have obtuse
+    /// triangles (`SPLIT`), an obtuse one is reduced to its edges.
     #[inline(always)]
     pub(super) fn triangle<const LEFT: bool, const SPLIT: bool>(&self, i: usize) -> Triangle<R> {
         let triangle = self.weighted_triangle::<LEFT>(i);
         if SPLIT { triangle.without_obtuse_face() } else { triangle }
     }
 
-    /// The same, obtuse or not.
+    /// Returns the same triangle without reducing an obtuse one to its edges.
     #[inline(always)]
     pub(super) fn weighted_triangle<const LEFT: bool>(&self, i: usize) -> Triangle<R> {
         let x1 = if LEFT { 0 } else { 1 };
@@ -65,7 +67,7 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
         }
     }
 
-    /// The same, x1 being the point behind beside point i.
+    /// Returns the same triangle as `triangle`, with the neighbour beside point `i` as x1.
     #[inline(always)]
     pub(super) fn seen_from_beside<const LEFT: bool, const SPLIT: bool>(
         &self,
@@ -75,7 +77,7 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
         if LEFT { triangle.mirrored() } else { triangle }
     }
 
-    /// Point i before its update.
+    /// Returns point `i` before its update.
     #[inline(always)]
     pub(super) fn visited<const SPLIT: bool>(&self, i: usize) -> Visited<R> {
         let triangles =
@@ -83,7 +85,7 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
         Visited { now: self.times[i], triangles }
     }
 
-    /// Whether nothing behind is earlier than any point.
+    /// Returns whether no point is reached later than a neighbour behind it.
     #[inline(always)]
     pub(super) fn leads(&self, points: usize) -> bool {
         let [before, beside, after] = self.times_behind;
@@ -94,7 +96,7 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
         leads
     }
 
-    /// Whether none of the points has been reached.
+    /// Returns whether none of the points has been reached.
     #[inline(always)]
     pub(super) fn is_unreached(&self, points: usize) -> bool {
         let mut unreached = true;
@@ -104,7 +106,7 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
         unreached
     }
 
-    /// Whether a scan that renews its fronts has brought one of these.
+    /// Returns whether the scan `renews` fronts and has brought one of these.
     #[inline(always)]
     pub(super) fn is_renewed(&self, points: usize, scan: u8, renews: bool) -> bool {
         let mut renewed = false;
@@ -114,14 +116,14 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
         renewed
     }
 
-    /// Whether fronts arrive behind first before the first of some points, not after the last.
+    /// Returns whether fronts reach the neighbour before the first point no later than the one after the last.
     #[inline(always)]
     pub(super) fn comes_from_left(&self, points: usize) -> bool {
         self.times_behind[0][0] <= self.times_behind[2][points - 1]
     }
 }
 
-/// Part of an array, or all of it where there is nothing in it to read, which saves the checks.
+/// Returns part of an array. If its entries have no size, returns all of it, which saves the bounds checks.
 #[inline(always)]
 pub(super) fn part<T>(array: &[T], start: usize, points: usize) -> &[T] {
     if size_of::<T>() == 0 { array } else { &array[start..][..points] }
@@ -142,7 +144,7 @@ pub(super) struct Before<'a, R, C, G> {
 }
 
 impl<'a, R: Real, C: Carried, G> Before<'a, R, C, G> {
-    /// What updates of so many points in a row see, from one of the bordered array on.
+    /// Returns the stretch of `points` points from the point `first` of the bordered array on.
     pub(super) fn stretch(
         &self,
         behind: &Behind,
@@ -162,8 +164,8 @@ impl<'a, R: Real, C: Carried, G> Before<'a, R, C, G> {
     }
 }
 
-/// Asks for what a look at the next row of a stretch needs from some point on: the times of the row after
-/// that, since those before it have been needed here.
+/// Prefetches the data that the check of a stretch's next row needs, from the point `start` on. For times
+/// this is the row after the next, since the next one has been read for this row.
 #[inline(always)]
 pub(super) fn prefetch_next_row<R: Real, C: Carried, G>(
     stretch: &Stretch<R, C, G>,

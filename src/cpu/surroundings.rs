@@ -1,17 +1,17 @@
-//! What sources inside cells reach first, solved before the whole grid is.
+//! Solves the surroundings of sources inside cells before the whole grid.
 //!
-//! A scan follows rays up to 45 degrees from its way. Those of a source at a grid point stay between grid
-//! points of one scan; those of a source inside a cell, close to a diagonal, pass between points of which
-//! two scans reach one each, and either has to wait for the other's next iteration, point after point. Some
-//! cells from the source that changes hardly anything, but what changes is passed on to the end of the
-//! grid: maps took two to three times the iterations. So the source's surroundings are a map of
-//! their own first, in which iterations cost nothing. For a renderer's sources, which may be known on the
-//! device alone, `glsl/surroundings.comp` does that.
+//! A scan follows rays up to 45 degrees from its direction. The rays of a source at a grid point stay between
+//! grid points of one scan. The rays of a source inside a cell that run close to a diagonal pass between
+//! points of which two scans reach one each. Either scan then has to wait for the other's next iteration,
+//! point after point. Some cells away from the source this changes hardly anything, but each change is passed
+//! on to the end of the grid, and maps took two to three times the iterations. So the source's surroundings
+//! are solved first, as a small map in which iterations cost nothing. For a renderer's sources, which may be
+//! known on the device only, `glsl/surroundings.comp` does this.
 //!
-//! On a surface with obtuse triangles fronts are causal ([`crate::surface::Origins`]), and where one runs about along an
-//! edge it is a little late. Close to the source, where it bends most, all that comes after would inherit that. There
-//! it cannot meet itself yet and need not be causal: a lone source has surroundings for this too, at a grid point as
-//! well.
+//! On a surface with obtuse triangles fronts are causal ([`crate::surface::Origins`]). A front that takes a
+//! detour along an edge is a little late. Close to the source, where the front bends most, all later times
+//! would inherit this error. But there the front cannot meet itself yet and need not be causal. So a lone
+//! source has surroundings for this reason too, also at a grid point.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -27,37 +27,40 @@ use crate::Stop;
 use crate::surface::{Block, Direction, EdgeLengths, Origin, Real, Seed, Surface, with_diagonals};
 use crate::update::{Setting, Wavefront};
 
-/// How many rows and columns around a source's cell are its surroundings, at most: with 8 maps from inside
-/// cells take as many iterations as from grid points or one more, with 4 one or two more.
+/// Maximum number of rows and columns around a source's cell in its surroundings. With 8, maps from inside
+/// cells take as many iterations as from grid points, or one more. With 4 they take one or two more.
 const REACH: usize = 8;
-/// The same for a lone source among obtuse triangles: with 8 the mean error on peaks of 1025 x 1025 points is 2.7e-6, with
-/// 12 2.1e-6, with 16 2.0e-6, as of fronts that are not causal at all.
+/// Maximum number of rows and columns for a lone source among obtuse triangles. The mean error on peaks of
+/// 1025 x 1025 points is 2.7e-6 with 8, 2.1e-6 with 12 and 2.0e-6 with 16. The last is that of fronts that
+/// are not causal at all.
 const REACH_AMONG_OBTUSE: usize = 16;
-/// And at least, or there is little to gain.
+/// Minimum number of rows and columns. With fewer there is little to gain.
 const LEAST_REACH: usize = 4;
-/// All surroundings together are no more than one in so many points of the grid, since solving one of them
-/// takes about as long as what is saved at so many.
+/// Minimum number of grid points per point of all surroundings together. Solving one point of the
+/// surroundings takes about as long as is saved at `SHARE` grid points.
 const SHARE: usize = 40;
-/// On smaller grids they would take more than a twentieth of the whole map's time, and few iterations are saved there.
+/// Minimum number of grid points for surroundings among obtuse triangles. On smaller grids they would take
+/// more than a twentieth of the time of the whole map, and few iterations are saved there.
 const LEAST_AMONG_OBTUSE: usize = 1_000_000;
-/// But up to so many sources in long cells have the least of surroundings on any grid: the maps of several differ there
-/// from those of one ([`crate::surface::Origins`]), and are up to ten times as far off without.
+/// Maximum number of sources in long cells that get surroundings on any grid, with the least reach. In long
+/// cells the maps of several sources differ from those of one ([`crate::surface::Origins`]). Without
+/// surroundings their error is up to ten times as large.
 const MOST_IN_LONG_CELLS: usize = 8;
-/// A cell is long if one of its edges, or of its diagonals, is so many times the other.
+/// Ratio of a cell's edges, or of its diagonals, above which the cell is long.
 const LONG: f64 = 1.5;
-/// Rows and columns around, as far as edges and curvatures of the surroundings depend on points.
+/// Number of rows and columns around the surroundings on whose points the edges and curvatures there depend.
 const MARGIN: usize = 5;
-/// Near enough: what is left the scans of the whole grid find, which start from it.
+/// A sufficient precision. The scans of the whole grid start from the surroundings and correct the rest.
 const STOP: Stop = Stop { tolerance: 1e-8, iterations: 100 };
 
 impl Wavefront {
-    /// Seeds as engines do best to start from them with this wavefront: those from points inside cells are
-    /// followed by others around them, up to some cells away, or with anchors along the
-    /// diagonals. Maps are the same without these, but take up to three times the iterations, with
-    /// anchors about as many as a diagonal has points.
+    /// Returns the seeds from which engines solve best with this wavefront. Seeds from points inside cells
+    /// are followed by further seeds around them, up to some cells away, or with anchors along the diagonals.
+    /// Maps are the same without these, but take up to three times the iterations. With anchors they take
+    /// about as many as a diagonal has points.
     ///
-    /// So is the seed of a lone source, wherever it lies, on a large surface with obtuse triangles around it: there
-    /// the map is more accurate for it.
+    /// On a large surface with obtuse triangles around a lone source, seeds around it are added wherever it
+    /// lies. They make the map more accurate.
     ///
     /// ```
     /// use geosweep::{Sources, Wavefront, surface::builtin::Builtin};
@@ -78,8 +81,8 @@ impl Wavefront {
     }
 }
 
-/// Seeds, and what those from each point inside a cell reach around it; in row-major order, the earliest
-/// where several meet.
+/// Returns the seeds and the fronts that those from each point inside a cell reach around it, in row-major
+/// order. Where several fronts meet, the earliest is taken.
 fn with_surroundings(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
     let around: Vec<_> = if let Some(around) = among_obtuse_triangles(wavefront, surface, &seeds) {
         around
@@ -98,7 +101,7 @@ fn with_surroundings(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) 
     earliest(seeds.iter().copied().chain(around))
 }
 
-/// The earliest seed of each point, in row-major order.
+/// Returns the earliest seed of each point, in row-major order.
 fn earliest(seeds: impl Iterator<Item = Seed>) -> Vec<Seed> {
     let mut earliest = BTreeMap::new();
     for seed in seeds {
@@ -110,8 +113,9 @@ fn earliest(seeds: impl Iterator<Item = Seed>) -> Vec<Seed> {
     earliest.into_values().collect()
 }
 
-/// The same, given the origins of all fronts, with what sources that lie close together reach each by itself. Where
-/// cells are even, seeds keep their origins, which tell fronts apart.
+/// Returns the same as `with_surroundings`, given the origins of all fronts. Of sources that lie close
+/// together it adds what each reaches by itself. Where cells are even, seeds keep their origins, which tell
+/// fronts apart.
 fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -> Vec<Seed> {
     let of_one = |origin: Option<Origin>| seeds.iter().all(|seed| seed.origin == origin);
     let is_lone = match seeds.first().map(|seed| seed.origin) {
@@ -119,7 +123,7 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
         Some(None) => of_one(None),
         None => true,
     };
-    // A lone point has nothing to be told from.
+    // A lone point source has no other fronts to be told apart from.
     if !is_lone && wavefront.is_curved() && surface.has_even_cells() {
         let further = along_sight_lines(surface, &seeds);
         let around = with_surroundings(wavefront, surface, seeds);
@@ -127,7 +131,7 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
     }
     let exact = around_clusters(wavefront, surface, &seeds);
     seeds.iter_mut().for_each(|seed| seed.origin = None);
-    // Of two that differ by rounding the exact one stays.
+    // Of two seeds that differ by rounding, the exact one is kept.
     let is_exact: BTreeMap<_, _> =
         exact.iter().map(|seed| ((seed.row, seed.col), seed.time)).collect();
     let mut all = with_surroundings(wavefront, surface, seeds);
@@ -138,15 +142,15 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
     earliest(all.into_iter().chain(exact))
 }
 
-/// Times that differ by less than this part are one.
+/// Relative difference below which times count as equal.
 const SAME_TIME: f64 = 1e-7;
 
-/// The seeds that come from a point inside a cell, by that point.
+/// Returns the seeds that come from a point inside a cell, by that point.
 fn by_source(seeds: &[Seed]) -> Vec<(DVec2, Vec<Seed>)> {
     let mut found = BTreeMap::<_, (DVec2, Vec<Seed>)>::new();
     for seed in seeds {
         let Some(from) = seed.from else { continue };
-        // Around an end of a straight line the front is that of the whole line.
+        // Around an end of a straight line, the front is that of the whole line.
         if seed.origin.is_some_and(|origin| !origin.is_point()) {
             continue;
         }
@@ -156,7 +160,7 @@ fn by_source(seeds: &[Seed]) -> Vec<(DVec2, Vec<Seed>)> {
     found.into_values().collect()
 }
 
-/// What a lone source reaches first where some triangles around it are obtuse.
+/// Returns what a lone source reaches first if some triangles around it are obtuse.
 fn among_obtuse_triangles(
     wavefront: Wavefront,
     surface: &Surface,
@@ -176,14 +180,14 @@ fn among_obtuse_triangles(
     Some(surroundings.seeds(wavefront, &own))
 }
 
-/// How far surroundings of so many sources go, if there are any and few enough.
+/// Returns the reach of the surroundings of `sources` sources, or `None` if there are no sources or too many.
 fn reach(surface: &Surface, sources: usize) -> Option<usize> {
     let points = surface.chart().points().checked_div(SHARE * sources)?;
     let reach = (points.isqrt() / 2).saturating_sub(1).min(REACH);
     (reach >= LEAST_REACH).then_some(reach)
 }
 
-/// How far they go on any grid.
+/// Returns the reach of surroundings for a few sources in long cells, on any grid.
 fn few_in_long_cells(surface: &Surface, by_source: &[(DVec2, Vec<Seed>)]) -> Option<usize> {
     let are_few = (2..=MOST_IN_LONG_CELLS).contains(&by_source.len());
     let in_long_cells = || by_source.iter().any(|(at, _)| is_in_long_cell(surface, *at));
@@ -207,9 +211,10 @@ fn is_in_long_cell(surface: &Surface, source: DVec2) -> bool {
 /// The points around a source.
 pub(super) struct Surroundings {
     own: Block,
-    /// Those with a margin.
+    /// The surroundings with a margin.
     window: Block,
-    /// Of the window. None if they are too long or too short: the engine's to report, with those of the whole surface.
+    /// Edges of the window. `None` if they are too long or too short: the engine will report this, with those
+    /// of the whole surface.
     edges: Option<EdgeLengths<f64>>,
 }
 
@@ -223,8 +228,8 @@ impl Surroundings {
         Self { own, window, edges }
     }
 
-    /// The fronts that arrive there from seeds of the source by ways inside. Where one by a way outside is
-    /// earlier, it will take their place.
+    /// Returns the fronts that arrive in the surroundings from the source's seeds by paths inside them. Where
+    /// a front by a path outside is earlier, it will replace them.
     pub(super) fn seeds(&self, wavefront: Wavefront, own: &[Seed]) -> Vec<Seed> {
         let Some(edges) = &self.edges else { return Vec::new() };
         let inside = |seed: &Seed| {
@@ -235,17 +240,18 @@ impl Surroundings {
         for_triangle_kind!(edges, wavefront, kind => self.arrived(edges, kind, &own))
     }
 
-    /// Edges between the points of the window; none if they are too long or too short.
+    /// Returns the edges between the points of the window, or `None` if they are too long or too short.
     pub(super) fn edges(&self) -> Option<&EdgeLengths<f64>> {
         self.edges.as_ref()
     }
 
-    /// Whether a seed lies among the points that are looked at.
+    /// Returns whether a seed lies in the window.
     pub(super) fn have(&self, seed: &Seed) -> bool {
         self.window.rows.contains(&seed.row) && self.window.cols.contains(&seed.col)
     }
 
-    /// Has no seed be later than along an edge from another: fronts settle to within some digits.
+    /// Limits each seed's time to that along an edge from another seed. Fronts settle only to within some
+    /// digits.
     pub(super) fn shorten(&self, seeds: &mut [Seed]) {
         let Some(edges) = &self.edges else { return };
         let numbers: BTreeMap<_, _> =
@@ -262,7 +268,7 @@ impl Surroundings {
         }
     }
 
-    /// Whether a point of these lies where the grid goes on beyond.
+    /// Returns whether a point of the surroundings lies on a border beyond which the grid continues.
     pub(super) fn is_at_way_out(&self, surface: &Surface, (row, col): (usize, usize)) -> bool {
         let chart = surface.chart();
         let leaves = |own: &Range<usize>, at: usize, all: usize| {
@@ -271,7 +277,7 @@ impl Surroundings {
         leaves(&self.own.rows, row, chart.rows) || leaves(&self.own.cols, col, chart.cols)
     }
 
-    /// The same, with the edges of the window and seeds in it.
+    /// Returns the same as `seeds`, given the edges of the window and seeds in it.
     fn arrived<'a, K: TriangleKind<'a, f64>>(
         &self,
         edges: &'a EdgeLengths<f64>,
@@ -315,10 +321,10 @@ mod tests {
         rotated_scan(&edges, seeds, wavefront, DOUBLE).distances()
     }
 
-    /// Holds the map with surroundings to the one from the sources' cells alone; returns how many seeds
-    /// there are. Of one source they differ by what `STOP` leaves open. Those of several are causal
-    /// ([`crate::surface::Origins`]) but for their surroundings, which have one source each: without them the first
-    /// fronts in stretched cells are late by up to a tenth of a cell.
+    /// Asserts that the map with surroundings equals the one from the sources' cells alone. Returns the
+    /// number of seeds. For one source they differ by what `STOP` leaves open. Maps of several sources are
+    /// causal ([`crate::surface::Origins`]) except in the surroundings, which have one source each. Without
+    /// surroundings, the first fronts in stretched cells are late by up to a tenth of a cell.
     fn assert_same_map(surface: &Surface, wavefront: Wavefront, sources: &Sources) -> usize {
         let tolerance = if sources.iter().count() > 1 { 1e-3 } else { 1e-8 };
         let own = sources.seeds(surface).unwrap();
@@ -348,7 +354,7 @@ mod tests {
                     let seeds = own(row, col);
                     let alone = iterations(&seeds);
                     let with = iterations(&wavefront.seeds(&surface, seeds));
-                    // Two, where from a grid point one is enough and one more tells so.
+                    // Two, where one is enough from a grid point and another one confirms it.
                     let most = at_point.max(3) + 1;
                     assert!(with <= most, "{builtin} {wavefront} {row} {col}: {with}, {at_point}");
                     saved += alone - with;
@@ -378,7 +384,8 @@ mod tests {
         }
     }
 
-    /// Without them the mean error is 2.9e-6, since a causal front comes late past a triangle eight cells from the source.
+    /// Without surroundings the mean error is 2.9e-6, since a causal front passes a triangle eight cells from
+    /// the source late.
     #[test]
     fn a_lone_source_among_obtuse_triangles_has_surroundings_at_a_grid_point_too() {
         let peaks = Builtin::Peaks.surface(1025, 1025).unwrap();
@@ -400,14 +407,14 @@ mod tests {
         assert!(mean < 2.2e-6, "{mean}");
     }
 
-    /// Around a wall the front comes from outside the surroundings, earlier than by any way inside.
+    /// Around a wall the front comes from outside the surroundings, earlier than by any path inside.
     #[test]
     fn what_comes_from_outside_the_surroundings_is_not_kept_off() {
         let (rows, cols) = (130, 140);
         let fast = |k: usize| if k % cols > 80 { 0.01 } else { 1.0 };
         let plane = Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0));
         let surface = plane.unwrap().with_slowness((0..rows * cols).map(fast).collect()).unwrap();
-        // The wall reaches from the fast half on past the source, which lies beside it.
+        // The wall reaches from the fast half past the source, which lies beside it.
         let wall = |k: usize| k / cols != 60 || k % cols < 66 || k % cols > 90;
         let surface = surface.with_mask(&(0..rows * cols).map(wall).collect::<Vec<_>>()).unwrap();
         for wavefront in [Wavefront::PointSource, Wavefront::Curved] {
@@ -431,7 +438,7 @@ mod tests {
         assert_eq!(added(Wavefront::Curved, &small, &Sources::point(20.3, 20.75)), 0);
         let one = added(Wavefront::Curved, &surface, &inside);
         assert_eq!(one, 18 * 18 - 4);
-        // Where fronts have no anchors.
+        // The same where fronts have no anchors.
         assert_eq!(added(Wavefront::Anchored, &surface, &inside), one);
         let crowd = |count: usize| {
             let place = |k: usize| (5.3 + 14.0 * (k / 10) as f64, 5.75 + 14.0 * (k % 10) as f64);

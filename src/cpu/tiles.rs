@@ -1,5 +1,5 @@
-//! Which parts of the grid a scan has to visit: those whose surroundings have changed since it
-//! looked at them last, and none where every point is still unreached.
+//! Tracks which parts of the grid a scan has to visit: those whose surroundings have changed since it last
+//! looked at them, except where every point is still unreached.
 
 use std::ops::Range;
 
@@ -8,24 +8,24 @@ use rayon::prelude::*;
 use super::scan::Scan;
 use crate::surface::{Block, Chart, Direction, Tiling};
 
-/// Points on a side of a tile. A front moves one point a line, so within a band of as many lines
-/// it leaves a tile for the next at most.
+/// Number of points on a side of a tile. A front moves at most one point per line. So within a band of `TILE`
+/// lines it moves at most to the neighbouring tile.
 pub(super) const TILE: usize = 16;
 
-/// Flags of all scans.
+/// The flags of all scans.
 const ALL: u8 = 0b11110;
 
-/// Tiles of the grid, with flags of scans for each.
+/// The tiles of the grid, with flags of scans for each.
 #[derive(Clone, Debug)]
 pub(super) struct Tiles {
     tiling: Tiling,
-    /// Of the tiles.
+    /// The chart of the tiles.
     chart: Chart,
-    /// Those that have yet to see its last change.
+    /// Scans that have yet to see the tile's last change.
     pending: Vec<u8>,
-    /// Those of the two at hand that have to look at it, beside or ahead of such a change.
+    /// Scans of the current pair that have to examine the tile, which is beside or ahead of such a change.
     beside: Vec<u8>,
-    /// Those of them that have something to do there.
+    /// Scans of the current pair that have work in the tile.
     due: Vec<u8>,
 }
 
@@ -36,17 +36,17 @@ impl Tiles {
         Self { tiling, chart: tiling.tiles(), pending: none(), beside: none(), due: none() }
     }
 
-    /// Where they lie.
+    /// Returns the positions of the tiles.
     pub(super) fn tiling(&self) -> Tiling {
         self.tiling
     }
 
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         self.pending.len() + self.beside.len() + self.due.len()
     }
 
-    /// Number of tiles.
+    /// Returns the number of tiles.
     pub(super) fn len(&self) -> usize {
         self.pending.len()
     }
@@ -56,36 +56,36 @@ impl Tiles {
         self.pending.fill(0);
     }
 
-    /// A point has changed, and no scan has seen it.
+    /// Notes that a point has changed and that no scan has seen the change.
     pub(super) fn touch(&mut self, row: usize, col: usize) {
         let ((row, col), _) = self.tiling.tile_of((row, col));
         self.pending[self.chart.index(row, col)] = ALL;
     }
 
-    /// The bands of tiles that a scan passes, in its order.
+    /// Returns the bands of tiles that a scan passes, in its order.
     pub(super) fn bands(&self, scan: Scan) -> impl Iterator<Item = usize> + use<> {
         scan.in_order(0..self.chart.by(scan.lines()).rows)
     }
 
-    /// Tiles in a band.
+    /// Returns the number of tiles in a band.
     pub(super) fn in_band(&self, scan: Scan) -> usize {
         self.chart.by(scan.lines()).cols
     }
 
-    /// Index of a tile, given its band and its place in it.
+    /// Returns the index of a tile, given its band and its place in the band.
     pub(super) fn index(&self, scan: Scan, band: usize, place: usize) -> usize {
         let (row, col) = scan.lines().place(band, place);
         self.chart.index(row, col)
     }
 
-    /// The points of a stretch of a band, whose rows are the scan's lines.
+    /// Returns the points of a stretch of a band, as a block whose rows are the scan's lines.
     pub(super) fn lines(&self, scan: Scan, band: usize, run: Range<usize>) -> Block {
         let tiles = Block { rows: band..band + 1, cols: run };
         self.tiling.points(tiles.by(scan.lines())).by(scan.lines())
     }
 
-    /// The tiles in which a scan may have to follow a change of one of them: that, and those beside and
-    /// ahead of it.
+    /// Returns the tiles in which a scan may have to follow a change of `tile`: the tile itself, and those
+    /// beside and ahead of it.
     fn followed(&self, scan: Scan, tile: usize) -> impl Iterator<Item = usize> + use<> {
         let (chart, (row, col), behind) = (self.chart, self.chart.position(tile), scan.behind());
         let to = Direction::ALL.into_iter().filter(move |to| !behind.contains(to));
@@ -93,9 +93,9 @@ impl Tiles {
         std::iter::once(tile).chain(beside.map(move |(row, col)| chart.index(row, col)))
     }
 
-    /// For each row of tiles, which of two scans have to look at each of them: what lies beside or
-    /// ahead of a tile that has changed; and room to say which have something to do, where nothing
-    /// is due yet.
+    /// Returns, for each row of tiles, the scans of a pair that have to examine each tile: those beside or
+    /// ahead of a changed tile. The second slice of each row takes the scans that have work there. It is
+    /// cleared first.
     pub(super) fn rows_beside_changes(
         &mut self,
         scans: [Scan; 2],
@@ -115,8 +115,8 @@ impl Tiles {
         self.beside.par_chunks(cols).zip(self.due.par_chunks_mut(cols))
     }
 
-    /// The stretches of a band that a scan has to visit: beside tiles where something is due, and
-    /// ahead of those that it has changed.
+    /// Finds the stretches of a band that a scan has to visit: those beside tiles that are due, and those
+    /// ahead of tiles that the scan has changed.
     pub(super) fn runs(
         &self,
         scan: Scan,
@@ -140,7 +140,8 @@ impl Tiles {
         }
     }
 
-    /// Two scans, seeing one another's changes only now, have passed and changed these tiles.
+    /// Notes that two scans have passed and which tiles they have changed. Each sees the other's changes only
+    /// now.
     pub(super) fn passed(&mut self, scans: [Scan; 2], changed: [&[bool]; 2]) {
         let seen = !(scans[0].bit() | scans[1].bit());
         for (tile, pending) in self.pending.iter_mut().enumerate() {
@@ -164,7 +165,7 @@ mod tests {
         runs.into_iter().map(|run| [run.start, run.end]).collect()
     }
 
-    /// Takes all that a scan has to look at for due.
+    /// Marks all tiles that a scan has to examine as due.
     fn all_due(tiles: &mut Tiles, scans: [Scan; 2]) {
         tiles.rows_beside_changes(scans).for_each(|(beside, due)| due.copy_from_slice(beside));
     }
@@ -174,7 +175,7 @@ mod tests {
         let mut tiles = Tiles::new(Chart { rows: 70, cols: 160 });
         tiles.touch(40, 100);
         let quiet = vec![false; tiles.len()];
-        // The source lies in tile 2, 6; beside what is due a scan may follow.
+        // The source lies in tile 2, 6. A scan may go on beside tiles that are due.
         all_due(&mut tiles, [Scan::DOWN, Scan::UP]);
         assert_eq!(runs(&tiles, Scan::DOWN, 1, &quiet), [[0; 2]; 0]);
         assert_eq!(runs(&tiles, Scan::DOWN, 2, &quiet), [[4, 9]]);

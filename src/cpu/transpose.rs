@@ -1,11 +1,11 @@
-//! Transposition of a block of an array into another.
+//! Transposes a block of an array into another array.
 
 use bytemuck::Pod;
 
 use super::Instructions;
 
-/// A block of an array that is turned into one of another, and where it lies in both: entry (r, c) goes from `from + r * from_stride + c` to
-/// `to + c * to_stride + r`.
+/// A block of an array that is transposed into another array, and its position in both. Entry (r, c) goes
+/// from `from + r * from_stride + c` to `to + c * to_stride + r`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turned {
     pub from: usize,
@@ -49,7 +49,7 @@ fn one_by_one<R: Copy>(from: &[R], to: &mut [R], block: Turned) {
 }
 
 impl Turned {
-    /// The part that starts at some row and column.
+    /// Returns the part that starts at `row` and `col` of the block.
     fn part(self, row: usize, col: usize, rows: usize, cols: usize) -> Self {
         Self {
             from: self.from + row * self.from_stride + col,
@@ -61,7 +61,7 @@ impl Turned {
     }
 }
 
-/// Blocks of 8 x 8 in registers, since compilers do not find these shuffles.
+/// Transposes blocks of 8 x 8 in registers, since compilers do not find these shuffles.
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
     use std::arch::x86_64::*;
@@ -69,8 +69,8 @@ mod avx2 {
     use super::{Turned, one_by_one};
     use crate::lanes::prefetch;
 
-    /// How many lines before they are needed lines are fetched: they lie pages apart, where the
-    /// machine does not foresee them.
+    /// Number of lines by which lines are prefetched. They lie pages apart, where the hardware prefetcher
+    /// does not find them.
     const AHEAD: usize = 16;
 
     #[target_feature(enable = "avx2")]
@@ -99,11 +99,11 @@ mod avx2 {
     }
 
     /// # Safety
-    /// Eight lines of eight numbers must lie a stride apart from each pointer on.
+    /// Eight lines of eight numbers must lie a stride apart, from each pointer on.
     #[inline]
     #[target_feature(enable = "avx2")]
     unsafe fn eight(from: *const f32, from_stride: usize, to: *mut f32, to_stride: usize) {
-        // Half a line and the same half of the fourth line after it, for free while loading.
+        // Half a line, and the same half of the fourth line after it, combined while loading at no cost.
         // SAFETY: the caller's.
         let halves = |line: usize, half: usize| unsafe {
             let near = from.add(line * from_stride + 4 * half);
@@ -112,7 +112,7 @@ mod avx2 {
         };
         for half in 0..2 {
             let [a, b, c, d] = [halves(0, half), halves(1, half), halves(2, half), halves(3, half)];
-            // Pairs of lines, then fours.
+            // Interleaves pairs of lines, then groups of four.
             let (ab0, ab1) = (_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
             let (cd0, cd1) = (_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
             let lines = [

@@ -1,4 +1,4 @@
-//! The grid's columns as lines: which entries of an array a transposition brings where.
+//! Transposes columns of the grid into lines: which entries of an array go where.
 
 use std::ops::Range;
 
@@ -11,26 +11,26 @@ use super::transpose::{Turned, transpose};
 use crate::surface::{Chart, EdgeLengths, Real};
 
 /// The lengths of the edges from each point of a column to the column before: to the same row, the next and
-/// the previous one. For whoever scans many times, since a third of the time of a scan to the right or
-/// left goes into transposing them.
+/// the previous one. They pay off for solvers that scan many times, since a scan to the right or left spends
+/// a third of its time on transposing them.
 #[derive(Clone, Debug)]
 pub(super) struct TransposedEdges<R> {
-    /// The distance from a line to the next.
+    /// Distance in memory from a line to the next.
     stride: usize,
     edges: [Vec<R>; 3],
     is_filled: bool,
 }
 
 impl<R: Real> TransposedEdges<R> {
-    /// Makes room for the edges of a surface. Zeros come without work, and as memory only once they are
-    /// written.
+    /// Allocates memory for the edges of a surface. Zeroed memory takes no time and no physical memory before
+    /// it is written.
     pub(super) fn new(chart: Chart) -> Self {
         let lines = chart.transposed();
         let edges = [(); 3].map(|_| vec![R::zero(); lines.bordered_points()]);
         Self { stride: lines.stride(), edges, is_filled: false }
     }
 
-    /// Transposes all edges, in parallel over columns, unless that has been done.
+    /// Transposes all edges, in parallel over columns, unless this has been done.
     pub(super) fn fill(&mut self, edges: &EdgeLengths<R>, instructions: Instructions) {
         if std::mem::replace(&mut self.is_filled, true) {
             return;
@@ -50,23 +50,23 @@ impl<R: Real> TransposedEdges<R> {
         );
     }
 
-    /// These, once they have been transposed.
+    /// Returns these edges once they have been transposed.
     pub(super) fn filled(&self) -> Option<&Self> {
         self.is_filled.then_some(self)
     }
 
-    /// The lines from a column on, counted from the border.
+    /// Returns the lines from column `first` on, counted from the border.
     pub(super) fn lines(&self, first: usize) -> [&[R]; 3] {
         self.edges.each_ref().map(|edges| &edges[first * self.stride..])
     }
 
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         self.edges.iter().map(|edges| std::mem::size_of_val(edges.as_slice())).sum()
     }
 }
 
-/// Columns of bordered arrays from one on, which become the lines of others.
+/// A range of columns of bordered arrays, which become lines of other arrays.
 #[derive(Clone, Copy)]
 pub(super) struct ColumnsToLines {
     pub chart: Chart,
@@ -77,8 +77,8 @@ pub(super) struct ColumnsToLines {
 }
 
 impl ColumnsToLines {
-    /// Transposes rows of an array, counted from the border, but for the first lines; each entry lies so far
-    /// down and left of where it belongs.
+    /// Transposes `rows` of an array, counted from the border, and skips the first `skip` lines. Each entry
+    /// is taken from `down` rows below and `left` columns to the left of its place.
     pub(super) fn transpose<T: Pod>(
         self,
         from: &[T],
@@ -99,7 +99,7 @@ impl ColumnsToLines {
         transpose(from, to, block, self.instructions);
     }
 
-    /// Transposes the edges back of some rows.
+    /// Transposes the edges to the column before, for some rows.
     pub(super) fn transpose_edges_back<R: Real>(
         self,
         edges: &EdgeLengths<R>,
@@ -107,8 +107,9 @@ impl ColumnsToLines {
         skip: usize,
         rows: Range<usize>,
     ) {
-        // A transposition makes north of east, north of west's east, and north-east of
-        // south-west, which is stored as the north-east of another point; north-west stays.
+        // In the transposed grid, north is the grid's west, which is stored as the east of the western
+        // neighbour. North-east is the grid's south-west, which is stored as the north-east of that
+        // neighbour. North-west stays.
         let [east, _, north_east, north_west] = edges.planes();
         let Range { start, end } = rows;
         self.transpose(east, up, skip, start + 1..end + 1, [0, 1]);

@@ -1,5 +1,5 @@
-//! The parts of all obtuse triangles ([`EdgeLengths::split`]), found once for a surface, in the order in which scans
-//! come to them.
+//! Stores the parts of all obtuse triangles ([`EdgeLengths::split`]) of a surface, in the order in which
+//! scans visit them.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -10,12 +10,12 @@ use super::chart::{Chart, Direction, Lines};
 use super::edges::EdgeLengths;
 use super::real::Real;
 
-/// Obtuse triangles of a surface up to which their parts are kept: half a gigabyte in single precision. Those of more
-/// are found whenever they are needed.
+/// Maximum number of obtuse triangles of a surface whose parts are stored: half a gigabyte in single
+/// precision. If there are more, parts are found whenever they are needed.
 const KEPT: usize = 1 << 23;
 
-/// The parts of all obtuse triangles, by the side of their point on which they lie. Unknown until they are asked for;
-/// nothing if there are none, or too many to be kept.
+/// The parts of all obtuse triangles, by the side of their point on which they lie. They are computed on
+/// first use. `None` inside means that there are none, or too many to store.
 #[derive(Clone, Debug)]
 pub(super) struct Parts<R>(OnceLock<Option<[SideParts<R>; 4]>>);
 
@@ -26,46 +26,46 @@ impl<R> Default for Parts<R> {
 }
 
 impl<R: Real> Parts<R> {
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         let sides = self.0.get().and_then(Option::as_ref);
         sides.map_or(0, |sides| sides.iter().map(SideParts::bytes).sum())
     }
 }
 
-/// The obtuse triangles on one side of their points, of the two that have the edge to the neighbour there, with their
-/// parts.
+/// The obtuse triangles on one side of their points, with their parts. On each side a point has two
+/// triangles, which share the edge to the neighbour there.
 ///
-/// In the order of their points: line by line, and along lines. Lines are rows where that neighbour lies in another
-/// row, else columns; lines and places in them are counted from the border.
+/// Triangles are sorted by their points: line by line, and along lines. Lines are rows where that neighbour
+/// lies in another row, else columns. Lines and places in them are counted from the border.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SideParts<R> {
-    /// Where each line's triangles begin.
+    /// Start of each line's triangles.
     starts: Vec<u32>,
-    /// The place of each triangle's point in its line.
+    /// Place of each triangle's point in its line.
     triangles: Vec<u32>,
-    /// Where the parts of each triangle end; of some there are none.
+    /// End of each triangle's parts. Some triangles have none.
     ends: Vec<u32>,
-    /// The two other corners of each part, in the bordered array.
+    /// The two other corners of each part, as indices into the bordered array.
     corners: [Vec<u32>; 2],
-    /// The lengths of x0 x1, x0 x2 and x1 x2.
+    /// Lengths of x0 x1, x0 x2 and x1 x2.
     lengths: [Vec<R>; 3],
-    /// The slowness at x0, x1 and x2 by which they are weighted; nothing if there is none.
+    /// Slowness at x0, x1 and x2, by which the lengths are weighted. Empty if there is none.
     slowness: [Vec<R>; 3],
 }
 
 /// A part of an obtuse triangle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part<R> {
-    /// The two other corners, in the bordered array.
+    /// The two other corners, as indices into the bordered array.
     pub corners: [usize; 2],
-    /// The lengths of x0 x1, x0 x2 and x1 x2.
+    /// Lengths of x0 x1, x0 x2 and x1 x2.
     pub lengths: [R; 3],
-    /// The slowness at x0, x1 and x2; 1 if there is none.
+    /// Slowness at x0, x1 and x2; 1 if there is none.
     pub slowness: [R; 3],
 }
 
-/// Some obtuse triangles that follow one another in a line.
+/// Successive obtuse triangles of a line.
 #[derive(Clone, Debug)]
 pub(crate) struct SplitTriangles<'a, R> {
     side: &'a SideParts<R>,
@@ -77,7 +77,7 @@ impl<'a, R: Real> SplitTriangles<'a, R> {
         self.triangles.is_empty()
     }
 
-    /// The place in the line, counted from the border, of each triangle's point, and its parts.
+    /// Returns, for each triangle, its parts and the place of its point in the line, counted from the border.
     pub(crate) fn parts(
         self,
     ) -> impl Iterator<Item = (usize, impl Iterator<Item = Part<R>> + use<'a, R>)> + use<'a, R>
@@ -94,7 +94,7 @@ impl<'a, R: Real> SplitTriangles<'a, R> {
 }
 
 impl<R: Real> SideParts<R> {
-    /// The obtuse triangles whose points lie in part of a line.
+    /// Returns the obtuse triangles whose points lie in part of a line.
     #[inline]
     pub(crate) fn within(&self, line: usize, range: Range<usize>) -> SplitTriangles<'_, R> {
         let of_line = self.starts[line] as usize..self.starts[line + 1] as usize;
@@ -145,7 +145,7 @@ impl<R: Real> SideParts<R> {
         let is_slowed = edges.slowness().is_some();
         let chart: Chart = edges.chart();
         let length = chart.by(lines).cols + 2;
-        // As they lie along the line, by the first of their directions.
+        // Sorted along the line, by the first of their directions.
         let in_order = match side {
             Direction::North | Direction::East => [side, side.previous()],
             _ => [side.previous(), side],
@@ -173,12 +173,14 @@ impl<R: Real> SideParts<R> {
 }
 
 impl<R: Real> EdgeLengths<R> {
-    /// The parts of obtuse triangles on one side of their points, if the surface has any such triangle and they are kept.
+    /// Returns the parts of obtuse triangles on one side of their points. The result is `None` if the surface
+    /// has no such triangle, or if parts are not stored.
     pub(crate) fn parts_on_side(&self, side: Direction) -> Option<&SideParts<R>> {
         let sides = match self.parts.0.get() {
             Some(sides) => sides,
             None => {
-                // Not inside the lock: a thread that waits for others here may take up work that asks for them too.
+                // Computed outside the lock: a thread that waits for others here may take up work that needs
+                // the parts too.
                 let sides = self.find_parts();
                 self.parts.0.get_or_init(|| sides)
             }
@@ -194,7 +196,7 @@ impl<R: Real> EdgeLengths<R> {
     }
 }
 
-/// In the order of [`Direction::ALL`].
+/// The sides in the order of [`Direction::ALL`].
 const SIDES: [Direction; 4] =
     [Direction::East, Direction::North, Direction::West, Direction::South];
 
@@ -204,7 +206,7 @@ mod tests {
     use crate::surface::builtin::Builtin;
     use crate::surface::{Spacing, Surface};
 
-    /// Hills with holes, flat sheared cells, and hills over a slowness.
+    /// Returns hills with holes, flat sheared cells, and hills with a slowness.
     fn surfaces() -> [Surface; 3] {
         let (rows, cols) = (19, 23);
         let height = |k: usize| 2.5 * ((k * k / 3 % 7) as f64).sin();
@@ -222,7 +224,7 @@ mod tests {
     /// Corners, lengths and slowness of a part.
     type Told = ([usize; 2], [f64; 3], [f64; 3]);
 
-    /// The parts of a point's triangles on a side, as they are found one by one.
+    /// Returns the parts of a point's triangles on a side, as they are found one by one.
     fn found(edges: &EdgeLengths<f64>, point: usize, side: Direction) -> Vec<Told> {
         let mut found = Vec::new();
         let bits = edges.obtuse_triangles().unwrap()[point];
@@ -269,7 +271,7 @@ mod tests {
                         found.into_iter().map(move |part| (place, part))
                     });
                     let mut expected: Vec<_> = expected.collect();
-                    // Of a point's two triangles either may come first.
+                    // Either of a point's two triangles may come first.
                     let by = |a: &(usize, Told), b: &(usize, Told)| a.partial_cmp(b).unwrap();
                     told.sort_by(by);
                     expected.sort_by(by);

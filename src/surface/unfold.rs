@@ -61,7 +61,7 @@ impl Lines {
         Self { starts, places }
     }
 
-    /// The same points by the lines across, of which there are so many.
+    /// Returns the same points by the lines across, of which there are `lines`.
     fn turned(&self, lines: usize) -> Self {
         let mut starts = vec![0; lines + 1];
         for &place in &self.places {
@@ -115,7 +115,8 @@ impl<R: Real> EdgeLengths<R> {
         if let Some(found) = self.obtuse.0.get() {
             return found.as_ref();
         }
-        // Not inside the lock: a thread that waits for others here may take up work that asks for them too.
+        // Computed outside the lock: a thread that waits for others here may take up work that needs the
+        // result too.
         let found = obtuse_triangles(self);
         self.obtuse.0.get_or_init(|| found).as_ref()
     }
@@ -285,7 +286,8 @@ impl<R: Real> EdgeLengths<R> {
     }
 }
 
-/// For each step to a neighbour, three for a row, which of the stored edges it is, and whether the neighbour has it.
+/// For each step to a neighbour, three per row: the index of the stored edge, and whether the neighbour
+/// stores it.
 const STORED_AT: [Option<(usize, bool)>; 9] = {
     let mut found = [None; 9];
     let mut stored = 0;
@@ -430,7 +432,8 @@ fn obtuse_triangles<R: Real>(edges: &EdgeLengths<R>) -> Option<Found> {
 }
 
 impl<R: Real> EdgeLengths<R> {
-    /// Of the triangles of a row of points that may be obtuse, leaves those that are, as updates compute it.
+    /// Clears the marks of triangles in a row of points that are not obtuse by the computation that updates
+    /// use.
     fn leave_obtuse(&self, row: usize, line: &mut [u8]) {
         let [fan, bases] = self.fans(row, line.len());
         for col in marked(line).collect::<Vec<_>>() {
@@ -449,7 +452,7 @@ impl<R: Real> EdgeLengths<R> {
     }
 }
 
-/// The places in a line where a bit is set: few, as a rule.
+/// Returns the places in a line where a bit is set. There are usually few.
 fn marked(line: &[u8]) -> impl Iterator<Item = usize> {
     const TOGETHER: usize = 16;
     let some = line.chunks(TOGETHER).enumerate().filter(|(_, of)| any_bit(of) != 0);
@@ -463,7 +466,8 @@ fn any_bit(of: &[u8]) -> u8 {
     of.iter().fold(0, |all, bits| all | bits)
 }
 
-/// The triangles of a row of points that may be obtuse: rather too many by rounding than too few.
+/// The loop that marks the triangles of a row of points that may be obtuse. Its limit errs towards too many
+/// triangles, to allow for rounding.
 struct RowOfTriangles<'a, R> {
     edges: &'a EdgeLengths<R>,
     row: usize,
@@ -480,7 +484,7 @@ impl<R: Real> Loop for RowOfTriangles<'_, R> {
         let [fan, bases] = edges.fans(row, points);
         let limit = R::of(1.001 * OBTUSE);
         line.fill(0);
-        // One after another, so that points become lanes.
+        // One direction after another, so that points become SIMD lanes.
         for to in 0..8 {
             let [a, b, c] = [fan[to], fan[ring::next(to)], bases[to]].map(|of| &of[..points]);
             for (col, bits) in line.iter_mut().enumerate() {
@@ -513,7 +517,7 @@ impl<R: Real> Loop for SlowedRowOfTriangles<'_, R> {
             for to in 0..8 {
                 let next = ring::next(to);
                 let (own, first, second) = (own[col], around[to][col], around[next][col]);
-                // Half of the lengths on the surface.
+                // Half of each length on the surface.
                 let (a, b) = (fan[to][col] / (own + first), fan[next][col] / (own + second));
                 let c = bases[to][col] / (first + second);
                 let is_there = bases[to][col] < R::FAR;
@@ -531,7 +535,7 @@ mod tests {
     use crate::surface::builtin::Builtin;
     use crate::surface::{Spacing, Surface};
 
-    /// Steps up and down by `height`, with a hole.
+    /// Returns a surface that steps up and down by `height`, with a hole.
     fn steps(height: f64) -> Surface {
         let (rows, cols) = (40, 7);
         let heights = (0..rows * cols).map(|k| height * f64::from((k * k / 3 % 5) as u8)).collect();

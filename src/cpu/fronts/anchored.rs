@@ -1,8 +1,9 @@
-//! Fronts over a floor plan that carry the number of their anchor.
+//! Implements fronts over a floor plan that carry the number of their anchor.
 //!
-//! Nearly everywhere all points behind a stretch have one anchor, and no hole is beside them: then a point
-//! is reached from it if the straight line runs between its neighbours behind, which is one square root for
-//! each, in lanes. Elsewhere points are updated one after another, as `update/anchored.rs` has it.
+//! Nearly everywhere all points behind a stretch have the same anchor, and there is no hole beside them. Then
+//! the anchor reaches a point if the straight line to it runs between its neighbours behind. That takes one
+//! square root per point, in SIMD lanes. Elsewhere points are updated one after another, as in
+//! `update/anchored.rs`.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -21,17 +22,17 @@ use crate::lanes::prefetch;
 use crate::surface::{Chart, EdgeLengths, EvenGrid, Real, Seed, TAG, Tagged, min};
 use crate::update::{Anchor, Carried, Floor, Kept, is_shorter};
 
-/// [`crate::Wavefront::Anchored`].
+/// The front of [`crate::Wavefront::Anchored`].
 #[derive(Clone, Debug)]
 pub(in crate::cpu) struct Anchored<R> {
     floor: Floor<R>,
 }
 
-/// The front that a point keeps, or that comes to it: when, and from which anchor.
+/// The front that a point keeps or that reaches it: its arrival time and its anchor.
 type KeptAnchored<R> = Kept<R, Anchor<R>>;
 
-/// Which of the four scans have a hole behind a point: where one of the three neighbours is missing, or a corner.
-/// Elsewhere one anchor behind it is all that they have to look at.
+/// Flags of the scans that have a hole behind a point: one of the three neighbours is missing, or there is a
+/// corner. For the other scans, one anchor behind the point is all that matters.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(transparent)]
 pub(in crate::cpu) struct HolesBehind<R>(R);
@@ -53,7 +54,7 @@ impl<R: Real> HolesBehind<R> {
 }
 
 impl<R: Real> Anchored<R> {
-    /// With the edges of a floor plan on this grid.
+    /// Creates the front for a floor plan with these edges on this grid.
     pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, grid: EvenGrid) -> Self {
         Self { floor: Floor::new(edges, grid) }
     }
@@ -86,8 +87,8 @@ impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
         Kept { time: way.time, carried: Anchor::new(way.anchor) }
     }
 
-    /// What comes shorter than what is here, by more than rounding; and if the scan `renews`, what it brings
-    /// in place of what it has brought before.
+    /// Accepts an arrival that is shorter than the present front by more than rounding. If the scan `renews`,
+    /// also accepts what replaces a front that the same scan brought.
     #[inline(always)]
     fn accept(
         kept: KeptAnchored<R>,
@@ -108,7 +109,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
         }
     }
 
-    /// The second if it is shorter by more than rounding.
+    /// Returns the second front if it is shorter by more than rounding, else the first.
     #[inline(always)]
     fn first(a: KeptAnchored<R>, b: KeptAnchored<R>) -> KeptAnchored<R> {
         let second = is_shorter(b.time, a.time);
@@ -118,7 +119,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
         }
     }
 
-    /// Another anchor is news for the points beside it, if none for the map.
+    /// A changed anchor matters to neighbouring points, though not to the map.
     #[inline(always)]
     fn change(before: KeptAnchored<R>, after: KeptAnchored<R>) -> R::Bits {
         let turns = !before.carried.is(after.carried);
@@ -154,7 +155,8 @@ impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
         how.instructions.run(LineUpdate { line, how, changed })
     }
 
-    /// As far as one anchor serves all that lies behind; where several do, there is something to do.
+    /// Decides this only where one anchor serves all points behind. Where there are several, there is work to
+    /// do.
     #[inline(always)]
     fn leaves(
         &self,
@@ -191,7 +193,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
     }
 }
 
-/// Whether three neighbours behind a point have this anchor, and no hole is near.
+/// Returns whether three neighbours behind a point have this anchor and no hole is near.
 #[inline(always)]
 fn is_of_one<R: Real>(
     anchor: Anchor<R>,
@@ -222,7 +224,7 @@ impl<R: Real> Stretches for AnchoredLine<'_, '_, R> {
 
     #[inline(always)]
     fn prefetch_next(&self, start: usize) {
-        // Before the first line and after the last there is none; nothing is read there.
+        // Before the first line and after the last one there is no line, and nothing is read.
         let next = self.line as isize + if self.scan.is_forward() { 1 } else { -1 };
         let in_line = (self.points.start + start + 1) as isize;
         let place = next * self.lines.stride as isize + in_line;
@@ -298,22 +300,22 @@ impl<R: Real> Stretches for AnchoredLine<'_, '_, R> {
     }
 }
 
-/// The points behind a stretch, from the one before its first to the one after its last.
+/// The points behind a stretch, from the one before its first point to the one after its last.
 struct LineBehind<'a, R> {
     times: &'a [R],
     anchors: &'a [Anchor<R>],
-    /// At the points of the stretch.
+    /// Holes behind the points of the stretch.
     holes: &'a [HolesBehind<R>],
 }
 
 impl<R: Real> LineBehind<'_, R> {
-    /// The earliest of the three behind a point.
+    /// Returns the earliest time of the three points behind a point.
     #[inline(always)]
     fn first(&self, i: usize) -> R {
         min(self.times[i], min(self.times[i + 1], self.times[i + 2]))
     }
 
-    /// Whether all three have an anchor, and no hole is near.
+    /// Returns whether all three points behind have this anchor and no hole is near.
     #[inline(always)]
     fn has(&self, i: usize, anchor: Anchor<R>, scan: Scan) -> bool {
         let behind = [self.anchors[i], self.anchors[i + 1], self.anchors[i + 2]];
@@ -321,14 +323,14 @@ impl<R: Real> LineBehind<'_, R> {
     }
 }
 
-/// What a scan brings to the points of a stretch.
+/// The fronts that a scan brings to the points of a stretch.
 struct Brought<R> {
     times: [R; TILE],
     anchors: [Anchor<R>; TILE],
 }
 
 impl<R: Real> Brought<R> {
-    /// To points behind which all have one anchor, and no hole is near.
+    /// Computes the fronts at points whose neighbours behind all have one anchor and no hole near.
     #[inline(always)]
     fn bring_from_one(
         &mut self,
@@ -349,7 +351,7 @@ impl<R: Real> Brought<R> {
         }
     }
 
-    /// To others: as many as possible at once, and the rest one after another.
+    /// Computes the fronts at other points: as many as possible at once, and the rest one after another.
     #[allow(clippy::too_many_arguments)]
     #[inline(always)]
     fn bring_from_several(
@@ -392,13 +394,13 @@ impl<R: Real> Brought<R> {
     }
 }
 
-/// The position of a point further on along a line.
+/// Returns the position of the point that is `by` points further along a line.
 #[inline(always)]
 fn further([row, col]: [usize; 2], by: usize, scan: Scan) -> [usize; 2] {
     if scan.by_rows() { [row, col + by] } else { [row + by, col] }
 }
 
-/// The way to a point from the line behind, one point at a time.
+/// Returns the shortest path to a point from the line behind, for a single point.
 #[inline(never)]
 fn reach<R: Real>(
     floor: &Floor<R>,

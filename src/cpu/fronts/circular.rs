@@ -1,11 +1,11 @@
-//! Circular fronts around a virtual point source.
+//! Implements circular fronts around a virtual point source.
 
 use super::straight::Straight;
 use crate::cpu::settled::from_point_source;
 use crate::surface::{EdgeLengths, Origins, Real};
 use crate::update::{Triangle, point_source};
 
-/// [`crate::Wavefront::PointSource`].
+/// The front of [`crate::Wavefront::PointSource`].
 #[derive(Clone, Copy, Debug)]
 pub(in crate::cpu) struct Circular {
     origins: Origins,
@@ -27,8 +27,8 @@ impl Straight for Circular {
         point_source(triangle, self.origins.are_causal())
     }
 
-    /// By more than rounding: a last digit would be passed on from point to point, and all of them
-    /// visited anew.
+    /// Accepts only times that are earlier by more than rounding. A change of the last digit would be passed
+    /// on from point to point, and all of them would be visited again.
     #[inline(always)]
     fn earlier<R: Real>(self, now: R, triangle: Triangle<R>) -> R {
         Self::first(now, point_source(triangle, self.origins.are_causal()))

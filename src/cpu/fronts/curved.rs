@@ -1,4 +1,4 @@
-//! Fronts that carry their curvature.
+//! Implements fronts that carry their curvature.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -19,16 +19,16 @@ use crate::update::{
     curved_from_origins, line_to,
 };
 
-/// [`crate::Wavefront::Curved`].
+/// The front of [`crate::Wavefront::Curved`].
 #[derive(Clone, Debug)]
 pub(in crate::cpu) struct Curved<'a, R> {
     edges: &'a EdgeLengths<R>,
-    /// The surface's Gaussian curvature, tagged where waves diffract.
+    /// The surface's Gaussian curvature, with a tag where waves diffract.
     gaussian: &'a [R],
     origins: Origins,
-    /// Those whose numbers fronts carry.
+    /// The origins whose numbers fronts carry.
     table: OriginTable<R>,
-    /// Whether seeds tell of their origins.
+    /// Whether seeds name their origins.
     has_names: bool,
 }
 
@@ -46,8 +46,9 @@ impl<'a, R: Real> Curved<'a, R> {
         }
     }
 
-    /// When a seed's front starts along a straight line from its origin, and the number of that, if it has one and the
-    /// line explains the seed's time. Measured as updates do, it agrees with them but for rounding.
+    /// Returns the time at which a seed's front arrives along a straight line from its origin, and the number
+    /// of the origin. Returns `None` if the seed has no numbered origin, or if the line does not explain the
+    /// seed's time. The time is measured as updates measure it, and so agrees with them to rounding.
     fn named(&mut self, seed: &Seed) -> Option<(R, R)> {
         let origin = seed.origin.filter(|_| self.has_numbers())?;
         let number = self.table.number(&origin)?;
@@ -67,7 +68,7 @@ impl<'a, R: Real> Curved<'a, R> {
             .then(|| (time, Curvature::of_origin(number)))
     }
 
-    /// Whether fronts carry numbers of their origins.
+    /// Returns whether fronts carry the numbers of their origins.
     fn has_numbers(&self) -> bool {
         self.origins.are_several() && self.has_names
     }
@@ -114,7 +115,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
         accept(kept, arrival, scan, renews)
     }
 
-    /// Of those that arrive together as [`Front::first`].
+    /// Takes the same front as [`Front::first`] if both arrive together.
     #[inline(always)]
     fn first(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R> {
         first(a, b)
@@ -124,7 +125,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
         carried.released()
     }
 
-    /// The larger of the changes of arrival time and curvature.
+    /// Returns the larger of the changes of arrival time and curvature.
     #[inline(always)]
     fn change(before: KeptCurved<R>, after: KeptCurved<R>) -> R::Bits {
         let bend = after.carried.bend_from(before.carried, after.time);
@@ -228,7 +229,7 @@ impl<'a, R: Real> TriangleKind<'a, R> for Curved<'a, R> {
     }
 }
 
-/// The first of two fronts at a point.
+/// Returns the first of two fronts at a point.
 #[inline(always)]
 pub(super) fn first<R: Real>(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R> {
     let (of_a, of_b) = (a.carried.front(a.time), b.carried.front(b.time));
@@ -238,15 +239,15 @@ pub(super) fn first<R: Real>(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R
     Kept { time, carried: if second { b.carried } else { a.carried } }
 }
 
-/// The front at a point after a scan has brought one to it.
+/// Returns the front at a point after a scan has brought `front` to it.
 ///
-/// It is accepted if it is the first, or arrives with that and is preferred
-/// ([`Front::replaces`]). If the scan `renews`, it is accepted as well, earlier or later, if it has
-/// brought the one before: that came from the same triangles, whose fronts have changed since. So
-/// nothing that was computed from a preliminary curvature stays. What differs by rounding alone is no
-/// change ([`Front::is_same_as`]): the last digits of a front far away would else be passed on from
-/// point to point and visited anew. Else the one that is here stays, so that scans that arrive together
-/// do not take turns.
+/// The new front is accepted if it is the first, or if it arrives together with the present one and is
+/// preferred ([`Front::replaces`]). If the scan `renews`, the new front is also accepted, earlier or later,
+/// where the same scan brought the present one. That one came from the same triangles, whose fronts have
+/// changed since. So nothing stays that was computed from a preliminary curvature. A difference within
+/// rounding is no change ([`Front::is_same_as`]). Otherwise the last digits of a distant front would be
+/// passed on from point to point, and all of these would be visited again. In all other cases the present
+/// front stays, so that scans whose fronts arrive together do not alternate.
 #[inline(always)]
 pub(super) fn accept<R: Real>(
     kept: KeptCurved<R>,
@@ -262,9 +263,9 @@ pub(super) fn accept<R: Real>(
     let together = was_reached & front.arrives_with(before);
     let first = if together { front.replaces(before) } else { front.time < time };
     let is_new = !(together & front.is_same_as(before));
-    // A seed knows better when its own source's front arrives than an update does.
+    // A seed knows the arrival of its own source's front better than an update does.
     let own = was_reached & curvature.is_seed_of(front.curvature);
-    // Exact seeds stay: two fronts taken for one would come too early.
+    // Exact seeds stay: an update that takes two fronts for one would be too early.
     let held = was_reached & curvature.is_from(EXACT);
     let accepted =
         (first & !own & !held) | (was_reached & renews & curvature.is_from(scan) & is_new);
@@ -275,7 +276,8 @@ pub(super) fn accept<R: Real>(
     }
 }
 
-/// Whether a scan leaves a stretch of points as they are, of whose triangles some may be obtuse (`SPLIT`) or none.
+/// Returns whether a scan leaves a stretch of points unchanged. `SPLIT` tells whether some of their triangles
+/// may be obtuse.
 #[inline(always)]
 fn leaves<R: Real, const SPLIT: bool>(
     stretch: &Stretch<R, Curvature<R>, R>,
@@ -289,7 +291,7 @@ fn leaves<R: Real, const SPLIT: bool>(
     if stretch.leads(points) {
         return true;
     }
-    // The test asks for curvatures.
+    // The test needs curvatures, not numbers of origins.
     if has_numbers {
         return false;
     }
@@ -309,22 +311,22 @@ fn leaves<R: Real, const SPLIT: bool>(
     settled
 }
 
-/// A line while a scan updates it, of which some triangles are obtuse (`SPLIT`) or none.
+/// A line while a scan updates it. `SPLIT` tells whether some of its triangles are obtuse.
 struct CurvedLine<'a, R, const SPLIT: bool> {
     line: ScanLine<'a, R, Curvature<R>, R>,
-    /// The points with such triangles, and what comes through parts of these.
+    /// The points with obtuse triangles, and the fronts that arrive through parts of these.
     parts: &'a [(usize, Option<Front<R>>)],
     /// See [`Bends::causal`].
     causal: bool,
-    /// If fronts carry numbers of origins.
+    /// The origins, if fronts carry their numbers.
     origins: Option<LineOrigins<'a, R>>,
 }
 
-/// The largest changes by their place in the stretch.
+/// The largest changes, by their place in the stretch.
 struct BentChanges<R: Real> {
-    /// Of arrival times ([`Real::units_between`]).
+    /// Changes of arrival times ([`Real::units_between`]).
     times: [R::Bits; TILE],
-    /// Of curvatures, times the arrival time, as numbers above zero.
+    /// Changes of curvatures times the arrival time, in units above zero.
     bends: [R::Bits; TILE],
 }
 
@@ -390,7 +392,7 @@ impl<R: Real, const SPLIT: bool> Stretches for CurvedLine<'_, R, SPLIT> {
             let change = before.time.units_between(after.time);
             any |= change.max(bent_before.units_between(bent)) > R::Bits::default();
             changes.times[i] = change.max(changes.times[i]);
-            // As whole numbers, whose maximum compilers find in lanes.
+            // As integers, whose maximum compilers find in SIMD lanes.
             let bend = match has_numbers {
                 true => after.carried.bend_from(before.carried, after.time),
                 false => (bent - bent_before).abs() * after.time,
@@ -410,7 +412,8 @@ impl<R: Real, const SPLIT: bool> Stretches for CurvedLine<'_, R, SPLIT> {
 }
 
 impl<R: Real, const SPLIT: bool> CurvedLine<'_, R, SPLIT> {
-    /// The fronts that come first to a stretch of points, of whose triangles some are obtuse or none.
+    /// Returns the first fronts to reach a stretch of points. `OBTUSE` tells whether some of their triangles
+    /// are obtuse.
     #[inline(always)]
     fn first_fronts<const OBTUSE: bool>(
         &self,
@@ -441,7 +444,7 @@ struct Bent<'a, R, const SPLIT: bool> {
 }
 
 impl<R: Real, const SPLIT: bool> Bent<'_, R, SPLIT> {
-    /// The curvatures of the fronts at x1 and x2 of one of the two triangles of point i.
+    /// Returns the curvatures of the fronts at x1 and x2 of one of the two triangles of point `i`.
     #[inline(always)]
     fn fronts<const LEFT: bool>(&self, i: usize) -> [R; 2] {
         let behind = &self.stretch.carried_behind;
@@ -458,14 +461,14 @@ impl<R: Real, const SPLIT: bool> Bent<'_, R, SPLIT> {
         Bends { fronts, surface, alone, causal: self.causal }
     }
 
-    /// The front through it.
+    /// Returns the front through that triangle.
     #[inline(always)]
     fn front<const LEFT: bool>(&self, i: usize) -> Front<R> {
         curved(self.stretch.triangle::<LEFT, SPLIT>(i), self.bends::<LEFT>(i))
     }
 }
 
-/// The first fronts where some of those behind have known origins.
+/// Returns the first fronts where the origins of some fronts behind are known.
 #[inline(always)]
 fn fronts_of_origins<R: Real, const SPLIT: bool>(
     bent: &Bent<R, SPLIT>,
@@ -484,8 +487,8 @@ fn fronts_of_origins<R: Real, const SPLIT: bool>(
     first
 }
 
-/// The first fronts through the triangle that most points should be reached through, and through the
-/// other unless nothing comes first through it.
+/// Returns the first fronts through the triangle that the front most likely comes through. The other triangle
+/// is used too, unless no front comes first through it.
 #[inline(always)]
 fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool, const SPLIT: bool>(
     bent: &Bent<R, SPLIT>,
@@ -499,7 +502,7 @@ fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool, const 
     }
     let mut settled = true;
     for i in 0..points {
-        // A front that is renewed may come later than it did.
+        // A renewed front may come later than before.
         let renewed = how.renews & stretch.carried[i].is_from(how.scan.0);
         let now = if renewed { first.times[i] } else { min(stretch.times[i], first.times[i]) };
         let other = stretch.seen_from_beside::<SECOND_LEFT, SPLIT>(i);
@@ -513,11 +516,11 @@ fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool, const 
     first
 }
 
-/// The front that comes first to each point of a stretch.
+/// The first front to reach each point of a stretch.
 pub(super) struct FirstFronts<R> {
     times: [R; TILE],
     curvatures: [R; TILE],
-    /// One where it is whole, as wide as the others for the sake of lanes.
+    /// 1 where the front is whole. As wide as the other arrays, for the sake of SIMD lanes.
     whole: [R; TILE],
 }
 
@@ -547,8 +550,8 @@ impl<R: Real> FirstFronts<R> {
 mod tests {
     use super::*;
 
-    /// What becomes of a front of time 1.5 and curvature 0.3 that scan 2 has brought from a whole triangle
-    /// when this comes.
+    /// Returns the front at a point after another one comes. The present front has time 1.5 and curvature
+    /// 0.3, and scan 2 has brought it from a whole triangle.
     fn after<R: Real>([time, curvature]: [f64; 2], scan: u8, renews: bool) -> KeptCurved<R> {
         let whole = true;
         let old = Curvature::of(Front { time: R::of(1.5), curvature: R::of(0.3), whole }, 2);
@@ -561,7 +564,7 @@ mod tests {
         assert_eq!(kept.time, R::of(1.5));
         let digit = R::epsilon().wide();
         let is_kept = |front, scan, renews| after::<R>(front, scan, renews) == kept;
-        // Its own scan brings it again.
+        // The same scan brings it again.
         assert!(is_kept([1.5 + digit, 0.3], 2, true));
         assert!(is_kept([1.5 - digit, 0.3 * (1.0 + 64.0 * digit)], 2, true));
         for changed in [[1.5 + 4.0 * digit, 0.3], [1.5, 0.3 * (1.0 + 4096.0 * digit)]] {
@@ -569,7 +572,7 @@ mod tests {
             assert!(!is_kept(changed, 2, true) && is_kept(changed, 2, false));
             assert!(is_kept(changed, 1, true));
         }
-        // Another brings one that arrives together with it, earlier by a digit, or earlier by more.
+        // Another scan brings a front that arrives together with it, earlier by a digit, or earlier by more.
         assert!(is_kept([1.5 - digit, 0.299], 1, true));
         assert!(!is_kept([1.5 - digit, 0.29], 1, true));
         assert!(!is_kept([1.5 - 4.0 * digit, 0.299], 1, true));

@@ -1,4 +1,4 @@
-//! What a solver asks of a kind of front.
+//! Defines what solvers require of a kind of front.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -13,41 +13,42 @@ use crate::cpu::stretch::{Before, Stretch};
 use crate::surface::{Chart, Direction, EdgeLengths, Part, Real, Seed};
 use crate::update::{Carried, Kept, Triangle};
 
-/// The front that a point keeps, by the kind of front.
+/// The front that a point keeps, for a kind of front.
 pub(in crate::cpu) type KeptBy<'a, R, K> = Kept<R, <K as FrontKind<'a, R>>::Carried>;
-/// [`GridLines`], likewise.
+/// [`GridLines`] for a kind of front.
 pub(in crate::cpu) type LinesOf<'l, 'a, R, K> =
     GridLines<'l, R, <K as FrontKind<'a, R>>::Carried, <K as FrontKind<'a, R>>::Ground>;
-/// [`Stretch`], likewise.
+/// [`Stretch`] for a kind of front.
 pub(in crate::cpu) type StretchOf<'l, 'a, R, K> =
     Stretch<'l, R, <K as FrontKind<'a, R>>::Carried, <K as FrontKind<'a, R>>::Ground>;
-/// [`Before`], likewise.
+/// [`Before`] for a kind of front.
 pub(in crate::cpu) type BeforeOf<'l, 'a, R, K> =
     Before<'l, R, <K as FrontKind<'a, R>>::Carried, <K as FrontKind<'a, R>>::Ground>;
 
-/// A kind of front over the surface whose edges live for `'a`: what its points carry, what it needs of the
-/// surface, and how it starts, goes on, and is compared. The first half is for solvers that update points one
-/// by one, the second for those that update lines in lanes.
+/// A kind of front over a surface whose edges live for `'a`. It defines what points carry, what is needed of
+/// the surface, and how fronts start, continue and are compared. The first half is for solvers that update
+/// points one by one, the second half for those that update lines in SIMD lanes.
 pub(in crate::cpu) trait FrontKind<'a, R: Real>:
     Clone + std::fmt::Debug + Send + Sync
 {
-    /// What the front at a point carries beside its arrival time.
+    /// Data that the front at a point carries beside its arrival time.
     type Carried: Carried;
 
-    /// What comes to a point.
+    /// A front that arrives at a point.
     type Arrival: Copy;
 
-    /// Whether fronts that have been accepted may be taken back for later ones, and seeds that were later be lost with
+    /// Whether accepted fronts may be taken back for later ones. Seeds that were later may then be lost with
     /// them ([`Seed::is_lost`]).
     const TAKES_BACK: bool = false;
 
-    /// Tells of all seeds that are about to be added, before the first of them is.
+    /// Announces all seeds that are about to be added, before the first one is added.
     fn expect(&mut self, _: &[Seed]) {}
 
-    /// What comes from a seed.
+    /// Returns the front that a seed starts.
     fn arrival_of_seed(&mut self, seed: &Seed) -> Self::Arrival;
 
-    /// The same front, which those of sources that are added later may replace ([`Seed::exact`]).
+    /// Returns the same front, as one that may be replaced by those of sources that are added later
+    /// ([`Seed::exact`]).
     fn released(carried: Self::Carried) -> Self::Carried {
         carried
     }
@@ -55,8 +56,8 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
     /// Forgets the seeds of the last map.
     fn forget(&mut self) {}
 
-    /// The first that comes to a point through the triangles behind it, with the fronts at other points
-    /// seen through `seen`.
+    /// Returns the first front that reaches a point through the triangles behind it. `seen` gives the fronts
+    /// at other points.
     fn reach(
         &self,
         edges: &EdgeLengths<R>,
@@ -65,8 +66,8 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
         seen: impl Fn(usize) -> KeptBy<'a, R, Self>,
     ) -> Self::Arrival;
 
-    /// The front at a point after one of the scans, numbered from 1, has brought something to it: that, if it
-    /// is the first, or if the scan `renews` what it has brought before.
+    /// Returns the front at a point after `arrival` has reached it, brought by `scan` (numbered from one).
+    /// The arrival is taken if it is the first, or if the scan `renews` a front that it brought earlier.
     fn accept(
         kept: KeptBy<'a, R, Self>,
         arrival: Self::Arrival,
@@ -74,28 +75,28 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
         renews: bool,
     ) -> KeptBy<'a, R, Self>;
 
-    /// The first of two fronts at a point.
+    /// Returns the first of two fronts at a point.
     fn first(a: KeptBy<'a, R, Self>, b: KeptBy<'a, R, Self>) -> KeptBy<'a, R, Self>;
 
-    /// How much a front has changed, in units of its arrival time ([`Real::units_between`]).
+    /// Returns how much a front has changed, in units of its arrival time ([`Real::units_between`]).
     fn change(before: KeptBy<'a, R, Self>, after: KeptBy<'a, R, Self>) -> R::Bits;
 
-    /// What is needed of each point of the surface.
+    /// Data that is needed of each point of the surface.
     type Ground: Pod + Send + Sync + std::fmt::Debug;
 
-    /// Whether edges are needed in lanes.
+    /// Whether updates in SIMD lanes need edge lengths.
     const NEEDS_EDGES: bool = true;
 
-    /// What is needed of the surface, as a bordered array.
+    /// Returns the data of the surface, as a bordered array.
     fn ground(&self, chart: Chart) -> Cow<'a, [Self::Ground]>;
 
-    /// Bytes held, beside that.
+    /// Returns the number of bytes held, without the data of the surface.
     fn bytes(&self) -> usize {
         0
     }
 
-    /// Updates points of a line from the line behind, and marks which stretches of
-    /// [`TILE`](crate::cpu::tiles::TILE) points have changed.
+    /// Updates points of a line from the line behind, and marks the stretches of
+    /// [`TILE`](crate::cpu::tiles::TILE) points that have changed.
     fn update(
         &self,
         lines: &mut LinesOf<'_, 'a, R, Self>,
@@ -105,8 +106,8 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
         changed: &mut [bool],
     ) -> Updated<R::Bits>;
 
-    /// Whether a scan leaves so many points in a row, of which this is the first, as they are. To be
-    /// inlined into lanes.
+    /// Returns whether a scan leaves `points` points in a row unchanged, starting with the point `first`. It
+    /// must be inlined into loops over SIMD lanes.
     fn leaves(
         &self,
         before: &BeforeOf<'_, 'a, R, Self>,
@@ -117,10 +118,10 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
     ) -> bool;
 }
 
-/// A kind of front of which the update of a single triangle is known.
+/// A kind of front that can be updated from a single triangle.
 pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
-    /// What comes to a point x0 through the triangle with x1 and x2, whose fronts carry this; see
-    /// [`crate::update::Bends`] for `alone`.
+    /// Returns the front that reaches x0 through the triangle with x1 and x2. `carried` is the data of the
+    /// fronts there. See [`crate::update::Bends`] for `alone`.
     fn arrival(
         &self,
         corners: [usize; 3],
@@ -129,7 +130,8 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         alone: bool,
     ) -> Self::Arrival;
 
-    /// The same through the face of one of a point's triangles, or along its edges alone if it is obtuse.
+    /// Returns the same through the face of one of a point's triangles. Of an obtuse one only the edges are
+    /// used.
     #[inline]
     fn face_arrival(
         &self,
@@ -142,8 +144,8 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         self.arrival(corners, Triangle { c, ..triangle }, carried, alone)
     }
 
-    /// The same over a slowness at x0, x1 and x2 by which the lengths are weighted, whatever is known of the points.
-    /// Fronts that look at lengths alone need none.
+    /// Returns the same with an explicit slowness at x0, x1 and x2, by which the lengths are weighted,
+    /// instead of the slowness of the points. Fronts that depend on lengths alone ignore it.
     fn arrival_over(
         &self,
         corners: [usize; 3],
@@ -154,19 +156,19 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         self.arrival(corners, triangle, carried, false)
     }
 
-    /// Whether a triangle is obtuse at x0.
+    /// Returns whether a triangle is obtuse at x0.
     fn is_obtuse(&self, _corners: [usize; 3], triangle: Triangle<R>) -> bool {
         triangle.is_obtuse()
     }
 
-    /// When it comes.
+    /// Returns the arrival time.
     fn time(arrival: Self::Arrival) -> R;
 
-    /// The first of two that come to a point.
+    /// Returns the first of two fronts that arrive at a point.
     fn earlier(a: Self::Arrival, b: Self::Arrival) -> Self::Arrival;
 
-    /// What comes to a point through the parts of its triangle between two neighbours, if that is obtuse
-    /// ([`EdgeLengths::split`]).
+    /// Returns the first front that reaches a point through the parts of its triangle between two neighbours,
+    /// if that triangle is obtuse ([`EdgeLengths::split`]).
     fn through_parts(
         &self,
         edges: &EdgeLengths<R>,
@@ -185,8 +187,8 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         first
     }
 
-    /// What comes to the points of a line that have obtuse triangles behind them, by their places in it, through the
-    /// parts of these, if there are any. None if no triangle there is obtuse.
+    /// Finds the fronts that reach the points of a line through parts of obtuse triangles behind them.
+    /// Returns them by the points' places in the line, or `None` if no triangle there is obtuse.
     fn splits_of_line(
         &self,
         lines: &LinesOf<'_, 'a, R, Self>,
@@ -229,7 +231,7 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         Some(found)
     }
 
-    /// The same from a point on, of parts that are not kept.
+    /// Finds the same fronts for parts that are not stored, from a point on.
     fn splits_found_now(
         &self,
         lines: &LinesOf<'_, 'a, R, Self>,
@@ -260,7 +262,7 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         found
     }
 
-    /// The same through one of a point's triangles.
+    /// Returns the front through one of a point's triangles, including the parts of an obtuse one.
     #[inline]
     fn through(
         &self,
@@ -282,18 +284,19 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         parts.map_or(arrival, |parts| Self::earlier(arrival, parts))
     }
 
-    /// The curvature of a front; of one that carries none, that of a circle around its source.
+    /// Returns the curvature of a front. If the front carries none, this is the curvature of a circle around
+    /// its source.
     fn curvature(kept: KeptBy<'a, R, Self>) -> R;
 
-    /// What a circle of some radius carries over a plane.
+    /// Returns the data that a circular front of the given radius carries over a plane.
     fn circle(radius: R) -> Self::Carried;
 }
 
-/// Points of a line that have obtuse triangles, in their order, by their places in it, with what comes through parts of
-/// these.
+/// The points of a line that have obtuse triangles, in order, by their places in the line. Each has the front
+/// that arrives through parts of these triangles, if any.
 pub(super) type Splits<A> = Vec<(usize, Option<A>)>;
 
-/// Of what comes to some points of a line, in their order, that which comes to so many from one on.
+/// Returns the entries for `points` points from `start` on, out of entries for points of a line in order.
 #[inline(always)]
 pub(super) fn in_stretch<A>(found: &[(usize, A)], start: usize, points: usize) -> &[(usize, A)] {
     let before = |end: usize| found.partition_point(|&(place, _)| place < end);

@@ -1,7 +1,7 @@
-//! The kinds of fronts, a file each, and the place where one of them is taken.
+//! Defines the kinds of fronts, with a file for each, and selects one of them.
 //!
-//! Solvers are written once, for any [`FrontKind`]. What takes a [`Wavefront`] goes through [`for_kind`], which
-//! compiles a solver for each.
+//! Solvers are written once, for any [`FrontKind`]. Functions that take a [`Wavefront`] use [`for_kind`],
+//! which compiles a solver for each kind.
 
 mod anchored;
 mod circular;
@@ -37,7 +37,7 @@ pub(super) enum FrontOver<'a, R> {
 }
 
 impl<'a, R: Real> FrontOver<'a, R> {
-    /// The kind that a wavefront is over the surface with these edges.
+    /// Selects the kind of front of a wavefront over the surface with these edges.
     pub(super) fn new(edges: &'a EdgeLengths<R>, wavefront: Wavefront) -> Self {
         let floor = edges.floor();
         if let Some(slowness) = edges.slowness() {
@@ -56,7 +56,7 @@ impl<'a, R: Real> FrontOver<'a, R> {
     }
 }
 
-/// Solves with the kind of front that a wavefront is over a surface: `for_kind!(edges, wavefront, kind => ..)`.
+/// Solves with the kind of front of a wavefront over a surface: `for_kind!(edges, wavefront, kind => ..)`.
 macro_rules! for_kind {
     ($edges:expr, $wavefront:expr, $kind:ident => $solve:expr) => {
         match $crate::cpu::fronts::FrontOver::new($edges, $wavefront) {
@@ -71,7 +71,8 @@ macro_rules! for_kind {
 }
 pub(super) use for_kind;
 
-/// The same for solvers of [`TriangleKind`]s alone, for which anchored fronts are curved ones.
+/// Does the same as [`for_kind`] for solvers that need a [`TriangleKind`]. They use curved fronts for
+/// anchored ones.
 macro_rules! for_triangle_kind {
     ($edges:expr, $wavefront:expr, $kind:ident => $solve:expr) => {
         match $crate::cpu::fronts::FrontOver::new($edges, $wavefront) {

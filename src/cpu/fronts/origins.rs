@@ -1,4 +1,5 @@
-//! The origins of a map's fronts, and how the points of a line see those of the fronts behind them.
+//! Stores the origins of a map's fronts, and finds for points of a line the origins of the fronts behind
+//! them.
 
 use std::collections::HashMap;
 
@@ -9,7 +10,7 @@ use crate::cpu::tiles::TILE;
 use crate::surface::{Origin, Real};
 use crate::update::{Bends, Curvature, Front, Sighted, Steps, curved_from_origins};
 
-/// The origins of a map, numbered as they come.
+/// The origins of a map, numbered in the order in which they are added.
 #[derive(Clone, Debug, Default)]
 pub(super) struct OriginTable<R> {
     numbers: HashMap<[u64; 5], u32>,
@@ -25,12 +26,12 @@ impl<R: Real> OriginTable<R> {
         self.sighted.clear();
     }
 
-    /// One that has a number.
+    /// Returns a numbered origin.
     pub(super) fn get(&self, number: u32) -> &Sighted<R> {
         &self.sighted[number as usize]
     }
 
-    /// The number of an origin; none once there are too many.
+    /// Returns the number of an origin, or `None` once there are too many origins.
     pub(super) fn number(&mut self, origin: &Origin) -> Option<u32> {
         let next = self.sighted.len() as u32;
         if let Some(&number) = self.numbers.get(&origin.key()) {
@@ -43,7 +44,8 @@ impl<R: Real> OriginTable<R> {
         })
     }
 
-    /// The origin of a front that carries this, in rows and columns of the bordered array.
+    /// Returns the origin of a front from the data that it carries, in rows and columns of the bordered
+    /// array.
     #[inline(always)]
     pub(super) fn of(&self, carried: Curvature<R>) -> Sighted<R> {
         let known = carried.origin().and_then(|number| self.sighted.get(number));
@@ -51,13 +53,13 @@ impl<R: Real> OriginTable<R> {
     }
 }
 
-/// Where a line lies, for the points of which origins are looked for.
+/// The position of a line for whose points origins are looked up.
 pub(super) struct LineOrigins<'a, R> {
     pub table: &'a OriginTable<R>,
-    /// Row and column of the line's first point in the bordered array, and the step to the next.
+    /// Row and column of the line's first point in the bordered array, and the step to the next point.
     first: [R; 2],
     along: [R; 2],
-    /// The steps to both ends of the triangle before and after each point.
+    /// The steps to both ends of the triangles before and after each point.
     steps: [Steps; 2],
 }
 
@@ -74,7 +76,7 @@ impl<'a, R: Real> LineOrigins<'a, R> {
         }
     }
 
-    /// The origins of the fronts behind a stretch; none if none of them is known.
+    /// Returns the origins of the fronts behind a stretch, or `None` if no origin is known.
     #[inline(always)]
     pub(super) fn behind<C>(
         &self,
@@ -98,16 +100,17 @@ impl<'a, R: Real> LineOrigins<'a, R> {
     }
 }
 
-/// The origins of the fronts behind a stretch of points: from the one before its first to the one after its last.
+/// The origins of the fronts behind a stretch of points, from the one before its first point to the one after
+/// its last.
 pub(super) struct StretchOrigins<'a, R> {
     line: &'a LineOrigins<'a, R>,
-    /// The first point's place in the line.
+    /// Place of the first point in the line.
     start: R,
     sighted: [Sighted<R>; TILE + 2],
 }
 
 impl<R: Real> StretchOrigins<'_, R> {
-    /// The front through one of the two triangles of point i.
+    /// Returns the front through one of the two triangles of point `i`.
     #[inline(always)]
     pub(super) fn front<C, const LEFT: bool>(
         &self,

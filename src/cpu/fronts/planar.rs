@@ -1,11 +1,11 @@
-//! Planar fronts.
+//! Implements planar fronts.
 
 use super::straight::Straight;
 use crate::cpu::settled::from_planar;
 use crate::surface::{Real, min};
 use crate::update::{Triangle, planar};
 
-/// [`crate::Wavefront::Planar`].
+/// The front of [`crate::Wavefront::Planar`].
 #[derive(Clone, Copy, Debug)]
 pub(in crate::cpu) struct Planar;
 

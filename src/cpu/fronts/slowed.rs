@@ -1,21 +1,22 @@
-//! What fronts over an uneven slowness see of a stretch of points.
+//! Provides what fronts over an uneven slowness need of a stretch of points.
 
 use crate::cpu::stretch::Stretch;
 use crate::cpu::tiles::TILE;
 use crate::surface::Real;
 use crate::update::{Carried, Triangle};
 
-/// A stretch of points with the slowness at each and at the neighbours behind.
+/// A stretch of points, with the slowness at each point and at the neighbours behind.
 pub(super) struct Seen<'s, R, C, G, O, B> {
     pub stretch: &'s Stretch<'s, R, C, G>,
-    /// At point i.
+    /// Slowness at point `i`.
     pub own: O,
-    /// At the neighbour k behind point i.
+    /// Slowness at the neighbour `k` behind point `i`.
     pub behind: B,
 }
 
 impl<R: Real, C: Carried, G, O: Fn(usize) -> R, B: Fn(usize, usize) -> R> Seen<'_, R, C, G, O, B> {
-    /// One of the two triangles of point i, and the slowness at x0, x1 and x2. Of an obtuse one the edges.
+    /// Returns one of the two triangles of point `i`, and the slowness at x0, x1 and x2. An obtuse triangle
+    /// is reduced to its edges.
     #[inline(always)]
     pub(super) fn triangle<const LEFT: bool>(&self, i: usize) -> (Triangle<R>, [R; 3]) {
         let x1 = if LEFT { 0 } else { 1 };
@@ -24,7 +25,7 @@ impl<R: Real, C: Carried, G, O: Fn(usize) -> R, B: Fn(usize, usize) -> R> Seen<'
         (triangle.without_obtuse_face_on_surface(slowness), slowness)
     }
 
-    /// The same, x1 being the point behind across the grid's diagonal.
+    /// Returns the same triangle, with the neighbour behind across the grid's diagonal as x1.
     #[inline(always)]
     pub(super) fn seen_from_beside<const LEFT: bool>(&self, i: usize) -> (Triangle<R>, [R; 3]) {
         let (triangle, slowness) = self.triangle::<LEFT>(i);
@@ -44,7 +45,7 @@ impl<R: Real> Default for TimeChanges<R> {
 }
 
 impl<R: Real> TimeChanges<R> {
-    /// Whether any has changed.
+    /// Notes the changes of a stretch. Returns whether any time has changed.
     #[inline(always)]
     pub(super) fn note(&mut self, before: &[R], after: &[R]) -> bool {
         let mut any = false;

@@ -1,4 +1,4 @@
-//! Fronts that carry their curvature, over a slowness that is not the same everywhere.
+//! Implements fronts that carry their curvature over an uneven slowness.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -14,23 +14,23 @@ use crate::cpu::tiles::TILE;
 use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed};
 use crate::update::{Bends, Curvature, Front, Kept, Triangle, curved_slowed, is_settled_slowed};
 
-/// [`crate::Wavefront::Curved`] over such a surface.
+/// The front of [`crate::Wavefront::Curved`] over a surface with an uneven slowness.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::cpu) struct SlowedCurved<'a, R> {
-    /// The Gaussian curvature of the metric that the slowness makes of the surface, tagged where waves diffract; and
-    /// the slowness.
+    /// The Gaussian curvature of the surface's metric weighted by the slowness, with a tag where waves
+    /// diffract; and the slowness.
     gaussian: &'a [R],
     slowness: &'a [R],
     origins: Origins,
 }
 
-/// What is known of a point of the surface: [`GAUSSIAN`] and [`SLOWNESS`].
+/// Surface data of a point: [`GAUSSIAN`] and [`SLOWNESS`].
 type Ground<R> = [R; 2];
 const GAUSSIAN: usize = 0;
 const SLOWNESS: usize = 1;
 
 impl<'a, R: Real> SlowedCurved<'a, R> {
-    /// Over a surface with these edges and this slowness.
+    /// Creates the front for a surface with these edges and this slowness.
     pub(in crate::cpu) fn new(edges: &'a EdgeLengths<R>, slowness: &'a [R]) -> Self {
         let origins = Origins::none(edges.front_meets_itself());
         Self { gaussian: edges.gaussian_curvature(), slowness, origins }
@@ -179,7 +179,7 @@ impl<'a, R: Real> TriangleKind<'a, R> for SlowedCurved<'a, R> {
     }
 }
 
-/// Whether a scan leaves a stretch of points as they are.
+/// Returns whether a scan leaves a stretch of points unchanged.
 #[inline(always)]
 fn leaves<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
     seen: &Seen<'_, R, Curvature<R>, Ground<R>, O, B>,
@@ -207,7 +207,8 @@ fn leaves<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
     settled
 }
 
-/// The largest changes by their place in the stretch: of arrival times, and of curvatures times the arrival time.
+/// The largest changes, by their place in the stretch: of arrival times, and of curvatures times the arrival
+/// time.
 struct Changes<R: Real> {
     times: [R::Bits; TILE],
     bends: [R::Bits; TILE],
@@ -222,13 +223,13 @@ impl<R: Real> Default for Changes<R> {
 }
 
 impl<R: Real> Changes<R> {
-    /// Notes what has become of point i: whether it has changed at all.
+    /// Notes the change of point `i`. Returns whether the front has changed at all.
     #[inline(always)]
     fn note(&mut self, i: usize, before: KeptCurved<R>, after: KeptCurved<R>) -> bool {
         let [bent_before, bent] = [before.carried.value(), after.carried.value()];
         let change = before.time.units_between(after.time);
         self.times[i] = change.max(self.times[i]);
-        // As whole numbers, whose maximum compilers find in lanes.
+        // As integers, whose maximum compilers find in SIMD lanes.
         let bend = (bent - bent_before).abs() * after.time;
         self.bends[i] = R::zero().units_between(bend).max(self.bends[i]);
         change.max(bent_before.units_between(bent)) > R::Bits::default()
@@ -238,7 +239,7 @@ impl<R: Real> Changes<R> {
 /// A line while a scan updates it.
 struct CurvedLine<'a, R> {
     line: ScanLine<'a, R, Curvature<R>, Ground<R>>,
-    /// What comes through parts of obtuse triangles, by the point's place in the line.
+    /// Fronts that arrive through parts of obtuse triangles, by the point's place in the line.
     parts: &'a [(usize, Front<R>)],
     /// See [`Bends::causal`].
     causal: bool,

@@ -1,4 +1,4 @@
-//! Planar fronts over a slowness that is not the same everywhere.
+//! Implements planar fronts over an uneven slowness.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -12,15 +12,15 @@ use crate::cpu::tiles::TILE;
 use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
 use crate::update::{Kept, Triangle, is_settled_slowed, planar_slowed};
 
-/// [`crate::Wavefront::Planar`] over such a surface.
+/// The front of [`crate::Wavefront::Planar`] over a surface with an uneven slowness.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::cpu) struct SlowedPlanar<'a, R> {
-    /// At each point of the bordered array.
+    /// Slowness at each point of the bordered array.
     slowness: &'a [R],
 }
 
 impl<'a, R: Real> SlowedPlanar<'a, R> {
-    /// Over a surface with this slowness.
+    /// Creates the front for a surface with this slowness.
     pub(in crate::cpu) fn new(slowness: &'a [R]) -> Self {
         Self { slowness }
     }
@@ -142,7 +142,7 @@ impl<'a, R: Real> TriangleKind<'a, R> for SlowedPlanar<'a, R> {
     fn circle(_: R) {}
 }
 
-/// Whether nothing comes earlier to any point.
+/// Returns whether no front arrives earlier at any of the points.
 #[inline(always)]
 fn stays<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
     seen: &Seen<'_, R, (), R, O, B>,
@@ -162,7 +162,7 @@ fn stays<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
 /// A line while a scan updates it.
 struct PlanarLine<'a, R> {
     line: ScanLine<'a, R, (), R>,
-    /// When something comes through parts of obtuse triangles, by the point's place in the line.
+    /// Arrival times through parts of obtuse triangles, by the point's place in the line.
     parts: &'a [(usize, R)],
 }
 

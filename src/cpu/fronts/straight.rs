@@ -1,4 +1,4 @@
-//! Fronts that carry nothing beside their arrival time.
+//! Implements fronts that carry nothing beside their arrival time.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -13,25 +13,26 @@ use crate::cpu::tiles::TILE;
 use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed, min};
 use crate::update::{Kept, Triangle};
 
-/// What such fronts differ in.
+/// The differences between such fronts.
 pub(in crate::cpu) trait Straight:
     Copy + std::fmt::Debug + Send + Sync + 'static
 {
-    /// Where the map's fronts come from, if that makes a difference.
+    /// Returns the origins of the map's fronts, if the update depends on them.
     fn origins(&mut self) -> Option<&mut Origins> {
         None
     }
 
-    /// The arrival time through a triangle.
+    /// Returns the arrival time through a triangle.
     fn time<R: Real>(self, triangle: Triangle<R>) -> R;
 
-    /// The earlier of the arrival time at a point and that through a triangle, as scans in lanes take it.
+    /// Returns the earlier of the arrival time at a point and the one through a triangle, as scans in SIMD
+    /// lanes do.
     fn earlier<R: Real>(self, now: R, triangle: Triangle<R>) -> R;
 
-    /// The earlier of the arrival time at a point and another, likewise.
+    /// Returns the earlier of the arrival time at a point and another time, as scans in SIMD lanes do.
     fn first<R: Real>(now: R, time: R) -> R;
 
-    /// Whether nothing comes through a triangle earlier than `now`.
+    /// Returns whether no front arrives through a triangle earlier than `now`.
     fn is_settled<R: Real>(triangle: Triangle<R>, now: R) -> bool;
 }
 
@@ -146,7 +147,7 @@ impl<'a, R: Real, S: Straight> TriangleKind<'a, R> for S {
     fn circle(_: R) {}
 }
 
-/// Whether nothing comes earlier to any point.
+/// Returns whether no front arrives earlier at any of the points.
 #[inline(always)]
 fn stays<R: Real, S: Straight, const SPLIT: bool>(
     stretch: &Stretch<R, (), ()>,
@@ -162,10 +163,10 @@ fn stays<R: Real, S: Straight, const SPLIT: bool>(
     settled
 }
 
-/// A line while a scan updates it, of which some triangles are obtuse (`SPLIT`) or none.
+/// A line while a scan updates it. `SPLIT` tells whether some of its triangles are obtuse.
 struct StraightLine<'a, R, S, const SPLIT: bool> {
     line: ScanLine<'a, R, (), ()>,
-    /// The points with such triangles.
+    /// The points with obtuse triangles, and the arrival times through parts of these.
     parts: &'a [(usize, Option<R>)],
     kind: S,
 }
@@ -210,7 +211,7 @@ impl<R: Real, S: Straight, const SPLIT: bool> Stretches for StraightLine<'_, R, 
             if stretch.leads(points) {
                 return None;
             }
-            // Where none has been reached, something comes, and the test would be in vain.
+            // If no point has been reached, all of them are about to be, and the test would be wasted.
             if !stretch.is_unreached(points) && stays::<R, S, false>(&stretch, points) {
                 return None;
             }
@@ -244,8 +245,9 @@ impl<R: Real, S: Straight, const SPLIT: bool> Stretches for StraightLine<'_, R, 
     }
 }
 
-/// The arrival times at points, or those through one of their two triangles where these are
-/// earlier. In an array of its own: compilers do not keep in registers what they write to a line.
+/// Returns, for each point, the earlier of the arrival time `now` and the one through one of its two
+/// triangles. The result is a separate array, since compilers do not keep in registers what is written to a
+/// line.
 #[inline(always)]
 fn earlier<R: Real, S: Straight, const LEFT: bool, const SPLIT: bool>(
     kind: S,
@@ -260,7 +262,7 @@ fn earlier<R: Real, S: Straight, const LEFT: bool, const SPLIT: bool>(
     times
 }
 
-/// Updates points from both of their triangles, of which some may be obtuse (`SPLIT`) or none.
+/// Updates points from both of their triangles. `SPLIT` tells whether some of these may be obtuse.
 #[inline(always)]
 fn through_both<R: Real, S: Straight, const SPLIT: bool>(
     kind: S,
@@ -275,8 +277,8 @@ fn through_both<R: Real, S: Straight, const SPLIT: bool>(
     }
 }
 
-/// Updates points from the triangle that most of them should be reached through, and from the
-/// other unless nothing comes earlier through it.
+/// Updates points from the triangle that the front most likely comes through. Updates them from the other one
+/// too, unless no front arrives earlier through it.
 #[inline(always)]
 fn updated<
     R: Real,

@@ -1,22 +1,22 @@
-//! Which points a scan has to visit for changes that are not on the line behind them: those with obtuse triangles, of
-//! which parts reach beyond.
+//! Finds the points that a scan has to visit because of changes that are not on the line behind them. These
+//! are points with obtuse triangles, whose parts reach further.
 
 use super::marks::WORD;
 use super::pending::SCANS;
 use crate::cpu::scan::Scan;
 use crate::surface::{EdgeLengths, Lines};
 
-/// Points whose changes concern points that are not beside them on the next line. Changes of the others are passed on
-/// without it.
+/// Points whose changes affect points that are not beside them on the next line. Changes of other points are
+/// propagated without this.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Farther {
-    /// By rows, and by columns.
+    /// The affected points, by rows and by columns.
     kinds: [Concerns; 2],
 }
 
 #[derive(Clone, Debug, Default)]
 struct Concerns {
-    /// Where each line's begin; empty if there are none.
+    /// Start of each line's entries; empty if there are no entries.
     starts: Vec<u32>,
     concerns: Vec<Concern>,
 }
@@ -37,7 +37,7 @@ impl Concern {
 }
 
 impl Farther {
-    /// Those of a surface whose parts are kept.
+    /// Finds these points for a surface whose parts are stored.
     pub(super) fn new(edges: &EdgeLengths<f32>) -> Self {
         Self { kinds: [Lines::Rows, Lines::Cols].map(|lines| Concerns::of(edges, lines)) }
     }
@@ -49,7 +49,7 @@ impl Farther {
         self.kinds.iter().map(bytes).sum()
     }
 
-    /// What is concerned by the changed points of a line, given as marks.
+    /// Returns the points that the changed points of a line affect. The changed points are given as marks.
     pub(super) fn of(
         &self,
         lines: Lines,
@@ -111,8 +111,8 @@ mod tests {
     use super::*;
     use crate::surface::builtin::Builtin;
 
-    /// A change wakes the points beside it on the next line of each scan, those of which a part has it as a corner, and
-    /// no others.
+    /// A change wakes the points beside it on the next line of each scan and those with a part that has it as
+    /// a corner. It wakes no others.
     #[test]
     fn changes_wake_the_points_whose_parts_have_them_as_corners() {
         let surface = Builtin::ShearedPlane { degrees: 70.0 }.surface(9, 70).unwrap();

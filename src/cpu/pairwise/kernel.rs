@@ -1,4 +1,4 @@
-//! What the update of a point in lanes needs, whatever the front.
+//! Defines the update of a point in SIMD lanes, for any kind of front.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -6,26 +6,26 @@ use crate::cpu::behind::Behind;
 use crate::cpu::scan::Scan;
 use crate::surface::{Chart, EdgeLengths, Real, min};
 
-/// Maps that are computed side by side: as many as AVX-512 has lanes of single precision. With
-/// narrower instructions a few vectors stand for them, which hides the latency of square roots.
+/// Number of maps that are computed side by side: the number of single-precision lanes of AVX-512. With
+/// narrower instructions several vectors take their place, which hides the latency of square roots.
 pub(super) const LANES: usize = 16;
 
-/// One number for each of the maps, on a cache line of its own.
+/// One number for each map, on a cache line of its own.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Lanes(pub [f32; LANES]);
 
 impl Lanes {
-    /// Where no front has arrived.
+    /// The times of a point that no front has reached.
     pub(super) const UNREACHED: Self = Self::all(f32::FAR);
 
     pub(super) const fn all(value: f32) -> Self {
         Self([value; LANES])
     }
 
-    /// Takes the times that are earlier than these. Returns whether one of them is by more than
-    /// `wakes`, in units of its precision: then the points beside it are worth another visit. The
-    /// largest changes, in the same units, are noted if `TRACKS`, else all count as large.
+    /// Takes those of `times` that are earlier. Returns whether one of them is earlier by more than `wakes`,
+    /// in units of its precision. If so, the neighbouring points have to be visited again. If `TRACKS` is
+    /// set, the largest changes are noted in the same units; otherwise all changes count as large.
     #[inline(always)]
     pub(super) fn lower<const TRACKS: bool>(
         &mut self,
@@ -39,7 +39,7 @@ impl Lanes {
             let new = min(old, times.0[lane]);
             self.0[lane] = new;
             if TRACKS {
-                // No time grows.
+                // Times never increase.
                 let change = old.to_bits() - new.to_bits();
                 wakes_others |= change > wakes;
                 *largest = (*largest).max(change);
@@ -54,12 +54,12 @@ impl Lanes {
 pub(super) struct Fan {
     /// Lengths of the edges to the neighbours behind: the one before, the one beside, the one after.
     pub edges: [f32; 3],
-    /// Lengths of the edges between them.
+    /// Lengths of the edges between these neighbours.
     pub bases: [f32; 2],
 }
 
 impl Fan {
-    /// The sides of both triangles: the edges to the neighbour that comes first on the line and to
+    /// Returns the sides of both triangles: the edges to the neighbour that comes first on the line and to
     /// the next one, and the base between these.
     pub(super) fn triangles(self) -> [[f32; 3]; 2] {
         let [before, beside, after] = self.edges;
@@ -68,31 +68,31 @@ impl Fan {
     }
 }
 
-/// A front that its arrival times describe, in lanes.
+/// A kind of front that its arrival times fully describe, in SIMD lanes.
 pub(super) trait Kernel: 'static {
-    /// What all maps share at a point, for one of the scans.
+    /// Data that all maps share at a point, for one of the scans.
     type Coefficients: Copy + Send + Sync;
 
     fn coefficients(fan: Fan) -> Self::Coefficients;
 
-    /// Whether a front from the three points behind could arrive before these times by more than
-    /// rounding, in one of the maps, as a cheap test sees it.
+    /// Returns whether, by a cheap test, a front from the three points behind could arrive before the times
+    /// `here` by more than rounding, in at least one map.
     fn may_change(here: &Lanes, behind: [&Lanes; 3], coefficients: &Self::Coefficients) -> bool;
 
-    /// When the fronts arrive from the three points behind.
+    /// Returns the times at which the fronts arrive from the three points behind.
     fn arrivals(behind: [&Lanes; 3], coefficients: &Self::Coefficients) -> Lanes;
 
-    /// What all maps share of a part of an obtuse triangle.
+    /// Data that all maps share for a part of an obtuse triangle.
     type Part: Copy + Send + Sync;
 
-    /// That of one with such lengths of x0 x1, x0 x2 and x1 x2.
+    /// Returns the data of a part with the given lengths of x0 x1, x0 x2 and x1 x2.
     fn part(lengths: [f32; 3]) -> Self::Part;
 
-    /// When the fronts at x1 and x2 arrive through it.
+    /// Returns the times at which the fronts at x1 and x2 arrive through the part.
     fn through(ends: [&Lanes; 2], part: &Self::Part) -> Lanes;
 }
 
-/// A point in the maps that pass it as it has become, in the others as it was.
+/// Returns the new times of a point in the maps that pass it, and the old times in the others.
 #[inline(always)]
 pub(super) fn merged(new: Lanes, old: Lanes, maps: [u32; LANES]) -> Lanes {
     let (mut new, old): ([u32; LANES], [u32; LANES]) = (bytemuck::cast(new), bytemuck::cast(old));
@@ -102,7 +102,7 @@ pub(super) fn merged(new: Lanes, old: Lanes, maps: [u32; LANES]) -> Lanes {
     bytemuck::cast(new)
 }
 
-/// Where the two triangles of a scan lie, seen from their point.
+/// The positions of the two triangles of a scan, relative to their point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FanSlots(Behind);
 
@@ -111,7 +111,7 @@ impl FanSlots {
         Self(Behind::of(chart, scan))
     }
 
-    /// The fan of a point of a bordered array, of obtuse triangles the edges alone.
+    /// Returns the fan of a point of a bordered array. Of obtuse triangles it has only the edges.
     pub(super) fn fan(&self, edges: &EdgeLengths<f32>, point: usize) -> Fan {
         Fan {
             edges: self.0.edges().map(|slot| edges.at(point, slot)),

@@ -1,4 +1,4 @@
-//! The maps of a batch, and what they start from.
+//! Holds the maps of a batch and their initial distances.
 
 use std::sync::Arc;
 
@@ -10,24 +10,25 @@ use super::pending::Pending;
 use super::stage::Stage;
 use crate::surface::{Chart, Lines, Real};
 
-/// The maps of a batch: bordered arrays of points, a lane of each for one of the maps. No point is
-/// reached between two batches.
+/// The maps of a batch: bordered arrays of points. Each lane of a point belongs to one of the maps. Between
+/// two batches no point is reached.
 pub(super) struct Maps {
     pub points: Vec<Lanes>,
     pub pending: Pending,
-    /// What the scans of the first iteration are kept to; none afterwards.
+    /// The lines to which the first iteration is restricted; `None` afterwards.
     pub outward: Option<Outward>,
-    /// The points of a line that change through parts of obtuse triangles, for the scans by rows and by columns.
+    /// Points of a line that change through parts of obtuse triangles, for the scans by rows and by columns.
     pub changed: [Marks; 2],
     pub stage: Stage,
 }
 
-/// What a batch starts from: the rows of the distance matrix above its own, or nothing.
+/// The known distances of a batch: rows of the distance matrix above its own, or nothing.
 #[derive(Clone, Copy)]
 pub(super) struct Known<'a> {
     /// Rows of the matrix, one after another.
     pub rows: &'a [f32],
-    /// How many of them are taken over (eq. 20), for as many points, row-major.
+    /// Number of rows whose distances are reused (eq. 20). They give the distances at as many points,
+    /// row-major.
     pub count: usize,
     /// The first source of the batch.
     pub column: usize,
@@ -54,7 +55,7 @@ impl Maps {
         points + Pending::bytes(chart) + lines.iter().sum::<usize>() + Stage::bytes(chart)
     }
 
-    /// Reaches the sources and what is known.
+    /// Sets the distances of the sources and those that are known.
     pub(super) fn start(&mut self, chart: Chart, sources: &[Option<usize>], known: Known) {
         self.pending.start(known.count);
         self.outward = Outward::new(chart, sources);
@@ -74,7 +75,7 @@ impl Maps {
     }
 }
 
-/// A single line of a chart whose rows are the lines.
+/// Returns a chart with one line of `lines`, a chart whose rows are the lines.
 fn line_of(lines: Chart) -> Chart {
     Chart { rows: 1, ..lines }
 }

@@ -1,11 +1,11 @@
-//! Marked points of a grid, a bit for each.
+//! Marks points of a grid, with a bit for each.
 
 use crate::surface::Chart;
 
-/// Points in a word of marks.
+/// Number of points in a word of marks.
 pub(super) const WORD: usize = u64::BITS as usize;
 
-/// Lines of points, a bit for each point, the first point in the lowest.
+/// Marks of lines of points, a bit for each point. The first point is the lowest bit.
 #[derive(Clone, Debug)]
 pub(super) struct Marks {
     words: Vec<u64>,
@@ -13,7 +13,7 @@ pub(super) struct Marks {
 }
 
 impl Marks {
-    /// No point marked of a chart whose rows are the lines.
+    /// Returns marks for a chart whose rows are the lines, with no point marked.
     pub(super) fn none(lines: Chart) -> Self {
         let words = words(lines);
         Self { words: vec![0; words.points()], on_line: words.cols }
@@ -23,7 +23,7 @@ impl Marks {
         words(lines).points() * size_of::<u64>()
     }
 
-    /// Marks all points, or none; all may include some that the grid does not have.
+    /// Marks all points, or none. With `all`, bits beyond the grid may be set too.
     pub(super) fn fill(&mut self, all: bool) {
         self.words.fill(if all { u64::MAX } else { 0 });
     }
@@ -44,7 +44,7 @@ impl Marks {
         &mut self.words[line * self.on_line..][..self.on_line]
     }
 
-    /// Marks, on a line next to theirs, the points beside marked ones.
+    /// Marks points on a line that are beside the marked points of an adjacent line.
     pub(super) fn spread(&mut self, line: usize, marked: &[u64]) {
         for (k, word) in self.line_mut(line).iter_mut().enumerate() {
             let at = marked[k];
@@ -54,7 +54,7 @@ impl Marks {
         }
     }
 
-    /// Turns lines into points and points into lines.
+    /// Transposes the marks: lines become points and points become lines.
     pub(super) fn transpose_into(&self, to: &mut Self) {
         let (lines, points) = (self.lines(), to.lines());
         let starts = |count| (0..count).step_by(WORD);
@@ -73,12 +73,12 @@ impl Marks {
     }
 }
 
-/// How the words of lines lie.
+/// Returns the chart of the words of lines.
 fn words(lines: Chart) -> Chart {
     Chart { cols: lines.cols.div_ceil(WORD), ..lines }
 }
 
-/// Halves that lie across change places, then halves of these, down to single bits.
+/// Transposes a block of bits: swaps the off-diagonal halves, then those of the halves, down to single bits.
 fn transpose(block: &mut [u64; WORD]) {
     let (mut width, mut low) = (WORD / 2, u64::MAX >> (WORD / 2));
     while width > 0 {

@@ -1,4 +1,4 @@
-//! All pairs: the maps of neighbouring sources in the lanes of one instruction stream (paper,
+//! Computes all pairs: maps of neighbouring sources share one instruction stream, each in a SIMD lane (paper,
 //! section 5.1, Algorithm 4).
 
 mod farther;
@@ -25,12 +25,12 @@ use planar::Planar;
 use point_source::PointSource;
 use scans::{BatchSolver, Scans};
 
-/// Solves for batches of maps of one surface, from any number of threads.
+/// A solver for batches of maps of one surface. Any number of threads may use it.
 ///
-/// The maps of a batch lie side by side in memory, point by point, and are updated together with
-/// coefficients that all share, computed once for a surface. The scans are those of
-/// the shaders' twin `scan_outward`, in the same order. A scan visits only points beside which a map of the
-/// batch has changed since it passed, so sources in a batch should be neighbours.
+/// The maps of a batch lie side by side in memory, point by point. They are updated together, with
+/// coefficients that all of them share and that are computed once for a surface. The scans are those of the
+/// shaders' twin `scan_outward`, in the same order. A scan visits only points beside which a map of the batch
+/// has changed since the scan last passed. So the sources of a batch should be neighbours.
 pub struct PairwiseScan {
     chart: Chart,
     scans: Box<dyn BatchSolver>,
@@ -41,11 +41,11 @@ impl PairwiseScan {
     /// Number of maps in a batch.
     pub const LANES: usize = LANES;
 
-    /// Computes the coefficients of a surface, on the best instructions there are. `None` for a
-    /// wavefront whose maps have no update in common, because its fronts carry more than their
-    /// arrival time: [`Wavefront::Curved`] and [`Wavefront::Anchored`]. Those are computed map by
-    /// map, by [`RotatedScan`](super::RotatedScan). So are those over a slowness that is not the same
-    /// everywhere, or with more obtuse triangles than are kept in parts.
+    /// Computes the coefficients of a surface. Uses the best instructions that are available. Returns `None`
+    /// for a wavefront whose maps have no update in common, because its fronts carry more than their arrival
+    /// time: [`Wavefront::Curved`] and [`Wavefront::Anchored`]. These are computed map by map, by
+    /// [`RotatedScan`](super::RotatedScan). So are maps over an uneven slowness, or on surfaces with too many
+    /// obtuse triangles for their parts to be stored.
     pub fn new(edges: &EdgeLengths<f32>, wavefront: Wavefront) -> Option<Self> {
         let has_parts = edges.parts_on_side(Direction::North).is_some();
         if edges.slowness().is_some() || (edges.has_obtuse_triangles() && !has_parts) {
@@ -65,32 +65,34 @@ impl PairwiseScan {
         Some(Self { chart: edges.chart(), scans, instructions: Instructions::best() })
     }
 
-    /// Chooses the instructions; the maps do not depend on them.
+    /// Sets the instructions. The maps do not depend on them.
     ///
     /// # Panics
-    /// If this machine does not have them; see [`Instructions::available`].
+    /// If this machine does not have the instructions; see [`Instructions::available`].
     pub fn with_instructions(mut self, instructions: Instructions) -> Self {
         assert!(Instructions::available().contains(&instructions), "no {instructions} here");
         self.instructions = instructions;
         self
     }
 
-    /// Bytes held: for the surface, and for each batch that is computed at the same time.
+    /// Returns the number of bytes held: for the surface, and for each batch that is computed at the same
+    /// time.
     pub fn bytes(&self) -> (usize, usize) {
         self.scans.bytes()
     }
 
-    /// Computes the distances from at most [`Self::LANES`] grid points, given by their index, to
-    /// all points: a row of `into` for each, +infinity where a source does not reach. `None` is no
-    /// source and leaves a row of +infinity: give it for holes.
+    /// Computes the distances from at most [`Self::LANES`] grid points, given by their index, to all points.
+    /// `into` has a row for each source. Distances are +infinity where a source does not reach. For `None`,
+    /// which stands for no source (use it for holes), the row is all +infinity.
     ///
     /// # Panics
-    /// If there are more sources, or `into` does not have as many rows of as many points.
+    /// If there are more sources, or if `into` does not have one row of all grid points for each source.
     pub fn solve(&self, sources: &[Option<usize>], stop: Stop, into: &mut [f32]) -> Convergence {
         self.solve_from(sources, Known::NOTHING, stop, &mut self.rows(into))
     }
 
-    /// The same with rows anywhere in memory, and only for the sources that have one.
+    /// Computes the same as [`Self::solve`] with rows anywhere in memory, and only for the sources that have
+    /// a row.
     ///
     /// # Panics
     /// As [`Self::solve`].
@@ -103,12 +105,12 @@ impl PairwiseScan {
         self.solve_from(sources, Known::NOTHING, stop, into)
     }
 
-    /// The same for sources that follow one another from `first` on, with the symmetric
-    /// initialisation (paper, eq. 20): distances from them to the first points are taken from
-    /// `rows`, the distances from those points, and are not computed again.
+    /// Computes the same as [`Self::solve`] for successive sources from `first` on, with the symmetric
+    /// initialisation (paper, eq. 20). `rows` are the distances from the first points. From them, the
+    /// distances from the sources to those points are taken, and are not computed again.
     ///
     /// # Panics
-    /// As [`Self::solve`]; and if `rows` are not whole rows of the matrix's first `first` ones.
+    /// As [`Self::solve`]; and if `rows` is not a whole number of rows or has more than `first` rows.
     pub fn solve_below(
         &self,
         rows: &[f32],
@@ -147,8 +149,8 @@ impl PairwiseScan {
     }
 }
 
-/// Whether two edges that follow one another around a point are at more than a right angle, be it by too little to be
-/// obtuse.
+/// Returns whether the angle between two successive edges around a point exceeds a right angle, even by too
+/// little to count as obtuse.
 fn has_wide_angles(edges: &EdgeLengths<f32>) -> bool {
     let fans = SCANS.map(|scan| FanSlots::new(edges.chart(), scan));
     edges.chart().places().any(|(row, col)| {

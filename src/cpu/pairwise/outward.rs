@@ -1,34 +1,34 @@
-//! The first iteration, whose scans all lead away from the source.
+//! Restricts the first iteration to scans that lead away from the source.
 
 use super::kernel::LANES;
 use crate::cpu::scan::Scan;
 use crate::surface::Chart;
 
-/// Where the sources of a batch lie.
+/// The positions of the sources of a batch.
 ///
-/// In the first iteration a scan passes only lines ahead of its map's source. What lies behind it
-/// has been reached by the opposite scan just now, if at all: to pass that again brings fronts
-/// backwards to where the scans across have yet to come, from nearer, so most of it is overwritten.
-/// Scans over the whole grid need 1.4 times as long for one iteration.
+/// In the first iteration a scan passes only lines ahead of its map's source. The points behind the source
+/// have just been reached by the opposite scan, if at all. Passing them again would bring fronts backwards to
+/// points that the scans across have yet to reach by shorter paths, so most of these fronts would be
+/// overwritten. Scans over the whole grid need 1.4 times as long for one iteration.
 #[derive(Clone, Debug)]
 pub(super) struct Outward {
-    /// Sources' rows, and columns; of maps without one, those of another.
+    /// Rows and columns of the sources. Maps without a source have those of another.
     places: [[usize; LANES]; 2],
-    /// The first and the last of them.
+    /// The first and the last row and column.
     ends: [[usize; 2]; 2],
 }
 
-/// Which maps of a batch pass a line.
+/// The maps of a batch that pass a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Passing {
     None,
-    /// All bits are set for those that do.
+    /// A mask for each map, with all bits set for those that pass.
     Some([u32; LANES]),
     All,
 }
 
 impl Outward {
-    /// `None` if there is no source.
+    /// Returns `None` if there is no source.
     pub(super) fn new(chart: Chart, sources: &[Option<usize>]) -> Option<Self> {
         let any = sources.iter().flatten().next()?;
         let source = |lane: usize| sources.get(lane).copied().flatten().unwrap_or(*any);

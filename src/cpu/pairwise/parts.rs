@@ -1,4 +1,4 @@
-//! Fronts that come through parts of obtuse triangles, in lanes.
+//! Updates points through parts of their obtuse triangles, in SIMD lanes.
 
 use super::kernel::{Kernel, LANES, Lanes, merged};
 use super::marks::WORD;
@@ -6,18 +6,18 @@ use crate::cpu::scan::Scan;
 use crate::lanes::Loop;
 use crate::surface::{EdgeLengths, min};
 
-/// The parts of obtuse triangles that a scan comes to, in its order of points along a line.
+/// The parts of the obtuse triangles of a scan, in the scan's order of points along a line.
 pub(super) struct Parts<K: Kernel> {
-    /// Where each line's begin; empty if there are none.
+    /// Start of each line's parts; empty if there are no parts.
     starts: Vec<u32>,
     parts: Vec<Part<K::Part>>,
 }
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part<P> {
-    /// Its point, by the place in the line.
+    /// Place of the point in the line.
     point: u32,
-    /// The two other corners, in the bordered array.
+    /// The two other corners, as indices into the bordered array.
     corners: [u32; 2],
     coefficients: P,
 }
@@ -47,7 +47,7 @@ impl<K: Kernel> Parts<K> {
         self.starts.len() * size_of::<u32>() + self.parts.len() * size_of::<Part<K::Part>>()
     }
 
-    /// Those of a line.
+    /// Returns the parts of a line.
     pub(super) fn of_line(&self, line: usize) -> &[Part<K::Part>] {
         match self.starts.get(line..line + 2) {
             Some(&[start, end]) => &self.parts[start as usize..end as usize],
@@ -59,15 +59,15 @@ impl<K: Kernel> Parts<K> {
 /// The update of the marked points of a line through parts of their triangles.
 pub(super) struct VisitParts<'a, K: Kernel, const TRACKS: bool> {
     pub points: &'a mut [Lanes],
-    /// The first point of the line, and from there to the next.
+    /// The first point of the line, and the offset from a point to the next.
     pub first: usize,
     pub step: usize,
     pub parts: &'a [Part<K::Part>],
     pub marks: &'a [u64],
-    /// Where points are marked that have changed, by more than `wakes`; see [`Lanes::lower`].
+    /// Marks of the points that have changed by more than `wakes`; see [`Lanes::lower`].
     pub changed: &'a mut [u64],
     pub wakes: u32,
-    /// All bits set for the maps that pass the line.
+    /// A mask for each map, with all bits set for those that pass the line.
     pub maps: [u32; LANES],
 }
 

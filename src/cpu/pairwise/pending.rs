@@ -1,4 +1,4 @@
-//! Which points a scan has to visit: those beside a change that it has not seen yet.
+//! Tracks the points that a scan has to visit: those beside a change that it has not seen yet.
 
 use std::sync::Arc;
 
@@ -7,16 +7,16 @@ use super::marks::{Marks, WORD};
 use crate::cpu::scan::Scan;
 use crate::surface::{Chart, Lines};
 
-/// For each scan the points that it has to visit. All maps of a batch share these, since their
-/// sources are neighbours.
+/// The points that each scan has to visit. All maps of a batch share them, since their sources are
+/// neighbours.
 #[derive(Clone, Debug)]
 pub(super) struct Pending {
     chart: Chart,
-    /// By the number of the scan, less one; lines are its own.
+    /// Points to visit, by the number of the scan less one. Lines are those of the scan.
     visits: [Marks; 4],
-    /// What the current scan has changed, by rows and by columns.
+    /// Points that the current scan has changed, by rows and by columns.
     changed: [Marks; 2],
-    /// Points before this one, row-major, are known and never visited.
+    /// Number of points, row-major, that are known and never visited.
     known: usize,
     /// Shared by all batches of a surface.
     farther: Arc<Farther>,
@@ -38,15 +38,15 @@ impl Pending {
         3 * (Marks::bytes(chart) + Marks::bytes(chart.transposed()))
     }
 
-    /// Forgets all changes; points before `known`, row-major, are as they are, and everything
-    /// after them has yet to hear of them.
+    /// Forgets all changes. The first `known` points, row-major, are known. All points after them have yet to
+    /// be updated from them.
     pub(super) fn start(&mut self, known: usize) {
         self.known = known;
         self.visits.iter_mut().for_each(|visits| visits.fill(known > 0));
         self.changed.iter_mut().for_each(|changed| changed.fill(false));
     }
 
-    /// A point has changed, and no scan has seen it.
+    /// Notes that a point has changed and that no scan has seen the change.
     pub(super) fn touch(&mut self, row: usize, col: usize) {
         for scan in [Scan::DOWN, Scan::RIGHT] {
             let (line, point) = scan.lines().place(row, col);
@@ -56,9 +56,9 @@ impl Pending {
         }
     }
 
-    /// Takes the points of a line that a scan has to visit, if there are any. The scan leaves
-    /// marked those that it has changed, and then has to [`Self::tell`]. Unless it visits them in
-    /// `all_maps`, it has to visit them another time.
+    /// Takes the points of a line that a scan has to visit, or returns `None` if there are none. The scan
+    /// must keep marked the points that it changes, and then call [`Self::tell`]. If it does not visit them
+    /// in `all_maps`, they stay pending for another visit.
     pub(super) fn take(&mut self, scan: Scan, line: usize, all_maps: bool) -> Option<&mut [u64]> {
         let first = scan.lines().before(self.chart, line, self.known);
         let end = self.chart.by(scan.lines()).cols;
@@ -83,7 +83,7 @@ impl Pending {
         all.iter_mut().zip(changed).for_each(|(all, changed)| *all |= changed);
     }
 
-    /// Tells both scans over lines of this kind what has changed on a line.
+    /// Passes the changes on a line on to both scans over lines of this kind.
     pub(super) fn tell(&mut self, scan: Scan, line: usize) {
         let changed = self.changed[kind(scan)].line(line);
         let over = match scan.lines() {
@@ -102,7 +102,7 @@ impl Pending {
         }
     }
 
-    /// Ends a scan: tells the scans over lines of the other kind what it has changed.
+    /// Ends a scan. Passes its changes on to the scans over lines of the other kind.
     pub(super) fn end(&mut self, scan: Scan) {
         let [rows, cols] = &mut self.changed;
         let turned = match scan.lines() {
@@ -120,7 +120,7 @@ impl Pending {
     }
 }
 
-/// Whether lines of a scan are rows, 0, or columns, 1.
+/// Returns 0 if the lines of a scan are rows, and 1 if they are columns.
 fn kind(scan: Scan) -> usize {
     scan.lines() as usize
 }
@@ -136,7 +136,7 @@ pub(super) const SCANS: [Scan; 4] = [Scan::DOWN, Scan::UP, Scan::RIGHT, Scan::LE
 mod tests {
     use super::*;
 
-    /// The points of a line that a scan has to visit.
+    /// Returns the points of a line that a scan has to visit.
     fn take(pending: &mut Pending, scan: Scan, line: usize) -> Vec<usize> {
         let points = pending.chart.by(scan.lines()).cols.next_multiple_of(WORD);
         let Some(taken) = pending.take(scan, line, true) else { return Vec::new() };

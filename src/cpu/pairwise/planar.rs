@@ -1,19 +1,19 @@
-//! The planar wavefront in lanes, from coefficients that all maps share.
+//! Implements the planar wavefront in SIMD lanes, with coefficients that all maps share.
 
 use super::kernel::{Fan, Kernel, LANES, Lanes};
 use super::reach::Reach;
 use crate::surface::{Real, max, min};
 use crate::update::Corner;
 
-/// Fronts that arrive before neither end of a base if they are `CAUSAL`, as single maps have them. Between edges at an
-/// angle that is not obtuse none does so anyway.
+/// The planar update. If it is `CAUSAL`, no front arrives before either end of a base, as in single maps.
+/// Between edges at an angle that is not obtuse, none does so anyway.
 pub(super) struct Planar<const CAUSAL: bool>;
 
-/// What the planar update needs of a triangle (paper, eqs. 10 and 15, solved for t0).
+/// Coefficients of the planar update of a triangle (paper, eqs. 10 and 15, solved for t0).
 ///
-/// With d = t2 - t1 the front arrives at t0 = t1 + w d + sqrt(alpha - beta d^2) where d is between
-/// `low` and `high`. Beyond them the ray runs along an edge, which is what the same formula gives
-/// at the nearer one of them: the coefficients make the Dijkstra step (16) without a comparison.
+/// With d = t2 - t1, the front arrives at t0 = t1 + w d + sqrt(alpha - beta d^2) if d is between `low` and
+/// `high`. Beyond these limits the ray runs along an edge. Its arrival is what the same formula gives at the
+/// nearer limit. So the coefficients include the Dijkstra step (16) without a comparison.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlanarTriangle {
     low: f32,
@@ -23,7 +23,7 @@ pub(super) struct PlanarTriangle {
     beta: f32,
 }
 
-/// What the update needs of a point.
+/// Coefficients of the update of a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coefficients {
     reach: Reach,
@@ -31,7 +31,7 @@ pub(super) struct Coefficients {
     triangles: [PlanarTriangle; 2],
 }
 
-/// What the update needs of a part of an obtuse triangle.
+/// Coefficients of the update through a part of an obtuse triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlanarPart {
     edges: [f32; 2],
@@ -61,7 +61,8 @@ impl PlanarTriangle {
         }
     }
 
-    /// Given the lengths of x0 x1 and x0 x2 too.
+    /// Returns the arrival time at x0, given the arrival times at x1 and x2 and the lengths of x0 x1 and x0
+    /// x2.
     #[inline(always)]
     fn arrival<const CAUSAL: bool>(&self, [t1, t2]: [f32; 2], [l1, l2]: [f32; 2]) -> f32 {
         let Self { low, high, w, alpha, beta } = *self;

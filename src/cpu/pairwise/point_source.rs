@@ -1,15 +1,15 @@
-//! The point-source wavefront in lanes, from coefficients that all maps share.
+//! Implements the point-source wavefront in SIMD lanes, with coefficients that all maps share.
 
 use super::kernel::{Fan, Kernel, LANES, Lanes};
 use super::reach::{Bulge, Reach};
 use crate::surface::{max, min};
 use crate::update::Corner;
 
-/// Fronts that arrive before neither end of a base if they are `CAUSAL`.
+/// The point-source update. If it is `CAUSAL`, no front arrives before either end of a base.
 pub(super) struct PointSource<const CAUSAL: bool>;
 
-/// What the circular update needs of a triangle, with x1 at the origin, x2 at (base, 0) and x0 at
-/// (foot, height). Not a number where there is no triangle, so that every comparison fails.
+/// Coefficients of the circular update of a triangle with x1 at the origin, x2 at (base, 0) and x0 at (foot,
+/// height). They are NaN where there is no triangle, so that every comparison fails.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CircularTriangle {
     half_base: f32,
@@ -19,11 +19,12 @@ pub(super) struct CircularTriangle {
     twice_foot: f32,
     twice_height: f32,
     base: f32,
-    /// Slopes of the rays that pass x1 and x2 on their way to x0, along the base for a step across.
+    /// Slopes of the rays that pass x1 and x2 on their way to x0: the distance along the base per distance
+    /// across it.
     slopes: [f32; 2],
 }
 
-/// What the update needs of a point.
+/// Coefficients of the update of a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coefficients {
     edges: [f32; 3],
@@ -32,7 +33,7 @@ pub(super) struct Coefficients {
     triangles: [CircularTriangle; 2],
 }
 
-/// What the update needs of a part of an obtuse triangle.
+/// Coefficients of the update through a part of an obtuse triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CircularPart {
     edges: [f32; 2],
@@ -56,17 +57,17 @@ impl CircularTriangle {
         }
     }
 
-    /// The square of the arrival time at x0 if the ray crosses the base, else infinity, from the
+    /// Returns the square of the arrival time at x0 if the ray crosses the base, else infinity, from the
     /// squares of those at x1 and x2.
     ///
-    /// The same front as in [`crate::update::point_source`]: its virtual source lies at (x, -y), t1
-    /// away from x1 and t2 from x2. In squares, which costs no division and one square root, and
-    /// rounds to the precision of t0 and not to that of the step; with a coefficient or two ready
-    /// and all sources at grid points, that is what is fast and good enough.
+    /// The front is the same as in [`crate::update::point_source`]: its virtual source lies at (x, -y), t1
+    /// away from x1 and t2 from x2. Squares need no division and one square root. They round to the precision
+    /// of t0 and not to that of the step. With a few precomputed coefficients and all sources at grid points,
+    /// this is fast and accurate enough.
     #[inline(always)]
     fn arrival_squared<const CAUSAL: bool>(&self, t1_squared: f32, t2_squared: f32) -> f32 {
         let x = (t1_squared - t2_squared) * self.half_per_base + self.half_base;
-        // Not a number if no point is as far from both, which no comparison holds for.
+        // NaN if no point has these distances from both. All comparisons with it fail.
         let y = (t1_squared - x * x).sqrt();
         let upwind = (x >= self.slopes[0] * y) & (x <= self.base + self.slopes[1] * y);
         let rise = self.twice_height * y - self.twice_foot * x;

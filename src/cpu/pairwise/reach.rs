@@ -1,19 +1,21 @@
-//! How early a front can arrive, found without the square roots of an update.
+//! Bounds how early a front can arrive, without the square roots of an update.
 
 use super::kernel::Fan;
 use crate::surface::{max, min};
 use crate::update::Corner;
 
-/// Bounds the arrival times that a fan can give.
+/// A lower bound of the arrival times that a fan can give.
 ///
-/// A planar front crosses the base x1 x2 of a triangle at some x, at a time t(x) between t1 and t2
-/// in proportion, and goes on for |x0 - x| or more: at least u . (x0 - x) for every unit vector u.
-/// The sum is linear in x. So t0 is not earlier than the lesser of t1 + u . (x0 - x1) and
-/// t2 + u . (x0 - x2).
+/// A planar front crosses the base x1 x2 of a triangle at some point x. The time t(x) there is the linear
+/// interpolation between t1 and t2. From there the front has to travel at least |x0 - x|. That is at least
+/// `u . (x0 - x)` for every unit vector u. The sum is linear in x. So t0 is not earlier than the lesser of
 ///
-/// Here u runs along the outer edge of each triangle, which is a diagonal of the grid. A scan of the
-/// other direction has a triangle on the other side of that diagonal, and a point that has its time
-/// from there fails this test: the four scans update each point about once and not twice.
+/// - t1 + u . (x0 - x1) and
+/// - t2 + u . (x0 - x2).
+///
+/// Here u runs along the outer edge of each triangle, which is a diagonal of the grid. A scan of the other
+/// direction has a triangle on the other side of that diagonal, and a point that has its time from there
+/// fails this test. So the four scans update each point about once and not twice.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
     before: f32,
@@ -35,19 +37,18 @@ impl Reach {
         Self { before, beside, after }
     }
 
-    /// No planar front that reaches the points behind at these times arrives earlier, but for
-    /// rounding.
+    /// Returns a bound before which no planar front arrives, but for rounding, if the points behind are
+    /// reached at these times.
     #[inline(always)]
     pub(super) fn earliest(&self, before: f32, beside: f32, after: f32) -> f32 {
         min(min(before + self.before, beside + self.beside), after + self.after)
     }
 }
 
-/// How far a circular front can be ahead of a planar one between the ends of a base.
+/// A bound of how far a circular front can be ahead of a planar one between the ends of a base.
 ///
-/// With its source at a distance of r from the base's nearest point, the distance from it to the
-/// points of the base lies below the chord by c^2 / 8r at most, and r is not less than t - c / 2 for
-/// the earlier end.
+/// If its source is at a distance of r from the base's nearest point, the distance from the source to the
+/// points of the base is at most c^2 / 8r below the chord. Here r is at least t - c / 2 for the earlier end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bulge {
     half_base: f32,
@@ -64,13 +65,13 @@ impl Bulge {
                 matches!(Corner::new(outer, beside, base), Corner::Triangle { .. })
             })
             .fold(0.0, |longest, (_, base)| max(longest, base));
-        // Never zero, so that nothing is kept which is not ahead at all.
+        // Never zero, so that a time that is not ahead at all is not kept.
         let times_distance = max(0.125 * longest * longest, f32::MIN_POSITIVE);
         Self { half_base: 0.5 * longest, times_distance }
     }
 
-    /// Whether a time stays the earliest that is ahead of all planar fronts by so much, if the
-    /// first of the points behind is reached at `first`.
+    /// Returns whether a time that is `ahead` of all planar fronts stays the earliest, if the first of the
+    /// points behind is reached at `first`.
     #[inline(always)]
     pub(super) fn keeps(&self, ahead: f32, first: f32) -> bool {
         ahead * max(first - self.half_base, 0.0) >= self.times_distance
@@ -83,7 +84,7 @@ mod tests {
     use crate::surface::Real;
     use crate::update::{self, planar, point_source};
 
-    /// Fans of all shapes, obtuse and acute, with fronts from everywhere.
+    /// Calls `check` with fans of all shapes, obtuse and acute, and with fronts from all directions.
     fn every_fan(check: impl Fn(Fan, [f32; 3])) {
         let place = |angle: f64, length: f64| glam::DVec2::from_angle(angle) * length;
         let steps =
@@ -142,7 +143,7 @@ mod tests {
         assert!(kept.get() > 1000, "the test keeps hardly anything");
     }
 
-    /// Edges without a triangle, beside a source.
+    /// The fan has edges without a triangle, beside a source.
     #[test]
     fn what_is_not_reached_is_never_kept() {
         let far = f32::FAR;
@@ -153,12 +154,13 @@ mod tests {
         assert!(!Bulge::new(fan).keeps(earliest - 1.5, 0.0));
     }
 
-    /// A front along one axis of the grid has its times from one scan, and the others leave it.
+    /// A front along one axis of the grid has its times from one scan, and the other scans do not change
+    /// them.
     #[test]
     fn the_scan_across_leaves_what_has_arrived() {
         let diagonal = 2f32.sqrt();
         let fan = Fan { edges: [diagonal, 1.0, diagonal], bases: [1.0; 2] };
-        // From the west, where the source lies to the north, at these angles from north.
+        // The scan comes from the west. The source lies to the north, at these angles from north.
         for angle in (0..44).map(|degrees| (degrees as f32).to_radians()) {
             let (south, east) = (angle.cos(), angle.sin());
             let now = 100.0;

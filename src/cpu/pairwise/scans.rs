@@ -1,4 +1,4 @@
-//! Raster scans over the maps of a batch.
+//! Runs raster scans over the maps of a batch.
 
 use std::sync::{Arc, Mutex};
 
@@ -15,24 +15,24 @@ use crate::lanes::Loop;
 use crate::surface::{Chart, EdgeLengths};
 use crate::{Convergence, Stop};
 
-/// The coefficients of a surface for one kind of front, and work space for as many batches as
-/// have been computed at once.
+/// The coefficients of a surface for one kind of front, and working memory for as many batches as have been
+/// computed at once.
 pub(super) struct Scans<K: Kernel> {
     chart: Chart,
-    /// For each scan the coefficients of all points, in the order in which it passes them.
+    /// Coefficients of all points for each scan, in the order in which the scan passes them.
     coefficients: [Vec<K::Coefficients>; 4],
-    /// For each scan the parts of obtuse triangles.
+    /// Parts of obtuse triangles for each scan.
     parts: [Parts<K>; 4],
     farther: Arc<Farther>,
     spare: Mutex<Vec<Maps>>,
 }
 
-/// Scans, whatever their front.
+/// Scans of any kind of front.
 pub(super) trait BatchSolver: Send + Sync {
-    /// Bytes of the coefficients, and of the work space of one batch.
+    /// Returns the bytes of the coefficients, and of the working memory of one batch.
     fn bytes(&self) -> (usize, usize);
 
-    /// Computes the maps of at most [`LANES`] sources, into rows for those that are wanted.
+    /// Computes the maps of at most [`LANES`] sources, and writes those that have a row in `into`.
     fn solve(
         &self,
         sources: &[Option<usize>],
@@ -65,7 +65,7 @@ impl<K: Kernel> Scans<K> {
         instructions: Instructions,
     ) -> Convergence {
         let mut progress = Progress::new(stop);
-        // Changes below the tolerance are kept but wake nobody.
+        // Changes below the tolerance are kept but wake no points.
         let wakes = (stop.tolerance / f64::from(f32::EPSILON)) as u32;
         loop {
             let mut largest = 0;
@@ -83,7 +83,7 @@ impl<K: Kernel> Scans<K> {
         }
     }
 
-    /// One scan over the pending points; returns the largest change.
+    /// Runs one scan over the pending points. Returns the largest change.
     fn scan<const TRACKS: bool>(
         &self,
         maps: &mut Maps,
@@ -166,7 +166,7 @@ impl<K: Kernel> BatchSolver for Scans<K> {
         let mut maps = spare.unwrap_or_else(|| Maps::new(self.chart, self.farther.clone()));
         maps.start(self.chart, sources, known);
         let convergence = if stop.iterations == 1 {
-            // Whatever a single iteration changes, it was the last.
+            // After a single iteration the solver stops, whatever it changes.
             self.iterate::<false>(&mut maps, stop, instructions)
         } else {
             self.iterate::<true>(&mut maps, stop, instructions)
@@ -180,20 +180,21 @@ impl<K: Kernel> BatchSolver for Scans<K> {
 /// The marked points of a line, and the line behind.
 struct MarkedLine<'a, K: Kernel> {
     points: &'a mut [Lanes],
-    /// The first point of the bordered array, from there to the next, and to the neighbour behind.
+    /// The line's first point in the bordered array, the offset to the next point, and the offset to the
+    /// neighbour behind.
     first: usize,
     step: usize,
     behind: isize,
     coefficients: &'a [K::Coefficients],
     marks: &'a mut [u64],
-    /// All bits set for the maps that pass the line.
+    /// A mask for each map, with all bits set for those that pass the line.
     maps: [u32; LANES],
-    /// Changes above this wake the points beside; see [`Lanes::lower`].
+    /// Changes above this limit wake the neighbouring points; see [`Lanes::lower`].
     wakes: u32,
 }
 
-/// The update of the marked points of a line, in `ALL` maps or in those that pass it. Leaves those
-/// marked that have changed, and returns the largest change.
+/// The update of the marked points of a line, in `ALL` maps or in those that pass it. Afterwards the points
+/// that have changed are marked. Returns the largest change.
 struct Visit<'a, K: Kernel, const TRACKS: bool, const ALL: bool>(MarkedLine<'a, K>);
 
 impl<K: Kernel, const TRACKS: bool, const ALL: bool> Loop for Visit<'_, K, TRACKS, ALL> {
@@ -215,7 +216,7 @@ impl<K: Kernel, const TRACKS: bool, const ALL: bool> Loop for Visit<'_, K, TRACK
                 let (mut state, coefficients) = (points[here], &coefficients[point]);
                 if K::may_change(&state, behind, coefficients) {
                     let arrivals = K::arrivals(behind, coefficients);
-                    // Not as a branch: nobody could foretell it.
+                    // Without a branch, which could not be predicted.
                     let wakes_others = state.lower::<TRACKS>(arrivals, wakes, &mut largest);
                     changed |= u64::from(wakes_others) << bit;
                     points[here] = if ALL { state } else { merged(state, points[here], maps) };

@@ -1,4 +1,4 @@
-//! From maps in lanes to rows of a matrix.
+//! Writes maps in SIMD lanes to rows of a matrix.
 
 use super::kernel::{LANES, Lanes};
 use crate::cpu::Instructions;
@@ -7,18 +7,18 @@ use crate::cpu::transpose::{Turned, transpose};
 use crate::lanes::Loop;
 use crate::surface::Chart;
 
-/// Where some rows of the grid become parts of the matrix's rows, on their way to memory.
+/// A buffer in which rows of the grid become parts of the matrix's rows on their way to memory.
 pub(super) struct Stage {
-    /// A stretch of each row of the matrix, a stride apart.
+    /// A stretch of each row of the matrix. Stretches are a stride apart.
     rows: Vec<Lanes>,
-    /// Rows of the grid that are there together.
+    /// Number of grid rows that the buffer holds at once.
     band: usize,
 }
 
 impl Stage {
     pub(super) fn new(chart: Chart) -> Self {
         let band = band(chart);
-        // Strides that are a power of two would share few lines of the cache.
+        // Strides that are powers of two would share few cache lines.
         Self { rows: vec![Lanes::all(0.0); band * chart.cols + LANES], band }
     }
 
@@ -26,7 +26,7 @@ impl Stage {
         (band(chart) * chart.cols + LANES) * size_of::<Lanes>()
     }
 
-    /// Writes the distances of each map that has a row, and leaves the points unreached.
+    /// Writes the distances of each map that has a row in `into`. Resets the points to unreached.
     pub(super) fn store(
         &mut self,
         chart: Chart,
@@ -49,7 +49,7 @@ impl Stage {
                     cols: into.len(),
                 };
                 transpose(bytemuck::cast_slice_mut::<_, f32>(line), staged, block, instructions);
-                // While it is at hand.
+                // While the line is in the cache.
                 instructions.run(Clear(line));
             }
             let (start, count) = (chart.index(first, 0), rows.len() * chart.cols);
@@ -61,7 +61,8 @@ impl Stage {
     }
 }
 
-/// Enough rows that long stretches go to memory at once, whose ends are few; few enough for a cache.
+/// Returns the number of rows in a band. Long stretches are written to memory at once, so that few have
+/// partial ends, and a band still fits a cache.
 fn band(chart: Chart) -> usize {
     (2048 / chart.cols).clamp(1, chart.rows)
 }
