@@ -1,6 +1,6 @@
 /*
  * geosweep: geodesic distance maps on parametric surfaces, recorded into your own Vulkan command
- * buffers. How to build and link the library, and how to use it well: docs/embedding.md.
+ * buffers. How to build and link the library, and how to use it well: docs/c.md and docs/embedding.md.
  *
  * Once:        geosweep_solver_create, geosweep_surface_create, geosweep_plan_create, and
  *              geosweep_record_prepare into a command buffer.

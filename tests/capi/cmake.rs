@@ -59,6 +59,7 @@ fn a_renderer_in_cpp_finds_the_package_and_has_the_map() {
         "lib/libgeosweep.a",
         "lib/pkgconfig/geosweep.pc",
         "share/doc/geosweep/embedding.md",
+        "share/doc/geosweep/c.md",
         "share/doc/geosweep/cpp.md",
         "share/doc/geosweep/LICENSE-MIT",
         "share/doc/geosweep/THIRD-PARTY.txt",
@@ -69,7 +70,7 @@ fn a_renderer_in_cpp_finds_the_package_and_has_the_map() {
     let version = env!("CARGO_PKG_VERSION");
     in_package(&format!("lib/libgeosweep.so.{version}"));
 
-    let guide = fs::read_to_string(moved.join("share/doc/geosweep/embedding.md")).unwrap();
+    let guide = fs::read_to_string(moved.join("share/doc/geosweep/c.md")).unwrap();
     assert!(guide.contains("(examples/embed.c)") && !guide.contains("(../examples/"), "{guide}");
 
     let build = scratch("cmake/example");

@@ -25,7 +25,7 @@ fn read(file: &str) -> String {
 fn the_header_compiles_in_c_and_cpp() {
     let folder = scratch("header");
     let twice = "#include \"geosweep.h\"\n#include \"geosweep.h\"\n";
-    let guide = read("docs/embedding.md");
+    let guide = read("docs/c.md");
     let page = read("docs/cpp.md");
     let [frame_in_cpp, together] = blocks(&page, "cpp")[..] else {
         panic!("a frame and frames together are on the page for C++")
@@ -127,7 +127,7 @@ fn a_reader_that_is_not_named_is_reported() {
 /// The guide's frame in C, between the lines that a renderer has around it.
 #[test]
 fn the_frame_of_the_guide_compiles_and_runs() {
-    let guide = read("docs/embedding.md");
+    let guide = read("docs/c.md");
     let blocks = blocks(&guide, "c");
     let mut frames = blocks.iter().filter(|block| block.contains("geosweep_solver_create("));
     let (Some(snippet), None) = (frames.next(), frames.next()) else {

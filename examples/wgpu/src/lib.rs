@@ -1,5 +1,5 @@
 //! Distance maps of geosweep on a device of wgpu's, for the program and the test beside this file.
-//! [`distance_map`] is what a renderer needs of it, and docs/embedding.md tells how it goes.
+//! [`distance_map`] is what a renderer needs of it, and docs/wgpu.md tells how it goes.
 
 pub mod cloth;
 pub mod distance_map;

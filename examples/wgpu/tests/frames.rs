@@ -15,7 +15,7 @@ use wgpu_example::distance_map::{DistanceMap, MapDevice, READER};
 use wgpu_example::{Renderer, open, readback, source};
 
 mod snippet {
-    // What docs/embedding.md shows.
+    // What docs/wgpu.md shows.
     include!("snippet.rs");
 }
 
@@ -165,9 +165,9 @@ fn a_map_goes_at_any_time() {
 
 /// The guide's lines are those that compile here.
 fn the_guide_shows_the_snippet() {
-    let guide = include_str!("../../../docs/embedding.md");
+    let guide = include_str!("../../../docs/wgpu.md");
     let block = format!("```rust\n{}```", include_str!("snippet.rs"));
-    assert!(guide.contains(&block), "copy tests/snippet.rs into docs/embedding.md");
+    assert!(guide.contains(&block), "copy tests/snippet.rs into docs/wgpu.md");
     let _ = (snippet::load, snippet::frame);
 }
 

@@ -1,4 +1,4 @@
-//! What a tool that captures a frame shows of ours: labels, commands and names, as docs/embedding.md lists them.
+//! What a tool that captures a frame shows of ours: labels, commands and names, as docs/frame-costs.md lists them.
 
 use std::ffi::{CStr, c_char, c_void};
 use std::fmt::Write;
@@ -16,7 +16,7 @@ use crate::embed::stage::vertices;
 use crate::host::Host;
 
 /// From the package's root, where tests run.
-const GUIDE: &str = "docs/embedding.md";
+const GUIDE: &str = "docs/frame-costs.md";
 
 /// A label, and what was recorded from there on up to the next one.
 #[derive(Default)]

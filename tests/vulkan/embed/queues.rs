@@ -19,7 +19,7 @@ use crate::embed::stage::STOP;
 use crate::host::{self, Host, HostBuffer, HostPass};
 
 pub mod handover {
-    // What docs/embedding.md shows.
+    // What docs/async-compute.md shows.
     include!("handover.rs");
 }
 
@@ -360,7 +360,7 @@ fn a_semaphore_left_out_is_reported() {
 
 #[test]
 fn the_guide_shows_the_code_that_runs() {
-    let guide = include_str!("../../../docs/embedding.md");
+    let guide = include_str!("../../../docs/async-compute.md");
     let copy = include_str!("handover.rs");
-    assert!(guide.contains(copy), "copy tests/vulkan/embed/handover.rs into docs/embedding.md");
+    assert!(guide.contains(copy), "copy tests/vulkan/embed/handover.rs into docs/async-compute.md");
 }
