@@ -230,3 +230,13 @@ check_vulkan() {
         die "none of them is called '$GEOSWEEP_TEST_DEVICE' (GEOSWEEP_TEST_DEVICE);
     lavapipe, in the package mesa-vulkan-drivers, is called llvmpipe"
 }
+
+# test_binaries TARGET...: builds these targets of the library's tests (--lib, --test NAME), and prints the name and the
+# path of each binary.
+test_binaries() {
+    local arguments=(test --profile ci -p geosweep --all-features "$@" --no-run)
+    step cargo "${arguments[@]}" >&2
+    cargo "${arguments[@]}" --message-format json 2>/dev/null |
+        sed -n 's/.*"kind":\["\([a-z]*\)[^]]*\].*"name":"\([a-z]*\)".*"executable":"\([^"]*\)".*/\1 \2 \3/p' |
+        sed 's/^lib geosweep /lib /; s/^test //'
+}

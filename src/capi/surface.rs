@@ -68,8 +68,8 @@ pub struct GeosweepOutcome {
     /// How many grid points are holes: those with something that is not finite or too large, beyond an image
     /// that is too small, or a slowness that is negative. Compare it with those you have made.
     pub holes: u32,
-    /// How many edges between points that can be used have no length: 0, as between points at one place, or more than
-    /// fits a number. A pole or a seam has its own, of which you know; more of them are vertices that were zeroed, or
+    /// Number of edges without a length between usable points: points at one place, or so far apart that single
+    /// precision has no such length. A pole or a seam has its own, of which you know; more of them are vertices that were zeroed, or
     /// not written yet.
     pub edges_without_length: u32,
     /// How many of the map's sources reach no point: off the grid, in holes, or with a time that is no number

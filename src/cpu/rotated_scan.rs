@@ -25,7 +25,8 @@ pub fn rotated_scan<R: Real>(
 
 /// A solver by rotated scans for many maps of one surface, one after another. It allocates memory only once.
 /// For straight fronts on grids of at least 256 x 256 points, the second map fills another 12 bytes per point
-/// (in single precision). They make the second map and all later ones faster.
+/// (in single precision), and on surfaces with many obtuse triangles it stores their parts with the edges.
+/// Both make the second map and all later ones faster.
 ///
 /// Opposite scans run in parallel on two copies of the fronts, which are then merged. This loses nothing: a
 /// front that turns back has to pass through the other pair of scans anyway. So the map is bit-identical for

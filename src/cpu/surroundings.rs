@@ -438,7 +438,7 @@ mod tests {
         assert_eq!(added(Wavefront::Curved, &small, &Sources::point(20.3, 20.75)), 0);
         let one = added(Wavefront::Curved, &surface, &inside);
         assert_eq!(one, 18 * 18 - 4);
-        // The same where fronts have no anchors.
+        // Fronts without anchors reach the same points.
         assert_eq!(added(Wavefront::Anchored, &surface, &inside), one);
         let crowd = |count: usize| {
             let place = |k: usize| (5.3 + 14.0 * (k / 10) as f64, 5.75 + 14.0 * (k % 10) as f64);

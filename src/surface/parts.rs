@@ -14,8 +14,8 @@ use super::real::Real;
 /// precision. If there are more, parts are found whenever they are needed.
 const KEPT: usize = 1 << 23;
 
-/// The parts of all obtuse triangles, by the side of their point on which they lie. They are computed on
-/// first use. `None` inside means that there are none, or too many to store.
+/// The parts of all obtuse triangles, by the side of their point on which they lie. They are computed when
+/// several maps, or few triangles, make it worth their memory. `None` inside means that there are none, or too many to store.
 #[derive(Clone, Debug)]
 pub(super) struct Parts<R>(OnceLock<Option<[SideParts<R>; 4]>>);
 
@@ -172,21 +172,35 @@ impl<R: Real> SideParts<R> {
     }
 }
 
+/// Largest share of the points of a surface that have obtuse triangles, as one of so many, for which storing
+/// the parts pays within a single map. Where all points have some, it takes half as long again as the map.
+const FEW: usize = 4;
+
 impl<R: Real> EdgeLengths<R> {
-    /// Returns the parts of obtuse triangles on one side of their points. The result is `None` if the surface
-    /// has no such triangle, or if parts are not stored.
-    pub(crate) fn parts_on_side(&self, side: Direction) -> Option<&SideParts<R>> {
-        let sides = match self.parts.0.get() {
-            Some(sides) => sides,
-            None => {
-                // Computed outside the lock: a thread that waits for others here may take up work that needs
-                // the parts too.
-                let sides = self.find_parts();
-                self.parts.0.get_or_init(|| sides)
-            }
-        };
-        let sides = sides.as_ref()?;
+    /// Stores the parts of obtuse triangles if there are few. A map of few iterations finds more of them as it
+    /// needs them.
+    pub(crate) fn store_few_parts(&self) {
+        if self.obtuse_count() <= self.chart().points() / FEW {
+            self.parts_on_side(Direction::North);
+        }
+    }
+
+    /// Returns the parts of obtuse triangles on one side of their points if they are stored already.
+    pub(crate) fn stored_parts_on_side(&self, side: Direction) -> Option<&SideParts<R>> {
+        let sides = self.parts.0.get()?.as_ref()?;
         Some(&sides[side as usize / 2])
+    }
+
+    /// Returns the parts of obtuse triangles on one side of their points, which are stored from now on. The
+    /// result is `None` if the surface has no such triangle, or more than can be stored.
+    pub(crate) fn parts_on_side(&self, side: Direction) -> Option<&SideParts<R>> {
+        if self.parts.0.get().is_none() {
+            // Computed outside the lock: a thread that waits for others here may take up work that needs the
+            // parts too.
+            let sides = self.find_parts();
+            self.parts.0.get_or_init(|| sides);
+        }
+        self.stored_parts_on_side(side)
     }
 
     fn find_parts(&self) -> Option<[SideParts<R>; 4]> {

@@ -127,6 +127,11 @@ impl<R: Real> EdgeLengths<R> {
         self.found().map_or(&[], |found| found.lines[usize::from(!by_rows)].within(line, range))
     }
 
+    /// Returns the number of points with obtuse triangles.
+    pub(super) fn obtuse_count(&self) -> usize {
+        self.found().map_or(0, |found| found.lines[0].places.len())
+    }
+
     /// Returns whether the surface has triangles that are obtuse at the point that is updated from them.
     /// Steep surfaces and sheared grids have some.
     pub fn has_obtuse_triangles(&self) -> bool {

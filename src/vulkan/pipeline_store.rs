@@ -1,6 +1,6 @@
 //! Keeps compiled pipelines in a file, so that the next process starts without compiling them.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::{PoisonError, RwLock};
@@ -23,17 +23,16 @@ pub struct PipelineStore {
     digest: Option<u64>,
 }
 
-/// Name of the environment variable that names the folder, if the program does not.
+/// Name of the environment variable that names the folder, in place of the program's.
 const VARIABLE: &str = "GEOSWEEP_PIPELINES";
 
-/// Folder in which headless solvers keep their pipelines. The outer `None` means that the program has not
-/// chosen.
-static FOLDER: RwLock<Option<Option<PathBuf>>> = RwLock::new(None);
+/// Folder in which the program has headless solvers keep their pipelines.
+static FOLDER: RwLock<Option<PathBuf>> = RwLock::new(None);
 
 /// Sets the folder in which headless solvers of this process keep their pipelines. It applies to every solver
-/// that is opened afterwards ([`super::Solver::new`]). The folder is created if necessary; `None` turns the
-/// store off. If a program does not call this function, the environment variable `GEOSWEEP_PIPELINES` names
-/// the folder. Without that variable nothing is kept.
+/// that is opened afterwards ([`super::Solver::new`]). The folder is created if necessary. With `None`, as at
+/// the start, nothing is kept. The environment variable `GEOSWEEP_PIPELINES` takes precedence: it names another
+/// folder, or none if it is 0 or empty.
 ///
 /// A folder that cannot be read or written is not an error: pipelines are then compiled as without a folder.
 ///
@@ -44,12 +43,16 @@ static FOLDER: RwLock<Option<Option<PathBuf>>> = RwLock::new(None);
 /// # Ok::<(), vulkan::VulkanError>(())
 /// ```
 pub fn keep_pipelines_in(folder: Option<PathBuf>) {
-    *FOLDER.write().unwrap_or_else(PoisonError::into_inner) = Some(folder);
+    *FOLDER.write().unwrap_or_else(PoisonError::into_inner) = folder;
 }
 
-fn folder() -> Option<PathBuf> {
-    let named = || env::var_os(VARIABLE).filter(|name| !name.is_empty()).map(PathBuf::from);
-    FOLDER.read().unwrap_or_else(PoisonError::into_inner).clone().unwrap_or_else(named)
+/// Returns the folder, given the value of the environment variable.
+fn folder(variable: Option<OsString>) -> Option<PathBuf> {
+    match variable {
+        Some(none) if none.is_empty() || none == "0" => None,
+        Some(folder) => Some(folder.into()),
+        None => FOLDER.read().unwrap_or_else(PoisonError::into_inner).clone(),
+    }
 }
 
 /// Number of newest files kept for a device. This many drivers and builds can alternate without compiling
@@ -67,7 +70,8 @@ impl PipelineStore {
         properties: &vk::PhysicalDeviceProperties,
         device: &ash::Device,
     ) -> Result<Option<Self>, VulkanError> {
-        folder().map(|folder| Self::open(properties, device, &folder)).transpose()
+        let folder = folder(env::var_os(VARIABLE));
+        folder.map(|folder| Self::open(properties, device, &folder)).transpose()
     }
 
     /// Creates the pipeline cache, from the file if there is one. [`PipelineStore::destroy`] must be called
@@ -215,6 +219,14 @@ mod tests {
             other[byte] ^= 1;
             assert!(!is_of(&other, &properties(5)), "byte {byte}");
         }
+    }
+
+    #[test]
+    fn the_variable_takes_precedence() {
+        let of = |variable: &str| folder(Some(variable.into()));
+        assert_eq!([of("0"), of("")], [None, None]);
+        assert_eq!(of("some/folder"), Some("some/folder".into()));
+        assert_eq!(folder(None), None, "a program says so");
     }
 
     #[test]

@@ -15,7 +15,7 @@ use wgpu_example::distance_map::{DistanceMap, MapDevice, READER};
 use wgpu_example::{Renderer, open, readback, source};
 
 mod snippet {
-    // What docs/wgpu.md shows.
+    // docs/wgpu.md shows this module.
     include!("snippet.rs");
 }
 

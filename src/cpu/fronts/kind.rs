@@ -200,7 +200,7 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         edges.obtuse_triangles()?;
         let [row, col] = lines.position(line, points.start, scan);
         let (of_line, first) = if scan.by_rows() { (row, col) } else { (col, row) };
-        let Some(side) = edges.parts_on_side(scan.back()) else {
+        let Some(side) = edges.stored_parts_on_side(scan.back()) else {
             return Some(self.splits_found_now(lines, [row, col], points.len(), scan));
         };
         let triangles = side.within(of_line, first..first + points.len());

@@ -267,19 +267,20 @@ impl Curves {
         solver: &Solver,
         surface: &Surface,
     ) -> Result<(), VulkanError> {
-        let contents = self.contents((device, &solver.limits), surface)?;
+        let contents = self.contents((device, &solver.limits), surface, self.output())?;
         self.sets = Some(BoundSets::new(device, &solver.pipelines, surface, &contents)?);
         self.lifting = lifting(device, solver, surface)?;
         Ok(())
     }
 
-    /// Returns the contents of the descriptor sets.
+    /// Returns the contents of the descriptor sets, with curves in the buffer `output`.
     fn contents(
         &self,
         on: (&ash::Device, &Limits),
         surface: &Surface,
+        output: vk::Buffer,
     ) -> Result<Vec<Content>, VulkanError> {
-        let output = whole(on, self.output(), self.layout.bytes())?;
+        let output = whole(on, output, self.layout.bytes())?;
         let mut contents = match self.reads {
             Reads::Counts(bytes) => vec![Content::Input(whole(on, self.counts(), bytes)?)],
             Reads::Sources => host_sets::all_sources(on, &surface.grid, &surface.sources)?,
@@ -298,15 +299,12 @@ impl Curves {
         surface: &Surface,
         buffer: vk::Buffer,
     ) -> Result<(), VulkanError> {
-        let before = self.hosts.replace(buffer);
-        let bound = match before {
-            Some(_) => self.rebind(device, solver, surface),
-            None => Err(own_buffer("contours or paths")),
-        };
-        if bound.is_err() {
-            self.hosts = before;
+        if self.hosts.is_none() {
+            return Err(own_buffer("contours or paths"));
         }
-        bound
+        self.bind(device, solver, surface, buffer)?;
+        self.hosts = Some(buffer);
+        Ok(())
     }
 
     /// Binds the current points and sources of the surface.
@@ -316,8 +314,18 @@ impl Curves {
         solver: &Solver,
         surface: &Surface,
     ) -> Result<(), VulkanError> {
+        self.bind(device, solver, surface, self.output())
+    }
+
+    fn bind(
+        &mut self,
+        device: &ash::Device,
+        solver: &Solver,
+        surface: &Surface,
+        output: vk::Buffer,
+    ) -> Result<(), VulkanError> {
         self.sets()?.check_surface(surface)?;
-        let contents = self.contents((device, &solver.limits), surface)?;
+        let contents = self.contents((device, &solver.limits), surface, output)?;
         let lifting = lifting(device, solver, surface)?;
         if let Some(sets) = &mut self.sets {
             sets.rebind(device, surface, &contents)?;

@@ -2,28 +2,25 @@
 
 use ash::vk;
 
-use super::access::{Access, Reader};
-use super::host_sets::{self, HostSet};
+use super::access::Access;
+use super::host_sets::HostSet;
 use super::inputs::{PointMemory, PointSource, SourceInput};
 use super::plan::Plan;
 use super::solver::Solver;
 use super::state::number_of_preparation;
-use super::surface::{Outcome, ResultImage, Surface};
+use super::surface::Surface;
 use crate::constants::{NEVER_MEASURED, SOURCES_TOGETHER, SURROUNDINGS_TEXELS, WORKGROUP};
 use crate::surface::{Chart, EdgeRule};
 use crate::vulkan::VulkanError;
-use crate::vulkan::barrier::{CLEAR, PASS, SHADER, SHADER_WRITE, TRANSFER};
+use crate::vulkan::barrier::{PASS, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands, frame_bytes, rows_around};
 use crate::vulkan::passes::{
-    CommonPass, LOOKUP, MERGE_SURROUNDINGS, POINTS_FROM_BUFFER, POINTS_FROM_IMAGE, RESULT, SOURCES,
-    Variant,
+    CommonPass, MERGE_SURROUNDINGS, POINTS_FROM_BUFFER, POINTS_FROM_IMAGE, SOURCES, Variant,
 };
-use crate::vulkan::profile::{Grain, PassKind, PassRecord, Profile, Work};
+use crate::vulkan::profile::{PassKind, PassRecord, Profile, Work};
 use crate::vulkan::progress::offset;
-use crate::vulkan::record::{Commands, Recorder, dispatched};
-use crate::vulkan::shaders::{
-    lookup, merge_surroundings, points_from_buffer, result, sources, surroundings,
-};
+use crate::vulkan::record::{Commands, Recorder};
+use crate::vulkan::shaders::{merge_surroundings, points_from_buffer, sources, surroundings};
 use crate::vulkan::upload::SEED_BYTES;
 
 /// Recorder that appends commands for a surface to a command buffer of the host.
@@ -47,34 +44,12 @@ pub struct Recording<'a> {
     points_at: u64,
 }
 
-/// Parameters of [`Recording::frame`].
-#[derive(Clone, Copy, Debug)]
-pub struct Frame<'a> {
-    /// Access by which the host has written points and sources since the previous frame.
-    pub before: Access,
-    /// Number of the surface's points to measure; `None` if they have not changed since the previous frame.
-    pub points: Option<usize>,
-    /// Sources at which the fronts start.
-    pub sources: SourceInput<'a>,
-    /// Passes of the map.
-    pub plan: &'a Plan,
-    /// Slot whose image of distances is written. Each frame in flight has its own slot.
-    pub slot: usize,
-    /// Reader of the image.
-    pub reader: Reader,
-    /// Value of the image at points that are not reached. It may be +infinity, but bilinear filters turn that
-    /// into NaN beside such points. A negative number is easy to test for.
-    pub unreached: f32,
-}
-
 /// Minimum number of grid points per source for solving the sources' surroundings first, if there are more
 /// than [`FEW_SOURCES`]. Solving a source's surroundings updates 400 points from all sides about sixteen
 /// times. That takes as long as two to four iterations over 1,500 to 3,000 points, which is what it saves.
 const POINTS_FOR_SURROUNDINGS: usize = 4000;
 /// Number of sources whose surroundings are solved on a grid of any size.
 const FEW_SOURCES: usize = 8;
-
-const RECORD_BYTES: u64 = Outcome::BYTES as u64;
 
 impl<'a> Recording<'a> {
     pub(super) fn new(
@@ -118,27 +93,6 @@ impl<'a> Recording<'a> {
         self.note();
     }
 
-    /// Records a usual frame: [`Recording::begin`], [`Recording::measure`] if there are new points,
-    /// [`Recording::solve`], [`Recording::outcome`] and [`Recording::result`]. All barriers between these,
-    /// and before the reads of `frame.reader`, are part of it. Returns the image that receives the distances.
-    ///
-    /// # Errors
-    /// As for these methods. Nothing is recorded then.
-    pub fn frame(&self, frame: &Frame) -> Result<ResultImage, VulkanError> {
-        let result = self.check_frame(frame)?;
-        let _group = self.recorder.group(c"geosweep: frame");
-        self.begin(frame.before);
-        if let Some(points) = frame.points {
-            self.record_measure(points, self.points(points)?);
-            self.surface.state.measure(self.solver.is_curved());
-        }
-        self.record_solve(frame.sources, frame.plan);
-        self.record_outcome(frame.slot, self.next_outcome(frame.slot));
-        self.record_result(result, frame.slot, frame.reader, frame.unreached);
-        self.note();
-        Ok(result)
-    }
-
     /// With checks, records that the device writes a serial after the commands so far, which shows that they
     /// have run. Returns the serial, or `None` without checks.
     pub(super) fn note(&self) -> Option<u32> {
@@ -156,23 +110,6 @@ impl<'a> Recording<'a> {
 
     pub(super) fn record_note(&self, serial: u32) {
         self.recorder.mark(self.surface.grid.slots, serial);
-    }
-
-    /// Checks whether a frame can be recorded, and records nothing. Returns the image that the frame will
-    /// write.
-    pub(crate) fn check_frame(&self, frame: &Frame) -> Result<ResultImage, VulkanError> {
-        if let Some(points) = frame.points {
-            self.points(points)?;
-        }
-        self.check(frame.plan)?;
-        self.check_sources(frame.sources)?;
-        let result = self.surface.result(frame.slot, frame.reader.layout)?;
-        match frame.points {
-            Some(_) => self.surface.state.check_prepared()?,
-            None => self.surface.state.check_measured(frame.plan)?,
-        }
-        self.check_slot(frame.slot, true)?;
-        Ok(result)
     }
 
     /// Records a barrier that waits for the accesses in `before`, by which the host has written points and
@@ -259,7 +196,7 @@ impl<'a> Recording<'a> {
         Ok(())
     }
 
-    fn record_solve(&self, sources: SourceInput, plan: &Plan) {
+    pub(super) fn record_solve(&self, sources: SourceInput, plan: &Plan) {
         self.surface.state.solve(plan);
         self.recorder.forget();
         self.start(sources, plan, false);
@@ -299,144 +236,8 @@ impl<'a> Recording<'a> {
         Ok(())
     }
 
-    /// Records a copy of the iterations' outcome to the record of `slot`. [`Surface::outcome`] reads it after
-    /// the fence of the submission.
-    ///
-    /// # Errors
-    /// If there is no such slot or no map. With [`super::Tools::checks`] also if the last recording for the
-    /// slot has not run.
-    pub fn outcome(&self, slot: usize) -> Result<(), VulkanError> {
-        self.surface.check_slot(slot)?;
-        self.surface.state.check_map()?;
-        self.check_slot(slot, false)?;
-        self.record_outcome(slot, self.next_outcome(slot));
-        Ok(())
-    }
-
-    /// Returns the serial of the outcome that is recorded next for a slot.
-    pub(super) fn next_outcome(&self, slot: usize) -> u32 {
-        let Self { recorder, surface, .. } = self;
-        let serial = surface.flight.next(recorder.buffer, Some(slot));
-        surface.state.record_outcome(slot, serial, recorder.buffer);
-        serial
-    }
-
-    pub(super) fn record_outcome(&self, slot: usize, serial: u32) {
-        self.recorder.outcome_with_serial(slot, serial);
-    }
-
-    /// Records a copy of the iterations' outcome into a buffer of the host, for [`Surface::outcome_from`]. It
-    /// takes [`super::Outcome::BYTES`] bytes at `offset`, which is a multiple of 4. The buffer has the usage
-    /// `TRANSFER_DST`, and must stay alive until the commands have run. Shaders find the number of iterations
-    /// in the third 32-bit word. The accesses in `after` wait for the copy.
-    ///
-    /// # Errors
-    /// If there is no map, or the record does not fit into the buffer at this offset.
-    pub fn outcome_to(
-        &self,
-        buffer: vk::Buffer,
-        offset: u64,
-        after: Access,
-    ) -> Result<(), VulkanError> {
-        host_sets::check_copied(
-            self.recorder.device,
-            "the outcome",
-            (buffer, offset),
-            RECORD_BYTES,
-        )?;
-        self.surface.state.check_map()?;
-        self.recorder.outcome_to(buffer, offset);
-        self.recorder.barrier(CLEAR, after.side());
-        self.note();
-        Ok(())
-    }
-
-    /// Records the pass that unpacks the map into the image of distances of `slot`, and returns the image.
-    /// Points that are not reached become `unreached`. The commands wait for earlier reads of the image by
-    /// `reader`, and later reads by `reader` wait for the commands. The previous contents of the image are
-    /// discarded. Afterwards the image has the layout of `reader`.
-    ///
-    /// # Errors
-    /// If there is no such slot or no map.
-    pub fn result(
-        &self,
-        slot: usize,
-        reader: Reader,
-        unreached: f32,
-    ) -> Result<ResultImage, VulkanError> {
-        let result = self.surface.result(slot, reader.layout)?;
-        self.surface.state.check_map()?;
-        self.record_result(result, slot, reader, unreached);
-        self.note();
-        Ok(result)
-    }
-
-    pub(super) fn record_result(
-        &self,
-        result: ResultImage,
-        slot: usize,
-        reader: Reader,
-        unreached: f32,
-    ) {
-        let Self { recorder, surface, .. } = self;
-        let texels = surface.grid.texels.inner();
-        let points = size_of::<f32>() as u64 * surface.grid.chart.points() as u64;
-        let work = Work::of_bytes(points, points);
-        let record = PassRecord { work, ..dispatched(PassKind::Distances, texels) };
-        let _pass = recorder.pass_with(record);
-        let chart = surface.grid.chart;
-        // The barrier also waits for earlier writes of the same slot.
-        let (stages, access) = reader.access.side();
-        let before = (stages | SHADER_WRITE.0, access | SHADER_WRITE.1);
-        let general = vk::ImageLayout::GENERAL;
-        let layouts = (vk::ImageLayout::UNDEFINED, general);
-        recorder.image_barrier(result.image, before, SHADER_WRITE, layouts);
-        let size = result::Push { grid: grid_size(chart), unreached };
-        let results = &surface.sets.results[slot];
-        results.is_written(&surface.flight, self.solver.checks);
-        let set = results.set().set;
-        recorder.host_pass(recorder.pipelines.of(RESULT), set, &size, texels);
-        let layouts = (general, reader.layout);
-        recorder.image_barrier(result.image, SHADER_WRITE, reader.access.side(), layouts);
-    }
-
-    /// Records the pass that looks up distances at the places in a buffer of the host. It interpolates
-    /// bilinearly between grid points. The result is `unreached` at places that are not reached or off the
-    /// grid. `number` selects one of the lookups in [`super::SurfaceInfo::lookups`], whose buffers must stay
-    /// alive until the commands have run. The commands wait for the accesses in `before`, and those in
-    /// `after` wait for the commands.
-    ///
-    /// # Errors
-    /// If the surface has no such lookup or no map.
-    pub fn lookup(
-        &self,
-        number: usize,
-        unreached: f32,
-        before: Access,
-        after: Access,
-    ) -> Result<(), VulkanError> {
-        let Self { recorder, surface, .. } = self;
-        let set = *nth(&surface.sets.lookups, "lookups", number)?;
-        surface.state.check_map()?;
-        let count = surface.lookup_counts[number];
-        // Each lookup reads a place, and the times of the four points around it.
-        let _pass = recorder.pass_of_each(PassKind::Lookup, [count, 1], [2 * 4 + 4 * 4, 4]);
-        recorder.barrier(before.side(), SHADER);
-        let places = lookup::Push {
-            grid: grid_size(surface.grid.chart),
-            count: count as i32,
-            first_word: set.first_word,
-            first_distance: set.first_output,
-            unreached,
-        };
-        recorder.host_pass(recorder.pipelines.of(LOOKUP), set.set, &places, [count, 1]);
-        recorder.barrier(SHADER_WRITE, after.side());
-        self.note();
-        Ok(())
-    }
-
     /// With checks, returns an error if the slot is still in flight and cannot receive this map.
-    fn check_slot(&self, slot: usize, starts_map: bool) -> Result<(), VulkanError> {
+    pub(super) fn check_slot(&self, slot: usize, starts_map: bool) -> Result<(), VulkanError> {
         let Self { recorder, surface, solver, .. } = self;
         if !solver.checks {
             return Ok(());
@@ -445,7 +246,7 @@ impl<'a> Recording<'a> {
         surface.state.check_slot(slot, serial, recorder.buffer, starts_map)
     }
 
-    fn check(&self, plan: &Plan) -> Result<(), VulkanError> {
+    pub(super) fn check(&self, plan: &Plan) -> Result<(), VulkanError> {
         if plan.texels != self.surface.grid.texels {
             return Err(VulkanError::OtherGrid);
         }
@@ -592,14 +393,6 @@ fn points_pass(memory: PointMemory) -> CommonPass<points_from_buffer::Push> {
 }
 
 impl Solver {
-    /// Returns the largest number of profile records that [`Recording::frame`] makes for a surface, or
-    /// [`Recording::resume`] with the same plan. A [`Profile`] needs room for that many. Other calls add to
-    /// it: [`super::Contours::passes`], [`super::Paths::passes`], [`super::Regions::passes`], and one record
-    /// for each lookup.
-    pub fn passes_of_frame(&self, surface: &Surface, plan: &Plan, grain: Grain) -> u32 {
-        surface.passes_around() + plan.records(grain)
-    }
-
     /// Returns a recorder for a surface and a command buffer. The host has begun the command buffer, on a
     /// queue family with compute, and records outside of render passes. The call itself records nothing. See
     /// [`Recording`] for what must stay alive, and for the state that recordings change.

@@ -130,7 +130,7 @@ impl Regions {
             solver.pipelines.name(info.name, buffer.buffer);
         }
         let sets = new
-            .contents((device, &solver.limits), surface)
+            .contents((device, &solver.limits), surface, new.labels().buffer)
             .and_then(|contents| BoundSets::new(device, &solver.pipelines, surface, &contents));
         match sets {
             Ok(sets) => {
@@ -144,14 +144,15 @@ impl Regions {
         }
     }
 
-    /// Returns the contents of the descriptor sets.
+    /// Returns the contents of the descriptor sets, with labels in the buffer `output`.
     fn contents(
         &self,
         on: (&ash::Device, &Limits),
         surface: &Surface,
+        output: vk::Buffer,
     ) -> Result<Vec<Content>, VulkanError> {
         let bytes = info(on.1, self.chart)?.size;
-        let output = Part::new(on, "regions", self.labels().buffer, 0, bytes)?;
+        let output = Part::new(on, "regions", output, 0, bytes)?;
         let sources = host_sets::all_sources(on, &surface.grid, &surface.sources)?;
         Ok(sources.into_iter().map(|input| input.and_output(output)).collect())
     }
@@ -199,13 +200,20 @@ impl Regions {
         solver: &Solver,
         surface: &Surface,
     ) -> Result<(), VulkanError> {
-        let sets = self.sets.as_ref().ok_or(VulkanError::Destroyed)?;
-        sets.check_surface(surface)?;
-        let contents = self.contents((device, &solver.limits), surface)?;
-        match &mut self.sets {
-            Some(sets) => sets.rebind(device, surface, &contents),
-            None => Ok(()),
-        }
+        self.bind(device, solver, surface, self.labels().buffer)
+    }
+
+    fn bind(
+        &mut self,
+        device: &ash::Device,
+        solver: &Solver,
+        surface: &Surface,
+        output: vk::Buffer,
+    ) -> Result<(), VulkanError> {
+        self.sets.as_ref().ok_or(VulkanError::Destroyed)?.check_surface(surface)?;
+        let contents = self.contents((device, &solver.limits), surface, output)?;
+        let sets = self.sets.as_mut().ok_or(VulkanError::Destroyed)?;
+        sets.rebind(device, surface, &contents)
     }
 
     /// Returns the smallest size in bytes of a buffer of the host for [`Solver::regions_into`].
@@ -226,15 +234,12 @@ impl Regions {
         surface: &Surface,
         buffer: vk::Buffer,
     ) -> Result<(), VulkanError> {
-        let before = self.hosts.replace(buffer);
-        let bound = match before {
-            Some(_) => self.rebind(device, solver, surface),
-            None => Err(curves::own_buffer("regions")),
-        };
-        if bound.is_err() {
-            self.hosts = before;
+        if self.hosts.is_none() {
+            return Err(curves::own_buffer("regions"));
         }
-        bound
+        self.bind(device, solver, surface, buffer)?;
+        self.hosts = Some(buffer);
+        Ok(())
     }
 
     /// Returns whether a recording of the regions may not have run. This is known with

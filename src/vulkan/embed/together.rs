@@ -4,7 +4,8 @@ use std::array;
 
 use ash::vk;
 
-use super::recording::{Frame, Recording};
+use super::frame::Frame;
+use super::recording::Recording;
 use super::solver::Solver;
 use super::surface::Surface;
 use crate::vulkan::VulkanError;

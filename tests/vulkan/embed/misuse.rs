@@ -6,7 +6,7 @@ use geosweep::surface::{Chart, SourceError};
 use geosweep::vulkan::embed::{
     self, Access, ContourFrame, Frame, LevelInput, Lookup, Outcome, PathFrame, PathsInfo,
     PointKind, PointMemory, PointSource, Points, Reader, Recording, RegionFrame, SourceBuffer,
-    SourceInput, StartInput, SurfaceInfo, Tools,
+    SourceInput, StartInput, SurfaceInfo,
 };
 use geosweep::vulkan::{Schedule, VulkanError};
 use geosweep::{Spacing, Wavefront};
@@ -14,10 +14,10 @@ use geosweep::{Spacing, Wavefront};
 use crate::embed::stage::{Kept, RASTER, Stage, source, vertices};
 use crate::host::{Host, HostBuffer};
 
-const CHART: Chart = Chart { rows: 17, cols: 21 };
+pub const CHART: Chart = Chart { rows: 17, cols: 21 };
 
 /// A frame of this plan for slot 0, from points 0.
-fn frame<'a>(plan: &'a embed::Plan, sources: &'a [PointSource]) -> Frame<'a> {
+pub fn frame<'a>(plan: &'a embed::Plan, sources: &'a [PointSource]) -> Frame<'a> {
     Frame {
         before: Access::NONE,
         points: Some(0),
@@ -30,7 +30,7 @@ fn frame<'a>(plan: &'a embed::Plan, sources: &'a [PointSource]) -> Frame<'a> {
 }
 
 /// On a surface of vertices, with so many slots.
-fn stage(slots: usize) -> (Stage, HostBuffer) {
+pub fn stage(slots: usize) -> (Stage, HostBuffer) {
     let mut host = Kept::watched();
     let points = host.buffer_of(&vertices(CHART, 0.3));
     let inputs = [Points::positions(points.handle, 32)];
@@ -40,7 +40,7 @@ fn stage(slots: usize) -> (Stage, HostBuffer) {
 
 impl Stage {
     /// What a recording comes to that is thrown away.
-    fn attempt<T>(&self, record: impl FnOnce(Recording) -> T) -> T {
+    pub fn attempt<T>(&self, record: impl FnOnce(Recording) -> T) -> T {
         let commands = self.host.commands();
         self.host.begin(commands);
         let result = record(self.solver.record(&self.host.device, commands, &self.surface));
@@ -49,7 +49,7 @@ impl Stage {
     }
 
     /// Records, submits and waits.
-    fn submit(&self, record: impl FnOnce(Recording)) {
+    pub fn submit(&self, record: impl FnOnce(Recording)) {
         let device = &self.host.device;
         self.host.run(|commands| record(self.solver.record(device, commands, &self.surface)));
     }
@@ -333,101 +333,6 @@ fn a_curvature_that_is_none_gives_no_other_map() {
     stage.end([points, entries]);
 }
 
-#[test]
-fn an_outcome_before_the_fence_is_none() {
-    let (stage, points) = stage(2);
-    let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 8);
-    let sources = source(3.0, 4.0);
-    let not_run = |slot| {
-        let asked = stage.surface.outcome(slot);
-        assert!(matches!(asked, Err(VulkanError::NotRun { slot: of }) if of == slot), "{asked:?}");
-    };
-    not_run(0);
-    for _ in 0..2 {
-        // Recorded, and not submitted yet: the frame before it says nothing of this one.
-        let commands = stage.host.commands();
-        stage.host.begin(commands);
-        let recording = stage.solver.record(&stage.host.device, commands, &stage.surface);
-        recording.frame(&frame(&plan, &sources)).unwrap();
-        stage.host.end(commands);
-        not_run(0);
-        not_run(1);
-        assert_eq!(stage.surface.in_flight(), Some(0));
-        stage.host.submit(commands, vk::Fence::null());
-        unsafe { stage.host.device.device_wait_idle() }.unwrap();
-        assert_eq!(stage.surface.in_flight(), None);
-        let outcome = stage.surface.outcome(0).unwrap();
-        assert!(outcome.converged && outcome.measured, "{outcome:?}");
-        assert_eq!((outcome.holes, outcome.passed_over), (0, 0));
-    }
-    // One that is thrown away.
-    stage.attempt(|r| r.frame(&Frame { slot: 1, ..frame(&plan, &sources) }).map(drop)).unwrap();
-    assert_eq!(stage.surface.in_flight(), Some(1));
-    stage.surface.discard(1).unwrap();
-    assert_eq!(stage.surface.in_flight(), None);
-    assert!(stage.surface.discard(2).is_err());
-    stage.end([points]);
-}
-
-/// With checks, and with several slots; with one the device waits for the reader before.
-#[test]
-fn a_slot_in_flight_is_not_recorded_again() {
-    let mut host = Host::new();
-    let device = host.device.clone();
-    let points = host.buffer_of(&vertices(CHART, 0.3));
-    let inputs = [Points::positions(points.handle, 32)];
-    let (instance, physical) = (host.instance.clone(), host.physical_device);
-    for (checks, slots) in [(true, 2), (true, 1), (false, 2)] {
-        let tools = Tools { checks, ..Tools::default() };
-        let mut solver =
-            embed::Solver::with_tools(&instance, physical, &device, &RASTER[..1], tools).unwrap();
-        let info = SurfaceInfo { slots, points: &inputs, ..SurfaceInfo::new(CHART) };
-        let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
-        let method = geosweep::vulkan::Method {
-            wavefront: Wavefront::Planar,
-            schedule: None,
-            stop: crate::embed::stage::STOP,
-        };
-        let plan = solver.plan(CHART, method, 4).unwrap();
-        let sources = source(3.0, 4.0);
-        let frame = frame(&plan, &sources);
-        let buffers = [(); 2].map(|()| host.commands());
-        let record = |commands, do_it: &dyn Fn(Recording) -> Result<(), VulkanError>| {
-            host.begin(commands);
-            let done = do_it(solver.record(&device, commands, &surface));
-            host.end(commands);
-            done
-        };
-        record(buffers[0], &|r| {
-            r.prepare();
-            r.frame(&frame).map(drop)
-        })
-        .unwrap();
-        // What goes on with the same map may go to the same slot.
-        record(buffers[1], &|r| {
-            r.begin(Access::NONE);
-            r.resume(&plan).and(r.outcome(0))
-        })
-        .unwrap();
-        host.submit(buffers[0], vk::Fence::null());
-        host.submit(buffers[1], vk::Fence::null());
-        unsafe { device.device_wait_idle() }.unwrap();
-        record(buffers[0], &|r| r.frame(&frame).map(drop)).unwrap();
-        let again = record(buffers[1], &|r| r.frame(&frame).map(drop));
-        match checks && slots > 1 {
-            true => assert!(matches!(again, Err(VulkanError::InFlight { slot: 0 })), "{again:?}"),
-            false => again.unwrap(),
-        }
-        if slots > 1 {
-            record(buffers[1], &|r| r.frame(&Frame { slot: 1, ..frame }).map(drop)).unwrap();
-        }
-        surface.destroy(&device, host.allocator());
-        solver.destroy(&device);
-    }
-    host.free(points);
-    assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
-}
-
 /// Sources that start nothing and points that are none are counted by the device, from buffers and images.
 #[test]
 fn what_only_the_device_knows_is_in_the_outcome() {
@@ -521,163 +426,6 @@ fn edges_that_were_never_measured_on_the_device_show() {
     let outcome = stage.surface.outcome(0).unwrap();
     assert!(!outcome.measured && !outcome.converged, "{outcome:?}");
     stage.end([points]);
-}
-
-/// Without layers, which would tell of images that were never brought into a layout. What a surface before has left
-/// in the memory is no preparation of this one.
-#[test]
-fn a_preparation_that_never_ran_shows() {
-    let (mut stage, points) = {
-        let mut host = Kept::unwatched();
-        let points = host.buffer_of(&vertices(CHART, 0.3));
-        let inputs = [Points::positions(points.handle, 32)];
-        let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
-        (Stage::new(host, &RASTER[..1], &info), points)
-    };
-    let device = stage.host.device.clone();
-    let record = stage.host.buffer(80, true);
-    let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 8);
-    let sources = source(3.0, 4.0);
-    let bytes =
-        |record: &HostBuffer| *record.bytes()[..].first_chunk::<{ Outcome::BYTES }>().unwrap();
-    let whole = |stage: &Stage| {
-        stage.submit(|r| {
-            r.frame(&frame(&plan, &sources)).unwrap();
-            r.outcome_to(record.handle, 0, Access::HOST_READ).unwrap();
-        });
-    };
-    let is_lost = |outcome: Result<Outcome, VulkanError>| match outcome {
-        Ok(outcome) => {
-            assert!(outcome.converged, "{outcome:?}");
-            false
-        }
-        Err(VulkanError::PreparationLost) => true,
-        Err(other) => panic!("{other}"),
-    };
-    let lost = |stage: &Stage| {
-        let copied = is_lost(stage.surface.outcome_from(&bytes(&record)));
-        assert_eq!(is_lost(stage.surface.outcome(0)), copied);
-        copied
-    };
-    whole(&stage);
-    assert!(!lost(&stage));
-    let of_first = bytes(&record);
-    // Another surface, at the same place in memory.
-    stage.surface.destroy(&device, stage.host.allocator());
-    let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
-    stage.surface = stage.solver.surface(&device, stage.host.allocator(), &info).unwrap();
-    stage.attempt(|r| r.prepare());
-    whole(&stage);
-    assert!(lost(&stage));
-    assert!(is_lost(stage.surface.outcome_from(&of_first)));
-    stage.submit(|r| r.prepare());
-    whole(&stage);
-    assert!(!lost(&stage));
-    // Prepared again, which is lost: images are as they were, and yet nobody knows.
-    stage.attempt(|r| r.prepare());
-    whole(&stage);
-    assert!(lost(&stage));
-    stage.end([points, record]);
-}
-
-/// With checks, whatever was recorded; an outcome among it or not.
-#[test]
-fn every_recording_is_followed_with_checks() {
-    let mut host = Host::with_synchronization_validation();
-    let device = host.device.clone();
-    let points = host.buffer_of(&vertices(CHART, 0.3));
-    let (places, to) = (host.buffer_of(&[1.0, 2.0]), host.buffer(80, true));
-    let inputs = [Points::positions(points.handle, 32)];
-    let (place, distance) = (places.handle, to.handle);
-    let lookup = Lookup {
-        places: place,
-        places_offset: 0,
-        distances: distance,
-        distances_offset: 0,
-        count: 1,
-    };
-    let info =
-        SurfaceInfo { slots: 2, points: &inputs, lookups: &[lookup], ..SurfaceInfo::new(CHART) };
-    let tools = Tools { checks: true, ..Tools::default() };
-    let (instance, physical) = (host.instance.clone(), host.physical_device);
-    let passes = &RASTER[2..];
-    let mut solver =
-        embed::Solver::with_tools(&instance, physical, &device, passes, tools).unwrap();
-    let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
-    let room = PathsInfo { paths: 1, vertices: 50 };
-    let mut contours = solver.contours(&device, host.allocator(), &surface, 100).unwrap();
-    let mut paths = solver.paths(&device, host.allocator(), &surface, room).unwrap();
-    let curved = Wavefront::Curved;
-    let mut regions = solver.regions(&device, host.allocator(), &surface, curved).unwrap();
-    let stop = crate::embed::stage::STOP;
-    let plan =
-        solver.plan(CHART, geosweep::vulkan::Method { wavefront: curved, schedule: None, stop }, 4);
-    let plan = plan.unwrap();
-    let sources = source(3.0, 4.0);
-    let inline = SourceInput::Inline(&sources);
-    let (none, read) = (Access::NONE, Access::TRANSFER_READ);
-    let levels = LevelInput::Spacing { step: 1.0, count: 3 };
-    let contour_frame = ContourFrame { levels, start: 0.0, points: 0, reader: read };
-    let starts = StartInput::Inline(&[[9.0, 9.0]]);
-    let path_frame = PathFrame { before: none, starts, sources: inline, points: 0, reader: read };
-    let region_frame = RegionFrame { before: none, sources: inline, reader: read };
-    type Step<'a> = (&'a str, &'a dyn Fn(Recording) -> Result<(), VulkanError>);
-    let steps: [Step; 12] = [
-        ("prepare", &|r| {
-            r.prepare();
-            Ok(())
-        }),
-        ("measure", &|r| r.measure(0)),
-        ("solve", &|r| r.solve(inline, &plan)),
-        ("resume", &|r| r.resume(&plan)),
-        ("add", &|r| r.add(inline, &plan)),
-        ("outcome", &|r| r.outcome(1)),
-        ("outcome_to", &|r| r.outcome_to(to.handle, 0, none)),
-        ("result", &|r| r.result(0, Reader::COPY, 1.0).map(drop)),
-        ("lookup", &|r| r.lookup(0, 1.0, none, none)),
-        ("contours", &|r| r.contours(&contours, &contour_frame).map(drop)),
-        ("paths", &|r| r.paths(&paths, &path_frame).map(drop)),
-        ("regions", &|r| r.regions(&regions, &region_frame).map(drop)),
-    ];
-    let seen = |name: &str, waits: bool| {
-        assert_eq!(surface.is_in_flight(), waits, "{name}");
-        let reads_points = ["measure", "contours", "paths"].contains(&name);
-        assert_eq!(surface.points_in_flight(0).unwrap(), waits && reads_points, "{name}");
-        assert_eq!(contours.is_in_flight(), waits && name == "contours", "{name}");
-        assert_eq!(paths.is_in_flight(), waits && name == "paths", "{name}");
-        assert_eq!(regions.is_in_flight(), waits && name == "regions", "{name}");
-    };
-    for (name, step) in steps {
-        let thrown = [(); 2].map(|()| host.commands());
-        host.begin(thrown[0]);
-        step(solver.record(&device, thrown[0], &surface)).unwrap();
-        seen(name, true);
-        surface.discard_commands(thrown[1]);
-        seen(name, true);
-        surface.discard_commands(thrown[0]);
-        seen(name, false);
-        host.end(thrown[0]);
-        let commands = host.commands();
-        host.begin(commands);
-        let recording = solver.record(&device, commands, &surface);
-        recording.begin(none);
-        step(recording).unwrap();
-        host.end(commands);
-        seen(name, true);
-        host.submit(commands, vk::Fence::null());
-        unsafe { device.device_wait_idle() }.unwrap();
-        seen(name, false);
-    }
-    let allocator = host.allocator();
-    contours.destroy(&device, allocator);
-    paths.destroy(&device, allocator);
-    regions.destroy(&device, allocator);
-    surface.destroy(&device, allocator);
-    assert!(!contours.is_in_flight() && !surface.is_in_flight());
-    solver.destroy(&device);
-    [points, places, to].into_iter().for_each(|buffer| host.free(buffer));
-    assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
 }
 
 /// No call of Vulkan's tells the state of a command buffer. The layers do; and what was recorded into one that

@@ -11,6 +11,7 @@ mod example;
 mod families;
 mod faults;
 mod frames;
+mod in_flight;
 mod inputs;
 mod misuse;
 mod outputs;

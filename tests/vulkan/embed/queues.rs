@@ -19,7 +19,7 @@ use crate::embed::stage::STOP;
 use crate::host::{self, Host, HostBuffer, HostPass};
 
 pub mod handover {
-    // What docs/async-compute.md shows.
+    // docs/async-compute.md shows this file.
     include!("handover.rs");
 }
 

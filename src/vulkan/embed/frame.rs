@@ -1,0 +1,80 @@
+//! Records the usual frame of a surface: new points, a map, and the image of its distances.
+
+use super::access::{Access, Reader};
+use super::inputs::SourceInput;
+use super::plan::Plan;
+use super::recording::Recording;
+use super::solver::Solver;
+use super::surface::{ResultImage, Surface};
+use crate::vulkan::VulkanError;
+use crate::vulkan::profile::Grain;
+
+/// Parameters of [`Recording::frame`].
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// Access by which the host has written points and sources since the previous frame.
+    pub before: Access,
+    /// Number of the surface's points to measure; `None` if they have not changed since the previous frame.
+    pub points: Option<usize>,
+    /// Sources at which the fronts start.
+    pub sources: SourceInput<'a>,
+    /// Passes of the map.
+    pub plan: &'a Plan,
+    /// Slot whose image of distances is written. Each frame in flight has its own slot.
+    pub slot: usize,
+    /// Reader of the image.
+    pub reader: Reader,
+    /// Value of the image at points that are not reached. It may be +infinity, but bilinear filters turn that
+    /// into NaN beside such points. A negative number is easy to test for.
+    pub unreached: f32,
+}
+
+impl Recording<'_> {
+    /// Records a usual frame: [`Recording::begin`], [`Recording::measure`] if there are new points,
+    /// [`Recording::solve`], [`Recording::outcome`] and [`Recording::result`]. All barriers between these,
+    /// and before the reads of `frame.reader`, are part of it. Returns the image that receives the distances.
+    ///
+    /// # Errors
+    /// As for these methods. Nothing is recorded then.
+    pub fn frame(&self, frame: &Frame) -> Result<ResultImage, VulkanError> {
+        let result = self.check_frame(frame)?;
+        let _group = self.recorder.group(c"geosweep: frame");
+        self.begin(frame.before);
+        if let Some(points) = frame.points {
+            self.record_measure(points, self.points(points)?);
+            self.surface.state.measure(self.solver.is_curved());
+        }
+        self.record_solve(frame.sources, frame.plan);
+        self.record_outcome(frame.slot, self.next_outcome(frame.slot));
+        self.record_result(result, frame.slot, frame.reader, frame.unreached);
+        self.note();
+        Ok(result)
+    }
+
+    /// Checks whether a frame can be recorded, and records nothing. Returns the image that the frame will
+    /// write.
+    pub(crate) fn check_frame(&self, frame: &Frame) -> Result<ResultImage, VulkanError> {
+        if let Some(points) = frame.points {
+            self.points(points)?;
+        }
+        self.check(frame.plan)?;
+        self.check_sources(frame.sources)?;
+        let result = self.surface.result(frame.slot, frame.reader.layout)?;
+        match frame.points {
+            Some(_) => self.surface.state.check_prepared()?,
+            None => self.surface.state.check_measured(frame.plan)?,
+        }
+        self.check_slot(frame.slot, true)?;
+        Ok(result)
+    }
+}
+
+impl Solver {
+    /// Returns the largest number of profile records that [`Recording::frame`] makes for a surface, or
+    /// [`Recording::resume`] with the same plan. A [`crate::vulkan::profile::Profile`] needs room for that many. Other calls add to
+    /// it: [`super::Contours::passes`], [`super::Paths::passes`], [`super::Regions::passes`], and one record
+    /// for each lookup.
+    pub fn passes_of_frame(&self, surface: &Surface, plan: &Plan, grain: Grain) -> u32 {
+        surface.passes_around() + plan.records(grain)
+    }
+}
