@@ -16,8 +16,8 @@ use crate::vulkan::shaders::{lookup, result};
 const RECORD_BYTES: u64 = Outcome::BYTES as u64;
 
 impl Recording<'_> {
-    /// Records a copy of the iterations' outcome to the record of `slot`. [`Surface::outcome`] reads it after
-    /// the fence of the submission.
+    /// Records a copy of the iterations' outcome to the record of `slot`. [`super::Surface::outcome`] reads it
+    /// after the fence of the submission.
     ///
     /// # Errors
     /// If there is no such slot or no map. With [`super::Tools::checks`] also if the last recording for the
@@ -42,10 +42,11 @@ impl Recording<'_> {
         self.recorder.outcome_with_serial(slot, serial);
     }
 
-    /// Records a copy of the iterations' outcome into a buffer of the host, for [`Surface::outcome_from`]. It
-    /// takes [`super::Outcome::BYTES`] bytes at `offset`, which is a multiple of 4. The buffer has the usage
-    /// `TRANSFER_DST`, and must stay alive until the commands have run. Shaders find the number of iterations
-    /// in the third 32-bit word. The accesses in `after` wait for the copy.
+    /// Records a copy of the iterations' outcome into a buffer of the host, for
+    /// [`super::Surface::outcome_from`]. It takes [`super::Outcome::BYTES`] bytes at `offset`, which is a
+    /// multiple of 4. The buffer has the usage `TRANSFER_DST`, and must stay alive until the commands have
+    /// run. Shaders find the number of iterations in the third 32-bit word. The accesses in `after` wait for
+    /// the copy.
     ///
     /// # Errors
     /// If there is no map, or the record does not fit into the buffer at this offset.
