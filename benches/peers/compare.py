@@ -4,8 +4,9 @@
     python benches/peers/compare.py --geosweep target/release/geosweep
     python benches/peers/compare.py --geosweep target/release/geosweep --docs
 
-The first prints tables. The second also renews docs/peers.md and docs/peers.csv: the tables of
-the surfaces and sizes measured, keeping others, and those of terrain.py and paths.py.
+The first prints tables. The second also renews docs/peers.csv, where it replaces the rows of the
+surfaces and sizes measured, and docs/peers.md: its summary of these rows, and the tables of
+terrain.py and paths.py.
 """
 
 from __future__ import annotations
@@ -163,7 +164,7 @@ def renew(options: argparse.Namespace, rows: list[report.Row]) -> None:
     rows = report.renewed(report.read_csv(figures), rows, SURFACES)
     report.write_csv(figures, rows)
     report.replace_between(page, "conditions", report.conditions(options.geosweep))
-    report.replace_between(page, "surfaces", report.markdown(rows))
+    report.replace_between(page, "surfaces", report.summary(rows))
     if not options.no_terrain:
         report.replace_between(page, "terrain", terrain.study(options.geosweep))
         report.replace_between(page, "paths", paths.study(options.geosweep))

@@ -7,6 +7,7 @@ import os
 import platform
 import re
 import subprocess
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -35,6 +36,11 @@ COLUMNS = (
     "missing",
     "failure",
 )
+
+
+# The page has these sizes, and no solvers whose names contain one of these parts. The CSV file has all.
+PAGE_SIZES = (400, 1200)
+LEFT_OUT = ("vulkan", "fast-marching, point", "fast-marching, curved", "all cores")
 
 
 @dataclass(frozen=True)
@@ -77,6 +83,39 @@ def _line(row: Row) -> str:
     times = f"{seconds(row.set_up)} | {seconds(row.seconds)}"
     errors = f"{fraction(row.mean_error)} | {fraction(row.largest_error)}{missing}"
     return f"| {row.solver} | {times} | {errors} |"
+
+
+def summary(rows: list[Row]) -> str:
+    """Two tables for each size of the page: mean errors and times of the solvers, by surface."""
+    rows = [row for row in rows if row.size in PAGE_SIZES and not _is_left_out(row.solver)]
+    sizes = sorted({row.size for row in rows})
+    return "\n\n".join(_summary(size, [row for row in rows if row.size == size]) for size in sizes)
+
+
+def _is_left_out(solver: str) -> bool:
+    return any(part in solver for part in LEFT_OUT)
+
+
+def _summary(size: int, rows: list[Row]) -> str:
+    errors = _by_surface(rows, lambda row: fraction(row.mean_error))
+    times = _by_surface(rows, lambda row: seconds(row.seconds))
+    return (
+        f"### {size} x {size} points\n\nMean relative error:\n\n{errors}\n\n"
+        f"Seconds to solve:\n\n{times}"
+    )
+
+
+def _by_surface(rows: list[Row], cell: Callable[[Row], str]) -> str:
+    """A line for each solver and a column for each surface."""
+    surfaces = list(dict.fromkeys(row.surface for row in rows))
+    cells = {(row.solver, row.surface): "failed" if row.failure else cell(row) for row in rows}
+    lines = [
+        " | ".join([solver, *(cells.get((solver, surface), "") for surface in surfaces)])
+        for solver in dict.fromkeys(row.solver for row in rows)
+    ]
+    head = " | ".join(["solver", *surfaces])
+    rule = "|---" + "|---:" * len(surfaces) + "|"
+    return "\n".join([f"| {head} |", rule, *(f"| {line} |" for line in lines)])
 
 
 def fraction(error: float) -> str:
