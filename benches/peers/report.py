@@ -38,7 +38,8 @@ COLUMNS = (
 )
 
 
-# The page has these sizes, and no solvers whose names contain one of these parts. The CSV file has all.
+# Sizes on the page, and parts of the names of solvers that are left out there. The CSV file has
+# all sizes and solvers.
 PAGE_SIZES = (400, 1200)
 LEFT_OUT = ("vulkan", "fast-marching, point", "fast-marching, curved", "all cores")
 
