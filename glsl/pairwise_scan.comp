@@ -39,7 +39,8 @@ bool passes(ivec2 point, ivec2 ahead) {
 void main() {
     block_line = line;
     block_lines = lines;
-    // As on a single map, a front that is bent by a varying slowness may meet itself.
-    causal = SLOWED != 0;
+    // As on a single map, a front that is bent by a varying slowness may meet itself, and one that comes
+    // through the parts of obtuse triangles must not depend on what arrives later.
+    causal = SLOWED != 0 || SPLITS != 0;
     if (maps[gl_WorkGroupID.z].done == 0u) scan_block();
 }

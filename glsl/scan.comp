@@ -31,7 +31,6 @@ bool passes(ivec2 point, ivec2 ahead) {
     return true;
 }
 
-#define WITH_FURTHER_POINTS
 #include "scan.glsl"
 
 void note_moved(uint moved, uint further, ivec2 texel) {

@@ -23,8 +23,7 @@
 //                                                       there: with anchors points that lack an edge,
 //                                                       otherwise points of obtuse triangles
 //     int LINES                                         largest number of lines of texels in a block
-// and WITH_FURTHER_POINTS if updates may read points beyond the neighbours: anchors, and parts of obtuse
-// triangles.
+// and WITH_ORIGINS if fronts may have anchors or carry numbers of origins.
 
 // Direction of the scan: one of the four unit steps.
 layout(constant_id = 0) const int AHEAD_X = 0;
@@ -36,11 +35,7 @@ layout(constant_id = 1) const int AHEAD_Y = 1;
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray old_fronts;
 // This image is read on the line behind the block, which an earlier dispatch has written. The parts of obtuse
 // triangles also read it on lines of the block that this workgroup has written.
-#ifdef WITH_FURTHER_POINTS
 layout(set = 2, binding = 0, rgba32f) uniform restrict coherent image2DArray new_fronts;
-#else
-layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray new_fronts;
-#endif
 
 layout(push_constant) uniform Block {
     int line;  // first row or column of texels, in the order of the scan
@@ -118,7 +113,6 @@ struct Lines {
     vec4 second_carried;
 };
 
-#ifdef WITH_FURTHER_POINTS
 // Fronts of the first line of points in the line of texels being updated, for the neighbours.
 shared vec4 begun[gl_WorkGroupSize.x];
 // Number of lines of texels of the block that are done, and whether the first points of the next one are.
@@ -147,14 +141,19 @@ vec2 front_at(ivec2 point) {
     }
     bool is_behind = lines_on < (is_own ? lines_done : 0);
     ivec3 time_at = place_of(texel, TIME);
-    ivec3 carried_at = place_of(texel, CARRIED);
     vec4 times = is_behind ? imageLoad(new_fronts, time_at) : imageLoad(old_fronts, time_at);
-    vec4 carried = is_behind ? imageLoad(new_fronts, carried_at) : imageLoad(old_fronts, carried_at);
+    vec4 carried = vec4(0.0);
+    if (CARRIES) {
+        ivec3 carried_at = place_of(texel, CARRIED);
+        carried = is_behind ? imageLoad(new_fronts, carried_at) : imageLoad(old_fronts, carried_at);
+    }
     int i = component_of(point);
     return vec2(times[i], carried[i]);
 }
 
 #include "splits.glsl"
+
+#ifdef WITH_ORIGINS
 #include "anchored_ways.glsl"
 
 // Updates both lines of a texel by paths to anchors. `behind` is what its first line sees. `l1` and `l2` are
@@ -194,37 +193,35 @@ bool pass_triangles(ivec2 point, Sight behind, vec4 base_left, vec4 base_right, 
     bool any_obtuse = false;
     if (passes(point, ahead)) {
         vec4 own_slowness = own.first.slowness;
-#ifndef WITH_FURTHER_POINTS
-        Fronts fronts = update_four(behind, own.first.surface, own_slowness, base_left, base_right);
-#else
         Places four = Places(point - along, along, 2 * along, ahead, along);
+#ifdef WITH_ORIGINS
         Fronts fronts = update_four(behind, own.first.surface, own_slowness, base_left, base_right, four);
+#else
+        Fronts fronts = update_four(behind, own.first.surface, own_slowness, base_left, base_right);
+#endif
         bvec4 left = are_split(behind.ends[0], behind.ends[1], own_slowness, behind.edges[0], behind.edges[1], base_left);
         bvec4 right = are_split(behind.ends[1], behind.ends[2], own_slowness, behind.edges[1], behind.edges[2], base_right);
         any_obtuse = any(either(left, right));
         add_parts(four, left, right, fronts);
-#endif
         accept(fronts, SCAN, may_renew, own.first.time, own.first.carried);
     }
-#ifdef WITH_FURTHER_POINTS
     if (SPLITS != 0) {
         begun[gl_LocalInvocationID.x] = vec4(own.first.time.yz, own.first.carried.yz);
         has_begun = true;
         barrier();
     }
-#endif
     if (passes(point + ahead, ahead)) {
         vec4 base = vec4(edge_length(point - along, along), edge_length(point, along),
                          edge_length(point, along), edge_length(point + along, along));
-#ifndef WITH_FURTHER_POINTS
-        Fronts fronts = update_pair(own.first, surface, slowness, l1, l2, base);
-#else
         Places pair = Places(point + ahead, along, ivec2(0), ahead, along);
+#ifdef WITH_ORIGINS
         Fronts fronts = update_pair(own.first, surface, slowness, l1, l2, base, pair);
+#else
+        Fronts fronts = update_pair(own.first, surface, slowness, l1, l2, base);
+#endif
         bvec4 obtuse = are_split_of_pair(own.first, slowness, l1, l2, base);
         any_obtuse = any_obtuse || any(obtuse);
         add_parts(pair, obtuse, obtuse.zwxy, fronts);
-#endif
         accept(fronts, SCAN, may_renew, own.second, own.second_carried);
     }
     return any_obtuse;
@@ -254,11 +251,9 @@ void scan_block() {
         if (k >= block_lines) break;
         int number = block_line + k * (AHEAD_X + AHEAD_Y);
         ivec2 texel = in_line(number, place, ahead, along);
-#ifdef WITH_FURTHER_POINTS
         lines_done = k;
         has_begun = false;
         if (SPLITS != 0) memoryBarrierImage();
-#endif
         if (k == 0) {
             times = layer_behind(texel, TIME);
             if (CARRIES) carried = layer_behind(texel, CARRIED);
@@ -320,7 +315,7 @@ void scan_block() {
         own.second_carried = second_line(old_carried, ahead).xyxy;
 
         bool sees_further = any(notEqual(tags_of(own_surface) & LACKING, uvec4(0u)));
-#ifdef WITH_FURTHER_POINTS
+#ifdef WITH_ORIGINS
         if (HAS_ANCHORS) {
             follow_ways(point, behind, l1, l2, may_renew, own);
         } else

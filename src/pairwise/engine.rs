@@ -6,7 +6,7 @@ use super::batches::without_holes;
 use super::lanes::LaneEngine;
 use crate::cpu::{Connections, RotatedScan, fast_marching_with};
 use crate::surface::{EdgeLengths, Seed, Surface};
-use crate::vulkan::{Method, PairwiseOnDevice, Solution, Solver, SurfaceOnDevice};
+use crate::vulkan::{PairwiseOnDevice, Solver, SurfaceOnDevice};
 use crate::{Convergence, Engine, Error, Stop, Wavefront};
 
 /// An engine, prepared for a surface.
@@ -28,8 +28,7 @@ enum Kind<'a> {
 }
 
 struct OnDevice {
-    /// The solver of batches. Without it, maps are computed one after another.
-    pairwise: Option<PairwiseOnDevice>,
+    pairwise: PairwiseOnDevice,
     surface: SurfaceOnDevice,
     solver: Solver,
 }
@@ -53,11 +52,7 @@ impl<'a> RowEngine<'a> {
             Engine::Vulkan(choice) => {
                 let solver = Solver::new(choice)?;
                 let on_device = solver.upload(surface)?;
-                let pairwise = if in_batches(&EdgeLengths::<f32>::new(surface)?) {
-                    Some(solver.pairwise(&on_device, wavefront, None)?)
-                } else {
-                    None
-                };
+                let pairwise = solver.pairwise(&on_device, wavefront, None)?;
                 Kind::Vulkan(Box::new(OnDevice { pairwise, surface: on_device, solver }))
             }
         };
@@ -102,10 +97,7 @@ impl<'a> RowEngine<'a> {
                 // For each point: the front, a flag, a few entries of the heap, and additional connections.
                 edges.bytes() + threads * edges.chart().bordered_points() * 64
             }
-            Kind::Vulkan(device) => {
-                let pairwise = device.pairwise.as_ref().map_or(0, PairwiseOnDevice::bytes);
-                (device.surface.bytes() + pairwise) as usize
-            }
+            Kind::Vulkan(device) => (device.surface.bytes() + device.pairwise.bytes()) as usize,
         }
     }
 
@@ -114,7 +106,7 @@ impl<'a> RowEngine<'a> {
         match &self.kind {
             Kind::Lanes(lanes) => lanes.rows_at_once(threads),
             Kind::Maps(_) | Kind::FastMarching(..) => 4 * threads,
-            Kind::Vulkan(device) => device.pairwise.as_ref().map_or(1, PairwiseOnDevice::batch),
+            Kind::Vulkan(device) => device.pairwise.batch(),
         }
     }
 
@@ -163,23 +155,6 @@ impl<'a> RowEngine<'a> {
                 let OnDevice { pairwise, surface: on_device, solver } = &mut **device;
                 let points = surface.chart().points();
                 let mut convergence = Convergence::NONE;
-                let Some(pairwise) = pairwise else {
-                    let method = Method { wavefront, schedule: None, stop };
-                    for (&source, row) in sources.iter().zip(into.chunks_exact_mut(points)) {
-                        let (at, col) = surface.chart().position(source);
-                        if surface.has(at, col) {
-                            let seeds = [Seed::at_source(at, col, 0.0)];
-                            let map = solver.solve(on_device, &seeds, method)?;
-                            row.copy_from_slice(&map.distances);
-                            let Solution { iterations, residual, .. } = map;
-                            convergence = convergence.worse(Convergence { iterations, residual });
-                        } else {
-                            row.fill(f32::INFINITY);
-                        }
-                        done(1);
-                    }
-                    return Ok(convergence);
-                };
                 let batch = pairwise.batch();
                 for (sources, rows) in sources.chunks(batch).zip(into.chunks_mut(batch * points)) {
                     let sources = without_holes(surface, sources);
@@ -191,12 +166,6 @@ impl<'a> RowEngine<'a> {
             }
         }
     }
-}
-
-/// Returns whether a device computes maps in batches. The updates of a batch there use only a point's
-/// neighbours, and not the points that split obtuse triangles.
-fn in_batches(edges: &EdgeLengths<f32>) -> bool {
-    edges.obtuse_triangles().is_none()
 }
 
 /// Fills each row with a map of its own, one map per thread at a time. The row of a hole is +infinity.

@@ -3,11 +3,12 @@
 
 use geosweep::Stop;
 use geosweep::cpu::twins;
+use geosweep::glam::DVec3;
 use geosweep::pairwise::Pairwise;
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::{PairwiseOnDevice, PairwiseSchedule, Solver, SurfaceOnDevice, VulkanError};
-use geosweep::{Engine, Error, MetricTensor, Options, Surface, Wavefront};
+use geosweep::{Engine, Error, MetricTensor, Options, Spacing, Surface, Wavefront};
 
 use crate::common::*;
 
@@ -85,10 +86,6 @@ fn assert_engines_agree(solver: &Solver, surface: &Surface, number: usize, what:
     let points = surface.chart().points();
     let sources = sources(surface, 5);
     let uploaded = solver.upload(surface).unwrap();
-    // Batches on a device do not split obtuse triangles: `Pairwise` computes such rows map by map.
-    if EdgeLengths::<f32>::new(surface).unwrap().has_obtuse_triangles() {
-        return;
-    }
     for wavefront in Wavefront::ALL {
         let schedule = PairwiseSchedule::ALL[(number + wavefront as usize) % 2];
         let mut pairwise = solver.pairwise(&uploaded, wavefront, Some(schedule)).unwrap();
@@ -138,15 +135,22 @@ fn engines_agree_with_slowness_and_on_a_metric() {
     };
     let metric = Surface::from_metric(20, 25, (0..20 * 25).map(metric).collect()).unwrap();
     assert_engines_agree(&solver, &metric, 1, "metric");
+    let weighted =
+        steep(22, 25).with_slowness((0..22 * 25).map(|i| 1.0 + (i % 3) as f64).collect());
+    assert_engines_agree(&solver, &weighted.unwrap(), 0, "slowness on steep hills");
 }
 
 /// Iteration by iteration, each map by itself: the scans and the counting are the twin's.
 #[test]
 fn every_iteration_of_the_shaders_is_one_of_their_twin() {
     let solver = vulkan_solver();
-    for (surface, what) in
-        [(Builtin::Maze.surface(21, 30).unwrap(), "maze"), (rough(34, 23, 4), "holes")]
-    {
+    let surfaces = [
+        (Builtin::Maze.surface(21, 30).unwrap(), "maze"),
+        (rough(34, 23, 4), "holes"),
+        (Builtin::ShearedPlane { degrees: 65.0 }.surface(19, 26).unwrap(), "all obtuse"),
+        (steep(37, 21), "some obtuse"),
+    ];
+    for (surface, what) in surfaces {
         let (chart, edges) = (surface.chart(), EdgeLengths::<f32>::new(&surface).unwrap());
         let points = chart.points();
         let sources: Vec<_> = sources(&surface, 7).into_iter().filter(Option::is_some).collect();
@@ -167,6 +171,35 @@ fn every_iteration_of_the_shaders_is_one_of_their_twin() {
                 }
             }
         }
+    }
+}
+
+/// Hills of which some triangles are obtuse, with a few holes.
+fn steep(rows: usize, cols: usize) -> Surface {
+    let height = |index: usize| {
+        let (row, col) = ((index / cols) as f64, (index % cols) as f64);
+        let is_hole = index % 97 == 31;
+        if is_hole { f64::NAN } else { 14.0 * (0.31 * row).sin() * (0.23 * col + 0.1 * row).cos() }
+    };
+    let heights = (0..rows * cols).map(height).collect();
+    let surface = Surface::from_heights(rows, cols, heights, Spacing::square(1.0)).unwrap();
+    assert!(EdgeLengths::<f32>::new(&surface).unwrap().has_obtuse_triangles());
+    surface
+}
+
+/// A batch takes the parts of obtuse triangles where a line of texels is longer than a workgroup, too.
+#[test]
+fn batches_split_obtuse_triangles_over_several_workgroups() {
+    let solver = vulkan_solver();
+    for (rows, cols) in [(9, 280), (270, 8)] {
+        let place = |index: usize| {
+            let (row, col) = ((index / cols) as f64, (index % cols) as f64);
+            DVec3::new(col + 1.5 * row, row, 0.0)
+        };
+        let sheared = Surface::from_positions(rows, cols, (0..rows * cols).map(place).collect());
+        let sheared = sheared.unwrap();
+        assert!(EdgeLengths::<f32>::new(&sheared).unwrap().has_obtuse_triangles());
+        assert_engines_agree(&solver, &sheared, 0, &format!("sheared, {rows} x {cols}"));
     }
 }
 

@@ -21,6 +21,7 @@ use std::time::Instant;
 use ash::vk;
 
 use super::headless::{CommandBuffer, Context, Submitter, Unwatched};
+use super::passes::Variant;
 use super::plan::{self, Portions, Reached};
 use super::profile::{Detail, Grain, Session, SolveProfile};
 use super::record::Commands;
@@ -67,8 +68,8 @@ impl Solver {
     /// Allocates resources for the maps of many sources of a surface. A batch has as many maps as suit the
     /// device and the grid. Curved fronts replace anchored ones. If the slowness is not the same everywhere,
     /// they replace circular ones too. `schedule` is for measurements. By default maps lie in shared memory
-    /// where they fit. Over a slowness that is not the same everywhere they lie in images, whatever
-    /// `schedule` is.
+    /// where they fit. If the slowness is not the same everywhere, or the surface has obtuse triangles, they
+    /// lie in images, whatever `schedule` is.
     ///
     /// # Errors
     /// If a batch does not fit the device's memory, or if shared memory was requested and a map does not fit
@@ -90,7 +91,11 @@ impl Solver {
             Wavefront::PointSource if slowed => Wavefront::Curved,
             wavefront => wavefront,
         };
-        let schedule = if slowed { Some(PairwiseSchedule::Images) } else { schedule };
+        // Updates in shared memory read nothing but a point's neighbours and the lengths between them.
+        let schedule = match slowed || surface.splits {
+            true => Some(PairwiseSchedule::Images),
+            false => schedule,
+        };
         let (rows, cols, device) = (chart.rows, chart.cols, context.info.name.clone());
         let mut subgroups = vk::PhysicalDeviceSubgroupProperties::default();
         let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut subgroups);
@@ -121,11 +126,13 @@ impl Solver {
         surface: &SurfaceOnDevice,
         layout: BatchLayout,
     ) -> Result<PairwiseOnDevice, VulkanError> {
-        let (context, grid, slowed) = (&self.context, &surface.images, surface.slowed);
+        let (context, grid) = (&self.context, &surface.images);
         let (texels, wavefront) = (grid.texels, layout.wavefront);
         let commands = CommandBuffer::new(context)?;
+        let SurfaceOnDevice { slowed, splits, .. } = *surface;
+        let variant = Variant { slowed, splits, ..wavefront.into() };
         let passes =
-            BatchPipelines::new(&context.device, &self.for_device.pipelines, &layout, slowed)?;
+            BatchPipelines::new(&context.device, &self.for_device.pipelines, &layout, variant)?;
         let resources = Resources::new(
             &context.device,
             &mut context.allocator(),

@@ -35,7 +35,7 @@ impl BatchPipelines {
         device: &ash::Device,
         pipelines: &Pipelines,
         layout: &BatchLayout,
-        slowed: bool,
+        variant: Variant,
     ) -> Result<Self, VulkanError> {
         let wavefront = layout.wavefront;
         if let Some(workgroup) = layout.workgroup {
@@ -51,7 +51,6 @@ impl BatchPipelines {
             return Ok(Self::SharedMemory { fans, maps, _in_use });
         }
         let [down, up, right, left] = PAIRWISE_SCANS;
-        let variant = Variant { slowed, ..wavefront.into() };
         let scan = |pass| pipelines.make(device, pass, variant);
         Ok(Self::Images {
             start: pipelines.make(device, PAIRWISE_START, wavefront)?,
