@@ -27,13 +27,12 @@ fn the_header_compiles_in_c_and_cpp() {
     let twice = "#include \"geosweep.h\"\n#include \"geosweep.h\"\n";
     let guide = read("docs/c.md");
     let page = read("docs/cpp.md");
-    let [frame_in_cpp, together] = blocks(&page, "cpp")[..] else {
-        panic!("a frame and frames together are on the page for C++")
-    };
+    let in_cpp = blocks(&page, "cpp");
+    assert_eq!(in_cpp.len(), 3, "a frame, frames together and memory of one's own");
     let in_c = blocks(&guide, "c");
     let [frame, curves] = in_c[..] else { panic!("a frame and its curves are in the guide, in C") };
     let objects = "#include \"geosweep.hpp\"\n#include \"geosweep.hpp\"\n";
-    let with_objects = format!("{objects}{frame_in_cpp}{together}");
+    let with_objects = format!("{objects}{}", in_cpp.concat());
     // Volk's header by what it does: it wants no prototypes, since it declares variables of their names.
     let volk = "#pragma once\n#define VK_NO_PROTOTYPES\n#include <vulkan/vulkan_core.h>\n\
                 extern PFN_vkCreateInstance vkCreateInstance;\n";

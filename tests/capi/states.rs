@@ -327,7 +327,7 @@ fn outputs_may_be_the_programs_own() {
             geosweep_surface_set_result(surface, 0, &image) => "GeosweepSurfaceInfo::results",
             geosweep_surface_set_result(surface, 1, &image) => "number 1",
             geosweep_surface_create(session.solver, &images, &mut other) => "the image is the null handle",
-            geosweep_surface_create(session.solver, &GeosweepSurfaceInfo { slots: 2, ..images }, &mut other) => "there are 1 of them for 2 slots",
+            geosweep_surface_create(session.solver, &GeosweepSurfaceInfo { slots: 2, ..images }, &mut other) => "1 results are given for 2 slots",
         }
         ok(geosweep_contours_destroy(own));
         ok(geosweep_contours_destroy(contours));

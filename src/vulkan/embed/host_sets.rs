@@ -128,7 +128,7 @@ impl HostSet {
         if offset > self.room {
             return refuse(format!(
                 "the frame's offset {offset} is beyond the {} bytes that can be reached from where the surface \
-                 has them: give others to Surface::set_points or set_sources",
+                 has them: replace the input by set_points or set_sources",
                 self.room
             ));
         }

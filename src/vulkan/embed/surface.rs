@@ -87,7 +87,7 @@ impl SurfaceInfo<'_> {
         }
         let (given, slots) = (self.results.len(), self.slots.max(1));
         if given != 0 && given != slots {
-            let reason = format!("there are {given} of them for {slots} slots");
+            let reason = format!("{given} results are given for {slots} slots");
             return Err(VulkanError::HostBuffer { what: "distances", reason });
         }
         self.results.iter().try_for_each(HostImage::check)

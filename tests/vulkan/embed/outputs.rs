@@ -220,7 +220,7 @@ fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
     assert!(refused.to_string().contains("the view is the null handle"), "{refused}");
     let few = SurfaceInfo { results: &given[..1], ..alone };
     let refused = stage.solver.surface(&device, stage.host.allocator(), &few).unwrap_err();
-    assert!(refused.to_string().contains("there are 1 of them for 2 slots"), "{refused}");
+    assert!(refused.to_string().contains("1 results are given for 2 slots"), "{refused}");
     // Recorded and not submitted: each of the slot's sets waits.
     for image in [given[0], given[1], given[0]] {
         second.set_result(&device, 0, image).unwrap();
