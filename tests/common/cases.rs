@@ -11,7 +11,7 @@ use proptest::test_runner::RngSeed;
 pub fn cases(cases: u32) -> ProptestConfig {
     let seed = match env::var("GEOSWEEP_SEED").as_deref() {
         Ok("random") => RandomState::new().hash_one(cases),
-        Ok(text) => text.parse().unwrap_or_else(|_| panic!("GEOSWEEP_SEED={text} is no number")),
+        Ok(text) => text.parse().unwrap_or_else(|_| panic!("GEOSWEEP_SEED={text} is not a number")),
         Err(VarError::NotPresent) => 0,
         Err(other) => panic!("GEOSWEEP_SEED: {other}"),
     };

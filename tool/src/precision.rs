@@ -14,7 +14,7 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Precision {
-    /// On any engine; rounding grows with the grid, to some millionths at 1200 x 1200 points
+    /// On any engine. Rounding errors grow with the grid, to some millionths at 1200 x 1200 points
     #[default]
     Single,
     /// On the CPU, in two to four times the time

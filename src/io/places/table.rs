@@ -227,7 +227,7 @@ impl Rows<'_> {
             return Err(format!("the field {named} is empty; give a number"));
         }
         let (number, decimal) =
-            number(text).ok_or_else(|| format!("`{}` {named} is no number", excerpt(text)))?;
+            number(text).ok_or_else(|| format!("`{}` {named} is not a number", excerpt(text)))?;
         if let Some(decimal) = decimal
             && *self.decimal.get_or_insert(decimal) != decimal
         {

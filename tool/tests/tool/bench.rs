@@ -165,7 +165,7 @@ fn a_bench_of_a_file_has_its_size_and_one_of_nothing_is_refused() {
     std::fs::remove_file(bench.output("speed.md")).unwrap();
     for (line, parts) in [
         ("bench --surfaces teapot", ["teapot", "terrain"]),
-        ("bench --sizes 1", ["`1`", "points a side"]),
+        ("bench --sizes 1", ["`1`", "points per side"]),
         ("bench --wavefront square", ["square", "curved"]),
         ("bench --limit=-1", ["--limit", "-1"]),
         ("bench --quick --plot speed.jpg", ["speed.jpg", ".png"]),

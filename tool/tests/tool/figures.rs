@@ -249,7 +249,7 @@ fn wrong_arguments_are_refused() {
         ("figure convergence -o figure.png --csv table.txt", &["table.txt", ".csv"]),
         ("figure convergence -o figure.png --csv missing/table.csv", &["missing", "no folder"]),
         ("figure convergence -o figure.png --sizes 0", &["`0`", "from 2 to 16384"]),
-        ("figure convergence -o figure.png --sizes 9,x", &["`x`", "points a side"]),
+        ("figure convergence -o figure.png --sizes 9,x", &["`x`", "points per side"]),
         ("figure maze -o maze.png --size 0", &["`0`", "from 2 to 16384"]),
         ("figure maze -o maze.png --size 99999", &["`99999`", "from 2 to 16384"]),
         ("figure maze -o missing/maze.png", &["missing", "no folder"]),

@@ -136,7 +136,7 @@ fn an_interrupted_matrix_is_resumed_to_the_same_bytes() {
     };
     let output = interrupted(start("d.npy").spawn().unwrap(), "-INT");
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("--resume goes on"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("--resume continues"), "{}", stderr(&output));
     assert_eq!(bench.outputs(), ["at-once.npy", "d.npy.part", "d.npy.part.json"]);
 
     // Not by mistake anew, and not as something else.
@@ -238,7 +238,7 @@ fn what_makes_no_matrix_is_refused() {
     refuses(&format!("-o d.npy --sources {between}"), &["3.5"]);
     let cube = bench.array("points.npy", &[2, 3, 1], &[0.0; 6]);
     refuses(&format!("-o d.npy --sources {cube}"), &["points.npy", "(2, 3, 1)", "(K,)"]);
-    refuses("-o d.npy --sample 0", &["`0` is no number of samples"]);
+    refuses("-o d.npy --sample 0", &["`0` is not a number of samples"]);
     refuses("-o d.npy --sample 3 --sources 0..9", &["--sources"]);
     refuses("-o d.npy --labels labels.npy", &["--sample"]);
     refuses("-o d.npy --sample 3 --labels d.npy", &["d.npy", "two outputs"]);

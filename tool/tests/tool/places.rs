@@ -323,13 +323,16 @@ fn lines_of_a_mask_are_passed_along_sides_alone() {
         assert_eq!(reached(1), (1, size as u64));
         let line = format!("distance {flat} -s 0,0 --spacing 1 --mask {} --json", diagonal(1));
         let said = notes(&done(&bench, &line));
-        assert!(said.contains("1 point is not reached") && said.contains("corner alone"), "{said}");
+        assert!(
+            said.contains("1 point is not reached") && said.contains("only at a corner"),
+            "{said}"
+        );
         let (reached, points) = reached(2);
         assert_eq!(reached, points);
     }
     let help = String::from_utf8(run(&bench, "distance --help").stdout).unwrap();
     let words = help.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(words.contains("touch by a corner alone"), "{help}");
+    assert!(words.contains("touch only at a corner"), "{help}");
 }
 
 #[test]

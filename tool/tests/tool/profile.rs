@@ -421,7 +421,7 @@ fn what_cannot_be_profiled_is_refused() {
         ("--without clocks", vec!["clocks", "timestamps"]),
         ("--against nowhere.json", vec!["nowhere.json"]),
         ("--device nonesuch", vec!["nonesuch", "available"]),
-        (&format!("--against {nonsense}"), vec!["nonsense.json", "no profile"]),
+        (&format!("--against {nonsense}"), vec!["nonsense.json", "not a profile"]),
     ] {
         let line = format!("profile builtin:plane:9x9 --source 1,1 {words}");
         bench.refuses(&run(&bench, &line), &parts);
