@@ -1,5 +1,5 @@
-//! Many maps at once on a Vulkan device against the CPU engine and against the shaders' twin, under
-//! the validation layers.
+//! Many maps at once on a Vulkan device, compared with the CPU engine and with the shaders' twin, under the
+//! validation layers.
 
 use geosweep::Stop;
 use geosweep::cpu::twins;
@@ -11,20 +11,20 @@ use geosweep::{Engine, Error, MetricTensor, Options, Surface, Wavefront};
 
 use crate::common::*;
 
-/// Both engines stop where nothing falls by more than 1e-6 in an iteration, and measure edges in
-/// different precision; the bar is ten times that.
+/// Largest difference between engines. Both stop when nothing falls by more than 1e-6 in an iteration, and
+/// measure edges in different precision. The bound is ten times that.
 const AGREEMENT: f64 = 1e-5;
-/// After the same number of iterations only rounding is left; see headless.rs.
+/// Largest difference after the same number of iterations: only rounding remains; see headless.rs.
 const TWINS: f64 = 2e-6;
 
-/// About so many sources, all over the grid, in the order of the points; `None` for holes.
+/// Returns about `count` sources over the whole grid, in the order of the points; `None` for holes.
 fn sources(surface: &Surface, count: usize) -> Vec<Option<usize>> {
     let points = surface.chart().points();
     let source = |point: usize| surface.present()[point].then_some(point);
     (0..points).step_by(points.div_ceil(count)).map(source).collect()
 }
 
-/// The rows of some sources, and that they have converged or taken all iterations.
+/// Computes the rows of some sources. Asserts that they have converged or used all iterations.
 fn solve(
     pairwise: &mut PairwiseOnDevice,
     (solver, uploaded, points): (&Solver, &SurfaceOnDevice, usize),
@@ -39,7 +39,7 @@ fn solve(
     rows
 }
 
-/// The rows of the sources there are, one after another, as the CPU computes them.
+/// Returns the rows of the sources that are not `None`, as the CPU computes them.
 fn rows_on_cpu(surface: &Surface, wavefront: Wavefront, sources: &[Option<usize>]) -> Vec<f32> {
     let options = Options {
         engine: Engine::Cpu,
@@ -58,7 +58,7 @@ fn rows_on_cpu(surface: &Surface, wavefront: Wavefront, sources: &[Option<usize>
     all
 }
 
-/// Holds the rows of a device against those of the CPU, map by map; no source has no distances.
+/// Compares a device's rows with those of the CPU, map by map. A row without a source has no distances.
 fn assert_rows_agree(
     surface: &Surface,
     wavefront: Wavefront,
@@ -80,12 +80,12 @@ fn assert_rows_agree(
     }
 }
 
-/// Every wavefront, and both schedules in turns, which the twins hold against one another.
+/// Compares engines for every wavefront. Both schedules alternate; the twins compare them with one another.
 fn assert_engines_agree(solver: &Solver, surface: &Surface, number: usize, what: &str) {
     let points = surface.chart().points();
     let sources = sources(surface, 5);
     let uploaded = solver.upload(surface).unwrap();
-    // Batches on a device do not split obtuse triangles: `Pairwise` computes such rows map by map.
+    // Batches on a device do not split obtuse triangles. `Pairwise` computes such rows map by map.
     if EdgeLengths::<f32>::new(surface).unwrap().has_obtuse_triangles() {
         return;
     }
@@ -140,7 +140,7 @@ fn engines_agree_with_slowness_and_on_a_metric() {
     assert_engines_agree(&solver, &metric, 1, "metric");
 }
 
-/// Iteration by iteration, each map by itself: the scans and the counting are the twin's.
+/// Scans and counts equal the twin's, iteration by iteration and for each map.
 #[test]
 fn every_iteration_of_the_shaders_is_one_of_their_twin() {
     let solver = vulkan_solver();
@@ -170,8 +170,8 @@ fn every_iteration_of_the_shaders_is_one_of_their_twin() {
     }
 }
 
-/// Rows do not depend on the sources beside them, nor on the batch they were computed in, and come
-/// out the same again; holes and what is no source give rows of infinity.
+/// Rows do not depend on the sources beside them, nor on their batch, and are the same when computed again.
+/// Rows of holes and of missing sources are infinite.
 #[test]
 fn rows_do_not_depend_on_their_batch() {
     let solver = vulkan_solver();
@@ -204,7 +204,7 @@ fn rows_do_not_depend_on_their_batch() {
     }
 }
 
-/// More sources than a batch takes, and batches as large as the device's kind of memory allows.
+/// There are more sources than a batch takes. Batches are as large as the device's memory type allows.
 #[test]
 fn sources_beyond_a_batch_are_computed_in_the_next() {
     let solver = vulkan_solver();
@@ -227,7 +227,7 @@ fn sources_beyond_a_batch_are_computed_in_the_next() {
     }
 }
 
-/// Corridors to and fro, one above the other: each takes an iteration or so.
+/// Returns corridors to and fro, one above the other. Each takes about one iteration.
 fn corridors(rows: usize, cols: usize) -> Surface {
     let is_open = |index: usize| {
         let (row, col) = (index / cols, index % cols);
@@ -237,14 +237,14 @@ fn corridors(rows: usize, cols: usize) -> Surface {
     rough(rows, cols, 0).with_mask(&mask).unwrap()
 }
 
-/// A map that takes more iterations than a dispatch has goes on in the next.
+/// A map that takes more iterations than a dispatch has continues in the next one.
 #[test]
 fn mazes_take_as_many_dispatches_as_they_need() {
     let solver = vulkan_solver();
     let surface = corridors(141, 12);
     let (points, edges) = (surface.chart().points(), EdgeLengths::<f32>::new(&surface).unwrap());
     let uploaded = solver.upload(&surface).unwrap();
-    // From the first point far, from one in the middle half as far.
+    // The way is long from the first point, and half as long from one in the middle.
     let sources = [Some(0), Some(70 * 12)];
     for wavefront in [Wavefront::Planar, Wavefront::Curved] {
         let twins = sources.iter().flatten().map(|&source| {
