@@ -77,7 +77,7 @@ fn floor_plans_of_two_rows_have_estimates() {
     let (map, errors) = (map(&bench.output("map.npy")), map(&bench.output("error.npy")));
     for (index, (distance, error)) in map.iter().zip(&errors).enumerate() {
         let exact = f64::hypot((index / 9) as f64, (index % 9) as f64);
-        // Twice the estimate: it is of rounding here, known to a factor.
+        // The bound is twice the estimate, which is an estimate of rounding here, known up to a factor.
         assert!((distance - exact).abs() <= 2.0 * error, "{index}: {distance} {error}");
         assert!(*error <= 1e-6 * exact, "{index}: {error}");
     }
