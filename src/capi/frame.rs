@@ -30,8 +30,8 @@ pub struct GeosweepAccess {
     pub access: vk::AccessFlags,
 }
 
-/// How you read an image of distances, in this frame and when you last read that image. If the access is all
-/// zero, you read it on another queue, after a semaphore.
+/// Reader of an image of distances, in this frame and when that image was last read. If the access is all
+/// zero, the image is read on another queue, after a semaphore.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepReader {
@@ -77,8 +77,9 @@ pub struct GeosweepSources {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepFrame {
-    /// How you have written points and sources since the frame before. Writes by compute shaders and copies
-    /// are waited for in any case. Writes through mapped memory before the submission need no barrier.
+    /// Access that has written points and sources since the previous frame. The recording always waits for
+    /// writes by compute shaders and copies. Writes through mapped memory before the submission need no
+    /// barrier.
     pub before: GeosweepAccess,
     /// Number of the surface's points that are measured, or `GEOSWEEP_POINTS_UNCHANGED`.
     pub points: u32,
@@ -91,7 +92,7 @@ pub struct GeosweepFrame {
     pub sources: GeosweepSources,
     /// Plan with the passes. The surface's solver must have created it for a grid of the surface's size.
     pub plan: *const GeosweepPlan,
-    /// How the image of distances is read.
+    /// Reader of the image of distances.
     pub reader: GeosweepReader,
     /// Value in the image at points that no front reaches: `INFINITY` or a negative number. Filters turn
     /// infinity to NaN beside such points. It must not be NaN, nor 0, which is the distance of sources.

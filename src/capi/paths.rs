@@ -30,7 +30,7 @@ pub struct GeosweepPaths {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepPathFrame {
-    /// How you have written starts and sources.
+    /// Access that has written starts and sources.
     pub before: GeosweepAccess,
     /// Array with two floats per start, row and column; or null. A start that is off the grid or NaN has no
     /// path.
@@ -48,7 +48,7 @@ pub struct GeosweepPathFrame {
     pub points_offset: u64,
     /// All sources of the map, with those that were added to it.
     pub sources: GeosweepSources,
-    /// How you read the paths, in this frame and in the frame before, as in `GeosweepContourFrame`.
+    /// Access that reads the paths, in this frame and in the previous one, as in `GeosweepContourFrame`.
     pub reader: GeosweepAccess,
 }
 

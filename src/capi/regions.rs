@@ -41,11 +41,11 @@ pub struct GeosweepLabels {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepRegionFrame {
-    /// How you have written the sources.
+    /// Access that has written the sources.
     pub before: GeosweepAccess,
     /// All sources of the map, with those that were added to it. A source's index in this list is its label.
     pub sources: GeosweepSources,
-    /// How you read the labels, in this frame and in the frame before.
+    /// Access that reads the labels, in this frame and in the previous one.
     pub reader: GeosweepAccess,
 }
 

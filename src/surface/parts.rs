@@ -235,7 +235,7 @@ mod tests {
         ]
     }
 
-    /// Corners, lengths and slowness of a part.
+    /// Corners, lengths and slowness of a part of a triangle.
     type Told = ([usize; 2], [f64; 3], [f64; 3]);
 
     /// Returns the parts of a point's triangles on a side, as they are found one by one.

@@ -430,7 +430,7 @@ mod tests {
             let reason = places(text).unwrap_err();
             assert!(reason.contains("running number"), "{reason}");
         }
-        // A header settles it, even one in a comment.
+        // A header decides, even one in a comment.
         assert_eq!(places("# row,col,t0\n0,5,2\n"), Ok(vec![vec![([0.0, 5.0], 2.0)]]));
     }
 

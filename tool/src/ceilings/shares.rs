@@ -149,7 +149,8 @@ mod tests {
 
     #[test]
     fn what_was_dispatched_is_counted() {
-        // Two recordings of two iterations: four scans, each of which takes 32 lines of texels in turn, and a count.
+        // Two recordings of two iterations each: an iteration has four scans, each of which takes 32 lines of
+        // texels in turn, and a count.
         let raster = work(Schedule::Raster);
         assert_eq!((raster.dispatches, raster.skipped_dispatches), (4 * (4 + 1) - 1, 1));
         let bytes = 2 * 2 * (4 * 32 * 32 * 96 + 28 + 20);

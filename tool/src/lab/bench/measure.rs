@@ -42,7 +42,7 @@ impl Method {
     }
 }
 
-/// What to measure.
+/// The measurements to perform.
 pub struct Plan {
     pub surfaces: Vec<BenchSurface>,
     /// The sizes in ascending order.
