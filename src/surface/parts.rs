@@ -172,8 +172,8 @@ impl<R: Real> SideParts<R> {
     }
 }
 
-/// Largest share of the points of a surface that have obtuse triangles, as one of so many, for which storing
-/// the parts pays within a single map. Where all points have some, it takes half as long again as the map.
+/// Reciprocal of the largest fraction of a surface's points that have obtuse triangles for which storing the
+/// parts pays within a single map. If all points have some, storing takes half as long again as the map.
 const FEW: usize = 4;
 
 impl<R: Real> EdgeLengths<R> {

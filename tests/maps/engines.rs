@@ -65,7 +65,7 @@ fn random_surface(seed: u64, roughness: f64, holes: f64, slow: bool) -> Surface 
     surface.with_slowness(slowness.collect()).unwrap()
 }
 
-/// Returns smooth and rough surfaces, some with slowness, some with so many holes that the grid falls apart.
+/// Returns smooth and rough surfaces, some with slowness, some with enough holes to split the grid.
 fn random_surfaces() -> Vec<(String, Surface)> {
     let kinds = [
         (0.0, 0.0, false),

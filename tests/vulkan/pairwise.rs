@@ -214,7 +214,7 @@ fn sources_beyond_a_batch_are_computed_in_the_next() {
     for schedule in PairwiseSchedule::ALL {
         let mut pairwise = solver.pairwise(&uploaded, Wavefront::Planar, Some(schedule)).unwrap();
         let count = pairwise.batch() + 5;
-        assert!(count < points, "the grid is chosen so that there are so many sources");
+        assert!(count < points, "the grid has room for this number of sources");
         let sources: Vec<_> = (0..count).map(Some).collect();
         let mut rows = vec![f32::NAN; count * points];
         pairwise.solve(&solver, &uploaded, &sources, Stop::after(2), &mut rows).unwrap();

@@ -159,7 +159,7 @@ pub fn comment_on_starts<R: Real>(surface: &Surface, sources: &Sources) {
     }
 }
 
-/// Prints a note if so many edges lie in a row that the rounding errors of their lengths add up.
+/// Prints a note if a path may have enough edges for the rounding errors of their lengths to matter.
 pub fn comment_on_size<R: Real>(surface: &Surface) {
     let most = surface.rows().max(surface.cols());
     if most as f64 * R::epsilon().wide() > ROUNDING {
