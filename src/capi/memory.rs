@@ -94,7 +94,7 @@ impl HostsMemory {
 
 impl DeviceMemory for HostsMemory {
     fn allocate(&mut self, wanted: &MemoryRequest) -> Result<MemoryBlock, AllocationError> {
-        let name = CString::new(wanted.name).expect("names of ours hold no zero");
+        let name = CString::new(wanted.name).expect("names in this library contain no zero byte");
         let [required, preferred] = wanted.properties();
         let requirements = wanted.requirements;
         let (is_buffer, name) = (wanted.is_buffer, name.as_ptr());
@@ -105,7 +105,7 @@ impl DeviceMemory for HostsMemory {
             mapped: null_mut(),
             handle: null_mut(),
         };
-        let allocate = self.allocator.allocate.expect("it was looked for when the solver was made");
+        let allocate = self.allocator.allocate.expect("the solver's creation has checked it");
         // SAFETY: the program's promise; both structs are alive.
         match unsafe { allocate(self.allocator.user, &request, &mut memory) } {
             vk::Result::SUCCESS => {}
@@ -156,7 +156,7 @@ impl DeviceMemory for HostsMemory {
         let place = block.number().and_then(|number| self.given.get_mut(number as usize));
         let Some(memory) = place.and_then(Option::take) else { return };
         self.bytes -= block.size();
-        let free = self.allocator.free.expect("it was looked for when the solver was made");
+        let free = self.allocator.free.expect("the solver's creation has checked it");
         // SAFETY: the program's promise; the struct is alive.
         unsafe { free(self.allocator.user, &memory) };
     }

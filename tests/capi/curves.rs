@@ -174,7 +174,7 @@ fn copied_from() -> GeosweepAccess {
 
 /// Each wrong argument gives a status and a message that names it, and records nothing.
 #[test]
-fn what_cannot_be_used_is_named() {
+fn unusable_arguments_are_named() {
     let session = Session::new(Host::new());
     let solver = session.solver;
     let data = [0.0f32; (ROWS * COLS) as usize];

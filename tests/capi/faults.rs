@@ -68,7 +68,7 @@ unsafe impl Sync for Shared {}
 static INSTANCE: std::sync::OnceLock<Shared> = std::sync::OnceLock::new();
 
 #[test]
-fn all_that_a_device_lacks_is_said() {
+fn missing_requirements_of_a_device_are_reported() {
     let host = Host::without_validation();
     assert!(INSTANCE.set(Shared(host.instance.handle())).is_ok());
     let (instance, device) = (host.instance.handle(), host.physical_device);
@@ -97,7 +97,7 @@ fn all_that_a_device_lacks_is_said() {
 
 /// ash would end the process when such a function is called.
 #[test]
-fn functions_that_are_not_there_are_named() {
+fn missing_functions_are_named() {
     let host = Host::without_validation();
     let (instance, device) = (host.instance.handle(), host.physical_device);
     let status = unsafe { geosweep_check_device(Some(finds_nothing), instance, device) };

@@ -119,7 +119,7 @@ unsafe extern "C" fn free(user: *mut c_void, memory: *const GeosweepMemory) {
 /// All device memory comes from the program's allocator, also for points in the program's memory. Maps are
 /// the same as with the solver's own blocks, and all memory is freed.
 #[test]
-fn an_allocator_of_the_programs_gives_all_memory() {
+fn the_programs_allocator_provides_all_memory() {
     let heights: Vec<f32> = (0..40 * 48).map(|point| (0.3 * point as f32).sin()).collect();
     let data = heights.as_ptr();
     let points = [GeosweepPoints { data, stride: 4, kind: 1, dx: 1.0, dy: 1.0, ..zero() }];

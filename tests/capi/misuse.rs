@@ -108,7 +108,7 @@ fn null_is_named_wherever_it_is_given() {
 }
 
 #[test]
-fn a_solver_is_made_of_what_can_be_used() {
+fn unusable_arguments_of_a_solver_are_refused() {
     let host = Host::without_validation();
     let good = solver_info(&host);
     let pass = |schedule, wavefront| GeosweepPasses { schedule, wavefront };
@@ -142,7 +142,7 @@ fn a_solver_is_made_of_what_can_be_used() {
 }
 
 #[test]
-fn a_plan_is_made_of_what_can_be_used() {
+fn unusable_arguments_of_a_plan_are_refused() {
     let session = Session::new(Host::new());
     let good = method(GeosweepWavefront::Curved, 4);
     let create = |rows, cols, method: &GeosweepMethod| {
@@ -168,7 +168,7 @@ fn a_plan_is_made_of_what_can_be_used() {
 }
 
 #[test]
-fn a_surface_is_made_of_what_can_be_used() {
+fn unusable_arguments_of_a_surface_are_refused() {
     let mut session = Session::new(Host::new());
     let buffer = session.host.buffer_of(&[0.0; 4 * POINTS]);
     let solver = session.solver;
@@ -260,7 +260,7 @@ fn a_surface_is_made_of_what_can_be_used() {
 }
 
 #[test]
-fn what_is_refused_records_nothing() {
+fn refused_calls_record_nothing() {
     let session = Session::new(Host::new());
     let other = {
         let mut solver = null_mut();

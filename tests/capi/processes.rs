@@ -427,7 +427,7 @@ fn a_process_with_a_mistake() {
 }
 
 #[test]
-fn mistakes_are_told_and_end_no_process() {
+fn mistakes_are_reported_and_end_no_process() {
     let program = std::env::current_exe().unwrap();
     for Mistake { name, told, .. } in &MISTAKES {
         for layers in ["layers", "none"] {

@@ -28,7 +28,7 @@ fn with_checks(host: Host) -> Session {
 }
 
 #[test]
-fn what_comes_before_what_it_needs_is_refused() {
+fn calls_before_their_prerequisites_are_refused() {
     let session = Session::new(Host::new());
     let data = [0.5f32; (ROWS * COLS) as usize];
     let points = [heights(&data)];
@@ -121,7 +121,7 @@ fn what_comes_before_what_it_needs_is_refused() {
 }
 
 #[test]
-fn what_lies_beyond_a_buffer_is_refused() {
+fn ranges_beyond_a_buffer_are_refused() {
     let mut session = Session::new(Host::new());
     let buffer = session.host.buffer_of(&[0.0; 3 * (ROWS * COLS) as usize]);
     let handle = buffer.handle;
@@ -143,7 +143,7 @@ fn what_lies_beyond_a_buffer_is_refused() {
 
 /// A wrong kind of object is always detected. A destroyed object is detected with checks.
 #[test]
-fn objects_that_are_gone_or_others_are_named() {
+fn destroyed_and_wrong_objects_are_named() {
     let session = with_checks(Host::new());
     let data = [0.5f32; (ROWS * COLS) as usize];
     let points = [heights(&data)];
@@ -282,7 +282,7 @@ fn inputs_change_from_frame_to_frame() {
 
 /// Images and buffers of the program. They are refused if they are too small, null or were not requested.
 #[test]
-fn outputs_may_be_the_programs_own() {
+fn the_program_may_provide_outputs() {
     let mut session = Session::new(Host::with_synchronization_validation());
     let data = [0.5f32; (ROWS * COLS) as usize];
     let points = [heights(&data)];

@@ -141,7 +141,7 @@ fn curves_are_closed_around_the_source_and_run_counter_clockwise() {
 }
 
 #[test]
-fn levels_that_the_map_does_not_have_give_no_curve() {
+fn levels_outside_the_map_give_no_curve() {
     let sources = Sources::point(4.0, 4.0);
     let map = solve(&flat(9, 9), &sources);
     for contour in contours(&map, &sources, &[-3.0, 0.0, 5.7, 1e9]) {
@@ -167,7 +167,7 @@ fn levels_are_listed_counted_or_spaced() {
 }
 
 #[test]
-fn contours_end_at_holes_and_never_enter_what_is_not_reached() {
+fn contours_end_at_holes_and_stay_on_reached_points() {
     // A wall with a gap at its northern end, and a column that is cut off.
     let (rows, cols) = (15, 21);
     let kept = |i: usize| !(i % cols == 8 && i / cols > 0) && i % cols != 18;

@@ -264,7 +264,7 @@ fn fast_marching_agrees_with_raster_scans_on_acute_triangles() {
 /// and 60 degrees of shear: the mean relative error of fast marching falls from 3.0e-2 to 4.0e-3 (planar) and
 /// from 2.3e-2 to rounding (point-source).
 #[test]
-fn split_triangles_mend_fast_marching() {
+fn split_triangles_correct_fast_marching() {
     for degrees in [60.0, -72.0, 80.0] {
         let builtin = Builtin::ShearedPlane { degrees };
         let surface = builtin.surface(POINTS, POINTS).unwrap();

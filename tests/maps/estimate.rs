@@ -129,7 +129,7 @@ fn extrapolation_takes_most_of_the_error_of_smooth_surfaces() {
 
 /// Circular fronts are exact on a plane up to rounding, and estimates are no larger.
 #[test]
-fn rounding_is_estimated_where_nothing_else_is_left() {
+fn rounding_is_estimated_if_it_is_the_only_error() {
     let surface = Builtin::Plane.surface(129, 129).unwrap();
     for wavefront in [Wavefront::PointSource, Wavefront::Curved] {
         let estimate = estimate(&surface, &at(off_centre(129, 129)), wavefront);
@@ -196,7 +196,7 @@ fn several_sources_are_as_good_as_one() {
 }
 
 #[test]
-fn start_values_are_no_part_of_the_error() {
+fn start_values_do_not_count_as_error() {
     let points = 129;
     let surface = Builtin::Sphere.surface(points, points).unwrap();
     let (a, b) = ([30.0, 40.0], [101.0, 90.0]);
@@ -274,7 +274,7 @@ fn estimates_do_not_depend_on_how_the_surface_is_given() {
 
 /// A corridor one point wide leads through a wall, between the rows of the coarse grid.
 #[test]
-fn what_no_coarse_grid_reaches_has_no_estimate() {
+fn points_that_no_coarse_grid_reaches_have_no_estimate() {
     let (rows, cols) = (21, 31);
     let wall = |row: usize, col: usize| (14..18).contains(&col) && row != 11;
     let pocket = |row: usize, col: usize| {

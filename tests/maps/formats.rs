@@ -250,7 +250,7 @@ fn a_file_cut_anywhere_is_an_error() {
 }
 
 #[test]
-fn shapes_that_mean_nothing_are_refused_with_the_ones_that_do() {
+fn meaningless_shapes_are_refused_with_the_valid_ones() {
     let folder = Folder::new();
     for shape in [&[35][..], &[5, 7, 1], &[7, 5, 1, 1], &[]] {
         let values = vec![0.0; shape.iter().product()];

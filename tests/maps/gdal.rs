@@ -143,7 +143,7 @@ fn pixel_sizes_are_lengths_where_they_can_be() {
 }
 
 #[test]
-fn what_is_not_read_is_refused_with_what_helps() {
+fn unsupported_files_are_refused_with_advice() {
     for (name, parts) in [
         ("zstd.tif", ["ZSTD", "gdal_translate -co COMPRESS=DEFLATE"]),
         ("lerc.tif", ["LERC", "gdal_translate -co COMPRESS=DEFLATE"]),

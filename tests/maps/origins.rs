@@ -47,8 +47,8 @@ fn assert_exact<R: Real>(rolled: bool, early: f64, late: f64, one_in: usize) {
     assert!(late_ones.len() * one_in <= count, "{} of {count} late", late_ones.len());
 }
 
-/// Number of sheets of which one may be late. In long, sheared cells, the region of one of several sources may be too
-/// narrow to contain a grid point. Points behind it must then wait for a neighbour's front.
+/// Number of sheets of which one may be late. In long, sheared cells, the region of one of several sources may
+/// be too narrow to contain a grid point. Points behind it must then wait for a neighbour's front.
 const ONE_IN: usize = 50;
 
 #[test]
@@ -126,7 +126,7 @@ fn sources_side_by_side_on_curved_surfaces_are_as_good_as_single_ones() {
 
 /// One source starts late amid others, and walls stand between them.
 #[test]
-fn exact_seeds_do_not_keep_off_what_comes_earlier() {
+fn exact_seeds_do_not_block_earlier_fronts() {
     let mut slowness = vec![1.0; 41 * 41];
     // Fast ground surrounds the first source, beyond a wall with a gap.
     slowness.iter_mut().enumerate().filter(|(k, _)| k % 41 > 24).for_each(|(_, s)| *s = 1e-3);

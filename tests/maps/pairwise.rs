@@ -244,7 +244,7 @@ fn the_maze_is_exact_with_anchors() {
 /// With the symmetric initialisation, the matrix is symmetric except within batches, and as accurate: 0.998
 /// to 1.003 times the error without it, as measured.
 #[test]
-fn symmetric_initialisation_takes_what_is_known() {
+fn symmetric_initialisation_uses_known_distances() {
     let side = 33;
     let points = side * side;
     let surface = Builtin::Sphere.surface(side, side).unwrap();

@@ -79,7 +79,7 @@ fn starts_beyond(source: [f64; 2], points: usize, count: usize) -> Vec<[f64; 2]>
 /// Paths are traced in parallel, and share their parts beyond the corners of holes. Each equals the path that
 /// is traced alone.
 #[test]
-fn paths_together_are_what_they_are_alone() {
+fn paths_traced_together_equal_paths_traced_alone() {
     const POINTS: usize = 65;
     let one = at([0.0, 0.0]);
     // The paths of the second source are traced twice.
@@ -425,7 +425,7 @@ fn places_without_a_path_are_errors() {
 }
 
 #[test]
-fn maps_of_something_else_are_errors() {
+fn maps_of_other_surfaces_are_errors() {
     let surface = flat(9, 9);
     let edges = EdgeLengths::new(&surface).unwrap();
     let sources = at([1.0, 1.0]);

@@ -105,7 +105,7 @@ fn a_solver_forgets_the_map_before() {
 }
 
 #[test]
-fn no_source_is_no_map_and_no_endless_loop() {
+fn a_map_without_sources_is_empty_and_ends() {
     let edges = EdgeLengths::<f32>::new(&Builtin::Plane.surface(20, 20).unwrap()).unwrap();
     let mut solver = RotatedScan::new(&edges, Wavefront::Planar);
     let convergence = solver.solve(&[], Stop { tolerance: 0.0, iterations: 100 });

@@ -326,7 +326,7 @@ fn counted_frames_of_a_moving_surface_are_the_same_every_time() {
 }
 
 #[test]
-fn what_cannot_be_shown_is_said() {
+fn errors_of_the_viewer_are_reported() {
     let screen = Screen::new();
     for (arguments, part) in [
         ("--source 344,0", "its rows are 0 to 343, its columns 0 to 402"),

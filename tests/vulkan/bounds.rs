@@ -78,7 +78,7 @@ fn maps_keep_their_bounds_around_clusters_of_sources() {
 
 /// A part of an obtuse triangle ends on the line that a scan of a tile is updating.
 #[test]
-fn tiles_see_what_changes_on_the_line_itself() {
+fn tiles_see_changes_on_the_line_itself() {
     let (failures, apart) = solve(&mut vulkan_solver(), &Case::new(7100));
     assert_eq!([failures, apart].concat(), [""; 0]);
 }

@@ -229,7 +229,7 @@ pub fn bind_group<const COUNT: usize>(
 ) -> wgpu::BindGroup {
     let mut binding = 0..;
     let entries = resources.map(|resource| wgpu::BindGroupEntry {
-        binding: binding.next().expect("there is no end of numbers"),
+        binding: binding.next().expect("numbers do not run out"),
         resource,
     });
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })

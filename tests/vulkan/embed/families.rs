@@ -135,7 +135,7 @@ fn replacement(function: *const ()) -> extern "system" fn() -> vk::Result {
 /// Each queue acquires what the other releases, with the same barriers except for stages and accesses. Images
 /// that readers sample are created for both families or for one, and all other images for one.
 #[test]
-fn what_one_family_gives_the_other_takes() {
+fn one_family_acquires_what_the_other_releases() {
     // These are the packed texels, and an image of distances for each frame.
     let (packed, distances) = (vk::Format::R32G32B32A32_SFLOAT, vk::Format::R32_SFLOAT);
     for (way, formats, from_main, from_other) in

@@ -13,7 +13,7 @@ use crate::embed::stage::{Kept, RASTER, Stage, source, vertices};
 use crate::host::{Host, HostBuffer};
 
 #[test]
-fn an_outcome_before_the_fence_is_none() {
+fn an_outcome_before_the_fence_is_absent() {
     let (stage, points) = stage(2);
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 8);
     let sources = source(3.0, 4.0);

@@ -98,7 +98,7 @@ fn an_unprepared_surface_takes_nothing() {
 /// The points have not changed but were never measured, and a solver without curved fronts has measured no
 /// curvatures.
 #[test]
-fn maps_come_of_what_was_measured() {
+fn maps_need_measured_edges() {
     let mut host = Host::new();
     let points = host.buffer_of(&vertices(CHART, 0.3));
     let inputs = [Points::positions(points.handle, 32)];
@@ -132,7 +132,7 @@ fn maps_come_of_what_was_measured() {
 }
 
 #[test]
-fn nothing_is_read_of_a_map_that_is_not_there_or_another() {
+fn missing_and_other_maps_are_not_read() {
     let mut host = Kept::watched();
     let points = host.buffer_of(&vertices(CHART, 0.3));
     let (places, to) = (host.buffer_of(&[1.0, 2.0]), host.buffer(80, true));
@@ -204,7 +204,7 @@ fn nothing_is_read_of_a_map_that_is_not_there_or_another() {
 }
 
 #[test]
-fn what_lies_beyond_a_buffer_is_refused() {
+fn ranges_beyond_a_buffer_are_refused() {
     let (mut stage, points) = stage(1);
     let device = stage.host.device.clone();
     // A buffer of 96 bytes, which drivers may round up.
@@ -298,7 +298,7 @@ fn an_instance_for_vulkan_1_0_is_refused() {
 
 /// An invalid curvature is refused if the program gives it, and clamped if a shader may have written it.
 #[test]
-fn a_curvature_that_is_none_gives_no_other_map() {
+fn an_invalid_curvature_does_not_change_the_map() {
     let mut host = Kept::watched();
     let points = host.buffer_of(&vertices(CHART, 0.3));
     let bad = [f32::INFINITY, f32::NAN, -1.0, f32::NEG_INFINITY, -0.0];
@@ -336,7 +336,7 @@ fn a_curvature_that_is_none_gives_no_other_map() {
 
 /// The device counts sources that start nothing and points that are holes, from buffers and images.
 #[test]
-fn what_only_the_device_knows_is_in_the_outcome() {
+fn facts_that_only_the_device_knows_are_in_the_outcome() {
     let mut host = Kept::watched();
     let mut given = vertices(CHART, 0.3);
     for (hole, value) in [(8 * 40, f32::NAN), (8 * 41 + 2, f32::INFINITY), (8 * 300 + 1, -2e12)] {

@@ -38,7 +38,7 @@ fn the_example_runs() {
 /// report nothing about the passes that draw or about the library's passes between them.
 #[test]
 #[cfg(feature = "formats")]
-fn the_renderer_draws_what_it_is_told() {
+fn the_renderer_draws_the_requested_frame() {
     use render::PointSource;
     let mut host = render::Host::with_synchronization_validation();
     let mut draw = |phase, row, col| render::render(&mut host, 1, phase, PointSource::at(row, col));

@@ -31,7 +31,7 @@ fn the_passes_of_a_frame_add_up_to_its_total() {
 
 /// The frame is profiled under the validation layers, with synchronization validation, labels and names.
 #[test]
-fn a_frame_is_taken_down_pass_by_pass() {
+fn a_frame_is_profiled_pass_by_pass() {
     for schedule in Schedule::ALL {
         let tools = Tools { labels: true, ..Tools::default() };
         let renderer = Renderer::new(Host::new(), schedule, tools);
@@ -101,7 +101,7 @@ fn surroundings_are_solved_once_a_source_and_set() {
 
 /// Without the device's decisions, the values that depend on them are unknown.
 #[test]
-fn what_is_not_read_back_is_not_known() {
+fn results_without_a_readback_are_unknown() {
     for schedule in Schedule::ALL {
         let mut renderer = Renderer::new(Host::without_validation(), schedule, Tools::default());
         renderer.timed_frame();
@@ -130,7 +130,7 @@ fn what_is_not_read_back_is_not_known() {
 
 /// Recording does not wait for the device, nor does reading results too early.
 #[test]
-fn results_that_are_not_there_are_not_waited_for() {
+fn missing_results_are_not_waited_for() {
     let renderer = Renderer::new(Host::without_validation(), Schedule::Raster, Tools::default());
     let host = &renderer.host;
     // The queries are reset and not written.

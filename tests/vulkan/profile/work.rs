@@ -245,7 +245,7 @@ fn counts_and_starts_agree_with_a_count_by_hand() {
 /// further rounds, the six numbers of the next list are copied; those of the other 128 lists, all numbers
 /// after them, and the times for which tiles wait are written.
 #[test]
-fn what_settles_is_what_lies_in_the_other_image() {
+fn settled_texels_are_those_in_the_other_image() {
     let mut bench = Bench::new(100, 131, &[]);
     // In its corridors, fronts need more rounds than a recording has.
     bench.surface = Builtin::Maze.surface(100, 131).unwrap();

@@ -155,7 +155,7 @@ fn a_bench_counts_right_and_its_numbers_fit() {
 }
 
 #[test]
-fn a_bench_of_a_file_has_its_size_and_one_of_nothing_is_refused() {
+fn a_bench_of_a_file_has_its_size_and_empty_ones_are_refused() {
     let bench = Workbench::new();
     let flat = bench.flat(30, 50);
     let output = run(&bench, &format!("bench --surfaces {flat} --engines cpu --quick -o speed.md"));

@@ -83,7 +83,7 @@ fn a_table_without_curves_has_the_header_of_one_with_them() {
 }
 
 #[test]
-fn levels_that_have_no_curve_are_told_why() {
+fn levels_without_a_curve_get_a_reason() {
     let bench = Workbench::new();
     let said =
         |words: &str| notes(&done(&bench, &format!("contours {words} --engine cpu -o c.csv")));
@@ -102,7 +102,7 @@ fn levels_that_have_no_curve_are_told_why() {
 }
 
 #[test]
-fn curves_closer_to_a_source_than_the_grid_are_said_to_be_cut() {
+fn curves_cut_beside_a_source_are_reported() {
     let bench = Workbench::new();
     let plane = bench.flat(9, 9);
     let said = |line: &str| {

@@ -121,7 +121,7 @@ fn engines_and_fronts_can_be_chosen() {
 }
 
 #[test]
-fn circular_fronts_are_for_one_source_which_is_said() {
+fn circular_fronts_for_several_sources_are_replaced_with_a_note() {
     let bench = Workbench::new();
     let words = "distance builtin:sphere:33x33 -s 3,4 -s 20,20 --json -o map.npy --wavefront point";
     let output = bench.run(words.split_whitespace());
@@ -228,7 +228,7 @@ fn curves_come_as_arrays_and_as_text() {
 }
 
 #[test]
-fn a_missing_spacing_and_a_missing_convergence_are_said() {
+fn a_missing_spacing_and_missing_convergence_are_reported() {
     let bench = Workbench::new();
     let output = bench.distance(&bench.flat(5, 5), "-s 0,0 -o map.npy");
     assert!(output.status.success() && output.stdout.is_empty());
@@ -273,7 +273,7 @@ fn pictures_show_the_map_and_have_a_sensible_size() {
 }
 
 #[test]
-fn a_map_is_written_only_if_it_is_asked_for() {
+fn a_map_is_written_only_on_request() {
     let bench = Workbench::new();
     let report = json(&bench.distance("builtin:plane:9x9", "-s 1,1 --json"));
     assert_eq!(report["reached"], 81);

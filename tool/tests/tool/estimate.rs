@@ -85,7 +85,7 @@ fn floor_plans_of_two_rows_have_estimates() {
 }
 
 #[test]
-fn extrapolation_beside_holes_is_said_to_be_worse() {
+fn a_note_says_that_extrapolation_beside_holes_is_worse() {
     let bench = Workbench::new();
     for (wavefront, is_worse) in [("curved", true), ("anchored", false)] {
         let words = format!("-s 1,1 --wavefront {wavefront} --extrapolate -o {wavefront}.npy");

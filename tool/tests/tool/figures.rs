@@ -226,7 +226,7 @@ fn the_accuracy_report_says_what_the_library_computes() {
 }
 
 #[test]
-fn a_report_for_nobody_in_particular_goes_to_standard_output() {
+fn a_report_without_a_file_goes_to_standard_output() {
     let bench = Workbench::new();
     let line = "accuracy --sizes 9 --surfaces sheared-plane@30,sphere --wavefronts planar";
     let output = bench.run(words(line));

@@ -212,7 +212,7 @@ fn a_matrix_larger_than_memory_is_written() {
 }
 
 #[test]
-fn what_makes_no_matrix_is_refused() {
+fn invalid_requests_for_a_matrix_are_refused() {
     let bench = Workbench::new();
     let refuses = |options: &str, parts: &[&str]| {
         let line = format!("pairwise {SPHERE} {options}");

@@ -43,7 +43,7 @@ fn paths_run_from_their_starts_to_the_source() {
 }
 
 #[test]
-fn starts_that_cannot_be_are_refused() {
+fn impossible_starts_are_refused() {
     let bench = Workbench::new();
     let mut heights = vec![0.0; 9 * 9];
     (0..9).for_each(|row| heights[row * 9 + 5] = f64::NAN);

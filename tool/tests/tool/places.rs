@@ -183,7 +183,7 @@ fn lines_and_polygons_are_curves() {
 }
 
 #[test]
-fn places_that_cannot_be_are_refused_with_the_extent() {
+fn impossible_places_are_refused_with_the_extent() {
     let bench = Workbench::new();
     let dem = bench.input("dem.tif", geotiff(21, 31, CORNER, &UTM));
     let flat = bench.flat(9, 9);
@@ -369,7 +369,7 @@ fn numbers_in_messages_have_few_digits() {
 
 /// A globe that is sampled at the middles of its cells has no repeated column, but it is closed.
 #[test]
-fn a_globe_by_the_middles_of_its_cells_is_warned_of() {
+fn a_globe_sampled_at_cell_middles_gets_a_warning() {
     use std::f64::consts::{PI, TAU};
     let bench = Workbench::new();
     for (rows, cols) in [(18, 36), (9, 12), (40, 25)] {

@@ -315,7 +315,7 @@ fn csv_lines(text: &str) -> Vec<BTreeMap<String, String>> {
 /// A trace whose events do not nest, or that goes back in time, is refused.
 #[test]
 #[should_panic(expected = "leaves")]
-fn a_trace_that_does_not_nest_is_no_trace() {
+fn a_trace_that_does_not_nest_is_refused() {
     let event = |begin, end| Event {
         name: String::new(),
         category: String::new(),
@@ -375,7 +375,7 @@ fn scaled(report: &Value, by: f64) -> String {
 }
 
 #[test]
-fn what_got_slower_is_told_from_noise() {
+fn slower_passes_are_distinguished_from_noise() {
     let bench = Workbench::new();
     let line = "profile builtin:sphere:40x40 --source 5,5 --repeat 4";
     let report = json(&run(&bench, &format!("{line} --json")));
@@ -405,7 +405,7 @@ fn what_got_slower_is_told_from_noise() {
 }
 
 #[test]
-fn what_cannot_be_profiled_is_refused() {
+fn unsupported_profiles_are_refused() {
     let bench = Workbench::new();
     let nonsense = bench.input("nonsense.json", "{\"rows\": 3}");
     for (words, parts) in [

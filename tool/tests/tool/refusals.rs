@@ -178,7 +178,7 @@ fn outputs_that_cannot_be_written_are_refused_before_anything_is_read() {
 }
 
 #[test]
-fn what_is_in_the_way_stays() {
+fn existing_files_in_the_way_stay() {
     let bench = Workbench::new();
     let flat = bench.flat(5, 5);
     let before = fs::read(&flat).unwrap();
@@ -232,7 +232,7 @@ fn links_are_followed_and_devices_left_alone() {
 
 #[cfg(unix)]
 #[test]
-fn a_closed_pipe_is_no_panic() {
+fn a_closed_pipe_does_not_panic() {
     use std::process::{Command, Stdio};
     let bench = Workbench::new();
     let program = assert_cmd::cargo::cargo_bin!("geosweep");

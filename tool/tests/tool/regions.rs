@@ -5,7 +5,7 @@ use geosweep::io::read_map;
 use crate::workbench::{Workbench, curves, done, json, read, run, stderr};
 
 #[test]
-fn regions_are_what_is_nearest() {
+fn regions_contain_the_nearest_points() {
     let bench = Workbench::new();
     let flat = bench.flat(33, 41);
     let sources = [[8.0, 10.0], [20.0, 30.0], [28.0, 6.0]];
@@ -50,7 +50,7 @@ fn regions_are_what_is_nearest() {
 }
 
 #[test]
-fn what_no_source_reaches_has_no_region() {
+fn unreached_points_have_no_region() {
     let bench = Workbench::new();
     let mut heights = vec![0.0; 9 * 12];
     (0..9).for_each(|row| heights[row * 12 + 7] = f64::NAN);

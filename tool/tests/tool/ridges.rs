@@ -80,7 +80,7 @@ fn reports_have_the_farthest_point() {
 }
 
 #[test]
-fn what_cannot_be_is_refused() {
+fn invalid_requests_for_ridges_are_refused() {
     let bench = Workbench::new();
     for (words, parts) in [
         ("--least-angle 0 -o r.csv", ["`0`", "180"]),

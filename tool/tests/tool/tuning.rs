@@ -120,7 +120,7 @@ fn frames_of_a_moving_surface_are_timed() {
 }
 
 #[test]
-fn what_suits_no_device_is_refused() {
+fn unsuitable_tunings_are_refused() {
     let bench = Workbench::new();
     let vulkan = "bench --quick --sizes 9 --engines vulkan";
     for (line, parts) in [

@@ -185,7 +185,7 @@ fn paths_on_the_sphere_are_great_circles() {
 
 /// The layers check the shaders too.
 #[test]
-fn paths_that_cannot_be_say_why() {
+fn impossible_paths_give_a_reason() {
     // A column of holes cuts the surface in two.
     let mask: Vec<_> = (0..9 * 11).map(|i| i % 11 != 6).collect();
     let heights = vec![0.0; 9 * 11];
