@@ -60,10 +60,10 @@ pub struct GeosweepSolverInfo {
     /// Number of entries in `passes`.
     pub pass_count: u32,
     /// Cache for creating pipelines, or null. You fill, save and destroy it. It must be alive whenever the
-    /// solver creates pipelines: now, with the first surface that has a slowness, and with the first contours,
-    /// paths and regions. `geosweep_solver_set_pipeline_cache` takes it away again. Pipelines do not need it
-    /// once they are created. The solver uses it on one thread at a time. If you use it at the same time, the
-    /// rules of `vkCreateComputePipelines` apply.
+    /// solver creates pipelines: now, with the first surface that has a slowness, and with the first
+    /// contours, paths and regions. `geosweep_solver_set_pipeline_cache` takes it away again. Pipelines do
+    /// not need it once they are created. The solver uses it on one thread at a time. If you use it at the
+    /// same time, the rules of `vkCreateComputePipelines` apply.
     pub pipeline_cache: vk::PipelineCache,
     /// `GEOSWEEP_SOLVER_CHECKS`, or 0.
     pub flags: u32,

@@ -238,8 +238,8 @@ pub unsafe extern "C" fn geosweep_surface_bytes(
 }
 
 /// Replaces points that were copied from the program's memory by others with the same offset and stride. No
-/// submitted work may still read them; a solver with checks verifies that. Keep points for each frame in
-/// flight. Later recordings that measure them read the new ones.
+/// submitted work may still read them; a solver with checks verifies that. So create the surface with one
+/// entry of points for each frame in flight. Later recordings that measure them read the new ones.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_write_points(
     surface: *mut GeosweepSurface,

@@ -47,8 +47,8 @@ fn assert_exact<R: Real>(rolled: bool, early: f64, late: f64, one_in: usize) {
     assert!(late_ones.len() * one_in <= count, "{} of {count} late", late_ones.len());
 }
 
-/// Number of sheets of which one may be late. In long, sheared cells, the region of one of several sources may
-/// be too narrow to contain a grid point. Points behind it must then wait for a neighbour's front.
+/// Number of sheets of which one may be late. In long, sheared cells, the region of one of several sources
+/// may be too narrow to contain a grid point. Points behind it must then wait for a neighbour's front.
 const ONE_IN: usize = 50;
 
 #[test]
