@@ -1,9 +1,9 @@
-//! Turns glsl/ into what the crate embeds: SPIR-V for each .comp, constants.glsl as Rust, and as
-//! Rust what the SPIR-V says of each shader's bindings, constants and blocks.
+//! Generates the parts of the crate that come from glsl/: SPIR-V for each .comp, constants.glsl as Rust, and
+//! each shader's bindings, constants and blocks as Rust, read from the SPIR-V.
 //!
-//! With the feature `shaderc` the shaders are compiled here; without it the SPIR-V committed in
-//! glsl/spirv serves, as long as it is what was compiled from the same sources in the same way. To renew it after a
-//! change of a shader: `GEOSWEEP_UPDATE_SPIRV=1 cargo build --features shaderc`.
+//! With the feature `shaderc`, this compiles the shaders. Without it, the SPIR-V committed in glsl/spirv is
+//! used, if it was compiled from the same sources in the same way. To renew it after a change of a shader:
+//! `GEOSWEEP_UPDATE_SPIRV=1 cargo build --features shaderc`.
 
 #[path = "build/compile.rs"]
 mod compile;
@@ -21,9 +21,9 @@ use interface::Interface;
 
 const GLSL: &str = "glsl";
 const COMMITTED: &str = "glsl/spirv";
-/// Holds the fingerprint of what the committed SPIR-V was compiled from, and how.
+/// File with the fingerprint of the sources of the committed SPIR-V, and of the way in which it was compiled.
 const OF_SOURCES: &str = "glsl/spirv/sources.fnv";
-/// Holds that of the committed SPIR-V itself.
+/// File with the fingerprint of the committed SPIR-V itself.
 const OF_MODULES: &str = "glsl/spirv/modules.fnv";
 
 fn main() {
@@ -67,7 +67,7 @@ fn main() {
     }
 }
 
-/// The shader sources, sorted so that nothing depends on the order of the folder's entries.
+/// Returns the shader sources, sorted so that nothing depends on the order of the folder's entries.
 fn sources() -> Vec<PathBuf> {
     let mut sources: Vec<_> = fs::read_dir(GLSL)
         .unwrap_or_else(|error| panic!("cannot read the folder {GLSL}: {error}"))
@@ -78,7 +78,7 @@ fn sources() -> Vec<PathBuf> {
     sources
 }
 
-/// Names and contents of all that decides what SPIR-V comes out, but for the compiler.
+/// Returns names and contents of everything that determines the SPIR-V, except the compiler.
 fn compiled_from(sources: &[PathBuf]) -> Vec<(String, Vec<u8>)> {
     let how = ["build/compile.rs", "build/names.rs"].map(PathBuf::from);
     let text = |path: &PathBuf| {
@@ -89,8 +89,8 @@ fn compiled_from(sources: &[PathBuf]) -> Vec<(String, Vec<u8>)> {
     sources.iter().chain(&how).map(text).collect()
 }
 
-/// FNV-1a over names and contents: tells whether committed SPIR-V is stale or damaged, and is no
-/// protection against anything else.
+/// Computes FNV-1a over names and contents. It shows whether committed SPIR-V is stale or damaged, and
+/// protects against nothing else.
 fn fingerprint(files: Vec<(String, Vec<u8>)>) -> String {
     let mut hash = 0xcbf2_9ce4_8422_2325u64;
     for byte in
@@ -106,7 +106,7 @@ fn check(path: &str, fingerprint: &str, otherwise: &str) {
     assert!(is_that, "{otherwise}");
 }
 
-/// `#define NAME value` as Rust: values with a point or an exponent are f64, others u32.
+/// Translates `#define NAME value` to Rust: values with a point or an exponent are f64, others u32.
 fn constants(glsl: &str) -> String {
     let mut comment = String::new();
     let mut rust = String::new();

@@ -1,5 +1,5 @@
-//! What a SPIR-V module says of the shader's interface: what is bound where, which constants are
-//! given when a pipeline is created, and how blocks are laid out.
+//! Reads the shader's interface from a SPIR-V module: its bindings, the constants that are set when a
+//! pipeline is created, and the layout of its blocks.
 
 use std::collections::BTreeMap;
 
@@ -10,28 +10,28 @@ use rspirv::spirv::{BuiltIn, Decoration, Dim, Op, StorageClass};
 /// The interface of a shader.
 #[derive(Debug)]
 pub struct Interface {
-    /// In the order of sets and numbers.
+    /// Bindings in the order of sets and numbers.
     pub bindings: Vec<Binding>,
     /// Specialization constants: number and name.
     pub constants: Vec<(u32, String)>,
-    /// The block of push constants.
+    /// Block of push constants.
     pub push_constants: Option<Block>,
-    /// The blocks of storage buffers as far as their sizes are known, and the structures of which
-    /// they are arrays.
+    /// Blocks of storage buffers as far as their sizes are known, and the structures of which they are
+    /// arrays.
     pub buffers: Vec<Block>,
 }
 
-/// A descriptor that a shader sees.
+/// A descriptor that a shader uses.
 #[derive(Debug)]
 pub struct Binding {
     pub set: u32,
     pub number: u32,
     pub kind: Kind,
-    /// Of the image, or of the buffer's block.
+    /// Name of the image or of the buffer's block.
     pub name: String,
 }
 
-/// What a descriptor is of, by the name of the enumerant in ash's `DescriptorType`.
+/// Type of a descriptor, by the name of the enumerant in ash's `DescriptorType`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     StorageBuffer,
@@ -39,7 +39,7 @@ pub enum Kind {
     SampledImage,
 }
 
-/// A structure that both sides know.
+/// A structure that shaders and Rust share.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Block {
     pub name: String,
@@ -51,13 +51,13 @@ pub struct Block {
 pub struct Member {
     pub name: String,
     pub offset: u32,
-    /// In Rust.
+    /// Type in Rust.
     pub kind: String,
     pub size: u32,
 }
 
 impl Interface {
-    /// Reads it.
+    /// Reads the interface from a module.
     pub fn of(spirv: &[u8]) -> Result<Self, String> {
         let mut module = Declarations::default();
         parse_bytes(spirv, &mut module).map_err(|error| error.to_string()).or_else(|error| {
@@ -68,7 +68,7 @@ impl Interface {
     }
 }
 
-/// What stands before the functions of a module, by the number of what is declared.
+/// Declarations before the functions of a module, by their ids.
 #[derive(Default)]
 struct Declarations {
     names: BTreeMap<u32, String>,
@@ -167,7 +167,7 @@ impl Declarations {
         name.cloned().ok_or_else(|| format!("%{id} has no name"))
     }
 
-    /// The sizes of workgroups have no name of their own.
+    /// Returns the name of a constant. The sizes of workgroups have no names of their own.
     fn constant_name(&self, id: u32) -> Result<String, String> {
         let is_size = |of: &&u32| {
             let built_in = self.decorations.get(&(**of, Decoration::BuiltIn));
@@ -182,7 +182,7 @@ impl Declarations {
         self.name(id)
     }
 
-    /// What a pointer points to.
+    /// Returns the type to which a pointer points.
     fn target(&self, pointer: u32) -> u32 {
         literal_or_id(&self.instructions[&pointer].operands[1])
     }
@@ -200,7 +200,7 @@ impl Declarations {
         }
     }
 
-    /// The parts of a buffer's block that have a size, and what it is an array of.
+    /// Collects the parts of a buffer's block that have a size, and the structures of which it is an array.
     fn buffer_blocks(&self, of: u32, into: &mut Vec<Block>) -> Result<(), String> {
         let mut members = Vec::new();
         for (place, part) in (0..).zip(&self.instructions[&of].operands) {
@@ -236,7 +236,7 @@ impl Declarations {
         Ok(Member { name, offset, kind, size })
     }
 
-    /// A type in Rust, and its size.
+    /// Returns a type in Rust, and its size.
     fn rust(&self, of: u32) -> Option<(String, u32)> {
         let instruction = &self.instructions[&of];
         let operand = |place: usize| instruction.operands.get(place).map(literal_or_id);

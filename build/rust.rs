@@ -1,12 +1,12 @@
-//! The interfaces of all shaders as Rust.
+//! Writes the interfaces of all shaders as Rust.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::interface::{Block, Interface, Kind};
 
-/// A module for each set of descriptors with what is bound where, an enumeration of all
-/// specialization constants, and a module for each shader with its blocks.
+/// Returns a module for each set of descriptors with its bindings, an enumeration of all specialization
+/// constants, and a module for each shader with its blocks.
 pub fn shaders(shaders: &[(String, Interface)]) -> String {
     let mut rust = String::new();
     sets(shaders, &mut rust);
@@ -18,7 +18,8 @@ pub fn shaders(shaders: &[(String, Interface)]) -> String {
     rust
 }
 
-/// Shaders agree on what kind of descriptor is where, and each name stands for one place.
+/// Writes the sets. Asserts that shaders agree on the type of each descriptor, and that each name has one
+/// place.
 fn sets(shaders: &[(String, Interface)], rust: &mut String) {
     let mut kinds = BTreeMap::<(u32, u32), Kind>::new();
     let mut places = BTreeMap::<(u32, &str), u32>::new();
@@ -87,7 +88,7 @@ fn constants(shaders: &[(String, Interface)], rust: &mut String) {
     .unwrap();
 }
 
-/// `blocks` are those of the shaders before, which are not written again.
+/// Writes a shader's module. `blocks` are those of earlier shaders, which are not written again.
 fn shader<'a>(
     name: &'a str,
     interface: &'a Interface,
@@ -130,7 +131,7 @@ fn shader<'a>(
     rust.push_str("}\n");
 }
 
-/// A block as a structure, or another name for one that is there.
+/// Writes a block as a structure, or as an alias of an existing one.
 fn structure<'a>(
     name: &str,
     shader: &'a str,
@@ -154,7 +155,7 @@ fn structure<'a>(
     .unwrap();
     let mut end = 0;
     for member in &block.members {
-        // What lies between members that GLSL aligns must be declared there.
+        // Padding between members that GLSL aligns must be declared there.
         assert!(
             member.offset == end,
             "{shader}.comp: {}.{} starts at byte {}, and what is before it ends at {end}",
@@ -176,7 +177,7 @@ fn structure<'a>(
     }
 }
 
-/// Of names in snake_case and in CamelCase.
+/// Converts a name in snake_case or CamelCase.
 fn constant_case(name: &str) -> String {
     let mut constant = String::new();
     for letter in name.chars() {

@@ -1,6 +1,5 @@
 # shellcheck shell=bash
-# What ci/setup, ci/test and ci/demo share. Sourced, from the checkout's root,
-# under `set -euo pipefail`.
+# Shared parts of ci/setup, ci/test and ci/demo. Sourced from the checkout's root, under `set -euo pipefail`.
 
 say() { printf '%s: %s\n' "ci/${0##*/}" "$*"; }
 die() {
@@ -8,7 +7,7 @@ die() {
     exit 1
 }
 
-# Announces a command, runs it, and says how long it took.
+# Announces a command, runs it, and prints how long it took.
 step() {
     local start=$SECONDS
     printf '\n==> %s\n' "$*"
@@ -16,13 +15,13 @@ step() {
     ((SECONDS - start < 5)) || say "that took $((SECONDS - start)) s"
 }
 
-# A shell that is no login shell often lacks rustup's folder.
+# A shell that is not a login shell often lacks rustup's folder.
 export PATH="$PATH:${CARGO_HOME:-${HOME:-/}/.cargo}/bin"
 
 # ---------------------------------------------------------------- Rust
 
-# need_rust [SUBCOMMAND...]: cargo as new as Cargo.toml asks for, and the given
-# subcommands, which a minimal toolchain lacks.
+# need_rust [SUBCOMMAND...]: checks that cargo is as new as Cargo.toml requires, and that the given
+# subcommands exist, which a minimal toolchain lacks.
 need_rust() {
     local cure="install Rust with rustup (https://rustup.rs)"
     local have want sub
@@ -41,8 +40,8 @@ need_rust() {
 
 # ------------------------------------------------------------ packages
 
-# Each need is tested by what it is for, not by a package's name, so that a
-# system prepared in another way is left alone.
+# Each requirement is tested by its purpose, not by a package's name, so that a system prepared in another way
+# stays unchanged.
 have_archive() { have_library "lib$1.a"; }
 have_library() { [[ $(c++ -print-file-name="$1" 2>/dev/null) == /* ]]; }
 have_json() { # the folders in which the Vulkan loader looks
@@ -51,8 +50,8 @@ have_json() { # the folders in which the Vulkan loader looks
         "$home"/.{config,local/share}/vulkan -name "$1" 2>/dev/null) ]]
 }
 
-# need WHY PACKAGE[|PACKAGE...] TEST...: notes the package, of several names
-# the first one known here, if the test fails.
+# need WHY PACKAGE[|PACKAGE...] TEST...: notes a package if the test fails. Of several names, it is the first
+# one known here.
 need() {
     local why=$1 names=$2
     shift 2
@@ -104,7 +103,7 @@ install_missing() {
         as_root=(sudo)
         [[ -t 0 ]] || as_root=(sudo -n) # nobody is there to type a password
     fi
-    # No questions; wait for another apt's lock; leave running services alone.
+    # apt asks no questions, waits for another apt's lock and leaves running services alone.
     as_root+=(env DEBIAN_FRONTEND=noninteractive NEEDRESTART_SUSPEND=1
         apt-get -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3)
     say "reading the package lists"
@@ -126,11 +125,10 @@ install_missing() {
 
 # ------------------------------------------------------------- shaderc
 
-# Debian's and Ubuntu's libshaderc, shared and static, comes without glslang
-# and SPIRV-Tools and links with nothing. A linker script under the library's
-# name that groups all the static archives is understood by GNU ld, gold, lld
-# and mold alike and needs no copies. It lies outside target/, which `cargo
-# clean` deletes and which CARGO_TARGET_DIR moves.
+# Debian's and Ubuntu's libshaderc, shared and static, lacks glslang and SPIRV-Tools, so that nothing can be
+# linked with it. This writes a linker script under the library's name that groups all the static archives.
+# GNU ld, gold, lld and mold understand it, and nothing is copied. It is outside target/, which `cargo clean`
+# deletes and which CARGO_TARGET_DIR moves.
 link_shaderc() {
     if [[ -n ${SHADERC_LIB_DIR-} ]]; then
         say "using your SHADERC_LIB_DIR=$SHADERC_LIB_DIR, unchecked"
@@ -139,15 +137,15 @@ link_shaderc() {
     fi
     local dir=$PWD/.shaderc name path new
     local -a archives=()
-    # The last five exist in some versions only.
+    # Only some versions have the last five.
     for name in shaderc_combined glslang SPIRV-Tools-opt SPIRV-Tools \
         SPIRV MachineIndependent GenericCodeGen OSDependent OGLCompiler; do
         have_archive "$name" || continue
         path=$(c++ -print-file-name="lib$name.a")
         archives+=("$(readlink -f "$path")")
     done
-    # Sizes and times tell one version of the packages from another, and the
-    # folder's own path tells a checkout that was moved.
+    # Sizes and times distinguish versions of the packages. The folder's own path shows that a checkout was
+    # moved.
     new="/* Made by ci/setup: libshaderc with all its parts.
    $dir
 $(stat -c '   %s %Y %n' "${archives[@]}")
@@ -170,7 +168,7 @@ GROUP($(printf ' "%s"' "${archives[@]}") )"
     forget_older_shaderc "$new"
 }
 
-# Links a program with the libshaderc in folder $1, compiles a shader with it.
+# Links a program with the libshaderc in folder $1, and compiles a shader with it.
 try_shaderc() {
     c++ -x c++ -o "$1/try" - -L"$1" -lshaderc -pthread <<'END' && "$1/try" && rm "$1/try"
 #include <cstdio>
@@ -191,8 +189,8 @@ int main() {
 END
 }
 
-# Cargo does not see that the library behind shaderc-sys was replaced. A note in
-# the target folder says which one ($1) it was built with.
+# Cargo does not notice that the library behind shaderc-sys was replaced. A note in the target folder names
+# the one ($1) with which it was built.
 forget_older_shaderc() {
     local target note
     target=$(cargo metadata --no-deps --format-version 1 |
@@ -202,7 +200,7 @@ forget_older_shaderc() {
     [[ $1 != "$(cat "$note" 2>/dev/null)" ]] || return 0
     if [[ -d $target ]]; then
         say "dropping what was built with another libshaderc, if anything"
-        # Cargo drops the build of one profile only.
+        # Cargo removes the build of only one profile at a time.
         for profile in dev release ci; do
             cargo clean -q --profile "$profile" -p shaderc-sys ||
                 die "could not; run 'cargo clean', then this again"
@@ -214,8 +212,8 @@ forget_older_shaderc() {
 
 # -------------------------------------------------------------- Vulkan
 
-# check_vulkan [LAYER]: the loader must find a device (the one named by
-# GEOSWEEP_TEST_DEVICE, if set) and the layer.
+# check_vulkan [LAYER]: checks that the loader finds a device (the one named by GEOSWEEP_TEST_DEVICE, if set)
+# and the layer.
 check_vulkan() {
     local scratch devices
     scratch=$(mktemp -d)

@@ -1,7 +1,7 @@
-// Prints the names of the Vulkan devices, a line each, with the layers given
-// as arguments switched on. Fails, and says why, where the loader or a layer
-// is missing or there is no device. It declares the little of Vulkan that it
-// uses, so that no headers have to be installed.
+// Prints the names of the Vulkan devices, one per line, with the layers in the
+// arguments enabled. Fails with a message if the loader, a layer or a device is
+// missing. It declares the few parts of Vulkan that it uses, so that no headers
+// need to be installed.
 #include <cstdint>
 #include <cstdio>
 #include <dlfcn.h>

@@ -1,13 +1,13 @@
-//! Creates the pipelines of all schedules and wavefronts on a device and prints what its driver made of them:
-//! registers, spills, instructions. Nothing is run, so that a driver which only compiles will do, such as Mesa's
-//! for AMD without a GPU:
+//! Creates the pipelines of all schedules and wavefronts on a device and prints the driver's statistics of
+//! them: registers, spills, instructions. Nothing is run, so that a driver which only compiles is enough,
+//! such as Mesa's for AMD without a GPU:
 //!
 //! ```sh
 //! VK_DRIVER_FILES=/usr/share/vulkan/icd.d/radeon_icd.x86_64.json RADV_FORCE_FAMILY=navi21 \
 //!     cargo run --release --example compile
 //! ```
 //!
-//! An argument is a part of the name of the device that is wanted.
+//! An argument is a part of the name of the wanted device.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -24,10 +24,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let entry = unsafe { ash::Entry::load()? };
     let application = vk::ApplicationInfo::default().api_version(requirements::API_VERSION);
     let info = vk::InstanceCreateInfo::default().application_info(&application);
-    // SAFETY: all that the info points to is alive.
+    // SAFETY: everything that the info points to is alive.
     let instance = unsafe { entry.create_instance(&info, None)? };
     let result = on_instance(&instance, &wanted);
-    // SAFETY: the device is gone.
+    // SAFETY: the device was destroyed.
     unsafe { instance.destroy_instance(None) };
     result
 }
@@ -63,7 +63,7 @@ fn on_instance(instance: &ash::Instance, wanted: &str) -> Result<(), Box<dyn Err
     // SAFETY: the device has this queue family and offers the extension.
     let device = unsafe { instance.create_device(physical_device, &info, None)? };
     let result = compile(instance, physical_device, &device, tells);
-    // SAFETY: the pipelines are gone.
+    // SAFETY: the pipelines were destroyed.
     unsafe { device.destroy_device(None) };
     result
 }
@@ -106,7 +106,7 @@ fn compile(
     Ok(())
 }
 
-/// Drivers tell much more.
+/// Returns whether a statistic is printed. Drivers report many more.
 fn is_of_interest(statistic: &str) -> bool {
     let words =
         ["gpr", "spill", "scratch", "instructions", "instruction count", "code size", "lds"];

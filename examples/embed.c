@@ -51,7 +51,7 @@ static void check(GeosweepStatus status) {
     }
 }
 
-/* An instance, and a device on the first physical device that meets the requirements and has
+/* Creates an instance, and a device on the first physical device that meets the requirements and has
    `wanted` in its name. */
 static Host open_host(const char *wanted) {
     Host host = {0};
@@ -117,7 +117,7 @@ static void close_host(Host *host) {
     vkDestroyInstance(host->instance, NULL);
 }
 
-/* A buffer for so many floats, which the program reads and writes. */
+/* Creates a buffer for `floats` floats, which the program reads and writes. */
 static HostBuffer make_buffer(const Host *host, uint32_t floats) {
     HostBuffer made;
     VkBufferCreateInfo info = {VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
@@ -164,7 +164,7 @@ static void submit_and_wait(const Host *host) {
     check_vulkan(vkQueueWaitIdle(host->queue), "vkQueueWaitIdle");
 }
 
-/* By how much a distance on a plane that rises along the rows is wrong. */
+/* Returns the error of a distance on a plane that rises along the rows. */
 static double error_at(double row, double col, float distance, double slope,
                        GeosweepSource from) {
     double down = SPACING * (row - from.row), right = SPACING * (col - from.col);
@@ -179,8 +179,8 @@ static double larger(double a, double b) {
 int main(int argc, char **argv) {
     Host host = open_host(argc > 1 ? argv[1] : "");
 
-    /* A plane that tilts from frame to frame, in the program's memory. A buffer or an image that
-       shaders write would do as well. */
+    /* A plane in the program's memory that tilts from frame to frame. A buffer or an image that shaders
+       write can be used too. */
     static float heights[ROWS * COLS];
     HostBuffer places = make_buffer(&host, 2 * PLACES);
     HostBuffer found = make_buffer(&host, PLACES);
@@ -269,7 +269,7 @@ int main(int argc, char **argv) {
         printf("frame %d: %.3f, %.3f and %.3f to three corners, %u iterations, errors up to %.1e\n",
                frame, found.mapped[0], found.mapped[1], found.mapped[2],
                (unsigned)outcome.iterations, error);
-        /* Exact on a plane but for rounding: 3e-6 of the longest ways, which are about 130. */
+        /* Distances on a plane are exact up to rounding: 3e-6 of the longest ones, which are about 130. */
         if (!outcome.converged || !(error < 4e-4)) {
             fprintf(stderr, "this is not the distance on a plane\n");
             return EXIT_FAILURE;

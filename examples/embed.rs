@@ -1,5 +1,5 @@
-//! geosweep in a program that has a Vulkan device already: distances on a surface that moves every
-//! frame, recorded into the program's own command buffer.
+//! geosweep in a program that has a Vulkan device already: distances on a surface that moves every frame,
+//! recorded into the program's own command buffer.
 //!
 //! `cargo run --release --example embed`
 

@@ -1,11 +1,9 @@
-//! What splitting obtuse triangles gains: the tables of
-//! `docs/obtuse-triangles.md`.
+//! Measures the gain from splitting obtuse triangles: the tables of `docs/obtuse-triangles.md`.
 //!
 //!     cargo run --release --example obtuse_triangles
 //!
-//! The surface is a plane sheared by an angle, x = u + v tan(angle), y = v, whose exact distances
-//! are straight lines. From 45 degrees on, two of the eight triangles around a point are obtuse
-//! there.
+//! The surface is a plane sheared by an angle, x = u + v tan(angle), y = v, whose exact distances are
+//! straight lines. From 45 degrees on, two of the eight triangles around a point are obtuse.
 
 use std::time::{Duration, Instant};
 
@@ -27,20 +25,20 @@ fn main() {
     fast_marching_table(257);
 }
 
-/// Mean and largest relative error.
+/// Returns the mean and the largest relative error.
 fn errors(map: &[f64], exact: &[f64]) -> (f64, f64) {
     let relative = map.iter().zip(exact).filter(|(_, exact)| **exact > 0.0);
     let relative: Vec<_> = relative.map(|(found, exact)| (found - exact).abs() / exact).collect();
     (relative.iter().sum::<f64>() / relative.len() as f64, relative.into_iter().fold(0.0, f64::max))
 }
 
-/// A grid point off every line of symmetry.
+/// Returns a grid point off every line of symmetry.
 fn source(points: usize) -> [usize; 2] {
     [3 * (points - 1) / 10, 2 * (points - 1) / 5]
 }
 
-/// Errors of the converged map in single precision: planar and point-source front from a point,
-/// and planar front from exact values in a disc of radius 0.1.
+/// Prints errors of the converged map in single precision, for planar and point-source fronts from a point,
+/// and for planar fronts from exact values in a disc of radius 0.1.
 fn engine_table(points: usize) {
     println!(
         "| shear | largest angle | planar: mean | max | planar from a disc: mean | max | point-source: mean | max |"
@@ -78,7 +76,7 @@ fn engine_table(points: usize) {
     println!();
 }
 
-/// Mean errors and times of fast marching with the crate's [`Connections`], in single precision.
+/// Prints mean errors and times of fast marching with the crate's [`Connections`], in single precision.
 fn fast_marching_table(points: usize) {
     println!(
         "| shear | planar: mean, 8 | split | point-source: mean, 8 | split | ms, 8 | split | ms to split |"
@@ -112,7 +110,7 @@ fn fast_marching_table(points: usize) {
     }
 }
 
-/// The largest of the eight angles around a point of the plane, in degrees.
+/// Returns the largest of the eight angles around a point of the plane, in degrees.
 fn largest_angle(degrees: f64) -> f64 {
     let ring = [[0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1], [1, 0], [1, 1]];
     let vector = |[row, col]: [i32; 2]| {

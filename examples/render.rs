@@ -1,6 +1,6 @@
-//! A renderer without a window: one command buffer moves a surface in a compute pass, computes the
-//! distances on it, and draws it in colours of the map, with lines of equal distance made in the
-//! fragment shader. Nothing is read back but the picture.
+//! A renderer without a window: one command buffer moves a surface in a compute pass, computes the distances
+//! on it, and draws it in colours of the map. The fragment shader draws lines of equal distance. Only the
+//! picture is read back.
 //!
 //! `cargo run --release --features formats --example render -- picture.png`
 
@@ -139,8 +139,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Draws the surface as it is in some phase of its motion, with pixels that are so many times as fine
-/// on each side, and averaged. Rows of pixels.
+/// Draws the surface in a phase of its motion. Renders `finer` times as many pixels on each side and averages
+/// them. Returns rows of pixels.
 pub(crate) fn render(
     host: &mut Host,
     finer: u32,
@@ -211,7 +211,7 @@ pub(crate) fn render(
     pixels
 }
 
-/// The mean of each square of fine pixels.
+/// Returns the mean of each square of fine pixels.
 fn averaged(fine: &[u8], finer: usize) -> Vec<[[u8; 3]; WIDTH as usize]> {
     let stride = finer * WIDTH as usize;
     let channel = |row: usize, col: usize, channel: usize| {

@@ -54,9 +54,9 @@ pub struct Report {
     /// Seams: the places where the surface is closed and the grid is not. Paths across a seam are not found,
     /// and two grid points that are one point of the surface have separate distances.
     pub seams: Vec<Seam>,
-    /// How well the grid resolves the surface ([`crate::Surface::resolution`]). Where the surface normals
-    /// turn by tens of degrees from point to point, distances are those of a polyhedron. `None` over a
-    /// metric.
+    /// Measure of how well the grid resolves the surface ([`crate::Surface::resolution`]). Where the surface
+    /// normals turn by tens of degrees from point to point, distances are those of a polyhedron. `None` over
+    /// a metric.
     pub resolution: Option<Resolution>,
 }
 

@@ -4,14 +4,14 @@
     pip install agd==0.2.16 "cupy-cuda12x[ctk]" numpy scipy
     python benches/peers/agd_gpu.py --geosweep target/release/geosweep --device NVIDIA
 
-Without a GPU, `--mode cpu` sends the same input to agd's CPU solver (needs hfmpy), which checks
-all of this script but the GPU's part.
+Without a GPU, `--mode cpu` sends the same input to agd's CPU solver (needs hfmpy), which tests
+all of this script except the GPU's part.
 
-What agd is given: the first fundamental form of the grid per step, as for HFM in compare.py, in
-single precision, scaled so that a step is about one long: agd's tolerance is absolute in part and
-made for such grids. What counts as its time: `solverGPUTime`, agd's own clock around its
-iterations, after one run that is not counted (CUDA compiles then). The rest of its run, which
-decomposes the metric and copies, is given as set-up. geosweep's are as in compare.py.
+agd's input is the first fundamental form of the grid per step, as for HFM in compare.py, in
+single precision. It is scaled so that a step has a length of about one: agd's tolerance is
+partly absolute and made for such grids. agd's time is `solverGPUTime`, its own clock around its
+iterations, after one run that does not count (CUDA compiles then). The rest of its run, which
+decomposes the metric and copies, counts as set-up. geosweep's times are as in compare.py.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from solvers import WAVEFRONTS, Geosweep, Place, Solver, first_fundamental_form
 
 @dataclass(frozen=True)
 class Setting:
-    """How agd is asked to solve."""
+    """Settings with which agd solves."""
 
     order: int
     radius: float
@@ -60,7 +60,7 @@ class Agd(Solver):
         self.metric = self.array(metric / self.step**2)
 
     def array(self, values: np.ndarray) -> Any:
-        """On the GPU in single precision, or as it is."""
+        """Returns the array on the GPU in single precision, or unchanged."""
         if self.mode == "cpu":
             return values
         import cupy
@@ -110,7 +110,7 @@ class Agd(Solver):
         return entries
 
     def wait(self) -> None:
-        """Until the GPU has done all that was asked: calls to it return at once."""
+        """Waits until the GPU is idle, since calls to it return at once."""
         if self.mode == "gpu":
             import cupy
 
@@ -118,7 +118,7 @@ class Agd(Solver):
 
 
 def let_new_cupy_compile() -> None:
-    """Compiles without agd's `-default-device` where that fails.
+    """Compiles without agd's option `-default-device` if compiling with it fails.
 
     CuPy 13.3 began to add the option itself, and the compiler refuses it twice; agd 0.2.16 takes
     it out for CuPy 13.3 alone.
@@ -212,7 +212,7 @@ def measured(
     exact: np.ndarray,
     repeats: int,
 ) -> report.Row:
-    """In this process: a GPU's context is worth keeping. The first solve warms up."""
+    """Runs in this process, to keep the GPU's context. The first solve is a warm-up."""
     try:
         solver.prepare(grid)
         solver.solve(source)

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Compares geosweep with other solvers on the same arrays, time and error in one run.
+"""Compares times and errors of geosweep and other solvers on the same arrays, in one run.
 
     python benches/peers/compare.py --geosweep target/release/geosweep
     python benches/peers/compare.py --geosweep target/release/geosweep --docs
 
-The first prints tables. The second also renews docs/peers.csv, where it replaces the rows of the
-surfaces and sizes measured, and docs/peers.md: its summary of these rows, and the tables of
+The first command prints tables. The second one also updates docs/peers.csv, where it replaces the rows
+of the measured surfaces and sizes, and docs/peers.md: the summary of these rows, and the tables of
 terrain.py and paths.py.
 """
 
@@ -74,14 +74,14 @@ def arguments() -> argparse.Namespace:
         type=int,
         default=150,
         metavar="SIZE",
-        help="run pygeodesic on grids up to this size (minutes beyond)",
+        help="run pygeodesic on grids up to this size; larger ones take minutes",
     )
     parser.add_argument(
         "--references", type=Path, help="folder with SURFACE-ROWSxCOLS.npy, exact distances"
     )
     parser.add_argument("--csv", type=Path, help="where to write the rows")
     parser.add_argument(
-        "--docs", action="store_true", help="renew docs/peers.md and docs/peers.csv"
+        "--docs", action="store_true", help="update docs/peers.md and docs/peers.csv"
     )
     parser.add_argument(
         "--no-terrain", action="store_true", help="keep the page's tables of terrain (minutes)"
@@ -100,12 +100,12 @@ def numbers(text: str) -> list[int]:
 
 
 def source_of(surface: str, size: int) -> Place:
-    """Off the centre, as in `geosweep accuracy`; in the maze where its corridor begins."""
+    """Returns a source off the centre, as in `geosweep accuracy`, or the maze's first point."""
     return (0, 0) if surface == "maze" else (round(0.31 * (size - 1)), round(0.41 * (size - 1)))
 
 
 def compare(surface: str, size: int, options: argparse.Namespace, folder: Path) -> list[report.Row]:
-    """All solvers on one surface."""
+    """Runs all solvers on one surface."""
     positions = folder / "positions.npy"
     subprocess.run(
         [options.geosweep, "builtin", f"{surface}:{size}x{size}", "-o", positions], check=True
@@ -140,7 +140,7 @@ def compare(surface: str, size: int, options: argparse.Namespace, folder: Path) 
 
 
 def chosen(surface: str, size: int, options: argparse.Namespace) -> dict:
-    """The solvers to run on a surface, by name."""
+    """Returns the solvers to run on a surface, by name."""
     found = {}
     ours = geosweep_solvers(options.geosweep, options.engines)
     if options.all_cores:
@@ -159,7 +159,7 @@ def chosen(surface: str, size: int, options: argparse.Namespace) -> dict:
 
 
 def renew(options: argparse.Namespace, rows: list[report.Row]) -> None:
-    """Writes what was measured into the documentation."""
+    """Writes the measurements into the documentation."""
     page, figures = DOCS / "peers.md", DOCS / "peers.csv"
     rows = report.renewed(report.read_csv(figures), rows, SURFACES)
     report.write_csv(figures, rows)

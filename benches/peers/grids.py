@@ -1,4 +1,4 @@
-"""The grids that all solvers get: the same positions, and one triangulation of them."""
+"""Grids for all solvers: the same positions, and one triangulation of them."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Grid:
 
     @cached_property
     def index(self) -> np.ndarray:
-        """The vertex at each grid point, -1 at holes: meshes want no vertex without a triangle."""
+        """Vertex of each grid point, -1 at holes: meshes must have no vertex without a triangle."""
         index = np.full(self.shape, -1, dtype=np.int64)
         index[self.present] = np.arange(self.present.sum())
         return index
@@ -45,10 +45,10 @@ class Grid:
 
     @cached_property
     def faces(self) -> np.ndarray:
-        """Two triangles a cell along its shorter diagonal, north-west to south-east in a tie.
+        """Two triangles per cell along its shorter diagonal, north-west to south-east in a tie.
 
-        The kinder choice for solvers on meshes: the longer one makes obtuse triangles. A cell
-        with one hole keeps the triangle of its other corners.
+        The shorter diagonal suits solvers on meshes: the longer one makes obtuse triangles. A
+        cell with one hole has the triangle of its other corners.
         """
         nw, ne = self.index[:-1, :-1].ravel(), self.index[:-1, 1:].ravel()
         sw, se = self.index[1:, :-1].ravel(), self.index[1:, 1:].ravel()
@@ -60,7 +60,7 @@ class Grid:
 
     @cached_property
     def rising(self) -> np.ndarray:
-        """For each cell (M - 1, N - 1), whether it is cut from south-west to north-east."""
+        """Whether each cell (M - 1, N - 1) is cut from south-west to north-east."""
         points, present = self.positions, self.present
         falling = np.linalg.norm(points[:-1, :-1] - points[1:, 1:], axis=2)
         rising = np.linalg.norm(points[1:, :-1] - points[:-1, 1:], axis=2)
@@ -70,7 +70,7 @@ class Grid:
         return np.where(whole_falling & whole_rising, shorter, whole_rising)
 
     def to_map(self, values: np.ndarray) -> np.ndarray:
-        """Values of vertices as a map (M, N), infinite at holes."""
+        """Returns values of vertices as a map (M, N), infinite at holes."""
         distances = np.full(self.shape, np.inf)
         distances[self.present] = np.asarray(values, dtype=np.float64).reshape(-1)
         return distances
@@ -78,7 +78,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class Errors:
-    """Relative to the exact distances, over all points but the source."""
+    """Errors relative to the exact distances, over all points except the source."""
 
     mean: float
     largest: float
@@ -87,7 +87,7 @@ class Errors:
 
 
 def errors(distances: np.ndarray, exact: np.ndarray) -> Errors:
-    """Compares where the exact distance is positive and finite; counts what was not reached."""
+    """Compares points with a positive, finite exact distance, and counts unreached ones."""
     where = np.isfinite(exact) & (exact > 0)
     reached = where & np.isfinite(distances)
     difference = distances[reached] / exact[reached] - 1

@@ -1,4 +1,4 @@
-"""Runs one solver on one grid in a process of its own, so that none can hang or crash the rest."""
+"""Runs one solver on one grid in its own process, so that it cannot hang or crash the others."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ LONG = 15.0
 
 @dataclass(frozen=True)
 class Result:
-    """One solver on one grid: the map, and medians of its times in seconds."""
+    """Result of one solver on one grid: the map, and medians of its times in seconds."""
 
     distances: np.ndarray
     set_up: float
@@ -44,7 +44,7 @@ class Result:
 
 @dataclass(frozen=True)
 class Failure:
-    """Why there is no map, in a few words."""
+    """Reason why there is no map, in a few words."""
 
     reason: str
 
@@ -57,7 +57,7 @@ def measure(
     limit: float,
     cores: int,
 ) -> Result | Failure:
-    """Prepares once and solves up to `repeats` times, on so many cores (0: all of them)."""
+    """Prepares once and solves up to `repeats` times, on `cores` cores (0: all of them)."""
     context = multiprocessing.get_context("fork")
     receiver, sender = context.Pipe(duplex=False)
     child = context.Process(target=_child, args=(sender, make, positions, source, repeats, cores))
@@ -96,7 +96,7 @@ def _child(
 
 
 def _confine(cores: int) -> None:
-    """Leaves this process, and those it starts, so many cores and threads."""
+    """Limits this process, and those that it starts, to `cores` cores and threads."""
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[-cores:])
     os.environ.update({name: str(cores) for name in THREADS})
 
@@ -120,10 +120,10 @@ def _measure(solver: Solver, grid: Grid, source: Place, repeats: int, cores: int
 
 
 def _timed(call: Callable[[], Any], cores: int) -> tuple[Any, float]:
-    """What a call gives, and its time without what other work had of its one core.
+    """Returns the result of a call, and its time without that of other work on its core.
 
-    That is the processor's time, so no less than the call needs. On several cores the processor's
-    time adds up over them, and the clock counts.
+    On one core this is the processor's time, which is no less than the call needs. On several
+    cores, the processor's time adds up over them, so that the clock is used.
     """
     clock, processor = time.perf_counter(), _processor_time()
     result = call()
@@ -132,6 +132,6 @@ def _timed(call: Callable[[], Any], cores: int) -> tuple[Any, float]:
 
 
 def _processor_time() -> float:
-    """What this process and those it waited for have used so far."""
+    """Returns the processor time of this process and of those it waited for."""
     children = resource.getrusage(resource.RUSAGE_CHILDREN)
     return time.process_time() + children.ru_utime + children.ru_stime

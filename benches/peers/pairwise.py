@@ -1,10 +1,10 @@
-"""All pairs: geosweep's matrix of distances against what people compute theirs with today.
+"""All pairs: compares geosweep's matrix of distances with other solvers.
 
-On square grids of a sphere, whose distances are known: time, distances a second and mean relative
-error of each solver, with its set-up (factoring, building structures) not counted. Peers compute
-rows of some sources, spread over the grid, in as many processes as there are cores, since none of
-them uses more than one; geosweep computes the whole matrix on all cores. Nobody's time includes
-writing a file. What is not installed becomes a line that says so.
+On square grids of a sphere, whose distances are known, this measures time, distances per second
+and mean relative error of each solver. Set-up (factoring, building structures) does not count.
+Peers compute rows of some sources, spread over the grid, in one process per core, since none of
+them uses more than one core. geosweep computes the whole matrix on all cores. No time includes
+writing a file. For a solver that is not installed, a line says so.
 
     .venv/bin/python benches/peers/pairwise.py --geosweep target/release/geosweep
 """
@@ -31,7 +31,7 @@ from solvers import Exact, GeometryCentralHeat, Place, Solver, lacks
 
 
 class Gdist(Solver):
-    """The Virtual Brain's wrapping of Kirsanov's exact algorithm: all pairs, or a source each."""
+    """The Virtual Brain's wrapper of Kirsanov's exact algorithm: all pairs, or one source each."""
 
     name, needs = "gdist (exact on the mesh)", ("gdist",)
 
@@ -54,7 +54,7 @@ OURS = {
 
 @dataclass(frozen=True)
 class Result:
-    """How fast rows came, and how far they are from truth."""
+    """Rate at which rows were computed, and their error."""
 
     name: str
     rows: int
@@ -68,7 +68,7 @@ def spread_sources(points: int, count: int) -> np.ndarray:
 
 
 def mean_error(grid: Grid, rows: np.ndarray, sources: np.ndarray) -> float:
-    """Mean over sources of the mean relative error over all points but the source."""
+    """Returns the mean over sources of the mean relative error over all other points."""
 
     def of(row: np.ndarray, source: int) -> float:
         place = np.unravel_index(source, grid.shape)
@@ -83,7 +83,7 @@ _solver: Solver
 
 
 def _prepare(maker: Callable[[], Solver], positions: np.ndarray) -> None:
-    """Sets a process up; one solve warms it."""
+    """Sets a process up, with one solve as a warm-up."""
     global _solver
     _solver = maker()
     _solver.prepare(Grid(positions))
@@ -97,7 +97,7 @@ def _rows(places: list[Place]) -> tuple[float, list[np.ndarray]]:
 
 
 def peer(maker: Callable[[], Solver], grid: Grid, count: int, processes: int) -> Result:
-    """Rows of some sources, as many processes at once as said."""
+    """Computes rows of some sources in several processes at once."""
     sources = spread_sources(grid.present.size, count)
     places = [tuple(map(int, np.unravel_index(source, grid.shape))) for source in sources]
     parts = [places[start::processes] for start in range(processes)]
@@ -115,7 +115,7 @@ def peer(maker: Callable[[], Solver], grid: Grid, count: int, processes: int) ->
 
 
 def ours(name: str, binary: Path, grid: Grid, runs: int) -> Result:
-    """The whole matrix, the median of some runs."""
+    """Computes the whole matrix, and the median time of some runs."""
     with tempfile.TemporaryDirectory() as folder:
         positions, matrix = Path(folder) / "positions.npy", Path(folder) / "matrix.npy"
         np.save(positions, grid.positions)
@@ -134,7 +134,7 @@ def ours(name: str, binary: Path, grid: Grid, runs: int) -> Result:
 
 
 def table(results: list[Result]) -> str:
-    """Each peer beside the fastest of ours that errs no more, or as little."""
+    """Returns a table of each peer and the fastest geosweep method with no larger an error."""
     own = [result for result in results if result.name.startswith("geosweep")]
     lines = [
         "| solver | rows | seconds | distances/s | mean relative error | geosweep's rate over it |",

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Shortest paths over real terrain against exact ones on its triangles.
+"""Compares shortest paths over real terrain with exact ones on its triangles.
 
     python benches/peers/paths.py --geosweep target/release/geosweep
 
-Crops of the elevation model in examples/data, 65 x 65 points, as in terrain.py, each with two
-sources and starts at random points. Here the surface is the triangles themselves: exact paths on
-them (pygeodesic) are the reference, ours are those of `geosweep path --edges chord`, and MeshLib's
-are its own, straightened over the same triangles.
+The surfaces are crops of the elevation model in examples/data, 65 x 65 points, as in terrain.py,
+each with two sources and starts at random points. Here the surface consists of the triangles
+themselves. The reference is the exact paths on them (pygeodesic). They are compared with those of
+`geosweep path --edges chord`, and with MeshLib's, straightened over the same triangles.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ ANOTHER_WAY = 2.0
 
 @dataclass(frozen=True)
 class Traced:
-    """A path: the distance at its start by the map that it comes from, if there is one, what its
-    solver says of its own length, both in metres, and its rows and columns (K, 2)."""
+    """A path: the distance at its start in its map, if there is one, and its length as its solver
+    reports it, both in metres, and its rows and columns (K, 2)."""
 
     distance: float
     length: float
@@ -68,7 +68,7 @@ def main() -> None:
 
 
 def study(binary: Path) -> str:
-    """A Markdown table, a line for each solver."""
+    """Returns a Markdown table with a line for each solver."""
     random = np.random.default_rng(1)
     cases = [prepared(crop, source, random) for crop in CROPS for source in SOURCES]
     solvers = {
@@ -86,7 +86,7 @@ def study(binary: Path) -> str:
 
 
 def prepared(crop: Place, source: Place, random: np.random.Generator) -> Case:
-    """Starts, and exact paths on the triangles of the crop."""
+    """Returns starts, and exact paths on the triangles of the crop."""
     points = lifted(crop_of_heights(crop), 1).astype(np.float32).astype(np.float64)
     grid = Grid(points)
     starts: list[Place] = []
@@ -105,12 +105,12 @@ def prepared(crop: Place, source: Place, random: np.random.Generator) -> Case:
 
 
 def on_grid(points: np.ndarray) -> np.ndarray:
-    """Rows and columns of points (K, 3) in metres."""
+    """Returns rows and columns of points (K, 3) in metres."""
     return points[:, [1, 0]] / (SPACING[1], SPACING[0])
 
 
 def geosweep_paths(binary: Path, wavefront: str, case: Case) -> list[Traced]:
-    """Ours, from a file of positions to a file of paths."""
+    """Runs geosweep, from a file of positions to a file of paths."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         np.save(folder / "positions.npy", case.grid.positions)
@@ -131,7 +131,7 @@ def geosweep_paths(binary: Path, wavefront: str, case: Case) -> list[Traced]:
 
 
 def meshlib_paths(case: Case) -> list[Traced]:
-    """By fast marching, then straightened until they are locally shortest."""
+    """Computes paths by fast marching, and straightens them until they are locally shortest."""
     from meshlib import mrmeshnumpy, mrmeshpy
 
     mesh = mrmeshnumpy.meshFromFacesVerts(case.grid.faces, case.grid.vertices)
@@ -156,7 +156,7 @@ def along(points: np.ndarray) -> float:
 
 
 def on_triangles(grid: Grid, places: np.ndarray) -> float:
-    """The length of a path laid on the grid's triangles: straight within each of them."""
+    """Returns the length of a path on the grid's triangles, straight within each of them."""
     rising = grid.rising
     cuts = [places[0]]
     for a, b in zip(places[:-1], places[1:], strict=True):
@@ -166,7 +166,7 @@ def on_triangles(grid: Grid, places: np.ndarray) -> float:
 
 
 def crossings(rising: np.ndarray, a: np.ndarray, b: np.ndarray) -> Iterable[np.ndarray]:
-    """Where the straight line between two places of a cell crosses its diagonal."""
+    """Returns where the straight line between two places of a cell crosses its diagonal."""
     cell = np.clip(np.floor((a + b) / 2), 0, SIZE - 2)
 
     def beside(place: np.ndarray) -> float:
@@ -179,7 +179,7 @@ def crossings(rising: np.ndarray, a: np.ndarray, b: np.ndarray) -> Iterable[np.n
 
 
 def height(grid: Grid, rising: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """The point of the triangles at a row and column."""
+    """Returns the point of the triangles at a row and column."""
     row, col = (int(min(x, SIZE - 2)) for x in place)
     down, right = place - (row, col)
     north_west, north_east, south_west, south_east = (
@@ -197,7 +197,7 @@ def height(grid: Grid, rising: np.ndarray, place: np.ndarray) -> np.ndarray:
 
 
 def apart(a: np.ndarray, b: np.ndarray) -> float:
-    """The largest distance from a place of either path to the other, in cells."""
+    """Returns the largest distance from a place of either path to the other, in cells."""
     return max(farthest(a, b), farthest(b, a))
 
 

@@ -1,4 +1,4 @@
-"""Exact distances, worked out here from the definitions of the surfaces, not by the crate."""
+"""Exact distances, computed from the definitions of the surfaces, independently of the crate."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ CONE_INNER = 0.5
 def exact(
     surface: str, present: np.ndarray, source: Place, folder: Path | None
 ) -> np.ndarray | None:
-    """Exact distances (M, N) from a grid point, or None where nobody knows them.
+    """Returns exact distances (M, N) from a grid point, or None if they are not known.
 
-    `folder` may hold more of them, as SURFACE-ROWSxCOLS.npy: for surfaces without a closed form.
+    `folder` may have further ones, as SURFACE-ROWSxCOLS.npy, for surfaces without a closed form.
     """
     name, _, angle = surface.partition("@")
     rows, cols = present.shape
@@ -36,7 +36,7 @@ def exact(
 
 
 def unit_square(rows: int, cols: int) -> tuple[np.ndarray, np.ndarray]:
-    """u along columns and v along rows, both from 0 to 1."""
+    """Returns u along columns and v along rows, both from 0 to 1."""
     return np.meshgrid(np.linspace(0, 1, cols), np.linspace(0, 1, rows))
 
 
@@ -66,7 +66,7 @@ def sphere(rows: int, cols: int, source: Place) -> np.ndarray:
 
 
 def cone(rows: int, cols: int, source: Place) -> np.ndarray:
-    """The unrolled sector: a straight line, or two tangents and an arc of the inner circle."""
+    """Distances on the unrolled sector: a line, or two tangents and an arc of the inner circle."""
     u, v = unit_square(rows, cols)
     slant, angle = CONE_INNER + v, CONE_SLOPE * TURN * np.abs(u - u[source])
     here = slant[source]
@@ -77,11 +77,11 @@ def cone(rows: int, cols: int, source: Place) -> np.ndarray:
 
 
 def flat_paths(present: np.ndarray, source: Place) -> np.ndarray:
-    """Shortest paths over the flat unit square around its missing points, to rounding.
+    """Returns shortest paths over the flat unit square around its missing points, up to rounding.
 
     The floor is the union of the triangles between present points, so a rectangle of missing
     points blocks the octagon within one step (along rows plus along columns) of it. A shortest
-    path bends at corners of octagons only: Dijkstra over those, then the best way to each point.
+    path bends only at corners of octagons: Dijkstra runs over these, then each point is reached.
     """
     octagons = [Octagon(*rectangle) for rectangle in sorted(set(rectangles(~present)))]
     spacing = 1.0 / (np.array(present.shape) - 1)
@@ -107,7 +107,7 @@ def inside(corner: Place, present: np.ndarray) -> bool:
 def dijkstra(
     source: Place, corners: list[Place], octagons: list, spacing: np.ndarray
 ) -> dict[Place, float]:
-    """Distances from the source to the corners, by straight lines that nothing blocks."""
+    """Returns distances from the source to the corners, along unblocked straight lines."""
     places = np.array(corners, dtype=float).reshape(-1, 2)
     best, done = np.full(len(corners), np.inf), np.zeros(len(corners), bool)
     anchors, here, start = {source: 0.0}, np.array(source, float), 0.0
@@ -125,9 +125,9 @@ def dijkstra(
 
 
 def rectangles(missing: np.ndarray) -> list[tuple[int, int, int, int]]:
-    """Rectangles (first row, last row, first column, last column) that cover all missing points.
+    """Returns rectangles (first and last row, first and last column) that cover all missing points.
 
-    Each is as long as it can be along a row or a column, so that those that meet in a corner
+    Each is as long as possible along a row or a column, so that rectangles that meet in a corner
     overlap and leave no bevel between them.
     """
     left, found = missing.copy(), []
@@ -140,7 +140,7 @@ def rectangles(missing: np.ndarray) -> list[tuple[int, int, int, int]]:
 
 
 def grow(missing: np.ndarray, row: int, col: int, rows_first: bool) -> tuple[int, int, int, int]:
-    """The rectangle of missing points around one, grown one way first, then the other."""
+    """Returns the rectangle of missing points around one, grown along one axis, then the other."""
     if not rows_first:
         c0, c1, r0, r1 = grow(missing.T, col, row, True)
         return r0, r1, c0, c1
@@ -159,7 +159,7 @@ def grow(missing: np.ndarray, row: int, col: int, rows_first: bool) -> tuple[int
 
 
 class Octagon:
-    """What a rectangle of missing points blocks: an open convex set of eight half-planes."""
+    """Region that a rectangle of missing points blocks: an open convex set of eight half-planes."""
 
     def __init__(self, r0: int, r1: int, c0: int, c1: int) -> None:
         self.bounds = (r0, r1, c0, c1)
@@ -179,7 +179,7 @@ class Octagon:
         return across + along
 
     def blocks(self, start: np.ndarray, ends: np.ndarray) -> np.ndarray:
-        """For each end, whether the straight line to it passes through the inside."""
+        """Returns for each end whether the straight line to it passes through the inside."""
         enter, leave = np.zeros(len(ends)), np.ones(len(ends))
         outside = np.zeros(len(ends), bool)
         for a, b, limit in self.half_planes:
@@ -194,7 +194,7 @@ class Octagon:
 
 
 def sees(start: np.ndarray, ends: np.ndarray, octagons: list[Octagon]) -> np.ndarray:
-    """Which ends the straight line from a place reaches."""
+    """Returns which ends the straight line from a place reaches."""
     seen = np.ones(len(ends), bool)
     for octagon in octagons:
         seen[seen] = ~octagon.blocks(start, ends[seen])

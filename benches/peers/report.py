@@ -1,4 +1,4 @@
-"""Tables for people (Markdown) and for programs (CSV), and what they were measured on."""
+"""Tables for people (Markdown) and for programs (CSV), and the machine of the measurements."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Row:
 
 
 def markdown(rows: list[Row]) -> str:
-    """A table for each surface and size, in the order measured."""
+    """Returns a table for each surface and size, in the order of the measurements."""
     tables = dict.fromkeys((row.surface, row.size) for row in rows)
     return "\n\n".join(
         _table(*key, [row for row in rows if (row.surface, row.size) == key]) for key in tables
@@ -120,12 +120,12 @@ def _by_surface(rows: list[Row], cell: Callable[[Row], str]) -> str:
 
 
 def fraction(error: float) -> str:
-    """Two digits: 1.2e-5."""
+    """Formats a number with two digits: 1.2e-5."""
     return f"{error:.1e}".replace("e-0", "e-")
 
 
 def seconds(time: float) -> str:
-    """Three digits, without an exponent."""
+    """Formats a number with three digits, without an exponent."""
     if time >= 10:
         return f"{time:.1f}"
     return f"{time:.2f}" if time >= 1 else f"{time:.4f}" if time < 0.01 else f"{time:.3f}"
@@ -154,7 +154,7 @@ def write_csv(path: Path, rows: list[Row]) -> None:
 
 
 def read_csv(path: Path) -> list[Row]:
-    """What `write_csv` wrote; nothing where there is no such file."""
+    """Reads rows that `write_csv` wrote; returns none if there is no such file."""
     if not path.exists():
         return []
     with path.open(newline="") as file:
@@ -177,7 +177,7 @@ def _row(line: dict[str, str]) -> Row:
 
 
 def renewed(old: list[Row], new: list[Row], surfaces: tuple[str, ...]) -> list[Row]:
-    """Old rows with whole tables, of a surface at a size, replaced or added; in order of both."""
+    """Replaces or adds whole tables, each of a surface and a size, in the order of both."""
     again = {(row.surface, row.size) for row in new}
     kept = [row for row in old if (row.surface, row.size) not in again]
     order = {surface: place for place, surface in enumerate(surfaces)}
@@ -185,7 +185,7 @@ def renewed(old: list[Row], new: list[Row], surfaces: tuple[str, ...]) -> list[R
 
 
 def conditions(geosweep: Path) -> str:
-    """The machine and the versions, without names that say whose machine it is."""
+    """Returns the machine and the versions, without names that identify its owner."""
     version = subprocess.run(
         [geosweep, "--version"], check=True, capture_output=True, text=True
     ).stdout.strip()
@@ -205,7 +205,7 @@ def _version(package: str) -> str | None:
 
 
 def _cpu() -> str:
-    """The processor's name, with the family and model that tell virtual ones apart."""
+    """Returns the processor's name, with family and model, which distinguish virtual ones."""
     fields = dict(
         re.findall(r"^(model name|cpu family|model)\s*:\s*(.*)$", _read("/proc/cpuinfo"), re.M)
     )
@@ -225,7 +225,7 @@ def _read(path: str) -> str:
 
 
 def replace_between(page: Path, name: str, text: str) -> None:
-    """Puts text between `<!-- NAME -->` and `<!-- end NAME -->`, where the page must have them."""
+    """Puts text between `<!-- NAME -->` and `<!-- end NAME -->`, which the page must have."""
     begin, end = f"<!-- {name} -->", f"<!-- end {name} -->"
     old = page.read_text()
     if begin not in old or end not in old:

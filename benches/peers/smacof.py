@@ -1,11 +1,11 @@
-"""The stress that scikit-learn's SMACOF reaches, for tests/maps/canonical.rs to be held against.
+"""Prints the stress that scikit-learn's SMACOF reaches, for the test tests/maps/canonical.rs.
 
     pip install scikit-learn==1.9.1
     python smacof.py
 
 The distances are those of great circles between the points of a grid on the unit sphere, and the
-start is a formula too, so that the test makes the same ones. Prints the raw stress of the start,
-after one, two and ten Guttman transforms, and when it does not change any more.
+start is a formula too, so that the test can compute both. The output is the raw stress of the
+start, after one, two and ten Guttman transforms, and when it no longer changes.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ ROWS, COLS = 12, 15
 
 
 def directions() -> NDArray[np.float64]:
-    """Unit vectors over a patch of the sphere: latitudes to 60 degrees, longitudes to 100."""
+    """Returns unit vectors of a patch of the sphere: latitudes to 60 degrees, longitudes to 100."""
     latitude = np.radians(np.linspace(-60.0, 60.0, ROWS))[:, None]
     longitude = np.radians(np.linspace(-100.0, 100.0, COLS))[None, :]
     parts = (
@@ -32,7 +32,7 @@ def directions() -> NDArray[np.float64]:
 
 
 def start(dimensions: int) -> NDArray[np.float64]:
-    """Coordinate k of point i is sin(i (k + 1) + k)."""
+    """Returns a start in which coordinate k of point i is sin(i (k + 1) + k)."""
     points = np.arange(ROWS * COLS)[:, None]
     axes = np.arange(dimensions)[None, :]
     return np.sin(points * (axes + 1.0) + axes)

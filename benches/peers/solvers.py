@@ -1,7 +1,7 @@
-"""One small class per peer: a name, the set-up, and a solve for one source.
+"""Peers, one small class each: a name, the set-up, and a solve for one source.
 
-`seconds` is set by solvers that time themselves, where the call around them does more than
-solve; otherwise the clock around `solve` counts.
+Solvers that time themselves set `seconds`, if their call does more than solve. Otherwise the
+clock around `solve` counts.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ FAR = 1e9
 
 
 class Solver:
-    """What all solvers share. Without the modules that it `needs`, a solver is left out."""
+    """Base of all solvers. Without the modules that it `needs`, a solver is left out."""
 
     name = ""
     needs: tuple[str, ...] = ()
@@ -37,15 +37,15 @@ class Solver:
     sets_up_each_time = False
 
     def suits(self, surface: str) -> bool:
-        """Whether the method is meant for such a surface at all."""
+        """Returns whether the method is meant for a surface."""
         return True
 
     def prepare(self, grid: Grid) -> None:
-        """Everything that does not depend on the source."""
+        """Prepares everything that does not depend on the source."""
         self.grid = grid
 
     def solve(self, source: Place) -> np.ndarray:
-        """Distances (M, N) from a grid point, infinite where there are none."""
+        """Returns distances (M, N) from a grid point, infinite at points without one."""
         raise NotImplementedError
 
     def vertex(self, source: Place) -> int:
@@ -53,7 +53,7 @@ class Solver:
 
 
 class Geosweep(Solver):
-    """Our own tool, from a file of positions to a file of distances."""
+    """geosweep's tool, from a file of positions to a file of distances."""
 
     sets_up_each_time = True
 
@@ -108,7 +108,7 @@ class MeshLib(Solver):
 
 
 def floats(vector: Any) -> np.ndarray:
-    """A C++ vector of floats, by its address: the binding hands out one at a time."""
+    """Reads a C++ vector of floats by its address, since the binding returns one at a time."""
     if vector.element_type_byte_size == ctypes.sizeof(ctypes.c_float):
         values = (ctypes.c_float * vector.size()).from_address(vector.data_pointer())
         return np.ctypeslib.as_array(values).copy()
@@ -146,7 +146,7 @@ class GeometryCentralHeat(Solver):
 
 
 class MeshLab(Solver):
-    """MeshLab's filter: not exact on curved surfaces, though exact on flat ones without walls."""
+    """MeshLab's filter: exact on flat surfaces without walls, and not exact on curved ones."""
 
     name, needs = "MeshLab geodesic distance", ("pymeshlab",)
 
@@ -188,11 +188,11 @@ class Exact(Solver):
 
 
 class HamiltonFastMarching(Solver):
-    """Mirebeau's fast marching for metrics, of a higher order, the distance factored.
+    """Mirebeau's fast marching for metrics, of a higher order, with factored distances.
 
-    It wants the metric at each point: from cubic splines through the positions, so that it
-    sees the same numbers as the others. Factored within `radius` steps of the source, within
-    which it writes the distance as that of the source's metric times or plus a smooth rest.
+    It needs the metric at each point, which comes from cubic splines through the positions, so
+    that it sees the same numbers as the others. Within `radius` steps of the source, it writes
+    the distance as that of the source's metric, times or plus a smooth rest.
     """
 
     needs = ("HFMpy.HFM_Riemann2", "agd.Eikonal", "scipy.interpolate")
@@ -235,7 +235,7 @@ class HamiltonFastMarching(Solver):
 
 
 def first_fundamental_form(grid: Grid) -> np.ndarray:
-    """The metric (2, 2, M, N) per step of a row and a column; holes get the mean of the rest."""
+    """Returns the metric (2, 2, M, N) per step of a row and a column; holes get the mean metric."""
     from scipy.interpolate import CubicSpline
 
     points = filled(grid)
@@ -247,7 +247,7 @@ def first_fundamental_form(grid: Grid) -> np.ndarray:
 
 
 def filled(grid: Grid) -> np.ndarray:
-    """Positions without holes, by an affine fit: only flat grids have holes here."""
+    """Returns positions without holes, by an affine fit: only flat grids have holes here."""
     if grid.present.all():
         return grid.positions
     rows, cols = np.indices(grid.shape)
@@ -289,7 +289,7 @@ DOUBLE = ("--precision", "double")
 
 
 def geosweep_solvers(binary: Path, engines: tuple[str, ...]) -> dict[str, Callable[[], Solver]]:
-    """Our rows, by name: every front with every engine, so that one can be told from the other."""
+    """Returns geosweep's rows by name: every wavefront with every engine."""
     makers = [
         partial(Geosweep, binary, engine, front) for engine in engines for front in WAVEFRONTS
     ]
@@ -299,7 +299,7 @@ def geosweep_solvers(binary: Path, engines: tuple[str, ...]) -> dict[str, Callab
 
 
 def peers() -> dict[str, Callable[[], Solver]]:
-    """The peers, by name."""
+    """Returns the peers by name."""
     makers: list[Callable[[], Solver]] = [
         MeshLib,
         GeometryCentralMarching,
@@ -315,7 +315,7 @@ def peers() -> dict[str, Callable[[], Solver]]:
 
 
 def lacks(solver: Solver) -> str | None:
-    """The first package that a solver needs and this Python has not, if any."""
+    """Returns the first package that a solver needs and this Python lacks, if any."""
     # The package is looked up without loading it, since each peer is loaded in its own process.
     packages = (module.partition(".")[0] for module in solver.needs)
     return next(

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Geodesic distances over real terrain, which is rough, against exact ones on a finer mesh.
+"""Compares geodesic distances over rough terrain with exact ones on a finer mesh.
 
     python benches/peers/terrain.py --geosweep target/release/geosweep
 
 Crops of the elevation model in examples/data, 65 x 65 points, are refined fourfold by a bicubic
 spline. Exact distances on the triangles of the refined grid (pygeodesic) are the reference, at
-the points of the crop. All solvers get the crop alone, so the comparison asks how well they
-guess what lies between the points.
+the points of the crop. All solvers get only the crop, so the comparison shows how well they
+interpolate between the points.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def main() -> None:
 
 
 def study(binary: Path) -> str:
-    """A Markdown table, a line for each solver."""
+    """Returns a Markdown table with a line for each solver."""
     makers = geosweep_solvers(binary, ("cpu",)) | peers()
     lines = [
         "| solver | mean | largest of the means | signed mean | largest |",
@@ -71,7 +71,7 @@ def study(binary: Path) -> str:
 
 
 def prepared(crop: Place, folder: Path) -> list[Case]:
-    """The crop as a file, and exact distances from each of the sources."""
+    """Returns the crop as a file, and exact distances from each of the sources."""
     heights = crop_of_heights(crop)
     positions = folder / f"{crop[0]}-{crop[1]}.npy"
     np.save(positions, lifted(heights, 1))
@@ -98,7 +98,7 @@ def refined(heights: np.ndarray) -> np.ndarray:
 
 
 def lifted(heights: np.ndarray, finer: int) -> np.ndarray:
-    """Positions (M, N, 3) in metres."""
+    """Returns positions (M, N, 3) in metres."""
     rows, cols = np.indices(heights.shape) / finer
     return np.stack([cols * SPACING[0], rows * SPACING[1], heights], axis=2)
 

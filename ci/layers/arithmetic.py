@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
-"""Shaders in the arithmetic of other GPUs, and with their workgroups in other orders.
+"""Rewrites shaders for the arithmetic of other GPUs, and for other orders of workgroups.
 
     arithmetic.py MODES SPIRV OUT
 
-writes for each module in the folder SPIRV one into the folder OUT that computes as MODES say, under the name by
+writes a module to the folder OUT for each one in the folder SPIRV. It computes as MODES say, and has the name by
 which the layer guise.c finds it (GUISE_MODULES). MODES are some of these, separated by commas:
 
-    fma   products that are added to are not rounded before (every GPU), unless the shader forbids it; in double
-          precision, of which the last rounding alone may differ
+    fma   a product in a sum is not rounded before the addition (every GPU), unless the shader forbids it; this is
+          computed in double precision, so that only the last rounding may differ
     div   a / b is a * (1 / b), as on most GPUs
-    ulp   the same, and reciprocals and roots are off by up to one unit in the last place unless they are exact
-          (Vulkan allows 2.5 units of divisions, and 2 of inverse roots)
-    cmp   comparisons with what is no number are true (compilers that take it for granted that there is none)
-    mm    the operands of min and max change places: of a number and none, the other one is taken
-    back  the last workgroup of a dispatch is the first
-    mixed workgroups come in an order without one: each is a thousand or so after the one before, round and round
+    ulp   as div, and reciprocals and roots are off by up to one unit in the last place unless they are exact
+          (Vulkan allows 2.5 units for divisions, and 2 for inverse roots)
+    cmp   comparisons with NaN are true (as with compilers that assume that there are none)
+    mm    the operands of min and max are exchanged: of a number and NaN, the other one is taken
+    back  the workgroups of a dispatch run in reverse order
+    mixed the workgroups run in a scattered order: each is about a thousand after the previous one, cyclically
 
 Needs spirv-dis, spirv-as and spirv-val.
 """
@@ -29,23 +29,23 @@ INSTRUCTION = re.compile(r"(%\d+) = (\w+)(.*)")
 
 
 class Module:
-    """A disassembled module, with what is added to it."""
+    """A disassembled module, and the additions to it."""
 
     def __init__(self, path):
         text = run(["spirv-dis", "--raw-id", "--no-indent", path]).stdout
         self.lines = [line for line in text.split("\n") if not line.startswith(";")]
         self.last = int(re.search(r"; Bound: (\d+)", text).group(1))
         self.added = []  # types and constants
-        self.made = {}  # by what they are
+        self.made = {}  # by their definition
         self.defined = {}
         for line in self.lines:
             if found := INSTRUCTION.match(line):
                 self.defined[found[1]] = (found[2], found[3].split())
-        # Results for which the shader asks that nothing be fused.
+        # Results for which the shader forbids fused operations.
         self.precise = {line.split()[1] for line in self.lines if line.endswith(" NoContraction")}
         self.float = self.type_of("OpTypeFloat", "32")
         self.glsl = next(name for name, (op, _) in self.defined.items() if op == "OpExtInstImport")
-        # How many numbers a type of floats holds.
+        # Number of components of each type of floats.
         self.width = {self.float: 1}
         for name, (op, operands) in self.defined.items():
             if op == "OpTypeVector" and operands[0] == self.float:
@@ -56,7 +56,7 @@ class Module:
         return f"%{self.last}"
 
     def type_of(self, op, *operands):
-        """A type, which is added unless it is there."""
+        """Returns a type, which is added unless it exists."""
         key = (op, *operands)
         if key not in self.made:
             there = [name for name, what in self.defined.items() if what == (op, list(operands))]
@@ -72,7 +72,7 @@ class Module:
         return of if width == 1 else self.type_of("OpTypeVector", of, str(width))
 
     def constant(self, of, width, value):
-        """The same number in each place."""
+        """Returns a constant with the same number in each component."""
         key = (of, width, value)
         if key not in self.made:
             if width == 1:
@@ -83,13 +83,13 @@ class Module:
         return self.made[key]
 
     def product_of(self, name, of):
-        """The factors of a product of a type; None if it is something else."""
+        """Returns the factors of a product of a type, or None if it is something else."""
         op, operands = self.defined.get(name, ("", []))
         return operands[1:] if op == "OpFMul" and operands[0] == of else None
 
 
 class Function:
-    """Instructions that take the place of one."""
+    """Instructions that replace one."""
 
     def __init__(self, module):
         self.module = module
@@ -102,7 +102,7 @@ class Function:
 
 
 def fused(module, result, op, operands, mode):
-    """A sum of which one part is a product."""
+    """Replaces a sum with a product in it by a fused one."""
     if op not in ("OpFAdd", "OpFSub", "OpExtInst") or operands[0] not in module.width or result in module.precise:
         return None
     of = operands[0]
@@ -123,14 +123,14 @@ def fused(module, result, op, operands, mode):
     code = Function(module)
     a, b, c = (code.emit("OpFConvert", wide, part) for part in (*factors, added))
     product = code.emit("OpFMul", wide, a, b)
-    # Of `added - product` the product comes second.
+    # In `added - product`, the product comes second.
     parts = (c, product) if op == "OpFSub" and added == operands[1] else (product, c)
     code.emit("OpFConvert", of, code.emit(sign, wide, *parts), result=result)
     return code.lines
 
 
 def off_by_one(module, code, of, exact, is_inexact, result=None):
-    """A result off by -1, 0 or 1 units in the last place, by a hash of it, where it is not exact."""
+    """Changes an inexact result by -1, 0 or 1 units in the last place, chosen by its hash."""
     width = module.width[of]
     word = module.type_of("OpTypeInt", "32", "0")
     words = module.vector(word, width)
@@ -140,7 +140,7 @@ def off_by_one(module, code, of, exact, is_inexact, result=None):
 
     bits = code.emit("OpBitcast", words, exact)
     hashed = code.emit("OpIMul", words, bits, number(2654435761))
-    # 0 and 3 for one unit less and more, 1 and 2 for none.
+    # 0 and 3 are one unit less and more, 1 and 2 are no change.
     quarter = code.emit("OpShiftRightLogical", words, hashed, number(30))
     more = code.emit("OpShiftRightLogical", words, code.emit("OpIAdd", words, quarter, number(1)), number(2))
     less = code.emit("OpShiftRightLogical", words, code.emit("OpISub", words, number(4), quarter), number(2))
@@ -155,7 +155,7 @@ def booleans(module, width):
 
 
 def divided(module, result, op, operands, mode):
-    """A division as a product with the reciprocal."""
+    """Replaces a division by a product with the reciprocal."""
     if op != "OpFDiv" or operands[0] not in module.width:
         return None
     of, dividend, divisor = operands
@@ -176,7 +176,7 @@ def divided(module, result, op, operands, mode):
 
 
 def root(module, result, op, operands, mode):
-    """A root that is not exact."""
+    """Replaces a root by an inexact one."""
     if op != "OpExtInst" or operands[2] not in ("Sqrt", "InverseSqrt") or operands[0] not in module.width:
         return None
     of, _, which, square = operands
@@ -189,7 +189,7 @@ def root(module, result, op, operands, mode):
 
 
 def compared(module, result, op, operands, mode):
-    """A comparison that takes it for granted that there are numbers."""
+    """Replaces a comparison by one that is true for NaN."""
     if op.startswith("OpFOrd"):
         return [" ".join([result, "=", op.replace("OpFOrd", "OpFUnord"), *operands])]
     if op == "OpFUnordNotEqual":
@@ -198,18 +198,18 @@ def compared(module, result, op, operands, mode):
 
 
 def swapped(module, result, op, operands, mode):
-    """The least or largest with its operands the other way round."""
+    """Exchanges the operands of a minimum or maximum."""
     if op != "OpExtInst" or operands[2] not in ("FMin", "FMax"):
         return None
     return [" ".join([result, "=", op, *operands[:3], operands[4], operands[3]])]
 
 
-# Strides of a mixed order, of which one has no common divisor with the number of workgroups.
+# Strides of a mixed order. At least one has no common divisor with the number of workgroups.
 STRIDES = (1009, 1013, 1019, 1021)
 
 
 def reordered(module, mode):
-    """The numbers of workgroups in another order: passes see variables of their own in the place of the device's."""
+    """Reorders the ids of workgroups: passes read other variables in place of the device's."""
     seen = {}
     for line in module.lines:
         if found := re.match(r"OpDecorate (%\d+) BuiltIn (WorkgroupId|GlobalInvocationId|NumWorkgroups|WorkgroupSize)", line):
@@ -271,7 +271,7 @@ def reordered(module, mode):
         entry.append(f"OpStore {own['GlobalInvocationId']} {code.emit('OpIAdd', words, whole, by)}")
     code.lines += entry
 
-    # What the passes look at from now on.
+    # Variables that the passes read from now on.
     main = next(line.split()[2] for line in module.lines if line.startswith("OpEntryPoint"))
     chains = set()
     lines = []
@@ -290,7 +290,7 @@ def reordered(module, mode):
         in_main = in_main or (found is not None and found[1] == main and found[2] == "OpFunction")
         lines.append(line)
         if in_main and found and found[2] == "OpLabel":
-            # After the variables of the function.
+            # The stores come after the variables of the function.
             in_main = False
             lines.append(None)
     at_entry = lines.index(None)
@@ -306,7 +306,7 @@ def reordered(module, mode):
 
 
 def rewritten(path, mode):
-    """The text of a module in this arithmetic and order."""
+    """Returns the text of a module in this arithmetic and order."""
     module = Module(path)
     if {"back", "mixed"} & mode:
         reordered(module, mode)

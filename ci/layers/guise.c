@@ -1,17 +1,17 @@
 /*
- * A Vulkan layer under which a device says of itself what it is told to say, and runs other shaders than it is
- * given. So tests meet devices that are not there.
+ * A Vulkan layer that changes the properties that a device reports, and replaces shaders. It lets tests run on
+ * devices that the machine does not have.
  *
  *     GUISE_TYPE=discrete        or integrated, virtual, cpu: the kind of device
  *     GUISE_LIMITS=minimum       the limits that Vulkan 1.1 requires of every device; after it, or without it,
  *                                some by name: storage_images=3,image_side=1024 (the table LIMITS has the names)
  *     GUISE_VERSION=1.0          the version of Vulkan
- *     GUISE_WITHOUT_FORMAT=100   a VkFormat that the device has no images of
- *     GUISE_POISON=0x7fc00000    a word that fills all new memory which the host can see
- *     GUISE_MODULES=FOLDER       modules that stand for others: files named by the FNV-1a of what they replace,
+ *     GUISE_WITHOUT_FORMAT=100   a VkFormat of which the device has no images
+ *     GUISE_POISON=0x7fc00000    a word that fills all new memory that the host can map
+ *     GUISE_MODULES=FOLDER       modules that replace others: files named by the FNV-1a of the replaced module,
  *                                as arithmetic.py writes them
- *     GUISE_FOLD=FOLDER          specialization constants are folded in by spirv-opt before the driver sees a
- *                                module; the folder keeps what was folded
+ *     GUISE_FOLD=FOLDER          spirv-opt folds specialization constants into each module before the driver
+ *                                receives it; the folder keeps the results
  *
  * Build: cc -shared -fPIC -O1 -o libguise.so guise.c -lpthread. The loader finds it by guise.json.
  */
@@ -25,10 +25,10 @@
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
 
-/* ------------------------------------------------------------------ what comes next in the chain */
+/* ------------------------------------------------------------------ the next functions in the chain */
 
 typedef struct Instance {
-    void *key; /* of an instance, and of its physical devices */
+    void *key; /* that of the instance and of its physical devices */
     VkInstance handle;
     PFN_vkGetInstanceProcAddr get;
     PFN_vkDestroyInstance destroy;
@@ -65,7 +65,7 @@ static Instance *instances;
 static Device *devices;
 static Module *modules; /* only where constants are folded */
 
-/* The loader's table of functions, by which it tells whose a handle is. */
+/* Returns the loader's table of functions, which identifies the owner of a handle. */
 static void *key_of(const void *handle) { return *(void *const *)handle; }
 
 static Instance *instance_of(const void *handle) {
@@ -89,9 +89,9 @@ static const char *wish(const char *name) {
     return value && *value ? value : NULL;
 }
 
-/* ------------------------------------------------------------------ what a device says of itself */
+/* ------------------------------------------------------------------ properties that a device reports */
 
-/* The limits that Vulkan 1.1 requires, where this crate or what it uses could meet them. */
+/* Limits that Vulkan 1.1 requires, as far as they can matter to this crate or its dependencies. */
 static const struct {
     const char *name;
     size_t offset;
@@ -299,7 +299,7 @@ static uint64_t fnv1a(const void *bytes, size_t size, uint64_t hash) {
 }
 #define FNV_START 0xcbf29ce484222325u
 
-/* A file's content, to be freed; NULL if there is none. */
+/* Returns a file's content, which the caller frees, or NULL if there is none. */
 static uint32_t *read_file(const char *path, size_t *size) {
     FILE *file = fopen(path, "rb");
     if (!file) return NULL;
@@ -355,7 +355,7 @@ static VKAPI_ATTR void VKAPI_CALL destroy_module(VkDevice handle, VkShaderModule
     device_of(handle)->destroy_module(handle, gone, allocator);
 }
 
-/* A module with these constants folded in, to be freed; NULL if that fails. */
+/* Returns a module with these constants folded in, which the caller frees, or NULL if that fails. */
 static uint32_t *fold(const Module *module, const VkSpecializationInfo *constants, size_t *size) {
     char values[1024] = "", path[512], command[8192];
     size_t end = 0;
@@ -376,7 +376,7 @@ static uint32_t *fold(const Module *module, const VkSpecializationInfo *constant
     if (!file) return NULL;
     fwrite(module->code, 1, module->size, file);
     fclose(file);
-    /* The layer's own variables do not concern what it runs. */
+    /* The layer's environment variables do not affect the programs that it runs. */
     snprintf(command, sizeof command,
              "spirv-opt %s%s%s --freeze-spec-const --fold-spec-const-op-composite --unify-const --ccp "
              "--eliminate-dead-branches --merge-blocks -O '%s' -o '%s.out' && mv '%s.out' '%s'; rm -f '%s'",
@@ -427,7 +427,7 @@ static VKAPI_ATTR VkResult VKAPI_CALL allocate_memory(VkDevice handle, const VkM
     return result;
 }
 
-/* ------------------------------------------------------------------ how the loader finds all this */
+/* ------------------------------------------------------------------ the loader's entry points */
 
 typedef struct {
     const char *name;

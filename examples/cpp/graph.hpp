@@ -1,4 +1,4 @@
-// A frame graph: passes that say how they use resources, and barriers between them that follow.
+// A frame graph: passes declare how they use resources, and the barriers between them follow from that.
 #pragma once
 
 #include <functional>
@@ -13,14 +13,14 @@ struct Use {
     VkAccessFlags access = 0;
 };
 
-// A resource is known by its name; memory barriers do not ask which it is.
+// A resource is identified by its name. Memory barriers apply to all resources.
 using Uses = std::map<std::string, Use>;
 
 struct Pass {
     std::string name;
     Uses reads, writes;
     std::function<void(VkCommandBuffer)> record;
-    // What the pass waits for, and who waits for it, it sees to itself.
+    // The pass handles its own barriers: what it waits for, and what waits for it.
     bool has_own_barriers = false;
 };
 
@@ -28,7 +28,7 @@ class Graph {
 public:
     void add(Pass pass) { passes_.push_back(std::move(pass)); }
 
-    // The union of how a resource was used by the passes before one, which is what that one waits for.
+    // Returns the union of a resource's uses by the earlier passes, for which this pass waits.
     Use before(const std::string &pass, const std::string &resource) const {
         Use use;
         for (const Pass &other : passes_) {
@@ -57,7 +57,7 @@ public:
             for (const auto &[resource, use] : pass.reads) read[resource] = use;
             for (const auto &[resource, use] : pass.writes) {
                 read.erase(resource);
-                // Whoever waits for such a pass has been named to it.
+                // Later readers were declared to such a pass.
                 if (pass.has_own_barriers) written.erase(resource);
                 else written[resource] = use;
             }

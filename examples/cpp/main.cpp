@@ -1,5 +1,5 @@
-// A renderer with a frame graph that has geosweep color its cloth: each frame uploads the vertices,
-// computes their distances from a source, and copies these, where another would draw them.
+// A renderer with a frame graph in which geosweep computes the colors of a cloth. Each frame uploads the
+// vertices, computes their distances from a source, and copies these, where another renderer would draw them.
 //
 // frame_graph [DEVICE [FOLDER]] writes the last frame's vertices and distances into a folder.
 
@@ -20,7 +20,7 @@ namespace {
 constexpr uint32_t ROWS = 60, COLS = 72, POINTS = ROWS * COLS;
 constexpr uint32_t FRAMES = 8, IN_FLIGHT = 2;
 
-// Position and normal, as the vertex shader takes them.
+// Position and normal, as a vertex shader reads them.
 struct Vertex {
     float position[3], normal[3];
 };
@@ -35,7 +35,7 @@ void move_cloth(Vertex *vertices, float time) {
     }
 }
 
-// What is there once for each frame in flight.
+// Resources that exist once for each frame in flight.
 struct Frame {
     explicit Frame(const Gpu &gpu)
         : staging(gpu, VERTEX_FLOATS, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true),
@@ -85,7 +85,7 @@ void render(const std::string &device, const std::string &folder) {
     }
 
     {
-        // ---- Once: pipelines for the schedule that is best for the grid, a surface, a plan.
+        // ---- Once: pipelines for the best schedule for the grid, a surface, a plan.
         GeosweepPasses passes = {GEOSWEEP_SCHEDULE_RASTER, GEOSWEEP_WAVEFRONT_CURVED};
         geosweep::check(geosweep_best_schedule(vkGetInstanceProcAddr, gpu.instance, gpu.physical_device, ROWS, COLS,
                                                &passes.schedule));
@@ -119,7 +119,7 @@ void render(const std::string &device, const std::string &folder) {
         method.iterations = 12;
         geosweep::Plan plan(solver, ROWS, COLS, method);
 
-        // ---- Every frame: the graph's passes, of which one is geosweep's.
+        // ---- Every frame: the graph's passes, one of which is geosweep's.
         for (uint32_t number = 0; number < FRAMES; number++) {
             uint32_t slot = number % IN_FLIGHT;
             Frame &frame = frames[slot];

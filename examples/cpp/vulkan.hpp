@@ -1,4 +1,4 @@
-// The least of a renderer: an instance, a device with a queue, and buffers.
+// A minimal renderer: an instance, a device with a queue, and buffers.
 #pragma once
 
 #include <cstring>
@@ -15,7 +15,7 @@ inline void check(VkResult result, const char *call) {
 
 class Gpu {
 public:
-    // The first device whose name has this part and that `is_usable`.
+    // Returns the first device whose name contains this part and that `is_usable`.
     template <class Test>
     Gpu(const std::string &part, uint32_t api_version, Test is_usable) {
         VkApplicationInfo application = {};

@@ -1,4 +1,4 @@
-//! A camera that turns around the origin.
+//! A camera that orbits the origin.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -10,23 +10,23 @@ const HALF_ANGLE: f32 = 0.27;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
-    /// Around the vertical, 0 looking north.
+    /// Angle around the vertical, 0 looking north.
     pub turn: f32,
-    /// Above the horizon.
+    /// Angle above the horizon.
     pub pitch: f32,
     pub distance: f32,
-    /// Height of what is in the middle of the picture.
+    /// Height of the point in the middle of the picture.
     pub height: f32,
 }
 
 impl Camera {
-    /// By so many pixels of the pointer.
+    /// Turns the camera by a movement of the pointer in pixels.
     pub fn orbit(&mut self, by: Vec2) {
         self.turn = (self.turn - 0.006 * by.x) % TAU;
         self.pitch = (self.pitch + 0.006 * by.y).clamp(0.08, FRAC_PI_2 - 0.01);
     }
 
-    /// By so many notches of the wheel.
+    /// Zooms by a number of notches of the wheel.
     pub fn zoom(&mut self, by: f32, reach: f32) {
         self.distance = (self.distance * 0.88f32.powf(by)).clamp(0.2 * reach, 6.0 * reach);
     }
@@ -41,15 +41,15 @@ impl Camera {
         self.target() + self.distance * away
     }
 
-    /// From the world to clip coordinates.
+    /// Returns the transformation from the world to clip coordinates.
     pub fn projection(&self, size: Vec2) -> Mat4 {
         let (near, far) = (0.02 * self.distance, 20.0 * self.distance);
-        // With y upwards, as WGSL has it.
+        // y is upwards, as in WGSL.
         let lens = directx::perspective(2.0 * HALF_ANGLE, size.x / size.y, near, far);
         lens * view::look_at_mat4(self.eye(), self.target(), Vec3::Y)
     }
 
-    /// Units that a pixel covers in the middle of the picture.
+    /// Returns the length of a pixel in the middle of the picture, in units of the world.
     pub fn pixel(&self, size: Vec2) -> f32 {
         2.0 * HALF_ANGLE.tan() * self.distance / size.y
     }

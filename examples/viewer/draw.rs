@@ -1,4 +1,4 @@
-//! The pass that draws: background, shadow, walls, the surface in its colors, and lines on it.
+//! The pass that draws the background, the shadow, the walls, the surface in its colors, and lines on it.
 
 use std::ffi::CStr;
 
@@ -11,9 +11,9 @@ use crate::shaders::{Draw, Layout};
 use crate::stage::Stage;
 use crate::swapchain::Target;
 
-/// Shades of the palette.
+/// Number of shades of the palette.
 const SHADES: usize = 256;
-/// Lines that a thick one is made of.
+/// Number of thin lines that make a thick one.
 const AROUND: usize = 8;
 
 pub struct Drawing {
@@ -35,7 +35,7 @@ impl Drawing {
         let lines = include_str!("shaders/line.wgsl");
         let pipeline = |wgsl, vertex: &CStr, fragment: &CStr, topology, depth, blend| {
             let (samples, pass) = (target.samples, target.pass);
-            // All other shaders make their vertices up, or take them from the grid's.
+            // All other shaders generate their vertices, or take them from the grid's.
             let curves = wgsl == lines;
             layout.graphics(
                 gpu,
@@ -58,7 +58,7 @@ impl Drawing {
         })
     }
 
-    /// Into all of the viewport.
+    /// Draws into the whole viewport.
     pub fn record(
         &self,
         gpu: &Gpu,
@@ -71,7 +71,7 @@ impl Drawing {
         let sets = [stage.set(frame)];
         let device = &gpu.device;
         let bind = |pipeline| unsafe { device.cmd_bind_pipeline(commands, graphics, pipeline) };
-        // SAFETY: the commands are being recorded, in the render pass; all objects are alive.
+        // SAFETY: the commands are being recorded, in the render pass. All objects are alive.
         unsafe {
             device.cmd_set_viewport(commands, 0, &[viewport]);
             device.cmd_bind_descriptor_sets(commands, graphics, layout.pipeline, 0, &sets, &[]);
@@ -114,8 +114,8 @@ impl Drawing {
     }
 }
 
-/// Draws curves so many pixels wide. Lines of one pixel are all that every device has, so thick ones
-/// are several of these, each moved a little.
+/// Draws curves with a width in pixels. Only lines of one pixel are available on every device, so a thick
+/// line consists of several of these, each shifted a little.
 fn draw_thick(
     gpu: &Gpu,
     commands: vk::CommandBuffer,
@@ -129,7 +129,7 @@ fn draw_thick(
         let turn = std::f32::consts::TAU * step as f32 / AROUND as f32;
         let (x, y) = (viewport.x + radius * turn.cos(), viewport.y + radius * turn.sin());
         let moved = [vk::Viewport { x, y, ..viewport }];
-        // SAFETY: the commands are being recorded, in the render pass; the buffer is alive.
+        // SAFETY: the commands are being recorded, in the render pass. The buffer is alive.
         unsafe {
             let (device, buffer, stride) = (&gpu.device, curves.buffer, CurveRecord::BYTES);
             device.cmd_set_viewport(commands, 0, &moved);
@@ -139,8 +139,8 @@ fn draw_thick(
     }
 }
 
-/// From bright at the source to dark far away, without the darkest shades, on which dark lines
-/// would be lost. Linear.
+/// Returns linear colors from bright at the source to dark far away. The darkest shades are left out, since
+/// dark lines would not be visible on them.
 pub fn palette() -> Vec<[f32; 4]> {
     let linear = |channel: u8| {
         let channel = f32::from(channel) / 255.0;

@@ -1,12 +1,12 @@
-//! Frames in flight: what is there twice so that the program prepares one while the device draws
-//! the other.
+//! Frames in flight: resources that exist twice, so that the program prepares one frame while the device
+//! draws the other.
 
 use geosweep::ash::vk;
 
 use crate::Result;
 use crate::gpu::Gpu;
 
-/// How many.
+/// Number of frames in flight.
 pub const IN_FLIGHT: usize = 2;
 
 pub struct Frames {
@@ -21,14 +21,14 @@ pub struct Frame {
     pub commands: vk::CommandBuffer,
     /// Signalled when the window's image may be drawn into.
     pub acquired: vk::Semaphore,
-    /// Signalled when the device has done with all of it.
+    /// Signalled when the device has finished the frame.
     pub fence: vk::Fence,
 }
 
 impl Frames {
     pub fn new(gpu: &Gpu) -> Result<Self> {
         let device = &gpu.device;
-        // SAFETY: all that the infos point to is alive.
+        // SAFETY: everything that the infos point to is alive.
         unsafe {
             let info = vk::CommandPoolCreateInfo::default()
                 .queue_family_index(gpu.family)
@@ -52,7 +52,7 @@ impl Frames {
         }
     }
 
-    /// The next frame, after the device has done with what it was before.
+    /// Returns the next frame, after the device has finished its previous use.
     pub fn wait(&self, gpu: &Gpu) -> Result<Frame> {
         let frame = self.frames[self.next];
         // SAFETY: the fence is signalled at first and by every submission.
@@ -70,7 +70,7 @@ impl Frames {
             .wait_semaphores(&acquired)
             .wait_dst_stage_mask(&stages)
             .signal_semaphores(&drawn);
-        // SAFETY: the fence has been waited for; all objects are alive until then again.
+        // SAFETY: the fence has been waited for. All objects are alive until the next wait.
         unsafe {
             gpu.device.reset_fences(&[frame.fence])?;
             gpu.device.queue_submit(gpu.queue, &[info], frame.fence)?;
@@ -79,7 +79,7 @@ impl Frames {
         Ok(())
     }
 
-    /// Submits what is needed once and waits for it: before the first frame.
+    /// Submits commands that are needed once and waits for them, before the first frame.
     pub fn now(
         &self,
         gpu: &Gpu,
@@ -110,7 +110,7 @@ impl Frames {
     }
 }
 
-/// Begins a command buffer that the device has done with.
+/// Begins a command buffer that the device has finished.
 pub fn begin(gpu: &Gpu, commands: vk::CommandBuffer) -> Result<()> {
     let info =
         vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);

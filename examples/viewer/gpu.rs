@@ -1,4 +1,4 @@
-//! Instance, device, queue and allocator: what a renderer has before anything else.
+//! Instance, device, queue and allocator of the renderer.
 
 use std::ffi::CStr;
 
@@ -19,19 +19,19 @@ pub struct Gpu {
     pub surface: vk::SurfaceKHR,
     pub physical_device: vk::PhysicalDevice,
     pub properties: vk::PhysicalDeviceProperties,
-    /// The family of the one queue: for graphics, compute and the window.
+    /// Family of the only queue, for graphics, compute and the window.
     pub family: u32,
     pub device: ash::Device,
     pub queue: vk::Queue,
     pub swapchains: khr::swapchain::Device,
-    /// Gone only while the device is destroyed.
+    /// Allocator; `None` only while the device is destroyed.
     allocator: Option<Allocator>,
 }
 
 impl Gpu {
     pub fn new(window: &Window, wanted: Option<&str>, validate: bool) -> Result<Self> {
         let display = window.display_handle()?.as_raw();
-        // SAFETY: the entry is kept as long as what it loads.
+        // SAFETY: the entry is kept as long as the objects that it loads.
         let entry = unsafe { ash::Entry::load() }
             .map_err(|error| format!("no Vulkan loader on this system: {error}"))?;
         let mut extensions = ash_window::enumerate_required_extensions(display)?.to_vec();
@@ -44,7 +44,7 @@ impl Gpu {
             ash_window::create_surface(&entry, &instance, display, handle, None)?
         };
         let (physical_device, family) = choose(&instance, &surfaces, surface, wanted)?;
-        // SAFETY: the physical device is from this instance, as is all that follows from it.
+        // SAFETY: the physical device is from this instance, and so are the objects created from it.
         let properties = unsafe { instance.get_physical_device_properties(physical_device) };
         let device = unsafe {
             let queues = [vk::DeviceQueueCreateInfo::default()
@@ -96,19 +96,19 @@ impl Gpu {
         self.allocator.as_mut().expect("the allocator lives as long as the device")
     }
 
-    /// Waits until the device has nothing to do: when the window's size changes and at the end, but
-    /// never in a usual frame.
+    /// Waits until the device is idle: when the window's size changes and at the end, but never in a usual
+    /// frame.
     pub fn wait(&self) {
-        // SAFETY: the device lives. If it is lost there is nothing to wait for.
+        // SAFETY: the device is alive. If it is lost, there is nothing to wait for.
         let _ = unsafe { self.device.device_wait_idle() };
     }
 
-    /// Destroys everything, at last. Says what is wrong about that, or was before.
+    /// Destroys everything. Reports errors of the destruction and earlier ones.
     pub fn destroy(mut self) -> Result<()> {
         let left = self.allocator().generate_report().allocations;
         self.allocator = None;
-        // SAFETY: nothing is in flight, and all that was made from these is destroyed; if not, the
-        // validation layers say so.
+        // SAFETY: nothing is in flight, and all objects made from these are destroyed. If not, the validation
+        // layers report it.
         let messages = unsafe {
             self.device.destroy_device(None);
             self.surfaces.destroy_surface(self.surface, None);
@@ -148,7 +148,7 @@ fn instance(
     if validate {
         info = info.enabled_layer_names(&layers).push_next(&mut features);
     }
-    // SAFETY: all that the info points to is alive.
+    // SAFETY: everything that the info points to is alive.
     unsafe { entry.create_instance(&info, None) }.map_err(|error| match error {
         vk::Result::ERROR_LAYER_NOT_PRESENT => {
             "the validation layers are not installed; leave --validate out".into()
@@ -161,7 +161,7 @@ fn name(properties: &vk::PhysicalDeviceProperties) -> String {
     properties.device_name_as_c_str().unwrap_or(c"unnamed").to_string_lossy().into_owned()
 }
 
-/// The first device that can do it all, rather one with memory of its own, rather no CPU.
+/// Chooses the first device that supports everything. Prefers devices with their own memory, and avoids CPUs.
 fn choose(
     instance: &ash::Instance,
     surfaces: &khr::surface::Instance,

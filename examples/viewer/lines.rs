@@ -1,5 +1,5 @@
-//! Contours and a path of a surface as lines: found by geosweep after the map, and drawn in the same
-//! frame by indirect draws. The program never sees them.
+//! Contours and a path of a surface as lines. geosweep finds them after the map, and indirect draws draw them
+//! in the same frame. The program never reads them.
 
 use geosweep::ash::vk;
 use geosweep::vulkan::embed::{
@@ -11,22 +11,22 @@ use crate::Result;
 use crate::gpu::Gpu;
 use crate::pick::{Pick, PickPass};
 
-/// More than maps here have levels: those beyond the farthest point cost next to nothing.
+/// Number of levels. It exceeds that of the maps here: levels beyond the farthest point cost next to nothing.
 const LEVELS: usize = 200;
-/// Vertices of all contours.
+/// Number of vertices of all contours.
 const CONTOUR_ROOM: u32 = 400_000;
-/// Vertices of the path, which may wind around a lot.
+/// Room for the path, which may have many bends.
 const PATH: PathsInfo = PathsInfo { paths: 1, vertices: 4096 };
 
 pub struct Lines {
-    /// Where the path starts; nowhere at first.
+    /// Start of the path; at no place at first.
     pub start: Pick,
-    /// Made when they are first wanted.
+    /// Contours, created when they are first shown.
     contours: Option<Contours>,
     path: Option<Paths>,
     /// Whether contours are drawn.
     shows_contours: bool,
-    /// Whether they are to be found though the map has not changed.
+    /// Whether lines must be found although the map has not changed.
     due: bool,
 }
 
@@ -36,7 +36,7 @@ impl Lines {
         Ok(Self { start, contours: None, path: None, shows_contours: false, due: false })
     }
 
-    /// Shows contours from the next frame on, or does not.
+    /// Shows or hides contours from the next frame on.
     pub fn show_contours(
         &mut self,
         gpu: &mut Gpu,
@@ -53,7 +53,7 @@ impl Lines {
         Ok(())
     }
 
-    /// Shows the path from where the start will be in the next frame.
+    /// Shows the path from the start's place in the next frame.
     pub fn show_path(&mut self, gpu: &mut Gpu, solver: &Solver, surface: &Surface) -> Result<()> {
         if self.path.is_none() {
             let device = gpu.device.clone();
@@ -63,7 +63,8 @@ impl Lines {
         Ok(())
     }
 
-    /// Records what finds them, if the map or they have changed, with a level every `spacing`.
+    /// Records the passes that find the lines, if the map or the lines have changed, with a level every
+    /// `spacing`.
     pub fn record(
         &mut self,
         gpu: &Gpu,
@@ -94,12 +95,12 @@ impl Lines {
         Ok(())
     }
 
-    /// The contours to draw.
+    /// Returns the contours to draw.
     pub fn contours(&self) -> Option<CurveBuffer> {
         self.contours.as_ref().filter(|_| self.shows_contours).map(Contours::curves)
     }
 
-    /// The path to draw.
+    /// Returns the path to draw.
     pub fn path(&self) -> Option<CurveBuffer> {
         self.path.as_ref().map(Paths::curves)
     }

@@ -2,14 +2,15 @@
 //!
 //! `cargo run --release --features formats --example viewer`
 //!
-//! Click or drag moves the source; drag with the right button turns, the wheel zooms. S is the
-//! next surface, C the next schedule, W the next wavefront; L draws lines of equal distance as
-//! lines rather than in the fragment shader, P the shortest path from under the pointer to the
-//! source. Escape is the end.
+//! A click or drag moves the source; a drag with the right button turns the camera, and the wheel zooms. S
+//! switches to the next surface, C to the next schedule, W to the next wavefront. L draws lines of equal
+//! distance as curves rather than in the fragment shader, and P draws the shortest path from under the
+//! pointer to the source. Escape ends the program.
 //!
 //! docs/figures/viewer.png: `--surface sheet --frames 60 --picture docs/figures/viewer.png`.
 //!
-//! What is geosweep's in here is in `map.rs` and `lines.rs`; the order of a frame's passes is in `viewer.rs`.
+//! The code that uses geosweep is in `map.rs` and `lines.rs`; the order of a frame's passes is in
+//! `viewer.rs`.
 
 mod camera;
 mod draw;
@@ -39,7 +40,7 @@ use clap::Parser;
 
 use options::Options;
 
-/// What can go wrong, in words.
+/// An error in words.
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 fn main() -> ExitCode {

@@ -1,4 +1,5 @@
-//! The map of distances of a surface: with the lines on it, all that is geosweep's in this program.
+//! The distance map of a surface. Together with the lines on it, this is all that uses geosweep in this
+//! program.
 
 use geosweep::Stop;
 use geosweep::Wavefront;
@@ -14,18 +15,18 @@ use crate::Result;
 use crate::frames::{self, IN_FLIGHT};
 use crate::gpu::Gpu;
 
-/// What stands in the image for points that are not reached.
+/// Value in the image at points that are not reached.
 const UNREACHED: f32 = -1.0;
 
-/// Our memory that a map reads and writes.
+/// Memory of the program that a map reads and writes.
 pub struct Memory {
     /// Positions, four floats each.
     pub positions: vk::Buffer,
-    /// One source, as the picking pass leaves it.
+    /// One source, as the picking pass writes it.
     pub source: vk::Buffer,
-    /// Rows and columns of the corners of the grid...
+    /// Rows and columns of the corners of the grid.
     pub corners: vk::Buffer,
-    /// ... and their distances: the range of the colors.
+    /// Distances of the corners, from which the range of the colors follows.
     pub distances: vk::Buffer,
 }
 
@@ -33,27 +34,27 @@ pub struct Map {
     surface: Surface,
     plan: Plan,
     due: Due,
-    /// The image that is drawn.
+    /// Slot of the image that is drawn.
     slot: usize,
-    /// What each frame in flight has written: which image, and which recording it was.
+    /// Image and recording that each frame in flight has written.
     written: [Option<(usize, u64)>; IN_FLIGHT],
     recordings: u64,
     outcome: Option<Outcome>,
 }
 
-/// What the next frame does for the map.
+/// Work of the next frame for the map.
 #[derive(Clone, Copy, PartialEq)]
 enum Due {
     Nothing,
-    /// It goes on, since it has not converged.
+    /// The map continues, since it has not converged.
     Resume,
-    /// There is a new source, or another method.
+    /// The source or the method is new.
     Solve,
-    /// There are new points.
+    /// The points are new.
     Measure,
 }
 
-/// The corners of a grid, as places for [`Memory::corners`].
+/// Returns the corners of a grid, as places for [`Memory::corners`].
 pub fn corners(chart: Chart) -> [f32; 8] {
     let (row, col) = ((chart.rows - 1) as f32, (chart.cols - 1) as f32);
     [0.0, 0.0, 0.0, col, row, 0.0, row, col]
@@ -82,22 +83,22 @@ impl Map {
         Ok(Self { surface, plan, due, slot: 0, written, recordings: 0, outcome: None })
     }
 
-    /// To be recorded once before anything else, and again when the solver has got more passes.
+    /// Prepares the surface. Recorded once before anything else, and again when the solver has new passes.
     pub fn prepare(&self, gpu: &Gpu, solver: &Solver, commands: vk::CommandBuffer) {
         solver.record(&gpu.device, commands, &self.surface).prepare();
     }
 
-    /// The image of distances in a slot.
+    /// Returns the image of distances in a slot.
     pub fn image(&self, slot: usize) -> Result<ResultImage> {
         Ok(self.surface.result(slot, Reader::FRAGMENT.layout)?)
     }
 
-    /// What contours and paths are found on.
+    /// Returns the surface on which contours and paths are found.
     pub fn surface(&self) -> &Surface {
         &self.surface
     }
 
-    /// The slot that is drawn.
+    /// Returns the slot that is drawn.
     pub fn slot(&self) -> usize {
         self.slot
     }
@@ -114,27 +115,27 @@ impl Map {
         Ok(())
     }
 
-    /// The source has been moved.
+    /// Notes that the source has moved.
     pub fn moved_source(&mut self) {
         self.due = self.due.at_least(Due::Solve);
     }
 
-    /// The points have been moved.
+    /// Notes that the points have moved.
     pub fn moved_points(&mut self) {
         self.due = Due::Measure;
     }
 
-    /// Whether a frame would change the map, or is needed to know.
+    /// Returns whether a frame would change the map, or is needed to learn whether it has converged.
     pub fn is_due(&self) -> bool {
         self.due != Due::Nothing || self.written.iter().any(Option::is_some)
     }
 
-    /// How the last map that the device has done with came about.
+    /// Returns the outcome of the last map that the device has finished.
     pub fn outcome(&self) -> Option<Outcome> {
         self.outcome
     }
 
-    /// Sees how a frame went, after its fence.
+    /// Reads the outcome of a frame, after its fence.
     pub fn collect(&mut self, frame: frames::Frame) -> Result<()> {
         if let Some((slot, recording)) = self.written[frame.index].take() {
             let outcome = self.surface.outcome(slot)?;
@@ -146,15 +147,15 @@ impl Map {
         Ok(())
     }
 
-    /// Whether [`Map::record`] has something to record.
+    /// Returns whether [`Map::record`] has something to record.
     pub fn records(&self) -> bool {
         self.due != Due::Nothing
     }
 
-    /// Records what is due. Points and sources come from compute shaders and copies before.
+    /// Records the due work. Points and sources come from earlier compute shaders and copies.
     pub fn record(&mut self, gpu: &Gpu, solver: &Solver, frame: frames::Frame) -> Result<()> {
         let due = std::mem::replace(&mut self.due, Due::Nothing);
-        // The frame before may still draw the other image.
+        // The previous frame may still draw the other image.
         let slot = (self.slot + 1) % IN_FLIGHT;
         let recording = solver.record(&gpu.device, frame.commands, &self.surface);
         match due {
@@ -196,7 +197,7 @@ impl Due {
     }
 }
 
-/// What the picking pass leaves for a source at a grid point.
+/// Returns the picking pass's output for a source at a grid point.
 pub fn source(at: [f32; 2]) -> [f32; 4] {
     let PointSource { row, col, time, curvature } = PointSource::at(at[0], at[1]);
     [row, col, time, curvature]
@@ -208,10 +209,10 @@ fn plan(
     schedule: Option<Schedule>,
     wavefront: Wavefront,
 ) -> Result<Plan> {
-    // Below what a picture shows.
+    // The tolerance is below what a picture shows.
     let stop = Stop { tolerance: 1e-4, iterations: 10_000 };
-    // What smooth surfaces take in one frame. Where it is not enough, the next frames go on: so
-    // one sees the front of all points at once advance.
+    // Iterations that smooth surfaces need in one frame. If they are not enough, the next frames continue, so
+    // that one sees the front of all points at once advance.
     let iterations = match schedule {
         Some(Schedule::Tiles) => 128,
         Some(Schedule::AllPoints) => 48,

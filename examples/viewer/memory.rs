@@ -18,7 +18,7 @@ pub struct Image {
     allocation: Option<Allocation>,
 }
 
-/// What an image is for.
+/// Use of an image.
 pub struct ImageUse {
     pub format: vk::Format,
     pub usage: vk::ImageUsageFlags,
@@ -26,7 +26,7 @@ pub struct ImageUse {
     pub samples: vk::SampleCountFlags,
 }
 
-/// All of an image with one level and one layer.
+/// Returns the range of a whole image with one level and one layer.
 pub fn whole(aspect: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
     vk::ImageSubresourceRange::default().aspect_mask(aspect).level_count(1).layer_count(1)
 }
@@ -50,7 +50,7 @@ impl Buffer {
         }
     }
 
-    /// A buffer that the program fills now and shaders read.
+    /// Creates a buffer that the program fills now and shaders read.
     pub fn filled(
         gpu: &mut Gpu,
         name: &str,
@@ -63,13 +63,13 @@ impl Buffer {
         Ok(buffer)
     }
 
-    /// The mapped memory.
+    /// Returns the mapped memory.
     pub fn bytes(&self) -> &[u8] {
         let allocation = self.allocation.as_ref().expect("the buffer has not been destroyed");
         allocation.mapped_slice().expect("the buffer was made to be mapped")
     }
 
-    /// The mapped memory, which no submitted work may be using.
+    /// Returns the mapped memory. No submitted work may be using it.
     pub fn bytes_mut(&mut self) -> &mut [u8] {
         let allocation = self.allocation.as_mut().expect("the buffer has not been destroyed");
         allocation.mapped_slice_mut().expect("the buffer was made to be mapped")

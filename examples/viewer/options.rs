@@ -1,4 +1,4 @@
-//! The command line.
+//! Command line of the viewer.
 
 use std::path::PathBuf;
 
@@ -10,25 +10,25 @@ use crate::surfaces::Name;
 /// Distance maps on the GPU, drawn in 3D.
 #[derive(Clone, Debug, Parser)]
 pub struct Options {
-    /// The surface to begin with.
+    /// First surface
     #[arg(long, value_enum, default_value_t = Name::Terrain)]
     pub surface: Name,
-    /// The source to begin with, on the surface to begin with.
+    /// First source, on the first surface
     #[arg(long, value_name = "ROW,COL", value_parser = place)]
     pub source: Option<[f32; 2]>,
-    /// Size of the window.
+    /// Size of the window
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size, default_value = "1200x700")]
     pub size: [u32; 2],
-    /// A part of the device's name.
+    /// A part of the device's name
     #[arg(long, value_name = "NAME")]
     pub device: Option<String>,
-    /// End after so many frames. A deforming surface then moves by the same time every frame.
+    /// End after this many frames. A deforming surface then moves by the same time every frame
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub frames: Option<u64>,
-    /// Write the last frame.
+    /// Write the last frame
     #[arg(long, value_name = "FILE.png", requires = "frames", value_parser = png_output)]
     pub picture: Option<OutputFile>,
-    /// Turn on the validation layers. Any message of theirs makes the exit status 1.
+    /// Turn on the validation layers. Any message of theirs makes the exit status 1
     #[arg(long)]
     pub validate: bool,
 }

@@ -1,6 +1,6 @@
-//! Where the pointer is on the surface. A picture of the one pixel under it, in which the color is
-//! a source, is copied to the buffer that the distance passes read: the program never waits for it,
-//! nor sees it.
+//! Finds the place on the surface under the pointer. Draws a picture of the single pixel under it, in which
+//! the color is a source, and copies it to the buffer that the distance passes read. The program never waits
+//! for it and never reads it.
 
 use geosweep::ash::vk;
 use geosweep::gpu_allocator::MemoryLocation;
@@ -11,7 +11,7 @@ use crate::memory::{Buffer, Image, ImageUse, whole};
 use crate::shaders::{Draw, Layout};
 use crate::stage::Stage;
 
-/// A source is four floats.
+/// Format of a source: four floats.
 const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 const SIZE: vk::Extent2D = vk::Extent2D { width: 1, height: 1 };
@@ -22,13 +22,13 @@ pub struct PickPass {
     pipeline: vk::Pipeline,
 }
 
-/// The picture of a surface.
+/// Picture of a surface under the pointer.
 pub struct Pick {
-    /// The last source. Where the surface is missed, it stays.
+    /// The last source. If the pointer is beside the surface, it stays.
     color: Image,
     depth: Image,
     framebuffer: vk::Framebuffer,
-    /// For the distance passes, or those that trace paths.
+    /// Source for the distance passes, or start for those that trace paths.
     pub source: Buffer,
 }
 
@@ -80,7 +80,7 @@ impl PickPass {
         let viewport =
             [vk::Viewport { width: 1.0, height: 1.0, max_depth: 1.0, ..Default::default() }];
         let sets = [stage.set(frame)];
-        // SAFETY: the commands are being recorded, outside a render pass; all objects are alive.
+        // SAFETY: the commands are being recorded, outside a render pass. All objects are alive.
         unsafe {
             gpu.device.cmd_begin_render_pass(commands, &info, vk::SubpassContents::INLINE);
             gpu.device.cmd_set_viewport(commands, 0, &viewport);
@@ -131,7 +131,7 @@ impl Pick {
         Ok(Self { color, depth, framebuffer, source })
     }
 
-    /// Records where the source is at first.
+    /// Records the first place of the source.
     pub fn set(&self, gpu: &Gpu, commands: vk::CommandBuffer, source: [f32; 4]) {
         let range = whole(vk::ImageAspectFlags::COLOR);
         let (image, filled) = (self.color.handle, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
@@ -165,7 +165,7 @@ impl Pick {
         let copy =
             vk::BufferImageCopy::default().image_subresource(layers).image_extent(SIZE.into());
         let (from, to) = (self.color.handle, self.source.handle);
-        // The frame before reads the source in shaders, and copies it where a path starts.
+        // The previous frame reads the source in shaders, and copies it if a path starts there.
         let readers = vk::PipelineStageFlags::COMPUTE_SHADER
             | vk::PipelineStageFlags::VERTEX_SHADER
             | vk::PipelineStageFlags::FRAGMENT_SHADER
@@ -187,7 +187,7 @@ impl Pick {
     }
 }
 
-/// Keeps the color, so that a miss leaves the source where it was.
+/// Creates the render pass, which keeps the color, so that a miss leaves the source unchanged.
 fn render_pass(gpu: &Gpu) -> Result<vk::RenderPass> {
     let depth_layout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
     let forget = vk::AttachmentStoreOp::DONT_CARE;
@@ -223,14 +223,14 @@ fn render_pass(gpu: &Gpu) -> Result<vk::RenderPass> {
     let reads =
         vk::AccessFlags::COLOR_ATTACHMENT_READ | vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_READ;
     let dependencies = [
-        // After the copy of the picture before, and the writes of that.
+        // Waits for the copy of the previous picture, and for its writes.
         vk::SubpassDependency::default()
             .src_subpass(vk::SUBPASS_EXTERNAL)
             .src_stage_mask(transfer | colors | tests)
             .src_access_mask(vk::AccessFlags::TRANSFER_WRITE | writes)
             .dst_stage_mask(colors | tests)
             .dst_access_mask(writes | reads),
-        // Before the copy.
+        // The copy waits for the picture.
         vk::SubpassDependency::default()
             .dst_subpass(vk::SUBPASS_EXTERNAL)
             .src_stage_mask(colors)
@@ -242,6 +242,6 @@ fn render_pass(gpu: &Gpu) -> Result<vk::RenderPass> {
         .attachments(&attachments)
         .subpasses(&subpass)
         .dependencies(&dependencies);
-    // SAFETY: all that the info points to is alive.
+    // SAFETY: everything that the info points to is alive.
     Ok(unsafe { gpu.device.create_render_pass(&info, None)? })
 }

@@ -1,4 +1,4 @@
-//! The last frame as a file.
+//! Writes the last frame to a file.
 
 use geosweep::ash::vk;
 use geosweep::gpu_allocator::MemoryLocation;
@@ -12,7 +12,7 @@ use crate::swapchain::Swapchain;
 pub struct Picture {
     pixels: Buffer,
     size: vk::Extent2D,
-    /// Whether blue comes first.
+    /// Whether blue is the first channel.
     blue_first: bool,
 }
 
@@ -93,7 +93,7 @@ impl Picture {
         Ok(Self { pixels, size, blue_first: format == vk::Format::B8G8R8A8_SRGB })
     }
 
-    /// Writes the file, after the device has done with the frame.
+    /// Writes the file, after the device has finished the frame.
     pub fn write(&self, file: &OutputFile) -> Result<()> {
         let vk::Extent2D { width, height } = self.size;
         let pixels = &self.pixels.bytes()[..4 * width as usize * height as usize];

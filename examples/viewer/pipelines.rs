@@ -1,4 +1,4 @@
-//! The solver, whose pipelines stay in the user's cache folder from one start to the next.
+//! The solver. Its pipelines stay in the user's cache folder from one start to the next.
 
 use etcetera::BaseStrategy;
 use geosweep::Wavefront;

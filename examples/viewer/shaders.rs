@@ -1,4 +1,4 @@
-//! WGSL to pipelines, and what all of them share: one layout of descriptors.
+//! Compiles WGSL to pipelines. All of them share one layout of descriptors.
 
 use std::ffi::CStr;
 
@@ -10,13 +10,13 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use crate::Result;
 use crate::gpu::Gpu;
 
-/// The layout of the descriptors that all shaders share, by the bindings in shaders/.
+/// Layout of the descriptors that all shaders share, by the bindings in shaders/.
 pub struct Layout {
     pub set: vk::DescriptorSetLayout,
     pub pipeline: vk::PipelineLayout,
 }
 
-/// The kinds at bindings 0, 1, ...
+/// Types of the bindings 0, 1, ...
 pub const BINDINGS: [vk::DescriptorType; 6] = [
     vk::DescriptorType::UNIFORM_BUFFER, // the view
     vk::DescriptorType::STORAGE_BUFFER, // positions
@@ -41,7 +41,7 @@ impl Layout {
                     .stage_flags(stages)
             })
             .collect();
-        // SAFETY: all that the infos point to is alive.
+        // SAFETY: everything that the infos point to is alive.
         unsafe {
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
             let set = gpu.device.create_descriptor_set_layout(&info, None)?;
@@ -52,7 +52,7 @@ impl Layout {
         }
     }
 
-    /// A compute pipeline with the entry point `main`.
+    /// Creates a compute pipeline with the entry point `main`.
     pub fn compute(&self, gpu: &Gpu, wgsl: &str) -> Result<vk::Pipeline> {
         let module = module(gpu, wgsl)?;
         let stage = vk::PipelineShaderStageCreateInfo::default()
@@ -68,7 +68,7 @@ impl Layout {
         }
     }
 
-    /// A pipeline that draws into a render pass with a color and perhaps depths.
+    /// Creates a pipeline that draws into a render pass with colors and optionally depths.
     pub fn graphics(&self, gpu: &Gpu, draw: &Draw) -> Result<vk::Pipeline> {
         let module = module(gpu, draw.wgsl)?;
         let stage = |stage, name| {
@@ -79,7 +79,7 @@ impl Layout {
             stage(vk::ShaderStageFlags::FRAGMENT, draw.fragment),
         ];
         let bindings = [vk::VertexInputBindingDescription::default().stride(CurveVertex::BYTES)];
-        // Nobody asks for the row and the column.
+        // The row and the column are not used.
         let [position, time, _] = CurveVertex::attributes(0, 0);
         let attributes = [position, time];
         let mut vertices = vk::PipelineVertexInputStateCreateInfo::default();
@@ -93,7 +93,7 @@ impl Layout {
             vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
         let states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
         let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&states);
-        // Counter-clockwise as the world is seen; pictures have y downwards.
+        // Triangles are counter-clockwise in the world. Pictures have y downwards.
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
             .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
             .line_width(1.0);
@@ -140,12 +140,12 @@ impl Layout {
     }
 }
 
-/// What a pipeline draws, and how.
+/// Parameters of a pipeline that draws.
 pub struct Draw<'a> {
     pub wgsl: &'a str,
     pub vertex: &'a CStr,
     pub fragment: &'a CStr,
-    /// Whether it is given the vertices of contours or paths.
+    /// Whether its vertices are those of contours or paths.
     pub curves: bool,
     pub topology: vk::PrimitiveTopology,
     pub depth: bool,
@@ -162,7 +162,7 @@ fn module(gpu: &Gpu, wgsl: &str) -> Result<vk::ShaderModule> {
 }
 
 fn spirv(wgsl: &str) -> Result<Vec<u32>> {
-    // The curvature of a front at a source is a constant of geosweep's.
+    // geosweep defines the curvature of a front at a source.
     let at_source = PointSource::at(0.0, 0.0).curvature;
     let view = include_str!("shaders/view.wgsl");
     let wgsl = format!("{view}\nconst AT_SOURCE = f32({at_source:?});\n{wgsl}");

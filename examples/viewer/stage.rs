@@ -1,5 +1,5 @@
-//! A surface on the device: its points and normals, its map with the lines on it, and where its
-//! source is.
+//! A surface on the device: its points and normals, its map with the lines on it, and the place of its
+//! source.
 
 use geosweep::ash::vk;
 use geosweep::gpu_allocator::MemoryLocation;
@@ -25,30 +25,30 @@ pub struct Stage {
     pub lines: Lines,
     pub indices: Buffer,
     pub index_count: u32,
-    /// Whether normals are to be computed.
+    /// Whether normals must be computed.
     unshaded: bool,
     positions: Buffer,
     normals: Buffer,
     corners: Buffer,
     distances: Buffer,
     descriptors: vk::DescriptorPool,
-    /// By frame in flight, and by slot of the map.
+    /// Descriptor sets by frame in flight, and by slot of the map.
     sets: Vec<[vk::DescriptorSet; IN_FLIGHT]>,
 }
 
-/// The compute passes that write points and normals.
+/// Compute passes that write points and normals.
 pub struct PointPasses {
     deform: vk::Pipeline,
     shade: vk::Pipeline,
 }
 
-/// What all stages share.
+/// Resources that all stages share.
 pub struct Shared<'a> {
     pub layout: &'a Layout,
     pub solver: &'a Solver,
     pub picking: &'a PickPass,
     pub palette: vk::Buffer,
-    /// By frame in flight.
+    /// Views by frame in flight.
     pub views: &'a [Buffer],
 }
 
@@ -101,7 +101,7 @@ impl Stage {
         })
     }
 
-    /// The descriptors for a frame in flight, with the image of distances that is drawn.
+    /// Returns the descriptors for a frame in flight, with the image of distances that is drawn.
     pub fn set(&self, frame: usize) -> vk::DescriptorSet {
         self.sets[frame][self.map.slot()]
     }
@@ -123,7 +123,7 @@ impl Stage {
         let groups = self.look.chart.points().div_ceil(64) as u32;
         let dispatch = |pipeline| {
             let compute = vk::PipelineBindPoint::COMPUTE;
-            // SAFETY: the commands are being recorded; all objects are alive.
+            // SAFETY: the commands are being recorded. All objects are alive.
             unsafe {
                 gpu.device.cmd_bind_pipeline(commands, compute, pipeline);
                 gpu.device.cmd_bind_descriptor_sets(
@@ -137,7 +137,7 @@ impl Stage {
                 gpu.device.cmd_dispatch(commands, groups, 1, 1);
             }
         };
-        // The frame before draws these points; geosweep has done with them.
+        // The previous frame draws these points, and geosweep no longer uses them.
         barrier(gpu, commands, Access::VERTEX_READ, Access::COMPUTE_WRITE);
         if self.look.deforms {
             dispatch(passes.deform);
@@ -183,7 +183,7 @@ impl PointPasses {
     }
 }
 
-/// A barrier over all memory.
+/// Records a barrier for all memory.
 pub fn barrier(gpu: &Gpu, commands: vk::CommandBuffer, before: Access, after: Access) {
     let barrier =
         vk::MemoryBarrier::default().src_access_mask(before.access).dst_access_mask(after.access);
@@ -192,7 +192,7 @@ pub fn barrier(gpu: &Gpu, commands: vk::CommandBuffer, before: Access, after: Ac
     unsafe { gpu.device.cmd_pipeline_barrier(commands, from, to, none, &[barrier], &[], &[]) };
 }
 
-/// Two triangles for each cell of the grid.
+/// Returns the indices of two triangles for each cell of the grid.
 fn indices(chart: Chart) -> Vec<u32> {
     let cols = chart.cols as u32;
     let cells = (1..chart.rows as u32).flat_map(|row| (1..cols).map(move |col| [row, col]));
@@ -218,7 +218,7 @@ fn descriptor_sets(
         BINDINGS.map(|kind| vk::DescriptorPoolSize::default().ty(kind).descriptor_count(count));
     let info = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes);
     let device = &gpu.device;
-    // SAFETY: all that the infos point to is alive, and no set is in use.
+    // SAFETY: everything that the infos point to is alive, and no set is in use.
     unsafe {
         let pool = device.create_descriptor_pool(&info, None)?;
         let mut sets = Vec::new();

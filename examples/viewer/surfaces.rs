@@ -1,4 +1,4 @@
-//! What there is to see: the terrain, and a sheet that deforms.
+//! Surfaces of the viewer: the terrain, and a sheet that deforms.
 
 use std::path::Path;
 
@@ -10,16 +10,16 @@ use geosweep::surface::{Chart, Geometry};
 use crate::Result;
 use crate::camera::Camera;
 
-/// The surfaces by name.
+/// Surfaces by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Name {
-    /// Elevation around the Jacksboro fault, heights enlarged.
+    /// Elevation around the Jacksboro fault, with enlarged heights
     Terrain,
-    /// A sheet in motion: a compute shader writes its points every frame.
+    /// A sheet in motion: a compute shader writes its points every frame
     Sheet,
 }
 
-/// How a surface is shown. Units are the surface's own.
+/// Look of a surface. Units are the surface's own.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
     pub name: &'static str,
@@ -28,29 +28,29 @@ pub struct Look {
     pub half: Vec2,
     /// Height of the ground below.
     pub ground: f32,
-    /// Whether walls go down to the ground.
+    /// Whether walls reach down to the ground.
     pub walls: bool,
-    /// How soft the shadow on the ground is.
+    /// Softness of the shadow on the ground.
     pub softness: f32,
-    /// From line to line.
+    /// Distance between lines.
     pub spacing: f32,
     /// Whether the points are written every frame.
     pub deforms: bool,
-    /// Where the source is at first: row and column.
+    /// First row and column of the source.
     pub source: [f32; 2],
     pub camera: Camera,
 }
 
-/// Kilometres between the points of the terrain, from east to west and from north to south:
+/// Kilometres between the points of the terrain, from east to west and from north to south; see
 /// examples/data/README.md.
 const SPACING: Vec2 = Vec2::new(0.074573, 0.092475);
-/// Heights are drawn and measured so many times as large as they are: one sees why lines bend.
+/// Factor by which heights are enlarged, for drawing and for measuring. It shows why lines bend.
 const ENLARGED: f32 = 2.5;
 
 impl Name {
     pub const ALL: [Self; 2] = [Self::Terrain, Self::Sheet];
 
-    /// The points, if they stay where they are, and how they are shown.
+    /// Returns the points, if they do not move, and the surface's look.
     pub fn load(self) -> Result<(Vec<Vec4>, Look)> {
         match self {
             Self::Terrain => terrain(),
@@ -58,7 +58,7 @@ impl Name {
         }
     }
 
-    /// Whether a row and a column are on the grid.
+    /// Checks that a row and a column are on the grid.
     pub fn check_source(self, [row, col]: [f32; 2]) -> Result<()> {
         let Chart { rows, cols } = self.load()?.1.chart;
         let (last_row, last_col) = (rows - 1, cols - 1);

@@ -1,4 +1,4 @@
-//! The window's images, what is drawn before it gets there, and how both follow the window's size.
+//! The window's images, the targets that are drawn before, and how both follow the window's size.
 
 use geosweep::ash::vk;
 
@@ -8,7 +8,7 @@ use crate::memory::{Image, ImageUse, whole};
 
 const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 
-/// What stays when the size changes.
+/// Parts that stay when the size changes.
 pub struct Target {
     pub format: vk::SurfaceFormatKHR,
     pub samples: vk::SampleCountFlags,
@@ -29,8 +29,8 @@ pub struct WindowImage {
     pub handle: vk::Image,
     view: vk::ImageView,
     pub framebuffer: vk::Framebuffer,
-    /// Signalled when it has been drawn. One for each image, since nothing else says when
-    /// presenting has done with it.
+    /// Signalled when the image has been drawn. There is one for each image, since nothing else tells when
+    /// presenting has finished with it.
     pub drawn: vk::Semaphore,
 }
 
@@ -48,7 +48,7 @@ impl Target {
         let limits = &gpu.properties.limits;
         let counts =
             limits.framebuffer_color_sample_counts & limits.framebuffer_depth_sample_counts;
-        // Every device has these four.
+        // Every device supports four samples.
         let samples = counts & vk::SampleCountFlags::TYPE_4;
         let pass = render_pass(gpu, format.format, samples)?;
         Ok(Self { format, samples, pass })
@@ -60,7 +60,7 @@ impl Target {
     }
 }
 
-/// Draws with several samples and resolves them into the window's image.
+/// Creates the render pass. It draws with several samples and resolves them into the window's image.
 fn render_pass(
     gpu: &Gpu,
     format: vk::Format,
@@ -81,7 +81,7 @@ fn render_pass(
     use vk::{AttachmentLoadOp as Load, AttachmentStoreOp as Store};
     let one = vk::SampleCountFlags::TYPE_1;
     let present = vk::ImageLayout::PRESENT_SRC_KHR;
-    // The background is drawn over all of the picture, so only depths need to be cleared.
+    // The background covers the whole picture, so only depths need to be cleared.
     let attachments = [
         attachment(format, samples, Load::DONT_CARE, Store::DONT_CARE, color_layout),
         attachment(DEPTH, samples, Load::CLEAR, Store::DONT_CARE, depth_layout),
@@ -96,8 +96,8 @@ fn render_pass(
         .color_attachments(&color)
         .resolve_attachments(&resolve)
         .depth_stencil_attachment(&depth)];
-    // Frames in flight share colors and depths; the wait for the window's image is in the stage of
-    // colors, too.
+    // Frames in flight share colors and depths. The wait for the window's image is in the stage of colors,
+    // too.
     let tests =
         vk::PipelineStageFlags::EARLY_FRAGMENT_TESTS | vk::PipelineStageFlags::LATE_FRAGMENT_TESTS;
     let colors = vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT;
@@ -115,12 +115,13 @@ fn render_pass(
         .attachments(&attachments)
         .subpasses(&subpass)
         .dependencies(&dependencies);
-    // SAFETY: all that the info points to is alive.
+    // SAFETY: everything that the info points to is alive.
     Ok(unsafe { gpu.device.create_render_pass(&info, None)? })
 }
 
 impl Swapchain {
-    /// In place of an old one, which nothing in flight uses. `None` while the window has no size.
+    /// Creates a swapchain in place of an old one, which nothing in flight uses. Returns `None` while the
+    /// window has no size.
     pub fn new(
         gpu: &mut Gpu,
         target: &Target,
@@ -164,7 +165,7 @@ impl Swapchain {
             .present_mode(vk::PresentModeKHR::FIFO)
             .clipped(true)
             .old_swapchain(old.as_ref().map_or(vk::SwapchainKHR::null(), |old| old.handle));
-        // SAFETY: the info is valid; the old one is only retired by this.
+        // SAFETY: the info is valid. The old swapchain is only retired by this.
         let handle = unsafe { gpu.swapchains.create_swapchain(&info, None)? };
         if let Some(mut old) = old {
             old.destroy(gpu);
@@ -220,7 +221,7 @@ impl WindowImage {
             .view_type(vk::ImageViewType::TYPE_2D)
             .format(target.format.format)
             .subresource_range(whole(vk::ImageAspectFlags::COLOR));
-        // SAFETY: all that is pointed to is alive.
+        // SAFETY: everything that is pointed to is alive.
         unsafe {
             let view = gpu.device.create_image_view(&info, None)?;
             let attachments = [color, depth, view];
@@ -237,7 +238,7 @@ impl WindowImage {
     }
 }
 
-/// The window's size, unless the system leaves it to us.
+/// Returns the window's size. If the system leaves it to the program, it is the requested one.
 fn extent(capabilities: &vk::SurfaceCapabilitiesKHR, [width, height]: [u32; 2]) -> vk::Extent2D {
     if capabilities.current_extent.width != u32::MAX {
         return capabilities.current_extent;

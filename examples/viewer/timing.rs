@@ -1,4 +1,4 @@
-//! How long the device takes for the distance passes: told by timestamps, frames later.
+//! Measures the device's time for the distance passes by timestamps, which are read frames later.
 
 use geosweep::ash::vk;
 
@@ -8,13 +8,13 @@ use crate::gpu::Gpu;
 
 pub struct Timing {
     pool: vk::QueryPool,
-    /// Bits of a timestamp that count; 0 if the queue has none.
+    /// Mask of the valid bits of a timestamp; 0 if the queue has none.
     mask: u64,
-    /// Nanoseconds of a tick.
+    /// Nanoseconds per tick.
     tick: f64,
-    /// Which frames have been timed.
+    /// Frames in flight that were timed.
     timed: [bool; IN_FLIGHT],
-    /// The last few, newest last.
+    /// Times of the last few frames, the newest last.
     milliseconds: Vec<f64>,
 }
 
@@ -40,7 +40,7 @@ impl Timing {
     pub fn start(&mut self, gpu: &Gpu, frame: Frame) {
         self.timed[frame.index] = self.mask != 0;
         let first = 2 * frame.index as u32;
-        // SAFETY: the commands are being recorded; the device has done with these queries.
+        // SAFETY: the commands are being recorded. The device has finished with these queries.
         unsafe { gpu.device.cmd_reset_query_pool(frame.commands, self.pool, first, 2) };
         self.stamp(gpu, frame, first);
     }
@@ -57,14 +57,14 @@ impl Timing {
         }
     }
 
-    /// Takes what a frame has told, after its fence.
+    /// Reads the times of a frame, after its fence.
     pub fn collect(&mut self, gpu: &Gpu, frame: Frame) -> Result<()> {
         if !std::mem::take(&mut self.timed[frame.index]) {
             return Ok(());
         }
         let mut ticks = [0u64; 2];
         let (first, flags) = (2 * frame.index as u32, vk::QueryResultFlags::TYPE_64);
-        // SAFETY: the pool is alive. Both queries are there, since the fence has been waited for.
+        // SAFETY: the pool is alive. Both queries are available, since the fence has been waited for.
         unsafe { gpu.device.get_query_pool_results(self.pool, first, &mut ticks, flags)? };
         let elapsed = ticks[1].wrapping_sub(ticks[0]) & self.mask;
         self.milliseconds.push(elapsed as f64 * self.tick * 1e-6);
@@ -74,12 +74,12 @@ impl Timing {
         Ok(())
     }
 
-    /// Starts anew, because something else is timed.
+    /// Starts again, since something else is timed.
     pub fn forget(&mut self) {
         self.milliseconds.clear();
     }
 
-    /// The median of the last few.
+    /// Returns the median of the last few times.
     pub fn milliseconds(&self) -> Option<f64> {
         let mut sorted = self.milliseconds.clone();
         sorted.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! What the validation layers say.
+//! Messages of the validation layers.
 
 use std::ffi::{CStr, c_void};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -7,9 +7,9 @@ use geosweep::ash::{self, ext, vk};
 
 use crate::Result;
 
-/// The layer.
+/// Name of the layer.
 pub const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
-/// What is checked beyond the usual.
+/// Checks beyond the default ones.
 pub const ENABLED: [vk::ValidationFeatureEnableEXT; 1] =
     [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
 
@@ -37,7 +37,7 @@ impl Messenger {
         Ok(Self { loader, handle, count })
     }
 
-    /// Ends the listening, once the device is gone. Returns how many messages there were.
+    /// Destroys the messenger, after the device. Returns the number of messages.
     pub fn destroy(self) -> usize {
         // SAFETY: nothing uses the messenger any more.
         unsafe { self.loader.destroy_debug_utils_messenger(self.handle, None) };
@@ -51,7 +51,7 @@ unsafe extern "system" fn print(
     data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
     count: *mut c_void,
 ) -> vk::Bool32 {
-    // SAFETY: the layers give a valid message, and back what the messenger was made with.
+    // SAFETY: the layers pass a valid message, and the pointer with which the messenger was created.
     let (text, count) =
         unsafe { (CStr::from_ptr((*data).p_message), &*count.cast::<AtomicUsize>()) };
     eprintln!("validation: {}", text.to_string_lossy());

@@ -1,4 +1,4 @@
-//! What all shaders of the viewer share: the twin of `View` in shaders/view.wgsl.
+//! Data that all shaders of the viewer share: the twin of `View` in shaders/view.wgsl.
 
 use bytemuck::{Pod, Zeroable};
 use geosweep::glam::{Mat4, Vec2, Vec3};
@@ -22,8 +22,8 @@ pub struct View {
 }
 
 impl View {
-    /// `pointer` is in pixels from the upper left. `spacing` is negative where lines are drawn as
-    /// lines.
+    /// Creates a view. `pointer` is in pixels from the upper left. `spacing` is negative if lines are drawn
+    /// as curves.
     pub fn new(
         camera: &Camera,
         look: &Look,
@@ -47,7 +47,7 @@ impl View {
     }
 }
 
-/// Blows one pixel of the picture up to all of it.
+/// Returns the transformation that enlarges one pixel to the whole picture.
 fn pixel(at: Vec2, size: Vec2) -> Mat4 {
     let centre = Vec2::new(2.0, -2.0) * (at + 0.5) / size + Vec2::new(-1.0, 1.0);
     Mat4::from_scale(Vec3::new(size.x, size.y, 1.0)) * Mat4::from_translation(-centre.extend(0.0))

@@ -1,4 +1,4 @@
-//! The renderer: what there is, and the order of a frame's passes.
+//! The renderer: its parts, and the order of a frame's passes.
 
 use std::time::{Duration, Instant};
 
@@ -27,10 +27,11 @@ use crate::swapchain::{Swapchain, Target};
 use crate::timing::Timing;
 use crate::view::View;
 
-/// What a deforming surface moves by from frame to frame, at most, and where frames are counted.
+/// Largest step of a deforming surface from frame to frame. It is the step too if the number of frames is
+/// given.
 const STEP: Duration = Duration::from_nanos(1_000_000_000 / 60);
 const LONGEST_STEP: Duration = Duration::from_millis(100);
-/// No image of the window for so long: it cannot be seen.
+/// Time to wait for an image of the window. Without one in this time, the window is not visible.
 const PATIENCE: Duration = Duration::from_millis(200);
 
 pub struct Viewer {
@@ -38,9 +39,9 @@ pub struct Viewer {
     gpu: Gpu,
     layout: Layout,
     target: Target,
-    /// `None` while the window has no size.
+    /// Swapchain; `None` while the window has no size.
     swapchain: Option<Swapchain>,
-    /// Whether it fits the window no longer.
+    /// Whether the swapchain no longer fits the window.
     outdated: bool,
     frames: Frames,
     timing: Timing,
@@ -48,27 +49,27 @@ pub struct Viewer {
     picking: PickPass,
     drawing: Drawing,
     palette: Buffer,
-    /// By frame in flight.
+    /// Views by frame in flight.
     views: Vec<Buffer>,
     solver: Solver,
     store: PipelineStore,
-    /// What the solver has passes for.
+    /// Methods for which the solver has passes.
     methods: Vec<(Schedule, Wavefront)>,
-    /// As in [`Name::ALL`].
+    /// Stages in the order of [`Name::ALL`].
     stages: Vec<Stage>,
     current: usize,
     schedule: Schedule,
     wavefront: Wavefront,
     pointer: Vec2,
-    /// Whether the source goes to the pointer.
+    /// Whether the source moves to the pointer.
     picks: bool,
     /// Whether a path starts at the pointer.
     traces: bool,
-    /// Whether lines of equal distance are drawn as lines.
+    /// Whether lines of equal distance are drawn as curves.
     draws_contours: bool,
-    /// Whether something has changed that is not yet drawn.
+    /// Whether a change has not been drawn yet.
     stale: bool,
-    /// Drives the deformation, in seconds.
+    /// Time of the deformation, in seconds.
     phase: f32,
     last_frame: Option<Instant>,
     drawn: u64,
@@ -159,24 +160,24 @@ impl Viewer {
         })
     }
 
-    /// Whether a frame would show something new.
+    /// Returns whether a frame would show something new.
     pub fn wants_frame(&self) -> bool {
         let stage = &self.stages[self.current];
         let counts = self.options.frames.is_some();
         self.stale || self.outdated || counts || stage.look.deforms || stage.map.is_due()
     }
 
-    /// Whether all frames that were asked for have been drawn.
+    /// Returns whether all requested frames have been drawn.
     pub fn is_done(&self) -> bool {
         self.options.frames.is_some_and(|frames| self.drawn >= frames)
     }
 
-    /// The window has another size.
+    /// Notes that the window has another size.
     pub fn resized(&mut self) {
         self.outdated = true;
     }
 
-    /// The window has to be drawn again.
+    /// Notes that the window must be drawn again.
     pub fn exposed(&mut self) {
         self.stale = true;
     }
@@ -193,7 +194,7 @@ impl Viewer {
         lines.show_path(&mut self.gpu, &self.solver, map.surface())
     }
 
-    /// Draws lines of equal distance as lines, or in the surface's shader.
+    /// Switches between drawing lines of equal distance as curves and in the surface's shader.
     pub fn switch_lines(&mut self) -> Result<()> {
         self.draws_contours = !self.draws_contours;
         self.show_contours()
@@ -230,7 +231,7 @@ impl Viewer {
         self.use_method(self.schedule, after(&Wavefront::ALL, self.wavefront))
     }
 
-    /// Makes the pipelines of a method when it is wanted for the first time.
+    /// Creates the pipelines of a method when it is first used.
     fn use_method(&mut self, schedule: Schedule, wavefront: Wavefront) -> Result<()> {
         let Self { gpu, solver, stages, frames, .. } = self;
         (self.schedule, self.wavefront) = (schedule, wavefront);
@@ -242,7 +243,7 @@ impl Viewer {
                 stages.iter().for_each(|stage| stage.map.prepare(gpu, solver, commands));
                 Ok(())
             })?;
-            // Images are as new then.
+            // The images are then as new.
             stages.iter_mut().for_each(|stage| stage.map.moved_points());
             self.methods.push(method);
         }
@@ -250,7 +251,7 @@ impl Viewer {
         self.stages[self.current].map.use_method(&self.solver, schedule, wavefront)
     }
 
-    /// What the window is called.
+    /// Returns the title of the window.
     pub fn title(&self) -> String {
         let Stage { look, map, .. } = &self.stages[self.current];
         let (rows, cols) = (look.chart.rows, look.chart.cols);
@@ -272,7 +273,7 @@ impl Viewer {
         title
     }
 
-    /// Draws a frame, if the window can be drawn. Never waits for the frame before.
+    /// Draws a frame, if the window can be drawn. Never waits for the previous frame.
     pub fn frame(&mut self, window: [u32; 2]) -> Result<()> {
         if self.outdated && !self.rebuild(window)? {
             return Ok(());
@@ -283,7 +284,7 @@ impl Viewer {
         for stage in &mut self.stages {
             stage.map.collect(frame)?;
         }
-        // SAFETY: the semaphore was waited for by the submission whose fence was waited for.
+        // SAFETY: the submission whose fence was waited for has waited for the semaphore.
         let acquired = unsafe {
             let (patience, none) = (PATIENCE.as_nanos() as u64, vk::Fence::null());
             let semaphore = frame.acquired;
@@ -313,7 +314,7 @@ impl Viewer {
         Ok(())
     }
 
-    /// Whether there is something to draw into now.
+    /// Creates the swapchain again. Returns whether there is an image to draw into.
     fn rebuild(&mut self, window: [u32; 2]) -> Result<bool> {
         self.gpu.wait();
         let old = self.swapchain.take();
@@ -330,7 +331,7 @@ impl Viewer {
             .wait_semaphores(&semaphores)
             .swapchains(&swapchains)
             .image_indices(&indices);
-        // SAFETY: the image has been acquired, and what draws it has been submitted.
+        // SAFETY: the image has been acquired, and the commands that draw it have been submitted.
         match unsafe { self.gpu.swapchains.queue_present(self.gpu.queue, &info) } {
             Ok(suboptimal) => self.outdated |= suboptimal,
             Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => self.outdated = true,
@@ -339,7 +340,7 @@ impl Viewer {
         Ok(())
     }
 
-    /// All passes of a frame.
+    /// Records all passes of a frame.
     fn record(&mut self, frame: Frame, image: usize) -> Result<()> {
         self.step();
         let last = self.options.frames.is_some_and(|frames| self.drawn + 1 == frames);
@@ -381,7 +382,7 @@ impl Viewer {
             .clear_values(&clear);
         let viewport =
             vk::Viewport { width: size.x, height: size.y, max_depth: 1.0, ..Default::default() };
-        // SAFETY: the commands are being recorded; all objects are alive.
+        // SAFETY: the commands are being recorded. All objects are alive.
         unsafe {
             let device = &gpu.device;
             device.cmd_begin_render_pass(commands, &info, vk::SubpassContents::INLINE);
@@ -396,7 +397,7 @@ impl Viewer {
         Ok(())
     }
 
-    /// Moves on in time: by the same step where frames are counted, so that runs are alike.
+    /// Advances the time: by the same step if the number of frames is given, so that runs are alike.
     fn step(&mut self) {
         let now = Instant::now();
         let last = self.last_frame.replace(now);
@@ -409,7 +410,7 @@ impl Viewer {
         }
     }
 
-    /// Writes the picture, if one was asked for, and destroys everything.
+    /// Writes the picture, if one was requested, and destroys everything.
     pub fn end(mut self) -> Result<()> {
         self.gpu.wait();
         let gpu = &mut self.gpu;
@@ -438,14 +439,14 @@ impl Viewer {
         self.target.destroy(gpu);
         self.layout.destroy(gpu);
         self.solver.destroy(&gpu.device);
-        // Without the file the next start takes longer.
+        // Without the file, the next start takes longer.
         let _ = self.store.save(&gpu.device);
         self.store.destroy(&gpu.device);
         written.and(self.gpu.destroy())
     }
 }
 
-/// The one after another, around.
+/// Returns the entry after another, cyclically.
 fn after<T: Copy + PartialEq>(all: &[T], one: T) -> T {
     let place = all.iter().position(|&other| other == one).unwrap_or(0);
     all[(place + 1) % all.len()]

@@ -14,7 +14,7 @@ use crate::viewer::Viewer;
 
 struct App {
     options: Options,
-    /// Outlives the renderer.
+    /// Window, which outlives the renderer.
     window: Option<Window>,
     viewer: Option<Viewer>,
     pointer: Vec2,
@@ -143,7 +143,7 @@ impl App {
         Ok(())
     }
 
-    /// Ends with the first error.
+    /// Ends the program at the first error.
     fn check(&mut self, events: &ActiveEventLoop, result: Result<()>) {
         if let Err(error) = result {
             if self.result.is_ok() {
@@ -171,7 +171,7 @@ impl ApplicationHandler for App {
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
         let (Some(window), Some(viewer)) = (&self.window, &self.viewer) else { return };
-        // A minimised window has no size: its next event wakes us.
+        // A minimised window has no size. Its next event wakes the program.
         let size = window.inner_size();
         if viewer.wants_frame() && size.width > 0 && size.height > 0 {
             window.request_redraw();

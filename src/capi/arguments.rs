@@ -1,4 +1,4 @@
-//! Pointers and numbers from C, checked before anything is done with them.
+//! Checks pointers and numbers from C before they are used.
 
 use super::status::Failure;
 
@@ -13,20 +13,21 @@ pub(super) fn usable<T>(pointer: *const T, name: &str) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What an argument points to.
+/// Returns a reference to the value of an argument, or an error if the pointer is null or badly aligned.
 ///
 /// # Safety
-/// If it is neither null nor badly aligned, it points to a `T` that nothing writes during the call.
+/// If `pointer` is neither null nor badly aligned, it points to a `T` that nothing writes during the call.
 pub(super) unsafe fn reference<'a, T>(pointer: *const T, name: &str) -> Result<&'a T, Failure> {
     usable(pointer, name)?;
     // SAFETY: checked above, or required.
     Ok(unsafe { &*pointer })
 }
 
-/// An array of at most so many entries, which may be null if there is none.
+/// Returns an array of `count` entries, of which there may be at most `most`. The pointer may be null if
+/// `count` is 0.
 ///
 /// # Safety
-/// As [`reference`], for each entry.
+/// As for [`reference`], for each entry.
 pub(super) unsafe fn list<'a, T>(
     pointer: *const T,
     count: u32,
@@ -49,29 +50,31 @@ pub(super) unsafe fn list<'a, T>(
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
-/// Where a result goes.
+/// Pointer to which a call writes its result.
 pub(super) struct Output<T>(*mut T);
 
 impl<T> Output<T> {
+    /// Checks a pointer to which a result will be written.
+    ///
     /// # Safety
-    /// If the pointer is neither null nor badly aligned, a `T` may be written there.
+    /// If `pointer` is neither null nor badly aligned, a `T` may be written there.
     pub(super) unsafe fn new(pointer: *mut T, name: &str) -> Result<Self, Failure> {
         usable(pointer, name)?;
         Ok(Self(pointer))
     }
 
-    /// Writes an entry of what is an array.
+    /// Writes the entry `index` of an array.
     ///
     /// # Safety
-    /// There is room for so many.
+    /// The array has more than `index` entries.
     pub(super) unsafe fn write_at(&self, index: usize, value: T) {
-        // SAFETY: required; as for a single one.
+        // SAFETY: required, as for a single value.
         unsafe { self.0.add(index).write(value) };
     }
 
     pub(super) fn write(self, value: T) {
-        // SAFETY: checked, or required, when this was made. What was there is of no interest, and
-        // may not be initialized.
+        // SAFETY: checked or required when this was created. The old value is not read, so it may be
+        // uninitialized.
         unsafe { self.0.write(value) };
     }
 }

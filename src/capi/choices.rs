@@ -1,55 +1,57 @@
-//! Enumerations. What C passes is read as a number: any may come.
+//! Enumerations. C passes them as plain integers, so that any value may arrive.
 
 use super::status::Failure;
 use crate::surface::EdgeRule;
 use crate::update::Wavefront;
 use crate::vulkan::Schedule;
 
-/// The shape of the front that is assumed inside a triangle.
+/// Shape of the wavefront that is assumed inside a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub enum GeosweepWavefront {
-    /// Straight: first-order accurate, the cheapest.
+    /// Straight front: first-order accurate and the cheapest.
     Planar = 0,
-    /// Circular around a virtual point source: exact on the plane, for point sources.
+    /// Circular front around a virtual point source: exact on the plane, for point sources.
     PointSource = 1,
-    /// Carries its curvature beside the distance: second-order on curved surfaces and around holes.
+    /// Front that carries its curvature along with the distance: second-order accurate on curved surfaces and
+    /// around holes.
     Curved = 2,
-    /// Knows the corner or source that it comes from on a straight line: exact over planes with holes that
-    /// are known to be such. Surfaces on a device are not: there it is curved.
+    /// Front that stores the corner or source from which it comes in a straight line: exact over planes with
+    /// holes. A surface must be known to be such a plane. Surfaces on a device are not, so that they get
+    /// curved fronts.
     Anchored = 3,
 }
 
-/// The order of updates. All lead to the same map.
+/// Order of updates. All schedules lead to the same map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub enum GeosweepSchedule {
-    /// The best on the device for the grid, as far as it is known, of those that the solver was made
-    /// for. For plans only.
+    /// The best known schedule for the grid on this device, among those that the solver was created for.
+    /// Plans alone accept this value.
     Best = 0,
-    /// Four scans over the whole grid, one after another; an iteration is all four.
+    /// Four scans over the whole grid, one after another. An iteration is all four scans.
     Raster = 1,
-    /// All points at once: for tiny grids.
+    /// All points at once, for tiny grids.
     AllPoints = 2,
-    /// Scans inside tiles, where something has changed; an iteration is a round of tiles.
+    /// Scans inside the tiles in which something has changed. An iteration is a round of tiles.
     Tiles = 3,
 }
 
-/// How the edges between grid points are measured.
+/// Rule by which the edges between grid points are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub enum GeosweepEdgeRule {
-    /// Along a cubic through the neighbouring points, where the surface is smooth.
+    /// Length of a cubic through the neighbouring points, where the surface is smooth.
     Arc = 0,
-    /// The straight line: the surface is a polyhedron.
+    /// Length of the straight line: the surface is a polyhedron.
     Chord = 1,
 }
 
-/// A `GeosweepWavefront`, or so the program says.
+/// Number of a `GeosweepWavefront`, not checked yet.
 pub(super) type WavefrontNumber = i32;
-/// A `GeosweepSchedule`, or so the program says.
+/// Number of a `GeosweepSchedule`, not checked yet.
 pub(super) type ScheduleNumber = i32;
-/// A `GeosweepEdgeRule`, or so the program says.
+/// Number of a `GeosweepEdgeRule`, not checked yet.
 pub(super) type EdgeRuleNumber = i32;
 
 pub(super) fn wavefront(number: WavefrontNumber, name: &str) -> Result<Wavefront, Failure> {
@@ -57,7 +59,7 @@ pub(super) fn wavefront(number: WavefrontNumber, name: &str) -> Result<Wavefront
     choose(number, name, "GeosweepWavefront", &choices)
 }
 
-/// The number that stands for a wavefront in C.
+/// Returns the number of a wavefront in C.
 pub(super) fn wavefront_number(wavefront: Wavefront) -> WavefrontNumber {
     match wavefront {
         Wavefront::Planar => GeosweepWavefront::Planar as i32,
@@ -67,7 +69,7 @@ pub(super) fn wavefront_number(wavefront: Wavefront) -> WavefrontNumber {
     }
 }
 
-/// `None` is the best one.
+/// Returns the schedule with this number, or `None` for the best one.
 pub(super) fn schedule(number: ScheduleNumber, name: &str) -> Result<Option<Schedule>, Failure> {
     use GeosweepSchedule as S;
     let choices = [
@@ -79,7 +81,7 @@ pub(super) fn schedule(number: ScheduleNumber, name: &str) -> Result<Option<Sche
     choose(number, name, "GeosweepSchedule", &choices)
 }
 
-/// The number that stands for a schedule in C.
+/// Returns the number of a schedule in C.
 pub(super) fn schedule_number(schedule: Schedule) -> ScheduleNumber {
     match schedule {
         Schedule::Raster => GeosweepSchedule::Raster as i32,
@@ -94,7 +96,7 @@ pub(super) fn edge_rule(number: EdgeRuleNumber, name: &str) -> Result<EdgeRule, 
     choose(number, name, "GeosweepEdgeRule", &choices)
 }
 
-/// The choice with a number.
+/// Returns the choice with this number.
 pub(super) fn choose<T: Copy>(
     number: i32,
     name: &str,

@@ -15,41 +15,41 @@ use super::status::{Failure, GeosweepStatus, guard};
 use super::surface::GeosweepSurface;
 use crate::vulkan::embed::{self, LevelInput, Recording};
 
-/// Levels of a recording, at most.
+/// Largest number of levels in a recording.
 const MOST_LEVELS: usize = 1024;
 
-/// Room for the contours of a surface, and the passes that find them. Frames in flight on one queue
-/// share it; with readers on another queue make one for each.
+/// Buffer for the contours of a surface, and the passes that find them. Frames in flight on one queue share
+/// it. If contours are read on other queues, create one for each of these queues.
 pub struct GeosweepContours {
     pub(super) shared: Arc<Shared>,
     contours: embed::Contours,
 }
 
-/// Which contours are wanted, and who draws them. Levels are a list, or, if that is null, multiples of
-/// a step.
+/// Levels of the contours that a recording finds, and the commands that read them. The levels are a list or,
+/// if `levels` is null, the multiples of a step.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepContourFrame {
-    /// The list, ascending, or null.
+    /// Levels in ascending order, or null.
     pub levels: *const f32,
-    /// How many levels: at most 1024. Those beyond the map's largest distance cost next to nothing.
+    /// Number of levels, at most 1024. Levels beyond the map's largest distance cost next to nothing.
     pub level_count: u32,
-    /// From level to level, without a list; positive, and the first level.
+    /// Distance between levels if there is no list. It is positive, and it is the first level too.
     pub step: f32,
-    /// The smallest time of the map's sources, 0 as a rule.
+    /// Smallest time of the map's sources, usually 0.
     pub start: f32,
-    /// The number of the surface's points to which contours are lifted.
+    /// Number of the surface's points to which contours are lifted.
     pub points: u32,
-    /// Bytes beyond where the surface has these points, as `GeosweepFrame::points_offset`.
+    /// Offset in bytes from where the surface has these points, as `GeosweepFrame::points_offset`.
     pub points_offset: u64,
-    /// How you read the contours, this frame and the frame before: the stages
-    /// `VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT` and `VK_PIPELINE_STAGE_VERTEX_INPUT_BIT` with
-    /// `VK_ACCESS_INDIRECT_COMMAND_READ_BIT` and `VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT` as a rule.
+    /// Stages and accesses that read the contours, in this frame and in the frame before. Usually these are
+    /// the stages `VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT` and `VK_PIPELINE_STAGE_VERTEX_INPUT_BIT` with
+    /// `VK_ACCESS_INDIRECT_COMMAND_READ_BIT` and `VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT`.
     pub reader: GeosweepAccess,
 }
 
-/// Says how many bytes of device memory contours will take, before they are made: 24 a vertex, and
-/// 260 a row of the grid.
+/// Computes the bytes of device memory that contours will take, before they are created: 24 per vertex and
+/// 260 per row of the grid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_contours_bytes_for(
     solver: *const GeosweepSolver,
@@ -67,8 +67,9 @@ pub unsafe extern "C" fn geosweep_contours_bytes_for(
     })
 }
 
-/// Makes room for contours of a surface, of so many vertices, two for each piece between grid lines;
-/// `geosweep_contours_destroy` destroys it. Takes device memory and compiles passes.
+/// Creates contours of a surface with room for `vertices` vertices. Each piece of a contour between grid
+/// lines has two. Allocates device memory and compiles passes. `geosweep_contours_destroy` destroys the
+/// contours.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_contours_create(
     surface: *const GeosweepSurface,
@@ -87,7 +88,7 @@ pub unsafe extern "C" fn geosweep_contours_create(
     })
 }
 
-/// Says how many bytes a buffer of yours has for contours, in place of one of their own.
+/// Computes the bytes that your own buffer for contours must have, if you provide one.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_contours_buffer_bytes(
     vertices: u32,
@@ -101,9 +102,9 @@ pub unsafe extern "C" fn geosweep_contours_buffer_bytes(
     })
 }
 
-/// Makes contours as `geosweep_contours_create` does, which go to a buffer of yours, from its first byte: with usage
-/// `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and what
-/// its readers ask for, device addresses too. It stays yours, and a render graph may give its memory to others meanwhile.
+/// Creates contours as `geosweep_contours_create` does, in your own buffer from its first byte. The buffer's
+/// usage contains `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and what its readers need, device addresses included.
+/// You keep the buffer. While no contours are in use, a render graph may use its memory for other resources.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_contours_create_into(
     surface: *const GeosweepSurface,
@@ -124,8 +125,8 @@ pub unsafe extern "C" fn geosweep_contours_create_into(
     })
 }
 
-/// Has contours from now on go to another buffer of yours, if they were made with one. Recordings in flight go on with the
-/// one before.
+/// Makes contours write to another buffer of yours in later recordings. They must have been created with your
+/// own buffer. Recordings in flight continue to use the buffer before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_contours_set_buffer(
     contours: *mut GeosweepContours,
@@ -141,7 +142,7 @@ pub unsafe extern "C" fn geosweep_contours_set_buffer(
     })
 }
 
-/// Says how many bytes of device memory contours take.
+/// Returns the bytes of device memory that contours take.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_contours_bytes(
     contours: *const GeosweepContours,
@@ -156,7 +157,8 @@ pub unsafe extern "C" fn geosweep_contours_bytes(
     })
 }
 
-/// Says where contours are, also before any are recorded: one curve, drawn as a list of lines.
+/// Returns where contours are stored, also before any are recorded. They are one curve, drawn as a list of
+/// lines.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_contours_curves(
     contours: *const GeosweepContours,
@@ -171,10 +173,10 @@ pub unsafe extern "C" fn geosweep_contours_curves(
     })
 }
 
-/// Finds the contours of the map, lifts them to the surface and leaves them for you to draw, the same
-/// in the same order whenever the map is the same. To be recorded after the map, in the same command
-/// buffer or after `geosweep_record_begin`. If there are more than there is room for, the southern
-/// ones are left out, and their record says how many vertices there are. Gives where they are to
+/// Records the search for the contours of the map. Lifts them to the surface and stores them for you to draw.
+/// Equal maps give equal contours in equal order. Call this after the map was recorded, in the same command
+/// buffer or after `geosweep_record_begin`. If there is not enough room for all, the southern ones are left
+/// out, and their record has the number of vertices that they need. Writes where contours are stored to
 /// `result` unless that is null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_contours(
@@ -210,8 +212,10 @@ pub unsafe extern "C" fn geosweep_record_contours(
     unsafe { record(surface, commands, append) }
 }
 
+/// Returns the levels of a frame.
+///
 /// # Safety
-/// The list is as long as is said.
+/// The list of levels has `level_count` entries.
 unsafe fn levels<'a>(given: &GeosweepContourFrame) -> Result<LevelInput<'a>, Failure> {
     let GeosweepContourFrame { levels, level_count, step, .. } = *given;
     if levels.is_null() && level_count > 0 {
@@ -225,8 +229,8 @@ unsafe fn levels<'a>(given: &GeosweepContourFrame) -> Result<LevelInput<'a>, Fai
     unsafe { list(levels, level_count, MOST_LEVELS, "frame->levels") }.map(LevelInput::List)
 }
 
-/// Has contours read the surface's points that were replaced since they were made, by
-/// `geosweep_surface_set_points`. Recordings in flight go on with those before.
+/// Makes contours read the surface's points that `geosweep_surface_set_points` has set since the contours
+/// were created. Recordings in flight continue to read the points before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_contours_rebind(
     contours: *mut GeosweepContours,
@@ -241,9 +245,8 @@ pub unsafe extern "C" fn geosweep_contours_rebind(
     })
 }
 
-/// Destroys contours, before or after their surface. No submitted work may still use them, which a
-/// solver with checks looks at. Null is
-/// fine.
+/// Destroys contours, before or after their surface. No submitted work may still use them; a solver with
+/// checks verifies that. Null is allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_contours_destroy(
     contours: *mut GeosweepContours,

@@ -1,4 +1,4 @@
-//! Contours and paths, as the device leaves them for drawing.
+//! Contours and paths in the form in which the device stores them for drawing.
 
 use ash::vk;
 
@@ -6,88 +6,89 @@ use super::arguments::{Output, reference};
 use super::status::{GeosweepStatus, guard};
 use crate::vulkan::embed::{self, CurveStatus};
 
-/// Bytes of a curve's record in a `GeosweepCurves`: from draw to draw, and what
-/// `geosweep_curve_record_from_bytes` reads.
+/// Size in bytes of a curve's record in a `GeosweepCurves`. It is the stride of indirect draws, and the size
+/// that `geosweep_curve_record_from_bytes` reads.
 pub const GEOSWEEP_CURVE_RECORD_BYTES: u32 = 36;
 const _: () = assert!(GEOSWEEP_CURVE_RECORD_BYTES == embed::CurveRecord::BYTES);
 
-/// For `GeosweepCurveRecord::source`: the path has not arrived at a source.
+/// Value of `GeosweepCurveRecord::source` for a path that has not arrived at a source.
 pub const GEOSWEEP_NO_SOURCE: u32 = 0xFFFF_FFFF;
 
-/// Where contours or paths are: a buffer with the usages `VERTEX_BUFFER`, `INDIRECT_BUFFER`,
-/// `STORAGE_BUFFER` and `TRANSFER_SRC`, which belongs to them.
+/// Buffer in which contours or paths are stored. It belongs to them and has the usages `VERTEX_BUFFER`,
+/// `INDIRECT_BUFFER`, `STORAGE_BUFFER` and `TRANSFER_SRC`.
 ///
-/// Curve k is drawn by `vkCmdDrawIndirect` with an offset of k x `GEOSWEEP_CURVE_RECORD_BYTES`,
-/// contours as a list of lines, a path as a strip of lines, from the buffer bound as a vertex buffer
-/// with an offset of `vertices_offset`.
+/// `vkCmdDrawIndirect` draws curve k with an offset of k x `GEOSWEEP_CURVE_RECORD_BYTES`. Contours are a list
+/// of lines, and a path is a strip of lines. Bind the buffer as a vertex buffer with an offset of
+/// `vertices_offset`.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepCurves {
     /// The buffer: records from its first byte, then vertices.
     pub buffer: vk::Buffer,
-    /// Bytes before the first vertex.
+    /// Offset of the first vertex in bytes.
     pub vertices_offset: u64,
-    /// How many curves, and so records, there are: 1 of contours.
+    /// Number of curves, and thus of records. It is 1 for contours.
     pub curves: u32,
-    /// Room for vertices of each curve.
+    /// Largest number of vertices of each curve.
     pub capacity: u32,
 }
 
-/// A vertex of a contour or path in the buffer: three attributes of a pipeline, with the formats
-/// `VK_FORMAT_R32G32B32_SFLOAT`, `VK_FORMAT_R32_SFLOAT` and `VK_FORMAT_R32G32_SFLOAT` at the
-/// offsets 0, 12 and 16.
+/// Vertex of a contour or path in the buffer. A pipeline has three attributes for it, with the formats
+/// `VK_FORMAT_R32G32B32_SFLOAT`, `VK_FORMAT_R32_SFLOAT` and `VK_FORMAT_R32G32_SFLOAT` at the offsets 0, 12
+/// and 16.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepCurveVertex {
-    /// x, y and z, on the surface.
+    /// Coordinates x, y and z on the surface.
     pub position: [f32; 3],
-    /// The distance there, a contour's level.
+    /// Distance at the vertex. For a contour, this is its level.
     pub time: f32,
-    /// Fractional.
+    /// Row on the grid, with its fraction.
     pub row: f32,
-    /// Fractional.
+    /// Column on the grid, with its fraction.
     pub col: f32,
 }
 
 const _: () = assert!(size_of::<GeosweepCurveVertex>() == embed::CurveVertex::BYTES as usize);
 
-/// What has become of a curve.
+/// State of a curve after its recording has run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub enum GeosweepCurveStatus {
-    /// All of it is there: a path has arrived at a source.
+    /// The curve is complete. A path has arrived at a source.
     Complete = 0,
-    /// There are more vertices than there is room for.
+    /// The curve needs more vertices than there is room for.
     OutOfRoom = 1,
-    /// A path starts where no front arrives: in a hole, or cut off from the sources.
+    /// The path starts where no front arrives: in a hole, or where no source can be reached.
     Unreached = 2,
-    /// A path starts off the grid, at what is not a number, or there is no start for it.
+    /// The path starts off the grid or at NaN, or no start was given for it.
     Outside = 3,
-    /// A path ends where the map does not lead on to a source, since it has not converged, belongs
-    /// to other sources, or has a pit there.
+    /// The path ends where the map does not lead on to a source. The map has not converged, belongs to other
+    /// sources, or has a local minimum there.
     Lost = 4,
 }
 
-/// What is known of a curve. In the buffer it starts with a `VkDrawIndirectCommand`;
+/// Record of a curve. In the buffer it begins with a `VkDrawIndirectCommand`.
 /// `geosweep_curve_record_from_bytes` reads all of it.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepCurveRecord {
-    /// What has become of it.
+    /// State of the curve.
     pub status: GeosweepCurveStatus,
-    /// How many vertices are drawn: of contours those that there was room for, of a path all of them
-    /// or none.
+    /// Number of vertices that are drawn. Contours draw those that there was room for; a path draws all of
+    /// them or none.
     pub vertex_count: u32,
-    /// Its first vertex, counted from that of the first curve.
+    /// Index of the curve's first vertex, counted from the first vertex of the first curve.
     pub first_vertex: u32,
-    /// Of contours how many vertices there would be with room for all; of a path how many there are,
-    /// as far as it has come.
+    /// Number of vertices. For contours, this is the number that all of them need; for a path, the number up
+    /// to where it ends.
     pub vertices: u32,
-    /// Of a path that has arrived: at which source, in the order given; or `GEOSWEEP_NO_SOURCE`.
+    /// Index of the source at which a path has arrived, in the order in which sources were given. It is
+    /// `GEOSWEEP_NO_SOURCE` if there is none.
     pub source: u32,
-    /// Of a path: the distance at its start.
+    /// Distance at the start of a path.
     pub distance: f32,
-    /// Of a path: its length, measured as the map measures, as far as it has come.
+    /// Length of a path up to where it ends, measured as the map measures.
     pub length: f32,
 }
 
@@ -124,8 +125,7 @@ impl From<embed::CurveRecord> for GeosweepCurveRecord {
     }
 }
 
-/// Reads the record of a curve that you have copied from the buffer: `GEOSWEEP_CURVE_RECORD_BYTES`
-/// bytes.
+/// Reads the record of a curve from `GEOSWEEP_CURVE_RECORD_BYTES` bytes that you have copied from the buffer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_curve_record_from_bytes(
     bytes: *const u8,

@@ -1,4 +1,4 @@
-//! What a frame takes.
+//! Inputs of a frame.
 
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
@@ -12,93 +12,93 @@ use super::surface::GeosweepSurface;
 use crate::vulkan::embed::{self, Access, PointSource, Reader, SourceInput};
 use crate::vulkan::grid_images::INLINE_SOURCES;
 
-/// For `GeosweepFrame::points`: the points have not changed since the last frame.
+/// Value of `GeosweepFrame::points` if the points have not changed since the last frame.
 pub const GEOSWEEP_POINTS_UNCHANGED: u32 = 0xFFFF_FFFF;
 
-/// For `GeosweepSource::curvature`: the source is one of many grid points on a straight line.
+/// Value of `GeosweepSource::curvature` for a source that is one of many grid points on a straight line.
 pub const GEOSWEEP_STRAIGHT: f32 = 1e-30;
 const _: () = assert!(GEOSWEEP_STRAIGHT == PointSource::STRAIGHT);
 
-/// How you use what you share with us, as one side of a barrier. All zero: nothing to wait for. An access without a
-/// stage is an error.
+/// Stages and accesses by which you use a shared resource: one side of a barrier. All zero means that there
+/// is nothing to wait for. An access without a stage is an error.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepAccess {
-    /// In which stages.
+    /// Pipeline stages.
     pub stages: vk::PipelineStageFlags,
-    /// Of which kinds.
+    /// Kinds of access.
     pub access: vk::AccessFlags,
 }
 
-/// How you read an image of distances, this frame and whenever you read that image before. With an
-/// access of all zero you read it on another queue, after a semaphore.
+/// Reader of an image of distances, in this frame and when that image was last read. If the access is all
+/// zero, the image is read on another queue, after a semaphore.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepReader {
-    /// In which stages, and how.
+    /// Stages and accesses of the reader.
     pub access: GeosweepAccess,
-    /// The layout in which the image is left.
+    /// Layout in which the recording leaves the image.
     pub layout: vk::ImageLayout,
 }
 
-/// A source: a place where the distance, or time, is known. `geosweep_source_at` makes the usual one.
+/// A source: a place at which the distance, or time, is given. `geosweep_source_at` returns the usual one.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct GeosweepSource {
-    /// From 0 to rows - 1, fractional between grid points.
+    /// Row, from 0 to rows - 1. It has a fraction between grid points.
     pub row: f32,
-    /// From 0 to cols - 1.
+    /// Column, from 0 to cols - 1.
     pub col: f32,
-    /// The distance, or time, at the source; usually 0.
+    /// Distance, or time, at the source; usually 0.
     pub time: f32,
-    /// Of the front there, for the curved wavefront: 0 where the source is a point, as sources between grid
-    /// points are in any case; `GEOSWEEP_STRAIGHT` where the grid point is one of many on a straight line. In a
-    /// buffer, what is negative, infinite or no number stands for a point as well.
+    /// Curvature of the front at the source, for the curved wavefront. It is 0 if the source is a point,
+    /// which sources between grid points always are. It is `GEOSWEEP_STRAIGHT` if the grid point is one of
+    /// many on a straight line. In a buffer, values that are negative, infinite or NaN stand for a point too.
     pub curvature: f32,
 }
 
-/// The sources of a recording: an array of the program's, which is copied into the command buffer,
-/// or, if that is null, a buffer.
+/// Sources of a recording: an array in the program's memory, which is copied into the command buffer, or, if
+/// that is null, a buffer.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepSources {
-    /// The array, or null.
+    /// Array of sources, or null.
     pub sources: *const GeosweepSource,
-    /// Its length, at most 1024; 0 with null.
+    /// Number of entries in the array, at most 1024. It is 0 if `sources` is null.
     pub count: u32,
-    /// The number of the surface's source buffer, if there is no array.
+    /// Number of the surface's source buffer, if there is no array.
     pub buffer: u32,
-    /// Bytes beyond the first source that the surface has in that buffer, as in a ring of which each frame has
-    /// another part; a multiple of 4.
+    /// Offset in bytes from the first source that the surface has in that buffer; a multiple of 4. With a
+    /// ring buffer, each frame has another offset.
     pub offset: u64,
 }
 
-/// What a frame takes.
+/// Inputs of a frame.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepFrame {
-    /// How you have written points and sources since the frame before: compute shaders and copies
-    /// are waited for in any case, and what you write through mapped memory before you submit needs
-    /// nothing.
+    /// Access that has written points and sources since the previous frame. The recording always waits for
+    /// writes by compute shaders and copies. Writes through mapped memory before the submission need no
+    /// barrier.
     pub before: GeosweepAccess,
-    /// Which of the surface's points are measured, or `GEOSWEEP_POINTS_UNCHANGED`.
+    /// Number of the surface's points that are measured, or `GEOSWEEP_POINTS_UNCHANGED`.
     pub points: u32,
-    /// Which image of distances is written.
+    /// Number of the image of distances that is written.
     pub slot: u32,
-    /// Bytes beyond where the surface has these points in their buffer, as in a ring of which each frame has another
-    /// part; a multiple of 4.
+    /// Offset in bytes from where the surface has these points in their buffer; a multiple of 4. With a ring
+    /// buffer, each frame has another offset.
     pub points_offset: u64,
-    /// Where the fronts start.
+    /// Sources at which fronts start.
     pub sources: GeosweepSources,
-    /// The passes, made by the surface's solver for a grid of the surface's size.
+    /// Plan with the passes. The surface's solver must have created it for a grid of the surface's size.
     pub plan: *const GeosweepPlan,
-    /// Who reads the image of distances.
+    /// Reader of the image of distances.
     pub reader: GeosweepReader,
-    /// What stands in it where nothing was reached: `INFINITY`, which filters turn to NaN beside
-    /// such points, or a negative number. Neither 0, which is the distance of sources, nor NaN.
+    /// Value in the image at points that no front reaches: `INFINITY` or a negative number. Filters turn
+    /// infinity to NaN beside such points. It must not be NaN, nor 0, which is the distance of sources.
     pub unreached: f32,
-    /// Where the passes of this frame are taken down, or null. One frame at a time: that of the same profile before
-    /// has run.
+    /// Profile that records the passes of this frame, or null. A profile records one frame at a time: its
+    /// previous frame must have run.
     pub profile: *const GeosweepProfile,
 }
 
@@ -138,8 +138,10 @@ pub(super) fn unreached(given: f32, name: &str) -> Result<f32, Failure> {
     Ok(given)
 }
 
+/// Returns the sources of a recording.
+///
 /// # Safety
-/// The array is as long as is said.
+/// The array has `given.count` entries.
 pub(super) unsafe fn sources<'a>(
     given: &GeosweepSources,
     name: &str,
@@ -153,10 +155,12 @@ pub(super) unsafe fn sources<'a>(
     }
     // SAFETY: the caller's promise.
     let sources = unsafe { list(given.sources, given.count, INLINE_SOURCES, name) }?;
-    // Both are four floats of the same meaning.
+    // Both types are four floats with the same meaning.
     Ok(SourceInput::Inline(bytemuck::cast_slice::<GeosweepSource, PointSource>(sources)))
 }
 
+/// Returns a plan of the surface's solver.
+///
 /// # Safety
 /// The pointer is null or a plan's.
 pub(super) unsafe fn plan<'a>(
@@ -172,7 +176,7 @@ pub(super) unsafe fn plan<'a>(
     Ok(&plan.plan)
 }
 
-/// A source at a place, with distance 0.
+/// Returns a source at a place, with distance 0.
 #[unsafe(no_mangle)]
 pub extern "C" fn geosweep_source_at(row: f32, col: f32) -> GeosweepSource {
     let PointSource { row, col, time, curvature } = PointSource::at(row, col);

@@ -1,36 +1,36 @@
 /*
  * geosweep: geodesic distance maps on parametric surfaces, recorded into your own Vulkan command
- * buffers. How to build and link the library, and how to use it well: docs/c.md and docs/embedding.md.
+ * buffers. docs/c.md explains how to build and link the library, and docs/embedding.md how to use it.
  *
  * Once:        geosweep_solver_create, geosweep_surface_create, geosweep_plan_create, and
  *              geosweep_record_prepare into a command buffer.
- * Every frame: geosweep_record_frame, between your passes that write and read. The distances are
- *              then in an image on the device.
+ * Every frame: geosweep_record_frame, between the passes that write its inputs and those that read
+ *              the distances. The distances are then in an image on the device.
  * At the end:  geosweep_surface_destroy, geosweep_plan_destroy, geosweep_solver_destroy, before
- *              your device and instance go.
+ *              you destroy your device and instance.
  *
- * Contours, shortest paths and regions for the same frame, if wanted: geosweep_contours_create and the
- * like once a surface, geosweep_record_contours and the like after the map. What each pass of a frame takes
- * is for a GeosweepProfile to say; names and labels of passes for tools are there wherever you have enabled
- * VK_EXT_debug_utils.
+ * Contours, shortest paths and regions can be computed in the same frame. Call geosweep_contours_create or
+ * its counterparts once per surface, and geosweep_record_contours or its counterparts after the map. A
+ * GeosweepProfile returns the time of each pass of a frame. If you have enabled VK_EXT_debug_utils, passes
+ * have names and labels for tools.
  *
- * Errors. Calls return a GeosweepStatus, and geosweep_last_error says in words what was wrong.
- * A call that fails has made and recorded nothing. What only the device can know stands in the
- * GeosweepOutcome of a frame. While you develop, make the solver with GEOSWEEP_SOLVER_CHECKS.
+ * Errors. Calls return a GeosweepStatus, and geosweep_last_error describes the error in words. A call
+ * that fails has created and recorded nothing. The GeosweepOutcome of a frame has what only the device
+ * can know. During development, create the solver with GEOSWEEP_SOLVER_CHECKS.
  *
- * Ownership. Your Vulkan objects stay yours and must outlive what was made from them. Arrays and
- * structs are not needed after the call that takes them. Device memory is taken when surfaces,
- * contours, paths and regions are created, never else, from the solver's own blocks, or from a
- * GeosweepAllocator of yours; geosweep_surface_bytes_for and the like say beforehand how much. No call submits, waits
- * or maps your memory, and recording allocates nothing.
+ * Ownership. You keep your Vulkan objects, which must outlive all objects created from them. Arrays and
+ * structs are not needed after the call that takes them. Device memory is allocated only when surfaces,
+ * contours, paths and regions are created, from the solver's own blocks or from your own
+ * GeosweepAllocator. geosweep_surface_bytes_for and its counterparts compute the size in advance. No call
+ * submits, waits or maps your memory, and recording allocates nothing.
  *
- * Threads. Calls that take a pointer to a const object may run at once on one object: several
- * threads may record, each with a command pool and a surface of its own. The others have the object
- * for themselves.
+ * Threads. Calls that take a pointer to a const object may use one object at the same time: several
+ * threads may record, each with its own command pool and surface. Other calls need the object to
+ * themselves.
  *
  * Units. Distances are in the unit of the points. Rows and columns are counted from 0, and arrays
- * are row by row. Start from structs that are all zero: that is the usual choice of every enum, no
- * array, no barrier.
+ * are row by row. Start with structs that are all zero: each enum then has its usual value, and there
+ * are no arrays and no barriers.
  *
  * This file is generated from src/capi. Do not edit it.
  */
@@ -42,8 +42,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// Vulkan's types. With volk, which wants Vulkan's headers without prototypes, include volk.h before this header, or
-// define GEOSWEEP_VULKAN_HEADER as <volk.h>; so with any other header that declares them.
+// Vulkan's types. If you use volk, which needs Vulkan's headers without prototypes, include volk.h before
+// this header, or define GEOSWEEP_VULKAN_HEADER as <volk.h>. The same goes for any other header that
+// declares them.
 #ifdef GEOSWEEP_VULKAN_HEADER
 #include GEOSWEEP_VULKAN_HEADER
 #else
@@ -51,645 +52,651 @@
 #endif
 
 
-// The version of this header, which `geosweep_solver_create` compares with the library's: it
-// grows with each change that makes programs compile or run differently.
+// Version of this header, which `geosweep_solver_create` compares with the library's. It grows with each
+// change that makes programs compile or run differently.
 #define GEOSWEEP_HEADER_VERSION 7
 
-// For `GeosweepSolverInfo::flags`, while you develop: what costs a little is checked as well. With several slots,
-// one that is recorded while its last recording has not run is an error, and so is destroying what a recording
-// uses, whatever was recorded, or writing points that it reads; objects are told from those destroyed before, of
-// which a few bytes are kept. Recordings get a fill and two barriers more for it.
+// Flag for `GeosweepSolverInfo::flags` that adds checks during development, at a small cost. With it, these
+// are errors: to record for a slot, among several, whose last recording has not run; to destroy an object
+// that such a recording uses; to write points that it reads; and to use an object that was destroyed, of
+// which a few bytes are kept. Each recording gets one more fill and two more barriers.
 #define GEOSWEEP_SOLVER_CHECKS 1
 
-// For `GeosweepFrame::points`: the points have not changed since the last frame.
+// Value of `GeosweepFrame::points` if the points have not changed since the last frame.
 #define GEOSWEEP_POINTS_UNCHANGED 4294967295
 
-// For `GeosweepSource::curvature`: the source is one of many grid points on a straight line.
+// Value of `GeosweepSource::curvature` for a source that is one of many grid points on a straight line.
 #define GEOSWEEP_STRAIGHT 1e-30
 
-// Bytes of the record that `geosweep_record_outcome_to` copies.
+// Size in bytes of the record that `geosweep_record_outcome_to` copies.
 #define GEOSWEEP_OUTCOME_BYTES 68
 
-// Bytes of a curve's record in a `GeosweepCurves`: from draw to draw, and what
-// `geosweep_curve_record_from_bytes` reads.
+// Size in bytes of a curve's record in a `GeosweepCurves`. It is the stride of indirect draws, and the size
+// that `geosweep_curve_record_from_bytes` reads.
 #define GEOSWEEP_CURVE_RECORD_BYTES 36
 
-// For `GeosweepCurveRecord::source`: the path has not arrived at a source.
+// Value of `GeosweepCurveRecord::source` for a path that has not arrived at a source.
 #define GEOSWEEP_NO_SOURCE 4294967295
 
-// For a label: no source is the nearest, since the point is a hole or no front arrives there.
+// Label of a point without a nearest source: the point is a hole, or no front arrives there.
 #define GEOSWEEP_NO_REGION 4294967295
 
-// For a number of a `GeosweepPass`: it is not known.
+// Value of a member of `GeosweepPass` that is not known.
 #define GEOSWEEP_UNKNOWN UINT64_MAX
 
-// What a call has come to. `geosweep_last_error` says the rest in words.
+// Result of a call. `geosweep_last_error` describes an error in words.
 typedef enum GeosweepStatus {
-    // Done.
+    // The call succeeded.
     GEOSWEEP_STATUS_SUCCESS = 0,
-    // An argument cannot be used: the message says which one, and why. Nothing was made or
-    // recorded.
+    // An argument cannot be used. The message says which one, and why. Nothing was created or recorded.
     GEOSWEEP_STATUS_INVALID_ARGUMENT = 1,
-    // The device lacks something that is needed: the message names all of it.
+    // The device lacks something that is needed. The message lists all of it.
     GEOSWEEP_STATUS_UNSUPPORTED = 2,
     // The grid is too large for the device's images or its memory.
     GEOSWEEP_STATUS_TOO_LARGE = 3,
-    // Memory has run out, on the device or in the program.
+    // Out of memory, on the device or in the program.
     GEOSWEEP_STATUS_OUT_OF_MEMORY = 4,
-    // The driver has given the device up.
+    // The device is lost.
     GEOSWEEP_STATUS_DEVICE_LOST = 5,
-    // Another Vulkan call failed: the message names it and what it returned.
+    // Another Vulkan call failed. The message names it and its result.
     GEOSWEEP_STATUS_VULKAN_ERROR = 6,
-    // A defect of geosweep's, which was kept from crossing into your program. What the call was
-    // about is in an unknown state: destroy it.
+    // A defect in geosweep, which was kept from crossing into your program. The object of the call is in an
+    // unknown state: destroy it.
     GEOSWEEP_STATUS_INTERNAL_ERROR = 7,
-    // What was asked for is not there yet: ask again after the fence of its submission.
+    // The result is not available yet. Call again after the fence of its submission.
     GEOSWEEP_STATUS_NOT_READY = 8,
 } GeosweepStatus;
 
-// What has become of a curve.
+// State of a curve after its recording has run.
 typedef enum GeosweepCurveStatus {
-    // All of it is there: a path has arrived at a source.
+    // The curve is complete. A path has arrived at a source.
     GEOSWEEP_CURVE_STATUS_COMPLETE = 0,
-    // There are more vertices than there is room for.
+    // The curve needs more vertices than there is room for.
     GEOSWEEP_CURVE_STATUS_OUT_OF_ROOM = 1,
-    // A path starts where no front arrives: in a hole, or cut off from the sources.
+    // The path starts where no front arrives: in a hole, or where no source can be reached.
     GEOSWEEP_CURVE_STATUS_UNREACHED = 2,
-    // A path starts off the grid, at what is not a number, or there is no start for it.
+    // The path starts off the grid or at NaN, or no start was given for it.
     GEOSWEEP_CURVE_STATUS_OUTSIDE = 3,
-    // A path ends where the map does not lead on to a source, since it has not converged, belongs
-    // to other sources, or has a pit there.
+    // The path ends where the map does not lead on to a source. The map has not converged, belongs to other
+    // sources, or has a local minimum there.
     GEOSWEEP_CURVE_STATUS_LOST = 4,
 } GeosweepCurveStatus;
 
-// How the edges between grid points are measured.
+// Rule by which the edges between grid points are measured.
 typedef enum GeosweepEdgeRule {
-    // Along a cubic through the neighbouring points, where the surface is smooth.
+    // Length of a cubic through the neighbouring points, where the surface is smooth.
     GEOSWEEP_EDGE_RULE_ARC = 0,
-    // The straight line: the surface is a polyhedron.
+    // Length of the straight line: the surface is a polyhedron.
     GEOSWEEP_EDGE_RULE_CHORD = 1,
 } GeosweepEdgeRule;
 
-// What is timed by itself. Timestamps take time: the finer the grain, the longer the frame.
+// Unit of work that gets its own time. Timestamps take time: the finer the grain, the longer the frame.
 typedef enum GeosweepGrain {
-    // Scans and rounds of tiles, and the passes around them.
+    // Scans or rounds of tiles, and the passes around them.
     GEOSWEEP_GRAIN_SCANS = 0,
-    // The blocks of lines of each scan.
+    // Blocks of lines of each scan.
     GEOSWEEP_GRAIN_BLOCKS = 1,
     // Iterations, and the passes around them.
     GEOSWEEP_GRAIN_ITERATIONS = 2,
-    // All of a map from its sources to how it went, and the passes before and after.
+    // Portions: all of a map from its sources to its outcome, and the passes before and after.
     GEOSWEEP_GRAIN_PORTIONS = 3,
 } GeosweepGrain;
 
-// What the floats of a grid point are.
+// Meaning of the floats of a grid point.
 typedef enum GeosweepPointKind {
     // Three coordinates, x, y and z.
     GEOSWEEP_POINT_KIND_POSITIONS = 0,
     // A height. The point at row r and column c is (c dx, r dy, height).
     GEOSWEEP_POINT_KIND_HEIGHTS = 1,
-    // A metric in index coordinates: rr, rc and cc, such that a step of dr rows and dc columns has
-    // the squared length rr dr^2 + 2 rc dr dc + cc dc^2. Positive definite, entries up to 1e12.
+    // A metric in index coordinates: rr, rc and cc. A step of dr rows and dc columns has the squared length
+    // rr dr^2 + 2 rc dr dc + cc dc^2. The metric is positive definite, and its entries are at most 1e12.
     GEOSWEEP_POINT_KIND_METRIC = 2,
 } GeosweepPointKind;
 
-// The order of updates. All lead to the same map.
+// Order of updates. All schedules lead to the same map.
 typedef enum GeosweepSchedule {
-    // The best on the device for the grid, as far as it is known, of those that the solver was made
-    // for. For plans only.
+    // The best known schedule for the grid on this device, among those that the solver was created for.
+    // Plans alone accept this value.
     GEOSWEEP_SCHEDULE_BEST = 0,
-    // Four scans over the whole grid, one after another; an iteration is all four.
+    // Four scans over the whole grid, one after another. An iteration is all four scans.
     GEOSWEEP_SCHEDULE_RASTER = 1,
-    // All points at once: for tiny grids.
+    // All points at once, for tiny grids.
     GEOSWEEP_SCHEDULE_ALL_POINTS = 2,
-    // Scans inside tiles, where something has changed; an iteration is a round of tiles.
+    // Scans inside the tiles in which something has changed. An iteration is a round of tiles.
     GEOSWEEP_SCHEDULE_TILES = 3,
 } GeosweepSchedule;
 
-// The shape of the front that is assumed inside a triangle.
+// Shape of the wavefront that is assumed inside a triangle.
 typedef enum GeosweepWavefront {
-    // Straight: first-order accurate, the cheapest.
+    // Straight front: first-order accurate and the cheapest.
     GEOSWEEP_WAVEFRONT_PLANAR = 0,
-    // Circular around a virtual point source: exact on the plane, for point sources.
+    // Circular front around a virtual point source: exact on the plane, for point sources.
     GEOSWEEP_WAVEFRONT_POINT_SOURCE = 1,
-    // Carries its curvature beside the distance: second-order on curved surfaces and around holes.
+    // Front that carries its curvature along with the distance: second-order accurate on curved surfaces and
+    // around holes.
     GEOSWEEP_WAVEFRONT_CURVED = 2,
-    // Knows the corner or source that it comes from on a straight line: exact over planes with holes that
-    // are known to be such. Surfaces on a device are not: there it is curved.
+    // Front that stores the corner or source from which it comes in a straight line: exact over planes with
+    // holes. A surface must be known to be such a plane. Surfaces on a device are not, so that they get
+    // curved fronts.
     GEOSWEEP_WAVEFRONT_ANCHORED = 3,
 } GeosweepWavefront;
 
-// Room for the contours of a surface, and the passes that find them. Frames in flight on one queue
-// share it; with readers on another queue make one for each.
+// Buffer for the contours of a surface, and the passes that find them. Frames in flight on one queue share
+// it. If contours are read on other queues, create one for each of these queues.
 typedef struct GeosweepContours GeosweepContours;
 
-// Room for paths on a surface, and the passes that trace them. Frames in flight on one queue share
-// it; with readers on another queue make one for each.
+// Buffer for the paths on a surface, and the passes that trace them. Frames in flight on one queue share it.
+// If paths are read on other queues, create one for each of these queues.
 typedef struct GeosweepPaths GeosweepPaths;
 
-// The passes of a recording, for any surface of one size. It may be used by many recordings at
-// once, on any thread.
+// Passes of a recording, for any surface of one size. Many recordings may use a plan at the same time, on
+// any thread.
 typedef struct GeosweepPlan GeosweepPlan;
 
-// Room for the passes of a frame, with queries and a buffer of its own: one for each frame in flight that is
-// profiled.
+// Profile of a frame, with its own queries and buffer. Each profiled frame in flight needs one.
 typedef struct GeosweepProfile GeosweepProfile;
 
-// Room for the regions of a surface's maps, and the passes that find them. Frames in flight on one queue share
-// it; with readers on another queue make one for each.
+// Buffer for the regions of a surface's maps, and the passes that find them. Frames in flight on one queue
+// share it. If regions are read on other queues, create one for each of these queues.
 typedef struct GeosweepRegions GeosweepRegions;
 
-// The pipelines of a device, shared by all its surfaces. Any number of threads may use it at once.
+// Pipelines of a device, shared by all its surfaces. Any number of threads may use it at the same time.
 typedef struct GeosweepSolver GeosweepSolver;
 
-// A grid on the device: edge lengths and fronts, which all recordings share, and an image of
-// distances for each slot.
+// A grid on the device: edge lengths and fronts, which all recordings share, and an image of distances for
+// each slot.
 typedef struct GeosweepSurface GeosweepSurface;
 
-// What instance and device must be created with, for a program to merge with its own wishes.
+// Requirements for the instance and the device, to be merged with those of the program.
 typedef struct GeosweepRequirements {
-    // For `VkApplicationInfo::apiVersion`, which may be higher.
+    // Lowest version for `VkApplicationInfo::apiVersion`. The program may use a higher one.
     uint32_t api_version;
-    // For `VkDeviceCreateInfo::enabledExtensionCount`. None are needed so far.
+    // Number of extensions for `VkDeviceCreateInfo::enabledExtensionCount`. It is 0 so far.
     uint32_t device_extension_count;
-    // For `VkDeviceCreateInfo::ppEnabledExtensionNames`: as many names, which are never freed. Null
-    // if there are none.
+    // Names for `VkDeviceCreateInfo::ppEnabledExtensionNames`, which are never freed. Null if there are
+    // none.
     const char *const *device_extensions;
-    // For `VkDeviceCreateInfo::pEnabledFeatures`, or for the features of a
+    // Features for `VkDeviceCreateInfo::pEnabledFeatures` or for the features of a
     // `VkPhysicalDeviceFeatures2`. None are needed so far.
     VkPhysicalDeviceFeatures features;
 } GeosweepRequirements;
 
-// A schedule with a wavefront.
+// A schedule together with a wavefront.
 typedef struct GeosweepPasses {
-    // Any but `GEOSWEEP_SCHEDULE_BEST`.
+    // Any schedule but `GEOSWEEP_SCHEDULE_BEST`.
     GeosweepSchedule schedule;
     // The wavefront.
     GeosweepWavefront wavefront;
 } GeosweepPasses;
 
-// What an image or a buffer needs.
+// Requirements of an image or a buffer.
 typedef struct GeosweepMemoryRequest {
-    // Size, alignment and types of memory.
+    // Size, alignment and memory types.
     VkMemoryRequirements requirements;
-    // What the type has to have: device-local, or host-visible and host-coherent.
+    // Properties that the memory type must have: device-local, or host-visible and host-coherent.
     VkMemoryPropertyFlags required;
-    // What it should have beside these.
+    // Properties that the memory type should have too.
     VkMemoryPropertyFlags preferred;
-    // Whether it is for a buffer; else it is for an image with optimal tiling.
+    // Whether the memory is for a buffer. Otherwise it is for an image with optimal tiling.
     bool is_buffer;
-    // What it is for, such as "edge lengths"; not needed after the call.
+    // Purpose of the memory, such as "edge lengths". The text is valid during the call alone.
     const char *name;
 } GeosweepMemoryRequest;
 
 // A block of device memory.
 typedef struct GeosweepMemory {
-    // The memory.
+    // The device memory that contains the block.
     VkDeviceMemory memory;
-    // Where the block begins in it, a multiple of the alignment.
+    // Offset of the block in `memory` in bytes; a multiple of the alignment.
     uint64_t offset;
-    // Where the block is mapped, and stays so until it is freed, if it has to be host-visible; else it may be
-    // null.
+    // Address at which the block is mapped until it is freed, if it must be host-visible. Otherwise it may
+    // be null.
     void *mapped;
-    // By what you know it: a `VmaAllocation`, say.
+    // Your own handle of the block, for instance a `VmaAllocation`.
     void *handle;
 } GeosweepMemory;
 
-// An allocator of yours, for surfaces, contours, paths and regions. Its functions are called by one thread at a
-// time, in calls that create and destroy these, and call nothing of geosweep's.
+// Your own allocator for surfaces, contours, paths and regions. Its functions are called by one thread at a
+// time, in calls that create and destroy these objects. They must not call functions of geosweep.
 typedef struct GeosweepAllocator {
-    // Given to both functions.
+    // Pointer that both functions receive.
     void *user;
-    // Finds memory and says where it is; what `memory` points to is all zero before. `VK_SUCCESS` if it has.
+    // Allocates memory and writes the block to `memory`, which is all zero before the call. Returns
+    // `VK_SUCCESS` if it succeeds.
     VkResult (*allocate)(void *user,
                          const struct GeosweepMemoryRequest *request,
                          struct GeosweepMemory *memory);
-    // Takes a block back, as `allocate` has given it.
+    // Frees a block that `allocate` has returned.
     void (*free)(void *user, const struct GeosweepMemory *memory);
 } GeosweepAllocator;
 
-// What a solver is made of. All handles stay yours, and must outlive the solver.
+// Parameters of a solver. You keep all handles, which must outlive the solver.
 typedef struct GeosweepSolverInfo {
     // `GEOSWEEP_HEADER_VERSION`.
     uint32_t header_version;
-    // The loader's `vkGetInstanceProcAddr`, or your replacement of it. All functions that are
-    // called are found through it.
+    // The loader's `vkGetInstanceProcAddr` or your replacement of it. All Vulkan functions are found through
+    // it.
     PFN_vkGetInstanceProcAddr get_instance_proc_addr;
-    // Created for Vulkan 1.1 or later.
+    // An instance created for Vulkan 1.1 or later.
     VkInstance instance;
-    // One that `geosweep_check_device` is content with.
+    // A physical device that `geosweep_check_device` accepts.
     VkPhysicalDevice physical_device;
-    // Created on it, with what `geosweep_requirements` says.
+    // A device created on it, with what `geosweep_requirements` returns.
     VkDevice device;
-    // The schedules and wavefronts to make pipelines for: those that plans will ask for. Compiling
+    // Schedules and wavefronts for which pipelines are created: those that plans will request. Compiling
     // them takes a while.
     const struct GeosweepPasses *passes;
-    // How many.
+    // Number of entries in `passes`.
     uint32_t pass_count;
-    // A cache to make pipelines with; null for none. It stays yours to fill, to save and to destroy, and
-    // must be alive whenever the solver makes pipelines: now, with the first surface that has a slowness,
-    // and when the first contours and paths are made. `geosweep_solver_set_pipeline_cache` takes it back. Pipelines, once made, do not need
-    // it. One thread at a time uses it in the solver; if you use it meanwhile, the rules of
-    // `vkCreateComputePipelines` hold.
+    // Cache for creating pipelines, or null. You fill, save and destroy it. It must be alive whenever the
+    // solver creates pipelines: now, with the first surface that has a slowness, and with the first
+    // contours, paths and regions. `geosweep_solver_set_pipeline_cache` takes it away again. Pipelines do
+    // not need it once they are created. The solver uses it on one thread at a time. If you use it at the
+    // same time, the rules of `vkCreateComputePipelines` apply.
     VkPipelineCache pipeline_cache;
     // `GEOSWEEP_SOLVER_CHECKS`, or 0.
     uint32_t flags;
-    // An allocator of yours; null for blocks of the solver's own. The struct is not needed after the call.
+    // Your own allocator, or null for the solver's own blocks. The struct is not needed after the call.
     const struct GeosweepAllocator *allocator;
 } GeosweepSolverInfo;
 
-// An image of yours for the distances of a slot, in place of one that the surface makes, so that a render graph may give
-// its memory to others meanwhile. `VK_FORMAT_R32_SFLOAT`, 2D, of cols x rows texels or more, with usage
-// `VK_IMAGE_USAGE_STORAGE_BIT` and that of its readers. What is there is thrown away, whatever its layout is; who has
-// used the memory before is waited for by `GeosweepFrame::before`, or by a barrier of yours.
+// Your own image for the distances of a slot, in place of one that the surface allocates. A render graph may
+// use its memory for other resources between frames. The image is 2D with `VK_FORMAT_R32_SFLOAT` and at
+// least cols x rows texels; its usage contains `VK_IMAGE_USAGE_STORAGE_BIT` and what its readers need. Its
+// old content is discarded, whatever its layout. `GeosweepFrame::before`, or a barrier of yours, must wait
+// for earlier uses of the memory.
 typedef struct GeosweepHostImage {
     // The image.
     VkImage image;
-    // A view of it.
+    // A view of the image.
     VkImageView view;
 } GeosweepHostImage;
 
-// The points of a surface, one a grid point, row by row: in a buffer or an image of yours on the
-// device, read whenever a recording measures them, or in the program's memory, copied at once.
+// Points of a surface, one for each grid point, row by row. They are in your own buffer or image on the
+// device, which recordings read when they measure, or in the program's memory, which is copied at once.
 // Exactly one of `buffer`, `view` and `data` is not null.
 //
-// A point on the device with a float that is NaN, infinite or beyond 1e12, or with a negative slowness,
-// is a hole. In the program's memory NaN, an infinite slowness and the mask make holes, and the rest is
-// an error. Travel is free where the slowness is 0: on the device one below 1e-12 counts as 1e-12.
+// On the device, a point is a hole if one of its floats is NaN, infinite or beyond 1e12, or if its slowness
+// is negative. In the program's memory, NaN, an infinite slowness and the mask make holes; other invalid
+// values are errors. Travel is free where the slowness is 0. On the device, a slowness below 1e-12 counts as
+// 1e-12.
 typedef struct GeosweepPoints {
-    // What the first floats of a point are.
+    // Meaning of the first floats of a point.
     GeosweepPointKind kind;
-    // Which float of a point, counted from 0, is its slowness (time per length; distances are then
-    // travel times); 0 for 1 everywhere.
+    // Index of the float of a point, counted from 0, that is its slowness: time per length, so that
+    // distances are travel times. 0 stands for a slowness of 1 everywhere.
     uint32_t slowness;
-    // For heights: the distance between columns.
+    // Distance between columns, for heights.
     double dx;
-    // For heights: the distance between rows.
+    // Distance between rows, for heights.
     double dy;
     // A buffer with usage `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
     VkBuffer buffer;
-    // A 2D view of an image with usage `VK_IMAGE_USAGE_SAMPLED_BIT`, whose texels are the points:
-    // columns to the right, rows down.
+    // A 2D view of an image with usage `VK_IMAGE_USAGE_SAMPLED_BIT`. Its texels are the points: x is the
+    // column, and y is the row.
     VkImageView view;
-    // The layout of that image whenever it is read.
+    // Layout of that image whenever it is read.
     VkImageLayout layout;
-    // An array of the program's, which is not needed after the call.
+    // Array in the program's memory, which is not needed after the call.
     const float *data;
-    // With `data`, if not null: rows x cols bytes, 0 for a hole.
+    // Mask for `data`, or null: rows x cols bytes, 0 for a hole.
     const uint8_t *mask;
-    // Bytes before the first point, in `buffer` or `data`; a multiple of 4.
+    // Offset of the first point in `buffer` or `data` in bytes; a multiple of 4.
     uint64_t offset;
-    // Bytes from point to point, in `buffer` or `data`; a multiple of 4.
+    // Bytes from point to point in `buffer` or `data`; a multiple of 4.
     uint64_t stride;
 } GeosweepPoints;
 
-// A buffer of sources, each a `GeosweepSource`, that your shaders write. An entry that is not on
-// the grid, in a hole, or has a time that is NaN or not below 1e30 is passed over: write NaN where
-// there is none.
+// A buffer of sources, each a `GeosweepSource`, that your shaders write. An entry is skipped if it is off
+// the grid or in a hole, or if its time is NaN or not below 1e30. Write NaN for an unused entry.
 typedef struct GeosweepSourceBuffer {
-    // With usage `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
+    // Buffer with usage `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
     VkBuffer buffer;
-    // Bytes before the first; a multiple of 4.
+    // Offset of the first source in bytes; a multiple of 4.
     uint64_t offset;
-    // How many.
+    // Number of sources.
     uint32_t count;
 } GeosweepSourceBuffer;
 
-// Buffers for looking distances up: places in, distances out. Both with usage
+// Buffers for looking distances up: places are read, and distances are written. Both have usage
 // `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
 typedef struct GeosweepLookup {
-    // Two floats a place, row and column, fractional between grid points.
+    // Buffer with two floats per place: row and column, with fractions between grid points.
     VkBuffer places;
-    // Bytes before the first; a multiple of 4.
+    // Offset of the first place in bytes; a multiple of 4.
     uint64_t places_offset;
-    // One float a place.
+    // Buffer with one float per place.
     VkBuffer distances;
-    // Bytes before the first; a multiple of 4.
+    // Offset of the first distance in bytes; a multiple of 4.
     uint64_t distances_offset;
-    // How many.
+    // Number of places.
     uint32_t count;
 } GeosweepLookup;
 
-// What a surface is made for. Images and buffers stay yours: they must be alive whenever
-// a recording that reads them runs. The arrays are not needed after the call, and may be null
-// where their count is 0.
+// Parameters of a surface. You keep images and buffers, which must be alive whenever a recording that uses
+// them runs. The arrays are not needed after the call, and may be null where their count is 0.
 typedef struct GeosweepSurfaceInfo {
-    // Rows of grid points.
+    // Number of rows of grid points.
     uint32_t rows;
-    // Columns of grid points.
+    // Number of columns of grid points.
     uint32_t cols;
-    // How edges are measured.
+    // Rule by which edges are measured.
     GeosweepEdgeRule edge_rule;
-    // How many images of distances there are, to be written in turn: as many as frames in flight,
-    // from 1 to 64.
+    // Number of images of distances, which recordings write in turn: the number of frames in flight, from 1
+    // to 64.
     uint32_t slots;
-    // The queue families that use the images of distances and the packed distances: ours and the
-    // readers'. If they differ, no ownership needs to be transferred. None: one family at a time
-    // uses them.
+    // Queue families that use the images of distances and the packed distances: the recording one and those
+    // of the readers. If this lists different families, no ownership transfers are needed. If it is empty,
+    // one family at a time uses them.
     const uint32_t *queue_families;
-    // How many.
+    // Number of queue families.
     uint32_t queue_family_count;
-    // Images of yours for the distances, one a slot; null for images that the surface makes.
+    // Your own images for the distances, one per slot; null for images that the surface allocates.
     const struct GeosweepHostImage *results;
-    // How many: 0 or as many as slots.
+    // Number of images: 0 or the number of slots.
     uint32_t result_count;
-    // Where points may come from, by number: one for each frame in flight, say.
+    // Points that recordings select by number, for instance one entry for each frame in flight.
     const struct GeosweepPoints *points;
-    // How many.
+    // Number of entries in `points`.
     uint32_t point_count;
-    // Buffers that sources may come from, by number.
+    // Source buffers that recordings select by number.
     const struct GeosweepSourceBuffer *sources;
-    // How many.
+    // Number of entries in `sources`.
     uint32_t source_count;
-    // Buffers for lookups, by number.
+    // Buffers for lookups, which recordings select by number.
     const struct GeosweepLookup *lookups;
-    // How many.
+    // Number of entries in `lookups`.
     uint32_t lookup_count;
 } GeosweepSurfaceInfo;
 
-// An image, with usage `SAMPLED`, `STORAGE` and `TRANSFER_SRC`, that belongs to its surface.
+// An image with usage `SAMPLED`, `STORAGE` and `TRANSFER_SRC`, which belongs to its surface.
 typedef struct GeosweepImage {
     // The image.
     VkImage image;
-    // A view of all of it.
+    // A view of the whole image.
     VkImageView view;
-    // `VK_FORMAT_R32_SFLOAT` for distances, a texel a grid point: column to the right, row down.
-    // Not all devices filter it.
+    // `VK_FORMAT_R32_SFLOAT` for distances, with one texel for each grid point: x is the column, and y is
+    // the row. Not all devices can filter it.
     VkFormat format;
     // Width and height in texels.
     VkExtent2D extent;
-    // The layout that it has after the recording.
+    // Layout of the image after the recording.
     VkImageLayout layout;
 } GeosweepImage;
 
-// Distances as the passes keep them: 2 x 2 grid points a texel, in a border. Not for filtering.
-// The point at row r and column c is component 2 (r mod 2) + c mod 2 of texel
-// (c / 2 + border, r / 2 + border), in layer `layer`. What is not reached is 1e30 or more.
+// Distances in the form in which the passes store them: 2 x 2 grid points per texel, with a border. They
+// cannot be filtered. The point at row r and column c is component 2 (r mod 2) + c mod 2 of texel (c / 2 +
+// border, r / 2 + border) in layer `layer`. A point that no front has reached has 1e30 or more.
 typedef struct GeosweepPackedTimes {
-    // `VK_FORMAT_R32G32B32A32_SFLOAT`, always in the layout `VK_IMAGE_LAYOUT_GENERAL`; the view is
-    // an array.
+    // Image with `VK_FORMAT_R32G32B32A32_SFLOAT`, always in the layout `VK_IMAGE_LAYOUT_GENERAL`. Its view
+    // is an array.
     struct GeosweepImage image;
-    // Of the view.
+    // Layer of the view.
     uint32_t layer;
-    // Texels around the grid's.
+    // Width of the border around the grid in texels.
     uint32_t border;
 } GeosweepPackedTimes;
 
-// How the iterations of a recording went.
+// Outcome of a recording's iterations.
 typedef struct GeosweepOutcome {
-    // Largest relative change of a distance in the last of them.
+    // Largest relative change of a distance in the last iteration.
     double residual;
-    // Iterations since the start of the map, or rounds of tiles.
+    // Number of iterations, or of rounds of tiles, since the start of the map.
     uint32_t iterations;
-    // How many grid points are holes: those with something that is not finite or too large, beyond an image
-    // that is too small, or a slowness that is negative. Compare it with those you have made.
+    // Number of grid points that are holes. A point is a hole if one of its values is not finite or too
+    // large, if it lies outside an image that is too small, or if its slowness is negative. Compare this
+    // with the holes that you made.
     uint32_t holes;
-    // Number of edges without a length between usable points: points at one place, or so far apart that single
-    // precision has no such length. A pole or a seam has its own, of which you know; more of them are vertices that were zeroed, or
-    // not written yet.
+    // Number of edges without a length between points that are not holes. Their points are at the same
+    // place, or so far apart that the length overflows single precision. A pole or a seam has such edges, as
+    // you know. More of them mean that vertices were zeroed or not written yet.
     uint32_t edges_without_length;
-    // How many of the map's sources reach no point: off the grid, in holes, or with a time that is no number
-    // below 1e30. Unused entries of a buffer count.
+    // Number of the map's sources that reach no point: those off the grid, in holes, or with a time that is
+    // NaN or not below 1e30. Unused entries of a buffer count.
     uint32_t passed_over;
-    // The share of edges at whose ends the surface's normals differ by more than 30 degrees, of some thousand edges
-    // looked at; 0 of a metric. Where it is above a tenth, the grid does not resolve the surface, and the map
-    // is that of some polyhedron.
+    // Fraction of edges at whose ends the surface's normals differ by more than 30 degrees, among about a
+    // thousand edges. It is 0 for a metric. Above a tenth, the grid does not resolve the surface, and the
+    // map is that of some polyhedron.
     float sharp_edges;
-    // Whether the surface turns at random from point to point, as noise does: planar fronts err least there, and
-    // curved ones may be early by some hundredths.
+    // Whether the surface turns at random from point to point, as noise does. On such surfaces planar fronts
+    // have the smallest errors, and curved ones may arrive early by some hundredths.
     bool is_rough;
-    // Whether the map has converged, over edges that were measured. If not, `geosweep_record_resume` goes on.
+    // Whether the map has converged, over edges that were measured. If not, `geosweep_record_resume`
+    // continues it.
     bool converged;
-    // Whether edges have been measured on the device: not if the recording that measures them never ran.
+    // Whether edges have been measured on the device. They have not if the recording that measures them has
+    // never run.
     bool measured;
 } GeosweepOutcome;
 
-// How a map is computed.
+// Method by which a map is computed.
 typedef struct GeosweepMethod {
-    // The shape of fronts.
+    // Shape of the wavefront.
     GeosweepWavefront wavefront;
-    // The order of updates.
+    // Order of updates.
     GeosweepSchedule schedule;
-    // The map has converged after an iteration in which no distance fell by more than this
-    // fraction; 1e-4 is below what a picture shows, 1e-6 as low as single precision goes.
+    // Relative tolerance. The map has converged after an iteration in which no distance fell by more than
+    // this fraction. 1e-4 is below what a picture shows, and 1e-6 is the limit of single precision.
     double tolerance;
-    // Iterations of a map, at most, all its recordings together; at least 1.
+    // Largest number of iterations of a map, in all its recordings together; at least 1.
     uint32_t most_iterations;
-    // Iterations in a recording: from 1 to 256. Those after convergence visit nothing; if they
-    // are too few, `geosweep_record_resume` goes on. Tiles count in rounds, of which a recording holds no
-    // more than the grid's size says: 8 at 48 x 48 points, 16 at 120 x 120, 32 at 256 x 256, 128 at most.
-    // `geosweep_plan_iterations` says how many it holds.
+    // Number of iterations in a recording, from 1 to 256. Iterations after convergence visit nothing. If
+    // there are too few, `geosweep_record_resume` continues the map. With tiles, iterations are rounds, and
+    // the grid's size limits their number in a recording: 8 at 48 x 48 points, 16 at 120 x 120, 32 at 256 x
+    // 256, and never more than 128. `geosweep_plan_iterations` returns the number in the plan.
     uint32_t iterations;
 } GeosweepMethod;
 
-// A source: a place where the distance, or time, is known. `geosweep_source_at` makes the usual one.
+// A source: a place at which the distance, or time, is given. `geosweep_source_at` returns the usual one.
 typedef struct GeosweepSource {
-    // From 0 to rows - 1, fractional between grid points.
+    // Row, from 0 to rows - 1. It has a fraction between grid points.
     float row;
-    // From 0 to cols - 1.
+    // Column, from 0 to cols - 1.
     float col;
-    // The distance, or time, at the source; usually 0.
+    // Distance, or time, at the source; usually 0.
     float time;
-    // Of the front there, for the curved wavefront: 0 where the source is a point, as sources between grid
-    // points are in any case; `GEOSWEEP_STRAIGHT` where the grid point is one of many on a straight line. In a
-    // buffer, what is negative, infinite or no number stands for a point as well.
+    // Curvature of the front at the source, for the curved wavefront. It is 0 if the source is a point,
+    // which sources between grid points always are. It is `GEOSWEEP_STRAIGHT` if the grid point is one of
+    // many on a straight line. In a buffer, values that are negative, infinite or NaN stand for a point too.
     float curvature;
 } GeosweepSource;
 
-// How you use what you share with us, as one side of a barrier. All zero: nothing to wait for. An access without a
-// stage is an error.
+// Stages and accesses by which you use a shared resource: one side of a barrier. All zero means that there
+// is nothing to wait for. An access without a stage is an error.
 typedef struct GeosweepAccess {
-    // In which stages.
+    // Pipeline stages.
     VkPipelineStageFlags stages;
-    // Of which kinds.
+    // Kinds of access.
     VkAccessFlags access;
 } GeosweepAccess;
 
-// The sources of a recording: an array of the program's, which is copied into the command buffer,
-// or, if that is null, a buffer.
+// Sources of a recording: an array in the program's memory, which is copied into the command buffer, or, if
+// that is null, a buffer.
 typedef struct GeosweepSources {
-    // The array, or null.
+    // Array of sources, or null.
     const struct GeosweepSource *sources;
-    // Its length, at most 1024; 0 with null.
+    // Number of entries in the array, at most 1024. It is 0 if `sources` is null.
     uint32_t count;
-    // The number of the surface's source buffer, if there is no array.
+    // Number of the surface's source buffer, if there is no array.
     uint32_t buffer;
-    // Bytes beyond the first source that the surface has in that buffer, as in a ring of which each frame has
-    // another part; a multiple of 4.
+    // Offset in bytes from the first source that the surface has in that buffer; a multiple of 4. With a
+    // ring buffer, each frame has another offset.
     uint64_t offset;
 } GeosweepSources;
 
-// How you read an image of distances, this frame and whenever you read that image before. With an
-// access of all zero you read it on another queue, after a semaphore.
+// Reader of an image of distances, in this frame and when that image was last read. If the access is all
+// zero, the image is read on another queue, after a semaphore.
 typedef struct GeosweepReader {
-    // In which stages, and how.
+    // Stages and accesses of the reader.
     struct GeosweepAccess access;
-    // The layout in which the image is left.
+    // Layout in which the recording leaves the image.
     VkImageLayout layout;
 } GeosweepReader;
 
-// What a frame takes.
+// Inputs of a frame.
 typedef struct GeosweepFrame {
-    // How you have written points and sources since the frame before: compute shaders and copies
-    // are waited for in any case, and what you write through mapped memory before you submit needs
-    // nothing.
+    // Access that has written points and sources since the previous frame. The recording always waits for
+    // writes by compute shaders and copies. Writes through mapped memory before the submission need no
+    // barrier.
     struct GeosweepAccess before;
-    // Which of the surface's points are measured, or `GEOSWEEP_POINTS_UNCHANGED`.
+    // Number of the surface's points that are measured, or `GEOSWEEP_POINTS_UNCHANGED`.
     uint32_t points;
-    // Which image of distances is written.
+    // Number of the image of distances that is written.
     uint32_t slot;
-    // Bytes beyond where the surface has these points in their buffer, as in a ring of which each frame has another
-    // part; a multiple of 4.
+    // Offset in bytes from where the surface has these points in their buffer; a multiple of 4. With a ring
+    // buffer, each frame has another offset.
     uint64_t points_offset;
-    // Where the fronts start.
+    // Sources at which fronts start.
     struct GeosweepSources sources;
-    // The passes, made by the surface's solver for a grid of the surface's size.
+    // Plan with the passes. The surface's solver must have created it for a grid of the surface's size.
     const struct GeosweepPlan *plan;
-    // Who reads the image of distances.
+    // Reader of the image of distances.
     struct GeosweepReader reader;
-    // What stands in it where nothing was reached: `INFINITY`, which filters turn to NaN beside
-    // such points, or a negative number. Neither 0, which is the distance of sources, nor NaN.
+    // Value in the image at points that no front reaches: `INFINITY` or a negative number. Filters turn
+    // infinity to NaN beside such points. It must not be NaN, nor 0, which is the distance of sources.
     float unreached;
-    // Where the passes of this frame are taken down, or null. One frame at a time: that of the same profile before
-    // has run.
+    // Profile that records the passes of this frame, or null. A profile records one frame at a time: its
+    // previous frame must have run.
     const struct GeosweepProfile *profile;
 } GeosweepFrame;
 
-// What is known of a curve. In the buffer it starts with a `VkDrawIndirectCommand`;
+// Record of a curve. In the buffer it begins with a `VkDrawIndirectCommand`.
 // `geosweep_curve_record_from_bytes` reads all of it.
 typedef struct GeosweepCurveRecord {
-    // What has become of it.
+    // State of the curve.
     enum GeosweepCurveStatus status;
-    // How many vertices are drawn: of contours those that there was room for, of a path all of them
-    // or none.
+    // Number of vertices that are drawn. Contours draw those that there was room for; a path draws all of
+    // them or none.
     uint32_t vertex_count;
-    // Its first vertex, counted from that of the first curve.
+    // Index of the curve's first vertex, counted from the first vertex of the first curve.
     uint32_t first_vertex;
-    // Of contours how many vertices there would be with room for all; of a path how many there are,
-    // as far as it has come.
+    // Number of vertices. For contours, this is the number that all of them need; for a path, the number up
+    // to where it ends.
     uint32_t vertices;
-    // Of a path that has arrived: at which source, in the order given; or `GEOSWEEP_NO_SOURCE`.
+    // Index of the source at which a path has arrived, in the order in which sources were given. It is
+    // `GEOSWEEP_NO_SOURCE` if there is none.
     uint32_t source;
-    // Of a path: the distance at its start.
+    // Distance at the start of a path.
     float distance;
-    // Of a path: its length, measured as the map measures, as far as it has come.
+    // Length of a path up to where it ends, measured as the map measures.
     float length;
 } GeosweepCurveRecord;
 
-// Where contours or paths are: a buffer with the usages `VERTEX_BUFFER`, `INDIRECT_BUFFER`,
-// `STORAGE_BUFFER` and `TRANSFER_SRC`, which belongs to them.
+// Buffer in which contours or paths are stored. It belongs to them and has the usages `VERTEX_BUFFER`,
+// `INDIRECT_BUFFER`, `STORAGE_BUFFER` and `TRANSFER_SRC`.
 //
-// Curve k is drawn by `vkCmdDrawIndirect` with an offset of k x `GEOSWEEP_CURVE_RECORD_BYTES`,
-// contours as a list of lines, a path as a strip of lines, from the buffer bound as a vertex buffer
-// with an offset of `vertices_offset`.
+// `vkCmdDrawIndirect` draws curve k with an offset of k x `GEOSWEEP_CURVE_RECORD_BYTES`. Contours are a list
+// of lines, and a path is a strip of lines. Bind the buffer as a vertex buffer with an offset of
+// `vertices_offset`.
 typedef struct GeosweepCurves {
     // The buffer: records from its first byte, then vertices.
     VkBuffer buffer;
-    // Bytes before the first vertex.
+    // Offset of the first vertex in bytes.
     uint64_t vertices_offset;
-    // How many curves, and so records, there are: 1 of contours.
+    // Number of curves, and thus of records. It is 1 for contours.
     uint32_t curves;
-    // Room for vertices of each curve.
+    // Largest number of vertices of each curve.
     uint32_t capacity;
 } GeosweepCurves;
 
-// Which contours are wanted, and who draws them. Levels are a list, or, if that is null, multiples of
-// a step.
+// Levels of the contours that a recording finds, and the commands that read them. The levels are a list or,
+// if `levels` is null, the multiples of a step.
 typedef struct GeosweepContourFrame {
-    // The list, ascending, or null.
+    // Levels in ascending order, or null.
     const float *levels;
-    // How many levels: at most 1024. Those beyond the map's largest distance cost next to nothing.
+    // Number of levels, at most 1024. Levels beyond the map's largest distance cost next to nothing.
     uint32_t level_count;
-    // From level to level, without a list; positive, and the first level.
+    // Distance between levels if there is no list. It is positive, and it is the first level too.
     float step;
-    // The smallest time of the map's sources, 0 as a rule.
+    // Smallest time of the map's sources, usually 0.
     float start;
-    // The number of the surface's points to which contours are lifted.
+    // Number of the surface's points to which contours are lifted.
     uint32_t points;
-    // Bytes beyond where the surface has these points, as `GeosweepFrame::points_offset`.
+    // Offset in bytes from where the surface has these points, as `GeosweepFrame::points_offset`.
     uint64_t points_offset;
-    // How you read the contours, this frame and the frame before: the stages
-    // `VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT` and `VK_PIPELINE_STAGE_VERTEX_INPUT_BIT` with
-    // `VK_ACCESS_INDIRECT_COMMAND_READ_BIT` and `VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT` as a rule.
+    // Stages and accesses that read the contours, in this frame and in the frame before. Usually these are
+    // the stages `VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT` and `VK_PIPELINE_STAGE_VERTEX_INPUT_BIT` with
+    // `VK_ACCESS_INDIRECT_COMMAND_READ_BIT` and `VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT`.
     struct GeosweepAccess reader;
 } GeosweepContourFrame;
 
-// Where paths start, where they end, and who draws them. Starts are an array of the program's, which
-// is copied into the command buffer, or, if that is null, in a buffer.
+// Starts and ends of paths, and the commands that read the paths. The starts are an array in the program's
+// memory, which is copied into the command buffer, or, if `starts` is null, in a buffer.
 typedef struct GeosweepPathFrame {
-    // How you have written starts and sources.
+    // Access that has written starts and sources.
     struct GeosweepAccess before;
-    // Two floats a start, row and column; or null. One that is off the grid or not a number has no
+    // Array with two floats per start, row and column; or null. A start that is off the grid or NaN has no
     // path.
     const float *starts;
-    // With usage `VK_BUFFER_USAGE_TRANSFER_SRC_BIT`, or null.
+    // Buffer of starts with usage `VK_BUFFER_USAGE_TRANSFER_SRC_BIT`, or null.
     VkBuffer start_buffer;
-    // Bytes before the first in the buffer; a multiple of 4.
+    // Offset of the first start in the buffer in bytes; a multiple of 4.
     uint64_t start_offset;
-    // How many: no more than there is room for, and at most 8192 in an array. Other paths have a
-    // record that says so, and draw nothing.
+    // Number of starts. It is at most the number of paths that there is room for, and at most 8192 in an
+    // array. The records of the remaining paths say that they have no start, and these paths draw nothing.
     uint32_t start_count;
-    // The number of the surface's points to which paths are lifted.
+    // Number of the surface's points to which paths are lifted.
     uint32_t points;
-    // Bytes beyond where the surface has these points, as `GeosweepFrame::points_offset`.
+    // Offset in bytes from where the surface has these points, as `GeosweepFrame::points_offset`.
     uint64_t points_offset;
-    // All sources of the map, those added to it too.
+    // All sources of the map, with those that were added to it.
     struct GeosweepSources sources;
-    // How you read the paths, this frame and the frame before, as of `GeosweepContourFrame`.
+    // Access that reads the paths, in this frame and in the previous one, as in `GeosweepContourFrame`.
     struct GeosweepAccess reader;
 } GeosweepPathFrame;
 
-// Where labels are: a buffer with the usages `STORAGE_BUFFER`, `VERTEX_BUFFER` and `TRANSFER_SRC`, from its first
-// byte: an unsigned 32-bit number for each grid point, row by row.
+// Buffer of labels with the usages `STORAGE_BUFFER`, `VERTEX_BUFFER` and `TRANSFER_SRC`. From its first byte
+// it has an unsigned 32-bit number for each grid point, row by row.
 typedef struct GeosweepLabels {
-    // The buffer, which is longer, and belongs to the regions.
+    // The buffer, which is longer than the labels and belongs to the regions.
     VkBuffer buffer;
     // Bytes of all labels: 4 x rows x cols.
     uint64_t bytes;
 } GeosweepLabels;
 
-// Of which sources regions are wanted, and who reads them.
+// Sources whose regions a recording finds, and the commands that read the labels.
 typedef struct GeosweepRegionFrame {
-    // How you have written the sources.
+    // Access that has written the sources.
     struct GeosweepAccess before;
-    // All sources of the map, those added to it too. Their places in this list are the labels.
+    // All sources of the map, with those that were added to it. A source's index in this list is its label.
     struct GeosweepSources sources;
-    // How you read the labels, this frame and the frame before.
+    // Access that reads the labels, in this frame and in the previous one.
     struct GeosweepAccess reader;
 } GeosweepRegionFrame;
 
-// A pass of a frame, or several that are timed together. What is not known is `GEOSWEEP_UNKNOWN`.
+// A pass of a frame, or several passes that are timed together. Unknown members are `GEOSWEEP_UNKNOWN`.
 typedef struct GeosweepPass {
-    // What it does, as captures name it: "scan down". It is never freed.
+    // Name of the pass in captures, such as "scan down". It is never freed.
     const char *name;
-    // The iteration that it belongs to, or the round of tiles, from 0; `UINT32_MAX` outside of iterations.
+    // Iteration or round of tiles to which the pass belongs, from 0. It is `UINT32_MAX` outside iterations.
     uint32_t iteration;
-    // Dispatches; none for copies and clears.
+    // Number of dispatches; 0 for copies and clears.
     uint32_t dispatches;
-    // On the device, from the end of the pass before to the end of this one: the barrier between them counts to
-    // this one.
+    // Time on the device in nanoseconds, from the end of the previous pass to the end of this one. It
+    // includes the barrier between them.
     uint64_t nanoseconds;
-    // Bytes that it had to read, each once.
+    // Bytes that the pass had to read, each counted once.
     uint64_t bytes_read;
-    // Bytes that it had to write.
+    // Bytes that the pass had to write.
     uint64_t bytes_written;
-    // Texels of 2 x 2 points that it has visited.
+    // Number of texels of 2 x 2 points that the pass visited.
     uint64_t texels;
-    // Whether it was dispatched and visited nothing, since the map had converged or nothing could change there.
+    // Whether the pass was dispatched and visited nothing, since the map had converged or nothing could
+    // change there.
     bool is_idle;
 } GeosweepPass;
 
-// A vertex of a contour or path in the buffer: three attributes of a pipeline, with the formats
-// `VK_FORMAT_R32G32B32_SFLOAT`, `VK_FORMAT_R32_SFLOAT` and `VK_FORMAT_R32G32_SFLOAT` at the
-// offsets 0, 12 and 16.
+// Vertex of a contour or path in the buffer. A pipeline has three attributes for it, with the formats
+// `VK_FORMAT_R32G32B32_SFLOAT`, `VK_FORMAT_R32_SFLOAT` and `VK_FORMAT_R32G32_SFLOAT` at the offsets 0, 12
+// and 16.
 typedef struct GeosweepCurveVertex {
-    // x, y and z, on the surface.
+    // Coordinates x, y and z on the surface.
     float position[3];
-    // The distance there, a contour's level.
+    // Distance at the vertex. For a contour, this is its level.
     float time;
-    // Fractional.
+    // Row on the grid, with its fraction.
     float row;
-    // Fractional.
+    // Column on the grid, with its fraction.
     float col;
 } GeosweepCurveVertex;
 
@@ -697,30 +704,30 @@ typedef struct GeosweepCurveVertex {
 extern "C" {
 #endif // __cplusplus
 
-// Why the last call on this thread that failed did so: a sentence in UTF-8 of at most 2047 bytes,
-// or an empty one if none has. The pointer stays good as long as the thread, and the text until
-// the thread's next call that fails.
+// Returns why the last failed call on this thread failed: a sentence in UTF-8 of at most 2047 bytes. It is
+// empty if no call has failed. The pointer is valid as long as the thread lives, and the text until the
+// thread's next call that fails.
 const char *geosweep_last_error(void);
 
-// Says what instance and device must be created with.
+// Returns the requirements for the instance and the device.
 enum GeosweepStatus geosweep_requirements(struct GeosweepRequirements *requirements);
 
-// Asks whether a physical device will do, before a device is created on it. If not, the status is
-// `GEOSWEEP_STATUS_UNSUPPORTED`, and the message names all that is missing. An instance for Vulkan 1.0 will not do
-// either, of which devices alone tell: one is created and destroyed.
+// Checks whether a physical device can be used, before a device is created on it. If not, the status is
+// `GEOSWEEP_STATUS_UNSUPPORTED`, and the message lists all that is missing. An instance that was created for
+// Vulkan 1.0 cannot be used either. Only a device shows that, so that this call creates one and destroys it.
 enum GeosweepStatus geosweep_check_device(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
                                           VkInstance instance,
                                           VkPhysicalDevice physical_device);
 
-// Finds a queue family for compute, one without graphics if there is one: on large GPUs that is
-// the asynchronous one. Any family with `VK_QUEUE_COMPUTE_BIT` will do.
+// Finds a queue family for compute. Prefers one without graphics, which is the asynchronous one on large
+// GPUs. Any family with `VK_QUEUE_COMPUTE_BIT` can be used.
 enum GeosweepStatus geosweep_compute_queue_family(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
                                                   VkInstance instance,
                                                   VkPhysicalDevice physical_device,
                                                   uint32_t *family);
 
-// Says which schedule `GEOSWEEP_SCHEDULE_BEST` stands for, for grids of so many rows and columns on a device: what
-// a solver should be made for, before it is.
+// Returns the schedule that `GEOSWEEP_SCHEDULE_BEST` stands for on a device, for grids of `rows` rows and
+// `cols` columns. It tells which schedule to create a solver for.
 enum GeosweepStatus geosweep_best_schedule(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
                                            VkInstance instance,
                                            VkPhysicalDevice physical_device,
@@ -728,204 +735,203 @@ enum GeosweepStatus geosweep_best_schedule(PFN_vkGetInstanceProcAddr get_instanc
                                            uint32_t cols,
                                            GeosweepSchedule *schedule);
 
-// Makes a solver; `geosweep_solver_destroy` destroys it.
+// Creates a solver. `geosweep_solver_destroy` destroys it.
 enum GeosweepStatus geosweep_solver_create(const struct GeosweepSolverInfo *info,
                                            struct GeosweepSolver **solver);
 
-// Has pipelines be made with this cache from now on, in place of the one before; with none if it is
-// null. What `GeosweepSolverInfo` says of it holds.
+// Sets the cache for creating pipelines from now on, or none if it is null. `GeosweepSolverInfo` documents
+// how it is used.
 enum GeosweepStatus geosweep_solver_set_pipeline_cache(const struct GeosweepSolver *solver,
                                                        VkPipelineCache cache);
 
-// Says how many bytes of device memory the solver holds for its surfaces, contours and paths, in
-// blocks: a little more than what `geosweep_surface_bytes` and the like say of each.
-enum GeosweepStatus geosweep_solver_bytes(const struct GeosweepSolver *solver, uint64_t *bytes);
+// Returns the bytes of device memory that the solver holds for its surfaces, contours, paths and regions.
+// Since it holds them in blocks, they are a little more than `geosweep_surface_bytes` and the similar calls
+// return for each.
+enum GeosweepStatus geosweep_solver_bytes(const struct GeosweepSolver *solver,
+                                          uint64_t *bytes);
 
-// Destroys a solver, after its surfaces, plans, contours and paths: while there are any, it is
-// refused. Null is fine.
+// Destroys a solver. Its surfaces, plans, contours, paths, regions and profiles must be destroyed first;
+// otherwise it is an error. Null is allowed.
 enum GeosweepStatus geosweep_solver_destroy(struct GeosweepSolver *solver);
 
-// Says how many bytes of device memory a surface will take, before it is made: 36 a grid point and
-// 4 for each slot, a buffer of 16 a point up to 4 MiB, of 6 a point up to 16 MiB on larger grids, and
-// 16 a point (8 for heights) for points in the program's memory.
+// Computes the bytes of device memory that a surface will take, before it is created: 36 per grid point and
+// 4 more for each slot; a buffer of 16 per point up to 4 MiB, or on larger grids of 6 per point up to 16
+// MiB; and 16 per point (8 for heights) for points in the program's memory.
 enum GeosweepStatus geosweep_surface_bytes_for(const struct GeosweepSolver *solver,
                                                const struct GeosweepSurfaceInfo *info,
                                                uint64_t *bytes);
 
-// Makes a surface; `geosweep_surface_destroy` destroys it. Takes device memory.
+// Creates a surface. Allocates device memory. `geosweep_surface_destroy` destroys the surface.
 enum GeosweepStatus geosweep_surface_create(const struct GeosweepSolver *solver,
                                             const struct GeosweepSurfaceInfo *info,
                                             struct GeosweepSurface **surface);
 
-// Says how many bytes of device memory a surface takes.
+// Returns the bytes of device memory that a surface takes.
 enum GeosweepStatus geosweep_surface_bytes(const struct GeosweepSurface *surface, uint64_t *bytes);
 
-// Replaces points that were given in the program's memory, by others with the same offset and
-// stride. No submitted work may still read them, which a solver with checks looks at: keep as many as there are
-// frames in flight. Recordings that measure them find the new ones.
+// Replaces points that were copied from the program's memory by others with the same offset and stride. No
+// submitted work may still read them; a solver with checks verifies that. So create the surface with one
+// entry of points for each frame in flight. Later recordings that measure them read the new ones.
 enum GeosweepStatus geosweep_surface_write_points(struct GeosweepSurface *surface,
                                                   uint32_t number,
                                                   const float *data,
                                                   const uint8_t *mask);
 
-// Replaces points in a buffer or an image of yours by others: recordings from now on read these. With a slowness only
-// if some points of the surface have had one from the start. Frames in flight go on with the points that they were
-// recorded for, which stay alive until these have run. It is an error if more is in flight than the surface has slots.
-// Edges are those of the old points until they are measured, and contours and paths are lifted to the new ones
-// after `geosweep_contours_rebind` and `geosweep_paths_rebind`. Command buffers that are submitted again and again are
-// recorded anew.
+// Replaces points in your own buffer or image by others, which later recordings read. They may have a
+// slowness only if some points of the surface had one when it was created. Frames in flight continue to read
+// the points for which they were recorded, so keep these alive until the frames have run. It is an error if
+// more frames are in flight than the surface has slots. Edges keep the lengths of the old points until they
+// are measured. Contours and paths are lifted to the new points after `geosweep_contours_rebind` and
+// `geosweep_paths_rebind`. Record command buffers anew that are submitted repeatedly.
 enum GeosweepStatus geosweep_surface_set_points(struct GeosweepSurface *surface,
                                                 uint32_t number,
                                                 const struct GeosweepPoints *points);
 
-// Replaces a buffer that sources may come from, as `geosweep_surface_set_points` does points; paths and regions need
-// `geosweep_paths_rebind` and `geosweep_regions_rebind`.
+// Replaces a buffer of sources, as `geosweep_surface_set_points` does for points. Paths and regions then
+// need `geosweep_paths_rebind` and `geosweep_regions_rebind`.
 enum GeosweepStatus geosweep_surface_set_sources(struct GeosweepSurface *surface,
                                                  uint32_t number,
                                                  const struct GeosweepSourceBuffer *sources);
 
-// Replaces your image for the distances of a slot, of a surface that was made with images of yours: recordings from now on
-// write this one, and frames in flight go on with the one that they were recorded for.
+// Replaces your own image for the distances of a slot. The surface must have been created with your images.
+// Later recordings write the new image, and frames in flight continue to write the old one.
 enum GeosweepStatus geosweep_surface_set_result(struct GeosweepSurface *surface,
                                                 uint32_t slot,
                                                 const struct GeosweepHostImage *image);
 
-// Gives the image of distances of a slot. `layout` is that of the reader for which it was recorded
-// last.
+// Returns the image of distances of a slot. `layout` is that of the reader for which it was recorded last.
 enum GeosweepStatus geosweep_surface_result(const struct GeosweepSurface *surface,
                                             uint32_t slot,
                                             VkImageLayout layout,
                                             struct GeosweepImage *result);
 
-// Gives the packed distances that all slots share: those of the last recording until the next. Read
-// them after `geosweep_record_end`.
+// Returns the packed distances that all slots share. They are those of the last recording until the next
+// one. Read them after `geosweep_record_end`.
 enum GeosweepStatus geosweep_surface_packed(const struct GeosweepSurface *surface,
                                             struct GeosweepPackedTimes *packed);
 
-// Says how the iterations of the last recording for a slot went, after the fence of its submission. If that
-// recording has not run, the status is `GEOSWEEP_STATUS_NOT_READY`.
+// Returns the outcome of the last recording for a slot, after the fence of its submission. If that recording
+// has not run, the status is `GEOSWEEP_STATUS_NOT_READY`.
 enum GeosweepStatus geosweep_surface_outcome(const struct GeosweepSurface *surface,
                                              uint32_t slot,
                                              struct GeosweepOutcome *outcome);
 
-// Says that the last recording for a slot was thrown away and will never run, to a solver with checks.
-enum GeosweepStatus geosweep_surface_discard(const struct GeosweepSurface *surface,
-                                             uint32_t slot);
+// Tells a solver with checks that the last recording for a slot was discarded and will never run.
+enum GeosweepStatus geosweep_surface_discard(const struct GeosweepSurface *surface, uint32_t slot);
 
-// Says that what was recorded last for the surface into a command buffer was thrown away and will never run, whatever
-// it was, to a solver with checks.
+// Tells a solver with checks that the last recording for the surface into a command buffer was discarded and
+// will never run, whatever it was.
 enum GeosweepStatus geosweep_surface_discard_commands(const struct GeosweepSurface *surface,
                                                       VkCommandBuffer commands);
 
-// Destroys a surface with its images. No submitted work may still use it, which a solver with checks looks
-// at. Null is fine.
+// Destroys a surface with its images. No submitted work may still use it; a solver with checks verifies
+// that. Null is allowed.
 enum GeosweepStatus geosweep_surface_destroy(struct GeosweepSurface *surface);
 
-// Makes a plan for surfaces of so many rows and columns; `geosweep_plan_destroy` destroys it.
+// Creates a plan for surfaces of `rows` rows and `cols` columns. `geosweep_plan_destroy` destroys it.
 enum GeosweepStatus geosweep_plan_create(const struct GeosweepSolver *solver,
                                          uint32_t rows,
                                          uint32_t cols,
                                          const struct GeosweepMethod *method,
                                          struct GeosweepPlan **plan);
 
-// Says how many iterations, or rounds of tiles, a recording of the plan holds: as many as were asked for, or
-// with tiles fewer. Resume as often as it takes.
+// Returns the number of iterations, or rounds of tiles, in a recording of the plan. It is the number
+// requested, or with tiles a smaller one. Resume the map until it has converged.
 enum GeosweepStatus geosweep_plan_iterations(const struct GeosweepPlan *plan,
                                              uint32_t *iterations);
 
-// Says in which schedule the maps of a plan are computed: a `GeosweepSchedule`, what `GEOSWEEP_SCHEDULE_BEST` has
-// come to.
+// Returns the schedule of a plan, a `GeosweepSchedule`. For `GEOSWEEP_SCHEDULE_BEST`, it is the schedule
+// that was chosen.
 enum GeosweepStatus geosweep_plan_schedule(const struct GeosweepPlan *plan,
                                            GeosweepSchedule *schedule);
 
-// Says which wavefront the maps of a plan have: a `GeosweepWavefront`, and not always the one asked for.
+// Returns the wavefront of a plan's maps, a `GeosweepWavefront`. It may differ from the one requested.
 enum GeosweepStatus geosweep_plan_wavefront(const struct GeosweepPlan *plan,
                                             GeosweepWavefront *wavefront);
 
-// Destroys a plan. Recorded command buffers do not need it. Null is fine.
+// Destroys a plan. Recorded command buffers do not need it. Null is allowed.
 enum GeosweepStatus geosweep_plan_destroy(struct GeosweepPlan *plan);
 
-// A source at a place, with distance 0.
+// Returns a source at a place, with distance 0.
 struct GeosweepSource geosweep_source_at(float row, float col);
 
-// Prepares a new surface: to be recorded once, before anything else of that surface.
+// Prepares a new surface. Record this once, before anything else of that surface.
 enum GeosweepStatus geosweep_record_prepare(const struct GeosweepSurface *surface,
                                             VkCommandBuffer commands);
 
-// Records all of a usual frame: `begin`, `measure` if there are new points, `solve`, `outcome` and
-// `result`. Gives the image of distances to `result` unless that is null.
+// Records all parts of a usual frame: `begin`, `measure` if there are new points, `solve`, `outcome` and
+// `result`. Writes the image of distances to `result` unless that is null.
 enum GeosweepStatus geosweep_record_frame(const struct GeosweepSurface *surface,
                                           VkCommandBuffer commands,
                                           const struct GeosweepFrame *frame,
                                           struct GeosweepImage *result);
 
-// Records frames of several surfaces so that they run beside one another: each as `geosweep_record_frame` does, with the
-// passes of all between the same barriers. `count` surfaces of one size and plan have the barriers of one: recorded one
-// after another they would run one after another. `surfaces` and `frames` have `count` entries, at most 64, and no
-// surface is there twice; all are of one solver, and no frame has a profile. Gives the images of distances to
-// `results`, which has room for as many, unless that is null.
+// Records frames of several surfaces so that they run at the same time. Each is recorded as
+// `geosweep_record_frame` does, and the passes of all frames share barriers. `count` surfaces of one size
+// and plan thus need only the barriers of one; if recorded one after another, they would run one after
+// another. `surfaces` and `frames` have `count` entries, at most 64. All surfaces belong to one solver, none
+// is listed twice, and no frame has a profile. Writes the images of distances to `results`, which has room
+// for `count`, unless that is null.
 enum GeosweepStatus geosweep_record_frames(const struct GeosweepSurface *const *surfaces,
                                            const struct GeosweepFrame *frames,
                                            uint32_t count,
                                            VkCommandBuffer commands,
                                            struct GeosweepImage *results);
 
-// Records the start of a frame, one call after another: waits for what you have written, and for
-// recordings of this surface before.
+// Begins a frame that is recorded by several calls. Waits for what you have written, and for earlier
+// recordings of this surface.
 enum GeosweepStatus geosweep_record_begin(const struct GeosweepSurface *surface,
                                           VkCommandBuffer commands,
                                           struct GeosweepAccess before);
 
-// Measures the surface's edges from its points with this number. The map is lost: `solve` comes
+// Measures the surface's edges from the points with this number. Invalidates the map, so that `solve` comes
 // next. `offset` is as `GeosweepFrame::points_offset`.
 enum GeosweepStatus geosweep_record_measure(const struct GeosweepSurface *surface,
                                             VkCommandBuffer commands,
                                             uint32_t points,
                                             uint64_t offset);
 
-// Computes a new map, with as many iterations as the plan holds, less those after convergence.
+// Computes a new map with the plan's number of iterations. Iterations after convergence are skipped.
 enum GeosweepStatus geosweep_record_solve(const struct GeosweepSurface *surface,
                                           VkCommandBuffer commands,
                                           const struct GeosweepSources *sources,
                                           const struct GeosweepPlan *plan);
 
-// Adds sources to the map, which has converged with the same wavefront.
+// Adds sources to the map. It must have converged with the same wavefront.
 enum GeosweepStatus geosweep_record_add(const struct GeosweepSurface *surface,
                                         VkCommandBuffer commands,
                                         const struct GeosweepSources *sources,
                                         const struct GeosweepPlan *plan);
 
-// Goes on with a map that may not have converged, by as many iterations again: in the same command
-// buffer or, for long maps, in later ones, with `begin` before and `outcome` and `result` after it.
-// With the plan that the map was started with.
+// Continues a map that may not have converged, by the plan's number of iterations. Record this in the same
+// command buffer or, for long maps, in later ones, with `begin` before and `outcome` and `result` after it.
+// The plan must be the one with which the map was started.
 enum GeosweepStatus geosweep_record_resume(const struct GeosweepSurface *surface,
                                            VkCommandBuffer commands,
                                            const struct GeosweepPlan *plan);
 
-// Copies how the iterations have gone to the slot's record, for `geosweep_surface_outcome`.
+// Copies the outcome of the iterations to the slot's record, for `geosweep_surface_outcome`.
 enum GeosweepStatus geosweep_record_outcome(const struct GeosweepSurface *surface,
                                             VkCommandBuffer commands,
                                             uint32_t slot);
 
-// Copies how the iterations have gone, `GEOSWEEP_OUTCOME_BYTES` bytes for
-// `geosweep_outcome_from_bytes`, to a buffer of yours with usage
-// `VK_BUFFER_USAGE_TRANSFER_DST_BIT`. Shaders find the number of iterations in the third 32-bit
-// number. `after` is how you read them; `offset` is a multiple of 4.
+// Copies the outcome of the iterations to your own buffer with usage `VK_BUFFER_USAGE_TRANSFER_DST_BIT`.
+// These are `GEOSWEEP_OUTCOME_BYTES` bytes for `geosweep_outcome_from_bytes`. The third 32-bit number is the
+// number of iterations, for shaders. `after` is how you read the bytes; `offset` is a multiple of 4.
 enum GeosweepStatus geosweep_record_outcome_to(const struct GeosweepSurface *surface,
                                                VkCommandBuffer commands,
                                                VkBuffer buffer,
                                                uint64_t offset,
                                                struct GeosweepAccess after);
 
-// Reads the record that `geosweep_record_outcome_to` has copied: `GEOSWEEP_OUTCOME_BYTES` bytes. It is an error
-// if they are of another surface, or if the surface's preparation has not run before.
+// Reads the record of `GEOSWEEP_OUTCOME_BYTES` bytes that `geosweep_record_outcome_to` has copied. It is an
+// error if the bytes belong to another surface, or if the surface's preparation has not run.
 enum GeosweepStatus geosweep_outcome_from_bytes(const struct GeosweepSurface *surface,
                                                 const uint8_t *bytes,
                                                 struct GeosweepOutcome *outcome);
 
-// Writes the map to the slot's image of distances, for a reader. Waits for the reader of commands
-// before; the reader in commands after waits for this. Gives the image to `result` unless that is
-// null.
+// Writes the map to the slot's image of distances, for a reader. Waits for the reader of earlier commands;
+// the reader in later commands waits for this. Writes the image to `result` unless that is null.
 enum GeosweepStatus geosweep_record_result(const struct GeosweepSurface *surface,
                                            VkCommandBuffer commands,
                                            uint32_t slot,
@@ -933,9 +939,9 @@ enum GeosweepStatus geosweep_record_result(const struct GeosweepSurface *surface
                                            float unreached,
                                            struct GeosweepImage *result);
 
-// Looks distances up, with the surface's lookup of this number: bilinear between grid points,
-// `unreached` where nothing was reached or there is no grid. Waits for what you have written in
-// `before`; `after` is how you read the distances.
+// Looks distances up with the surface's lookup of this number. They are bilinear between grid points, and
+// `unreached` where no front arrives or off the grid. Waits for what you have written in `before`; `after`
+// is how you read the distances.
 enum GeosweepStatus geosweep_record_lookup(const struct GeosweepSurface *surface,
                                            VkCommandBuffer commands,
                                            uint32_t number,
@@ -943,59 +949,61 @@ enum GeosweepStatus geosweep_record_lookup(const struct GeosweepSurface *surface
                                            struct GeosweepAccess before,
                                            struct GeosweepAccess after);
 
-// Lets you read the packed distances, or overwrite points and sources, in the stages of `after`.
+// Ends a frame, so that commands in the stages of `after` may read the packed distances, or overwrite points
+// and sources.
 enum GeosweepStatus geosweep_record_end(const struct GeosweepSurface *surface,
                                         VkCommandBuffer commands,
                                         struct GeosweepAccess after);
 
-// Reads the record of a curve that you have copied from the buffer: `GEOSWEEP_CURVE_RECORD_BYTES`
-// bytes.
+// Reads the record of a curve from `GEOSWEEP_CURVE_RECORD_BYTES` bytes that you have copied from the buffer.
 enum GeosweepStatus geosweep_curve_record_from_bytes(const uint8_t *bytes,
                                                      struct GeosweepCurveRecord *record);
 
-// Says how many bytes of device memory contours will take, before they are made: 24 a vertex, and
-// 260 a row of the grid.
+// Computes the bytes of device memory that contours will take, before they are created: 24 per vertex and
+// 260 per row of the grid.
 enum GeosweepStatus geosweep_contours_bytes_for(const struct GeosweepSolver *solver,
                                                 uint32_t rows,
                                                 uint32_t cols,
                                                 uint32_t vertices,
                                                 uint64_t *bytes);
 
-// Makes room for contours of a surface, of so many vertices, two for each piece between grid lines;
-// `geosweep_contours_destroy` destroys it. Takes device memory and compiles passes.
+// Creates contours of a surface with room for `vertices` vertices. Each piece of a contour between grid
+// lines has two. Allocates device memory and compiles passes. `geosweep_contours_destroy` destroys the
+// contours.
 enum GeosweepStatus geosweep_contours_create(const struct GeosweepSurface *surface,
                                              uint32_t vertices,
                                              struct GeosweepContours **contours);
 
-// Says how many bytes a buffer of yours has for contours, in place of one of their own.
+// Computes the bytes that your own buffer for contours must have, if you provide one.
 enum GeosweepStatus geosweep_contours_buffer_bytes(uint32_t vertices, uint64_t *bytes);
 
-// Makes contours as `geosweep_contours_create` does, which go to a buffer of yours, from its first byte: with usage
-// `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and what
-// its readers ask for, device addresses too. It stays yours, and a render graph may give its memory to others meanwhile.
+// Creates contours as `geosweep_contours_create` does, in your own buffer from its first byte. The buffer's
+// usage contains `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and what its readers need, device addresses included.
+// You keep the buffer. While no contours are in use, a render graph may use its memory for other resources.
 enum GeosweepStatus geosweep_contours_create_into(const struct GeosweepSurface *surface,
                                                   uint32_t vertices,
                                                   VkBuffer buffer,
                                                   struct GeosweepContours **contours);
 
-// Has contours from now on go to another buffer of yours, if they were made with one. Recordings in flight go on with the
-// one before.
+// Makes contours write to another buffer of yours in later recordings. They must have been created with your
+// own buffer. Recordings in flight continue to use the buffer before.
 enum GeosweepStatus geosweep_contours_set_buffer(struct GeosweepContours *contours,
                                                  const struct GeosweepSurface *surface,
                                                  VkBuffer buffer);
 
-// Says how many bytes of device memory contours take.
+// Returns the bytes of device memory that contours take.
 enum GeosweepStatus geosweep_contours_bytes(const struct GeosweepContours *contours,
                                             uint64_t *bytes);
 
-// Says where contours are, also before any are recorded: one curve, drawn as a list of lines.
+// Returns where contours are stored, also before any are recorded. They are one curve, drawn as a list of
+// lines.
 enum GeosweepStatus geosweep_contours_curves(const struct GeosweepContours *contours,
                                              struct GeosweepCurves *curves);
 
-// Finds the contours of the map, lifts them to the surface and leaves them for you to draw, the same
-// in the same order whenever the map is the same. To be recorded after the map, in the same command
-// buffer or after `geosweep_record_begin`. If there are more than there is room for, the southern
-// ones are left out, and their record says how many vertices there are. Gives where they are to
+// Records the search for the contours of the map. Lifts them to the surface and stores them for you to draw.
+// Equal maps give equal contours in equal order. Call this after the map was recorded, in the same command
+// buffer or after `geosweep_record_begin`. If there is not enough room for all, the southern ones are left
+// out, and their record has the number of vertices that they need. Writes where contours are stored to
 // `result` unless that is null.
 enum GeosweepStatus geosweep_record_contours(const struct GeosweepSurface *surface,
                                              VkCommandBuffer commands,
@@ -1003,132 +1011,135 @@ enum GeosweepStatus geosweep_record_contours(const struct GeosweepSurface *surfa
                                              const struct GeosweepContourFrame *frame,
                                              struct GeosweepCurves *result);
 
-// Has contours read the surface's points that were replaced since they were made, by
-// `geosweep_surface_set_points`. Recordings in flight go on with those before.
+// Makes contours read the surface's points that `geosweep_surface_set_points` has set since the contours
+// were created. Recordings in flight continue to read the points before.
 enum GeosweepStatus geosweep_contours_rebind(struct GeosweepContours *contours,
                                              const struct GeosweepSurface *surface);
 
-// Destroys contours, before or after their surface. No submitted work may still use them, which a
-// solver with checks looks at. Null is
-// fine.
+// Destroys contours, before or after their surface. No submitted work may still use them; a solver with
+// checks verifies that. Null is allowed.
 enum GeosweepStatus geosweep_contours_destroy(struct GeosweepContours *contours);
 
-// Says how many bytes of device memory paths will take, before they are made: 24 a vertex of each,
-// and 104 a path.
+// Computes the bytes of device memory that paths will take, before they are created: 24 for each vertex of
+// each path, and 104 per path.
 enum GeosweepStatus geosweep_paths_bytes_for(const struct GeosweepSolver *solver,
                                              uint32_t path_count,
                                              uint32_t vertices,
                                              uint64_t *bytes);
 
-// Makes room for paths on a surface: so many at once, at most 65535, of so many vertices each. A
-// straight way has one at each grid line that it crosses, so that rows + cols + 8 are enough where
-// nothing is in the way. `geosweep_paths_destroy` destroys it. Takes device memory and compiles
-// passes.
+// Creates paths on a surface: `paths` of them at once, at most 65535, with room for `vertices` vertices
+// each. A straight path has one vertex at each grid line that it crosses, so that rows + cols + 8 are enough
+// on a surface without obstacles. Allocates device memory and compiles passes. `geosweep_paths_destroy`
+// destroys the paths.
 enum GeosweepStatus geosweep_paths_create(const struct GeosweepSurface *surface,
                                           uint32_t path_count,
                                           uint32_t vertices,
                                           struct GeosweepPaths **paths);
 
-// Says how many bytes a buffer of yours has for paths, in place of one of their own.
+// Computes the bytes that your own buffer for paths must have, if you provide one.
 enum GeosweepStatus geosweep_paths_buffer_bytes(uint32_t count, uint32_t vertices, uint64_t *bytes);
 
-// Makes paths as `geosweep_paths_create` does, which go to a buffer of yours, from its first byte: with usage
-// `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what
-// its readers ask for, device addresses too. It stays yours, and a render graph may give its memory to others meanwhile.
+// Creates paths as `geosweep_paths_create` does, in your own buffer from its first byte. The buffer's usage
+// contains `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`, `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what its readers
+// need, device addresses included. You keep the buffer. While no paths are in use, a render graph may use
+// its memory for other resources.
 enum GeosweepStatus geosweep_paths_create_into(const struct GeosweepSurface *surface,
                                                uint32_t count,
                                                uint32_t vertices,
                                                VkBuffer buffer,
                                                struct GeosweepPaths **paths);
 
-// Has paths from now on go to another buffer of yours, if they were made with one. Recordings in flight go on with the
-// one before.
+// Makes paths write to another buffer of yours in later recordings. They must have been created with your
+// own buffer. Recordings in flight continue to use the buffer before.
 enum GeosweepStatus geosweep_paths_set_buffer(struct GeosweepPaths *paths,
                                               const struct GeosweepSurface *surface,
                                               VkBuffer buffer);
 
-// Says how many bytes of device memory paths take.
+// Returns the bytes of device memory that paths take.
 enum GeosweepStatus geosweep_paths_bytes(const struct GeosweepPaths *paths, uint64_t *bytes);
 
-// Says where paths are, also before any are recorded: a curve each, drawn as a strip of lines.
+// Returns where paths are stored, also before any are recorded. Each path is one curve, drawn as a strip of
+// lines.
 enum GeosweepStatus geosweep_paths_curves(const struct GeosweepPaths *paths,
                                           struct GeosweepCurves *curves);
 
-// Traces the paths from some places back to the source, lifts them to the surface and leaves them
-// for you to draw. To be recorded after the map, in the same command buffer or after
-// `geosweep_record_begin`. If there is none to draw, its record says why. Gives where they are to
-// `result` unless that is null.
+// Records the tracing of paths from their starts back to the sources. Lifts them to the surface and stores
+// them for you to draw. Call this after the map was recorded, in the same command buffer or after
+// `geosweep_record_begin`. The record of a path that cannot be drawn has the reason. Writes where paths are
+// stored to `result` unless that is null.
 enum GeosweepStatus geosweep_record_paths(const struct GeosweepSurface *surface,
                                           VkCommandBuffer commands,
                                           const struct GeosweepPaths *paths,
                                           const struct GeosweepPathFrame *frame,
                                           struct GeosweepCurves *result);
 
-// Has paths read the surface's points and sources that were replaced since they were made, by
-// `geosweep_surface_set_points` and `geosweep_surface_set_sources`. Recordings in flight go on with those before.
+// Makes paths read the surface's points and sources that `geosweep_surface_set_points` and
+// `geosweep_surface_set_sources` have set since the paths were created. Recordings in flight continue to
+// read the inputs before.
 enum GeosweepStatus geosweep_paths_rebind(struct GeosweepPaths *paths,
                                           const struct GeosweepSurface *surface);
 
-// Destroys paths, before or after their surface. No submitted work may still use them, which a
-// solver with checks looks at. Null is fine.
+// Destroys paths, before or after their surface. No submitted work may still use them; a solver with checks
+// verifies that. Null is allowed.
 enum GeosweepStatus geosweep_paths_destroy(struct GeosweepPaths *paths);
 
-// Says how many bytes of device memory regions will take, before they are made: 24 a grid point.
+// Computes the bytes of device memory that regions will take, before they are created: 24 per grid point.
 enum GeosweepStatus geosweep_regions_bytes_for(const struct GeosweepSolver *solver,
                                                uint32_t rows,
                                                uint32_t cols,
                                                uint64_t *bytes);
 
-// Makes room for the regions of a surface's maps with one wavefront; `geosweep_regions_destroy` destroys it.
-// Takes device memory and compiles passes.
+// Creates regions of a surface's maps with one wavefront. Allocates device memory and compiles passes.
+// `geosweep_regions_destroy` destroys the regions.
 enum GeosweepStatus geosweep_regions_create(const struct GeosweepSurface *surface,
                                             GeosweepWavefront wavefront,
                                             struct GeosweepRegions **regions);
 
-// Says how many bytes a buffer of yours has for regions, in place of one of their own.
+// Computes the bytes that your own buffer for regions must have, if you provide one.
 enum GeosweepStatus geosweep_regions_buffer_bytes(uint32_t rows, uint32_t cols, uint64_t *bytes);
 
-// Makes regions as `geosweep_regions_create` does, which go to a buffer of yours, from its first byte: with usage
-// `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what
-// its readers ask for, device addresses too. It stays yours, and a render graph may give its memory to others meanwhile.
+// Creates regions as `geosweep_regions_create` does, in your own buffer from its first byte. The buffer's
+// usage contains `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`, `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what its
+// readers need, device addresses included. You keep the buffer. While no regions are in use, a render graph
+// may use its memory for other resources.
 enum GeosweepStatus geosweep_regions_create_into(const struct GeosweepSurface *surface,
                                                  GeosweepWavefront wavefront,
                                                  VkBuffer buffer,
                                                  struct GeosweepRegions **regions);
 
-// Has regions from now on go to another buffer of yours, if they were made with one. Recordings in flight go on with the
-// one before.
+// Makes regions write to another buffer of yours in later recordings. They must have been created with your
+// own buffer. Recordings in flight continue to use the buffer before.
 enum GeosweepStatus geosweep_regions_set_buffer(struct GeosweepRegions *regions,
                                                 const struct GeosweepSurface *surface,
                                                 VkBuffer buffer);
 
-// Says how many bytes of device memory regions take.
+// Returns the bytes of device memory that regions take.
 enum GeosweepStatus geosweep_regions_bytes(const struct GeosweepRegions *regions, uint64_t *bytes);
 
-// Says where labels are, also before any are recorded.
+// Returns where labels are stored, also before any are recorded.
 enum GeosweepStatus geosweep_regions_labels(const struct GeosweepRegions *regions,
                                             struct GeosweepLabels *labels);
 
-// Finds which source is the nearest to each grid point and leaves the labels for you to read: a source's place in
-// the list, or `GEOSWEEP_NO_REGION`. To be recorded after the map, in the same command buffer or after
-// `geosweep_record_begin`. Gives where they are to `result` unless that is null.
+// Finds the nearest source of each grid point and stores the labels for you to read. A label is the index of
+// a source in the list, or `GEOSWEEP_NO_REGION`. Call this after the map was recorded, in the same command
+// buffer or after `geosweep_record_begin`. Writes where labels are stored to `result` unless that is null.
 enum GeosweepStatus geosweep_record_regions(const struct GeosweepSurface *surface,
                                             VkCommandBuffer commands,
                                             const struct GeosweepRegions *regions,
                                             const struct GeosweepRegionFrame *frame,
                                             struct GeosweepLabels *result);
 
-// Has regions read the surface's sources that were replaced since they were made, by
-// `geosweep_surface_set_sources`. Recordings in flight go on with those before.
+// Makes regions read the surface's sources that `geosweep_surface_set_sources` has set since the regions
+// were created. Recordings in flight continue to read the sources before.
 enum GeosweepStatus geosweep_regions_rebind(struct GeosweepRegions *regions,
                                             const struct GeosweepSurface *surface);
 
-// Destroys regions, before or after their surface. No submitted work may still use them, which a solver
-// with checks looks at. Null is fine.
+// Destroys regions, before or after their surface. No submitted work may still use them; a solver with
+// checks verifies that. Null is allowed.
 enum GeosweepStatus geosweep_regions_destroy(struct GeosweepRegions *regions);
 
-// Makes room for the passes of frames of a surface with this plan, which go to a queue of this family;
-// `geosweep_profile_destroy` destroys it. The family's queues must write timestamps, else the status is
+// Creates a profile for frames of a surface with this plan on a queue of this family.
+// `geosweep_profile_destroy` destroys it. If the family's queues cannot write timestamps, the status is
 // `GEOSWEEP_STATUS_UNSUPPORTED`.
 enum GeosweepStatus geosweep_profile_create(const struct GeosweepSurface *surface,
                                             const struct GeosweepPlan *plan,
@@ -1136,15 +1147,15 @@ enum GeosweepStatus geosweep_profile_create(const struct GeosweepSurface *surfac
                                             uint32_t queue_family,
                                             struct GeosweepProfile **profile);
 
-// Reads back what the passes of the last frame that was recorded with this profile have taken, after its fence:
-// `count` says how many there are, of which as many as `capacity` are written to `passes`. If that frame has
-// not run, the status is `GEOSWEEP_STATUS_NOT_READY`.
+// Reads the times of the passes of the last frame that was recorded with this profile, after its fence.
+// Writes the number of passes to `count`, and at most `capacity` passes to `passes`. If that frame has not
+// run, the status is `GEOSWEEP_STATUS_NOT_READY`.
 enum GeosweepStatus geosweep_profile_passes(const struct GeosweepProfile *profile,
                                             struct GeosweepPass *passes,
                                             uint32_t capacity,
                                             uint32_t *count);
 
-// Destroys a profile. No submitted work may still use it. Null is fine.
+// Destroys a profile. No submitted work may still use it. Null is allowed.
 enum GeosweepStatus geosweep_profile_destroy(struct GeosweepProfile *profile);
 
 #ifdef __cplusplus

@@ -1,11 +1,12 @@
 /*
- * geosweep.h for C++11 and later: objects that destroy themselves, and exceptions for statuses.
- * What the functions do is told in geosweep.h; docs/embedding.md has the rest.
+ * geosweep.h for C++11 and later: objects that destroy themselves, and exceptions in place of statuses.
+ * geosweep.h documents the functions; docs/embedding.md has the rest.
  *
- * Each object keeps its solver alive, so that they may go in any order; all of them go before your
- * device. No submitted work may still use what goes. What a solver with GEOSWEEP_SOLVER_CHECKS refuses to destroy,
- * a surface with a recording that was never submitted say, stays and is told by GEOSWEEP_NOT_DESTROYED, which you
- * may define first: a destructor cannot throw.
+ * Each object keeps its solver alive, so that objects may be destroyed in any order. Destroy all of them
+ * before your device. No submitted work may still use an object that is destroyed. A solver with
+ * GEOSWEEP_SOLVER_CHECKS may refuse to destroy an object, for instance a surface with a recording that was
+ * never submitted. Destructors cannot throw, so that the object is then kept, and the macro
+ * GEOSWEEP_NOT_DESTROYED reports it. You may define this macro before you include this header.
  */
 #ifndef GEOSWEEP_HPP
 #define GEOSWEEP_HPP
@@ -27,7 +28,7 @@
 
 namespace geosweep {
 
-/* A call that has failed: what() is geosweep_last_error. */
+/* A call that failed: what() returns the text of geosweep_last_error. */
 class Error : public std::runtime_error {
 public:
     explicit Error(GeosweepStatus of) : std::runtime_error(geosweep_last_error()), status(of) {}
@@ -44,9 +45,9 @@ inline void check_destroyed(GeosweepStatus status) {
 }
 
 /*
- * An access of VkPipelineStageFlags2 and VkAccessFlags2, as the flags of 32 bits say it: copies, resolves, blits and
- * clears are transfers, the parts of vertex input are that, and sampled and stored shader accesses are shader
- * accesses. What has no such name throws std::invalid_argument.
+ * Returns the 32-bit flags for VkPipelineStageFlags2 and VkAccessFlags2. Copies, resolves, blits and
+ * clears become transfers, the parts of vertex input become vertex input, and sampled and storage accesses
+ * become shader accesses. Flags without a counterpart throw std::invalid_argument.
  */
 inline GeosweepAccess access_from(uint64_t stages, uint64_t accesses) {
     struct Name {
@@ -78,13 +79,14 @@ inline GeosweepAccess access_from(uint64_t stages, uint64_t accesses) {
     return made;
 }
 
-/* An access, as one side of a barrier: of flags of 32 bits, or of 64 as synchronization2 has them. */
+/* Returns an access, as one side of a barrier, from 32-bit flags or from the 64-bit flags of
+   synchronization2. */
 template <class Stages, class Accesses>
 GeosweepAccess access(Stages stages, Accesses accesses) {
     return access_from(static_cast<uint64_t>(stages), static_cast<uint64_t>(accesses));
 }
 
-/* Sampled in these stages. */
+/* Returns the access of shaders that sample an image in these stages. */
 template <class Stages>
 GeosweepReader sampled(Stages stages) {
     GeosweepReader made = {access(stages, VK_ACCESS_SHADER_READ_BIT), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
@@ -92,8 +94,9 @@ GeosweepReader sampled(Stages stages) {
 }
 
 /*
- * Structs of geosweep.h by names, in C++11 too: each starts from the usual choices, and the calls that change one give it
- * back. geosweep::Method(GEOSWEEP_WAVEFRONT_CURVED).tolerated(1e-5).in_a_recording(8)
+ * Structs of geosweep.h with named members, in C++11 too. Each starts with the usual values, and each call
+ * that changes a member returns the struct:
+ * geosweep::Method(GEOSWEEP_WAVEFRONT_CURVED).tolerated(1e-5).in_a_recording(8)
  */
 struct Method : GeosweepMethod {
     explicit Method(GeosweepWavefront of) : GeosweepMethod() {
@@ -109,9 +112,9 @@ struct Method : GeosweepMethod {
 };
 
 struct Points : GeosweepPoints {
-    /* Positions in a buffer, so many bytes apart. */
+    /* Positions in a buffer, `apart` bytes from point to point. */
     Points(VkBuffer of, uint64_t apart) : GeosweepPoints() { buffer = of, stride = apart; }
-    /* Positions in an image, in the layout in which it is whenever it is read. */
+    /* Positions in an image, which has the layout `in` whenever it is read. */
     Points(VkImageView of, VkImageLayout in) : GeosweepPoints() { view = of, layout = in; }
     Points &from(uint64_t bytes) { return offset = bytes, *this; }
     Points &heights(double columns_apart, double rows_apart) {
@@ -121,7 +124,7 @@ struct Points : GeosweepPoints {
     Points &slowed_by(uint32_t which_float) { return slowness = which_float, *this; }
 };
 
-/* The arrays are the program's, and are not needed once the surface is made. */
+/* The arrays belong to the program and are not needed after the surface is created. */
 struct SurfaceInfo : GeosweepSurfaceInfo {
     SurfaceInfo(uint32_t of_rows, uint32_t of_cols) : GeosweepSurfaceInfo() {
         rows = of_rows, cols = of_cols, slots = 1;
@@ -131,7 +134,7 @@ struct SurfaceInfo : GeosweepSurfaceInfo {
     SurfaceInfo &with(const GeosweepPoints *of, std::size_t count) {
         return points = of, point_count = static_cast<uint32_t>(count), *this;
     }
-    /* Images of yours for the distances, one a slot. */
+    /* Your own images for the distances, one per slot. */
     SurfaceInfo &into(const GeosweepHostImage *of, std::size_t count) {
         return results = of, result_count = static_cast<uint32_t>(count), *this;
     }
@@ -146,7 +149,7 @@ struct SurfaceInfo : GeosweepSurfaceInfo {
     }
 };
 
-/* A solver's info with the header's version in it, and nothing else. */
+/* Returns a solver's info that has the header's version and is otherwise empty. */
 inline GeosweepSolverInfo solver_info() {
     GeosweepSolverInfo info = GeosweepSolverInfo();
     info.header_version = GEOSWEEP_HEADER_VERSION;
@@ -154,8 +157,9 @@ inline GeosweepSolverInfo solver_info() {
 }
 
 /*
- * Gives images of distances and buffers from a queue family to another: recorded last on the queue that gives, with how
- * they were written, and first on the other, with how they are read. The pointer is your vkCmdPipelineBarrier.
+ * Transfers images of distances and buffers from one queue family to another. Record this last on the
+ * queue that releases them, with the access that wrote them, and first on the other queue, with the access
+ * that reads them. The pointer is your vkCmdPipelineBarrier.
  */
 inline void hand_over(PFN_vkCmdPipelineBarrier barrier, VkCommandBuffer commands, bool gives, GeosweepAccess whose,
                       uint32_t from, uint32_t to, const std::vector<GeosweepImage> &images,
@@ -184,7 +188,7 @@ inline void hand_over(PFN_vkCmdPipelineBarrier barrier, VkCommandBuffer commands
         made.size = VK_WHOLE_SIZE;
         of_buffers.push_back(made);
     }
-    /* The other queue's semaphore names the stages in which they are read. */
+    /* The other queue's semaphore names the stages that read them. */
     VkPipelineStageFlags after = whose.stages;
     if (gives) after = VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT;
     barrier(commands, whose.stages, after, 0, 0, nullptr, static_cast<uint32_t>(of_buffers.size()), of_buffers.data(),
@@ -201,7 +205,7 @@ public:
 
     GeosweepSolver *get() const { return solver_.get(); }
 
-    /* Of device memory, for surfaces and the like. */
+    /* Returns the bytes of device memory that surfaces and the other objects of the solver hold. */
     uint64_t bytes() const {
         uint64_t bytes = 0;
         check(geosweep_solver_bytes(get(), &bytes));
@@ -216,7 +220,7 @@ private:
     std::shared_ptr<GeosweepSolver> solver_;
 };
 
-/* Something of a solver's, which is destroyed before it. */
+/* Base of the objects that a solver creates. They are destroyed before their solver. */
 template <class T, GeosweepStatus (*destroy)(T *)>
 class Owned {
 public:
@@ -224,7 +228,7 @@ public:
     const Solver &solver() const { return solver_; }
 
     Owned(Owned &&) = default;
-    /* What was here goes before its solver does, which refuses to go first. */
+    /* Destroys the old object before its solver, since a solver refuses to be destroyed first. */
     Owned &operator=(Owned &&other) noexcept {
         object_ = std::move(other.object_);
         solver_ = std::move(other.solver_);
@@ -252,14 +256,14 @@ public:
         own(plan);
     }
 
-    /* What GEOSWEEP_SCHEDULE_BEST has come to. */
+    /* Returns the schedule that was chosen for GEOSWEEP_SCHEDULE_BEST. */
     GeosweepSchedule schedule() const {
         GeosweepSchedule schedule = GEOSWEEP_SCHEDULE_BEST;
         check(geosweep_plan_schedule(get(), &schedule));
         return schedule;
     }
 
-    /* That a recording holds: with tiles it may be fewer than were asked for. */
+    /* Returns the number of iterations in a recording. With tiles it may be smaller than requested. */
     uint32_t iterations() const {
         uint32_t iterations = 0;
         check(geosweep_plan_iterations(get(), &iterations));
@@ -275,7 +279,8 @@ public:
         own(surface);
     }
 
-    /* Of a slot, also before anything is recorded: for descriptor sets. */
+    /* Returns the image of a slot, also before anything is recorded, so that descriptor sets can be
+       written. */
     GeosweepImage image(uint32_t slot, VkImageLayout layout) const {
         GeosweepImage image = GeosweepImage();
         check(geosweep_surface_result(get(), slot, layout, &image));
@@ -286,7 +291,7 @@ public:
         check(geosweep_surface_write_points(get(), number, data, mask));
     }
 
-    /* Other buffers and images in place of those the surface was made with; frames in flight keep theirs. */
+    /* Replaces buffers or images with which the surface was created. Frames in flight keep the old ones. */
     void set_points(uint32_t number, const GeosweepPoints &points) {
         check(geosweep_surface_set_points(get(), number, &points));
     }
@@ -295,7 +300,7 @@ public:
         check(geosweep_surface_set_sources(get(), number, &sources));
     }
 
-    /* Another image of yours for a slot, of a surface that was made with such. */
+    /* Replaces your own image for a slot. The surface must have been created with your images. */
     void set_result(uint32_t slot, const GeosweepHostImage &image) {
         check(geosweep_surface_set_result(get(), slot, &image));
     }
@@ -347,22 +352,23 @@ public:
         check(geosweep_record_end(get(), commands, after));
     }
 
-    /* There will be no submission of the slot's last recording. */
+    /* Declares that the slot's last recording will never be submitted. */
     void discard(uint32_t slot) const { check(geosweep_surface_discard(get(), slot)); }
 
-    /* There will be none of what was recorded last into a command buffer, for a slot or not. */
+    /* Declares that the last recording into a command buffer will never be submitted, whether it has a
+       slot or not. */
     void discard_commands(VkCommandBuffer commands) const {
         check(geosweep_surface_discard_commands(get(), commands));
     }
 
-    /* From what geosweep_record_outcome_to has copied. */
+    /* Reads an outcome from the bytes that geosweep_record_outcome_to has copied. */
     GeosweepOutcome outcome_from(const uint8_t *bytes) const {
         GeosweepOutcome how = GeosweepOutcome();
         check(geosweep_outcome_from_bytes(get(), bytes, &how));
         return how;
     }
 
-    /* Whether the slot's last recording has run, and if so how it went. */
+    /* Returns whether the slot's last recording has run. If so, writes its outcome to `how`. */
     bool outcome(uint32_t slot, GeosweepOutcome &how) const {
         GeosweepStatus status = geosweep_surface_outcome(get(), slot, &how);
         if (status == GEOSWEEP_STATUS_NOT_READY) return false;
@@ -372,8 +378,8 @@ public:
 };
 
 /*
- * Records frames of several surfaces so that they run beside one another, with the barriers of one. Their images are
- * those of Surface::image.
+ * Records frames of several surfaces so that they run at the same time, with the barriers of one frame.
+ * Surface::image returns their images.
  */
 template <std::size_t count>
 void frames(VkCommandBuffer commands, const Surface *const (&surfaces)[count], const GeosweepFrame (&frames)[count]) {
@@ -382,7 +388,7 @@ void frames(VkCommandBuffer commands, const Surface *const (&surfaces)[count], c
     check(geosweep_record_frames(handles, frames, static_cast<uint32_t>(count), commands, nullptr));
 }
 
-/* A frame of a plan, by names: of points 0 for slot 0, unless it is told otherwise. */
+/* A frame of a plan with named members. Unless set otherwise, it measures the points 0 and writes slot 0. */
 struct Frame : GeosweepFrame {
     Frame(const Plan &of, const GeosweepReader &by) : GeosweepFrame() {
         plan = of.get(), reader = by, unreached = -1.0f;
@@ -393,9 +399,9 @@ struct Frame : GeosweepFrame {
     }
     Frame &unchanged() { return points = GEOSWEEP_POINTS_UNCHANGED, *this; }
     Frame &to(uint32_t which_slot) { return slot = which_slot, *this; }
-    /* Where nothing arrives. */
+    /* Sets the value of points that no front reaches. */
     Frame &else_is(float value) { return unreached = value, *this; }
-    /* An array that is there until the frame is recorded. */
+    /* Sets the sources to an array, which must exist until the frame is recorded. */
     Frame &around(const GeosweepSource *of, std::size_t count) {
         sources = GeosweepSources();
         return sources.sources = of, sources.count = static_cast<uint32_t>(count), *this;
@@ -407,7 +413,7 @@ struct Frame : GeosweepFrame {
     Frame &timed_by(const GeosweepProfile *taking_down) { return profile = taking_down, *this; }
 };
 
-/* What each pass of a frame takes: GeosweepFrame::profile is its get(). */
+/* Times of the passes of a frame. GeosweepFrame::profile is the pointer that get() returns. */
 class Profile : public Owned<GeosweepProfile, geosweep_profile_destroy> {
 public:
     Profile(const Surface &surface, const Plan &plan, GeosweepGrain grain, uint32_t queue_family)
@@ -417,7 +423,7 @@ public:
         own(profile);
     }
 
-    /* Of the last frame; none if it has not run. */
+    /* Returns the passes of the last frame. It is an empty list if that frame has not run. */
     std::vector<GeosweepPass> passes() const {
         std::vector<GeosweepPass> passes;
         uint32_t count = 0;
@@ -438,14 +444,14 @@ public:
         own(contours);
     }
 
-    /* Where they are, also before any are recorded. */
+    /* Returns where contours are stored, also before any are recorded. */
     GeosweepCurves curves() const {
         GeosweepCurves curves = GeosweepCurves();
         check(geosweep_contours_curves(get(), &curves));
         return curves;
     }
 
-    /* To a buffer of yours of buffer_bytes, which may be another in each frame. */
+    /* Creates contours in your own buffer of buffer_bytes bytes, which may be another one in each frame. */
     Contours(const Surface &surface, uint32_t vertices, VkBuffer buffer) : Owned(surface.solver()) {
         GeosweepContours *into = nullptr;
         check(geosweep_contours_create_into(surface.get(), vertices, buffer, &into));
@@ -462,7 +468,7 @@ public:
         check(geosweep_contours_set_buffer(get(), surface.get(), buffer));
     }
 
-    /* After the surface's inputs were set anew. */
+    /* Makes contours read the surface's inputs again, after these were replaced. */
     void rebind(const Surface &surface) { check(geosweep_contours_rebind(get(), surface.get())); }
 
     GeosweepCurves record(const Surface &surface, VkCommandBuffer commands, const GeosweepContourFrame &frame) const {
@@ -480,14 +486,14 @@ public:
         own(made);
     }
 
-    /* Where they are, also before any are recorded. */
+    /* Returns where paths are stored, also before any are recorded. */
     GeosweepCurves curves() const {
         GeosweepCurves curves = GeosweepCurves();
         check(geosweep_paths_curves(get(), &curves));
         return curves;
     }
 
-    /* To a buffer of yours of buffer_bytes, which may be another in each frame. */
+    /* Creates paths in your own buffer of buffer_bytes bytes, which may be another one in each frame. */
     Paths(const Surface &surface, uint32_t paths, uint32_t vertices, VkBuffer buffer) : Owned(surface.solver()) {
         GeosweepPaths *into = nullptr;
         check(geosweep_paths_create_into(surface.get(), paths, vertices, buffer, &into));
@@ -504,7 +510,7 @@ public:
         check(geosweep_paths_set_buffer(get(), surface.get(), buffer));
     }
 
-    /* After the surface's inputs were set anew. */
+    /* Makes paths read the surface's inputs again, after these were replaced. */
     void rebind(const Surface &surface) { check(geosweep_paths_rebind(get(), surface.get())); }
 
     GeosweepCurves record(const Surface &surface, VkCommandBuffer commands, const GeosweepPathFrame &frame) const {
@@ -522,14 +528,14 @@ public:
         own(regions);
     }
 
-    /* Where they are, also before any are recorded. */
+    /* Returns where labels are stored, also before any are recorded. */
     GeosweepLabels labels() const {
         GeosweepLabels labels = GeosweepLabels();
         check(geosweep_regions_labels(get(), &labels));
         return labels;
     }
 
-    /* To a buffer of yours of buffer_bytes, which may be another in each frame. */
+    /* Creates regions in your own buffer of buffer_bytes bytes, which may be another one in each frame. */
     Regions(const Surface &surface, GeosweepWavefront wavefront, VkBuffer buffer) : Owned(surface.solver()) {
         GeosweepRegions *into = nullptr;
         check(geosweep_regions_create_into(surface.get(), wavefront, buffer, &into));
@@ -546,7 +552,7 @@ public:
         check(geosweep_regions_set_buffer(get(), surface.get(), buffer));
     }
 
-    /* After the surface's inputs were set anew. */
+    /* Makes regions read the surface's inputs again, after these were replaced. */
     void rebind(const Surface &surface) { check(geosweep_regions_rebind(get(), surface.get())); }
 
     GeosweepLabels record(const Surface &surface, VkCommandBuffer commands, const GeosweepRegionFrame &frame) const {

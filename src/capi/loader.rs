@@ -1,4 +1,4 @@
-//! The host's instance and device, by the functions that its loader names.
+//! Loads the functions of the host's instance and device through the host's loader.
 
 use std::ffi::{CStr, c_void};
 
@@ -7,10 +7,11 @@ use ash::vk::Handle;
 
 use super::status::Failure;
 
-/// `PFN_vkGetInstanceProcAddr`, which may be null.
+/// A `PFN_vkGetInstanceProcAddr`, which may be null.
 pub(super) type GetInstanceProcAddr = Option<vk::PFN_vkGetInstanceProcAddr>;
 
-/// Functions found, and the first of those that Vulkan 1.0 promises and that was not.
+/// Looks functions up, and keeps the name of the first one that Vulkan 1.0 promises and the loader does not
+/// know.
 struct Finder<F> {
     find: F,
     missing: Option<String>,
@@ -21,8 +22,8 @@ impl<F: Fn(&CStr) -> vk::PFN_vkVoidFunction> Finder<F> {
         (self.find)(name).map_or(std::ptr::null(), |function| function as *const c_void)
     }
 
-    /// ash puts a function that panics in the place of one that is missing, and such a panic cannot
-    /// be caught.
+    /// Finds a function that Vulkan 1.0 promises. For a missing function, ash substitutes one that panics,
+    /// and that panic cannot be caught. So it is looked for first.
     fn promised(&mut self, name: &CStr) -> *const c_void {
         let function = self.any(name);
         if function.is_null() {
@@ -37,10 +38,10 @@ impl<F: Fn(&CStr) -> vk::PFN_vkVoidFunction> Finder<F> {
     }
 }
 
-/// The instance and the physical device.
+/// Returns the instance and the physical device.
 ///
 /// # Safety
-/// The handles are null or alive, and the function finds functions of theirs.
+/// The handles are null or alive, and `get` finds their functions.
 pub(super) unsafe fn instance(
     get_instance_proc_addr: GetInstanceProcAddr,
     instance: vk::Instance,
@@ -66,10 +67,10 @@ pub(super) unsafe fn instance(
     Ok(ash::Instance::from_parts_1_3(instance, first, second, third))
 }
 
-/// The device.
+/// Returns the device.
 ///
 /// # Safety
-/// The handle is null or that of a living device of the instance's.
+/// The handle is null or that of a living device of this instance.
 pub(super) unsafe fn device(
     instance: &ash::Instance,
     device: vk::Device,
@@ -89,10 +90,11 @@ pub(super) unsafe fn device(
     Ok(ash::Device::from_parts_1_3(device, first, second, third, fourth))
 }
 
-/// Whether the program has enabled `VK_EXT_debug_utils`, so that passes can have labels and objects names.
+/// Returns whether the program has enabled `VK_EXT_debug_utils`, so that passes can have labels and objects
+/// names.
 ///
 /// # Safety
-/// As of [`instance`] and [`device`], for the function that found them.
+/// As for [`instance`] and [`device`], for the function that found them.
 pub(super) unsafe fn has_labels(
     get_instance_proc_addr: GetInstanceProcAddr,
     instance: &ash::Instance,

@@ -1,4 +1,4 @@
-//! Device memory: from blocks of the solver's own, or from an allocator of the program's.
+//! Device memory in the solver's own blocks, or from an allocator of the program.
 
 use std::ffi::{CString, c_char, c_void};
 use std::ptr::{NonNull, null_mut};
@@ -10,19 +10,19 @@ use gpu_allocator::vulkan::Allocator;
 use super::status::Failure;
 use crate::vulkan::embed::{DeviceMemory, MemoryBlock, MemoryRequest};
 
-/// What an image or a buffer needs.
+/// Requirements of an image or a buffer.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepMemoryRequest {
-    /// Size, alignment and types of memory.
+    /// Size, alignment and memory types.
     pub requirements: vk::MemoryRequirements,
-    /// What the type has to have: device-local, or host-visible and host-coherent.
+    /// Properties that the memory type must have: device-local, or host-visible and host-coherent.
     pub required: vk::MemoryPropertyFlags,
-    /// What it should have beside these.
+    /// Properties that the memory type should have too.
     pub preferred: vk::MemoryPropertyFlags,
-    /// Whether it is for a buffer; else it is for an image with optimal tiling.
+    /// Whether the memory is for a buffer. Otherwise it is for an image with optimal tiling.
     pub is_buffer: bool,
-    /// What it is for, such as "edge lengths"; not needed after the call.
+    /// Purpose of the memory, such as "edge lengths". The text is valid during the call alone.
     pub name: *const c_char,
 }
 
@@ -30,25 +30,26 @@ pub struct GeosweepMemoryRequest {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepMemory {
-    /// The memory.
+    /// The device memory that contains the block.
     pub memory: vk::DeviceMemory,
-    /// Where the block begins in it, a multiple of the alignment.
+    /// Offset of the block in `memory` in bytes; a multiple of the alignment.
     pub offset: u64,
-    /// Where the block is mapped, and stays so until it is freed, if it has to be host-visible; else it may be
-    /// null.
+    /// Address at which the block is mapped until it is freed, if it must be host-visible. Otherwise it may
+    /// be null.
     pub mapped: *mut c_void,
-    /// By what you know it: a `VmaAllocation`, say.
+    /// Your own handle of the block, for instance a `VmaAllocation`.
     pub handle: *mut c_void,
 }
 
-/// An allocator of yours, for surfaces, contours, paths and regions. Its functions are called by one thread at a
-/// time, in calls that create and destroy these, and call nothing of geosweep's.
+/// Your own allocator for surfaces, contours, paths and regions. Its functions are called by one thread at a
+/// time, in calls that create and destroy these objects. They must not call functions of geosweep.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepAllocator {
-    /// Given to both functions.
+    /// Pointer that both functions receive.
     pub user: *mut c_void,
-    /// Finds memory and says where it is; what `memory` points to is all zero before. `VK_SUCCESS` if it has.
+    /// Allocates memory and writes the block to `memory`, which is all zero before the call. Returns
+    /// `VK_SUCCESS` if it succeeds.
     pub allocate: Option<
         unsafe extern "C" fn(
             user: *mut c_void,
@@ -56,21 +57,21 @@ pub struct GeosweepAllocator {
             memory: *mut GeosweepMemory,
         ) -> vk::Result,
     >,
-    /// Takes a block back, as `allocate` has given it.
+    /// Frees a block that `allocate` has returned.
     pub free: Option<unsafe extern "C" fn(user: *mut c_void, memory: *const GeosweepMemory)>,
 }
 
-/// Where the memory of a solver's surfaces comes from.
+/// Source of the memory for a solver's surfaces.
 pub(super) enum Memory {
-    /// Blocks of the solver's own.
+    /// The solver's own blocks.
     Own(Box<Allocator>),
     Hosts(HostsMemory),
 }
 
-/// An allocator of the program's, and how much it has given.
+/// Allocator of the program, and the blocks that it has allocated.
 pub(super) struct HostsMemory {
     allocator: GeosweepAllocator,
-    /// What was given and not taken back, each at the place that its block has as a number.
+    /// Blocks that were allocated and not freed yet. A block's number is its index here.
     given: Vec<Option<GeosweepMemory>>,
     bytes: u64,
 }
@@ -93,7 +94,7 @@ impl HostsMemory {
 
 impl DeviceMemory for HostsMemory {
     fn allocate(&mut self, wanted: &MemoryRequest) -> Result<MemoryBlock, AllocationError> {
-        let name = CString::new(wanted.name).expect("names of ours hold no zero");
+        let name = CString::new(wanted.name).expect("names in this library contain no zero byte");
         let [required, preferred] = wanted.properties();
         let requirements = wanted.requirements;
         let (is_buffer, name) = (wanted.is_buffer, name.as_ptr());
@@ -104,7 +105,7 @@ impl DeviceMemory for HostsMemory {
             mapped: null_mut(),
             handle: null_mut(),
         };
-        let allocate = self.allocator.allocate.expect("it was looked for when the solver was made");
+        let allocate = self.allocator.allocate.expect("the solver's creation has checked it");
         // SAFETY: the program's promise; both structs are alive.
         match unsafe { allocate(self.allocator.user, &request, &mut memory) } {
             vk::Result::SUCCESS => {}
@@ -155,14 +156,14 @@ impl DeviceMemory for HostsMemory {
         let place = block.number().and_then(|number| self.given.get_mut(number as usize));
         let Some(memory) = place.and_then(Option::take) else { return };
         self.bytes -= block.size();
-        let free = self.allocator.free.expect("it was looked for when the solver was made");
+        let free = self.allocator.free.expect("the solver's creation has checked it");
         // SAFETY: the program's promise; the struct is alive.
         unsafe { free(self.allocator.user, &memory) };
     }
 }
 
 impl Memory {
-    /// Bytes that are held for the solver.
+    /// Returns the bytes that the solver holds.
     pub(super) fn bytes(&self) -> u64 {
         match self {
             Self::Own(allocator) => allocator.capacity(),

@@ -1,32 +1,32 @@
-//! The interface for C and C++ (feature `capi`): [`crate::vulkan::embed`] through `extern "C"`
-//! functions, declared in `src/capi/geosweep.h`.
+//! Interface for C and C++ (feature `capi`): [`crate::vulkan::embed`] through `extern "C"` functions, which
+//! `src/capi/geosweep.h` declares.
 //!
-//! The library is built with
+//! This command builds the library:
 //!
 //! ```sh
 //! cargo rustc --release --lib --features capi --crate-type cdylib,staticlib
 //! ```
 //!
-//! and `docs/embedding.md` tells how to use it. The items here are documented for C; from Rust, use
+//! `docs/embedding.md` explains how to use it. The items here are documented for C; from Rust, use
 //! [`crate::vulkan::embed`].
 //!
 //! # Errors
 //!
-//! Calls return a [`GeosweepStatus`]. [`geosweep_last_error`] says in words what was wrong, from
-//! storage of the thread's own: there is nothing to free, no buffer to size, no lock, and no
-//! pointer that goes bad while the thread lives. Null, numbers that are no enumerator, and counts
-//! that make no sense are errors that name the argument. No panic crosses into C.
+//! Calls return a [`GeosweepStatus`]. [`geosweep_last_error`] describes the error in words. Each thread has
+//! its own storage for this text, which is valid while the thread lives: there is nothing to free, no buffer
+//! to size and no lock. Null, numbers without an enumerator, and impossible counts are errors that name the
+//! argument. No panic crosses into C.
 //!
 //! # Safety
 //!
-//! What cannot be checked is the caller's promise, the same for all functions:
+//! The caller promises what cannot be checked. The promises are the same for all functions:
 //!
-//! - A pointer that is not null points to what its type says, and an array is as long as its count.
-//!   Nothing else writes to it during the call.
-//! - Objects are used between the calls that create and destroy them. Calls that take a pointer to
-//!   `const` may run at once on one object; others have it for themselves.
-//! - Vulkan handles that are not null are alive and belong together. What Vulkan demands of a
-//!   program, such as one thread at a time for a command pool, is the program's to see to.
+//! - A pointer that is not null points to a value of its type, and an array has as many entries as its count
+//!   says. Nothing else writes to them during the call.
+//! - Objects are used between the calls that create and destroy them. Calls that take a pointer to `const`
+//!   may use one object at the same time. Other calls need the object to themselves.
+//! - Vulkan handles that are not null are alive and belong together. The program keeps Vulkan's own rules,
+//!   such as one thread at a time for a command pool.
 
 #![allow(clippy::missing_safety_doc)] // said once, above
 
@@ -70,7 +70,7 @@ pub use status::{GeosweepStatus, geosweep_last_error};
 pub use surface::*;
 pub use surface_info::*;
 
-/// What the header says of threads.
+/// Asserts what the header promises about threads.
 const _: () = {
     const fn for_any_thread<T: Send + Sync>() {}
     for_any_thread::<GeosweepSolver>();

@@ -1,4 +1,4 @@
-//! The objects that the program holds, and what is left of those it has destroyed.
+//! Objects that the program holds, and the marks that remain of destroyed ones.
 
 use std::mem::MaybeUninit;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -13,7 +13,7 @@ use super::solver::{GeosweepSolver, Shared};
 use super::status::Failure;
 use super::surface::GeosweepSurface;
 
-/// What a pointer of the program's really points to: the object behind a mark.
+/// Target of a pointer that the program holds: a mark and the object.
 #[repr(C)]
 struct Handed<T> {
     /// [`Object::MARK`], or [`DESTROYED`].
@@ -23,14 +23,14 @@ struct Handed<T> {
 
 const DESTROYED: u32 = 0xDEAD_6753;
 
-/// A kind of objects.
+/// A kind of object.
 pub(super) trait Object {
-    /// Its name in the header.
+    /// Name of the kind in the header.
     const NAME: &'static str;
-    /// No other kind has it, and memory that holds anything else hardly ever.
+    /// Mark of the kind. No other kind has it, and other memory hardly ever contains it.
     const MARK: u32;
 
-    /// Of the solver that it belongs to.
+    /// Returns the shared state of the solver to which the object belongs.
     fn shared(&self) -> &Shared;
 }
 
@@ -58,17 +58,17 @@ objects! {
     GeosweepProfile: 0x6753_0007, |profile| &profile.shared;
 }
 
-/// Gives an object to the program, until [`take`] gets it back.
+/// Gives an object to the program, until [`take`] takes it back.
 pub(super) fn hand_out<T: Object>(to: Output<*mut T>, object: T) {
     let handed = Handed { mark: T::MARK.into(), object: MaybeUninit::new(object) };
     to.write(Box::into_raw(Box::new(handed)).cast());
 }
 
-/// The mark is read, and says whether the object is there.
+/// Checks by the mark that the object exists and is of the kind `T`.
 ///
 /// # Safety
-/// The pointer is null, badly aligned, or from [`hand_out`], if for another kind; and what it points to was not
-/// freed: solvers with checks keep the place of what was destroyed.
+/// The pointer is null, badly aligned, or from [`hand_out`], possibly for another kind. The memory that it
+/// points to was not freed: solvers with checks keep the memory of destroyed objects.
 unsafe fn handed<T: Object>(pointer: *const T, name: &str) -> Result<*const Handed<T>, Failure> {
     let pointer = pointer.cast::<Handed<T>>();
     usable(pointer, name)?;
@@ -80,38 +80,38 @@ unsafe fn handed<T: Object>(pointer: *const T, name: &str) -> Result<*const Hand
     }
 }
 
-/// An object.
+/// Returns an object.
 ///
 /// # Safety
-/// As of [`handed`], and nothing changes it during the call.
+/// As for [`handed`]. Nothing changes the object during the call.
 pub(super) unsafe fn object<'a, T: Object>(
     pointer: *const T,
     name: &str,
 ) -> Result<&'a T, Failure> {
-    // SAFETY: required; the mark says that the object is there.
+    // SAFETY: required. The mark proves that the object exists.
     Ok(unsafe { (*handed(pointer, name)?).object.assume_init_ref() })
 }
 
-/// An object, to be changed.
+/// Returns an object that the call may change.
 ///
 /// # Safety
-/// As of [`object`], and nothing else reads it either.
+/// As for [`object`]. Nothing else reads the object either.
 pub(super) unsafe fn exclusive<'a, T: Object>(
     pointer: *mut T,
     name: &str,
 ) -> Result<&'a mut T, Failure> {
-    // SAFETY: required; the mark says that the object is there.
+    // SAFETY: required. The mark proves that the object exists.
     unsafe {
         let handed = handed(pointer, name)?.cast_mut();
         Ok((*handed).object.assume_init_mut())
     }
 }
 
-/// An object that is to be destroyed; `None` for null. With checks refused while a recording that uses it has not
-/// run.
+/// Returns an object that is about to be destroyed, or `None` for null. A solver with checks refuses this
+/// while a recording that uses the object has not run.
 ///
 /// # Safety
-/// As of [`object`].
+/// As for [`object`].
 pub(super) unsafe fn land<'a, T: Object>(
     pointer: *const T,
     name: &str,
@@ -128,7 +128,7 @@ pub(super) unsafe fn land<'a, T: Object>(
     }
 }
 
-/// Something waits for a recording.
+/// Returns the error for a call that must wait until a recording has run.
 pub(super) fn in_flight(name: &str, what: &str) -> Failure {
     Failure::argument(
         name,
@@ -139,16 +139,16 @@ pub(super) fn in_flight(name: &str, what: &str) -> Failure {
     )
 }
 
-/// An object back from the program; `None` for null. With checks its place is kept, so that whoever uses it once
-/// more is told.
+/// Takes an object back from the program. Returns `None` for null. With checks, its memory is kept, so that a
+/// later use of the pointer is an error and not undefined behaviour.
 ///
 /// # Safety
-/// As of [`exclusive`].
+/// As for [`exclusive`].
 pub(super) unsafe fn take<T: Object>(pointer: *mut T, name: &str) -> Result<Option<T>, Failure> {
     if pointer.is_null() {
         return Ok(None);
     }
-    // SAFETY: required. The object is moved out once, since the mark then says that it is gone.
+    // SAFETY: required. The object is moved out only once, since the mark then says that it was destroyed.
     unsafe {
         let handed = handed(pointer, name)?.cast_mut();
         (*handed).mark.store(DESTROYED, Ordering::Relaxed);

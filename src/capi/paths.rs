@@ -15,45 +15,45 @@ use super::status::{Failure, GeosweepStatus, guard};
 use super::surface::GeosweepSurface;
 use crate::vulkan::embed::{self, PathsInfo, Recording, StartInput};
 
-/// Starts of a recording from the program's memory, at most.
+/// Largest number of starts in a recording from the program's memory.
 const MOST_STARTS: usize = 8192;
 
-/// Room for paths on a surface, and the passes that trace them. Frames in flight on one queue share
-/// it; with readers on another queue make one for each.
+/// Buffer for the paths on a surface, and the passes that trace them. Frames in flight on one queue share it.
+/// If paths are read on other queues, create one for each of these queues.
 pub struct GeosweepPaths {
     pub(super) shared: Arc<Shared>,
     paths: embed::Paths,
 }
 
-/// Where paths start, where they end, and who draws them. Starts are an array of the program's, which
-/// is copied into the command buffer, or, if that is null, in a buffer.
+/// Starts and ends of paths, and the commands that read the paths. The starts are an array in the program's
+/// memory, which is copied into the command buffer, or, if `starts` is null, in a buffer.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepPathFrame {
-    /// How you have written starts and sources.
+    /// Access that has written starts and sources.
     pub before: GeosweepAccess,
-    /// Two floats a start, row and column; or null. One that is off the grid or not a number has no
+    /// Array with two floats per start, row and column; or null. A start that is off the grid or NaN has no
     /// path.
     pub starts: *const f32,
-    /// With usage `VK_BUFFER_USAGE_TRANSFER_SRC_BIT`, or null.
+    /// Buffer of starts with usage `VK_BUFFER_USAGE_TRANSFER_SRC_BIT`, or null.
     pub start_buffer: vk::Buffer,
-    /// Bytes before the first in the buffer; a multiple of 4.
+    /// Offset of the first start in the buffer in bytes; a multiple of 4.
     pub start_offset: u64,
-    /// How many: no more than there is room for, and at most 8192 in an array. Other paths have a
-    /// record that says so, and draw nothing.
+    /// Number of starts. It is at most the number of paths that there is room for, and at most 8192 in an
+    /// array. The records of the remaining paths say that they have no start, and these paths draw nothing.
     pub start_count: u32,
-    /// The number of the surface's points to which paths are lifted.
+    /// Number of the surface's points to which paths are lifted.
     pub points: u32,
-    /// Bytes beyond where the surface has these points, as `GeosweepFrame::points_offset`.
+    /// Offset in bytes from where the surface has these points, as `GeosweepFrame::points_offset`.
     pub points_offset: u64,
-    /// All sources of the map, those added to it too.
+    /// All sources of the map, with those that were added to it.
     pub sources: GeosweepSources,
-    /// How you read the paths, this frame and the frame before, as of `GeosweepContourFrame`.
+    /// Access that reads the paths, in this frame and in the previous one, as in `GeosweepContourFrame`.
     pub reader: GeosweepAccess,
 }
 
-/// Says how many bytes of device memory paths will take, before they are made: 24 a vertex of each,
-/// and 104 a path.
+/// Computes the bytes of device memory that paths will take, before they are created: 24 for each vertex of
+/// each path, and 104 per path.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_paths_bytes_for(
     solver: *const GeosweepSolver,
@@ -70,10 +70,10 @@ pub unsafe extern "C" fn geosweep_paths_bytes_for(
     })
 }
 
-/// Makes room for paths on a surface: so many at once, at most 65535, of so many vertices each. A
-/// straight way has one at each grid line that it crosses, so that rows + cols + 8 are enough where
-/// nothing is in the way. `geosweep_paths_destroy` destroys it. Takes device memory and compiles
-/// passes.
+/// Creates paths on a surface: `paths` of them at once, at most 65535, with room for `vertices` vertices
+/// each. A straight path has one vertex at each grid line that it crosses, so that rows + cols + 8 are enough
+/// on a surface without obstacles. Allocates device memory and compiles passes. `geosweep_paths_destroy`
+/// destroys the paths.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_paths_create(
     surface: *const GeosweepSurface,
@@ -94,7 +94,7 @@ pub unsafe extern "C" fn geosweep_paths_create(
     })
 }
 
-/// Says how many bytes a buffer of yours has for paths, in place of one of their own.
+/// Computes the bytes that your own buffer for paths must have, if you provide one.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_paths_buffer_bytes(
     count: u32,
@@ -109,9 +109,10 @@ pub unsafe extern "C" fn geosweep_paths_buffer_bytes(
     })
 }
 
-/// Makes paths as `geosweep_paths_create` does, which go to a buffer of yours, from its first byte: with usage
-/// `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what
-/// its readers ask for, device addresses too. It stays yours, and a render graph may give its memory to others meanwhile.
+/// Creates paths as `geosweep_paths_create` does, in your own buffer from its first byte. The buffer's usage
+/// contains `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`, `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what its readers
+/// need, device addresses included. You keep the buffer. While no paths are in use, a render graph may use
+/// its memory for other resources.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_paths_create_into(
     surface: *const GeosweepSurface,
@@ -134,8 +135,8 @@ pub unsafe extern "C" fn geosweep_paths_create_into(
     })
 }
 
-/// Has paths from now on go to another buffer of yours, if they were made with one. Recordings in flight go on with the
-/// one before.
+/// Makes paths write to another buffer of yours in later recordings. They must have been created with your
+/// own buffer. Recordings in flight continue to use the buffer before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_paths_set_buffer(
     paths: *mut GeosweepPaths,
@@ -150,7 +151,7 @@ pub unsafe extern "C" fn geosweep_paths_set_buffer(
     })
 }
 
-/// Says how many bytes of device memory paths take.
+/// Returns the bytes of device memory that paths take.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_paths_bytes(
     paths: *const GeosweepPaths,
@@ -164,7 +165,8 @@ pub unsafe extern "C" fn geosweep_paths_bytes(
     })
 }
 
-/// Says where paths are, also before any are recorded: a curve each, drawn as a strip of lines.
+/// Returns where paths are stored, also before any are recorded. Each path is one curve, drawn as a strip of
+/// lines.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_paths_curves(
     paths: *const GeosweepPaths,
@@ -178,10 +180,10 @@ pub unsafe extern "C" fn geosweep_paths_curves(
     })
 }
 
-/// Traces the paths from some places back to the source, lifts them to the surface and leaves them
-/// for you to draw. To be recorded after the map, in the same command buffer or after
-/// `geosweep_record_begin`. If there is none to draw, its record says why. Gives where they are to
-/// `result` unless that is null.
+/// Records the tracing of paths from their starts back to the sources. Lifts them to the surface and stores
+/// them for you to draw. Call this after the map was recorded, in the same command buffer or after
+/// `geosweep_record_begin`. The record of a path that cannot be drawn has the reason. Writes where paths are
+/// stored to `result` unless that is null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_paths(
     surface: *const GeosweepSurface,
@@ -223,8 +225,10 @@ pub unsafe extern "C" fn geosweep_record_paths(
     unsafe { record(surface, commands, append) }
 }
 
+/// Returns the starts of a frame.
+///
 /// # Safety
-/// The array is as long as is said.
+/// The array has `start_count` entries.
 unsafe fn starts<'a>(given: &GeosweepPathFrame) -> Result<StartInput<'a>, Failure> {
     let GeosweepPathFrame { starts, start_buffer, start_offset, start_count, .. } = *given;
     if start_buffer.is_null() {
@@ -240,8 +244,9 @@ unsafe fn starts<'a>(given: &GeosweepPathFrame) -> Result<StartInput<'a>, Failur
     Ok(StartInput::Buffer { buffer: start_buffer, offset: start_offset, count: start_count })
 }
 
-/// Has paths read the surface's points and sources that were replaced since they were made, by
-/// `geosweep_surface_set_points` and `geosweep_surface_set_sources`. Recordings in flight go on with those before.
+/// Makes paths read the surface's points and sources that `geosweep_surface_set_points` and
+/// `geosweep_surface_set_sources` have set since the paths were created. Recordings in flight continue to
+/// read the inputs before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_paths_rebind(
     paths: *mut GeosweepPaths,
@@ -255,8 +260,8 @@ pub unsafe extern "C" fn geosweep_paths_rebind(
     })
 }
 
-/// Destroys paths, before or after their surface. No submitted work may still use them, which a
-/// solver with checks looks at. Null is fine.
+/// Destroys paths, before or after their surface. No submitted work may still use them; a solver with checks
+/// verifies that. Null is allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_paths_destroy(paths: *mut GeosweepPaths) -> GeosweepStatus {
     guard(|| {

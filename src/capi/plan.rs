@@ -1,4 +1,4 @@
-//! The passes of a recording, made once for many frames.
+//! Passes of a recording, created once for many frames.
 
 use std::sync::Arc;
 
@@ -13,31 +13,31 @@ use crate::Stop;
 use crate::surface::Chart;
 use crate::vulkan::{Method, embed};
 
-/// Iterations in a recording, at most: their passes are listed one by one.
+/// Largest number of iterations in a recording. A plan lists their passes one by one.
 const MOST_ITERATIONS: u32 = 256;
 
-/// How a map is computed.
+/// Method by which a map is computed.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepMethod {
-    /// The shape of fronts.
+    /// Shape of the wavefront.
     pub wavefront: WavefrontNumber,
-    /// The order of updates.
+    /// Order of updates.
     pub schedule: ScheduleNumber,
-    /// The map has converged after an iteration in which no distance fell by more than this
-    /// fraction; 1e-4 is below what a picture shows, 1e-6 as low as single precision goes.
+    /// Relative tolerance. The map has converged after an iteration in which no distance fell by more than
+    /// this fraction. 1e-4 is below what a picture shows, and 1e-6 is the limit of single precision.
     pub tolerance: f64,
-    /// Iterations of a map, at most, all its recordings together; at least 1.
+    /// Largest number of iterations of a map, in all its recordings together; at least 1.
     pub most_iterations: u32,
-    /// Iterations in a recording: from 1 to 256. Those after convergence visit nothing; if they
-    /// are too few, `geosweep_record_resume` goes on. Tiles count in rounds, of which a recording holds no
-    /// more than the grid's size says: 8 at 48 x 48 points, 16 at 120 x 120, 32 at 256 x 256, 128 at most.
-    /// `geosweep_plan_iterations` says how many it holds.
+    /// Number of iterations in a recording, from 1 to 256. Iterations after convergence visit nothing. If
+    /// there are too few, `geosweep_record_resume` continues the map. With tiles, iterations are rounds, and
+    /// the grid's size limits their number in a recording: 8 at 48 x 48 points, 16 at 120 x 120, 32 at 256 x
+    /// 256, and never more than 128. `geosweep_plan_iterations` returns the number in the plan.
     pub iterations: u32,
 }
 
-/// The passes of a recording, for any surface of one size. It may be used by many recordings at
-/// once, on any thread.
+/// Passes of a recording, for any surface of one size. Many recordings may use a plan at the same time, on
+/// any thread.
 pub struct GeosweepPlan {
     pub(super) shared: Arc<Shared>,
     pub(super) plan: embed::Plan,
@@ -64,7 +64,7 @@ fn method(given: &GeosweepMethod) -> Result<(Method, u32), Failure> {
     Ok((method, iterations))
 }
 
-/// Makes a plan for surfaces of so many rows and columns; `geosweep_plan_destroy` destroys it.
+/// Creates a plan for surfaces of `rows` rows and `cols` columns. `geosweep_plan_destroy` destroys it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_plan_create(
     solver: *const GeosweepSolver,
@@ -88,8 +88,8 @@ pub unsafe extern "C" fn geosweep_plan_create(
     })
 }
 
-/// Says how many iterations, or rounds of tiles, a recording of the plan holds: as many as were asked for, or
-/// with tiles fewer. Resume as often as it takes.
+/// Returns the number of iterations, or rounds of tiles, in a recording of the plan. It is the number
+/// requested, or with tiles a smaller one. Resume the map until it has converged.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_plan_iterations(
     plan: *const GeosweepPlan,
@@ -104,8 +104,8 @@ pub unsafe extern "C" fn geosweep_plan_iterations(
     })
 }
 
-/// Says in which schedule the maps of a plan are computed: a `GeosweepSchedule`, what `GEOSWEEP_SCHEDULE_BEST` has
-/// come to.
+/// Returns the schedule of a plan, a `GeosweepSchedule`. For `GEOSWEEP_SCHEDULE_BEST`, it is the schedule
+/// that was chosen.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_plan_schedule(
     plan: *const GeosweepPlan,
@@ -119,7 +119,7 @@ pub unsafe extern "C" fn geosweep_plan_schedule(
     })
 }
 
-/// Says which wavefront the maps of a plan have: a `GeosweepWavefront`, and not always the one asked for.
+/// Returns the wavefront of a plan's maps, a `GeosweepWavefront`. It may differ from the one requested.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_plan_wavefront(
     plan: *const GeosweepPlan,
@@ -134,7 +134,7 @@ pub unsafe extern "C" fn geosweep_plan_wavefront(
     })
 }
 
-/// Destroys a plan. Recorded command buffers do not need it. Null is fine.
+/// Destroys a plan. Recorded command buffers do not need it. Null is allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_plan_destroy(plan: *mut GeosweepPlan) -> GeosweepStatus {
     guard(|| {
@@ -144,7 +144,7 @@ pub unsafe extern "C" fn geosweep_plan_destroy(plan: *mut GeosweepPlan) -> Geosw
     })
 }
 
-/// The size of a grid.
+/// Returns the chart of a grid with this size.
 pub(super) fn chart(rows: u32, cols: u32) -> Result<Chart, Failure> {
     for (name, size) in [("rows", rows), ("cols", cols)] {
         if size == 0 {

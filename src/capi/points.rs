@@ -1,4 +1,4 @@
-//! Where the points of a surface come from.
+//! Points of a surface and where they are stored.
 
 use crate::vulkan::embed::DeviceMemory;
 use ash::vk;
@@ -17,7 +17,7 @@ use crate::surface::{
 use crate::vulkan::embed;
 use crate::vulkan::memory::{Buffer, BufferInfo};
 
-/// What the floats of a grid point are.
+/// Meaning of the floats of a grid point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub enum GeosweepPointKind {
@@ -25,69 +25,70 @@ pub enum GeosweepPointKind {
     Positions = 0,
     /// A height. The point at row r and column c is (c dx, r dy, height).
     Heights = 1,
-    /// A metric in index coordinates: rr, rc and cc, such that a step of dr rows and dc columns has
-    /// the squared length rr dr^2 + 2 rc dr dc + cc dc^2. Positive definite, entries up to 1e12.
+    /// A metric in index coordinates: rr, rc and cc. A step of dr rows and dc columns has the squared length
+    /// rr dr^2 + 2 rc dr dc + cc dc^2. The metric is positive definite, and its entries are at most 1e12.
     Metric = 2,
 }
 
-/// A `GeosweepPointKind`, or so the program says.
+/// Number of a `GeosweepPointKind`, not checked yet.
 type PointKindNumber = i32;
 
-/// The points of a surface, one a grid point, row by row: in a buffer or an image of yours on the
-/// device, read whenever a recording measures them, or in the program's memory, copied at once.
+/// Points of a surface, one for each grid point, row by row. They are in your own buffer or image on the
+/// device, which recordings read when they measure, or in the program's memory, which is copied at once.
 /// Exactly one of `buffer`, `view` and `data` is not null.
 ///
-/// A point on the device with a float that is NaN, infinite or beyond 1e12, or with a negative slowness,
-/// is a hole. In the program's memory NaN, an infinite slowness and the mask make holes, and the rest is
-/// an error. Travel is free where the slowness is 0: on the device one below 1e-12 counts as 1e-12.
+/// On the device, a point is a hole if one of its floats is NaN, infinite or beyond 1e12, or if its slowness
+/// is negative. In the program's memory, NaN, an infinite slowness and the mask make holes; other invalid
+/// values are errors. Travel is free where the slowness is 0. On the device, a slowness below 1e-12 counts as
+/// 1e-12.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepPoints {
-    /// What the first floats of a point are.
+    /// Meaning of the first floats of a point.
     pub kind: PointKindNumber,
-    /// Which float of a point, counted from 0, is its slowness (time per length; distances are then
-    /// travel times); 0 for 1 everywhere.
+    /// Index of the float of a point, counted from 0, that is its slowness: time per length, so that
+    /// distances are travel times. 0 stands for a slowness of 1 everywhere.
     pub slowness: u32,
-    /// For heights: the distance between columns.
+    /// Distance between columns, for heights.
     pub dx: f64,
-    /// For heights: the distance between rows.
+    /// Distance between rows, for heights.
     pub dy: f64,
     /// A buffer with usage `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
     pub buffer: vk::Buffer,
-    /// A 2D view of an image with usage `VK_IMAGE_USAGE_SAMPLED_BIT`, whose texels are the points:
-    /// columns to the right, rows down.
+    /// A 2D view of an image with usage `VK_IMAGE_USAGE_SAMPLED_BIT`. Its texels are the points: x is the
+    /// column, and y is the row.
     pub view: vk::ImageView,
-    /// The layout of that image whenever it is read.
+    /// Layout of that image whenever it is read.
     pub layout: vk::ImageLayout,
-    /// An array of the program's, which is not needed after the call.
+    /// Array in the program's memory, which is not needed after the call.
     pub data: *const f32,
-    /// With `data`, if not null: rows x cols bytes, 0 for a hole.
+    /// Mask for `data`, or null: rows x cols bytes, 0 for a hole.
     pub mask: *const u8,
-    /// Bytes before the first point, in `buffer` or `data`; a multiple of 4.
+    /// Offset of the first point in `buffer` or `data` in bytes; a multiple of 4.
     pub offset: u64,
-    /// Bytes from point to point, in `buffer` or `data`; a multiple of 4.
+    /// Bytes from point to point in `buffer` or `data`; a multiple of 4.
     pub stride: u64,
 }
 
-/// Points as asked for, by where they are.
+/// Points as requested, by where they are stored.
 #[derive(Clone, Copy)]
 pub(super) enum Form {
     OnDevice(embed::Points),
     InProgram(Layout, Arrays),
 }
 
-/// How points lie in an array of the program's.
+/// Layout of points in an array of the program.
 #[derive(Clone, Copy)]
 pub(super) struct Layout {
     kind: embed::PointKind,
-    /// In floats from a point's first.
+    /// Index of the slowness among the floats of a point.
     slowness: Option<usize>,
-    /// In floats.
+    /// Offset of the first point, in floats.
     offset: usize,
     stride: usize,
 }
 
-/// The program's arrays, during a call.
+/// Arrays of the program, valid during a call.
 #[derive(Clone, Copy)]
 pub(super) struct Arrays {
     pub(super) data: *const f32,
@@ -149,10 +150,10 @@ impl Form {
 }
 
 impl Layout {
-    /// Reads points and checks them. The prefix is that of the arrays' names in messages.
+    /// Reads and checks points. `prefix` comes before the arrays' names in messages.
     ///
     /// # Safety
-    /// The pointers are those of arrays as large as the layout says, or null.
+    /// The pointers are null or point to arrays of the size that the layout requires.
     pub(super) unsafe fn read(
         &self,
         Arrays { data, mask }: Arrays,
@@ -168,8 +169,8 @@ impl Layout {
         if floats.is_none() {
             return Err(Failure::argument(&field("stride"), "is larger than memory"));
         }
-        // SAFETY: the caller's promise; it is checked for null and alignment, and one float alone is
-        // looked at, since there may be anything between the others.
+        // SAFETY: the caller's promise. This checks for null and alignment, and looks at a single float,
+        // since anything may lie between the others.
         unsafe { list(data, 1, 1, &field("data")) }?;
         // SAFETY: the index lies in the array, by the caller's promise.
         let float = |index: usize, at: usize| unsafe {
@@ -214,19 +215,20 @@ impl Layout {
         Ok(surface)
     }
 
-    /// Floats of a point in our buffer: the slowness, if there is one, comes last.
+    /// Returns the number of floats of a point in this library's buffer. The slowness, if there is one, comes
+    /// last.
     fn floats(&self) -> usize {
         self.kind.floats() as usize + usize::from(self.slowness.is_some())
     }
 
-    /// Our buffer for them.
+    /// Returns the parameters of this library's buffer for the points.
     pub(super) fn buffer(&self, chart: Chart) -> BufferInfo {
         let size = (4 * self.floats() * chart.points()) as u64;
         BufferInfo { name: "points", size, location: MemoryLocation::CpuToGpu }
     }
 }
 
-/// Points copied from the program's memory, in a buffer of ours.
+/// Points that were copied from the program's memory to a buffer of this library.
 pub(super) struct Copied {
     pub(super) layout: Layout,
     buffer: Buffer,
@@ -245,18 +247,19 @@ impl Copied {
         Ok(new)
     }
 
-    /// Writes them anew.
+    /// Writes the points again.
     pub(super) fn write(&mut self, surface: &Surface) {
         let mapped = self.buffer.mapped();
         let (chart, bytes) = (surface.chart(), 4 * self.layout.floats());
         for (index, point) in mapped.chunks_exact_mut(bytes).take(chart.points()).enumerate() {
             let (row, col) = chart.position(index);
             if !surface.has(row, col) {
-                // NaN: what stood in a hole is no place to lift curves to.
+                // NaN: curves must not be lifted to a value that was in a hole.
                 point.fill(0xFF);
                 continue;
             }
-            // Relative to no origin, so that curves are lifted there; they were single precision before.
+            // The origin is zero, since curves are lifted to these positions. They were single precision
+            // before.
             let floats = surface.point::<f32>(index, DVec3::ZERO);
             let floats = match surface.geometry() {
                 Geometry::Heights { .. } => &floats[2..],
@@ -270,7 +273,7 @@ impl Copied {
         self.buffer.bytes()
     }
 
-    /// As a surface's recordings read them.
+    /// Returns the points in the form that a surface's recordings read.
     pub(super) fn points(&self) -> embed::Points {
         let floats = self.layout.floats();
         let (buffer, stride) = (self.buffer.buffer, 4 * floats as u64);

@@ -1,4 +1,4 @@
-//! What each pass of a frame takes.
+//! Times of the passes of a frame.
 
 use std::ffi::c_char;
 use std::sync::Arc;
@@ -20,28 +20,27 @@ use crate::vulkan::profile::{
     Clock, Decided, Grain, PassRecord, Profile, QueryRange, Resolved, Slots,
 };
 
-/// For a number of a `GeosweepPass`: it is not known.
+/// Value of a member of `GeosweepPass` that is not known.
 pub const GEOSWEEP_UNKNOWN: u64 = u64::MAX;
 
-/// What is timed by itself. Timestamps take time: the finer the grain, the longer the frame.
+/// Unit of work that gets its own time. Timestamps take time: the finer the grain, the longer the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub enum GeosweepGrain {
-    /// Scans and rounds of tiles, and the passes around them.
+    /// Scans or rounds of tiles, and the passes around them.
     Scans = 0,
-    /// The blocks of lines of each scan.
+    /// Blocks of lines of each scan.
     Blocks = 1,
     /// Iterations, and the passes around them.
     Iterations = 2,
-    /// All of a map from its sources to how it went, and the passes before and after.
+    /// Portions: all of a map from its sources to its outcome, and the passes before and after.
     Portions = 3,
 }
 
-/// A `GeosweepGrain`, or so the program says.
+/// Number of a `GeosweepGrain`, not checked yet.
 type GrainNumber = i32;
 
-/// Room for the passes of a frame, with queries and a buffer of its own: one for each frame in flight that is
-/// profiled.
+/// Profile of a frame, with its own queries and buffer. Each profiled frame in flight needs one.
 pub struct GeosweepProfile {
     pub(super) shared: Arc<Shared>,
     pub(super) profile: Profile,
@@ -51,35 +50,38 @@ pub struct GeosweepProfile {
     is_recorded: AtomicBool,
 }
 
-/// A pass of a frame, or several that are timed together. What is not known is `GEOSWEEP_UNKNOWN`.
+/// A pass of a frame, or several passes that are timed together. Unknown members are `GEOSWEEP_UNKNOWN`.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepPass {
-    /// What it does, as captures name it: "scan down". It is never freed.
+    /// Name of the pass in captures, such as "scan down". It is never freed.
     pub name: *const c_char,
-    /// The iteration that it belongs to, or the round of tiles, from 0; `UINT32_MAX` outside of iterations.
+    /// Iteration or round of tiles to which the pass belongs, from 0. It is `UINT32_MAX` outside iterations.
     pub iteration: u32,
-    /// Dispatches; none for copies and clears.
+    /// Number of dispatches; 0 for copies and clears.
     pub dispatches: u32,
-    /// On the device, from the end of the pass before to the end of this one: the barrier between them counts to
-    /// this one.
+    /// Time on the device in nanoseconds, from the end of the previous pass to the end of this one. It
+    /// includes the barrier between them.
     pub nanoseconds: u64,
-    /// Bytes that it had to read, each once.
+    /// Bytes that the pass had to read, each counted once.
     pub bytes_read: u64,
-    /// Bytes that it had to write.
+    /// Bytes that the pass had to write.
     pub bytes_written: u64,
-    /// Texels of 2 x 2 points that it has visited.
+    /// Number of texels of 2 x 2 points that the pass visited.
     pub texels: u64,
-    /// Whether it was dispatched and visited nothing, since the map had converged or nothing could change there.
+    /// Whether the pass was dispatched and visited nothing, since the map had converged or nothing could
+    /// change there.
     pub is_idle: bool,
 }
 
 impl GeosweepProfile {
-    /// Just before a frame is recorded.
+    /// Notes that a frame is about to be recorded.
     pub(super) fn note_recording(&self) {
         self.is_recorded.store(true, Ordering::Relaxed);
     }
 
+    /// Reads the times of the last frame.
+    ///
     /// # Errors
     /// If the driver fails, or the last recording has not run.
     fn resolve(&self) -> Result<Resolved, Failure> {
@@ -95,7 +97,7 @@ impl GeosweepProfile {
 
     fn destroy(&mut self) {
         let Self { shared, pool, decisions, .. } = self;
-        // SAFETY: the program has made sure that no submitted work uses it.
+        // SAFETY: the program ensures that no submitted work uses it.
         unsafe { shared.device.destroy_query_pool(*pool, None) };
         decisions.destroy(&shared.device, &mut shared.allocator());
     }
@@ -117,8 +119,8 @@ impl From<&PassRecord> for GeosweepPass {
     }
 }
 
-/// Makes room for the passes of frames of a surface with this plan, which go to a queue of this family;
-/// `geosweep_profile_destroy` destroys it. The family's queues must write timestamps, else the status is
+/// Creates a profile for frames of a surface with this plan on a queue of this family.
+/// `geosweep_profile_destroy` destroys it. If the family's queues cannot write timestamps, the status is
 /// `GEOSWEEP_STATUS_UNSUPPORTED`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_profile_create(
@@ -172,9 +174,9 @@ pub unsafe extern "C" fn geosweep_profile_create(
     })
 }
 
-/// Reads back what the passes of the last frame that was recorded with this profile have taken, after its fence:
-/// `count` says how many there are, of which as many as `capacity` are written to `passes`. If that frame has
-/// not run, the status is `GEOSWEEP_STATUS_NOT_READY`.
+/// Reads the times of the passes of the last frame that was recorded with this profile, after its fence.
+/// Writes the number of passes to `count`, and at most `capacity` passes to `passes`. If that frame has not
+/// run, the status is `GEOSWEEP_STATUS_NOT_READY`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_profile_passes(
     profile: *const GeosweepProfile,
@@ -188,10 +190,10 @@ pub unsafe extern "C" fn geosweep_profile_passes(
             unsafe { (object(profile, "profile")?, Output::new(count, "count")?) };
         let resolved = profile.resolve()?;
         if capacity > 0 {
-            // SAFETY: the caller's promise: the array is that long.
+            // SAFETY: the caller promises that the array has `capacity` entries.
             unsafe { Output::new(passes, "passes") }?;
             for (index, pass) in resolved.passes.iter().take(capacity as usize).enumerate() {
-                // SAFETY: the same.
+                // SAFETY: as above.
                 unsafe { passes.add(index).write(pass.into()) };
             }
         }
@@ -200,7 +202,7 @@ pub unsafe extern "C" fn geosweep_profile_passes(
     })
 }
 
-/// Destroys a profile. No submitted work may still use it. Null is fine.
+/// Destroys a profile. No submitted work may still use it. Null is allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_profile_destroy(profile: *mut GeosweepProfile) -> GeosweepStatus {
     guard(|| {

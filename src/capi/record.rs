@@ -1,4 +1,4 @@
-//! Recording into the host's command buffer.
+//! Records into the host's command buffer.
 
 use std::sync::Arc;
 
@@ -18,14 +18,14 @@ use super::surface::{GeosweepImage, GeosweepOutcome, GeosweepSurface};
 use crate::vulkan::embed::{self, Recording, SourceInput};
 use crate::vulkan::record::MOST_TOGETHER;
 
-/// Bytes of the record that `geosweep_record_outcome_to` copies.
+/// Size in bytes of the record that `geosweep_record_outcome_to` copies.
 pub const GEOSWEEP_OUTCOME_BYTES: u32 = 68;
 const _: () = assert!(GEOSWEEP_OUTCOME_BYTES as usize == embed::Outcome::BYTES);
 
-/// Records for a surface.
+/// Runs `body` with a recording for a surface.
 ///
 /// # Safety
-/// The pointer is null or a surface's, and the command buffer null or being recorded.
+/// `surface` is null or a surface's pointer. `commands` is null or a command buffer that is being recorded.
 pub(super) unsafe fn record(
     surface: *const GeosweepSurface,
     commands: vk::CommandBuffer,
@@ -42,7 +42,7 @@ pub(super) unsafe fn record(
     })
 }
 
-/// Prepares a new surface: to be recorded once, before anything else of that surface.
+/// Prepares a new surface. Record this once, before anything else of that surface.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_prepare(
     surface: *const GeosweepSurface,
@@ -56,8 +56,8 @@ pub unsafe extern "C" fn geosweep_record_prepare(
     unsafe { record(surface, commands, append) }
 }
 
-/// Records all of a usual frame: `begin`, `measure` if there are new points, `solve`, `outcome` and
-/// `result`. Gives the image of distances to `result` unless that is null.
+/// Records all parts of a usual frame: `begin`, `measure` if there are new points, `solve`, `outcome` and
+/// `result`. Writes the image of distances to `result` unless that is null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_frame(
     surface: *const GeosweepSurface,
@@ -81,7 +81,7 @@ pub unsafe extern "C" fn geosweep_record_frame(
                 if !Arc::ptr_eq(&profile.shared, &surface.shared) {
                     return Err(Failure::argument("frame->profile", "is of another solver"));
                 }
-                // Nothing is recorded, no query either, of a frame that is refused.
+                // If the frame is refused, nothing is recorded, not even a query.
                 recording.check_frame(&frame)?;
                 profile.note_recording();
                 recording.profiled(&profile.profile)
@@ -97,10 +97,10 @@ pub unsafe extern "C" fn geosweep_record_frame(
     unsafe { record(surface, commands, append) }
 }
 
-/// A frame of a surface, checked as far as C has to.
+/// Returns a frame of a surface, checked as far as C requires.
 ///
 /// # Safety
-/// The pointers of the frame are null or what they say.
+/// The pointers of the frame are null or valid.
 unsafe fn frame_of<'a>(
     surface: &GeosweepSurface,
     given: &GeosweepFrame,
@@ -122,11 +122,12 @@ unsafe fn frame_of<'a>(
     })
 }
 
-/// Records frames of several surfaces so that they run beside one another: each as `geosweep_record_frame` does, with the
-/// passes of all between the same barriers. `count` surfaces of one size and plan have the barriers of one: recorded one
-/// after another they would run one after another. `surfaces` and `frames` have `count` entries, at most 64, and no
-/// surface is there twice; all are of one solver, and no frame has a profile. Gives the images of distances to
-/// `results`, which has room for as many, unless that is null.
+/// Records frames of several surfaces so that they run at the same time. Each is recorded as
+/// `geosweep_record_frame` does, and the passes of all frames share barriers. `count` surfaces of one size
+/// and plan thus need only the barriers of one; if recorded one after another, they would run one after
+/// another. `surfaces` and `frames` have `count` entries, at most 64. All surfaces belong to one solver, none
+/// is listed twice, and no frame has a profile. Writes the images of distances to `results`, which has room
+/// for `count`, unless that is null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_frames(
     surfaces: *const *const GeosweepSurface,
@@ -176,7 +177,7 @@ pub unsafe extern "C" fn geosweep_record_frames(
         if let Some(results) = results {
             for (number, of) in frames.iter().enumerate() {
                 let image = of.surface.result(of.frame.slot, of.frame.reader.layout)?;
-                // SAFETY: there is room for `count` of them, by the caller's promise.
+                // SAFETY: the caller promises that there is room for `count` of them.
                 unsafe { results.write_at(number, image.into()) };
             }
         }
@@ -184,8 +185,8 @@ pub unsafe extern "C" fn geosweep_record_frames(
     })
 }
 
-/// Records the start of a frame, one call after another: waits for what you have written, and for
-/// recordings of this surface before.
+/// Begins a frame that is recorded by several calls. Waits for what you have written, and for earlier
+/// recordings of this surface.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_begin(
     surface: *const GeosweepSurface,
@@ -200,7 +201,7 @@ pub unsafe extern "C" fn geosweep_record_begin(
     unsafe { record(surface, commands, append) }
 }
 
-/// Measures the surface's edges from its points with this number. The map is lost: `solve` comes
+/// Measures the surface's edges from the points with this number. Invalidates the map, so that `solve` comes
 /// next. `offset` is as `GeosweepFrame::points_offset`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_measure(
@@ -215,7 +216,7 @@ pub unsafe extern "C" fn geosweep_record_measure(
     unsafe { record(surface, commands, append) }
 }
 
-/// Computes a new map, with as many iterations as the plan holds, less those after convergence.
+/// Computes a new map with the plan's number of iterations. Iterations after convergence are skipped.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_solve(
     surface: *const GeosweepSurface,
@@ -231,7 +232,7 @@ pub unsafe extern "C" fn geosweep_record_solve(
     }
 }
 
-/// Adds sources to the map, which has converged with the same wavefront.
+/// Adds sources to the map. It must have converged with the same wavefront.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_add(
     surface: *const GeosweepSurface,
@@ -250,7 +251,7 @@ pub unsafe extern "C" fn geosweep_record_add(
 /// Records a map from new sources.
 ///
 /// # Safety
-/// As of [`record`], and the others are null or what they say.
+/// As for [`record`]. The other pointers are null or valid.
 unsafe fn start(
     surface: *const GeosweepSurface,
     commands: vk::CommandBuffer,
@@ -269,9 +270,9 @@ unsafe fn start(
     unsafe { record(surface, commands, append) }
 }
 
-/// Goes on with a map that may not have converged, by as many iterations again: in the same command
-/// buffer or, for long maps, in later ones, with `begin` before and `outcome` and `result` after it.
-/// With the plan that the map was started with.
+/// Continues a map that may not have converged, by the plan's number of iterations. Record this in the same
+/// command buffer or, for long maps, in later ones, with `begin` before and `outcome` and `result` after it.
+/// The plan must be the one with which the map was started.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_resume(
     surface: *const GeosweepSurface,
@@ -287,7 +288,7 @@ pub unsafe extern "C" fn geosweep_record_resume(
     unsafe { record(surface, commands, append) }
 }
 
-/// Copies how the iterations have gone to the slot's record, for `geosweep_surface_outcome`.
+/// Copies the outcome of the iterations to the slot's record, for `geosweep_surface_outcome`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_outcome(
     surface: *const GeosweepSurface,
@@ -299,10 +300,9 @@ pub unsafe extern "C" fn geosweep_record_outcome(
     unsafe { record(surface, commands, append) }
 }
 
-/// Copies how the iterations have gone, `GEOSWEEP_OUTCOME_BYTES` bytes for
-/// `geosweep_outcome_from_bytes`, to a buffer of yours with usage
-/// `VK_BUFFER_USAGE_TRANSFER_DST_BIT`. Shaders find the number of iterations in the third 32-bit
-/// number. `after` is how you read them; `offset` is a multiple of 4.
+/// Copies the outcome of the iterations to your own buffer with usage `VK_BUFFER_USAGE_TRANSFER_DST_BIT`.
+/// These are `GEOSWEEP_OUTCOME_BYTES` bytes for `geosweep_outcome_from_bytes`. The third 32-bit number is the
+/// number of iterations, for shaders. `after` is how you read the bytes; `offset` is a multiple of 4.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_outcome_to(
     surface: *const GeosweepSurface,
@@ -318,8 +318,8 @@ pub unsafe extern "C" fn geosweep_record_outcome_to(
     unsafe { record(surface, commands, append) }
 }
 
-/// Reads the record that `geosweep_record_outcome_to` has copied: `GEOSWEEP_OUTCOME_BYTES` bytes. It is an error
-/// if they are of another surface, or if the surface's preparation has not run before.
+/// Reads the record of `GEOSWEEP_OUTCOME_BYTES` bytes that `geosweep_record_outcome_to` has copied. It is an
+/// error if the bytes belong to another surface, or if the surface's preparation has not run.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_outcome_from_bytes(
     surface: *const GeosweepSurface,
@@ -339,9 +339,8 @@ pub unsafe extern "C" fn geosweep_outcome_from_bytes(
     })
 }
 
-/// Writes the map to the slot's image of distances, for a reader. Waits for the reader of commands
-/// before; the reader in commands after waits for this. Gives the image to `result` unless that is
-/// null.
+/// Writes the map to the slot's image of distances, for a reader. Waits for the reader of earlier commands;
+/// the reader in later commands waits for this. Writes the image to `result` unless that is null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_result(
     surface: *const GeosweepSurface,
@@ -366,9 +365,9 @@ pub unsafe extern "C" fn geosweep_record_result(
     unsafe { record(surface, commands, append) }
 }
 
-/// Looks distances up, with the surface's lookup of this number: bilinear between grid points,
-/// `unreached` where nothing was reached or there is no grid. Waits for what you have written in
-/// `before`; `after` is how you read the distances.
+/// Looks distances up with the surface's lookup of this number. They are bilinear between grid points, and
+/// `unreached` where no front arrives or off the grid. Waits for what you have written in `before`; `after`
+/// is how you read the distances.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_lookup(
     surface: *const GeosweepSurface,
@@ -387,7 +386,8 @@ pub unsafe extern "C" fn geosweep_record_lookup(
     unsafe { record(surface, commands, append) }
 }
 
-/// Lets you read the packed distances, or overwrite points and sources, in the stages of `after`.
+/// Ends a frame, so that commands in the stages of `after` may read the packed distances, or overwrite points
+/// and sources.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_end(
     surface: *const GeosweepSurface,
@@ -402,8 +402,10 @@ pub unsafe extern "C" fn geosweep_record_end(
     unsafe { record(surface, commands, append) }
 }
 
+/// Returns the output of a call, or `None` if the pointer is null.
+///
 /// # Safety
-/// As of [`Output::new`].
+/// As for [`Output::new`].
 pub(super) unsafe fn output_unless_null<T>(pointer: *mut T) -> Result<Option<Output<T>>, Failure> {
     if pointer.is_null() {
         return Ok(None);

@@ -15,41 +15,41 @@ use super::status::{Failure, GeosweepStatus, guard};
 use super::surface::GeosweepSurface;
 use crate::vulkan::embed::{self, Recording};
 
-/// For a label: no source is the nearest, since the point is a hole or no front arrives there.
+/// Label of a point without a nearest source: the point is a hole, or no front arrives there.
 pub const GEOSWEEP_NO_REGION: u32 = 0xFFFF_FFFF;
 const _: () = assert!(GEOSWEEP_NO_REGION == crate::geometry::NO_REGION);
 
-/// Room for the regions of a surface's maps, and the passes that find them. Frames in flight on one queue share
-/// it; with readers on another queue make one for each.
+/// Buffer for the regions of a surface's maps, and the passes that find them. Frames in flight on one queue
+/// share it. If regions are read on other queues, create one for each of these queues.
 pub struct GeosweepRegions {
     pub(super) shared: Arc<Shared>,
     regions: embed::Regions,
 }
 
-/// Where labels are: a buffer with the usages `STORAGE_BUFFER`, `VERTEX_BUFFER` and `TRANSFER_SRC`, from its first
-/// byte: an unsigned 32-bit number for each grid point, row by row.
+/// Buffer of labels with the usages `STORAGE_BUFFER`, `VERTEX_BUFFER` and `TRANSFER_SRC`. From its first byte
+/// it has an unsigned 32-bit number for each grid point, row by row.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepLabels {
-    /// The buffer, which is longer, and belongs to the regions.
+    /// The buffer, which is longer than the labels and belongs to the regions.
     pub buffer: vk::Buffer,
     /// Bytes of all labels: 4 x rows x cols.
     pub bytes: u64,
 }
 
-/// Of which sources regions are wanted, and who reads them.
+/// Sources whose regions a recording finds, and the commands that read the labels.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepRegionFrame {
-    /// How you have written the sources.
+    /// Access that has written the sources.
     pub before: GeosweepAccess,
-    /// All sources of the map, those added to it too. Their places in this list are the labels.
+    /// All sources of the map, with those that were added to it. A source's index in this list is its label.
     pub sources: GeosweepSources,
-    /// How you read the labels, this frame and the frame before.
+    /// Access that reads the labels, in this frame and in the previous one.
     pub reader: GeosweepAccess,
 }
 
-/// Says how many bytes of device memory regions will take, before they are made: 24 a grid point.
+/// Computes the bytes of device memory that regions will take, before they are created: 24 per grid point.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_regions_bytes_for(
     solver: *const GeosweepSolver,
@@ -66,8 +66,8 @@ pub unsafe extern "C" fn geosweep_regions_bytes_for(
     })
 }
 
-/// Makes room for the regions of a surface's maps with one wavefront; `geosweep_regions_destroy` destroys it.
-/// Takes device memory and compiles passes.
+/// Creates regions of a surface's maps with one wavefront. Allocates device memory and compiles passes.
+/// `geosweep_regions_destroy` destroys the regions.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_regions_create(
     surface: *const GeosweepSurface,
@@ -87,7 +87,7 @@ pub unsafe extern "C" fn geosweep_regions_create(
     })
 }
 
-/// Says how many bytes a buffer of yours has for regions, in place of one of their own.
+/// Computes the bytes that your own buffer for regions must have, if you provide one.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_regions_buffer_bytes(
     rows: u32,
@@ -102,9 +102,10 @@ pub unsafe extern "C" fn geosweep_regions_buffer_bytes(
     })
 }
 
-/// Makes regions as `geosweep_regions_create` does, which go to a buffer of yours, from its first byte: with usage
-/// `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what
-/// its readers ask for, device addresses too. It stays yours, and a render graph may give its memory to others meanwhile.
+/// Creates regions as `geosweep_regions_create` does, in your own buffer from its first byte. The buffer's
+/// usage contains `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`, `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what its
+/// readers need, device addresses included. You keep the buffer. While no regions are in use, a render graph
+/// may use its memory for other resources.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_regions_create_into(
     surface: *const GeosweepSurface,
@@ -126,8 +127,8 @@ pub unsafe extern "C" fn geosweep_regions_create_into(
     })
 }
 
-/// Has regions from now on go to another buffer of yours, if they were made with one. Recordings in flight go on with the
-/// one before.
+/// Makes regions write to another buffer of yours in later recordings. They must have been created with your
+/// own buffer. Recordings in flight continue to use the buffer before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_regions_set_buffer(
     regions: *mut GeosweepRegions,
@@ -143,7 +144,7 @@ pub unsafe extern "C" fn geosweep_regions_set_buffer(
     })
 }
 
-/// Says how many bytes of device memory regions take.
+/// Returns the bytes of device memory that regions take.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_regions_bytes(
     regions: *const GeosweepRegions,
@@ -158,7 +159,7 @@ pub unsafe extern "C" fn geosweep_regions_bytes(
     })
 }
 
-/// Says where labels are, also before any are recorded.
+/// Returns where labels are stored, also before any are recorded.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_regions_labels(
     regions: *const GeosweepRegions,
@@ -173,9 +174,9 @@ pub unsafe extern "C" fn geosweep_regions_labels(
     })
 }
 
-/// Finds which source is the nearest to each grid point and leaves the labels for you to read: a source's place in
-/// the list, or `GEOSWEEP_NO_REGION`. To be recorded after the map, in the same command buffer or after
-/// `geosweep_record_begin`. Gives where they are to `result` unless that is null.
+/// Finds the nearest source of each grid point and stores the labels for you to read. A label is the index of
+/// a source in the list, or `GEOSWEEP_NO_REGION`. Call this after the map was recorded, in the same command
+/// buffer or after `geosweep_record_begin`. Writes where labels are stored to `result` unless that is null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_regions(
     surface: *const GeosweepSurface,
@@ -209,8 +210,8 @@ pub unsafe extern "C" fn geosweep_record_regions(
     unsafe { record(surface, commands, append) }
 }
 
-/// Has regions read the surface's sources that were replaced since they were made, by
-/// `geosweep_surface_set_sources`. Recordings in flight go on with those before.
+/// Makes regions read the surface's sources that `geosweep_surface_set_sources` has set since the regions
+/// were created. Recordings in flight continue to read the sources before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_regions_rebind(
     regions: *mut GeosweepRegions,
@@ -225,8 +226,8 @@ pub unsafe extern "C" fn geosweep_regions_rebind(
     })
 }
 
-/// Destroys regions, before or after their surface. No submitted work may still use them, which a solver
-/// with checks looks at. Null is fine.
+/// Destroys regions, before or after their surface. No submitted work may still use them; a solver with
+/// checks verifies that. Null is allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_regions_destroy(regions: *mut GeosweepRegions) -> GeosweepStatus {
     guard(|| {

@@ -1,4 +1,4 @@
-//! What a device must offer, before it is created.
+//! Requirements that a device must meet, known before it is created.
 
 use std::ffi::c_char;
 use std::sync::LazyLock;
@@ -12,18 +12,18 @@ use super::plan::chart;
 use super::status::{Failure, GeosweepStatus, guard};
 use crate::vulkan::{Schedule, requirements};
 
-/// What instance and device must be created with, for a program to merge with its own wishes.
+/// Requirements for the instance and the device, to be merged with those of the program.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepRequirements {
-    /// For `VkApplicationInfo::apiVersion`, which may be higher.
+    /// Lowest version for `VkApplicationInfo::apiVersion`. The program may use a higher one.
     pub api_version: u32,
-    /// For `VkDeviceCreateInfo::enabledExtensionCount`. None are needed so far.
+    /// Number of extensions for `VkDeviceCreateInfo::enabledExtensionCount`. It is 0 so far.
     pub device_extension_count: u32,
-    /// For `VkDeviceCreateInfo::ppEnabledExtensionNames`: as many names, which are never freed. Null
-    /// if there are none.
+    /// Names for `VkDeviceCreateInfo::ppEnabledExtensionNames`, which are never freed. Null if there are
+    /// none.
     pub device_extensions: *const *const c_char,
-    /// For `VkDeviceCreateInfo::pEnabledFeatures`, or for the features of a
+    /// Features for `VkDeviceCreateInfo::pEnabledFeatures` or for the features of a
     /// `VkPhysicalDeviceFeatures2`. None are needed so far.
     pub features: vk::PhysicalDeviceFeatures,
 }
@@ -31,7 +31,7 @@ pub struct GeosweepRequirements {
 /// Names that are never freed.
 struct Names(Vec<*const c_char>);
 
-// SAFETY: the pointers are those of constants.
+// SAFETY: the pointers point to constants.
 unsafe impl Send for Names {}
 // SAFETY: as above.
 unsafe impl Sync for Names {}
@@ -40,7 +40,7 @@ static EXTENSIONS: LazyLock<Names> = LazyLock::new(|| {
     Names(requirements::DEVICE_EXTENSIONS.iter().map(|name| name.as_ptr()).collect())
 });
 
-/// Says what instance and device must be created with.
+/// Returns the requirements for the instance and the device.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_requirements(
     requirements: *mut GeosweepRequirements,
@@ -59,9 +59,9 @@ pub unsafe extern "C" fn geosweep_requirements(
     })
 }
 
-/// Asks whether a physical device will do, before a device is created on it. If not, the status is
-/// `GEOSWEEP_STATUS_UNSUPPORTED`, and the message names all that is missing. An instance for Vulkan 1.0 will not do
-/// either, of which devices alone tell: one is created and destroyed.
+/// Checks whether a physical device can be used, before a device is created on it. If not, the status is
+/// `GEOSWEEP_STATUS_UNSUPPORTED`, and the message lists all that is missing. An instance that was created for
+/// Vulkan 1.0 cannot be used either. Only a device shows that, so that this call creates one and destroys it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_check_device(
     get_instance_proc_addr: GetInstanceProcAddr,
@@ -80,8 +80,9 @@ pub unsafe extern "C" fn geosweep_check_device(
     })
 }
 
-/// Whether devices of the instance know no function of Vulkan 1.1. Loaders hand out functions of instances that these
-/// were not created for.
+/// Returns whether the instance was created for Vulkan 1.0, so that its devices know no function of Vulkan
+/// 1.1. The instance's own functions do not show it: loaders return them whatever version the instance was
+/// created for.
 fn is_for_vulkan_1_0(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> bool {
     let Some(family) = requirements::compute_queue_family(instance, physical_device) else {
         return false;
@@ -91,17 +92,17 @@ fn is_for_vulkan_1_0(instance: &ash::Instance, physical_device: vk::PhysicalDevi
     let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
     // SAFETY: the physical device is from this instance, and has the family.
     let Ok(device) = (unsafe { instance.create_device(physical_device, &info, None) }) else {
-        // The program will be told so too, by its own call.
+        // The program's own call will fail in the same way.
         return false;
     };
     let is_old = requirements::is_for_vulkan_1_0(instance, &device);
-    // SAFETY: nothing was made from it.
+    // SAFETY: nothing was created from it.
     unsafe { device.destroy_device(None) };
     is_old
 }
 
-/// Finds a queue family for compute, one without graphics if there is one: on large GPUs that is
-/// the asynchronous one. Any family with `VK_QUEUE_COMPUTE_BIT` will do.
+/// Finds a queue family for compute. Prefers one without graphics, which is the asynchronous one on large
+/// GPUs. Any family with `VK_QUEUE_COMPUTE_BIT` can be used.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_compute_queue_family(
     get_instance_proc_addr: GetInstanceProcAddr,
@@ -125,8 +126,8 @@ pub unsafe extern "C" fn geosweep_compute_queue_family(
     })
 }
 
-/// Says which schedule `GEOSWEEP_SCHEDULE_BEST` stands for, for grids of so many rows and columns on a device: what
-/// a solver should be made for, before it is.
+/// Returns the schedule that `GEOSWEEP_SCHEDULE_BEST` stands for on a device, for grids of `rows` rows and
+/// `cols` columns. It tells which schedule to create a solver for.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_best_schedule(
     get_instance_proc_addr: GetInstanceProcAddr,

@@ -1,4 +1,4 @@
-//! The pipelines of a device, and the memory of all surfaces on it.
+//! Pipelines of a device, and the memory of all surfaces on it.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -14,67 +14,67 @@ use super::objects::{hand_out, object, take};
 use super::status::{Failure, GeosweepStatus, guard};
 use crate::vulkan::{VulkanError, embed};
 
-/// The version of this header, which `geosweep_solver_create` compares with the library's: it
-/// grows with each change that makes programs compile or run differently.
+/// Version of this header, which `geosweep_solver_create` compares with the library's. It grows with each
+/// change that makes programs compile or run differently.
 pub const GEOSWEEP_HEADER_VERSION: u32 = 7;
 
-/// For `GeosweepSolverInfo::flags`, while you develop: what costs a little is checked as well. With several slots,
-/// one that is recorded while its last recording has not run is an error, and so is destroying what a recording
-/// uses, whatever was recorded, or writing points that it reads; objects are told from those destroyed before, of
-/// which a few bytes are kept. Recordings get a fill and two barriers more for it.
+/// Flag for `GeosweepSolverInfo::flags` that adds checks during development, at a small cost. With it, these
+/// are errors: to record for a slot, among several, whose last recording has not run; to destroy an object
+/// that such a recording uses; to write points that it reads; and to use an object that was destroyed, of
+/// which a few bytes are kept. Each recording gets one more fill and two more barriers.
 pub const GEOSWEEP_SOLVER_CHECKS: u32 = 1;
 
-/// Passes to make, at most; there are nine kinds.
+/// Largest number of passes to create. There are nine kinds.
 const MOST_PASSES: usize = 64;
-/// Blocks in which memory is taken start at this size, and what is larger gets a block of its own.
+/// Size in bytes of the first blocks of memory. A larger allocation gets its own block.
 const BLOCK_BYTES: u64 = 4 << 20;
 
-/// A schedule with a wavefront.
+/// A schedule together with a wavefront.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepPasses {
-    /// Any but `GEOSWEEP_SCHEDULE_BEST`.
+    /// Any schedule but `GEOSWEEP_SCHEDULE_BEST`.
     pub schedule: ScheduleNumber,
     /// The wavefront.
     pub wavefront: WavefrontNumber,
 }
 
-/// What a solver is made of. All handles stay yours, and must outlive the solver.
+/// Parameters of a solver. You keep all handles, which must outlive the solver.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepSolverInfo {
     /// `GEOSWEEP_HEADER_VERSION`.
     pub header_version: u32,
-    /// The loader's `vkGetInstanceProcAddr`, or your replacement of it. All functions that are
-    /// called are found through it.
+    /// The loader's `vkGetInstanceProcAddr` or your replacement of it. All Vulkan functions are found through
+    /// it.
     pub get_instance_proc_addr: GetInstanceProcAddr,
-    /// Created for Vulkan 1.1 or later.
+    /// An instance created for Vulkan 1.1 or later.
     pub instance: vk::Instance,
-    /// One that `geosweep_check_device` is content with.
+    /// A physical device that `geosweep_check_device` accepts.
     pub physical_device: vk::PhysicalDevice,
-    /// Created on it, with what `geosweep_requirements` says.
+    /// A device created on it, with what `geosweep_requirements` returns.
     pub device: vk::Device,
-    /// The schedules and wavefronts to make pipelines for: those that plans will ask for. Compiling
+    /// Schedules and wavefronts for which pipelines are created: those that plans will request. Compiling
     /// them takes a while.
     pub passes: *const GeosweepPasses,
-    /// How many.
+    /// Number of entries in `passes`.
     pub pass_count: u32,
-    /// A cache to make pipelines with; null for none. It stays yours to fill, to save and to destroy, and
-    /// must be alive whenever the solver makes pipelines: now, with the first surface that has a slowness,
-    /// and when the first contours and paths are made. `geosweep_solver_set_pipeline_cache` takes it back. Pipelines, once made, do not need
-    /// it. One thread at a time uses it in the solver; if you use it meanwhile, the rules of
-    /// `vkCreateComputePipelines` hold.
+    /// Cache for creating pipelines, or null. You fill, save and destroy it. It must be alive whenever the
+    /// solver creates pipelines: now, with the first surface that has a slowness, and with the first
+    /// contours, paths and regions. `geosweep_solver_set_pipeline_cache` takes it away again. Pipelines do
+    /// not need it once they are created. The solver uses it on one thread at a time. If you use it at the
+    /// same time, the rules of `vkCreateComputePipelines` apply.
     pub pipeline_cache: vk::PipelineCache,
     /// `GEOSWEEP_SOLVER_CHECKS`, or 0.
     pub flags: u32,
-    /// An allocator of yours; null for blocks of the solver's own. The struct is not needed after the call.
+    /// Your own allocator, or null for the solver's own blocks. The struct is not needed after the call.
     pub allocator: *const GeosweepAllocator,
 }
 
-/// The pipelines of a device, shared by all its surfaces. Any number of threads may use it at once.
+/// Pipelines of a device, shared by all its surfaces. Any number of threads may use it at the same time.
 pub struct GeosweepSolver(Arc<Shared>);
 
-/// What a solver shares with all that is made by it.
+/// State that a solver shares with all objects that it creates.
 pub(super) struct Shared {
     pub(super) instance: ash::Instance,
     pub(super) physical_device: vk::PhysicalDevice,
@@ -85,7 +85,7 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    /// Whether the program has asked for `GEOSWEEP_SOLVER_CHECKS`.
+    /// Returns whether the program has set `GEOSWEEP_SOLVER_CHECKS`.
     pub(super) fn has_checks(&self) -> bool {
         self.checks
     }
@@ -104,6 +104,8 @@ impl GeosweepSolver {
         &self.0
     }
 
+    /// Creates the shared state of a solver.
+    ///
     /// # Safety
     /// The handles are null or alive and belong together.
     unsafe fn new(info: &GeosweepSolverInfo) -> Result<Self, Failure> {
@@ -183,7 +185,7 @@ impl GeosweepSolver {
     }
 }
 
-/// Makes a solver; `geosweep_solver_destroy` destroys it.
+/// Creates a solver. `geosweep_solver_destroy` destroys it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_solver_create(
     info: *const GeosweepSolverInfo,
@@ -199,8 +201,8 @@ pub unsafe extern "C" fn geosweep_solver_create(
     })
 }
 
-/// Has pipelines be made with this cache from now on, in place of the one before; with none if it is
-/// null. What `GeosweepSolverInfo` says of it holds.
+/// Sets the cache for creating pipelines from now on, or none if it is null. `GeosweepSolverInfo` documents
+/// how it is used.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_solver_set_pipeline_cache(
     solver: *const GeosweepSolver,
@@ -214,8 +216,9 @@ pub unsafe extern "C" fn geosweep_solver_set_pipeline_cache(
     })
 }
 
-/// Says how many bytes of device memory the solver holds for its surfaces, contours and paths, in
-/// blocks: a little more than what `geosweep_surface_bytes` and the like say of each.
+/// Returns the bytes of device memory that the solver holds for its surfaces, contours, paths and regions.
+/// Since it holds them in blocks, they are a little more than `geosweep_surface_bytes` and the similar calls
+/// return for each.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_solver_bytes(
     solver: *const GeosweepSolver,
@@ -229,8 +232,8 @@ pub unsafe extern "C" fn geosweep_solver_bytes(
     })
 }
 
-/// Destroys a solver, after its surfaces, plans, contours and paths: while there are any, it is
-/// refused. Null is fine.
+/// Destroys a solver. Its surfaces, plans, contours, paths, regions and profiles must be destroyed first;
+/// otherwise it is an error. Null is allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_solver_destroy(solver: *mut GeosweepSolver) -> GeosweepStatus {
     guard(|| {
@@ -250,7 +253,7 @@ pub unsafe extern "C" fn geosweep_solver_destroy(solver: *mut GeosweepSolver) ->
             unsafe { take(solver, "solver") }?.and_then(|solver| Arc::into_inner(solver.0));
         if let Some(Shared { device, mut solver, allocator, .. }) = shared {
             solver.destroy(&device);
-            // It frees blocks of its own.
+            // This frees the solver's own blocks.
             drop(allocator);
         }
         Ok(())

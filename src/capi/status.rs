@@ -1,4 +1,4 @@
-//! What calls return, and what they say of it.
+//! Statuses that calls return, and error messages.
 
 use std::cell::UnsafeCell;
 use std::ffi::c_char;
@@ -10,33 +10,32 @@ use gpu_allocator::AllocationError;
 use crate::surface::SurfaceError;
 use crate::vulkan::VulkanError;
 
-/// What a call has come to. `geosweep_last_error` says the rest in words.
+/// Result of a call. `geosweep_last_error` describes an error in words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub enum GeosweepStatus {
-    /// Done.
+    /// The call succeeded.
     Success = 0,
-    /// An argument cannot be used: the message says which one, and why. Nothing was made or
-    /// recorded.
+    /// An argument cannot be used. The message says which one, and why. Nothing was created or recorded.
     InvalidArgument = 1,
-    /// The device lacks something that is needed: the message names all of it.
+    /// The device lacks something that is needed. The message lists all of it.
     Unsupported = 2,
     /// The grid is too large for the device's images or its memory.
     TooLarge = 3,
-    /// Memory has run out, on the device or in the program.
+    /// Out of memory, on the device or in the program.
     OutOfMemory = 4,
-    /// The driver has given the device up.
+    /// The device is lost.
     DeviceLost = 5,
-    /// Another Vulkan call failed: the message names it and what it returned.
+    /// Another Vulkan call failed. The message names it and its result.
     VulkanError = 6,
-    /// A defect of geosweep's, which was kept from crossing into your program. What the call was
-    /// about is in an unknown state: destroy it.
+    /// A defect in geosweep, which was kept from crossing into your program. The object of the call is in an
+    /// unknown state: destroy it.
     InternalError = 7,
-    /// What was asked for is not there yet: ask again after the fence of its submission.
+    /// The result is not available yet. Call again after the fence of its submission.
     NotReady = 8,
 }
 
-/// Why a call fails.
+/// Status and message of a call that failed.
 #[derive(Debug)]
 pub(super) struct Failure {
     status: GeosweepStatus,
@@ -44,7 +43,7 @@ pub(super) struct Failure {
 }
 
 impl Failure {
-    /// An argument, by its name in the header, and what is wrong with it.
+    /// Returns the error of an argument, from its name in the header and the reason.
     pub(super) fn argument(name: &str, reason: impl std::fmt::Display) -> Self {
         let message = format!("{name} {reason}");
         Self { status: GeosweepStatus::InvalidArgument, message }
@@ -54,12 +53,12 @@ impl Failure {
         Self { status: GeosweepStatus::NotReady, message: message.into() }
     }
 
-    /// Of a member, whose struct has this name with a dot behind it.
+    /// Adds the name of the struct that the argument belongs to, with a dot at its end.
     pub(super) fn inside(self, name: &str) -> Self {
         Self { message: format!("{name}{}", self.message), ..self }
     }
 
-    /// Of one of several frames.
+    /// Adds the number of the frame to which the argument belongs.
     pub(super) fn of_frame(self, number: usize) -> Self {
         Self { message: format!("frames[{number}]: {}", self.message), ..self }
     }
@@ -89,14 +88,14 @@ impl From<VulkanError> for Failure {
                 vk::Result::ERROR_DEVICE_LOST => S::DeviceLost,
                 _ => S::VulkanError,
             },
-            // The others are about what was asked for.
+            // All other errors are caused by the arguments.
             _ => S::InvalidArgument,
         };
         Self { status, message: message(&error) }
     }
 }
 
-/// What is wrong, in the words of the header.
+/// Returns the message for an error, with the names of the header.
 fn message(error: &VulkanError) -> String {
     match error {
         VulkanError::NoPasses { schedule, wavefront } => format!(
@@ -135,9 +134,9 @@ impl From<SurfaceError> for Failure {
     }
 }
 
-/// Runs a call: errors and panics become a status, and a message for `geosweep_last_error`.
+/// Runs a call. Errors and panics become a status and a message for `geosweep_last_error`.
 pub(super) fn guard(call: impl FnOnce() -> Result<(), Failure>) -> GeosweepStatus {
-    // What a panic leaves behind is only destroyed, says the status.
+    // State that a panic leaves behind is only destroyed, as the status demands.
     match catch_unwind(AssertUnwindSafe(call)) {
         Ok(Ok(())) => GeosweepStatus::Success,
         Ok(Err(failure)) => {
@@ -151,30 +150,30 @@ pub(super) fn guard(call: impl FnOnce() -> Result<(), Failure>) -> GeosweepStatu
                 "a defect of geosweep's, please report it: {}",
                 text.unwrap_or("unknown")
             ));
-            // Dropping what was thrown might panic in turn.
+            // Dropping the panic's payload might panic too.
             std::mem::forget(panic);
             GeosweepStatus::InternalError
         }
     }
 }
 
-/// Bytes of a message with its end.
+/// Size in bytes of a message with its terminating zero.
 const MESSAGE_BYTES: usize = 2048;
 
 thread_local! {
-    // An array that needs no drop is there until the thread ends, and needs no allocation to be
-    // written when memory has run out.
+    // A thread-local array without a destructor exists until the thread ends. Writing it needs no allocation,
+    // so that it works when memory has run out.
     static MESSAGE: UnsafeCell<[u8; MESSAGE_BYTES]> = const { UnsafeCell::new([0; MESSAGE_BYTES]) };
 }
 
-/// Keeps a message, or as much of it as there is room for.
+/// Stores a message, cut off where the room ends.
 fn note(message: &str) {
     let mut length = message.len().min(MESSAGE_BYTES - 1);
     while !message.is_char_boundary(length) {
         length -= 1;
     }
     MESSAGE.with(|kept| {
-        // SAFETY: only this thread sees the array, and no reference into it is held elsewhere.
+        // SAFETY: only this thread accesses the array, and no other reference into it exists.
         let kept = unsafe { &mut *kept.get() };
         for (to, &from) in kept.iter_mut().zip(&message.as_bytes()[..length]) {
             *to = if from == 0 { b'?' } else { from };
@@ -183,9 +182,9 @@ fn note(message: &str) {
     });
 }
 
-/// Why the last call on this thread that failed did so: a sentence in UTF-8 of at most 2047 bytes,
-/// or an empty one if none has. The pointer stays good as long as the thread, and the text until
-/// the thread's next call that fails.
+/// Returns why the last failed call on this thread failed: a sentence in UTF-8 of at most 2047 bytes. It is
+/// empty if no call has failed. The pointer is valid as long as the thread lives, and the text until the
+/// thread's next call that fails.
 #[unsafe(no_mangle)]
 pub extern "C" fn geosweep_last_error() -> *const c_char {
     MESSAGE.with(UnsafeCell::get).cast()
@@ -216,12 +215,12 @@ mod tests {
         let fail = |message: String| guard(|| Err(Failure::unsupported(message)));
         assert_eq!(fail("x".into()), GeosweepStatus::Unsupported);
         std::thread::spawn(|| assert_eq!(last(), "")).join().unwrap();
-        // A success leaves it.
+        // A success keeps the message.
         assert_eq!(guard(|| Ok(())), GeosweepStatus::Success);
         assert_eq!(last(), "x");
         fail("nul\0".into());
         assert_eq!(last(), "nul?");
-        // Two bytes a character: 2047 is inside of one.
+        // With two bytes per character, byte 2047 lies inside a character.
         fail("ä".repeat(2000));
         assert_eq!(last(), "ä".repeat(1023));
     }

@@ -1,4 +1,4 @@
-//! A surface, and what can be asked of it.
+//! A surface and its queries.
 
 use std::sync::Arc;
 
@@ -15,76 +15,79 @@ use super::surface_info::{
 use crate::surface::EdgeRule;
 use crate::vulkan::embed;
 
-/// A grid on the device: edge lengths and fronts, which all recordings share, and an image of
-/// distances for each slot.
+/// A grid on the device: edge lengths and fronts, which all recordings share, and an image of distances for
+/// each slot.
 pub struct GeosweepSurface {
     pub(super) shared: Arc<Shared>,
     pub(super) surface: embed::Surface,
     edge_rule: EdgeRule,
-    /// For each number of points those that were copied from the program's memory.
+    /// Points that were copied from the program's memory, indexed by the number of the points.
     copied: Vec<Option<Copied>>,
 }
 
-/// An image, with usage `SAMPLED`, `STORAGE` and `TRANSFER_SRC`, that belongs to its surface.
+/// An image with usage `SAMPLED`, `STORAGE` and `TRANSFER_SRC`, which belongs to its surface.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepImage {
     /// The image.
     pub image: vk::Image,
-    /// A view of all of it.
+    /// A view of the whole image.
     pub view: vk::ImageView,
-    /// `VK_FORMAT_R32_SFLOAT` for distances, a texel a grid point: column to the right, row down.
-    /// Not all devices filter it.
+    /// `VK_FORMAT_R32_SFLOAT` for distances, with one texel for each grid point: x is the column, and y is
+    /// the row. Not all devices can filter it.
     pub format: vk::Format,
     /// Width and height in texels.
     pub extent: vk::Extent2D,
-    /// The layout that it has after the recording.
+    /// Layout of the image after the recording.
     pub layout: vk::ImageLayout,
 }
 
-/// Distances as the passes keep them: 2 x 2 grid points a texel, in a border. Not for filtering.
-/// The point at row r and column c is component 2 (r mod 2) + c mod 2 of texel
-/// (c / 2 + border, r / 2 + border), in layer `layer`. What is not reached is 1e30 or more.
+/// Distances in the form in which the passes store them: 2 x 2 grid points per texel, with a border. They
+/// cannot be filtered. The point at row r and column c is component 2 (r mod 2) + c mod 2 of texel (c / 2 +
+/// border, r / 2 + border) in layer `layer`. A point that no front has reached has 1e30 or more.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepPackedTimes {
-    /// `VK_FORMAT_R32G32B32A32_SFLOAT`, always in the layout `VK_IMAGE_LAYOUT_GENERAL`; the view is
-    /// an array.
+    /// Image with `VK_FORMAT_R32G32B32A32_SFLOAT`, always in the layout `VK_IMAGE_LAYOUT_GENERAL`. Its view
+    /// is an array.
     pub image: GeosweepImage,
-    /// Of the view.
+    /// Layer of the view.
     pub layer: u32,
-    /// Texels around the grid's.
+    /// Width of the border around the grid in texels.
     pub border: u32,
 }
 
-/// How the iterations of a recording went.
+/// Outcome of a recording's iterations.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepOutcome {
-    /// Largest relative change of a distance in the last of them.
+    /// Largest relative change of a distance in the last iteration.
     pub residual: f64,
-    /// Iterations since the start of the map, or rounds of tiles.
+    /// Number of iterations, or of rounds of tiles, since the start of the map.
     pub iterations: u32,
-    /// How many grid points are holes: those with something that is not finite or too large, beyond an image
-    /// that is too small, or a slowness that is negative. Compare it with those you have made.
+    /// Number of grid points that are holes. A point is a hole if one of its values is not finite or too
+    /// large, if it lies outside an image that is too small, or if its slowness is negative. Compare this
+    /// with the holes that you made.
     pub holes: u32,
-    /// Number of edges without a length between usable points: points at one place, or so far apart that single
-    /// precision has no such length. A pole or a seam has its own, of which you know; more of them are vertices that were zeroed, or
-    /// not written yet.
+    /// Number of edges without a length between points that are not holes. Their points are at the same
+    /// place, or so far apart that the length overflows single precision. A pole or a seam has such edges, as
+    /// you know. More of them mean that vertices were zeroed or not written yet.
     pub edges_without_length: u32,
-    /// How many of the map's sources reach no point: off the grid, in holes, or with a time that is no number
-    /// below 1e30. Unused entries of a buffer count.
+    /// Number of the map's sources that reach no point: those off the grid, in holes, or with a time that is
+    /// NaN or not below 1e30. Unused entries of a buffer count.
     pub passed_over: u32,
-    /// The share of edges at whose ends the surface's normals differ by more than 30 degrees, of some thousand edges
-    /// looked at; 0 of a metric. Where it is above a tenth, the grid does not resolve the surface, and the map
-    /// is that of some polyhedron.
+    /// Fraction of edges at whose ends the surface's normals differ by more than 30 degrees, among about a
+    /// thousand edges. It is 0 for a metric. Above a tenth, the grid does not resolve the surface, and the
+    /// map is that of some polyhedron.
     pub sharp_edges: f32,
-    /// Whether the surface turns at random from point to point, as noise does: planar fronts err least there, and
-    /// curved ones may be early by some hundredths.
+    /// Whether the surface turns at random from point to point, as noise does. On such surfaces planar fronts
+    /// have the smallest errors, and curved ones may arrive early by some hundredths.
     pub is_rough: bool,
-    /// Whether the map has converged, over edges that were measured. If not, `geosweep_record_resume` goes on.
+    /// Whether the map has converged, over edges that were measured. If not, `geosweep_record_resume`
+    /// continues it.
     pub converged: bool,
-    /// Whether edges have been measured on the device: not if the recording that measures them never ran.
+    /// Whether edges have been measured on the device. They have not if the recording that measures them has
+    /// never run.
     pub measured: bool,
 }
 
@@ -124,10 +127,12 @@ impl From<embed::ResultImage> for GeosweepImage {
 }
 
 impl GeosweepSurface {
+    /// Creates a surface.
+    ///
     /// # Safety
-    /// The arrays of points are as long as is said.
+    /// The arrays of points have the sizes that their layouts require.
     unsafe fn new(wanted: &Wanted, shared: &Arc<Shared>) -> Result<Self, Failure> {
-        // A grid that the device does not take is refused before its points are read.
+        // If the grid is too large for the device, this fails before its points are read.
         wanted.bytes(shared)?;
         let read = wanted.points.iter().enumerate().map(|(index, form)| match form {
             Form::OnDevice(_) => Ok(None),
@@ -177,9 +182,9 @@ impl GeosweepSurface {
     }
 }
 
-/// Says how many bytes of device memory a surface will take, before it is made: 36 a grid point and
-/// 4 for each slot, a buffer of 16 a point up to 4 MiB, of 6 a point up to 16 MiB on larger grids, and
-/// 16 a point (8 for heights) for points in the program's memory.
+/// Computes the bytes of device memory that a surface will take, before it is created: 36 per grid point and
+/// 4 more for each slot; a buffer of 16 per point up to 4 MiB, or on larger grids of 6 per point up to 16
+/// MiB; and 16 per point (8 for heights) for points in the program's memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_bytes_for(
     solver: *const GeosweepSolver,
@@ -197,7 +202,7 @@ pub unsafe extern "C" fn geosweep_surface_bytes_for(
     })
 }
 
-/// Makes a surface; `geosweep_surface_destroy` destroys it. Takes device memory.
+/// Creates a surface. Allocates device memory. `geosweep_surface_destroy` destroys the surface.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_create(
     solver: *const GeosweepSolver,
@@ -216,7 +221,7 @@ pub unsafe extern "C" fn geosweep_surface_create(
     })
 }
 
-/// Says how many bytes of device memory a surface takes.
+/// Returns the bytes of device memory that a surface takes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_bytes(
     surface: *const GeosweepSurface,
@@ -232,9 +237,9 @@ pub unsafe extern "C" fn geosweep_surface_bytes(
     })
 }
 
-/// Replaces points that were given in the program's memory, by others with the same offset and
-/// stride. No submitted work may still read them, which a solver with checks looks at: keep as many as there are
-/// frames in flight. Recordings that measure them find the new ones.
+/// Replaces points that were copied from the program's memory by others with the same offset and stride. No
+/// submitted work may still read them; a solver with checks verifies that. So create the surface with one
+/// entry of points for each frame in flight. Later recordings that measure them read the new ones.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_write_points(
     surface: *mut GeosweepSurface,
@@ -268,12 +273,12 @@ pub unsafe extern "C" fn geosweep_surface_write_points(
     })
 }
 
-/// Replaces points in a buffer or an image of yours by others: recordings from now on read these. With a slowness only
-/// if some points of the surface have had one from the start. Frames in flight go on with the points that they were
-/// recorded for, which stay alive until these have run. It is an error if more is in flight than the surface has slots.
-/// Edges are those of the old points until they are measured, and contours and paths are lifted to the new ones
-/// after `geosweep_contours_rebind` and `geosweep_paths_rebind`. Command buffers that are submitted again and again are
-/// recorded anew.
+/// Replaces points in your own buffer or image by others, which later recordings read. They may have a
+/// slowness only if some points of the surface had one when it was created. Frames in flight continue to read
+/// the points for which they were recorded, so keep these alive until the frames have run. It is an error if
+/// more frames are in flight than the surface has slots. Edges keep the lengths of the old points until they
+/// are measured. Contours and paths are lifted to the new points after `geosweep_contours_rebind` and
+/// `geosweep_paths_rebind`. Record command buffers anew that are submitted repeatedly.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_set_points(
     surface: *mut GeosweepSurface,
@@ -302,8 +307,8 @@ pub unsafe extern "C" fn geosweep_surface_set_points(
     })
 }
 
-/// Replaces a buffer that sources may come from, as `geosweep_surface_set_points` does points; paths and regions need
-/// `geosweep_paths_rebind` and `geosweep_regions_rebind`.
+/// Replaces a buffer of sources, as `geosweep_surface_set_points` does for points. Paths and regions then
+/// need `geosweep_paths_rebind` and `geosweep_regions_rebind`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_set_sources(
     surface: *mut GeosweepSurface,
@@ -321,8 +326,8 @@ pub unsafe extern "C" fn geosweep_surface_set_sources(
     })
 }
 
-/// Replaces your image for the distances of a slot, of a surface that was made with images of yours: recordings from now on
-/// write this one, and frames in flight go on with the one that they were recorded for.
+/// Replaces your own image for the distances of a slot. The surface must have been created with your images.
+/// Later recordings write the new image, and frames in flight continue to write the old one.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_set_result(
     surface: *mut GeosweepSurface,
@@ -338,8 +343,7 @@ pub unsafe extern "C" fn geosweep_surface_set_result(
     })
 }
 
-/// Gives the image of distances of a slot. `layout` is that of the reader for which it was recorded
-/// last.
+/// Returns the image of distances of a slot. `layout` is that of the reader for which it was recorded last.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_result(
     surface: *const GeosweepSurface,
@@ -356,8 +360,8 @@ pub unsafe extern "C" fn geosweep_surface_result(
     })
 }
 
-/// Gives the packed distances that all slots share: those of the last recording until the next. Read
-/// them after `geosweep_record_end`.
+/// Returns the packed distances that all slots share. They are those of the last recording until the next
+/// one. Read them after `geosweep_record_end`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_packed(
     surface: *const GeosweepSurface,
@@ -373,8 +377,8 @@ pub unsafe extern "C" fn geosweep_surface_packed(
     })
 }
 
-/// Says how the iterations of the last recording for a slot went, after the fence of its submission. If that
-/// recording has not run, the status is `GEOSWEEP_STATUS_NOT_READY`.
+/// Returns the outcome of the last recording for a slot, after the fence of its submission. If that recording
+/// has not run, the status is `GEOSWEEP_STATUS_NOT_READY`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_outcome(
     surface: *const GeosweepSurface,
@@ -390,7 +394,7 @@ pub unsafe extern "C" fn geosweep_surface_outcome(
     })
 }
 
-/// Says that the last recording for a slot was thrown away and will never run, to a solver with checks.
+/// Tells a solver with checks that the last recording for a slot was discarded and will never run.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_discard(
     surface: *const GeosweepSurface,
@@ -403,8 +407,8 @@ pub unsafe extern "C" fn geosweep_surface_discard(
     })
 }
 
-/// Says that what was recorded last for the surface into a command buffer was thrown away and will never run, whatever
-/// it was, to a solver with checks.
+/// Tells a solver with checks that the last recording for the surface into a command buffer was discarded and
+/// will never run, whatever it was.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_discard_commands(
     surface: *const GeosweepSurface,
@@ -417,8 +421,8 @@ pub unsafe extern "C" fn geosweep_surface_discard_commands(
     })
 }
 
-/// Destroys a surface with its images. No submitted work may still use it, which a solver with checks looks
-/// at. Null is fine.
+/// Destroys a surface with its images. No submitted work may still use it; a solver with checks verifies
+/// that. Null is allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_destroy(surface: *mut GeosweepSurface) -> GeosweepStatus {
     guard(|| {

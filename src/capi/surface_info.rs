@@ -1,4 +1,4 @@
-//! What a surface is made for.
+//! Parameters of a surface.
 
 use ash::vk;
 
@@ -11,91 +11,90 @@ use super::status::Failure;
 use crate::surface::{Chart, EdgeRule};
 use crate::vulkan::embed;
 
-/// Entries of an array that describes a surface, at most.
+/// Largest number of entries in an array that describes a surface.
 const MOST: usize = 1024;
-/// Slots, at most.
+/// Largest number of slots.
 const MOST_SLOTS: u32 = 64;
 
-/// A buffer of sources, each a `GeosweepSource`, that your shaders write. An entry that is not on
-/// the grid, in a hole, or has a time that is NaN or not below 1e30 is passed over: write NaN where
-/// there is none.
+/// A buffer of sources, each a `GeosweepSource`, that your shaders write. An entry is skipped if it is off
+/// the grid or in a hole, or if its time is NaN or not below 1e30. Write NaN for an unused entry.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepSourceBuffer {
-    /// With usage `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
+    /// Buffer with usage `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
     pub buffer: vk::Buffer,
-    /// Bytes before the first; a multiple of 4.
+    /// Offset of the first source in bytes; a multiple of 4.
     pub offset: u64,
-    /// How many.
+    /// Number of sources.
     pub count: u32,
 }
 
-/// Buffers for looking distances up: places in, distances out. Both with usage
+/// Buffers for looking distances up: places are read, and distances are written. Both have usage
 /// `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepLookup {
-    /// Two floats a place, row and column, fractional between grid points.
+    /// Buffer with two floats per place: row and column, with fractions between grid points.
     pub places: vk::Buffer,
-    /// Bytes before the first; a multiple of 4.
+    /// Offset of the first place in bytes; a multiple of 4.
     pub places_offset: u64,
-    /// One float a place.
+    /// Buffer with one float per place.
     pub distances: vk::Buffer,
-    /// Bytes before the first; a multiple of 4.
+    /// Offset of the first distance in bytes; a multiple of 4.
     pub distances_offset: u64,
-    /// How many.
+    /// Number of places.
     pub count: u32,
 }
 
-/// An image of yours for the distances of a slot, in place of one that the surface makes, so that a render graph may give
-/// its memory to others meanwhile. `VK_FORMAT_R32_SFLOAT`, 2D, of cols x rows texels or more, with usage
-/// `VK_IMAGE_USAGE_STORAGE_BIT` and that of its readers. What is there is thrown away, whatever its layout is; who has
-/// used the memory before is waited for by `GeosweepFrame::before`, or by a barrier of yours.
+/// Your own image for the distances of a slot, in place of one that the surface allocates. A render graph may
+/// use its memory for other resources between frames. The image is 2D with `VK_FORMAT_R32_SFLOAT` and at
+/// least cols x rows texels; its usage contains `VK_IMAGE_USAGE_STORAGE_BIT` and what its readers need. Its
+/// old content is discarded, whatever its layout. `GeosweepFrame::before`, or a barrier of yours, must wait
+/// for earlier uses of the memory.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepHostImage {
     /// The image.
     pub image: vk::Image,
-    /// A view of it.
+    /// A view of the image.
     pub view: vk::ImageView,
 }
 
-/// What a surface is made for. Images and buffers stay yours: they must be alive whenever
-/// a recording that reads them runs. The arrays are not needed after the call, and may be null
-/// where their count is 0.
+/// Parameters of a surface. You keep images and buffers, which must be alive whenever a recording that uses
+/// them runs. The arrays are not needed after the call, and may be null where their count is 0.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepSurfaceInfo {
-    /// Rows of grid points.
+    /// Number of rows of grid points.
     pub rows: u32,
-    /// Columns of grid points.
+    /// Number of columns of grid points.
     pub cols: u32,
-    /// How edges are measured.
+    /// Rule by which edges are measured.
     pub edge_rule: EdgeRuleNumber,
-    /// How many images of distances there are, to be written in turn: as many as frames in flight,
-    /// from 1 to 64.
+    /// Number of images of distances, which recordings write in turn: the number of frames in flight, from 1
+    /// to 64.
     pub slots: u32,
-    /// The queue families that use the images of distances and the packed distances: ours and the
-    /// readers'. If they differ, no ownership needs to be transferred. None: one family at a time
-    /// uses them.
+    /// Queue families that use the images of distances and the packed distances: the recording one and those
+    /// of the readers. If this lists different families, no ownership transfers are needed. If it is empty,
+    /// one family at a time uses them.
     pub queue_families: *const u32,
-    /// How many.
+    /// Number of queue families.
     pub queue_family_count: u32,
-    /// Images of yours for the distances, one a slot; null for images that the surface makes.
+    /// Your own images for the distances, one per slot; null for images that the surface allocates.
     pub results: *const GeosweepHostImage,
-    /// How many: 0 or as many as slots.
+    /// Number of images: 0 or the number of slots.
     pub result_count: u32,
-    /// Where points may come from, by number: one for each frame in flight, say.
+    /// Points that recordings select by number, for instance one entry for each frame in flight.
     pub points: *const GeosweepPoints,
-    /// How many.
+    /// Number of entries in `points`.
     pub point_count: u32,
-    /// Buffers that sources may come from, by number.
+    /// Source buffers that recordings select by number.
     pub sources: *const GeosweepSourceBuffer,
-    /// How many.
+    /// Number of entries in `sources`.
     pub source_count: u32,
-    /// Buffers for lookups, by number.
+    /// Buffers for lookups, which recordings select by number.
     pub lookups: *const GeosweepLookup,
-    /// How many.
+    /// Number of entries in `lookups`.
     pub lookup_count: u32,
 }
 
@@ -106,7 +105,7 @@ impl From<GeosweepHostImage> for embed::HostImage {
     }
 }
 
-/// What is asked for, checked.
+/// Parameters of a surface, checked.
 pub(super) struct Wanted<'a> {
     pub(super) chart: Chart,
     pub(super) edge_rule: EdgeRule,
@@ -119,8 +118,10 @@ pub(super) struct Wanted<'a> {
 }
 
 impl<'a> Wanted<'a> {
+    /// Checks the parameters of a surface.
+    ///
     /// # Safety
-    /// The arrays are as long as is said.
+    /// The arrays have as many entries as their counts say.
     pub(super) unsafe fn new(info: &'a GeosweepSurfaceInfo) -> Result<Self, Failure> {
         let GeosweepSurfaceInfo { rows, cols, slots, .. } = *info;
         if !(1..=MOST_SLOTS).contains(&slots) {
@@ -184,7 +185,7 @@ impl<'a> Wanted<'a> {
     }
 }
 
-/// The name of points in messages.
+/// Returns the name of points in messages.
 pub(super) fn name(index: usize) -> String {
     format!("info->points[{index}]")
 }

@@ -83,8 +83,8 @@ fn curve(arrivals: &Arrivals, way: &[u64]) -> Curve {
     Curve { vertices, closed }
 }
 
-/// Whether the points to the left are nearer overall than the points to the right, as seen on the grid with
-/// rows downwards.
+/// Returns whether the points to the left are nearer overall than the points to the right, as seen on the
+/// grid with rows downwards.
 fn is_left_nearer(arrivals: &Arrivals, points: &[(usize, usize)]) -> bool {
     let Chart { rows, cols } = arrivals.chart;
     let mut balance = 0.0;

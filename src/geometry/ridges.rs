@@ -217,7 +217,7 @@ struct Ray {
 
 /// The distance from a grid point, as a fraction of the edge, up to which a kink lies at the point.
 const AT_POINT: f64 = 1e-4;
-/// How much directions may diverge and still count as meeting, as a fraction of the largest possible
+/// Largest divergence of directions that still count as meeting, as a fraction of the largest possible
 /// divergence over the edge. There the ridge runs along the edge, and rounding decides on which side of it.
 const ALONG: f64 = 0.1;
 

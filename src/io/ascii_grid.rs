@@ -63,7 +63,7 @@ pub(super) fn decode(bytes: &[u8], projection: Option<&str>) -> Result<AsciiGrid
     for token in tokens.by_ref().take(points) {
         let value = c_number(token).ok_or_else(|| {
             let (row, col) = (values.len() / cols, values.len() % cols);
-            format!("row {row}, column {col}: `{}` is no number", shortened(token))
+            format!("row {row}, column {col}: `{}` is not a number", shortened(token))
         })?;
         let is_no_data = value == no_data || value as f32 == no_data as f32;
         values.push(if is_no_data { f64::NAN } else { value });
@@ -88,7 +88,7 @@ impl Header<'_> {
     fn number(&self, key: &str) -> Result<Option<f64>, String> {
         let Some(text) = self.0.get(key) else { return Ok(None) };
         let number = c_number(text);
-        number.map(Some).ok_or_else(|| format!("its {key} `{}` is no number", shortened(text)))
+        number.map(Some).ok_or_else(|| format!("its {key} `{}` is not a number", shortened(text)))
     }
 
     fn cell(&self) -> Result<Spacing, String> {

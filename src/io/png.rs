@@ -26,7 +26,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<GreyPicture, String> {
     let points = checked_points(rows, cols)?;
     if color != ColorType::Grayscale {
         return Err(format!(
-            "is a picture of type {color:?}; only grey PNG without alpha is read, since colours are no numbers"
+            "is a picture of type {color:?}; only grey PNG without alpha is read, since colours are not numbers"
         ));
     }
     decoder.set_transformations(Transformations::EXPAND);

@@ -117,12 +117,12 @@ mod tests {
 
     const CHART: Chart = Chart { rows: 7, cols: 6 };
 
-    /// In a row, and in blocks.
+    /// Returns batches in a row, and in blocks.
     fn tilings() -> [Batches; 2] {
         [1, 4].map(|rows| Batches { chart: CHART, rows })
     }
 
-    /// All batches, and what each place is computed from, in order.
+    /// Splits the sources. Returns all batches, and what each place is computed from, in order.
     fn split(batches: Batches, sources: &[usize]) -> (Vec<Batch>, Vec<usize>) {
         let (mut all, mut computed, mut end) = (Vec::new(), vec![usize::MAX; sources.len()], 0);
         for (group, batches) in batches.split(sources) {
@@ -165,7 +165,7 @@ mod tests {
         }
     }
 
-    /// So that work which goes on from any group's end gives the same bytes.
+    /// Work that continues after any group must give the same bytes.
     #[test]
     fn what_is_left_is_split_as_before() {
         let list: Vec<usize> = (0..40).map(|k| k * 11 % 42).chain(3..30).chain([3, 3, 5]).collect();

@@ -2,7 +2,7 @@
 
 use super::chart::{Direction, ring};
 
-/// For each neighbour of a grid point, whether it is present, in the order of [`Direction::ALL`].
+/// Presence of each neighbour of a grid point, in the order of [`Direction::ALL`].
 type There = [bool; Direction::ALL.len()];
 
 /// Returns whether a path can leave a grid point between the direction `eighth` and the next one. It can if

@@ -172,8 +172,8 @@ impl<R: Real> SideParts<R> {
     }
 }
 
-/// Largest share of the points of a surface that have obtuse triangles, as one of so many, for which storing
-/// the parts pays within a single map. Where all points have some, it takes half as long again as the map.
+/// Reciprocal of the largest fraction of a surface's points that have obtuse triangles for which storing the
+/// parts pays within a single map. If all points have some, storing takes half as long again as the map.
 const FEW: usize = 4;
 
 impl<R: Real> EdgeLengths<R> {
@@ -235,7 +235,7 @@ mod tests {
         ]
     }
 
-    /// Corners, lengths and slowness of a part.
+    /// Corners, lengths and slowness of a part of a triangle.
     type Told = ([usize; 2], [f64; 3], [f64; 3]);
 
     /// Returns the parts of a point's triangles on a side, as they are found one by one.

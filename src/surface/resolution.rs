@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::Surface;
 use crate::constants::{LOOKS, SHARP_COSINE, TURN_UNITS};
 
-/// How well a grid resolves a surface, judged by some thousands of its points.
+/// Measure of how well a grid resolves a surface, from some thousands of its points.
 ///
 /// Where normals turn by tens of degrees from one point to the next, distances are those of some polyhedron.
 /// The curvature of the surface and of fronts on it is then meaningless. A height field with a forgotten

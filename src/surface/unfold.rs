@@ -291,7 +291,7 @@ impl<R: Real> EdgeLengths<R> {
     }
 }
 
-/// For each step to a neighbour, three per row: the index of the stored edge, and whether the neighbour
+/// Stored edges of the steps to neighbours, three per row: the index of the edge, and whether the neighbour
 /// stores it.
 const STORED_AT: [Option<(usize, bool)>; 9] = {
     let mut found = [None; 9];

@@ -31,7 +31,7 @@ use crate::surface::{
 #[derive(Clone, Debug)]
 pub(crate) struct Floor<R> {
     chart: Chart,
-    /// For each point of the bordered array, the neighbours to which it has edges, one bit each.
+    /// Neighbours to which each point of the bordered array has edges, one bit each.
     edges: Vec<u8>,
     /// Offsets of the eight neighbours in the bordered array.
     around: [isize; 8],

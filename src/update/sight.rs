@@ -5,7 +5,7 @@
 //! Therefore fronts of maps with several sources carry the number of their origin ([`Origin`]) in place of
 //! the curvature, as long as the straight line from there explains their time. A triangle whose ends have one
 //! origin has one front, whose curvature follows from its distance. If the ends have two origins, the front
-//! of each end continues by itself: its time grows with the distance from its origin, if the ray to x0
+//! of each end continues separately: its time grows with the distance from its origin, if the ray to x0
 //! crosses the base.
 //!
 //! Distances from origins are computed in double precision, also for maps in single precision. They span many
@@ -291,7 +291,7 @@ pub(crate) fn curved_from_origins<R: Real>(
     let time_2 = R::of(second.arrival(second.late));
     let comes_1 = comes(&first, time_1, t2);
     let comes_2 = comes(&second, time_2, t1) & !exact;
-    // Where each front continues by itself, there is no common front, except along the edges.
+    // Where the fronts continue separately, there is no common front, except along the edges.
     let faceless = apart | comes_1 | comes_2 | exact | obtuse;
     let of_both = curved(
         Triangle { c: if faceless { R::FAR } else { c }, ..triangle },

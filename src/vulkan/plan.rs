@@ -235,7 +235,7 @@ mod tests {
         TexelChart::new(Chart { rows: side, cols: side }).unwrap()
     }
 
-    /// At 8192 points a side a submission is a thirty-second of an iteration that visits everything.
+    /// At 8192 points per side, a submission is a thirty-second of an iteration that visits everything.
     #[test]
     fn a_submission_is_a_small_share_of_a_large_map() {
         for (side, shares) in [(1024, 1), (2048, 1), (4096, 8), (6000, 17), (8192, 32)] {

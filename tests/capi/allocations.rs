@@ -1,4 +1,4 @@
-//! Recording takes nothing from the heap, through the functions of C as through those of Rust.
+//! Recording allocates nothing on the heap, neither through the functions of C nor through those of Rust.
 
 use std::ptr::null_mut;
 
@@ -47,7 +47,7 @@ fn recording_allocates_nothing() {
         session.host.submit(commands, vk::Fence::null());
         unsafe { session.host.device.device_wait_idle() }.unwrap();
     }
-    // That the counter counts: a message takes a string.
+    // The counter works: a message allocates a string.
     let before = allocations();
     wrong(unsafe { geosweep_record_prepare(surface, vk::CommandBuffer::null()) }, "commands");
     assert!(allocations() > before);

@@ -1,4 +1,4 @@
-//! The library built as its documentation says, and programs in C compiled against it and run under
+//! Builds the library as its documentation describes. Compiles programs in C against it and runs them under
 //! the validation layers.
 
 use std::ffi::{OsStr, OsString};
@@ -8,9 +8,9 @@ use std::sync::OnceLock;
 use std::{env, fs};
 
 pub const ROOT: &str = env!("CARGO_MANIFEST_DIR");
-/// What a program in C must compile without.
+/// Warnings without which a program in C must compile.
 const STRICT: [&str; 4] = ["-Wall", "-Wextra", "-Werror", "-pedantic"];
-/// The system libraries that the static library asks for on Linux.
+/// System libraries that the static library needs on Linux.
 const SYSTEM: [&str; 3] = ["-lpthread", "-ldl", "-lm"];
 
 /// How a program is linked with the library.
@@ -20,8 +20,8 @@ pub enum Linkage {
     Static,
 }
 
-/// The folder with the library, which is built once. What cargo has built for the tests is used
-/// again, so this compiles this crate alone.
+/// Returns the folder with the library, which is built once. The artifacts that cargo has built for the tests
+/// are reused, so that this compiles only this crate.
 pub fn library() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
@@ -31,13 +31,13 @@ pub fn library() -> &'static Path {
         cargo.args(["--crate-type", "cdylib,staticlib"]).arg("--target-dir").arg(target);
         let profile = profile();
         cargo.arg("--profile").arg(&profile);
-        // As CMakeLists.txt has it, so that both build the same.
+        // CMakeLists.txt does the same, so that both build the same library.
         if cfg!(target_os = "linux") {
             cargo.arg("--").arg(format!("-Clink-arg=-Wl,-soname,{}", soname()));
         }
         run(&mut cargo, "build the library");
         let folder = target.join(if profile == "dev" { "debug".into() } else { profile });
-        // Under which programs look for it.
+        // Programs look for the library under this name.
         let by_soname = folder.join(soname());
         if !by_soname.exists() {
             std::os::unix::fs::symlink("libgeosweep.so", by_soname).unwrap();
@@ -46,21 +46,22 @@ pub fn library() -> &'static Path {
     })
 }
 
-/// Under which programs look for the shared library: the header's version is in it.
+/// Returns the name under which programs look for the shared library. It contains the header's version.
 pub fn soname() -> String {
     let [major, minor] = [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR")];
     format!("libgeosweep.so.{major}.{minor}.h{}", geosweep::capi::GEOSWEEP_HEADER_VERSION)
 }
 
-/// The profile of this test, which lies in target/PROFILE/deps; that of dev in target/debug.
+/// Returns the profile of this test. Its executable is in target/PROFILE/deps; the profile dev is in
+/// target/debug.
 pub fn profile() -> OsString {
     let test = env::current_exe().unwrap();
     let folder = test.ancestors().nth(2).and_then(Path::file_name).unwrap();
     if folder == "debug" { "dev".into() } else { folder.to_owned() }
 }
 
-/// A C compiler (`CC`, else `cc`) or a C++ compiler (`CXX`, else `c++`), for what includes our
-/// header.
+/// Returns a C compiler (`CC`, otherwise `cc`) or a C++ compiler (`CXX`, otherwise `c++`) that can include
+/// our header.
 fn compiler(variable: &str, usual: &str) -> Command {
     let program = env::var(variable).unwrap_or_else(|_| usual.into());
     let probe = format!("{ROOT}/tests/capi/probe.c");
@@ -82,7 +83,7 @@ fn compiler(variable: &str, usual: &str) -> Command {
     compiler
 }
 
-/// A folder of the test's own.
+/// Returns a folder for this test alone.
 pub fn scratch(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("capi").join(name);
     fs::create_dir_all(&folder).unwrap();
@@ -98,7 +99,7 @@ pub fn check_syntax(file: &Path, standard: &str) {
     let mut compiler = compiler(variable, usual);
     compiler.arg(format!("-std={standard}")).arg("-fsyntax-only");
     if standard == "c++20" {
-        // Designators are there to leave members out.
+        // Designated initializers leave members out on purpose.
         compiler.arg("-Wno-missing-field-initializers");
     }
     run(compiler.arg(file), "compile");
@@ -126,7 +127,7 @@ pub fn compile(source: &Path, program: &Path, linkage: Linkage) {
     run(compiler.args(["-lvulkan", "-lm"]), what);
 }
 
-/// What a program has printed, and what the validation layers have said.
+/// Output of a program and messages of the validation layers.
 pub struct Run {
     pub printed: String,
     pub findings: Vec<String>,
@@ -137,13 +138,13 @@ pub fn validated(program: &Path) -> Run {
     validated_with(program, &[])
 }
 
-/// The same, with more arguments after the device.
+/// Runs a program as [`validated`] does, with more arguments after the device.
 pub fn validated_with(program: &Path, arguments: &[&OsStr]) -> Run {
     let folder = program.with_extension("layers");
     fs::create_dir_all(&folder).unwrap();
     let log = folder.join("log.txt");
     let _ = fs::remove_file(&log);
-    // Synchronization validation is named in two ways, for older and for newer layers.
+    // Older and newer layers have different names for synchronization validation.
     let settings = format!(
         "khronos_validation.debug_action = VK_DBG_LAYER_ACTION_LOG_MSG\n\
          khronos_validation.log_filename = {}\n\
@@ -162,14 +163,14 @@ pub fn validated_with(program: &Path, arguments: &[&OsStr]) -> Run {
         .env("VK_LAYER_SETTINGS_PATH", &folder);
     let printed = run(&mut command, "run");
     let said = fs::read_to_string(&log).unwrap_or_default();
-    // What the layers say of their own settings is no finding.
+    // Messages of the layers about their own settings are not findings.
     let is_finding = |line: &&str| {
         ["SYNC-HAZARD", "VUID-", "UNASSIGNED-"].iter().any(|word| line.contains(word))
     };
     Run { printed, findings: said.lines().filter(is_finding).map(str::to_owned).collect() }
 }
 
-/// Runs a command that is to succeed; its standard output.
+/// Runs a command that must succeed. Returns its standard output.
 pub fn run(command: &mut Command, what: &str) -> String {
     let output = command.output().unwrap_or_else(|error| panic!("{what}: {command:?}: {error}"));
     let [printed, said] =

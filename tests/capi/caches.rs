@@ -1,4 +1,4 @@
-//! A pipeline cache of the program's, through the functions of C.
+//! Pipeline caches of the program, through the functions of C.
 
 use std::ffi::{CStr, c_char};
 use std::sync::{Mutex, OnceLock};
@@ -11,7 +11,7 @@ use crate::session::{Session, entry, frame, method, ok, solver_info, surface_inf
 
 static REAL: OnceLock<(vk::PFN_vkGetDeviceProcAddr, vk::PFN_vkCreateComputePipelines)> =
     OnceLock::new();
-/// Those that pipelines were made with, one by one.
+/// Caches with which pipelines were created, one by one.
 static CACHES: Mutex<Vec<vk::PipelineCache>> = Mutex::new(Vec::new());
 
 unsafe extern "system" fn create_and_note(
@@ -32,7 +32,7 @@ unsafe extern "system" fn of_device(
     name: *const c_char,
 ) -> vk::PFN_vkVoidFunction {
     if unsafe { CStr::from_ptr(name) } == c"vkCreateComputePipelines" {
-        // SAFETY: it is called as what its name says.
+        // SAFETY: the function is called with the type of its name.
         return unsafe {
             std::mem::transmute::<vk::PFN_vkCreateComputePipelines, vk::PFN_vkVoidFunction>(
                 create_and_note,
@@ -43,13 +43,13 @@ unsafe extern "system" fn of_device(
     unsafe { get(device, name) }
 }
 
-/// The loader's functions, but for the one that makes pipelines.
+/// The loader's functions, except for the one that creates pipelines.
 unsafe extern "system" fn noting(
     instance: vk::Instance,
     name: *const c_char,
 ) -> vk::PFN_vkVoidFunction {
     if unsafe { CStr::from_ptr(name) } == c"vkGetDeviceProcAddr" {
-        // SAFETY: it is called as what its name says.
+        // SAFETY: the function is called with the type of its name.
         return unsafe {
             std::mem::transmute::<vk::PFN_vkGetDeviceProcAddr, vk::PFN_vkVoidFunction>(of_device)
         };
@@ -61,8 +61,8 @@ fn made_with() -> Vec<vk::PipelineCache> {
     std::mem::take(&mut CACHES.lock().unwrap())
 }
 
-/// A program fills a cache, saves it, and starts again with what it has saved: pipelines are made with the
-/// cache that is the solver's at that time, and maps are the same.
+/// A program fills a cache, saves it, and starts again with the saved one. Pipelines are created with the
+/// cache that the solver has at that time, and maps are the same.
 #[test]
 fn a_saved_cache_serves_the_next_solver() {
     let mut host = Host::new();
@@ -91,7 +91,7 @@ fn a_saved_cache_serves_the_next_solver() {
         let mut session = Session { host, solver };
         let surface = session.surface(&surface_info(9, 12, &points));
         assert_eq!(made_with(), [], "surfaces make none");
-        // Taken back for the contours' pipelines, given again for those of the paths.
+        // The cache is taken away before the contours' pipelines, and given again for those of the paths.
         let (mut contours, mut paths) = (std::ptr::null_mut(), std::ptr::null_mut());
         let null = vk::PipelineCache::null();
         ok(unsafe { geosweep_solver_set_pipeline_cache(solver, null) });
@@ -104,13 +104,13 @@ fn a_saved_cache_serves_the_next_solver() {
         assert!(!of_paths.is_empty() && of_paths.iter().all(|&with| with == cache));
 
         saved = unsafe { device.get_pipeline_cache_data(cache) }.unwrap();
-        // Its header says of which device it is; what follows is the driver's.
+        // The cache's header names the device. The driver decides what follows it.
         let [vendor, of_device] = [8, 12].map(|at| {
             u32::from_ne_bytes(saved[at..at + 4].try_into().expect("the header has 32 bytes"))
         });
         assert_eq!((vendor, of_device), (properties.vendor_id, properties.device_id));
         assert_eq!(saved[16..32], properties.pipeline_cache_uuid);
-        // No pipeline needs it any more.
+        // The pipelines no longer need the cache.
         unsafe { device.destroy_pipeline_cache(cache, None) };
 
         let plan = session.plan(9, 12, &method(GeosweepWavefront::Curved, 50));

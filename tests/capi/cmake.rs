@@ -1,4 +1,4 @@
-//! The package that CMake installs, and a renderer in C++ that is built against it.
+//! The package that CMake installs, and a renderer in C++ that is built with it.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -13,12 +13,12 @@ use crate::common::{CONVERGED, difference, on_cpu};
 
 fn cmake() -> Command {
     let mut cmake = Command::new("cmake");
-    // Nothing of the package's that is tested may come from elsewhere.
+    // All files of the package must come from the folder that is tested.
     cmake.env_remove("CMAKE_PREFIX_PATH");
     cmake
 }
 
-/// The package in a folder of its own, by the library that the other tests use.
+/// Installs the package in its own folder, with the library that the other tests use.
 fn install() -> PathBuf {
     let (build, prefix) = (scratch("cmake/build"), scratch("cmake").join("prefix"));
     let _ = fs::remove_dir_all(&prefix);
@@ -43,8 +43,9 @@ fn floats(file: &Path) -> Vec<f32> {
     bytes.chunks_exact(4).map(|four| f32::from_ne_bytes(four.try_into().unwrap())).collect()
 }
 
-/// `examples/cpp` finds the package, runs in frames in flight without a word of the validation layers, and has the
-/// map that the CPU engine has of its vertices. The package is found after it was moved, by pkg-config too.
+/// `examples/cpp` finds the package and runs with frames in flight, without messages of the validation
+/// layers. Its map is that of the CPU engine on its vertices. The package is found after it was moved, also
+/// by pkg-config.
 #[test]
 fn a_renderer_in_cpp_finds_the_package_and_has_the_map() {
     let prefix = install();
@@ -97,7 +98,7 @@ fn a_renderer_in_cpp_finds_the_package_and_has_the_map() {
     let position = |v: &[f32]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
     let positions = vertices.chunks(6).map(position).collect();
     let surface = Surface::from_positions(rows, cols, positions).unwrap();
-    // The source of the last of eight frames.
+    // This is the source of the last of eight frames.
     let seeds = Sources::point(19.0, 20.5).seeds(&surface).unwrap();
     let exact = on_cpu(&surface, &seeds, Wavefront::Curved, CONVERGED);
     let difference = difference(&floats(&build.join("distances.bin")), &exact);
@@ -117,7 +118,7 @@ fn a_renderer_in_cpp_finds_the_package_and_has_the_map() {
     }
 }
 
-/// The library's own name is that under which programs look for it.
+/// The library's own name is the one under which programs look for it.
 #[test]
 #[cfg(target_os = "linux")]
 fn the_library_has_a_soname() {
@@ -127,7 +128,7 @@ fn the_library_has_a_soname() {
     assert!(holds, "{:?}", OsStr::new(&soname));
 }
 
-/// What a toolchain stands for, as `cmake/RustTarget.cmake` has it: asked by a script, since no compiler is needed.
+/// `cmake/RustTarget.cmake` maps toolchains to Rust targets. A script asks it, since this needs no compiler.
 #[test]
 fn toolchains_stand_for_rust_targets_or_fail() {
     let folder = scratch("cmake/targets");
@@ -141,7 +142,7 @@ fn toolchains_stand_for_rust_targets_or_fail() {
     let asked = |settings: &[&str]| {
         let mut command = cmake();
         command.args(settings.iter().map(|setting| format!("-D{setting}")));
-        // No rustc is found, so that nothing depends on which targets are there.
+        // No rustc is found, so that the result does not depend on the installed targets.
         let output = command.arg("-DGEOSWEEP_RUSTC=").arg("-P").arg(&script).output().unwrap();
         (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
     };

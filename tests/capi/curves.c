@@ -1,5 +1,5 @@
-/* Contours and paths in C, on a saddle with a hole. The program checks what must be so on any
-   surface, and prints the rest for tests/capi/curves.rs to compare. */
+/* Contours and paths in C, on a saddle with a hole. The program checks what must hold on any surface, and
+   prints the rest for tests/capi/curves.rs to compare. */
 
 #define main example_main
 #include "examples/embed.c"
@@ -11,7 +11,7 @@
 #define PATHS 4
 #define PATH_ROOM 400
 
-/* The saddle of tests/capi/curves.rs; in the hole stands what is no height. */
+/* The saddle of tests/capi/curves.rs. The hole contains values that are not heights. */
 static void fill(float *heights, uint8_t *mask) {
     for (int row = 0; row < ROWS; row++) {
         for (int col = 0; col < COLS; col++) {
@@ -92,7 +92,7 @@ int main(int argc, char **argv) {
     GeosweepPlan *plan;
     check(geosweep_plan_create(solver, ROWS, COLS, &method, &plan));
 
-    /* ==== Once, beside the surface ==== */
+    /* ==== Once per surface ==== */
     GeosweepContours *contours;
     GeosweepPaths *paths;
     check(geosweep_contours_create(surface, ROOM, &contours));
@@ -111,7 +111,7 @@ int main(int argc, char **argv) {
     HostBuffer read_lines = make_buffer(&host, floats_of(&lines));
     HostBuffer read_strips = make_buffer(&host, floats_of(&strips));
 
-    /* ==== Every frame, after the map; a renderer reads them where it draws ==== */
+    /* ==== Every frame, after the map; a renderer reads the curves where it draws them ==== */
     const GeosweepAccess read = {VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT};
     GeosweepSource source = geosweep_source_at(100.0f, 70.5f);
     GeosweepSources sources = {.sources = &source, .count = 1};
@@ -119,7 +119,7 @@ int main(int argc, char **argv) {
                            .reader = {read, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL},
                            .unreached = INFINITY};
     GeosweepContourFrame contour_frame = {.level_count = LEVELS, .step = STEP, .reader = read};
-    /* Around the hole, along an edge, off the grid, and none. */
+    /* Starts around the hole, along an edge and off the grid, and one that is missing. */
     const float starts[] = {20.25f, 81.5f, 0.0f, 159.0f, -3.0f, 5.0f};
     GeosweepPathFrame path_frame = {.starts = starts, .start_count = 3, .sources = sources,
                                     .reader = read};

@@ -1,5 +1,5 @@
-//! Contours and paths: a program in C against [`geosweep::vulkan::embed`] on the same surface, and
-//! what is refused.
+//! Contours and paths: a program in C is compared with [`geosweep::vulkan::embed`] on the same surface. Wrong
+//! arguments are refused.
 
 use std::fs;
 use std::path::Path;
@@ -21,13 +21,13 @@ use crate::build::{Linkage, ROOT, compile, scratch, validated};
 use crate::host::{Host, HostBuffer};
 use crate::session::{Session, all_wrong, frame, method, ok, surface_info, wrong, zero};
 
-/// As in examples/embed.c and tests/capi/curves.c.
+/// Size of the grid in examples/embed.c and tests/capi/curves.c.
 const CHART: Chart = Chart { rows: 120, cols: 160 };
 const SPACING: f64 = 0.5;
 const ROOM: u32 = 6000;
 const PATHS: PathsInfo = PathsInfo { paths: 4, vertices: 400 };
 
-/// A saddle with a hole, whose heights single precision holds exactly.
+/// Returns a saddle with a hole. Single precision holds its heights exactly.
 fn heights() -> Vec<f32> {
     let height = |index: usize| {
         let (row, col) = CHART.position(index);
@@ -38,7 +38,7 @@ fn heights() -> Vec<f32> {
     (0..CHART.points()).map(height).collect()
 }
 
-/// The lines that the program in C prints for these curves.
+/// Appends the lines that the program in C prints for these curves.
 fn lines(name: &str, curves: CurveBuffer, copy: &HostBuffer, expected: &mut Vec<Vec<f32>>) {
     let (records, vertices) = copy.bytes().split_at(curves.vertices_offset as usize);
     for number in 0..curves.curves as usize {
@@ -66,7 +66,7 @@ fn lines(name: &str, curves: CurveBuffer, copy: &HostBuffer, expected: &mut Vec<
     }
 }
 
-/// By the Rust side: records of contours and paths, each followed by its vertices.
+/// Returns the records of contours and paths, each followed by its vertices, from the interface in Rust.
 fn embedded() -> Vec<Vec<f32>> {
     let mut host = Host::new();
     let device = host.device.clone();
@@ -130,7 +130,7 @@ fn embedded() -> Vec<Vec<f32>> {
     expected
 }
 
-/// To the last digit: they are the same passes.
+/// Both run the same passes, so the results agree to the last digit.
 #[test]
 fn a_program_in_c_finds_the_contours_and_paths_of_the_rust_side() {
     let folder = scratch("curves");
@@ -147,7 +147,7 @@ fn a_program_in_c_finds_the_contours_and_paths_of_the_rust_side() {
         .map(|line| line.split(' ').skip(1).map(|number| number.parse().unwrap()).collect())
         .collect();
     let expected = embedded();
-    // Contours, two paths, one that starts outside, and one without a start.
+    // These are contours, two paths, one that starts outside, and one without a start.
     let records: Vec<_> = expected.iter().filter(|line| line.len() == 7).collect();
     let statuses: Vec<_> = records.iter().map(|record| record[0]).collect();
     assert_eq!(statuses, [0.0, 0.0, 0.0, 3.0, 3.0]);
@@ -161,7 +161,7 @@ fn a_program_in_c_finds_the_contours_and_paths_of_the_rust_side() {
 const ROWS: u32 = 9;
 const COLS: u32 = 13;
 
-/// Flat heights in the program's memory.
+/// Returns flat heights in the program's memory.
 fn flat(data: &[f32]) -> GeosweepPoints {
     let kind = GeosweepPointKind::Heights as i32;
     GeosweepPoints { kind, dx: 1.0, dy: 1.0, data: data.as_ptr(), stride: 4, ..zero() }
@@ -172,9 +172,9 @@ fn copied_from() -> GeosweepAccess {
     GeosweepAccess { stages, access }
 }
 
-/// Each is a status and a message that names it, and records nothing.
+/// Each wrong argument gives a status and a message that names it, and records nothing.
 #[test]
-fn what_cannot_be_used_is_named() {
+fn unusable_arguments_are_named() {
     let session = Session::new(Host::new());
     let solver = session.solver;
     let data = [0.0f32; (ROWS * COLS) as usize];
@@ -275,7 +275,7 @@ fn what_cannot_be_used_is_named() {
             path(GeosweepPathFrame { points: 1, ..path_frame }) => "number 1",
         }
     }
-    // The good ones fit into the same command buffer still.
+    // Valid calls can still use the same command buffer.
     ok(contour(good));
     ok(path(path_frame));
     ok(contour(GeosweepContourFrame { step: 0.5, ..spaced }));

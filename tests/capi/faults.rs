@@ -1,4 +1,4 @@
-//! Devices that lack something, loaders that lack functions, and calls of Vulkan's that fail.
+//! Devices and loaders that lack something, and Vulkan calls that fail.
 
 use std::ffi::{CStr, c_char};
 use std::sync::atomic::{AtomicI32, Ordering};
@@ -12,7 +12,7 @@ use crate::session::{
     wrong, zero,
 };
 
-/// What the functions that fail return.
+/// Result that the failing functions return.
 static RESULT: AtomicI32 = AtomicI32::new(0);
 
 extern "system" fn fail() -> vk::Result {
@@ -30,7 +30,7 @@ unsafe fn really(instance: vk::Instance, name: *const c_char) -> vk::PFN_vkVoidF
     unsafe { entry().get_instance_proc_addr(instance, name) }
 }
 
-/// Of a device for Vulkan 1.0 with little room.
+/// Finds the functions of a device for Vulkan 1.0 with small limits.
 unsafe extern "system" fn finds_little(
     instance: vk::Instance,
     name: *const c_char,
@@ -39,7 +39,7 @@ unsafe extern "system" fn finds_little(
         physical_device: vk::PhysicalDevice,
         properties: *mut vk::PhysicalDeviceProperties,
     ) {
-        // A name that all instances know, whatever the handle.
+        // All instances know this name, whatever the handle.
         let host = INSTANCE.get().expect("it was set before this function was installed").0;
         unsafe {
             let ask = really(host, c"vkGetPhysicalDeviceProperties".as_ptr()).unwrap();
@@ -50,7 +50,7 @@ unsafe extern "system" fn finds_little(
         }
     }
     if unsafe { CStr::from_ptr(name) } == c"vkGetPhysicalDeviceProperties" {
-        // SAFETY: it is called as what its name says.
+        // SAFETY: the function is called with the type of its name.
         return unsafe {
             std::mem::transmute::<vk::PFN_vkGetPhysicalDeviceProperties, vk::PFN_vkVoidFunction>(
                 properties,
@@ -61,14 +61,14 @@ unsafe extern "system" fn finds_little(
 }
 
 struct Shared(vk::Instance);
-// SAFETY: an instance may be used by any thread.
+// SAFETY: any thread may use an instance.
 unsafe impl Send for Shared {}
 // SAFETY: as above.
 unsafe impl Sync for Shared {}
 static INSTANCE: std::sync::OnceLock<Shared> = std::sync::OnceLock::new();
 
 #[test]
-fn all_that_a_device_lacks_is_said() {
+fn missing_requirements_of_a_device_are_reported() {
     let host = Host::without_validation();
     assert!(INSTANCE.set(Shared(host.instance.handle())).is_ok());
     let (instance, device) = (host.instance.handle(), host.physical_device);
@@ -97,7 +97,7 @@ fn all_that_a_device_lacks_is_said() {
 
 /// ash would end the process when such a function is called.
 #[test]
-fn functions_that_are_not_there_are_named() {
+fn missing_functions_are_named() {
     let host = Host::without_validation();
     let (instance, device) = (host.instance.handle(), host.physical_device);
     let status = unsafe { geosweep_check_device(Some(finds_nothing), instance, device) };
@@ -112,7 +112,7 @@ fn functions_that_are_not_there_are_named() {
             None
         }
         if unsafe { CStr::from_ptr(name) } == c"vkGetDeviceProcAddr" {
-            // SAFETY: it is called as what its name says.
+            // SAFETY: the function is called with the type of its name.
             return unsafe {
                 std::mem::transmute::<vk::PFN_vkGetDeviceProcAddr, vk::PFN_vkVoidFunction>(none)
             };
@@ -125,10 +125,10 @@ fn functions_that_are_not_there_are_named() {
     wrong(unsafe { geosweep_solver_create(&info, &mut solver) }, "vkGetDeviceProcAddr knows no");
 }
 
-/// Each is a status of its own, with the call's name, and nothing is left behind.
+/// Each failing call has its own status and a message with its name, and leaves nothing behind.
 #[test]
 fn calls_that_fail_have_a_status_and_a_name() {
-    /// Fails in `vkCreateComputePipelines`, and, beyond the first of them, in `vkBindImageMemory`.
+    /// Makes `vkCreateComputePipelines` fail, and `vkBindImageMemory` from its second call on.
     unsafe extern "system" fn failing(
         instance: vk::Instance,
         name: *const c_char,
@@ -144,7 +144,7 @@ fn calls_that_fail_have_a_status_and_a_name() {
                 c"vkBindImageMemory"
             };
             if wanted == fails {
-                // Takes no arguments, which this calling convention allows.
+                // The function takes no arguments, which this calling convention allows.
                 return unsafe {
                     std::mem::transmute::<extern "system" fn() -> vk::Result, vk::PFN_vkVoidFunction>(
                         fail,
@@ -159,7 +159,7 @@ fn calls_that_fail_have_a_status_and_a_name() {
             }
         }
         if unsafe { CStr::from_ptr(name) } == c"vkGetDeviceProcAddr" {
-            // SAFETY: it is called as what its name says.
+            // SAFETY: the function is called with the type of its name.
             return unsafe {
                 std::mem::transmute::<vk::PFN_vkGetDeviceProcAddr, vk::PFN_vkVoidFunction>(
                     of_device,

@@ -1,4 +1,4 @@
-//! The header is what cbindgen makes of `src/capi`.
+//! The header is the one that cbindgen generates from `src/capi`.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -6,7 +6,7 @@ use std::fs;
 const HEADER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi/geosweep.h");
 const SOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi");
 
-/// In the order in which one reads the header.
+/// Files in the order of the header.
 const FILES: [&str; 16] = [
     "status",
     "requirements",
@@ -25,7 +25,7 @@ const FILES: [&str; 16] = [
     "regions",
     "profile",
 ];
-/// What C does not see.
+/// Files that declare nothing for C.
 const INTERNAL: [&str; 4] = ["arguments", "loader", "mod", "objects"];
 
 fn generated() -> String {
@@ -39,7 +39,7 @@ fn generated() -> String {
     String::from_utf8(header).unwrap()
 }
 
-/// With `GEOSWEEP_UPDATE_HEADER` set the test renews it.
+/// If `GEOSWEEP_UPDATE_HEADER` is set, the test writes the header anew.
 #[test]
 fn the_header_is_that_of_the_sources() {
     let generated = generated();

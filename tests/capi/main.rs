@@ -1,5 +1,5 @@
-//! The interface for C and C++: its header, programs in C that are compiled and run, and its
-//! functions called as C would, with structs that start from zero.
+//! The interface for C and C++: its header, programs in C that are compiled and run, and its functions. The
+//! tests call these as C would, with structs that start from zero.
 
 #[path = "../common/mod.rs"]
 mod common;

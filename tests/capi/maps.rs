@@ -1,5 +1,5 @@
-//! Maps by the functions of C against the CPU engine on the same surface, from all kinds of points;
-//! and what a map leaves behind.
+//! Maps through the functions of C are compared with the CPU engine on the same surface, for all kinds of
+//! points. Nothing is left behind after a map.
 
 use geosweep::ash::vk;
 use geosweep::capi::*;
@@ -16,7 +16,7 @@ use crate::session::{
 const CHART: Chart = Chart { rows: 31, cols: 45 };
 const ROWS: u32 = CHART.rows as u32;
 const COLS: u32 = CHART.cols as u32;
-/// Between engines: rounding. As for the headless solver, whose tests say so.
+/// Rounding between engines, as in the tests of the headless solver.
 const SAME: f64 = 1e-5;
 const WAVEFRONTS: [(GeosweepWavefront, Wavefront); 4] = [
     (GeosweepWavefront::Planar, Wavefront::Planar),
@@ -24,10 +24,11 @@ const WAVEFRONTS: [(GeosweepWavefront, Wavefront); 4] = [
     (GeosweepWavefront::Curved, Wavefront::Curved),
     (GeosweepWavefront::Anchored, Wavefront::Anchored),
 ];
-/// In a hole of the mask.
+/// Index of a point in a hole of the mask.
 const MASKED: usize = 12 * CHART.cols + 20;
 
-/// Five floats a point, after three others: a wavy surface, something else, and a slowness.
+/// Returns a wavy surface with five floats per point, after three other floats: a position, an unused float
+/// and a slowness.
 fn vertices() -> Vec<f32> {
     let vertex = |index: usize| {
         let (row, col) = CHART.position(index);
@@ -52,8 +53,8 @@ fn positions(vertices: &[f32]) -> Surface {
     surface.with_mask(&mask).unwrap().with_slowness(slowness).unwrap()
 }
 
-/// Points of all kinds from the program's memory, and positions from a buffer: with a mask, a
-/// slowness, an offset, a stride; with all wavefronts. Then other points in their place.
+/// Points of all kinds in the program's memory, and positions in a buffer, with a mask, a slowness, an
+/// offset, a stride and all wavefronts. Other points replace them afterwards.
 #[test]
 fn all_kinds_of_points_give_the_map_of_the_cpu() {
     let mut vertices = vertices();
@@ -121,12 +122,12 @@ fn all_kinds_of_points_give_the_map_of_the_cpu() {
             let map = session.map(surface, &frame);
             assert!(session.outcome(surface).converged);
             let seeds = Sources::point(3.0, 40.0).seeds(truth).unwrap();
-            // A surface some of whose points have a slowness has planar fronts in place of circular ones.
+            // If a surface has points with a slowness, planar fronts take the place of circular ones.
             let is_circular = wavefront == Wavefront::PointSource;
             let solved = if is_circular { Wavefront::Planar } else { wavefront };
             let exact = on_cpu(truth, &seeds, solved, CONVERGED);
             let difference = difference(&map, &exact);
-            // In a frame the curvature of a metric follows from edges, and not from its tensors.
+            // In a frame, the curvature of a metric is computed from edges and not from its tensors.
             let is_metric = matches!(truth.geometry(), Geometry::Metric(_));
             let most = if is_metric && !is_circular { 1e-4 } else { SAME };
             assert!(difference < most, "{number}, {wavefront}: {difference}");
@@ -151,7 +152,7 @@ fn all_kinds_of_points_give_the_map_of_the_cpu() {
     wrong(write(0, std::ptr::null()), "data is null");
     wrong(write(1, vertices.as_ptr()), "memory of yours");
     wrong(write(4, vertices.as_ptr()), "there are 4 points");
-    // What was refused has changed nothing.
+    // A refused call has changed nothing.
     vertices[3] = 0.0;
     compare(&mut session, 0, &positions(&vertices));
 
@@ -159,8 +160,8 @@ fn all_kinds_of_points_give_the_map_of_the_cpu() {
     session.end([buffer]);
 }
 
-/// Part by part, over several command buffers, from sources in a buffer, with what is added later,
-/// looked up and written to a buffer.
+/// A map in parts, over several command buffers, with sources in a buffer, added sources, lookups and a
+/// copied outcome.
 #[test]
 fn a_map_in_parts_is_the_map_of_one_frame() {
     let mut session = Session::new(Host::new());
@@ -168,7 +169,7 @@ fn a_map_in_parts_is_the_map_of_one_frame() {
     let host = &mut session.host;
     let buffer = host.buffer_of(&vertices);
     let nan = f32::NAN;
-    // Two sources, and an entry without.
+    // The buffer has two sources and an unused entry.
     let first = geosweep_source_at(0.0, 0.0);
     let more = [nan, nan, 0.0, 0.0, 30.0, 44.0, 0.0, first.curvature];
     let more = host.buffer_of(&more);
@@ -246,12 +247,12 @@ fn a_map_in_parts_is_the_map_of_one_frame() {
         }
     }
     assert!(parts > 3, "{parts}");
-    // Added sources find a map that has settled elsewhere first, so the last digits may differ.
+    // Added sources start on a map that has already converged, so that the last digits may differ.
     let difference = difference(&map, &exact);
     assert!(difference < SAME, "{difference}");
     assert_eq!(&found.floats()[..3], &[map[44], map[15 * CHART.cols + 20], -1.0]);
 
-    // The image that recordings name is the surface's.
+    // The image that recordings return is the surface's.
     let (mut image, mut packed) = (zero::<GeosweepImage>(), zero::<GeosweepPackedTimes>());
     ok(unsafe { geosweep_surface_result(surface, 0, COPY.layout, &mut image) });
     assert_eq!((image.extent.width, image.extent.height), (COLS, ROWS));
@@ -261,7 +262,7 @@ fn a_map_in_parts_is_the_map_of_one_frame() {
     assert!(packed.image.extent.width >= COLS / 2 + 2 * packed.border);
     session.host.run(|commands| ok(unsafe { geosweep_record_end(surface, commands, after) }));
 
-    // A solver outlives what was made by it.
+    // A solver must outlive the objects that it has created.
     let destroy = |solver| unsafe { geosweep_solver_destroy(solver) };
     refused(
         destroy(session.solver),

@@ -1,4 +1,4 @@
-//! Device memory from an allocator of the program's.
+//! Device memory from an allocator of the program.
 
 use std::collections::BTreeMap;
 use std::ffi::{CStr, c_void};
@@ -16,11 +16,11 @@ use crate::session::{
     Session, all_wrong, frame, method, ok, refused, solver_info, surface_info, zero,
 };
 
-/// A program's allocator as plain as one can be: `vkAllocateMemory` for each block, which begins at some offset.
+/// Simple allocator of a program: `vkAllocateMemory` for each block, which begins at some offset.
 struct Plain {
     device: ash::Device,
     types: vk::PhysicalDeviceMemoryProperties,
-    /// By their memory: what they are for, and whether they are buffers.
+    /// Blocks by their memory: their purpose, and whether they are buffers.
     blocks: Mutex<BTreeMap<u64, (String, bool)>>,
     calls: Mutex<Calls>,
 }
@@ -28,7 +28,7 @@ struct Plain {
 #[derive(Default)]
 struct Calls {
     allocated: u32,
-    /// What the call with this number does in place of its work.
+    /// Number of the call that fails, and its fault.
     fault: Option<(u32, Fault)>,
 }
 
@@ -116,10 +116,10 @@ unsafe extern "C" fn free(user: *mut c_void, memory: *const GeosweepMemory) {
     unsafe { plain.device.free_memory(memory.memory, None) };
 }
 
-/// All device memory is the program's, with points in the program's memory too; maps are the same as from blocks of the
-/// solver's own, and everything goes back.
+/// All device memory comes from the program's allocator, also for points in the program's memory. Maps are
+/// the same as with the solver's own blocks, and all memory is freed.
 #[test]
-fn an_allocator_of_the_programs_gives_all_memory() {
+fn the_programs_allocator_provides_all_memory() {
     let heights: Vec<f32> = (0..40 * 48).map(|point| (0.3 * point as f32).sin()).collect();
     let data = heights.as_ptr();
     let points = [GeosweepPoints { data, stride: 4, kind: 1, dx: 1.0, dy: 1.0, ..zero() }];
@@ -171,7 +171,8 @@ fn an_allocator_of_the_programs_gives_all_memory() {
     assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
 }
 
-/// Whatever goes wrong in the program's allocator, the call fails with what it was, and all is given back.
+/// Whatever fails in the program's allocator, the call returns an error that names it, and all memory is
+/// freed.
 #[test]
 fn faults_of_the_programs_allocator_are_errors() {
     let host = Host::new();
@@ -210,7 +211,7 @@ fn faults_of_the_programs_allocator_are_errors() {
             plain.calls.lock().unwrap().fault = Some((number, fault));
             let (status, surface) = create();
             if matches!(fault, Fault::DoesNotMap) && status == Status::Success {
-                // Only memory that the program reads or writes has to be mapped.
+                // Only memory that the program reads or writes must be mapped.
                 ok(unsafe { geosweep_surface_destroy(surface) });
             } else {
                 refused(status, expected, words);

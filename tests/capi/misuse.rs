@@ -1,4 +1,4 @@
-//! Arguments that cannot be used: each is a status and a message that names it.
+//! Wrong arguments: each gives a status and a message that names it.
 
 use std::ptr::{null, null_mut};
 
@@ -16,7 +16,7 @@ const ROWS: u32 = 9;
 const COLS: u32 = 13;
 const POINTS: usize = (ROWS * COLS) as usize;
 
-/// Flat heights in the program's memory.
+/// Returns flat heights in the program's memory.
 fn heights(data: &[f32]) -> GeosweepPoints {
     let kind = GeosweepPointKind::Heights as i32;
     GeosweepPoints { kind, dx: 1.0, dy: 1.0, data: data.as_ptr(), stride: 4, ..zero() }
@@ -108,7 +108,7 @@ fn null_is_named_wherever_it_is_given() {
 }
 
 #[test]
-fn a_solver_is_made_of_what_can_be_used() {
+fn unusable_arguments_of_a_solver_are_refused() {
     let host = Host::without_validation();
     let good = solver_info(&host);
     let pass = |schedule, wavefront| GeosweepPasses { schedule, wavefront };
@@ -135,14 +135,14 @@ fn a_solver_is_made_of_what_can_be_used() {
         create(&with(2)) => "info->passes[0].wavefront is 4, which is no GeosweepWavefront",
         create(&with(3)) => "info->passes[0].schedule is 7, which is no GeosweepSchedule",
     }
-    // Badly aligned, as C may well have it.
+    // The pointer is badly aligned, as may happen in C.
     let bytes = [0u64; 32];
     let astray = unsafe { bytes.as_ptr().cast::<u8>().add(1).cast::<GeosweepSolverInfo>() };
     wrong(unsafe { geosweep_solver_create(astray, &mut null_mut()) }, "not aligned to 8 bytes");
 }
 
 #[test]
-fn a_plan_is_made_of_what_can_be_used() {
+fn unusable_arguments_of_a_plan_are_refused() {
     let session = Session::new(Host::new());
     let good = method(GeosweepWavefront::Curved, 4);
     let create = |rows, cols, method: &GeosweepMethod| {
@@ -168,7 +168,7 @@ fn a_plan_is_made_of_what_can_be_used() {
 }
 
 #[test]
-fn a_surface_is_made_of_what_can_be_used() {
+fn unusable_arguments_of_a_surface_are_refused() {
     let mut session = Session::new(Host::new());
     let buffer = session.host.buffer_of(&[0.0; 4 * POINTS]);
     let solver = session.solver;
@@ -221,7 +221,7 @@ fn a_surface_is_made_of_what_can_be_used() {
     let mut huge = [1.0; 4 * POINTS];
     huge[3] = 1e13;
     let negative = [-1.0; 4 * POINTS];
-    // The second float of each is a slowness.
+    // The second float of each point is a slowness.
     let slow = GeosweepPoints { slowness: 1, stride: 8, ..heights(&negative) };
     let with = |points: GeosweepPoints| {
         let points = [points];
@@ -254,13 +254,13 @@ fn a_surface_is_made_of_what_can_be_used() {
     }
     let mut held = 0;
     ok(unsafe { geosweep_solver_bytes(solver, &mut held) });
-    // What was refused holds nothing; a block that has once been needed may be kept.
+    // Refused calls hold no memory. A block that was needed once may be kept.
     assert!(held <= 8 << 20, "{held}");
     session.end([buffer]);
 }
 
 #[test]
-fn what_is_refused_records_nothing() {
+fn refused_calls_record_nothing() {
     let session = Session::new(Host::new());
     let other = {
         let mut solver = null_mut();
@@ -324,7 +324,7 @@ fn what_is_refused_records_nothing() {
             geosweep_surface_outcome(surface, 1, &mut zero()) => "1 slots",
         }
     }
-    // A frame still fits into the same command buffer.
+    // A frame can still be recorded into the same command buffer.
     ok(record(good));
     session.host.end(commands);
     session.host.submit(commands, vk::Fence::null());

@@ -1,4 +1,4 @@
-/* Objects of geosweep.hpp that are assigned and moved, and accesses of 64 bits: fails if anything is not as it should. */
+/* Assigns and moves objects of geosweep.hpp, and converts 64-bit accesses. Fails if any result is wrong. */
 #include <cstring>
 
 static unsigned refusals = 0;
@@ -11,7 +11,7 @@ static void require(bool holds, const char *what) {
     if (!holds) throw std::runtime_error(what);
 }
 
-/* What the program holds of device memory, by an allocator of its own. */
+/* Device memory that the program holds, counted by its own allocator. */
 struct Held {
     VkDevice device;
     uint32_t device_type, host_type;
@@ -66,14 +66,14 @@ static void objects_are_assigned(const Gpu &gpu) {
         geosweep::Surface surface(one, info);
         geosweep::Plan plan(one, 9, 12, geosweep::Method(GEOSWEEP_WAVEFRONT_CURVED));
         require(first.blocks > 0 && plan.iterations() == 8, "a surface and a plan are made");
-        /* The first solver has no other owner than these. */
+        /* The first solver has no other owners. */
         one = solver_on(gpu, of_second);
         surface = geosweep::Surface(one, info);
         require(first.blocks == 0 && second.blocks > 0, "the surface before was destroyed");
         plan = geosweep::Plan(one, 9, 12, geosweep::Method(GEOSWEEP_WAVEFRONT_CURVED).in_a_recording(4));
         require(plan.iterations() == 4, "the plan is the new one");
         require(refusals == 0, "nothing was refused");
-        /* With checks its place is kept, and tells that it was destroyed. */
+        /* With checks, the object's memory is kept and shows that the object was destroyed. */
         uint64_t bytes = 0;
         require(geosweep_solver_bytes(gone, &bytes) != GEOSWEEP_STATUS_SUCCESS &&
                     std::strstr(geosweep_last_error(), "was destroyed before") != nullptr,

@@ -1,2 +1,2 @@
-/* Whether there is a compiler that finds the headers of Vulkan. */
+/* Compiles if there is a compiler that finds the headers of Vulkan. */
 #include <vulkan/vulkan_core.h>

@@ -1,5 +1,5 @@
-//! What a renderer gets wrong after its first day, each in a process of its own with checks, with the validation
-//! layers and without: the process goes on, and is told by a call's status or by an outcome.
+//! Mistakes that renderers make. Each runs in its own process with checks, with and without the validation
+//! layers. The process continues, and a call's status or an outcome reports the mistake.
 
 use std::process::Command;
 use std::ptr::null_mut;
@@ -18,7 +18,7 @@ const COLS: u32 = 110;
 const POINTS: usize = (ROWS * COLS) as usize;
 const NAME: &str = "GEOSWEEP_TEST_MISTAKE";
 
-/// A surface with checks, two slots, points 0 in a ring of two parts and points 1 copied.
+/// A surface with checks, two slots, points 0 in a ring of two parts, and points 1 in the program's memory.
 struct Scene {
     session: Session,
     surface: *mut GeosweepSurface,
@@ -29,7 +29,7 @@ struct Scene {
 }
 
 impl Scene {
-    /// Prepared and measured, if asked for.
+    /// Creates the scene. `is_ready` prepares and measures the surface.
     fn new(layers: bool, is_ready: bool) -> Self {
         let mut host = if layers {
             Host::with_synchronization_validation()
@@ -69,7 +69,7 @@ impl Scene {
         frame(self.plan, &self.sources)
     }
 
-    /// Records and, if asked for, submits; nothing waits.
+    /// Records and, if `submits` is set, submits. Waits for nothing.
     fn record(&self, submits: bool, record: impl FnOnce(vk::CommandBuffer)) {
         let host = &self.session.host;
         let commands = host.commands();
@@ -85,7 +85,7 @@ impl Scene {
         unsafe { self.session.host.device.device_wait_idle() }.unwrap();
     }
 
-    /// Takes down what is left.
+    /// Destroys what remains.
     fn end(self) {
         self.wait();
         ok(unsafe { geosweep_surface_destroy(self.surface) });
@@ -97,22 +97,22 @@ impl Scene {
     }
 }
 
-/// A mistake, which says how it was told.
+/// A mistake and how it is reported.
 struct Mistake {
     name: &'static str,
     make: fn(layers: bool) -> String,
-    /// Words of how it is told.
+    /// Words of the report.
     told: &'static str,
 }
 
-/// What a call that has to be refused says.
+/// Returns the message of a call that must be refused.
 fn said(status: GeosweepStatus) -> String {
     assert_ne!(status, GeosweepStatus::Success);
     last_error()
 }
 
-/// Of an object that is destroyed while the frame and what was recorded of it are on their way; and after that
-/// without complaint.
+/// Destroys an object while the frame and a recording that uses it are in flight, which must be refused.
+/// Destroys it again afterwards, which must succeed. Returns the message of the refusal.
 fn destroyed<T>(
     scene: &Scene,
     made: *mut T,
@@ -191,7 +191,7 @@ const MISTAKES: [Mistake; 14] = [
         make: |layers| {
             let scene = Scene::new(layers, true);
             let frame = GeosweepFrame { points_offset: 4 * POINTS as u64, ..scene.frame() };
-            // Heights of zero are a plane: positions are the ones that fall together.
+            // Heights of zero form a plane. Positions of zero coincide.
             let kind = GeosweepPointKind::Positions as i32;
             let points = GeosweepPoints { kind, buffer: scene.ring.handle, stride: 12, ..zero() };
             let rows = scene.heights.len() as u32 / 3 / COLS;
@@ -417,7 +417,7 @@ const MISTAKES: [Mistake; 14] = [
     },
 ];
 
-/// The process that a mistake has for itself; by itself it does nothing.
+/// Runs the mistake that the environment names, in its own process. Without one, this test does nothing.
 #[test]
 fn a_process_with_a_mistake() {
     let Ok(wanted) = std::env::var(NAME) else { return };
@@ -427,7 +427,7 @@ fn a_process_with_a_mistake() {
 }
 
 #[test]
-fn mistakes_are_told_and_end_no_process() {
+fn mistakes_are_reported_and_end_no_process() {
     let program = std::env::current_exe().unwrap();
     for Mistake { name, told, .. } in &MISTAKES {
         for layers in ["layers", "none"] {

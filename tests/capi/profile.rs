@@ -1,4 +1,4 @@
-//! What each pass of a frame takes, through the functions of C.
+//! Times of the passes of a frame, through the functions of C.
 
 use std::ffi::CStr;
 use std::ptr::null_mut;
@@ -40,7 +40,7 @@ fn passes_of_a_frame_are_timed_and_counted() {
         let not_ready = GeosweepStatus::NotReady;
         refused(passes_of(&mut passes, &mut count), not_ready, "ask after its fence");
         let watched = GeosweepFrame { profile, ..plain };
-        // A frame that is refused is none of the profile's.
+        // The profile does not contain a frame that was refused.
         let off = [geosweep_source_at(40.0, 0.0)];
         let commands = session.host.commands();
         session.host.begin(commands);
@@ -71,7 +71,7 @@ fn passes_of_a_frame_are_timed_and_counted() {
                 assert!(of("scan down") > 0);
                 let scans = passes.iter().filter(|pass| name(pass).starts_with("scan"));
                 let ran = scans.filter(|pass| !pass.is_idle);
-                // In the last iteration nothing may be left to do.
+                // The last iteration may have nothing left to do.
                 let last = ran.map(|pass| pass.iteration + 1).max().unwrap();
                 assert!((iterations - 1..=iterations).contains(&last), "{last} of {iterations}");
             }

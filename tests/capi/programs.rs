@@ -1,4 +1,4 @@
-//! Programs in C: the example, the guide's frame, and one that leaves out a barrier.
+//! Programs in C: the example, the frame of the guide, and one that leaves out a barrier.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -8,7 +8,7 @@ use crate::build::{Linkage, ROOT, check_syntax, compile, scratch, validated};
 
 const EXAMPLE: &str = "examples/embed.c";
 
-/// The blocks of a language in a page.
+/// Returns the code blocks of a language in a page.
 fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
     let parts = page.split("```");
     let blocks = parts.skip(1).step_by(2).filter_map(|block| block.split_once('\n'));
@@ -19,8 +19,8 @@ fn read(file: &str) -> String {
     fs::read_to_string(Path::new(ROOT).join(file)).unwrap()
 }
 
-/// By itself, and twice, since headers are included by other headers; and with what the guide shows
-/// in C and C++.
+/// The header compiles on its own and when included twice, since headers are included by other headers. It
+/// also compiles with the guide's code in C and C++.
 #[test]
 fn the_header_compiles_in_c_and_cpp() {
     let folder = scratch("header");
@@ -33,7 +33,8 @@ fn the_header_compiles_in_c_and_cpp() {
     let [frame, curves] = in_c[..] else { panic!("a frame and its curves are in the guide, in C") };
     let objects = "#include \"geosweep.hpp\"\n#include \"geosweep.hpp\"\n";
     let with_objects = format!("{objects}{}", in_cpp.concat());
-    // Volk's header by what it does: it wants no prototypes, since it declares variables of their names.
+    // This header acts like volk's, which needs Vulkan without prototypes, since it declares variables with
+    // their names.
     let volk = "#pragma once\n#define VK_NO_PROTOTYPES\n#include <vulkan/vulkan_core.h>\n\
                 extern PFN_vkCreateInstance vkCreateInstance;\n";
     fs::write(folder.join("volk.h"), volk).unwrap();
@@ -42,7 +43,7 @@ fn the_header_compiles_in_c_and_cpp() {
         "#define GEOSWEEP_VULKAN_HEADER \"{}\"\n{twice}#include \"{0}\"\n",
         header.display()
     );
-    // Headers of a program's own need no header of ours.
+    // Forward declarations suffice for a program's own headers.
     let forward = format!(
         "struct GeosweepSurface;\nstruct GeosweepFrame;\n\
          void draw(GeosweepSurface *surface, const GeosweepFrame &frame);\n{twice}"
@@ -77,7 +78,7 @@ fn the_header_compiles_in_c_and_cpp() {
     }
 }
 
-/// The shader for hosts in C++ is one.
+/// The shader for hosts in C++ compiles.
 #[test]
 fn the_shader_of_contours_compiles() {
     use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -89,8 +90,8 @@ fn the_shader_of_contours_compiles() {
     assert!(naga::back::spv::write_vec(&module, &info, &Default::default(), None).is_ok());
 }
 
-/// It compares with distances on a plane itself, and fails if they differ. With the shared and the
-/// static library.
+/// The example compares its map with distances on a plane, and fails if they differ. It runs with the shared
+/// and the static library.
 #[test]
 fn the_example_runs_and_the_validation_layers_have_nothing_to_say() {
     for linkage in [Linkage::Shared, Linkage::Static] {
@@ -99,13 +100,14 @@ fn the_example_runs_and_the_validation_layers_have_nothing_to_say() {
         let run = validated(&program);
         let frames = run.printed.lines().filter(|line| line.starts_with("frame ")).count();
         assert_eq!((frames, run.findings), (10, Vec::new()), "{}", run.printed);
-        // From row 40, column 50 to the first corner, half a unit apart, on the level.
+        // The distance on the level, from row 40, column 50 to the first corner, with half a unit between
+        // points.
         let exact = 0.5 * f64::hypot(40.0, 50.0);
         assert!(run.printed.contains(&format!("frame 0: {exact:.3},")), "{}", run.printed);
     }
 }
 
-/// Which shows that the layers are there, and that the reader's stages count.
+/// A hazard must be reported. This shows that the layers are active, and that the reader's stages matter.
 #[test]
 fn a_reader_that_is_not_named_is_reported() {
     let reader = "{{VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT},";
@@ -123,7 +125,7 @@ fn a_reader_that_is_not_named_is_reported() {
     );
 }
 
-/// The guide's frame in C, between the lines that a renderer has around it.
+/// The guide's frame in C, with the code that a renderer has around it.
 #[test]
 fn the_frame_of_the_guide_compiles_and_runs() {
     let guide = read("docs/c.md");
@@ -145,7 +147,7 @@ fn the_frame_of_the_guide_compiles_and_runs() {
     assert!(run.printed.contains("the snippet's map is right"), "{}", run.printed);
 }
 
-/// Objects that are assigned and moved, and accesses of 64 bits.
+/// Assigned and moved objects, and 64-bit accesses.
 #[test]
 fn objects_in_cpp_are_destroyed_once_and_in_order() {
     let program = scratch("objects").join("objects");
@@ -155,7 +157,7 @@ fn objects_in_cpp_are_destroyed_once_and_in_order() {
     assert!(run.printed.contains("are as they should"), "{}", run.printed);
 }
 
-/// Both libraries hold all functions of the header: a program that takes the address of each links.
+/// Both libraries contain all functions of the header: a program that takes the address of each one links.
 #[test]
 fn all_functions_are_in_both_libraries() {
     let header = read("src/capi/geosweep.h");

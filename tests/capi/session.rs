@@ -1,4 +1,4 @@
-//! A host with a solver of ours, as a program in C would have it.
+//! A host that has a solver through the interface for C.
 
 use std::ffi::CStr;
 use std::sync::OnceLock;
@@ -8,9 +8,9 @@ use geosweep::capi::*;
 
 use crate::host::{Host, HostBuffer};
 
-/// What `= {0}` is in C.
+/// Returns the value of `= {0}` in C.
 pub fn zero<T: Copy>() -> T {
-    // SAFETY: the tests ask for structs of the interface only, which are made to start so.
+    // SAFETY: the tests request only structs of the interface, for which zero is a valid value.
     unsafe { std::mem::zeroed() }
 }
 
@@ -23,7 +23,7 @@ pub fn ok(status: GeosweepStatus) {
     assert_eq!(status, GeosweepStatus::Success, "{}", last_error());
 }
 
-/// The call failed in this way, and its message has these words.
+/// Asserts that a call has failed with this status, and that its message contains these words.
 #[track_caller]
 pub fn refused(status: GeosweepStatus, expected: GeosweepStatus, words: &str) {
     let message = last_error();
@@ -31,19 +31,19 @@ pub fn refused(status: GeosweepStatus, expected: GeosweepStatus, words: &str) {
     assert!(message.contains(words), "{words:?} is not in {message:?}");
 }
 
-/// An argument was refused.
+/// Asserts that a call has refused an argument.
 #[track_caller]
 pub fn wrong(status: GeosweepStatus, words: &str) {
     refused(status, GeosweepStatus::InvalidArgument, words);
 }
 
-/// Each call is refused with these words.
+/// Asserts that each call is refused with these words.
 macro_rules! all_wrong {
     ($($call:expr => $words:literal,)*) => { $($crate::session::wrong($call, $words);)* };
 }
 pub(crate) use all_wrong;
 
-/// The loader, loaded as long as the tests run.
+/// Returns the loader, which stays loaded as long as the tests run.
 pub fn entry() -> &'static ash::Entry {
     static ENTRY: OnceLock<ash::Entry> = OnceLock::new();
     ENTRY.get_or_init(|| unsafe { ash::Entry::load() }.unwrap())
@@ -76,13 +76,13 @@ pub fn solver_info(host: &Host) -> GeosweepSolverInfo {
     }
 }
 
-/// A grid with one slot and these points.
+/// Returns the parameters of a grid with one slot and these points.
 pub fn surface_info(rows: u32, cols: u32, points: &[GeosweepPoints]) -> GeosweepSurfaceInfo {
     let (points, point_count) = (points.as_ptr(), points.len() as u32);
     GeosweepSurfaceInfo { rows, cols, slots: 1, points, point_count, ..zero() }
 }
 
-/// Until single precision converges.
+/// Returns a method whose tolerance is the limit of single precision.
 pub fn method(wavefront: GeosweepWavefront, iterations: u32) -> GeosweepMethod {
     let wavefront = wavefront as i32;
     GeosweepMethod { wavefront, tolerance: 1e-6, most_iterations: 400, iterations, ..zero() }
@@ -102,7 +102,7 @@ pub fn frame(plan: *const GeosweepPlan, sources: &[GeosweepSource]) -> GeosweepF
     GeosweepFrame { sources, plan, reader: COPY, unreached: f32::INFINITY, ..zero() }
 }
 
-/// [`Session::end`] takes it down.
+/// A host with a solver. [`Session::end`] destroys it.
 pub struct Session {
     pub host: Host,
     pub solver: *mut GeosweepSolver,
@@ -121,7 +121,7 @@ impl Session {
         plan
     }
 
-    /// A surface, prepared.
+    /// Returns a prepared surface.
     pub fn surface(&self, info: &GeosweepSurfaceInfo) -> *mut GeosweepSurface {
         let mut surface = std::ptr::null_mut();
         ok(unsafe { geosweep_surface_create(self.solver, info, &mut surface) });
@@ -129,7 +129,7 @@ impl Session {
         surface
     }
 
-    /// Runs what records an image of distances, and copies that.
+    /// Runs commands that write an image of distances, and copies the image.
     pub fn read(
         &mut self,
         record: impl FnOnce(vk::CommandBuffer, &mut GeosweepImage) -> GeosweepStatus,
@@ -158,7 +158,7 @@ impl Session {
         distances
     }
 
-    /// A frame's map.
+    /// Returns the map of a frame.
     pub fn map(&mut self, surface: *const GeosweepSurface, frame: &GeosweepFrame) -> Vec<f32> {
         self.read(|commands, image| unsafe {
             geosweep_record_frame(surface, commands, frame, image)
@@ -171,7 +171,8 @@ impl Session {
         outcome
     }
 
-    /// Destroys the solver; nothing is left, and the validation layers have said nothing.
+    /// Destroys the solver. Asserts that no memory is left and that the validation layers have reported
+    /// nothing.
     pub fn end(mut self, buffers: impl IntoIterator<Item = HostBuffer>) {
         ok(unsafe { geosweep_solver_destroy(self.solver) });
         buffers.into_iter().for_each(|buffer| self.host.free(buffer));

@@ -1,10 +1,10 @@
-/* What a renderer has around the guide's frame: tests/capi/programs.rs puts that in its place. */
+/* A renderer around the guide's frame, which tests/capi/programs.rs inserts. */
 
 #define main example_main
 #include "examples/embed.c"
 #undef main
 
-/* The snippet looks at no status: its calls are checked here. */
+/* The snippet ignores the statuses of its calls, so they are checked here. */
 #define geosweep_solver_create(...) check(geosweep_solver_create(__VA_ARGS__))
 #define geosweep_surface_create(...) check(geosweep_surface_create(__VA_ARGS__))
 #define geosweep_plan_create(...) check(geosweep_plan_create(__VA_ARGS__))
@@ -18,7 +18,7 @@ int main(int argc, char **argv) {
     VkInstance instance = host.instance;
     VkPhysicalDevice physical_device = host.physical_device;
     VkDevice device = host.device;
-    /* Both may be one command buffer: recordings of a surface wait for those before. */
+    /* Both may be the same command buffer: recordings of a surface wait for earlier ones. */
     VkCommandBuffer load_commands = host.commands, commands = host.commands;
     HostBuffer vertex_buffer = make_buffer(&host, 8 * POINTS), read = make_buffer(&host, POINTS);
     VkBuffer vertices = vertex_buffer.buffer;
@@ -36,7 +36,7 @@ int main(int argc, char **argv) {
 
 /* the guide's frame */
 
-    /* Fragment shaders could read now; the test copies. */
+    /* Fragment shaders could read now. The test copies instead. */
     VkImageMemoryBarrier barrier = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
         .dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT,
@@ -58,7 +58,7 @@ int main(int argc, char **argv) {
     for (int i = 0; i < POINTS; i++) {
         error = larger(error_at(i / 256, i % 256, read.mapped[i], 1.0, source), error);
     }
-    /* Exact on a plane but for rounding: 3e-6 of the longest ways, which are about 140. */
+    /* Distances on a plane are exact up to rounding: 3e-6 of the longest ones, which are about 140. */
     if (!(error < 4e-4)) {
         fprintf(stderr, "errors up to %g\n", error);
         return EXIT_FAILURE;

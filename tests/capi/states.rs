@@ -1,5 +1,5 @@
-//! What is wrong with a call at its time: a surface without edges or a map, a slot in flight, an object that is
-//! gone. Each is an error, or stands in the outcome. `tests/vulkan/embed/misuse.rs` has the same in Rust.
+//! Calls that come at the wrong time: a surface without edges or a map, a slot in flight, a destroyed object.
+//! Each gives an error or a value in the outcome. `tests/vulkan/embed/misuse.rs` tests the same in Rust.
 
 use std::ptr::null_mut;
 
@@ -28,7 +28,7 @@ fn with_checks(host: Host) -> Session {
 }
 
 #[test]
-fn what_comes_before_what_it_needs_is_refused() {
+fn calls_before_their_prerequisites_are_refused() {
     let session = Session::new(Host::new());
     let data = [0.5f32; (ROWS * COLS) as usize];
     let points = [heights(&data)];
@@ -89,7 +89,7 @@ fn what_comes_before_what_it_needs_is_refused() {
     for bad in &bad {
         wrong(record(&frame(plan, bad)), "give 0 for a point");
     }
-    // All of it is fine, once there is a map; another wavefront's is not.
+    // All calls succeed once there is a map, except for those with another wavefront.
     ok(record(&good));
     ok(record(&unchanged));
     all_wrong! {
@@ -121,7 +121,7 @@ fn what_comes_before_what_it_needs_is_refused() {
 }
 
 #[test]
-fn what_lies_beyond_a_buffer_is_refused() {
+fn ranges_beyond_a_buffer_are_refused() {
     let mut session = Session::new(Host::new());
     let buffer = session.host.buffer_of(&[0.0; 3 * (ROWS * COLS) as usize]);
     let handle = buffer.handle;
@@ -141,9 +141,9 @@ fn what_lies_beyond_a_buffer_is_refused() {
     session.end([buffer]);
 }
 
-/// The kind of an object is known in any case, and whether it is there with checks.
+/// A wrong kind of object is always detected. A destroyed object is detected with checks.
 #[test]
-fn objects_that_are_gone_or_others_are_named() {
+fn destroyed_and_wrong_objects_are_named() {
     let session = with_checks(Host::new());
     let data = [0.5f32; (ROWS * COLS) as usize];
     let points = [heights(&data)];
@@ -202,12 +202,13 @@ fn checks_look_at_slots_in_flight() {
     session.end([]);
 }
 
-/// Parts of a buffer by an offset, and other buffers in place of those a surface was made with.
+/// Parts of a buffer are selected by an offset, and other buffers replace those with which a surface was
+/// created.
 #[test]
 fn inputs_change_from_frame_to_frame() {
     let mut session = Session::new(Host::with_synchronization_validation());
     let count = (ROWS * COLS) as usize;
-    // Planes that rise along rows, ever steeper.
+    // These planes rise along the rows, each more steeply.
     let heights = |steep: f32| (0..count as u32).map(move |index| steep * (index / COLS) as f32);
     let ring: Vec<f32> = heights(0.0).chain(heights(1.0)).collect();
     let ring = session.host.buffer_of(&ring);
@@ -225,7 +226,7 @@ fn inputs_change_from_frame_to_frame() {
     let surface = session.surface(&info);
     let plan = session.plan(ROWS, COLS, &method(GeosweepWavefront::Curved, 12));
     let good = GeosweepFrame { sources: zero(), ..frame(plan, &[]) };
-    // From the source's row down its column.
+    // The distances run from the source's row down its column.
     let mut along = |points_offset, source, row: u32, words: f32| {
         let sources = GeosweepSources { offset: source, ..zero() };
         let map = session.map(surface, &GeosweepFrame { points_offset, sources, ..good });
@@ -279,9 +280,9 @@ fn inputs_change_from_frame_to_frame() {
     session.end([ring, other, entries]);
 }
 
-/// Images and buffers of the program's: those that are too small, null, or were not asked for are refused.
+/// Images and buffers of the program. They are refused if they are too small, null or were not requested.
 #[test]
-fn outputs_may_be_the_programs_own() {
+fn the_program_may_provide_outputs() {
     let mut session = Session::new(Host::with_synchronization_validation());
     let data = [0.5f32; (ROWS * COLS) as usize];
     let points = [heights(&data)];
@@ -338,7 +339,8 @@ fn outputs_may_be_the_programs_own() {
     session.end(buffers);
 }
 
-/// What a solver should be made for, for plans that say `GEOSWEEP_SCHEDULE_BEST`.
+/// The best schedule for a device and a grid, for which a solver should be created if its plans use
+/// `GEOSWEEP_SCHEDULE_BEST`.
 #[test]
 fn the_best_schedule_is_known_before_the_solver() {
     let host = Host::without_validation();
@@ -370,7 +372,7 @@ fn the_best_schedule_is_known_before_the_solver() {
     );
 }
 
-/// On a plane the nearest of two sources is the nearest.
+/// On a plane, labels name the nearest of two sources.
 #[test]
 fn regions_are_those_of_the_nearest_source() {
     let mut session = Session::new(Host::new());
@@ -407,7 +409,7 @@ fn regions_are_those_of_the_nearest_source() {
         let label = u32::from_ne_bytes(label.try_into().unwrap());
         let (row, col) = ((index as u32 / COLS) as f32, (index as u32 % COLS) as f32);
         let [near, far] = [0, 1].map(|k| f32::hypot(sources[k].row - row, sources[k].col - col));
-        // The border is not looked at.
+        // Points near the border are not compared.
         if (near - far).abs() > 1.0 {
             assert_eq!(label, u32::from(far < near), "{row},{col}");
         }

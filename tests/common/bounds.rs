@@ -1,5 +1,5 @@
-//! Random surfaces that nothing was tuned on, and bounds that every map keeps on them, whatever the front,
-//! the engine and the schedule.
+//! Random surfaces on which nothing was tuned, and bounds that hold for every map on them, with any
+//! wavefront, engine and schedule.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -11,35 +11,36 @@ use geosweep::{EdgeRule, Sources, Spacing, Surface, Wavefront};
 
 use super::Random;
 
-/// Fronts settle within so many iterations, or the map says that it has not converged.
+/// Iterations within which fronts must converge. Otherwise the map must report that it has not converged.
 pub const SETTLED: Stop = Stop { tolerance: 1e-6, iterations: 500 };
 
-/// Maps that differ by more of the largest distance have settled in two ways.
+/// Difference, relative to the largest distance, above which two maps have converged to different results.
 pub const APART: f64 = 1e-4;
 
-/// How many cases a test runs: `usual`, or what `GEOSWEEP_CASES` says; and the first one's number, 0 or
-/// `GEOSWEEP_FIRST_CASE`.
+/// Returns the numbers of the cases that a test runs. Their count is `usual` or `GEOSWEEP_CASES`, and the
+/// first one is 0 or `GEOSWEEP_FIRST_CASE`.
 pub fn cases(usual: u64) -> std::ops::Range<u64> {
     let of = |name| std::env::var(name).ok().and_then(|text| text.parse().ok());
     let first = of("GEOSWEEP_FIRST_CASE").unwrap_or(0);
     first..first + of("GEOSWEEP_CASES").unwrap_or(usual)
 }
 
-/// A surface and sources on it.
+/// A surface and its sources.
 pub struct Case {
     pub name: String,
     pub surface: Surface,
     pub sources: Sources,
-    /// Whether distances in space bound those along the surface.
+    /// Whether distances in space are lower bounds of those along the surface.
     pub(super) has_positions: bool,
-    /// Whether curved fronts tell of their origins.
+    /// Whether curved fronts keep their origins.
     pub(super) has_origins: bool,
 }
 
 impl Case {
-    /// Relief from a hundredth to a hundred times the spacing, smooth or not; sheared by up to three cells and
-    /// stretched up to tenfold; with holes or without, and with a slowness or without. Up to eight sources, some of
-    /// them inside cells and some of them later, or a curve beside them.
+    /// Returns a random case. The relief is from a hundredth to a hundred times the spacing, smooth or rough.
+    /// Grids are sheared by up to three cells and stretched up to tenfold. They may have holes and a
+    /// slowness. There are up to eight sources, some inside cells and some with later start values, or a
+    /// curve beside them.
     pub fn new(number: u64) -> Self {
         let mut random = Random::new(number);
         let mut one_in = |many: f64| random.next() < 1.0 / many;
@@ -85,7 +86,7 @@ impl Case {
                 [row + if inside { down } else { 0.0 }, col + if inside { right } else { 0.0 }];
             let start = if later { between(0.0, 2.0) } else { 0.0 };
             let with = sources.clone().and_point(place[0], place[1], start);
-            // Not every place inside a cell is on the surface.
+            // Some places inside cells are not on the surface.
             let with = if with.seeds(&surface).is_ok() {
                 with
             } else {
@@ -116,12 +117,13 @@ impl Case {
         Self { name, surface, sources, has_positions, has_origins: false }
     }
 
-    /// A surface and sources of the test's own.
+    /// Returns a case with the test's own surface and sources.
     pub fn of(name: String, surface: Surface, sources: Sources) -> Self {
         Self { name, surface, sources, has_positions: false, has_origins: false }
     }
 
-    /// Any of these surfaces with clusters of sources at grid points, some of which start later, and a line across.
+    /// Returns a case on one of these surfaces, with clusters of sources at grid points, some of which start
+    /// later, and a line across the grid.
     pub fn clusters(number: u64) -> Self {
         let surface = match number % 3 {
             0 => Self::new(number),
@@ -163,7 +165,8 @@ impl Case {
         Self { has_origins: true, ..Self::of(name, surface, sources) }
     }
 
-    /// Flat ground or hills with patches and strips of slownesses up to a thousandfold, holes, and some sources.
+    /// Returns a case with flat ground or hills, patches and strips with slownesses up to a thousandfold,
+    /// holes, and some sources.
     pub fn patches(number: u64) -> Self {
         let mut random = Random::new(number ^ 0x5eed);
         let mut between = |low: f64, high: f64| low + (high - low) * random.next();
@@ -195,7 +198,8 @@ impl Case {
         Self::of(name, surface, sources)
     }
 
-    /// The fronts for this case: circular ones are for one source and an even slowness, see [`Wavefront::PointSource`].
+    /// Returns the wavefronts for this case. Circular ones are only for one source and an even slowness, see
+    /// [`Wavefront::PointSource`].
     pub fn wavefronts(&self) -> Vec<Wavefront> {
         let is_circular = self.sources.are_points()
             && self.sources.iter().count() == 1
@@ -208,7 +212,7 @@ impl Case {
         self.sources.seeds(&self.surface).unwrap()
     }
 
-    /// Those from which fronts of this kind start.
+    /// Returns the seeds from which fronts of this kind start.
     pub fn starts(&self, wavefront: Wavefront) -> Vec<Seed> {
         if !self.has_origins || !wavefront.is_curved() {
             return self.seeds();
@@ -217,7 +221,7 @@ impl Case {
         wavefront.seeds(&self.surface, seeds)
     }
 
-    /// What the map is held against.
+    /// Computes the bounds of the map.
     pub fn bounds(&self) -> Bounds {
         let (chart, seeds) = (self.surface.chart(), self.seeds());
         let edges = EdgeLengths::<f64>::new(&self.surface).unwrap();
@@ -250,7 +254,7 @@ impl Case {
     }
 }
 
-/// Three parts the point's own height, one part its neighbours'.
+/// Smooths heights: half of a point's own height and half of its neighbours' mean.
 fn smooth(rows: usize, cols: usize, heights: &mut [f64]) {
     let before = heights.to_vec();
     let at = |row: usize, col: usize| before[row.min(rows - 1) * cols + col.min(cols - 1)];
@@ -265,19 +269,19 @@ fn smooth(rows: usize, cols: usize, heights: &mut [f64]) {
     }
 }
 
-/// Bounds of a map that need no other map: see [`Bounds::check`].
+/// Bounds of a map that need no other map; see [`Bounds::check`].
 pub struct Bounds {
     start: f64,
-    /// Lengths of the shortest ways along edges, infinite where there is none.
+    /// Lengths of the shortest paths along edges, infinite where there is none.
     shortest: Vec<f64>,
-    /// Straight lines in space; empty if they are not known.
+    /// Lengths of straight lines in space; empty if they are not known.
     straight: Vec<f64>,
     longest_edge: f64,
     pub largest: f64,
 }
 
 impl Bounds {
-    /// Largest difference of two maps, over the largest distance.
+    /// Returns the largest difference of two maps, relative to the largest distance.
     pub fn difference<R: Real, S: Real>(&self, a: &[R], b: &[S]) -> f64 {
         let apart = |(a, b): (&R, &S)| {
             let (a, b) = (a.wide(), b.wide());
@@ -286,11 +290,12 @@ impl Bounds {
         a.iter().zip(b).map(apart).fold(0.0, f64::max) / self.largest
     }
 
-    /// No distance is below the first source's, above the shortest way along edges, or below the straight line by
-    /// more than half the longest edge, which is how far fronts that meet inside a cell may be mistaken; and the
-    /// same points are reached.
+    /// Checks a map. No distance may be below that of the first source, or above the shortest path along
+    /// edges. None may be below the straight line by more than half the longest edge, which is the largest
+    /// error where fronts meet inside a cell. The map must reach the connected points and no others.
     pub fn check<R: Real>(&self, distances: &[R]) -> Result<(), String> {
-        // Single precision: some units in the last place for each of the points passed, at most so much in all.
+        // Rounding in single precision: some units in the last place for each point on the way, up to this
+        // limit.
         let rounding = 1e-5 * self.largest;
         for (index, (distance, &shortest)) in distances.iter().zip(&self.shortest).enumerate() {
             let distance = distance.wide();
@@ -322,12 +327,12 @@ fn places(chart: Chart) -> impl Iterator<Item = (usize, usize)> {
     (0..chart.points()).map(move |index| chart.position(index))
 }
 
-/// Lengths of the shortest ways along edges, for each point, row by row.
+/// Returns the lengths of the shortest paths along edges, row by row.
 fn dijkstra(edges: &EdgeLengths<f64>, seeds: &[Seed]) -> Vec<f64> {
     let chart = edges.chart();
     let mut times = vec![f64::INFINITY; chart.points()];
     let mut heap = BinaryHeap::new();
-    // Times that are not negative compare as their bits do.
+    // The bits of positive floats have the same order as their values.
     let key = |time: f64| (time + 1e3).to_bits();
     for seed in seeds {
         let index = chart.index(seed.row, seed.col);

@@ -1,4 +1,4 @@
-//! The random cases of properties.
+//! Random cases of properties.
 
 use std::env::{self, VarError};
 use std::hash::{BuildHasher, RandomState};
@@ -6,12 +6,13 @@ use std::hash::{BuildHasher, RandomState};
 use proptest::prelude::ProptestConfig;
 use proptest::test_runner::RngSeed;
 
-/// So many random cases: the same in every run, so that a test that fails tells of a change. The environment's
-/// `GEOSWEEP_SEED` gives others: a number, or `random` for a fresh one, which a failure prints.
+/// Returns a configuration with `cases` random cases. They are the same in every run, so that a failing test
+/// is caused by a change. The environment variable `GEOSWEEP_SEED` selects others: a number, or `random` for
+/// a fresh one, which a failure prints.
 pub fn cases(cases: u32) -> ProptestConfig {
     let seed = match env::var("GEOSWEEP_SEED").as_deref() {
         Ok("random") => RandomState::new().hash_one(cases),
-        Ok(text) => text.parse().unwrap_or_else(|_| panic!("GEOSWEEP_SEED={text} is no number")),
+        Ok(text) => text.parse().unwrap_or_else(|_| panic!("GEOSWEEP_SEED={text} is not a number")),
         Err(VarError::NotPresent) => 0,
         Err(other) => panic!("GEOSWEEP_SEED: {other}"),
     };

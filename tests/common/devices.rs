@@ -1,6 +1,6 @@
-//! Devices that tests of a binary use in turn: to open one under the validation layers and to compile
-//! its pipelines takes longer than most tests. They are closed when the process ends: Debian 13's validation layers
-//! (1.4.309) abort it where a device outlives them.
+//! Devices that the tests of a binary share. Opening one under the validation layers and compiling its
+//! pipelines takes longer than most tests. The devices are closed when the process ends: Debian 13's
+//! validation layers (1.4.309) abort the process if a device outlives them.
 
 use std::ffi::c_int;
 use std::ops::{Deref, DerefMut};
@@ -9,15 +9,15 @@ use std::sync::Mutex;
 use geosweep::DeviceChoice;
 use geosweep::vulkan::Solver;
 
-/// The device that `GEOSWEEP_TEST_DEVICE` names, or any.
+/// Returns the device that `GEOSWEEP_TEST_DEVICE` names, or any.
 pub fn device_choice() -> DeviceChoice {
     DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default())
 }
 
 static SOLVERS: Pool<Solver> = Pool::new();
 
-/// A headless solver on [`device_choice`], under the validation layers: a call that leaves a
-/// validation message fails. No device is a failure too, not a reason to skip.
+/// Lends a headless solver on [`device_choice`], under the validation layers. A call that causes a validation
+/// message fails. A missing device is a failure too, not a reason to skip the test.
 pub fn vulkan_solver() -> Lent<Solver> {
     let open = || {
         Solver::with_validation(&device_choice()).expect(
@@ -30,7 +30,8 @@ pub fn vulkan_solver() -> Lent<Solver> {
     })
 }
 
-/// What lies ready for the next test; as many as tests have run at a time.
+/// Items that are ready for the next test. Their number is the largest number of tests that ran at the same
+/// time.
 pub struct Pool<T: 'static>(Mutex<Vec<T>>);
 
 impl<T: Send> Pool<T> {
@@ -38,8 +39,8 @@ impl<T: Send> Pool<T> {
         Self(Mutex::new(Vec::new()))
     }
 
-    /// Lends one, or opens one more. It is checked when it comes back. That of a test that fails does
-    /// not come back, so that the next begins with nothing of it.
+    /// Lends an item, or opens a new one. The item is checked when it is returned. A failing test does not
+    /// return its item, so that the next test does not see its state.
     pub fn lend(&'static self, open: impl FnOnce() -> T, check: fn(&T)) -> Lent<T> {
         let idle = self.0.lock().unwrap().pop();
         let opened = || {
@@ -52,13 +53,14 @@ impl<T: Send> Pool<T> {
     }
 }
 
-/// What is left to do when the process ends.
+/// Functions that run when the process ends.
 static LAST: Mutex<Vec<Box<dyn FnOnce() + Send>>> = Mutex::new(Vec::new());
 
-/// Has what is left done when the process ends, before all that libraries have asked for by now: what is asked for
-/// last comes first. Layers ask when they are used as well as when they are loaded, so each use of a device ends with this.
+/// Registers the functions that run when the process ends. They run before all functions that libraries have
+/// registered so far, since the last one registered runs first. Layers register functions when they are
+/// loaded and also when they are used, so each use of a device ends with this call.
 fn close_at_exit() {
-    // SAFETY: so C declares it, and it asks nothing of its caller.
+    // SAFETY: this is its declaration in C, and it requires nothing of its caller.
     unsafe extern "C" {
         safe fn atexit(function: extern "C" fn()) -> c_int;
     }
@@ -69,10 +71,10 @@ fn close_at_exit() {
     assert_eq!(atexit(all), 0, "no more can be done at exit");
 }
 
-/// One of a [`Pool`], for one test; or one of the test's own.
+/// An item of a [`Pool`] for one test, or the test's own item.
 pub struct Lent<T: 'static> {
     item: Option<T>,
-    /// Where it goes when the test has done with it, and what is to hold of it then.
+    /// Pool to which the item returns after the test, and the check that it must pass.
     back: Option<Return<T>>,
 }
 

@@ -1,4 +1,4 @@
-//! Counts what a thread takes from the heap. For a binary with this as its allocator.
+//! Counts the heap allocations of a thread. A binary uses this as its allocator.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -9,7 +9,7 @@ thread_local! {
     static ALLOCATIONS: Cell<u32> = const { Cell::new(0) };
 }
 
-// SAFETY: all is left to the system's allocator.
+// SAFETY: all calls go to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.with(|count| count.set(count.get() + 1));
@@ -24,7 +24,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static COUNTING: Counting = Counting;
 
-/// Allocations of this thread so far.
+/// Returns the number of allocations of this thread so far.
 pub fn allocations() -> u32 {
     ALLOCATIONS.with(Cell::get)
 }

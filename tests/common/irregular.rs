@@ -1,5 +1,5 @@
-//! Surfaces of another making than those of `Case::new`: points moved aside, spacings that grow or fold back, shears of
-//! up to forty cells, spirals and ridges, walls with gaps, and slownesses that vary smoothly.
+//! Surfaces unlike those of `Case::new`: points that are moved aside, spacings that grow or fold back, shears
+//! of up to forty cells, spirals and ridges, walls with gaps, and slownesses that vary smoothly.
 
 use geosweep::glam::DVec3;
 use geosweep::{EdgeRule, Sources, Surface};
@@ -7,7 +7,7 @@ use geosweep::{EdgeRule, Sources, Surface};
 use super::Random;
 use super::bounds::Case;
 
-/// How the points of a grid are placed.
+/// Arrangement of the points of a grid.
 #[derive(Clone, Copy, Debug)]
 enum Shape {
     Hills,
@@ -23,7 +23,8 @@ impl Shape {
 }
 
 impl Case {
-    /// A surface of this kind with up to eight sources, some of them inside cells and some of them later.
+    /// Returns a surface of this kind with up to eight sources, some inside cells and some with later start
+    /// values.
     pub fn irregular(number: u64) -> Self {
         let mut random = Random::new(number + 77_000_003);
         let mut between = |low: f64, high: f64| low + (high - low) * random.next();
@@ -97,7 +98,7 @@ impl Case {
                 [between(0.0, 1.0), between(0.0, 1.0)].map(|by| if inside { by } else { 0.0 });
             let start = if later { between(0.0, 5.0) } else { 0.0 };
             let with = sources.clone().and_point(row + aside[0], col + aside[1], start);
-            // Not every place inside a cell is on the surface.
+            // Some places inside cells are not on the surface.
             sources = match with.seeds(&surface) {
                 Ok(_) => with,
                 Err(_) => sources.and_point(row, col, start),

@@ -1,4 +1,4 @@
-//! What the integration tests share: maps by either engine, surfaces, and how far maps differ.
+//! Shared parts of the integration tests: maps by either engine, surfaces, and differences of maps.
 
 #![allow(dead_code, reason = "each binary uses its part")]
 
@@ -20,12 +20,12 @@ pub use cases::cases;
 #[allow(unused_imports, reason = "each binary uses its part")]
 pub use devices::{Lent, Pool, device_choice, vulkan_solver};
 
-/// Stops when nothing changes beyond rounding, and never before.
+/// Stops when nothing changes beyond rounding, and never earlier.
 pub const CONVERGED: Stop = Stop { tolerance: 1e-6, iterations: 10_000 };
-/// The same for double precision.
+/// Counterpart of [`CONVERGED`] for double precision.
 pub const CONVERGED_F64: Stop = Stop { tolerance: 1e-13, iterations: 10_000 };
 
-/// By the CPU engine.
+/// Computes a map with the CPU engine.
 pub fn rotated<R: Real>(
     surface: &Surface,
     sources: &Sources,
@@ -36,7 +36,7 @@ pub fn rotated<R: Real>(
     cpu::rotated_scan(&edges, &sources.seeds(surface).unwrap(), wavefront, stop)
 }
 
-/// By scans of the grid as it lies.
+/// Computes a map with scans along the grid's own directions.
 pub fn directed<R: Real>(
     surface: &Surface,
     sources: &Sources,
@@ -47,19 +47,19 @@ pub fn directed<R: Real>(
     cpu::raster_scan(&edges, &sources.seeds(surface).unwrap(), wavefront, stop)
 }
 
-/// By fast marching.
+/// Computes a map with fast marching.
 pub fn marched<R: Real>(surface: &Surface, sources: &Sources, wavefront: Wavefront) -> Solution<R> {
     let edges = EdgeLengths::new(surface).unwrap();
     cpu::fast_marching(&edges, &sources.seeds(surface).unwrap(), wavefront)
 }
 
-/// The CPU engine's map.
+/// Returns the map of the CPU engine.
 pub fn on_cpu(surface: &Surface, seeds: &[Seed], wavefront: Wavefront, stop: Stop) -> Vec<f32> {
     let edges = EdgeLengths::<f32>::new(surface).unwrap();
     cpu::rotated_scan(&edges, seeds, wavefront, stop).distances()
 }
 
-/// The Vulkan engine's map.
+/// Returns the map of the Vulkan engine.
 pub fn on_vulkan(
     solver: &mut Solver,
     surface: &Surface,
@@ -72,8 +72,8 @@ pub fn on_vulkan(
     solver.solve(&mut on_device, seeds, method).unwrap().distances
 }
 
-/// Largest difference of two maps over the largest distance; both are free of NaN and reach the same
-/// points.
+/// Returns the largest difference of two maps, relative to the largest distance. Asserts that both are free
+/// of NaN and reach the same points.
 pub fn difference<R: Real, S: Real>(a: &[R], b: &[S]) -> f64 {
     let b: Vec<f64> = b.iter().map(|x| x.wide()).collect();
     assert!(!b.iter().any(|x| x.is_nan()), "a distance is NaN");
@@ -82,8 +82,8 @@ pub fn difference<R: Real, S: Real>(a: &[R], b: &[S]) -> f64 {
     errors.max_of_largest
 }
 
-/// A height field without symmetry, with holes where a cheap hash says so: about one point in
-/// `one_hole_in`, none for 0.
+/// Returns a height field without symmetry. A simple hash makes about one point in `one_hole_in` a hole, or
+/// none for 0.
 pub fn rough(rows: usize, cols: usize, one_hole_in: u64) -> Surface {
     let hash = |index: usize| (index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40;
     let heights = (0..rows * cols)
@@ -96,7 +96,7 @@ pub fn rough(rows: usize, cols: usize, one_hole_in: u64) -> Surface {
     Surface::from_heights(rows, cols, heights, Spacing { dx: 1.0, dy: 1.3 }).unwrap()
 }
 
-/// The first point of a surface from the middle on.
+/// Returns the first point of a surface from the middle on.
 pub fn some_point(surface: &Surface) -> (usize, usize) {
     let chart = surface.chart();
     let points = chart.points();
@@ -107,12 +107,12 @@ pub fn some_point(surface: &Surface) -> (usize, usize) {
     chart.position(index)
 }
 
-/// Seeds of a source at a grid point.
+/// Returns the seeds of a source at a grid point.
 pub fn seeds_at(surface: &Surface, (row, col): (usize, usize)) -> Vec<Seed> {
     at([row as f64, col as f64]).seeds(surface).unwrap()
 }
 
-/// A source off the middle and off every line of symmetry, at a grid point.
+/// Returns a source at a grid point, off the middle and off every line of symmetry.
 pub fn off_centre(rows: usize, cols: usize) -> [f64; 2] {
     [(0.3 * (rows - 1) as f64).round(), (0.4 * (cols - 1) as f64).round()]
 }
@@ -121,7 +121,7 @@ pub fn at([row, col]: [f64; 2]) -> Sources {
     Sources::point(row, col)
 }
 
-/// Pseudo-random numbers (xorshift), the same on every machine.
+/// Pseudo-random numbers (xorshift), which are the same on every machine.
 pub struct Random(u64);
 
 impl Random {
@@ -129,7 +129,7 @@ impl Random {
         Self((seed + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15))
     }
 
-    /// Uniform from 0 to 1.
+    /// Returns a number that is uniform from 0 to 1.
     pub fn next(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;

@@ -1,27 +1,27 @@
-//! Sheets that unroll into a plane, and sources side by side on them, with their exact distances.
+//! Sheets that unroll into a plane, and neighbouring sources on them, with their exact distances.
 
 use geosweep::glam::{DVec2, DVec3};
 use geosweep::{Sources, Surface};
 
 use super::Random;
 
-/// An even grid in the plane or rolled into a part of a cylinder, and sources on it.
+/// An even grid in the plane, or rolled into a part of a cylinder, and its sources.
 pub struct Sheet {
     pub name: String,
     pub surface: Surface,
     pub sources: Sources,
-    /// The longer side of a cell.
+    /// Length of the longer side of a cell.
     pub cell: f64,
     /// Exact distances, row by row.
     pub exact: Vec<f64>,
 }
 
-/// What the sources of a sheet are.
+/// Kind of sources on a sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
-    /// Two at neighbouring grid points.
+    /// Two sources at neighbouring grid points.
     Pair,
-    /// Up to six within some cells, at grid points.
+    /// Up to six sources at grid points, within some cells.
     Cluster,
     /// All grid points of a row.
     Row,
@@ -36,8 +36,8 @@ impl Kind {
 }
 
 impl Sheet {
-    /// A sheet of 5 to 27 points a side, with cells up to four times as long as wide and sheared by up to one and a
-    /// half of them; `rolled` into up to 20 degrees of a cylinder.
+    /// Returns a sheet of 5 to 27 points per side. Cells are up to four times as long as wide and sheared by
+    /// up to one and a half cells. `rolled` sheets are up to 20 degrees of a cylinder.
     pub fn new(number: u64, kind: Kind, rolled: bool) -> Self {
         let mut random = Random::new(number);
         let mut between = |low: f64, high: f64| low + (high - low) * random.next();
@@ -100,7 +100,8 @@ impl Sheet {
                 let mut vertex = || DVec2::new(between(0.0, last.x), between(0.0, last.y));
                 let mut vertices = vec![vertex(), vertex()];
                 while vertices.len() < 2 + (number % 4) as usize {
-                    // One that turns little beside a short segment is taken for part of a smooth curve.
+                    // A polyline that turns little beside a short segment would count as part of a smooth
+                    // curve.
                     let [.., a, b] = vertices[..] else { unreachable!() };
                     let next = vertex();
                     let [into, out] = [unrolled(b - a), unrolled(next - b)];
@@ -132,7 +133,7 @@ impl Sheet {
     }
 }
 
-/// From a place to a straight segment.
+/// Returns the distance from a place to a straight segment.
 fn distance(at: DVec2, [a, b]: [DVec2; 2]) -> f64 {
     let along = b - a;
     let square = along.length_squared();

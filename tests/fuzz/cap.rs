@@ -1,4 +1,4 @@
-//! An allocator that refuses what would take the process beyond a cap.
+//! An allocator that refuses allocations beyond a cap for the process.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::ptr;
@@ -6,15 +6,15 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::current;
 
-/// What the process may hold at a time.
+/// Largest number of bytes that the process may hold at a time.
 pub const CAP: usize = 1 << 30;
 
 struct Capped;
 
 static HELD: AtomicUsize = AtomicUsize::new(0);
 
-/// Takes so many bytes from what is left, or says which case has asked for them. Who has asked may go
-/// on without them; else the process ends.
+/// Takes `bytes` bytes from the remaining ones. If there are too few, reports the current case; the caller
+/// may continue without the allocation, otherwise the process ends.
 fn take(bytes: usize) -> bool {
     let held = HELD.fetch_add(bytes, Ordering::Relaxed);
     let fits = held.checked_add(bytes).is_some_and(|held| held <= CAP);
@@ -29,7 +29,7 @@ fn give(bytes: usize) {
     HELD.fetch_sub(bytes, Ordering::Relaxed);
 }
 
-// SAFETY: all is left to the system's allocator, or null is returned.
+// SAFETY: all calls go to the system's allocator, or return null.
 unsafe impl GlobalAlloc for Capped {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         if take(layout.size()) { unsafe { System.alloc(layout) } } else { ptr::null_mut() }

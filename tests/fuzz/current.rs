@@ -1,4 +1,4 @@
-//! Which case runs, so that it can be named where no panic could.
+//! The case that runs, so that it can be named where a panic is not possible.
 
 use std::io::Write;
 use std::sync::Mutex;
@@ -9,7 +9,7 @@ use crate::bodies::BODIES;
 static BODY: AtomicUsize = AtomicUsize::new(BODIES.len());
 static SEED: AtomicU64 = AtomicU64::new(0);
 
-/// Held by a test as long as it runs: memory is counted for the whole process.
+/// Lock that each test holds while it runs, since memory is counted for the whole process.
 pub static ALONE: Mutex<()> = Mutex::new(());
 
 pub fn set(body: usize, seed: u64) {
@@ -17,7 +17,7 @@ pub fn set(body: usize, seed: u64) {
     SEED.store(seed, Ordering::Relaxed);
 }
 
-/// Writes to standard error without allocating.
+/// Reports a refused allocation to standard error without allocating.
 pub fn tell_of_refusal(bytes: usize) {
     let name = BODIES.get(BODY.load(Ordering::Relaxed)).map_or("no body", |body| body.name);
     let seed = SEED.load(Ordering::Relaxed);

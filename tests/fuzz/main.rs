@@ -1,11 +1,11 @@
-//! What cargo-fuzz runs, on stable Rust: mutated files for each reader, and random surfaces.
+//! The bodies of cargo-fuzz on stable Rust: mutated files for each reader, and random surfaces.
 //!
-//! A binary of its own, since it replaces the global allocator by one with a cap. Each case has a seed;
-//! a failure names it, and leaves the case's bytes in the folder for temporary files. Environment:
+//! This is a separate binary, since it replaces the global allocator by one with a cap. Each case has a seed.
+//! A failure prints it, and leaves the case's bytes in the folder for temporary files. Environment:
 //!
-//! - `GEOSWEEP_FUZZ_CASES`: cases a body (default 500).
-//! - `GEOSWEEP_FUZZ_SEED`: the seed of the first case; the others follow (default: a fresh one).
-//! - `GEOSWEEP_UPDATE_SEEDS=1`: writes the good files that cases are made from.
+//! - `GEOSWEEP_FUZZ_CASES`: cases per body (default 500).
+//! - `GEOSWEEP_FUZZ_SEED`: seed of the first case; the others follow (default: a fresh one).
+//! - `GEOSWEEP_UPDATE_SEEDS=1`: writes the valid files from which cases are made.
 
 mod bodies;
 mod cap;
@@ -24,7 +24,7 @@ use random::Random;
 
 const CASES: u64 = 500;
 
-/// Runs a body on its good files as they are, then on mutated ones.
+/// Runs a body on its valid files, first unchanged and then mutated.
 fn fuzz(name: &str) {
     let _alone = current::ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     if setting("GEOSWEEP_UPDATE_SEEDS").is_some() {
@@ -50,10 +50,10 @@ fn fuzz(name: &str) {
     }
 }
 
-/// A number from the environment.
+/// Returns a number from the environment.
 fn setting(name: &str) -> Option<u64> {
     let text = std::env::var(name).ok()?;
-    Some(text.parse().unwrap_or_else(|_| panic!("{name}={text} is no number")))
+    Some(text.parse().unwrap_or_else(|_| panic!("{name}={text} is not a number")))
 }
 
 macro_rules! tests {
@@ -65,7 +65,7 @@ macro_rules! tests {
             }
         )*
 
-        /// Each body has its test, and a target for cargo-fuzz.
+        /// Each body has a test and a target for cargo-fuzz.
         #[test]
         fn every_body_is_fuzzed() {
             let tested = [$(stringify!($name)),*];
@@ -81,7 +81,7 @@ macro_rules! tests {
 
 tests!(npy npz png tiff asc exr table matrix checkpoint surface);
 
-/// The cap holds: an allocation beyond it fails.
+/// An allocation beyond the cap fails.
 #[test]
 fn memory_is_capped() {
     let _alone = current::ALONE.lock().unwrap_or_else(PoisonError::into_inner);

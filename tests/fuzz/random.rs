@@ -1,6 +1,6 @@
-//! Pseudo-random choices, the same for the same seed.
+//! Pseudo-random choices, which depend only on the seed.
 
-/// splitmix64.
+/// Generator splitmix64.
 pub struct Random(u64);
 
 impl Random {
@@ -15,7 +15,7 @@ impl Random {
         mixed ^ (mixed >> 31)
     }
 
-    /// From 0 up to `end`, which is not 0.
+    /// Returns a number from 0 to below `end`, which is not 0.
     pub fn below(&mut self, end: usize) -> usize {
         (self.next() % end as u64) as usize
     }

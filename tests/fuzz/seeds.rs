@@ -1,4 +1,4 @@
-//! Good files to begin with, in `seeds/NAME/`: small, and of every kind that our encoders write.
+//! Valid files to start from, in `seeds/NAME/`: small, and of every kind that our encoders write.
 
 use std::fs;
 use std::io::{Cursor, Write};
@@ -19,11 +19,11 @@ use crate::bodies::UNFINISHED;
 const ROWS: usize = 12;
 const COLS: usize = 15;
 
-/// The seeds of a body, in the order of their names.
+/// Returns the seeds of a body in the order of their names.
 pub fn of(name: &str) -> Vec<Vec<u8>> {
     let mut files = files(&folder(name));
     if name == "tiff" {
-        // Those that GDAL has written.
+        // These files were written by GDAL.
         let gdal = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/maps/gdal");
         files.extend(
             self::files(&gdal).into_iter().filter(|file| file.extension() == Some("tif".as_ref())),
@@ -32,7 +32,7 @@ pub fn of(name: &str) -> Vec<Vec<u8>> {
     files.iter().map(|file| fs::read(file).unwrap()).collect()
 }
 
-/// The files of a folder, in the order of their names.
+/// Returns the files of a folder in the order of their names.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder);
     let entries = entries.unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
@@ -45,7 +45,7 @@ fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/seeds").join(name)
 }
 
-/// Writes all seeds anew.
+/// Writes all seeds again.
 pub fn write() {
     let put = |name: &str, file: &str, bytes: &[u8]| {
         fs::create_dir_all(folder(name)).unwrap();
@@ -68,7 +68,7 @@ pub fn write() {
     exrs(&put);
     tables(&put);
     matrices(&put);
-    // Small and large, flat and rough; what these bytes do not say, they seed.
+    // Small and large, flat and rough surfaces. The bytes start the generator of everything else.
     for (index, bytes) in
         [&[5u8, 0, 7, 0, 1, 1][..], &[23, 0, 23, 0, 1], &[0; 8], b"geosweep"].iter().enumerate()
     {
@@ -78,7 +78,8 @@ pub fn write() {
 
 type Put<'a> = &'a dyn Fn(&str, &str, &[u8]);
 
-/// Steps, so that compression makes less of them: else files hold them as they are.
+/// Returns heights with steps, so that compression makes them smaller. Otherwise files store them
+/// uncompressed.
 fn heights() -> Vec<f32> {
     (0..ROWS * COLS).map(|index| (index / 7 % 5) as f32).collect()
 }
@@ -133,7 +134,7 @@ fn pictures(put: Put) {
         encoder.write_header().unwrap().write_image_data(&data).unwrap();
         put("png", name, &bytes);
     }
-    // Colours are refused, behind chunks that are read all the same.
+    // Colours are refused, but the chunks before them are read.
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, 2, 2);
     encoder.set_color(ColorType::Indexed);
@@ -143,7 +144,7 @@ fn pictures(put: Put) {
     put("png", "indexed.png", &bytes);
 }
 
-/// Archives of one array and of two, as NumPy writes them but for its extra fields.
+/// Writes archives of one array and of two, as NumPy writes them but without its extra fields.
 fn archives(put: Put) {
     let mut array = Vec::new();
     write_npy(&mut array, &[ROWS, COLS], &heights()).unwrap();
@@ -152,7 +153,7 @@ fn archives(put: Put) {
     put("npz", "deflated.npz", &archive(&two, CompressionMethod::DEFLATE));
 }
 
-/// A ZIP archive of some files.
+/// Returns a ZIP archive of some files.
 pub fn archive(files: &[(&str, &[u8])], method: CompressionMethod) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut archive = ZipArchiveWriter::new(&mut bytes);
@@ -212,7 +213,7 @@ fn tiffs(put: Put) {
     put("tiff", "tiled.tif", &tiled());
 }
 
-/// One tile of 16 x 16 bytes around the picture, which our encoder cannot write.
+/// Returns a picture in one tile of 16 x 16 bytes, which our encoder cannot write.
 fn tiled() -> Vec<u8> {
     const ENTRIES: [(u16, u32); 10] = [
         (256, COLS as u32),
@@ -230,7 +231,7 @@ fn tiled() -> Vec<u8> {
     bytes.extend((ENTRIES.len() as u16).to_le_bytes());
     for (tag, value) in ENTRIES {
         bytes.extend(tag.to_le_bytes());
-        // One LONG.
+        // The entry has one LONG.
         bytes.extend(4u16.to_le_bytes());
         bytes.extend(1u32.to_le_bytes());
         bytes.extend(value.to_le_bytes());

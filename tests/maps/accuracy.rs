@@ -1,4 +1,4 @@
-//! Accuracy against exact distances, for every engine.
+//! Accuracy of every engine against exact distances.
 
 use geosweep::Stop;
 use geosweep::accuracy::{Errors, exact_disc};
@@ -7,13 +7,13 @@ use geosweep::{EdgeRule, Sources, Surface, Wavefront};
 
 use crate::common::{CONVERGED, at, directed, off_centre, on_vulkan, rotated, vulkan_solver};
 
-/// A way to compute a map; the tests run over all of [`ENGINES`].
+/// A way to compute a map. The tests run over all of [`ENGINES`].
 struct Engine {
     name: &'static str,
     solve: fn(&Surface, &Sources, Wavefront, Stop) -> Vec<f32>,
 }
 
-/// The engines that are held to the bars.
+/// Engines that must meet the error bounds.
 const ENGINES: [Engine; 2] = [
     Engine {
         name: "cpu",
@@ -30,12 +30,12 @@ const ENGINES: [Engine; 2] = [
     },
 ];
 
-/// Converged point-source maps in single precision: the mean relative error, at most.
+/// Converged point-source maps in single precision stay below a mean relative error.
 #[test]
 fn point_source_fronts_are_accurate() {
     let steep = Builtin::ShearedPlane { degrees: 60.0 };
-    // Measured at 513: plane 1.3e-7 and sheared plane 2.6e-7 (rounding), cylinder 1e-7, cone 7e-7,
-    // sphere 2.1e-5 (its curvature bends the front).
+    // Measured at 513: plane 1.3e-7 and sheared plane 2.6e-7 (rounding), cylinder 1e-7, cone 7e-7, sphere
+    // 2.1e-5 (its curvature bends the front).
     let bars = [
         (Builtin::Plane, 257, 1e-6),
         (Builtin::Plane, 513, 1e-6),
@@ -85,8 +85,8 @@ fn curved_fronts_are_more_accurate() {
     }
 }
 
-/// The curved front's error falls with the square of the spacing where the surface is smooth,
-/// and with arcs for edges it is below a fifth of that with chords.
+/// The error of curved fronts falls with the square of the spacing where the surface is smooth. With arcs for
+/// edges, it is below a fifth of that with chords.
 #[test]
 fn curved_fronts_are_of_second_order() {
     for builtin in [Builtin::Sphere, Builtin::Cylinder, Builtin::Cone] {
@@ -103,7 +103,7 @@ fn curved_fronts_are_of_second_order() {
             let (coarse, fine) = (error(points, rule), error(4 * points - 3, rule));
             let order = (coarse / fine).log2() / 2.0;
             println!("{builtin}, {rule:?}, from {points}: {coarse:.2e}, order {order:.2}");
-            // On the cone 65 points with arcs leave less than single precision sees.
+            // On the cone at 65 points, arcs leave an error below the resolution of single precision.
             assert!(order > 1.8 || coarse < f32::EPSILON.into(), "{builtin}, {rule:?}: {order}");
         }
         let (chord, arc) = (error(129, EdgeRule::Chord), error(129, EdgeRule::Arc));
@@ -112,14 +112,15 @@ fn curved_fronts_are_of_second_order() {
     }
 }
 
-/// Against geodesics shot from the source, on surfaces that are curved every way; on peaks fronts
-/// meet behind bumps. Mean errors at 257 points and observed orders from 65 points.
+/// Maps are compared with geodesics shot from the source, on surfaces that are curved in all directions. On
+/// peaks, fronts meet behind bumps. The values are mean errors at 257 points and observed orders from 65
+/// points.
 #[test]
 fn maps_converge_where_no_closed_form_exists() {
-    // Measured: planar 5.1e-3 and 1.1e-2, order 0.6 (first but for a logarithm); point-source
-    // 6.3e-5 and 7.0e-4, order 1.1 and 0.9 (curvature bends the front); curved 3.3e-6 and 2.5e-4,
-    // order 1.9 and 1.4. What is left of the curved front's error on peaks, steep as it is, is
-    // that of chords: with edges along arcs it is 4.1e-5, of order 2.3.
+    // Measured: planar 5.1e-3 and 1.1e-2, order 0.6 (first order up to a logarithm); point-source 6.3e-5 and
+    // 7.0e-4, order 1.1 and 0.9 (curvature bends the front); curved 3.3e-6 and 2.5e-4, order 1.9 and 1.4. On
+    // the steep peaks, the rest of the curved front's error comes from chords: with arcs for edges it is
+    // 4.1e-5, of order 2.3.
     let bars = [
         (Builtin::Torus, [(7e-3, 0.55), (9e-5, 0.9), (6e-6, 1.8)]),
         (Builtin::Peaks, [(1.5e-2, 0.55), (1e-3, 0.8), (4e-4, 1.2)]),
@@ -145,8 +146,8 @@ fn maps_converge_where_no_closed_form_exists() {
     }
 }
 
-/// The front of an extended source: circles around a circle, where a planar front is of first
-/// order and one from points would come early.
+/// The front of an extended source consists of circles around a circle. A planar front is of first order
+/// there, and a front from points would be early.
 #[test]
 fn curved_fronts_leave_curves() {
     let (points, centre, radius) = (201, [90.0, 110.0], 40.0);
@@ -169,13 +170,12 @@ fn curved_fronts_leave_curves() {
     };
     let (planar, curved) = (error(Wavefront::Planar), error(Wavefront::Curved));
     println!("planar {planar:.2e}, curved {curved:.2e} of the largest distance");
-    // Measured: 2.2e-3 and 4.4e-4, largest inside, where the front runs into its focus.
+    // Measured: 2.2e-3 and 4.4e-4. The largest errors are inside, where the front runs into its focus.
     assert!(curved < 6e-4 && curved < 0.3 * planar, "{planar} {curved}");
 }
 
-/// Travel times where speed grows linearly along a plane, v = 1 + x: rays are arcs of circles,
-/// and t = acosh(1 + |a - b|^2 / (2 v(a) v(b))). The source lies at the slow side, so that no arc
-/// leaves the square.
+/// Travel times where speed grows linearly along a plane, v = 1 + x: rays are arcs of circles, and t =
+/// acosh(1 + |a - b|^2 / (2 v(a) v(b))). The source lies at the slow side, so that no arc leaves the square.
 #[test]
 fn travel_times_are_accurate() {
     let points = 257;
@@ -203,13 +203,13 @@ fn travel_times_are_accurate() {
     }
 }
 
-/// The surfaces of the paper's figure 5, from 17 to 1025 points a side, planar, one iteration.
+/// Surfaces of the paper's figure 5, from 17 to 1025 points per side, with planar fronts and one iteration.
 const FIGURE_5: [Builtin; 3] =
     [Builtin::Plane, Builtin::ShearedPlane { degrees: 60.0 }, Builtin::Sphere];
 const SIZES: [usize; 7] = [17, 33, 65, 129, 257, 513, 1025];
 
-/// Mean relative errors after one iteration from a source that lies on every grid of [`SIZES`],
-/// with exact values given within a radius of it.
+/// Returns mean relative errors after one iteration from a source that lies on every grid of [`SIZES`]. Exact
+/// values are given within a radius of it.
 fn errors_after_one_iteration(engine: &Engine, builtin: Builtin, radius: f64) -> Vec<f64> {
     let is_split = matches!(builtin, Builtin::ShearedPlane { .. });
     let error = |&points: &usize| {
@@ -217,7 +217,8 @@ fn errors_after_one_iteration(engine: &Engine, builtin: Builtin, radius: f64) ->
         let last = (points - 1) as f64;
         let exact = builtin.exact_distances(points, points, [last / 4.0, last * 0.375]).unwrap();
         let sources = exact_disc(surface.chart(), &exact, radius);
-        // A scan of the device sees points that split obtuse triangles beyond its workgroup as they were before.
+        // For obtuse triangles, a scan of the device reads points beyond its workgroup with their values from
+        // before the scan.
         let stop = if is_split { CONVERGED } else { Stop::after(1) };
         let map = (engine.solve)(&surface, &sources, Wavefront::Planar, stop);
         Errors::of(&map, &exact).mean_relative
@@ -225,7 +226,7 @@ fn errors_after_one_iteration(engine: &Engine, builtin: Builtin, radius: f64) ->
     SIZES.iter().map(error).collect()
 }
 
-/// The CPU's errors at all sizes, after holding the device's against them.
+/// Returns the CPU's errors at all sizes, after comparing the device's with them.
 fn errors_of_engines(builtin: Builtin, radius: f64) -> Vec<f64> {
     let [of_cpu, of_device] =
         ENGINES.each_ref().map(|engine| errors_after_one_iteration(engine, builtin, radius));
@@ -236,7 +237,7 @@ fn errors_of_engines(builtin: Builtin, radius: f64) -> Vec<f64> {
     of_cpu
 }
 
-/// Slope of the straight line through log size and log error, by least squares.
+/// Returns the slope of the least-squares line through log size and log error.
 fn slope(errors: &[f64]) -> f64 {
     let points: Vec<_> =
         SIZES.iter().zip(errors).map(|(&n, e)| (((n - 1) as f64).ln(), e.ln())).collect();
@@ -247,8 +248,8 @@ fn slope(errors: &[f64]) -> f64 {
     covariance / points.iter().map(|(x, _)| (x - mean_x).powi(2)).sum::<f64>()
 }
 
-/// Away from the singularity at a point source, the planar front is of first order: with exact
-/// values in a disc around it, the slope is -1.02 (plane), -1.09 (sheared), -1.02 (sphere).
+/// Away from the singularity at a point source, the planar front is of first order. With exact values in a
+/// disc around the source, the slope is -1.02 (plane), -1.09 (sheared), -1.02 (sphere).
 #[test]
 fn planar_fronts_are_of_first_order() {
     for builtin in FIGURE_5 {
@@ -258,10 +259,9 @@ fn planar_fronts_are_of_first_order() {
     }
 }
 
-/// From a bare point, where the front is most curved, each octave of distance adds an error
-/// proportional to the grid spacing h, so that the error is h log(1/h): first order but for the
-/// logarithm. Over these sizes that is a slope of -0.63 to -0.67, and from 65 points on the error
-/// divided by h log2(1/h) stays the same within a third.
+/// A front is most curved at a bare point, where each octave of distance adds an error proportional to the
+/// grid spacing h. The error is thus h log(1/h): first order up to the logarithm. Over these sizes the slope
+/// is -0.63 to -0.67. From 65 points on, the error divided by h log2(1/h) stays the same within a third.
 #[test]
 fn planar_fronts_from_a_point_are_of_first_order_but_for_a_logarithm() {
     for builtin in FIGURE_5 {
@@ -281,14 +281,14 @@ fn planar_fronts_from_a_point_are_of_first_order_but_for_a_logarithm() {
     }
 }
 
-/// The source of figure 6: where the maze's corridor begins.
+/// Source of figure 6, where the maze's corridor begins.
 const ENTRY: [f64; 2] = [1.0, 1.0];
 
 #[test]
 fn one_iteration_does_not_reach_the_end_of_a_maze_and_more_do() {
-    // Mean relative error and largest error over the largest distance. Measured: planar 8.2e-4
-    // and 3.8e-4; point-source 2.1e-4 and 2.2e-4, nearly all of it from the corners of the
-    // walls, where the front turns around a grid point with a new centre.
+    // Mean relative error, and largest error relative to the largest distance. Measured: planar 8.2e-4 and
+    // 3.8e-4; point-source 2.1e-4 and 2.2e-4. Nearly all of it comes from the corners of the walls, where the
+    // front turns around a grid point with a new centre.
     let points = 257;
     let surface = Builtin::Maze.surface(points, points).unwrap();
     let exact = Builtin::Maze.exact_distances(points, points, ENTRY).unwrap();
@@ -301,8 +301,8 @@ fn one_iteration_does_not_reach_the_end_of_a_maze_and_more_do() {
             let once = solve(Stop::after(1));
             println!("{} {wavefront}, one iteration: {once}", engine.name);
             assert!(once.reached_by_one > surface.points() / 2, "{}", engine.name);
-            // What the CPU's scans reach side by side in one iteration is straight from the source;
-            // Vulkan's, one after another, also reach what is not right yet.
+            // In one iteration, the CPU's parallel scans reach only points that see the source, whose values
+            // are final. Vulkan's successive scans also reach points with values that are not final.
             assert!(engine.name == "cpu" || once.max_of_largest > 0.01, "{}", engine.name);
             let converged = solve(CONVERGED);
             println!("{} {wavefront}, converged: {converged}", engine.name);
@@ -313,9 +313,9 @@ fn one_iteration_does_not_reach_the_end_of_a_maze_and_more_do() {
     }
 }
 
-/// The maze turns twelve times. A directed iteration follows three turns, in the order of its
-/// scans; a rotated one, whose scans go down, up, right and left, follows fewer. The last
-/// iteration confirms.
+/// The maze turns twelve times. A directed iteration follows three turns, in the order of its scans. A
+/// rotated one, whose scans go down, up, right and left, follows fewer. The last iteration confirms
+/// convergence.
 #[test]
 fn a_maze_takes_as_many_iterations_as_its_turns() {
     for points in [65, 257] {
@@ -331,7 +331,7 @@ fn a_maze_takes_as_many_iterations_as_its_turns() {
 
 #[test]
 fn a_maze_from_inside_is_right_too() {
-    // From the middle outwards, from a place between grid points: 6.2e-4 measured.
+    // From a place between grid points in the middle, outwards: 6.2e-4 measured.
     let (points, middle) = (129, [64.25, 63.5]);
     let surface = Builtin::Maze.surface(points, points).unwrap();
     let exact = Builtin::Maze.exact_distances(points, points, middle).unwrap();

@@ -1,4 +1,4 @@
-//! Bounds that any map keeps, on surfaces that nothing was tuned on.
+//! Bounds that hold for any map, on surfaces on which nothing was tuned.
 
 use geosweep::cpu::{self, twins};
 use geosweep::surface::{EdgeLengths, Real};
@@ -16,7 +16,7 @@ fn checked<R: Real>(case: &Case, what: &str, solution: &Solution<R>) -> Result<V
     Ok(distances.iter().map(|distance| distance.wide()).collect())
 }
 
-/// What has failed, and which fronts have settled in two ways.
+/// Returns the failures, and the wavefronts that have converged to two different results.
 fn solve(case: &Case) -> (Vec<String>, Vec<String>) {
     let edges = EdgeLengths::<f32>::new(&case.surface).unwrap();
     let (mut failures, mut apart) = (Vec::new(), Vec::new());
@@ -37,7 +37,7 @@ fn solve(case: &Case) -> (Vec<String>, Vec<String>) {
     (failures, apart)
 }
 
-/// Bounds hold always; few curved fronts settle in two ways.
+/// Checks that the bounds always hold, and that few curved fronts converge to two different results.
 fn check(case: impl Fn(u64) -> Case, most_apart: impl Fn(usize) -> usize) {
     let cases = cases(400);
     let count = (cases.end - cases.start) as usize;
@@ -70,7 +70,8 @@ fn maps_keep_their_bounds_around_clusters_of_sources() {
     check(Case::clusters, |count| 1 + count / 500);
 }
 
-/// What leaves a curve arrives at its seeds as they do, but for rounding, and bent by the surface: white noise here.
+/// A front that leaves a curve arrives at its seeds as they do, up to rounding, and is bent by the surface.
+/// Here the surface is white noise.
 #[test]
 fn rounding_does_not_choose_between_a_curve_and_what_leaves_it() {
     let case = Case::new(20187);
@@ -82,7 +83,7 @@ fn rounding_does_not_choose_between_a_curve_and_what_leaves_it() {
     assert!(most < 1e-5, "{most:.1e} apart");
 }
 
-/// Nor is what leaves a straight curve bent around its ends, which lie on the border here.
+/// A front that leaves a straight curve is not bent around its ends, which lie on the border here.
 #[test]
 fn a_straight_curve_from_border_to_border_is_exact() {
     let surface = Surface::from_heights(9, 9, vec![0.0; 81], Spacing::square(1.0)).unwrap();

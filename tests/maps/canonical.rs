@@ -1,4 +1,5 @@
-//! Canonical forms: known points come back, stress is what others find, bendings share a form.
+//! Canonical forms: known points are recovered, stress is that of other implementations, and bendings share a
+//! form.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -9,7 +10,7 @@ use geosweep::glam::DVec3;
 use geosweep::pairwise::Pairwise;
 use geosweep::{Options, Surface, Wavefront};
 
-/// Straight distances between points, row-major coordinates.
+/// Returns straight distances between points with row-major coordinates.
 fn straight(points: &[f64], dimensions: usize) -> Distances {
     let count = points.len() / dimensions;
     let at = |point: usize| &points[point * dimensions..][..dimensions];
@@ -20,7 +21,7 @@ fn straight(points: &[f64], dimensions: usize) -> Distances {
     Distances::new(count, (0..count * count).map(distance).collect()).unwrap()
 }
 
-/// Numbers from 0 to 1 without structure.
+/// Returns numbers from 0 to 1 without structure.
 fn scattered(count: usize) -> Vec<f64> {
     let hash = |k: u64| (k + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(31);
     (0..count as u64)
@@ -47,7 +48,7 @@ fn points_of_space_come_back() {
 
 #[test]
 fn points_of_space_come_back_from_far_away() {
-    // Majorisation, and not only classical scaling, finds them.
+    // Majorisation finds them, not only classical scaling.
     let points = scattered(3 * 150);
     let distances = straight(&points, 3);
     let disturbed = points.iter().zip(scattered(2 * 450).split_off(450));
@@ -64,7 +65,7 @@ fn points_of_space_come_back_from_far_away() {
 
 #[test]
 fn in_fewer_dimensions_the_widest_remain() {
-    // A box of 9 x 3 x 1 seen from its thin side: no better plane form is near.
+    // A box of 9 x 3 x 1, seen from its thin side: no better plane form is near.
     let points: Vec<f64> =
         scattered(3 * 200).chunks(3).flat_map(|x| [9.0 * x[0], 3.0 * x[1], 0.01 * x[2]]).collect();
     let form = canonical_form(&straight(&points, 3), &options(2)).unwrap();
@@ -72,7 +73,7 @@ fn in_fewer_dimensions_the_widest_remain() {
     assert!(align(&form.coordinates, &flat, 2).deviation < 1e-3);
 }
 
-/// Great-circle distances of the grid in benches/peers/smacof.py.
+/// Returns great-circle distances of the grid in benches/peers/smacof.py.
 fn sphere() -> Distances {
     let (rows, cols) = (12, 15);
     let direction = |index: usize| {
@@ -90,8 +91,8 @@ fn sphere() -> Distances {
     Distances::new(points, (0..points * points).map(distance).collect()).unwrap()
 }
 
-/// What benches/peers/smacof.py prints with scikit-learn 1.9.1: the raw stress of the start, after
-/// one, two and ten Guttman transforms, and at the end.
+/// Output of benches/peers/smacof.py with scikit-learn 1.9.1: the raw stress of the start, after one, two and
+/// ten Guttman transforms, and at the end.
 const SCIKIT_LEARN: [(usize, [f64; 5]); 2] = [
     (2, [14177.561915, 12235.919947, 11382.300841, 10074.939812, 283.456502]),
     (3, [15171.916765, 10523.632288, 9775.243902, 8401.970669, 200.532883]),
@@ -116,7 +117,7 @@ fn stress_agrees_with_scikit_learns() {
         }
         approx::assert_relative_eq!(form.raw_stress(), expected[4], max_relative = 1e-3);
 
-        // The accelerated iteration from the same start ends in a minimum as low.
+        // The accelerated iteration from the same start ends in an equally low minimum.
         let fast = FormOptions { extrapolate: true, ..plain };
         let form = canonical_form(&distances, &fast).unwrap();
         assert!(form.raw_stress() < 1.001 * expected[4], "{dimensions}: {}", form.raw_stress());
@@ -158,8 +159,8 @@ fn form_of(surface: &Surface) -> Vec<f64> {
     canonical_form(&distances, &options).unwrap().coordinates
 }
 
-/// The bending of the catenoid (90 degrees) to the helicoid (0), all isometric to each other,
-/// over u within a radian of the waist and three quarters of a turn of v.
+/// Returns the bending of the catenoid (90 degrees) to the helicoid (0). All bendings are isometric to each
+/// other. u is within a radian of the waist, and v spans three quarters of a turn.
 fn catenoid_family(degrees: f64) -> Surface {
     let (sin, cos) = degrees.to_radians().sin_cos();
     surface(|u, v| {
@@ -170,9 +171,9 @@ fn catenoid_family(degrees: f64) -> Surface {
     })
 }
 
-/// A sheet of 3 x 2 that bends as it goes: its direction at a fraction of its length, in radians.
+/// Returns a bent sheet of 3 x 2. `direction` is its direction in radians at a fraction of its length.
 fn sheet(direction: impl Fn(f64) -> f64) -> Surface {
-    // By Simpson's rule on many short pieces.
+    // The integral is computed by Simpson's rule on many short pieces.
     let point = |u: f64| {
         let pieces = 200;
         let step = u / f64::from(pieces);
@@ -223,7 +224,7 @@ fn bendings_share_a_form_and_other_surfaces_do_not() {
     }
     let mut different = f64::INFINITY;
     for (a, b) in [(&sheets[0], &family[0]), (&sheets[0], &sphere), (&family[0], &sphere)] {
-        // Sizes apart: one is scaled to the other's.
+        // Sizes are not compared: one form is scaled to the other's size.
         let size = |form: &[f64]| form.iter().map(|x| x * x).sum::<f64>().sqrt();
         let scale = size(b) / size(a);
         let scaled: Vec<f64> = a.iter().map(|x| scale * x).collect();
@@ -231,8 +232,8 @@ fn bendings_share_a_form_and_other_surfaces_do_not() {
         println!("different: {deviation:.2e}");
         different = different.min(deviation);
     }
-    // Measured: at most 2.8e-3 between bendings, from the coarse grid's errors of the distances, and
-    // at least 0.28 between different surfaces.
+    // Measured: at most 2.8e-3 between bendings, due to the coarse grid's errors of the distances, and at
+    // least 0.28 between different surfaces.
     assert!(different > 50.0 * alike, "alike {alike}, different {different}");
 }
 

@@ -1,4 +1,4 @@
-//! Contours against circles: in the plane, on the unrolled cylinder and on the sphere.
+//! Contours compared with circles in the plane, on the unrolled cylinder and on the sphere.
 
 use geosweep::geometry::{LevelError, Levels, contours};
 use geosweep::surface::builtin::Builtin;
@@ -16,8 +16,8 @@ fn flat(rows: usize, cols: usize) -> Surface {
     Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
 }
 
-/// The issue asks for a tenth of a cell, in the middle of each piece too. From sources at and
-/// between grid points, and from one beside the border.
+/// Contours are within a tenth of a cell, also in the middle of each piece. Sources are at grid points,
+/// between them, and beside the border.
 #[test]
 fn contours_lie_within_a_tenth_of_a_cell_of_the_exact_curve() {
     const POINTS: usize = 129;
@@ -35,7 +35,7 @@ fn contours_lie_within_a_tenth_of_a_cell_of_the_exact_curve() {
                     for ends in points.windows(2) {
                         let middle = [0, 1].map(|k| 0.5 * (ends[0][k] + ends[1][k]));
                         for at in [ends[0], middle] {
-                            // In cells: by how much the distance changes over one, across.
+                            // Change of the distance over one cell, across the contour.
                             let change = |step: [f64; 2]| {
                                 let there = [0, 1].map(|k| (at[k] + step[k]).min(128.0));
                                 let back = [0, 1].map(|k| there[k] - step[k]);
@@ -57,12 +57,13 @@ fn contours_lie_within_a_tenth_of_a_cell_of_the_exact_curve() {
 proptest! {
     #![proptest_config(cases(100))]
 
-    /// Where a whole border, or a line between two sources, is equally far, its curve is found at the exact
-    /// distance, at the map's largest one, and as the last multiple of a spacing.
+    /// If a whole border, or a line between two sources, has the largest distance, its curve is found at the
+    /// exact distance, at the map's largest one, and as the last multiple of a spacing.
     #[test]
     fn the_largest_distance_has_a_curve_where_points_side_by_side_have_it(
         (rows, cols) in (2usize..40, 2usize..40),
-        // Whose multiples single precision has; in much longer cells straight fronts round by more.
+        // Single precision holds the multiples of these spacings. In much longer cells, straight fronts have
+        // larger rounding errors.
         spacing in (1u16..400, prop::sample::select(vec![0.5, 1.0, 2.0]))
             .prop_map(|(dx, long)| (0.25 * f64::from(dx), 0.25 * f64::from(dx) * long)),
         start in prop::sample::select(vec![0.0, 3.0]),
@@ -101,7 +102,7 @@ proptest! {
             prop_assert!((length - last_row * dy).abs() < 1e-9 * length, "{length}");
             prop_assert!(curve.vertices.iter().all(|&[row, col]| [row, col][usize::from(!along_rows)] == far));
             if !both {
-                // On the left, as rows run downwards: a step to the left of (down, right) is (-right, down).
+                // To the left, with rows downwards: a step to the left of (down, right) is (-right, down).
                 let (a, b) = (curve.vertices[0], curve.vertices[1]);
                 let left = [a[1] - b[1], b[0] - a[0]];
                 let inwards = left[usize::from(!along_rows)];
@@ -110,7 +111,7 @@ proptest! {
         }
     }
 
-    /// The corner that is farthest is no curve.
+    /// A farthest corner alone gives no curve.
     #[test]
     fn a_single_farthest_point_has_no_curve((rows, cols) in (2usize..30, 2usize..30), last: bool) {
         let source = if last { [rows - 1, cols - 1] } else { [0, 0] };
@@ -129,7 +130,8 @@ fn curves_are_closed_around_the_source_and_run_counter_clockwise() {
         let [curve] = &contour.curves[..] else { panic!("{contour:?}") };
         assert!(curve.closed);
         let points: Vec<_> = curve.points().collect();
-        // Rows count downwards: twice the area, positive if counter-clockwise in a picture.
+        // Twice the area. Since rows count downwards, it is positive if the curve is counter-clockwise in a
+        // picture.
         let twice = |ends: &[[f64; 2]]| ends[0][0] * ends[1][1] - ends[1][0] * ends[0][1];
         let area = 0.5 * points.windows(2).map(twice).sum::<f64>();
         // Inscribed polygons are smaller than the circle, octagons by a tenth.
@@ -139,7 +141,7 @@ fn curves_are_closed_around_the_source_and_run_counter_clockwise() {
 }
 
 #[test]
-fn levels_that_the_map_does_not_have_give_no_curve() {
+fn levels_outside_the_map_give_no_curve() {
     let sources = Sources::point(4.0, 4.0);
     let map = solve(&flat(9, 9), &sources);
     for contour in contours(&map, &sources, &[-3.0, 0.0, 5.7, 1e9]) {
@@ -165,7 +167,7 @@ fn levels_are_listed_counted_or_spaced() {
 }
 
 #[test]
-fn contours_end_at_holes_and_never_enter_what_is_not_reached() {
+fn contours_end_at_holes_and_stay_on_reached_points() {
     // A wall with a gap at its northern end, and a column that is cut off.
     let (rows, cols) = (15, 21);
     let kept = |i: usize| !(i % cols == 8 && i / cols > 0) && i % cols != 18;
@@ -178,7 +180,7 @@ fn contours_end_at_holes_and_never_enter_what_is_not_reached() {
     for contour in contours(&map, &sources, &levels) {
         for curve in &contour.curves {
             curves += 1;
-            // Only what is on the surface has a length.
+            // Only a curve on the surface has a length.
             curve.length(&surface).unwrap();
             assert!(curve.vertices.iter().all(|at| at[1] <= 17.0), "{curve:?}");
         }
@@ -191,7 +193,7 @@ fn two_rows_a_plateau_and_a_single_row() {
     let sources = Sources::point(0.0, 0.0);
     let found = contours(&solve(&flat(2, 9), &sources), &sources, &[3.5]);
     assert_eq!(found[0].curves[0].vertices.len(), 3);
-    // All points lie at the same place: everything is a plateau.
+    // All points are at the same place: the whole map is a plateau.
     let points = vec![geosweep::glam::DVec3::ONE; 12];
     let plateau = Surface::from_positions(3, 4, points).unwrap();
     let map = solve(&plateau, &sources);

@@ -1,4 +1,4 @@
-//! Maps in double precision: what they leave of the error, and what is refused.
+//! Maps in double precision: the error that remains, and the options that are refused.
 
 use geosweep::accuracy::Errors;
 use geosweep::surface::builtin::Builtin;
@@ -11,7 +11,7 @@ fn options(wavefront: Wavefront) -> Options {
     Options { engine: Engine::Cpu, wavefront: Some(wavefront), ..Options::default() }
 }
 
-/// Mean relative error in double and in single precision.
+/// Returns the mean relative errors in double and in single precision.
 fn errors(builtin: Builtin, points: usize, wavefront: Wavefront) -> [f64; 2] {
     let surface = builtin.surface(points, points).unwrap();
     let source = [(points * 3 / 10) as f64, (points * 2 / 5) as f64];
@@ -27,9 +27,9 @@ fn errors(builtin: Builtin, points: usize, wavefront: Wavefront) -> [f64; 2] {
 }
 
 #[test]
-fn what_single_precision_rounds_is_left_out() {
-    // Measured at 200 x 200 points: 1e-16 to 3e-16 on the planes, 2e-13 on the cylinder, of the arcs'
-    // formula; in single precision 7e-8 to 1.1e-7 on all of them.
+fn double_precision_is_free_of_single_precisions_rounding() {
+    // Measured at 200 x 200 points: 1e-16 to 3e-16 on the planes, and 2e-13 on the cylinder, from the formula
+    // of the arcs; in single precision 7e-8 to 1.1e-7 on all of them.
     let bars = [
         (Builtin::Plane, 1e-14),
         (Builtin::ShearedPlane { degrees: 60.0 }, 1e-14),
@@ -42,7 +42,7 @@ fn what_single_precision_rounds_is_left_out() {
             assert!(double < bar && single > 1e-8, "{builtin} {wavefront}: {double} {single}");
         }
     }
-    // And what the method errs by stays.
+    // The error of the method itself stays.
     let [double, single] = errors(Builtin::Sphere, 100, Wavefront::PointSource);
     approx::assert_relative_eq!(double, single, max_relative = 1e-2);
 }
@@ -61,7 +61,7 @@ fn mazes_are_exact_with_anchors() {
 }
 
 #[test]
-fn a_map_in_single_precision_can_be_made_of_it() {
+fn a_double_map_converts_to_single_precision() {
     let surface = Builtin::Peaks.surface(33, 41).unwrap();
     let sources = Sources::point(3.25, 4.5).and_point(20.0, 30.0, 0.5);
     let double = distance_map_f64(&surface, &sources, &Options::default()).unwrap();
@@ -104,7 +104,7 @@ fn errors_are_estimated_in_double_precision_too() {
 }
 
 #[test]
-fn devices_and_schedules_are_refused_with_what_to_do() {
+fn devices_and_schedules_are_refused_with_advice() {
     let surface = Builtin::Plane.surface(5, 5).unwrap();
     let (source, auto) = (Sources::point(0.0, 0.0), Options::default());
     for (what, options) in [

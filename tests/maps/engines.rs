@@ -1,4 +1,4 @@
-//! The CPU solvers against one another: the converged map does not depend on the order of updates.
+//! The CPU solvers are compared with one another: the converged map does not depend on the order of updates.
 
 use geosweep::Stop;
 use geosweep::accuracy::Errors;
@@ -15,12 +15,12 @@ use crate::common::{
 const WAVEFRONTS: [Wavefront; 2] = [Wavefront::Planar, Wavefront::PointSource];
 const POINTS: usize = 97;
 
-/// Every built-in surface at a size, with its name.
+/// Returns every built-in surface at a size, with its name.
 fn builtins(points: usize) -> Vec<(String, Surface)> {
     Builtin::ALL.iter().map(|b| (b.to_string(), b.surface(points, points).unwrap())).collect()
 }
 
-/// Largest angle of the triangles of a surface at their updated corner, in degrees.
+/// Returns the largest angle of a surface's triangles at their updated corner, in degrees.
 fn largest_angle(surface: &Surface) -> f64 {
     let edges = EdgeLengths::<f64>::new(surface).unwrap();
     let mut largest = 0.0f64;
@@ -44,7 +44,7 @@ fn largest_angle(surface: &Surface) -> f64 {
     largest
 }
 
-/// A sheared, wavy patch with `roughness` steps of noise, a fraction of holes, and rough slowness.
+/// Returns a sheared, wavy patch with `roughness` steps of noise, a fraction of holes, and rough slowness.
 fn random_surface(seed: u64, roughness: f64, holes: f64, slow: bool) -> Surface {
     let points = 49;
     let mut random = Random::new(seed);
@@ -65,7 +65,7 @@ fn random_surface(seed: u64, roughness: f64, holes: f64, slow: bool) -> Surface 
     surface.with_slowness(slowness.collect()).unwrap()
 }
 
-/// Smooth, rough, with holes up to beyond where the grid falls apart, with slowness.
+/// Returns smooth and rough surfaces, some with slowness, some with enough holes to split the grid.
 fn random_surfaces() -> Vec<(String, Surface)> {
     let kinds = [
         (0.0, 0.0, false),
@@ -100,13 +100,13 @@ fn directed_and_rotated_scans_converge_to_the_same_map() {
             let c = rotated::<f32>(&surface, &at(source), wavefront, CONVERGED).distances();
             let d = directed::<f32>(&surface, &at(source), wavefront, CONVERGED).distances();
             let found = [difference(&a, &b), difference(&c, &d), difference(&c, &a)];
-            // Double precision, where both stop at a relative change of 1e-13; single, where both
-            // stop at 1e-6; and single against double: up to half a unit in the last place, 6e-8,
-            // for each of the hundreds of steps of the longest way.
-            // Where triangles let points depend on one another, with rough slowness and on rough
-            // surfaces with many holes, curved fronts may settle in one way or another.
+            // In double precision, both solvers stop at a relative change of 1e-13, and in single precision
+            // at 1e-6. Single and double precision differ by up to half a unit in the last place, 6e-8, for
+            // each of the hundreds of steps of the longest path. With rough slowness, and on rough surfaces
+            // with many holes, triangles make points depend on one another, so that curved fronts may
+            // converge to different results.
             let may_differ = name.contains("slow true") || name.contains("0.35 holes");
-            // Over a slowness circular fronts are curved ones.
+            // With a slowness, curved fronts take the place of circular ones.
             let is_slow = name.contains("slow true");
             let bars = match wavefront {
                 Wavefront::Curved if may_differ => [3e-2; 3],
@@ -126,7 +126,7 @@ fn directed_and_rotated_scans_converge_to_the_same_map() {
     println!("f32 and f64: {:.1e}", worst[2]);
 }
 
-/// A plane with nine square holes of so many points a side, and its first point.
+/// Returns a plane with nine square holes of `size` points per side, and its first point.
 fn plan(size: usize, seed: u64) -> (Surface, [f64; 2]) {
     let mut random = Random::new(seed);
     let (rows, cols) = (97, 61);
@@ -142,8 +142,8 @@ fn plan(size: usize, seed: u64) -> (Surface, [f64; 2]) {
     (plane.unwrap().with_mask(&floor).unwrap(), from)
 }
 
-/// Rays between grid points turn around corners by ratios of small whole numbers: were the least turn that
-/// counts one of these, rounding would decide.
+/// Rays between grid points turn around corners by ratios of small whole numbers. If the smallest turn that
+/// counts were such a ratio, rounding would decide.
 #[test]
 fn curved_fronts_among_strewn_holes_do_not_depend_on_rounding() {
     let points = 49;
@@ -162,7 +162,7 @@ fn curved_fronts_among_strewn_holes_do_not_depend_on_rounding() {
         worst = std::array::from_fn(|k| worst[k].max(found[k]));
     }
     println!("single and double precision: {:.1e}, orders: {:.1e}", worst[0], worst[1]);
-    // As much as on surfaces without holes.
+    // As on surfaces without holes.
     assert!(worst[0] < 5e-6 && worst[1] < 5e-6, "{worst:?}");
 }
 
@@ -180,7 +180,8 @@ fn anchors_in_the_maze_do_not_depend_on_the_order_of_updates() {
     }
 }
 
-/// Among boxes rounding may decide where the borders of several shadows cross: on few plans, and by little.
+/// Among boxes, rounding may decide where the borders of several shadows cross. This changes few plans, and
+/// these only slightly.
 #[test]
 fn anchors_among_boxes_hardly_depend_on_the_order_of_updates() {
     let (mut plans, mut apart, mut worst) = (0, 0, [0.0f64; 3]);
@@ -208,11 +209,11 @@ fn anchors_among_boxes_hardly_depend_on_the_order_of_updates() {
     }
 }
 
-/// Where neighbours are many grid steps higher or lower, fronts are so bent that a change of their
-/// curvature must not be taken for a point's first front, after which they are renewed again.
+/// If neighbours are many grid steps higher or lower, fronts are strongly bent. A change of their curvature
+/// must not count as a point's first front, since first fronts are renewed.
 #[test]
 fn fronts_settle_on_the_roughest_surfaces() {
-    // Found among 150 surfaces: those where a change of curvature was taken for that.
+    // The cases among 150 surfaces in which a change of curvature counted as a first front.
     let cases = [
         (88, 30.0, [0.0, 0.0]),
         (96, 3000.0, [48.0, 48.0]),
@@ -228,8 +229,8 @@ fn fronts_settle_on_the_roughest_surfaces() {
     }
 }
 
-/// Fast marching with planar fronts fixes points in the right order where no triangle is obtuse
-/// at the point it updates; which surfaces those are is measured, not listed.
+/// Fast marching with planar fronts fixes points in the right order if no triangle is obtuse at the point
+/// that it updates. The test measures which surfaces these are.
 #[test]
 fn fast_marching_agrees_with_raster_scans_on_acute_triangles() {
     let mut acute_surfaces = 0;
@@ -246,8 +247,9 @@ fn fast_marching_agrees_with_raster_scans_on_acute_triangles() {
             acute_surfaces += 1;
             assert!(difference < 1e-5, "{name}: {difference:e}");
         } else {
-            // Fixed too early: later, never earlier (but for rounding). The few obtuse triangles of
-            // the face, up to 98 degrees beside its nose, lie across the fronts and do no harm.
+            // Points that are fixed too early get later times, never earlier ones, up to rounding. The few
+            // obtuse triangles of the face, up to 98 degrees beside its nose, lie across the fronts and do no
+            // harm.
             if name != Builtin::Face.to_string() {
                 assert!(difference > 1e-4, "{name}: {difference:e}");
             }
@@ -258,11 +260,11 @@ fn fast_marching_agrees_with_raster_scans_on_acute_triangles() {
     assert!(acute_surfaces >= 6, "only {acute_surfaces} surfaces have acute triangles");
 }
 
-/// Where triangles are obtuse, connections to further neighbours restore the order: measured at
-/// 97 x 97 points, the mean relative error of fast marching falls from 3.0e-2 to 4.0e-3 (planar)
-/// and from 2.3e-2 to rounding (point-source) at 60 degrees of shear.
+/// If triangles are obtuse, connections to further neighbours restore the order. Measured at 97 x 97 points
+/// and 60 degrees of shear: the mean relative error of fast marching falls from 3.0e-2 to 4.0e-3 (planar) and
+/// from 2.3e-2 to rounding (point-source).
 #[test]
-fn split_triangles_mend_fast_marching() {
+fn split_triangles_correct_fast_marching() {
     for degrees in [60.0, -72.0, 80.0] {
         let builtin = Builtin::ShearedPlane { degrees };
         let surface = builtin.surface(POINTS, POINTS).unwrap();
@@ -284,9 +286,9 @@ fn split_triangles_mend_fast_marching() {
     }
 }
 
-/// On a curved surface, against a grid eight times as fine: better than without, and no worse than
-/// the scans, which do not mind the order. Measured: planar 0.5 to 0.9 and point-source 0.7 to 1.1
-/// times the error of the scans.
+/// On a curved surface, compared with a grid eight times as fine, the errors are smaller than without the
+/// connections, and no larger than those of the scans, which do not depend on the order. Measured: planar 0.5
+/// to 0.9 and point-source 0.7 to 1.1 times the error of the scans.
 #[test]
 fn split_triangles_serve_curved_surfaces() {
     let (points, fine) = (65, 513);
@@ -322,7 +324,7 @@ fn split_triangles_serve_curved_surfaces() {
     }
 }
 
-/// Theorem 1 bounds the iterations that change the map; one more finds that nothing changes.
+/// Theorem 1 bounds the iterations that change the map. One more iteration finds that nothing changes.
 #[test]
 fn iterations_stay_within_theorem_1() {
     let mut bounded = 0;
@@ -362,8 +364,8 @@ fn every_iteration_lowers_the_map_or_leaves_it() {
     }
 }
 
-/// Blocks in which nothing can change are passed over, to the last bit and in every iteration, and some
-/// are. Blocks of one line, of few, and of more than there are.
+/// Scans that skip blocks in which nothing can change give the same map to the last bit, in every iteration,
+/// and some blocks are skipped. Blocks have one line, a few lines, or more lines than the grid.
 #[test]
 fn scans_of_blocks_that_are_due_are_whole_scans() {
     for (name, surface) in random_surfaces().into_iter().step_by(5) {

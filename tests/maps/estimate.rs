@@ -1,4 +1,4 @@
-//! Estimated errors against true ones, and what extrapolation leaves of them.
+//! Estimated errors compared with true ones, and the errors that remain after extrapolation.
 
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{SourceError, SurfaceError};
@@ -27,14 +27,14 @@ fn estimate(surface: &Surface, sources: &Sources, wavefront: Wavefront) -> Error
     estimate
 }
 
-/// How an estimate compares with the truth.
+/// Comparison of an estimate with the truth.
 #[derive(Debug)]
 struct Comparison {
-    /// Mean estimate over the mean error.
+    /// Mean estimate divided by the mean error.
     ratio: f64,
-    /// Share of points whose error is below twice its estimate.
+    /// Fraction of points whose error is below twice its estimate.
     within_twice: f64,
-    /// Mean error of the extrapolated distances over that of the map.
+    /// Mean error of the extrapolated distances divided by that of the map.
     left: f64,
 }
 
@@ -56,7 +56,8 @@ fn compare(estimate: &ErrorEstimate, exact: &[f64]) -> Comparison {
     Comparison { ratio: estimates / errors, within_twice: within / count, left: left / errors }
 }
 
-/// Along arcs, errors on developable surfaces are those of rounding: measured along chords there.
+/// Returns a smooth surface. Developable surfaces have chords for edges, since with arcs their errors are
+/// only rounding.
 fn smooth(builtin: Builtin, points: usize) -> Surface {
     let rule = if builtin == Builtin::Sphere { EdgeRule::Arc } else { EdgeRule::Chord };
     builtin.surface(points, points).unwrap().with_edge_rule(rule)
@@ -70,7 +71,7 @@ fn measured(builtin: Builtin, points: usize, source: [f64; 2], front: Wavefront)
     comparison
 }
 
-/// Measured at 65 and 129 points: 1.06 to 1.38, and at least 99.0 % of the points.
+/// Measured at 65 and 129 points: ratios of 1.06 to 1.38, and at least 99.0 % of the points.
 #[test]
 fn estimates_are_near_the_errors_of_smooth_surfaces() {
     for points in [65, 129] {
@@ -94,9 +95,9 @@ fn even_sides_are_as_good_as_odd_ones() {
     }
 }
 
-/// Between grid points, a source lies differently in the cells of each grid, and planar fronts
-/// start with other errors. Measured: planar 1.24 to 1.38, 94 to 99 % and half the error left;
-/// the others as from grid points but for the cone's tip.
+/// A source between grid points has another position in the cells of each grid, and planar fronts start with
+/// other errors. Measured: planar 1.24 to 1.38, 94 to 99 % of the points, and half of the error remains. The
+/// other wavefronts are as from grid points, except at the cone's tip.
 #[test]
 fn sources_may_lie_between_grid_points() {
     for wavefront in WAVEFRONTS {
@@ -110,8 +111,8 @@ fn sources_may_lie_between_grid_points() {
     }
 }
 
-/// Measured at 129 points: planar 0.044 to 0.078, point-source 0.007 to 0.042, curved 0.004 to
-/// 0.124, the largest on the cone, whose tip is not smooth.
+/// Measured at 129 points: planar 0.044 to 0.078, point-source 0.007 to 0.042, curved 0.004 to 0.124. The
+/// largest is that of the cone, whose tip is not smooth.
 #[test]
 fn extrapolation_takes_most_of_the_error_of_smooth_surfaces() {
     for (wavefront, bar) in
@@ -126,9 +127,9 @@ fn extrapolation_takes_most_of_the_error_of_smooth_surfaces() {
     assert!(plane.left < 0.06);
 }
 
-/// Circular fronts are exact on a plane but for rounding, and estimates say no more than that.
+/// Circular fronts are exact on a plane up to rounding, and estimates are no larger.
 #[test]
-fn rounding_is_estimated_where_nothing_else_is_left() {
+fn rounding_is_estimated_if_it_is_the_only_error() {
     let surface = Builtin::Plane.surface(129, 129).unwrap();
     for wavefront in [Wavefront::PointSource, Wavefront::Curved] {
         let estimate = estimate(&surface, &at(off_centre(129, 129)), wavefront);
@@ -138,8 +139,8 @@ fn rounding_is_estimated_where_nothing_else_is_left() {
     }
 }
 
-/// On every second point the maze's walls are up to a step thicker: estimates are too large by
-/// 15 to 35 for planar and circular fronts and by 1100 for curved ones, but seldom too small.
+/// On every second point, the maze's walls are up to a step thicker. Estimates are too large by factors of 15
+/// to 35 for planar and circular fronts and of 1100 for curved ones, but seldom too small.
 #[test]
 fn estimates_behind_walls_err_on_the_safe_side() {
     for wavefront in WAVEFRONTS {
@@ -148,8 +149,8 @@ fn estimates_behind_walls_err_on_the_safe_side() {
     }
 }
 
-/// Planar fronts from a circle: no singularity, and the first order alone. Measured: 1.42 and
-/// all points, 0.17 left.
+/// Planar fronts from a circle have no singularity and are of first order. Measured: 1.42, all points, and
+/// 0.17 of the error remains.
 #[test]
 fn curves_are_sources_too() {
     let (points, centre, radius) = (129, [58.0, 71.0], 26.0);
@@ -171,8 +172,8 @@ fn curves_are_sources_too() {
     assert!((0.9..2.0).contains(&found.ratio) && found.within_twice > 0.98 && found.left < 0.3);
 }
 
-/// Sources with odd and even rows and columns lie on all grids. Measured: planar 1.20 and 0.08
-/// left, point-source 1.2 to 3.3 and up to half, curved 1.1 to 1.5 and up to a quarter.
+/// The sources have odd and even rows and columns. Measured: planar 1.20, with 0.08 of the error left;
+/// point-source 1.2 to 3.3, with up to half of it left; curved 1.1 to 1.5, with up to a quarter left.
 #[test]
 fn several_sources_are_as_good_as_one() {
     let points = 129;
@@ -195,7 +196,7 @@ fn several_sources_are_as_good_as_one() {
 }
 
 #[test]
-fn start_values_are_no_part_of_the_error() {
+fn start_values_do_not_count_as_error() {
     let points = 129;
     let surface = Builtin::Sphere.surface(points, points).unwrap();
     let (a, b) = ([30.0, 40.0], [101.0, 90.0]);
@@ -210,9 +211,9 @@ fn start_values_are_no_part_of_the_error() {
     assert!(estimate.extrapolated.iter().all(|&distance| distance >= 0.25));
 }
 
-/// On a surface that is rough on the grid, a curved front is of the first order, which is seen and
-/// said: estimates are then on the safe side. The reference is a map of four times as many points a
-/// side. Measured from these sources: 1.6 to 3.4 times the error; orders 0.6 to 1.6, of the cylinder 9.
+/// On a surface that is rough on the grid, a curved front is of first order. The estimate detects and reports
+/// this, and is then too large rather than too small. The reference is a map with four times the points per
+/// side. Measured from these sources: 1.6 to 3.4 times the error; orders 0.6 to 1.6, and 9 on the cylinder.
 #[test]
 fn roughness_is_seen() {
     let (points, times) = (65, 4);
@@ -233,7 +234,7 @@ fn roughness_is_seen() {
         println!("{row},{col}: {found:?}, {:?}", rough.observed_order);
         assert!((1.0..3.6).contains(&found.ratio) && found.within_twice > 0.98);
         assert!(rough.observed_order < Some(1.7));
-        // Less the estimate, a half of the error is left at most.
+        // After subtracting the estimate, at most about half of the error remains.
         assert!(found.left < 0.55);
     }
     let cylinder = Builtin::Cylinder.surface(points, points).unwrap();
@@ -241,7 +242,7 @@ fn roughness_is_seen() {
     assert!(smooth.observed_order > Some(1.8), "{:?}", smooth.observed_order);
 }
 
-/// The same flat surface as positions, heights and a metric: the same estimates.
+/// The same flat surface as positions, heights and a metric has the same estimates.
 #[test]
 fn estimates_do_not_depend_on_how_the_surface_is_given() {
     let (rows, cols, dx, dy) = (33, 41, 2.0, 3.0);
@@ -261,7 +262,7 @@ fn estimates_do_not_depend_on_how_the_surface_is_given() {
             approx::assert_relative_eq!(a, b, epsilon = 1e-3, max_relative = 1e-3);
         }
     }
-    // A metric is compared on rows 1, 3, .. 31, and sources may lie beyond.
+    // A metric is compared on rows 1, 3, .. 31. Sources may lie on others.
     let tensors = vec![tensor; rows * cols];
     let metric = Surface::from_metric(rows, cols, tensors).unwrap();
     let sources = at([11.0, 13.0]).and_point(32.0, 40.0, 0.0);
@@ -271,9 +272,9 @@ fn estimates_do_not_depend_on_how_the_surface_is_given() {
     assert!(by_metric.0 < 2.0 * by_heights.0 && by_heights.0 < 2.0 * by_metric.0);
 }
 
-/// A wall with nothing but a corridor one point wide through it, between the rows that stay.
+/// A corridor one point wide leads through a wall, between the rows of the coarse grid.
 #[test]
-fn what_no_coarse_grid_reaches_has_no_estimate() {
+fn points_that_no_coarse_grid_reaches_have_no_estimate() {
     let (rows, cols) = (21, 31);
     let wall = |row: usize, col: usize| (14..18).contains(&col) && row != 11;
     let pocket = |row: usize, col: usize| {
@@ -300,7 +301,7 @@ fn what_no_coarse_grid_reaches_has_no_estimate() {
     }
 }
 
-/// A curve in a corridor that every second point leaves out.
+/// A curve lies in a corridor that is missing on every second point.
 #[test]
 fn sources_in_coarse_holes_start_beside_them() {
     let (rows, cols) = (17, 17);
@@ -315,7 +316,7 @@ fn sources_in_coarse_holes_start_beside_them() {
     assert!(matches!(&error, Error::Source(SourceError::NotOnCoarseGrid { .. })), "{error}");
     assert!(error.to_string().contains("beside the source at row 13"), "{error}");
 
-    // With a wider corridor a point beside the source is left.
+    // In a wider corridor, a point beside the source remains.
     let mask: Vec<_> =
         (0..rows * cols).map(|i| corridor(i / cols, i % cols) || i / cols == 14).collect();
     let masked = surface.with_mask(&mask).unwrap();
@@ -327,7 +328,7 @@ fn sources_in_coarse_holes_start_beside_them() {
 fn a_single_row_is_enough_and_two_are_not() {
     let line = Builtin::Plane.surface(1, 33).unwrap();
     let found = estimate(&line, &at([0.0, 7.0]), Wavefront::Planar);
-    // Along a line every front is exact.
+    // Along a line, every front is exact.
     assert!(found.relative().1 < 1e-6, "{:?}", found.relative());
     for (rows, cols) in [(2, 33), (33, 2), (1, 1), (1, 2)] {
         let surface = Builtin::Plane.surface(rows, cols).unwrap();
@@ -336,7 +337,7 @@ fn a_single_row_is_enough_and_two_are_not() {
         let expected = SurfaceError::TooSmall { rows, cols };
         assert!(matches!(&error, Error::Surface(found) if *found == expected), "{error}");
     }
-    // Three points a side are compared with two, and no further.
+    // Three points per side are compared with two, and with no coarser grid.
     let surface = Builtin::Sphere.surface(3, 3).unwrap();
     let found = estimate(&surface, &at([1.0, 1.0]), Wavefront::Planar);
     assert_eq!((found.grids, found.unknown()), (2, 0));
@@ -353,7 +354,7 @@ fn every_engine_estimates_the_same() {
         for engine in [Engine::Vulkan(device_choice()), Engine::FastMarching] {
             let options = Options { engine, ..options(wavefront) };
             let found = estimate_error(&surface, &sources, &options).unwrap();
-            // Fast marching updates each point once, and rounds elsewhere.
+            // Fast marching updates each point once, so that it rounds differently.
             let (a, b) = (expected.relative().0, found.relative().0);
             assert!((a - b).abs() < 0.02 * a, "{} {wavefront}: {a} {b}", found.map.report.engine);
         }

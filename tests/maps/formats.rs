@@ -1,4 +1,5 @@
-//! File formats: what is written is read, and what is cut short is refused. `tests/fuzz` damages files.
+//! File formats: readers read what writers write, and refuse files that are cut short. `tests/fuzz` damages
+//! files.
 
 use std::fs;
 use std::io::Cursor;
@@ -15,7 +16,7 @@ use tempfile::TempDir;
 const ROWS: usize = 5;
 const COLS: usize = 7;
 
-/// Values that show a swapped axis, and an infinity.
+/// Returns values that reveal a swapped axis, and an infinity.
 fn distances() -> Vec<f32> {
     let mut distances: Vec<f32> = (0..ROWS * COLS).map(|i| i as f32 * 0.1).collect();
     distances[11] = f32::INFINITY;
@@ -52,7 +53,7 @@ impl Folder {
 
     fn file(&self, name: &str, bytes: &[u8]) -> PathBuf {
         let path = self.0.path().join(name);
-        // What replaces a file goes to the disk at once on some file systems.
+        // Some file systems write a file that replaces another to the disk at once.
         let _ = fs::remove_file(&path);
         fs::write(&path, bytes).unwrap();
         path
@@ -93,7 +94,7 @@ fn heights_come_from_grey_pictures_unscaled() {
     assert_eq!(heights(&path), expected.iter().map(|h| h * 256.0).collect::<Vec<_>>());
 }
 
-/// A TIFF of 16-bit heights with GDAL's and GeoTIFF's tags.
+/// Returns a TIFF of 16-bit heights with the tags of GDAL and GeoTIFF.
 fn geotiff(model_type: Option<u16>, units: u16) -> Vec<u8> {
     use tiff::encoder::{TiffEncoder, colortype::GrayI16};
     use tiff::tags::Tag;
@@ -221,7 +222,7 @@ fn geometry_images_give_positions() {
     }
 }
 
-/// A valid file of each format that a surface comes from.
+/// Returns a valid file of each format of surfaces.
 fn samples() -> Vec<(&'static str, Vec<u8>)> {
     let pixels: Vec<u8> = (0..2 * ROWS * COLS).map(|i| i as u8).collect();
     vec![
@@ -237,7 +238,7 @@ fn a_file_cut_anywhere_is_an_error() {
     let folder = Folder::new();
     for (name, bytes) in samples() {
         assert!(SurfaceFile::read(&folder.file(name, &bytes)).is_ok(), "{name}");
-        // PNG's last 12 bytes are an end mark without content, of which nothing is missed.
+        // PNG's last 12 bytes are an end mark without content, so that a reader may do without them.
         let needed = if name.ends_with("png") { bytes.len() - 12 } else { bytes.len() };
         for length in 0..needed {
             let path = folder.file(name, &bytes[..length]);
@@ -249,7 +250,7 @@ fn a_file_cut_anywhere_is_an_error() {
 }
 
 #[test]
-fn shapes_that_mean_nothing_are_refused_with_the_ones_that_do() {
+fn meaningless_shapes_are_refused_with_the_valid_ones() {
     let folder = Folder::new();
     for shape in [&[35][..], &[5, 7, 1], &[7, 5, 1, 1], &[]] {
         let values = vec![0.0; shape.iter().product()];
@@ -271,7 +272,7 @@ fn asymmetric_metrics_are_refused_where_they_are() {
     assert!(error.contains("row 2, column 3"), "{error}");
 }
 
-/// An archive that NumPy has written, by `numpy/make.py`.
+/// Returns the path of an archive that NumPy has written, by `numpy/make.py`.
 fn archive(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/maps/numpy").join(name)
 }
@@ -310,7 +311,7 @@ fn archives_that_are_damaged_are_refused() {
             let error = SurfaceFile::read(&path).map(drop).unwrap_err();
             assert!(matches!(error, IoError::Content { .. }), "{name} cut to {length}: {error}");
         }
-        // A checksum guards the values; the header's name and times may be anything.
+        // A checksum protects the values. The header's name and times may be anything.
         let whole = heights(&archive(name));
         for at in 0..bytes.len() {
             let mut bytes = bytes.clone();
@@ -346,7 +347,7 @@ fn ascii_grids_are_surfaces_masks_and_slowness() {
     assert_eq!(holes, [0, 3]);
     assert_eq!(read_slowness(&path).unwrap().values[3], f64::INFINITY);
 
-    // Both lie where the surface does, or are refused.
+    // Both files have the georeference of the surface, or are refused.
     let place = georeference;
     assert!(mask.clone().fit_surface(&path, ROWS, COLS, Some(&place)).is_ok());
     assert!(mask.clone().fit_surface(&path, COLS, ROWS, Some(&place)).is_err());

@@ -1,4 +1,5 @@
-//! GeoTIFFs as GDAL reads them: `gdal/make.py` wrote these files by GDAL, with the values that it reads.
+//! GeoTIFFs are read as GDAL reads them: `gdal/make.py` wrote these files with GDAL, and the values that GDAL
+//! reads.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,7 +16,7 @@ fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/maps/gdal")
 }
 
-/// Holds every `variant-*.tif` of a folder against the values beside it. Returns how many there are.
+/// Compares every `variant-*.tif` of a folder with the values beside it. Returns their number.
 fn check_variants(folder: &Path) -> usize {
     let mut paths: Vec<_> =
         fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -31,13 +32,13 @@ fn check_variants(folder: &Path) -> usize {
         let finite = expected.values.iter().filter(|value| value.is_finite());
         let size = finite.fold(0.0, |size: f64, value| size.max(value.abs()));
         for (index, (found, expected)) in found.values.iter().zip(&expected.values).enumerate() {
-            // numpy may scale with a fused multiplication, or round otherwise.
+            // NumPy may scale with a fused multiplication, or round differently.
             let same = found == expected
                 || found.is_nan() && expected.is_nan()
                 || (found - expected).abs() <= 1e-12 * size;
             assert!(same, "{name}: {index}: {found} {expected}");
         }
-        // The same values are heights, weights and masks.
+        // The same values are read as heights, weights and masks.
         let heights = SurfaceFile::read(path).unwrap().into_surface(Some(Spacing::square(1.0)));
         if let Ok(surface) = heights {
             assert_eq!(surface.present().len(), expected.values.len(), "{name}");
@@ -65,7 +66,7 @@ fn values_are_those_that_gdal_reads() {
     assert_eq!(check_variants(&fixtures()), 48);
 }
 
-/// Python with rasterio, where there is one: `GEOSWEEP_PYTHON` names it, else it is `python3`.
+/// Returns Python with rasterio, if there is one. `GEOSWEEP_PYTHON` names it; the default is `python3`.
 fn rasterio() -> Option<Command> {
     let python = std::env::var("GEOSWEEP_PYTHON").unwrap_or("python3".into());
     let found = Command::new(&python).args(["-c", "import rasterio"]).output();
@@ -85,7 +86,7 @@ fn random_files_are_read_as_gdal_reads_them() {
     assert_eq!(check_variants(folder.path()), 300);
 }
 
-/// Lines of `places.csv`.
+/// Returns the lines of `places.csv`.
 fn places() -> Vec<(String, u16, [f64; 6])> {
     let table = fs::read_to_string(fixtures().join("places.csv")).unwrap();
     let line = |line: &str| {
@@ -120,7 +121,7 @@ fn pixel_sizes_are_lengths_where_they_can_be() {
         let surface = surface(name).unwrap();
         let Geometry::Heights { heights, spacing } = surface.geometry() else { panic!("{name}") };
         assert!((spacing.dx - 30.0).abs() < 1e-9 && (spacing.dy - 20.0).abs() < 1e-9, "{name}");
-        // Rows keep their order, whichever way they run.
+        // Rows keep their order, in either direction.
         assert!(
             heights.iter().enumerate().all(|(index, height)| index as f64 == *height),
             "{name}"
@@ -142,7 +143,7 @@ fn pixel_sizes_are_lengths_where_they_can_be() {
 }
 
 #[test]
-fn what_is_not_read_is_refused_with_what_helps() {
+fn unsupported_files_are_refused_with_advice() {
     for (name, parts) in [
         ("zstd.tif", ["ZSTD", "gdal_translate -co COMPRESS=DEFLATE"]),
         ("lerc.tif", ["LERC", "gdal_translate -co COMPRESS=DEFLATE"]),
@@ -157,7 +158,7 @@ fn what_is_not_read_is_refused_with_what_helps() {
         assert!(parts.iter().all(|part| error.contains(part)), "{error}");
         assert!(error.starts_with(&path.display().to_string()), "{error}");
     }
-    // Zero or not is asked of indices too.
+    // For a palette, the index decides whether a value is zero.
     let mask = read_mask(&fixtures().join("palette.tif")).unwrap().values;
     assert_eq!(mask.iter().filter(|present| !**present).count(), 1);
 }
@@ -186,7 +187,7 @@ fn maps_lie_where_their_surface_does() {
         let values = read_map(&labels).unwrap().values;
         assert!(values[0].is_nan() && values[1..].iter().zip(0..).all(|(a, b)| *a == f64::from(b)));
 
-        // And GDAL finds the same.
+        // GDAL finds the same.
         let describe = |path: &Path| {
             let output = rasterio()?.arg("describe").arg(path).output().unwrap();
             Some(String::from_utf8(output.stdout).unwrap())

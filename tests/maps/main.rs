@@ -1,5 +1,5 @@
-//! What the library computes, against truth and by one engine against the other: maps, matrices, what is
-//! found on maps, and files.
+//! Results of the library, compared with the truth and between engines: maps, matrices, results on maps, and
+//! files.
 
 mod accuracy;
 mod bounds;

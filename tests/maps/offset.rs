@@ -1,4 +1,4 @@
-//! Offset curves against straight lines, circles and prolongations.
+//! Offset curves compared with straight lines, circles and prolongations.
 
 use std::f64::consts::PI;
 
@@ -25,7 +25,7 @@ fn length(surface: &Surface, contour: &Contour) -> f64 {
     contour.curves.iter().map(|curve| curve.length(surface).unwrap()).sum()
 }
 
-/// Cells are squares in the plane, and oblongs on the cylinder unrolled: a straight piece, two
+/// Cells are squares in the plane, and oblongs on the unrolled cylinder. A curve has a straight piece, two
 /// quarters of a circle, and ends on the prolongations. Measured: ends within 0.14 cells.
 #[test]
 fn an_open_curve_has_a_line_and_two_quarter_circles_on_each_side() {
@@ -48,7 +48,7 @@ fn an_open_curve_has_a_line_and_two_quarter_circles_on_each_side() {
             for (side, sign) in [(Side::Left, 1.0), (Side::Right, -1.0)] {
                 let found = offsets(&surface, &sources, &[level], side);
                 let [curve] = &found[0].curves[..] else { panic!("{builtin} {from:?} {found:?}") };
-                // To the left of the line, and how far from it, in cells.
+                // Signed distance to the left of the line, in cells.
                 let beside = |at: [f64; 2]| {
                     let at = place(at);
                     let left = (b[0] - a[0]) * (at[1] - a[1]) - (b[1] - a[1]) * (at[0] - a[0]);
@@ -72,7 +72,7 @@ fn an_open_curve_has_a_line_and_two_quarter_circles_on_each_side() {
     }
 }
 
-/// Counter-clockwise, so that the inside is on the left.
+/// Returns a counter-clockwise circle, so that its inside is on the left.
 fn circle(centre: [f64; 2], radius: f64) -> Sources {
     Sources::curve((0..=120).map(|k| {
         let (sin, cos) = (2.0 * PI * f64::from(k % 120) / 120.0).sin_cos();
@@ -94,8 +94,8 @@ fn a_closed_curve_has_an_inside_and_an_outside() {
     }
 }
 
-/// Two lines in the same direction, as in the paper's figure 7: what lies between them is on the
-/// right of the northern one, then on the left of the southern one.
+/// Two lines in the same direction, as in the paper's figure 7. Points between them are on the right of the
+/// northern line, or on the left of the southern one, whichever is nearer.
 #[test]
 fn sides_meet_half_way_between_curves() {
     let surface = flat(81, 121);
@@ -114,7 +114,7 @@ fn sides_meet_half_way_between_curves() {
                 if !(31.0..89.0).contains(&at[1]) {
                     continue;
                 }
-                // North of both lines and south of both lines; half-way between them.
+                // North of both lines, south of both lines, and half-way between them.
                 let expected = [
                     at[0] < 30.0 || (40.0..50.0).contains(&at[0]),
                     at[0] > 50.0 || (30.0..=40.0).contains(&at[0]),
@@ -126,7 +126,7 @@ fn sides_meet_half_way_between_curves() {
     }
 }
 
-/// A corner fans out on its outer side alone.
+/// A corner fans out only on its outer side.
 #[test]
 fn a_corner_is_round_outside() {
     let surface = flat(101, 101);
@@ -152,14 +152,14 @@ fn points_have_no_sides_and_curves_beyond_the_map_no_offsets() {
     for contour in offsets(&surface, &sources, &[-1.0, 0.0, 1e6], Side::Left) {
         assert!(contour.curves.is_empty());
     }
-    // A part that no front reaches has no side, and a curve along the border only one.
+    // A part that no front reaches has no side, and a curve along the border has only one.
     let mask: Vec<bool> = (0..11 * 21).map(|i| i / 21 != 5).collect();
     let cut_off = surface.with_mask(&mask).unwrap();
     let sources = Sources::curve([[0.0, 0.0], [0.0, 20.0]]);
     let right = offsets(&cut_off, &sources, &[2.5, 4.5], Side::Right);
     assert_eq!((right[0].curves.len(), right[1].curves.len()), (1, 0));
     assert!(offsets(&cut_off, &sources, &[2.5], Side::Left)[0].curves.is_empty());
-    // Two rows.
+    // A surface with two rows.
     let sources = Sources::curve([[0.0, 2.0], [1.0, 2.0]]);
     let left = offsets(&flat(2, 9), &sources, &[3.5], Side::Left);
     assert!(left[0].curves.iter().flat_map(|curve| &curve.vertices).all(|at| at[1] > 2.0));

@@ -1,4 +1,5 @@
-//! Sources side by side, and lines across the grid, against exact distances on surfaces that unroll into a plane.
+//! Neighbouring sources, and lines across the grid, compared with exact distances on surfaces that unroll
+//! into a plane.
 
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Real};
@@ -9,7 +10,7 @@ use crate::common::sheets::{Kind, Sheet};
 
 const STOP: Stop = Stop { tolerance: 1e-6, iterations: 500 };
 
-/// By how much a map is early, and late, at most, in the longer side of a cell.
+/// Returns how much a map is early and late at most, relative to the longer side of a cell.
 fn errors<R: Real>(sheet: &Sheet) -> [f64; 2] {
     let seeds = sheet.sources.seeds_with_origins(&sheet.surface).unwrap();
     let seeds = Wavefront::Curved.seeds(&sheet.surface, seeds);
@@ -24,8 +25,8 @@ fn errors<R: Real>(sheet: &Sheet) -> [f64; 2] {
     [most(&|late| -late), most(&|late| late)]
 }
 
-/// Checks how early and how late maps of all kinds of sources are: sheets are never early, and late on at most one in
-/// so many of them.
+/// Checks maps of all kinds of sources. They are never early by more than `early`, and late by more than
+/// `late` on at most one sheet in `one_in`.
 fn assert_exact<R: Real>(rolled: bool, early: f64, late: f64, one_in: usize) {
     let (mut failures, mut late_ones, mut count) = (Vec::new(), Vec::new(), 0);
     for kind in Kind::ALL {
@@ -46,8 +47,8 @@ fn assert_exact<R: Real>(rolled: bool, early: f64, late: f64, one_in: usize) {
     assert!(late_ones.len() * one_in <= count, "{} of {count} late", late_ones.len());
 }
 
-/// In long, sheared cells the region of one of several sources may be too narrow for any grid point to lie in it, and
-/// what comes behind it has to wait for a neighbour's front.
+/// Number of sheets of which one may be late. In long, sheared cells, the region of one of several sources
+/// may be too narrow to contain a grid point. Points behind it must then wait for a neighbour's front.
 const ONE_IN: usize = 50;
 
 #[test]
@@ -62,7 +63,7 @@ fn sources_side_by_side_are_exact_on_cylinders_but_for_their_edges() {
     assert_exact::<f64>(true, 4e-4, 2e-4, ONE_IN);
 }
 
-/// Scalloped fronts of many sources in a row would each be taken for part of a circle.
+/// Scalloped fronts of many sources in a row would each count as part of a circle.
 #[test]
 fn rows_of_sources_are_lines_whatever_the_relief() {
     for relief in [0.0, 1e-3] {
@@ -80,8 +81,8 @@ fn rows_of_sources_are_lines_whatever_the_relief() {
     }
 }
 
-/// The map of several point sources minus the earliest of each source's own, relative to the largest distance: the
-/// most that it is early and late, and the mean of both.
+/// Compares the map of several point sources with the minimum of each source's own map. Returns the largest
+/// amounts by which it is early and late, and the mean of both, relative to the largest distance.
 fn from_single_maps(surface: &Surface, places: &[[f64; 2]]) -> [f64; 3] {
     let options = Options { wavefront: Some(Wavefront::Curved), ..Options::default() };
     let map = |sources: &Sources| distance_map_f64(surface, sources, &options).unwrap().distances;
@@ -100,7 +101,7 @@ fn from_single_maps(surface: &Surface, places: &[[f64; 2]]) -> [f64; 3] {
     [most(-1.0), most(1.0), mean]
 }
 
-/// Where cells are not alike each source's front is solved alone at first. Without that two sources side by side have a
+/// If cells differ, each source's front is first solved alone. Without that, two neighbouring sources have a
 /// mean error of 3e-5 to 2e-4 here.
 #[test]
 fn sources_side_by_side_on_curved_surfaces_are_as_good_as_single_ones() {
@@ -111,7 +112,7 @@ fn sources_side_by_side_on_curved_surfaces_are_as_good_as_single_ones() {
             &[[30.0, 60.0], [30.0, 61.0], [31.0, 62.0]],
             &[[60.0, 20.0], [61.0, 21.0]],
             &[[90.0, 50.0], [90.0, 51.0], [90.0, 52.0], [90.0, 53.0], [91.0, 50.0]],
-            // Others further away, one of them near the cluster's surroundings.
+            // Other sources are further away, one of them near the cluster's surroundings.
             &[[40.0, 40.0], [41.0, 40.0], [40.0, 60.0], [60.3, 41.6], [100.0, 100.0]],
         ] {
             let [early, late, mean] = from_single_maps(&surface, places);
@@ -123,11 +124,11 @@ fn sources_side_by_side_on_curved_surfaces_are_as_good_as_single_ones() {
     }
 }
 
-/// A source that starts late amid others, and walls between them.
+/// One source starts late amid others, and walls stand between them.
 #[test]
-fn exact_seeds_do_not_keep_off_what_comes_earlier() {
+fn exact_seeds_do_not_block_earlier_fronts() {
     let mut slowness = vec![1.0; 41 * 41];
-    // Fast ground around the first source's surroundings, beyond a wall with a gap.
+    // Fast ground surrounds the first source, beyond a wall with a gap.
     slowness.iter_mut().enumerate().filter(|(k, _)| k % 41 > 24).for_each(|(_, s)| *s = 1e-3);
     let mask: Vec<_> = (0..41 * 41).map(|k| k % 41 != 22 || k / 41 == 2 || k / 41 == 38).collect();
     let surface = Surface::from_heights(41, 41, vec![0.0; 41 * 41], Spacing::square(1.0)).unwrap();

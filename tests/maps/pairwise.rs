@@ -1,4 +1,4 @@
-//! The pairwise engine against the engine for single maps, and against truth.
+//! The pairwise engine compared with the engine for single maps, and with the truth.
 
 use geosweep::Stop;
 use geosweep::accuracy::Errors;
@@ -15,7 +15,7 @@ use crate::common::{CONVERGED, difference};
 
 const STRAIGHT: [Wavefront; 2] = [Wavefront::Planar, Wavefront::PointSource];
 
-/// The whole matrix.
+/// Returns the whole matrix.
 fn matrix(solver: &PairwiseScan, surface: &Surface, stop: Stop) -> Vec<f32> {
     let points = surface.chart().points();
     let source = |point: usize| surface.present()[point].then_some(point);
@@ -29,7 +29,7 @@ fn matrix(solver: &PairwiseScan, surface: &Surface, stop: Stop) -> Vec<f32> {
     matrix
 }
 
-/// Rows of some sources as they are computed in use.
+/// Returns rows of some sources, computed as in use.
 fn rows(surface: &Surface, wavefront: Wavefront, sources: &[usize]) -> Vec<f32> {
     let options = Options {
         engine: Engine::Cpu,
@@ -48,7 +48,8 @@ fn rows(surface: &Surface, wavefront: Wavefront, sources: &[usize]) -> Vec<f32> 
     all
 }
 
-/// Sizes that leave a remainder of lanes, lines of points, holes, slowness, a metric, obtuse angles.
+/// Returns surfaces of several kinds: sizes that leave a remainder of lanes, lines of points, holes,
+/// slowness, a metric, obtuse angles.
 fn surfaces() -> Vec<(&'static str, Surface)> {
     let wave = |i: usize| (i as f64 * 0.7).sin();
     let heights = |rows, cols: usize| {
@@ -74,15 +75,15 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
     ]
 }
 
-/// The scans are the same in the same order, so maps agree after any number of iterations, to the
-/// rounding of coefficients and of squares: a unit in the last place, 6e-8, for each of the some
-/// dozen steps of the longest way.
+/// The scans are the same in the same order, so that maps agree after any number of iterations, up to the
+/// rounding of coefficients and squares. This is a unit in the last place, 6e-8, for each of the few dozen
+/// steps of the longest path.
 #[test]
 fn every_row_is_the_map_of_its_source() {
     for (name, surface) in surfaces() {
         let (chart, edges) = (surface.chart(), EdgeLengths::<f32>::new(&surface).unwrap());
         for wavefront in STRAIGHT {
-            // Over a slowness rows are computed map by map.
+            // With a slowness, rows are computed map by map.
             let Some(solver) = PairwiseScan::new(&edges, wavefront) else {
                 assert_eq!(name, "slowness");
                 continue;
@@ -105,9 +106,9 @@ fn every_row_is_the_map_of_its_source() {
     }
 }
 
-/// Steep, sheared, stretched and folded surfaces, with holes or without, most of which have obtuse triangles: rows keep
-/// their bounds, and are the single maps of both precisions. Planar fronts settle in one way, circular ones nearly
-/// always.
+/// Steep, sheared, stretched and folded surfaces, with or without holes; most of them have obtuse triangles.
+/// Rows satisfy their bounds and equal the single maps of both precisions. Planar fronts converge to one
+/// result, circular ones nearly always.
 #[test]
 fn rows_on_any_surface_keep_their_bounds_and_are_single_maps() {
     let (mut compared, mut split, mut apart) = (0, 0, [0; 2]);
@@ -154,15 +155,14 @@ fn rows_on_any_surface_keep_their_bounds_and_are_single_maps() {
     assert!(apart[0] == 0 && apart[1] * 100 <= compared, "{apart:?} of {compared}");
 }
 
-/// Curved and anchored fronts carry more than their arrival time: their rows are computed map by map.
+/// Curved and anchored fronts store more than their arrival time, so that their rows are computed map by map.
 #[test]
 fn rows_of_curved_fronts_are_the_maps_of_their_sources() {
     for (name, surface) in surfaces() {
         let (chart, edges) = (surface.chart(), EdgeLengths::<f32>::new(&surface).unwrap());
         assert!(PairwiseScan::new(&edges, Wavefront::Anchored).is_none());
         assert!(PairwiseScan::new(&edges, Wavefront::Curved).is_none());
-        // Where triangles let points depend on one another, curved fronts may settle in one way or
-        // another.
+        // If triangles make points depend on one another, curved fronts may converge to different results.
         if name == "slowness" {
             continue;
         }
@@ -204,7 +204,7 @@ fn instructions_and_threads_give_the_same_matrix_to_the_bit() {
     }
 }
 
-/// Measured: 2.0e-4. Three is the bar of the project.
+/// Measured: 2.0e-4. The project's bound is 3e-4.
 #[test]
 fn point_sources_on_the_sphere_are_accurate() {
     let side = 65;
@@ -223,8 +223,8 @@ fn point_sources_on_the_sphere_are_accurate() {
     assert!(mean < 3e-4, "{mean:e}");
 }
 
-/// Behind each corner of the maze two fronts touch; with their mean these maps are wrong by 1e-3. Their
-/// anchors leave rounding.
+/// Behind each corner of the maze, two fronts touch. With their mean, these maps are wrong by 1e-3. With
+/// anchors, only rounding remains.
 #[test]
 fn the_maze_is_exact_with_anchors() {
     let side = 49;
@@ -241,10 +241,10 @@ fn the_maze_is_exact_with_anchors() {
     }
 }
 
-/// With the symmetric initialisation the matrix is symmetric but for the batches themselves, and
-/// as accurate: measured 0.998 to 1.003 times the error without.
+/// With the symmetric initialisation, the matrix is symmetric except within batches, and as accurate: 0.998
+/// to 1.003 times the error without it, as measured.
 #[test]
-fn symmetric_initialisation_takes_what_is_known() {
+fn symmetric_initialisation_uses_known_distances() {
     let side = 33;
     let points = side * side;
     let surface = Builtin::Sphere.surface(side, side).unwrap();

@@ -1,4 +1,4 @@
-//! The matrix of all distances: the same from every engine, in whole or in part.
+//! The matrix of all distances is the same from every engine, in whole or in part.
 
 use geosweep::accuracy::Errors;
 use geosweep::pairwise::Pairwise;
@@ -18,7 +18,8 @@ fn on_lanes(wavefront: Wavefront) -> Options {
     options(Engine::Cpu, wavefront)
 }
 
-/// Hills with holes, one of which cuts a corner off, and a number of points that fills no lanes.
+/// Returns hills with holes, one of which cuts a corner off, and a number of points that does not fill the
+/// lanes.
 fn hills() -> Surface {
     let (rows, cols) = (13, 19);
     let height = |i: usize| (i as f64 * 0.41).sin() + (i / cols) as f64 * 0.2;
@@ -39,8 +40,8 @@ fn matrix(surface: &Surface, options: &Options) -> Vec<f32> {
     matrix
 }
 
-/// The project's bar for engines is 1e-5 of the largest distance. Fast marching with circular or
-/// curved fronts is an upper bound only, so it stands aside but for the planar one.
+/// The project requires engines to agree within 1e-5 of the largest distance. Fast marching is only an upper
+/// bound with circular or curved fronts, so that it is compared only with planar ones.
 #[test]
 fn every_engine_gives_the_same_matrix() {
     let device = device_choice();
@@ -92,7 +93,7 @@ fn rows_in_part_are_those_of_the_whole_to_the_bit() {
                 "{wavefront} {range:?}"
             );
         }
-        // Any list, in its order, with whom it may share a batch.
+        // Rows come in the order of the list, whichever rows share a batch.
         let list = [200, 3, 3, 100, 16, 17];
         let (among, _) = pairwise.among(&list, |_| ()).unwrap();
         for (i, from) in list.into_iter().enumerate() {
@@ -123,8 +124,8 @@ fn the_matrix_does_not_depend_on_threads() {
     }
 }
 
-/// Eq. 20 takes distances from earlier rows: measured, the mean error is 0.99 to 1.01 times that
-/// without, and blocks of 256 rows aside the matrix is its own transpose.
+/// Eq. 20 takes distances from earlier rows. Measured: the mean error is 0.99 to 1.01 times that without it,
+/// and outside of blocks of 256 rows the matrix equals its transpose.
 #[test]
 fn the_symmetric_start_is_as_accurate() {
     let side = 25;
@@ -154,7 +155,7 @@ fn the_symmetric_start_is_as_accurate() {
     assert!(message.contains("planar"), "{message}");
 }
 
-/// Sources are single points of the grid; over floor plans too fronts are curved by default.
+/// Sources are single points of the grid. Over floor plans, too, fronts are curved by default.
 #[test]
 fn the_report_names_the_wavefront_of_all_rows() {
     let plan = Builtin::Plane.surface(5, 6).unwrap();
@@ -208,7 +209,7 @@ fn an_error_of_the_sink_ends_the_work() {
     assert!(pairwise.among(&[], |_| ()).unwrap().0.is_empty());
 }
 
-/// The project's bar: beside the matrix at most 64 MB for 4,096 points.
+/// The project allows at most 64 MB in addition to the matrix for 4,096 points.
 #[test]
 fn memory_beside_the_matrix_is_bounded() {
     let surface = Builtin::Sphere.surface(64, 64).unwrap();

@@ -1,4 +1,4 @@
-//! Geodesic paths against truth, at degenerate places, and on random surfaces.
+//! Geodesic paths compared with the truth, at degenerate places, and on random surfaces.
 
 use geosweep::geometry::{Path, PathError, Paths};
 use geosweep::glam::DVec2;
@@ -9,7 +9,7 @@ use proptest::prelude::*;
 
 use crate::common::{CONVERGED, Random, at, cases, off_centre, rotated};
 
-/// Converged single-precision maps, and lengths in single precision.
+/// Error of converged single-precision maps, and of lengths in single precision.
 const ROUNDING: f64 = 1e-5;
 
 fn try_paths(
@@ -36,14 +36,14 @@ fn flat(rows: usize, cols: usize) -> Surface {
     Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
 }
 
-/// Flat, with holes where the picture has a `#`.
+/// Returns a flat surface with holes where the picture has a `#`.
 fn floor(picture: &[&str]) -> Surface {
     let mask: Vec<bool> = picture.concat().bytes().map(|byte| byte != b'#').collect();
     flat(picture.len(), picture[0].len()).with_mask(&mask).unwrap()
 }
 
-/// Mean and largest relative error of the lengths of paths from random grid points, against the
-/// exact distance, and the largest relative difference from the map's value at the start.
+/// Returns the mean and the largest relative error of the lengths of paths from random grid points, compared
+/// with the exact distance, and the largest relative difference from the map's value at the start.
 fn errors(builtin: Builtin, points: usize) -> [f64; 3] {
     let surface = builtin.surface(points, points).unwrap();
     let source = if builtin == Builtin::Maze { [0.0; 2] } else { off_centre(points, points) };
@@ -68,20 +68,21 @@ fn errors(builtin: Builtin, points: usize) -> [f64; 3] {
     [sum / starts.len() as f64, largest, own]
 }
 
-/// Pseudo-random places more than three cells from the source: nearer ones see the cells' own bends.
+/// Returns pseudo-random places more than three cells from the source. At nearer ones, the bends within cells
+/// matter.
 fn starts_beyond(source: [f64; 2], points: usize, count: usize) -> Vec<[f64; 2]> {
     let mut random = Random::new(7);
     let starts = (0..count).map(|_| [0; 2].map(|_| random.next() * (points - 1) as f64));
     starts.filter(|start| (start[0] - source[0]).hypot(start[1] - source[1]) > 3.0).collect()
 }
 
-/// Paths are traced side by side, and share what comes after the corners of holes; what they are does
-/// not depend on that.
+/// Paths are traced in parallel, and share their parts beyond the corners of holes. Each equals the path that
+/// is traced alone.
 #[test]
-fn paths_together_are_what_they_are_alone() {
+fn paths_traced_together_equal_paths_traced_alone() {
     const POINTS: usize = 65;
     let one = at([0.0, 0.0]);
-    // The second one's paths are traced twice.
+    // The paths of the second source are traced twice.
     let two = Sources::point(33.25, 40.5).and_point(20.0, 20.5, 0.1);
     let in_the_maze = at([0.0, 0.0]).and_point(60.0, 30.0, 0.3);
     for (builtin, sources) in [
@@ -117,8 +118,8 @@ fn paths_together_are_what_they_are_alone() {
     }
 }
 
-/// The bar is 2e-3. Measured at 257 points a side: lengths 5.0e-4 (peaks), elsewhere below 6e-5;
-/// from the map's value 1.3e-3 (peaks).
+/// The bound is 2e-3. Measured at 257 points per side: lengths 5.0e-4 (peaks), elsewhere below 6e-5; from the
+/// map's value 1.3e-3 (peaks).
 #[test]
 fn lengths_are_the_distances() {
     for builtin in Builtin::measurable() {
@@ -129,9 +130,9 @@ fn lengths_are_the_distances() {
     }
 }
 
-/// The bar is 2e-3, but where the map itself is early, as far as fronts meet: by up to 2e-3 on peaks
-/// and 3e-3 on the face, as the next test finds. Seven in a thousand starts on peaks would lead to paths
-/// along there that are up to 5e-3 too long, and on the face 8e-3.
+/// The bound is 2e-3, except where fronts meet, since the map itself is early there: by up to 2e-3 on peaks
+/// and 3e-3 on the face, as the next test shows. On peaks, seven in a thousand starts would lead to paths
+/// along such lines that are up to 5e-3 too long, and on the face up to 8e-3.
 #[test]
 fn no_path_is_longer_than_the_map_says() {
     for (builtin, bar) in [
@@ -160,8 +161,8 @@ fn no_path_is_longer_than_the_map_says() {
     }
 }
 
-/// On the face fronts meet at steep angles, and the map itself is up to 3e-3 early there. Paths are
-/// held against those on the same surface at four times as many points a side.
+/// On the face, fronts meet at steep angles, and the map itself is up to 3e-3 early there. Paths are compared
+/// with those on the same surface with four times the points per side.
 #[test]
 fn paths_from_where_fronts_meet_are_the_shortest() {
     const FINER: usize = 4;
@@ -177,7 +178,7 @@ fn paths_from_where_fronts_meet_are_the_shortest() {
         });
         let [mut largest, mut early] = [0.0f64; 2];
         for (start, paths) in starts.iter().zip(coarse.iter().zip(&fine)) {
-            // The face's rim is not the same polygon.
+            // The face's rim is another polygon on each grid.
             let (Ok(coarse), Ok(fine)) = paths else { continue };
             let off = (coarse.length - fine.length).abs() / fine.length;
             assert!(off < 2e-3, "{builtin} from {start:?}: {off:e}");
@@ -188,9 +189,9 @@ fn paths_from_where_fronts_meet_are_the_shortest() {
     }
 }
 
-/// Where triangles are obtuse, a line can pass a grid point that the front reaches after the line's own
-/// start; and from beside a grid line, or beside a point on one, paths go on over the cell across it.
-/// Of 1.2 million such paths the worst measured is 8.4e-5 off at 60 degrees and 3.4e-4 at 75.
+/// If triangles are obtuse, a line can pass a grid point that the front reaches after the line's own start.
+/// From a place beside a grid line, or beside a point on one, paths continue over the cell across it. Of 1.2
+/// million such paths, the worst is 8.4e-5 off at 60 degrees and 3.4e-4 at 75, as measured.
 #[test]
 fn paths_pass_beside_points_and_start_beside_lines() {
     const POINTS: usize = 257;
@@ -199,7 +200,7 @@ fn paths_pass_beside_points_and_start_beside_lines() {
             Builtin::ShearedPlane { degrees: 60.0 },
             [165.621_813_208_418_44, 81.826_496_356_304_97],
             &[
-                // Pass 164,84 at a share of 1.2e-4 of an edge.
+                // Paths from here pass 164,84 at a fraction of 1.2e-4 of an edge.
                 [155.274_717_630_967_27, 95.694_159_850_380_46],
                 [108.079_090_352_481_02, 158.948_116_956_998_3],
                 [145.852_997_442_501_06, 159.000_000_032_571_14],
@@ -224,7 +225,7 @@ fn paths_pass_beside_points_and_start_beside_lines() {
         starts.extend((0..20_000).map(|_| {
             [0; 2].map(|_| {
                 let line = (random.next() * (POINTS - 2) as f64).floor();
-                // Anywhere, or so near to a line, or on it.
+                // Anywhere, very near to a line, or on it.
                 match (4.0 * random.next()) as u32 {
                     0 => line,
                     1 => line + random.next(),
@@ -240,7 +241,7 @@ fn paths_pass_beside_points_and_start_beside_lines() {
             if exact > 1e-2 {
                 let error = (path.length - exact).abs() / exact;
                 largest = largest.max(error);
-                // Triangles are obtuse here, and paths pass through them where fronts have passed their parts.
+                // Triangles are obtuse here, and paths cross them where fronts have passed their parts.
                 assert!(error < 1e-1, "{builtin} from {start:?}: {error:e}");
             }
         }
@@ -248,8 +249,8 @@ fn paths_pass_beside_points_and_start_beside_lines() {
     }
 }
 
-/// First order is a factor of 4 from 65 to 257 points; the surfaces have 1.8 and more. Below 1e-6, where
-/// paths in the maze are, there is only the rounding of single precision.
+/// First order is a factor of 4 from 65 to 257 points. The measured orders are at least 1.8. Below 1e-6,
+/// where paths in the maze are, only the rounding of single precision remains.
 #[test]
 fn lengths_converge_at_first_order_or_better() {
     for builtin in Builtin::measurable() {
@@ -262,14 +263,14 @@ fn lengths_converge_at_first_order_or_better() {
     }
 }
 
-/// Within a tenth of a cell.
+/// Paths lie within a tenth of a cell of the great circle.
 #[test]
 fn paths_on_the_sphere_are_great_circles() {
     for points in [65, 129] {
         let surface = Builtin::Sphere.surface(points, points).unwrap();
         let source = off_centre(points, points);
         let cell = 0.5 * std::f64::consts::PI / (points - 1) as f64;
-        // On the cube's face the patch is blown up from, as in its definition.
+        // On the cube's face from which the patch is projected, as in its definition.
         let position = |[row, col]: [f64; 2]| {
             let angle = |x: f64| (x * cell - 0.25 * std::f64::consts::PI).tan();
             geosweep::glam::DVec3::new(angle(col), angle(row), 1.0).normalize()
@@ -287,8 +288,8 @@ fn paths_on_the_sphere_are_great_circles() {
     }
 }
 
-/// On a grid with a step in slowness between two columns, smeared over one cell, the exact path by
-/// Fermat's principle bends halfway between them.
+/// The grid has a step in slowness between two columns, smeared over one cell. By Fermat's principle, the
+/// exact path bends halfway between them.
 #[test]
 fn paths_refract_by_snells_law() {
     let (points, slow) = (129, 2.0);
@@ -299,7 +300,7 @@ fn paths_refract_by_snells_law() {
         let crossing = DVec2::new(row, 63.5);
         source.distance(crossing) + slow * start.distance(crossing)
     };
-    // The smallest of a convex function.
+    // The minimum of a convex function.
     let (mut low, mut high) = (20.0, 110.0);
     for _ in 0..100 {
         let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
@@ -317,7 +318,7 @@ fn paths_refract_by_snells_law() {
 fn paths_bend_around_corners_exactly() {
     let surface = floor(&[".........", ".........", "######...", ".........", "........."]);
     let path = path(&surface, &at([4.0, 0.0]), [0.0, 0.0]);
-    // The wall's end is cut off beyond the lines between its neighbours.
+    // The wall's end is cut off along the lines between its neighbours.
     let exact = 2.0 * (26f64.sqrt() + 2f64.sqrt());
     approx::assert_relative_eq!(path.length, exact, max_relative = 1e-2);
     for corner in [[1.0, 5.0], [2.0, 6.0], [3.0, 5.0]] {
@@ -325,7 +326,8 @@ fn paths_bend_around_corners_exactly() {
     }
 }
 
-/// A path from beside a straight curve ends at its foot, within a hundredth of a cell.
+/// A path from a place beside a straight curve ends at the foot of the perpendicular, within a hundredth of a
+/// cell.
 #[test]
 fn paths_meet_curves_at_right_angles() {
     let (a, b) = (DVec2::new(3.0, 2.0), DVec2::new(30.0, 37.0));
@@ -351,7 +353,7 @@ fn paths_lead_to_the_first_of_several_sources() {
         assert_eq!(path.curve.vertices.last(), Some(&place));
         let initial = if source == 0 { 0.0 } else { 4.0 };
         let exact = DVec2::from_array(place).distance(DVec2::from_array(start));
-        // The map's own error from sources between grid points.
+        // The map has an error of its own from sources between grid points.
         approx::assert_relative_eq!(path.length, exact, max_relative = 1e-3);
         approx::assert_relative_eq!(path.distance, initial + exact, max_relative = 1e-3);
     }
@@ -402,7 +404,7 @@ fn paths_cross_a_pole() {
     });
     let surface = Surface::from_positions(rows, cols, points.collect()).unwrap();
     let path = path(&surface, &at([6.0, 0.0]), [7.0, 13.0]);
-    // Of the pole's many points the path leaves from one of the nearer ones.
+    // The path leaves from one of the nearer points of the pole's many.
     approx::assert_relative_eq!(path.length, 1.3, max_relative = 0.1);
     assert_eq!(path.curve.vertices.last(), Some(&[6.0, 0.0]));
 }
@@ -423,7 +425,7 @@ fn places_without_a_path_are_errors() {
 }
 
 #[test]
-fn maps_of_something_else_are_errors() {
+fn maps_of_other_surfaces_are_errors() {
     let surface = flat(9, 9);
     let edges = EdgeLengths::new(&surface).unwrap();
     let sources = at([1.0, 1.0]);
@@ -440,7 +442,7 @@ fn maps_of_something_else_are_errors() {
     assert!(matches!(lost, Err(PathError::Lost { .. })), "{lost:?}");
 }
 
-/// A height field with steep random steps, with holes and a slowness that changes at random.
+/// Returns a height field with steep random steps, with holes and a slowness that changes at random.
 fn rough() -> impl Strategy<Value = Surface> {
     (1..=12usize, 1..=12usize, 0.4..1.0)
         .prop_flat_map(|(rows, cols, filled)| {
@@ -462,7 +464,7 @@ fn rough() -> impl Strategy<Value = Surface> {
         })
 }
 
-/// Straight lines meet at a corner there, and rounding says that they could be shorter.
+/// Straight lines meet at a corner there, and rounding suggests that they could be shorter.
 #[test]
 fn paths_over_a_corner_that_are_straight_already_stay() {
     let nan = f64::NAN;
@@ -494,10 +496,9 @@ fn paths_over_a_corner_that_are_straight_already_stay() {
 proptest! {
     #![proptest_config(cases(400))]
 
-    /// From every point that is reached a path comes to a source. With the planar front no grid
-    /// point on its way along the map is reached later than one before it. The maps of the other
-    /// fronts can have pits on such surfaces, which paths leave over later points. Drawn taut no path
-    /// is longer, and each stays on the surface.
+    /// A path leads to a source from every reached point. With the planar front, times of grid points never
+    /// increase along it. The maps of the other fronts can have local minima on such surfaces, which paths
+    /// leave over later points. Drawn taut, no path is longer, and each stays on the surface.
     #[test]
     fn every_path_falls_to_a_source(
         surface in rough(),
@@ -549,7 +550,7 @@ proptest! {
 /// Single precision rounds 0.7 down, so that the map is earlier there than its source starts.
 #[test]
 fn paths_end_at_sources_whose_start_is_rounded() {
-    // So few points leave the map of the sphere an error of 3e-5.
+    // With this few points, the map of the sphere has an error of 3e-5.
     for (builtin, tolerance) in [(Builtin::Plane, ROUNDING), (Builtin::Sphere, 1e-4)] {
         let surface = builtin.surface(9, 9).unwrap();
         let sources = Sources::default().and_point(0.0, 0.0, 0.7);

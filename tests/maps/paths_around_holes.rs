@@ -1,4 +1,4 @@
-//! Geodesic paths around holes, against exact polygons.
+//! Geodesic paths around holes, compared with exact polygons.
 
 use geosweep::geometry::{Curve, Path, Paths};
 use geosweep::glam::DVec2;
@@ -8,7 +8,7 @@ use geosweep::{Sources, Spacing, Surface, Wavefront};
 
 use crate::common::{CONVERGED, Random, at, off_centre, rotated};
 
-/// Paths led around corners, and those along the map alone.
+/// Returns the paths led around corners, and those along the map alone.
 fn both(surface: &Surface, sources: &Sources, map: &[f32], starts: &[[f64; 2]]) -> [Vec<Path>; 2] {
     let edges = EdgeLengths::new(surface).unwrap();
     let paths = Paths::new(surface, &edges, sources, map).unwrap();
@@ -16,7 +16,7 @@ fn both(surface: &Surface, sources: &Sources, map: &[f32], starts: &[[f64; 2]]) 
         .map(|paths| paths.trace_all(starts).into_iter().map(Result::unwrap).collect())
 }
 
-/// A thousand places on a square grid, holes left out.
+/// Returns a thousand places on a square grid, without those in holes.
 fn starts_on(surface: &Surface, seed: u64) -> Vec<[f64; 2]> {
     let mut random = Random::new(seed);
     let last = (surface.rows() - 1) as f64;
@@ -31,9 +31,9 @@ fn converged(surface: &Surface, sources: &Sources) -> Vec<f32> {
     rotated::<f32>(surface, sources, Wavefront::Curved, CONVERGED).distances()
 }
 
-/// Means of relative errors of paths in the maze: of those around corners against the exact polygon,
-/// against the map, and on a map of exact distances; of those along the map against the exact polygon.
-/// Starts are at the same places on all grids.
+/// Returns means of relative errors of paths in the maze. Paths around corners are compared with the exact
+/// polygon and with the map, and again with the exact polygon on a map of exact distances; paths along the
+/// map are compared with the exact polygon. Starts are at the same places on all grids.
 fn errors_in_the_maze(points: usize, wavefront: Wavefront) -> [f64; 4] {
     let surface = Builtin::Maze.surface(points, points).unwrap();
     let exact = Builtin::Maze.exact_distances(points, points, [0.0; 2]).unwrap();
@@ -64,9 +64,9 @@ fn errors_in_the_maze(points: usize, wavefront: Wavefront) -> [f64; 4] {
 }
 
 /// Paths in the maze are straight from corner to corner, and as long as the exact polygons: within 5e-8
-/// measured, the rounding of single precision, where those along the map are 2.3e-5 too long at 65 points
-/// a side and 3.6e-6 at 513, of order 0.89. From the map's values they differ by the error of these: by
-/// 1.8e-5 and 2.8e-6, of order 0.89.
+/// measured, the rounding of single precision. Paths along the map are 2.3e-5 too long at 65 points per side
+/// and 3.6e-6 at 513, of order 0.89. Lengths differ from the map's values by the error of these: by 1.8e-5
+/// and 2.8e-6, of order 0.89.
 #[test]
 fn paths_in_the_maze_are_exact() {
     let (mut coarsest, mut before): (_, Option<[f64; 4]>) = (None, None);
@@ -87,7 +87,7 @@ fn paths_in_the_maze_are_exact() {
     }
 }
 
-/// On maps with anchors they differ from the map's values by the rounding of these.
+/// On maps with anchors, lengths differ from the map's values by the rounding of these.
 #[test]
 fn paths_in_the_maze_are_as_long_as_anchors_say() {
     for points in [65, 129, 257, 513] {
@@ -98,8 +98,8 @@ fn paths_in_the_maze_are_as_long_as_anchors_say() {
     }
 }
 
-/// Length of the shortest path past a convex polygon: straight, or around the convex hull of its ends
-/// and the polygon, one way or the other.
+/// Returns the length of the shortest path past a convex polygon: straight, or around the convex hull of its
+/// ends and the polygon, in either direction.
 fn around(polygon: &[DVec2], ends: [DVec2; 2]) -> f64 {
     let mut points = polygon.to_vec();
     points.extend(ends);
@@ -121,7 +121,7 @@ fn around(polygon: &[DVec2], ends: [DVec2; 2]) -> f64 {
     hull.extend(half(&mut points.iter().rev().copied()));
     let on_hull = ends.map(|end| hull.iter().position(|vertex| *vertex == end));
     let [Some(a), Some(b)] = on_hull else { return ends[0].distance(ends[1]) };
-    // With all of the polygon on one side, one of the ways is the straight one.
+    // If all of the polygon is on one side, one of the directions is the straight line.
     let length = |from: usize, to: usize| -> f64 {
         let count = (to + hull.len() - from) % hull.len();
         let at = |k: usize| hull[(from + k) % hull.len()];
@@ -130,9 +130,9 @@ fn around(polygon: &[DVec2], ends: [DVec2; 2]) -> f64 {
     length(a, b).min(length(b, a))
 }
 
-/// A square hole at odd places of a flat floor, and starts and sources between grid points. The mean
-/// error measured is 1.0e-6 at 33 points a side and 4.6e-7 at 257, along the map 7.3e-5 and 6.9e-6. What
-/// remains comes from the map's errors where a path only just misses a corner, 1.2e-4 and 9.8e-5 at most.
+/// A square hole at odd places of a flat floor, with starts and sources between grid points. The mean error
+/// measured is 1.0e-6 at 33 points per side and 4.6e-7 at 257; along the map it is 7.3e-5 and 6.9e-6. The
+/// rest comes from the map's errors where a path only just misses a corner, 1.2e-4 and 9.8e-5 at most.
 #[test]
 fn paths_around_a_square_are_exact() {
     for (points, [north, south, west, east]) in [
@@ -178,7 +178,7 @@ fn paths_around_a_square_are_exact() {
             largest = largest.max(error);
         }
         println!("{points}: mean {sum:.1e}, largest {largest:.1e}; along the map {before:.1e}");
-        // Parts of a cell.
+        // Lengths in parts of a cell.
         let cell = 1.0 / points as f64;
         assert!(sum < 3e-4 * cell && largest < 0.1 * cell, "{points}: {sum:e} {largest:e}");
         assert!(sum < 0.2 * before, "{points}: {sum:e} {before:e}");
@@ -186,7 +186,7 @@ fn paths_around_a_square_are_exact() {
 }
 
 /// No path leads through a hole in the sphere, and all are as long as the map says, to first order: within
-/// 2.9e-3 measured at 65 points a side, 1.3e-3 at 129 and 7.6e-4 at 257.
+/// 2.9e-3 measured at 65 points per side, 1.3e-3 at 129 and 7.6e-4 at 257.
 #[test]
 fn paths_around_a_hole_in_the_sphere_are_the_distances() {
     for points in [65, 129, 257] {

@@ -1,7 +1,7 @@
 //! Properties that every distance map has, on random small surfaces.
 //!
-//! Tolerances of 1e-12 (double precision) are rounding: what they guard holds exactly. The others
-//! are discretisation errors of grids of at most 16 x 16 points, and say what was measured.
+//! Tolerances of 1e-12 (double precision) are rounding: their properties hold exactly. The other tolerances
+//! are discretisation errors of grids of at most 16 x 16 points, and state the measured error.
 
 use geosweep::Stop;
 use geosweep::glam::DVec3;
@@ -19,7 +19,7 @@ fn wavefront() -> impl Strategy<Value = Wavefront> {
     prop_oneof![Just(Wavefront::Planar), Just(Wavefront::PointSource)]
 }
 
-/// A grid point, whatever the size of the grid.
+/// Returns a grid point, for any size of the grid.
 fn place() -> impl Strategy<Value = (prop::sample::Index, prop::sample::Index)> {
     any::<(prop::sample::Index, prop::sample::Index)>()
 }
@@ -38,7 +38,7 @@ fn map(surface: &Surface, sources: &Sources, wavefront: Wavefront) -> Vec<f64> {
     rotated::<f64>(surface, sources, wavefront, CONVERGED_F64).distances()
 }
 
-/// A gently curved patch without holes, sheared by up to 30 degrees.
+/// Returns a gently curved patch without holes, sheared by up to 30 degrees.
 fn smooth() -> impl Strategy<Value = Surface> {
     let size = 6..=16usize;
     (size.clone(), size, 0.0..3.0, 0.0..3.0, -0.6..0.6).prop_map(|(rows, cols, a, b, shear)| {
@@ -50,7 +50,7 @@ fn smooth() -> impl Strategy<Value = Surface> {
     })
 }
 
-/// A height field with steep random steps, down to a single row or column.
+/// Returns a height field with steep random steps, down to a single row or column.
 fn rough() -> impl Strategy<Value = Surface> {
     (1..=12usize, 1..=12usize)
         .prop_flat_map(|(rows, cols)| {
@@ -62,7 +62,7 @@ fn rough() -> impl Strategy<Value = Surface> {
         })
 }
 
-/// A rough surface with holes; the first point is always there.
+/// Returns a rough surface with holes. The first point is never a hole.
 fn holed() -> impl Strategy<Value = Surface> {
     (rough(), 0.3..1.0)
         .prop_flat_map(|(surface, filled)| {
@@ -76,7 +76,7 @@ fn holed() -> impl Strategy<Value = Surface> {
         })
 }
 
-/// A holed surface with a slowness that changes at random from point to point.
+/// Returns a surface with holes and a slowness that changes at random from point to point.
 fn slow() -> impl Strategy<Value = Surface> {
     holed().prop_flat_map(|surface| {
         let count = surface.rows() * surface.cols();
@@ -89,7 +89,7 @@ fn any_surface() -> impl Strategy<Value = Surface> {
     prop_oneof![smooth(), rough(), holed(), slow()]
 }
 
-/// The nearest grid point, in row-major order from a place, that is no hole.
+/// Returns the nearest grid point, in row-major order from a place, that is not a hole.
 fn present(surface: &Surface, place: Place) -> (usize, usize) {
     let (row, col) = point(surface, place);
     let chart = surface.chart();
@@ -98,13 +98,12 @@ fn present(surface: &Surface, place: Place) -> (usize, usize) {
     chart.position(index.into_iter().find(|&index| surface.present()[index]).unwrap())
 }
 
-/// Largest finite distance.
+/// Returns the largest finite distance.
 fn largest(map: &[f64]) -> f64 {
     map.iter().copied().filter(|distance| distance.is_finite()).fold(0.0, f64::max)
 }
 
-/// The same surface under another numbering of its points: `from` says which old row and column
-/// a new one has.
+/// Returns the same surface with its points renumbered: `from` returns the old row and column of a new one.
 fn renumbered(
     surface: &Surface,
     (rows, cols): (usize, usize),
@@ -129,7 +128,7 @@ fn renumbered(
     }
 }
 
-/// Which points can be reached along edges.
+/// Returns which points edges connect with a point.
 fn connected(surface: &Surface, (row, col): (usize, usize)) -> Vec<bool> {
     let chart = surface.chart();
     let mut reached = vec![false; chart.points()];
@@ -144,7 +143,7 @@ fn connected(surface: &Surface, (row, col): (usize, usize)) -> Vec<bool> {
     reached
 }
 
-/// Over the turned grid the scans run in another order, to the same map.
+/// Over the turned grid, the scans run in another order and lead to the same map.
 fn check_turned(
     surface: &Surface,
     (row, col): (usize, usize),
@@ -166,8 +165,8 @@ fn check_turned(
 proptest! {
     #![proptest_config(cases(1000))]
 
-    /// The scheme is not symmetric, only its limit is: on these coarse grids within
-    /// 4% and 2% in 20 000 cases.
+    /// The scheme is not symmetric, only its limit is. On these coarse grids, distances agree within 4% and
+    /// 2% in 20 000 cases.
     #[test]
     fn the_way_back_is_as_long(surface in smooth(), a in place(), b in place()) {
         let (a, b) = (point(&surface, a), point(&surface, b));
@@ -179,8 +178,9 @@ proptest! {
         }
     }
 
-    /// Exact for the planar front, on every surface: its update is monotone and passes constants
-    /// on, so that d(a, b) + d(b, .) lies above d(a, .). The point-source front is neither.
+    /// The triangle inequality holds exactly for the planar front, on every surface: its update is monotone
+    /// and passes constants on, so that d(a, b) + d(b, .) lies above d(a, .). The point-source front has
+    /// neither property.
     #[test]
     fn no_detour_is_shorter(surface in any_surface(), a in place(), b in place()) {
         let (a, b) = (present(&surface, a), present(&surface, b));
@@ -194,7 +194,7 @@ proptest! {
         }
     }
 
-    /// For the point-source front within 1% of the largest distance in 20 000 cases.
+    /// The point-source front satisfies it within 1% of the largest distance in 20 000 cases.
     #[test]
     fn no_detour_is_much_shorter(surface in smooth(), a in place(), b in place()) {
         let (a, b) = (point(&surface, a), point(&surface, b));
@@ -207,8 +207,9 @@ proptest! {
         }
     }
 
-    /// Exact for both fronts on a polyhedron: the chord from the source is a convex function along
-    /// every edge. Arcs, each longer by its own bend, can fall short of it (3e-5 on coarse grids).
+    /// This holds exactly for both fronts on a polyhedron: the chord from the source is a convex function
+    /// along every edge. With arcs, each longer by its own bend, distances can be shorter than the chord (by
+    /// 3e-5 on coarse grids).
     #[test]
     fn no_distance_is_below_the_chord(
         surface in prop_oneof![smooth(), rough(), holed()],
@@ -226,7 +227,7 @@ proptest! {
         }
     }
 
-    /// To the bit: every operation of the update scales with the lengths.
+    /// The map scales to the bit: every operation of the update scales with the lengths.
     #[test]
     fn a_power_of_two_scales_the_map(
         surface in prop_oneof![smooth(), holed()],
@@ -236,7 +237,7 @@ proptest! {
     ) {
         let scale = f64::from(exponent).exp2();
         let source = sources(present(&surface, a));
-        // Both as positions: heights over a grid are rounded in another way.
+        // Both surfaces are positions, since heights over a grid are rounded differently.
         let solve = |scale: f64| {
             let positions = (0..surface.chart().points()).map(|index| {
                 let (row, col) = surface.chart().position(index);
@@ -260,9 +261,9 @@ proptest! {
         check_turned(&surface, present(&surface, a), wavefront)?;
     }
 
-    /// Only for the planar front: from a fast into a much slower medium the point-source front
-    /// assumes a wrong centre and is not monotone, so that its map can depend on the order of
-    /// updates (once in ten thousand such surfaces).
+    /// This holds only for the planar front. From a fast into a much slower medium, the point-source front
+    /// assumes a wrong centre and is not monotone, so that its map can depend on the order of updates (once
+    /// in ten thousand such surfaces).
     #[test]
     fn turning_the_grid_turns_travel_times(surface in slow(), a in place()) {
         check_turned(&surface, present(&surface, a), Wavefront::Planar)?;
@@ -283,7 +284,7 @@ proptest! {
         }
     }
 
-    /// Exact: from inside a cell, the first update outside already finds the source.
+    /// The map is exact: from inside a cell, the first update outside already finds the source.
     #[test]
     fn a_source_between_points_of_a_plane_is_exact(
         (rows, cols) in (2..=12usize, 2..=12usize),
@@ -301,8 +302,8 @@ proptest! {
         }
     }
 
-    /// Exactly so or less for the planar front, which is monotone. Where two fronts meet across an
-    /// edge, the update takes them for one: earlier by up to a third of a cell.
+    /// For the planar front, which is monotone, the map is the minimum or less. Where two fronts meet across
+    /// an edge, the update treats them as one, so that it is early by up to a third of a cell.
     #[test]
     fn several_sources_give_the_least_of_their_maps(
         surface in smooth(),
@@ -325,8 +326,8 @@ proptest! {
         }
     }
 
-    /// A source that the other's front passes before it starts changes nothing, and starting all
-    /// later delays the map by as much.
+    /// A source that the other's front passes before it starts changes nothing. Starting all sources later
+    /// delays the map by the same time.
     #[test]
     fn initial_values_delay(surface in smooth(), a in place(), b in place(), later in 0.0..50.0) {
         let (a, b) = (point(&surface, a), point(&surface, b));
@@ -344,8 +345,8 @@ proptest! {
             }
             let passed = plain.distance(b.0, b.1) + 0.01;
             let both = map(&sources(a).and_point(b.0 as f64, b.1 as f64, passed.into()), wavefront);
-            // Other fronts than planar ones are causal where there are several sources, and so as good as without in
-            // square cells, but not in all of these.
+            // With several sources, fronts other than planar ones are causal. In square cells this makes no
+            // difference, but in some of these cells it does.
             let tolerance = if wavefront == Wavefront::Planar { 0.0 } else { 1e-2 };
             let largest = plain.distances.iter().fold(0.0, |most: f32, &here| most.max(here));
             for (both, plain) in both.distances.iter().zip(&plain.distances) {
@@ -354,7 +355,7 @@ proptest! {
         }
     }
 
-    /// In single precision, each way rounds its edge lengths apart.
+    /// In single precision, each surface rounds its edge lengths separately.
     #[test]
     fn a_constant_slowness_scales_the_map(
         surface in holed(),
@@ -394,7 +395,7 @@ proptest! {
         prop_assert!(difference(&of_metric, &of_plane) < 1e-11);
     }
 
-    /// Fast marching uses fewer updates, so with planar fronts it can only be later.
+    /// Fast marching uses fewer updates, so that with planar fronts it can only be later.
     #[test]
     fn fast_marching_is_never_earlier(surface in any_surface(), a in place()) {
         let source = sources(present(&surface, a));
@@ -404,7 +405,8 @@ proptest! {
         }
     }
 
-    /// The curved front is not monotone, but it reaches what the planar one reaches, with numbers.
+    /// The curved front is not monotone, but it reaches the points that the planar one reaches, with finite
+    /// times.
     #[test]
     fn curved_fronts_reach_the_same_points(surface in any_surface(), a in place()) {
         let source = present(&surface, a);
@@ -425,7 +427,7 @@ proptest! {
         wavefront in wavefront(),
     ) {
         let source = sources(present(&surface, a));
-        // Over a slowness circular fronts are curved ones, which are renewed.
+        // With a slowness, curved fronts, which are renewed, take the place of circular ones.
         let wavefront = if surface.slowness().is_some() { Wavefront::Planar } else { wavefront };
         let solve =
             |count| rotated::<f32>(&surface, &source, wavefront, Stop::after(count)).distances();

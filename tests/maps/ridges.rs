@@ -1,4 +1,4 @@
-//! Ridges against bisectors, lines half-way and the line behind a wall.
+//! Ridges compared with bisectors, lines half-way between curves, and the line behind a wall.
 
 use geosweep::geometry::{Ridge, ridges};
 use geosweep::surface::EdgeLengths;
@@ -15,7 +15,7 @@ fn flat(rows: usize, cols: usize) -> Surface {
     Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
 }
 
-/// All of the line as far as the fronts' angle is large enough, and nothing else.
+/// The ridge is all of the line where the fronts' angle is large enough, and nothing else.
 #[test]
 fn the_bisector_of_two_sources_is_a_ridge() {
     for builtin in [Builtin::Plane, Builtin::Cylinder, Builtin::Sphere] {
@@ -64,8 +64,8 @@ fn a_ridge_lies_half_way_between_curves_and_has_its_angle() {
     );
 }
 
-/// From a single source, behind a wall that lies symmetrically before it: a single line, though it runs
-/// along a column of the grid, where rounding decides from which side a point's front has come.
+/// A single source lies symmetrically before a wall. Behind the wall is a single line, although it runs along
+/// a column of the grid, where rounding decides from which side a point's front has come.
 #[test]
 fn fronts_meet_behind_a_wall() {
     for (side, wall, half, from) in [(101, 30, 20, 10.0), (61, 20, 15, 5.0), (91, 25, 12, 15.0)] {
@@ -84,15 +84,15 @@ fn fronts_meet_behind_a_wall() {
             let rows = ridge.curve.vertices.iter().map(|at| at[0]);
             let (low, high) =
                 rows.fold((f64::MAX, f64::MIN), |(low, high), row| (low.min(row), high.max(row)));
-            // Up to the wall, and down to where the ways around its ends meet at 30 degrees or the
-            // border.
+            // The line runs up to the wall, and down to the border or to where the paths around the wall's
+            // ends meet at 30 degrees.
             let (wall, middle, half) = (wall as f64, middle as f64, half as f64);
             let end = f64::min(wall + half / 15f64.to_radians().tan(), (side - 1) as f64);
             assert!(low < wall + 3.0 && high > end - 10.0, "{side}, {wavefront}: {low} {high}");
             for (at, angle) in ridge.curve.vertices.iter().zip(&ridge.angles) {
                 assert!((at[1] - middle).abs() < 0.5, "{side}, {wavefront}: {at:?}");
                 let exact = 2.0 * f64::atan2(half, at[0] - wall).to_degrees();
-                // In the first cells behind the wall fronts have run along few triangles.
+                // In the first cells behind the wall, fronts have passed few triangles.
                 let most = if at[0] < wall + 5.0 { 20.0 } else { 15.0 };
                 assert!((angle - exact).abs() < most, "{wavefront} {at:?}: {angle} {exact}");
             }
@@ -115,7 +115,7 @@ fn no_fronts_meet_in_a_convex_patch() {
     assert_eq!(error.to_string(), "4 distances do not fill a grid of 3 x 3 points");
 }
 
-/// Along them angles vary about the least one, which used to cut them into dashes.
+/// Along these ridges, angles vary around the least one, which would otherwise cut them into dashes.
 #[test]
 fn ridges_behind_hills_are_in_one_piece_each() {
     let surface = Builtin::Peaks.surface(257, 257).unwrap();

@@ -1,4 +1,4 @@
-//! The lanes, threads and memory of the CPU engine.
+//! Lanes, threads and memory of the CPU engine.
 
 use geosweep::cpu::{Instructions, RotatedScan};
 use geosweep::surface::EdgeLengths;
@@ -8,11 +8,11 @@ use geosweep::{Sources, Spacing, Surface, Wavefront};
 
 use crate::common::{CONVERGED, at, difference, directed, off_centre, rotated};
 
-/// Sizes around the width of a tile and of lanes, and lines of points.
+/// Sizes close to the width of a tile and of lanes, and lines of points.
 const SIZES: [[usize; 2]; 8] =
     [[1, 40], [40, 1], [2, 2], [3, 5], [16, 16], [17, 33], [15, 100], [97, 31]];
 
-/// A wavy height field with holes.
+/// Returns a wavy height field with holes.
 fn holed([rows, cols]: [usize; 2]) -> Surface {
     let heights = (0..rows * cols).map(|i| (i as f64 * 0.7).sin() + (i % cols) as f64 * 0.1);
     let surface =
@@ -81,7 +81,7 @@ fn a_solver_forgets_the_map_before() {
     let torus = Builtin::Torus.surface(70, 50).unwrap();
     let mask: Vec<bool> = (0..70 * 50).map(|k| k % 50 != 20 || k / 50 < 40).collect();
     let torus = [torus.clone().with_mask(&mask).unwrap(), torus];
-    // The largest has edges that are turned for good.
+    // The largest grid has edges that are transposed permanently.
     let sizes = SIZES.into_iter().chain([[257, 261]]);
     for surface in torus.into_iter().chain(sizes.map(holed)) {
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
@@ -105,7 +105,7 @@ fn a_solver_forgets_the_map_before() {
 }
 
 #[test]
-fn no_source_is_no_map_and_no_endless_loop() {
+fn a_map_without_sources_is_empty_and_ends() {
     let edges = EdgeLengths::<f32>::new(&Builtin::Plane.surface(20, 20).unwrap()).unwrap();
     let mut solver = RotatedScan::new(&edges, Wavefront::Planar);
     let convergence = solver.solve(&[], Stop { tolerance: 0.0, iterations: 100 });
@@ -113,8 +113,9 @@ fn no_source_is_no_map_and_no_endless_loop() {
     assert!(solver.distances().iter().all(|distance| *distance == f32::INFINITY));
 }
 
-/// Beside the user's input: 16 bytes of edge lengths, two copies of times and curvatures, and the
-/// surface's own curvature; with straight fronts 12 bytes of turned lengths, from 256 points a side on.
+/// This memory is in addition to the input: 16 bytes of edge lengths, two copies of times and curvatures, and
+/// the surface's own curvature; with straight fronts 12 bytes of transposed lengths, from 256 points per side
+/// on.
 #[test]
 fn memory_is_at_most_forty_bytes_a_point() {
     for (points, wavefront) in [1200, 256].into_iter().flat_map(|points| {
@@ -135,8 +136,8 @@ fn memory_is_at_most_forty_bytes_a_point() {
     }
 }
 
-/// What rounding changes of a curved front, and what comes around corners before all of it is known,
-/// must not be passed on: it would make scans visit whole corridors again.
+/// Two kinds of changes must not be passed on, since scans would visit whole corridors again: changes of a
+/// curved front by rounding, and those of a front around a corner that is not known completely.
 #[test]
 fn curved_fronts_visit_few_more_points_than_planar_ones() {
     for builtin in [Builtin::Plane, Builtin::Sphere, Builtin::Peaks, Builtin::Maze] {

@@ -1,4 +1,4 @@
-//! Sources added to a map, the farthest point, and farthest-point sampling.
+//! Sources that are added to a map, the farthest point, and farthest-point sampling.
 
 use geosweep::Stop;
 use geosweep::cpu::RotatedScan;
@@ -13,7 +13,7 @@ fn flat(rows: usize, cols: usize) -> Surface {
     Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
 }
 
-/// The map of all sources at once, and with one after the other added.
+/// Returns the map of all sources at once, and the map to which they were added one after another.
 fn both_ways<R: Real>(
     surface: &Surface,
     points: &[[f64; 2]],
@@ -31,7 +31,7 @@ fn both_ways<R: Real>(
     for point in points {
         let before = added.distances();
         added.add(&seeds(&[*point]), stop);
-        // A curved front may come later once it is renewed.
+        // A curved front may be later after it is renewed.
         let mut pairs = added.distances().into_iter().zip(before);
         assert!(wavefront == Wavefront::Curved || pairs.all(|(after, before)| after <= before));
     }
@@ -43,8 +43,8 @@ const SMOOTH: [Builtin; 5] =
 
 const POINTS: [[f64; 2]; 5] = [[3.0, 4.0], [60.0, 44.0], [10.5, 30.25], [60.0, 41.0], [35.0, 20.0]];
 
-/// The planar front's map is the one fixed point of a monotone update, so the order of sources
-/// cannot matter.
+/// The planar front's map is the only fixed point of a monotone update, so the order of sources cannot
+/// matter.
 #[test]
 fn sources_added_to_a_planar_map_give_the_map_of_all() {
     for builtin in SMOOTH {
@@ -58,8 +58,8 @@ fn sources_added_to_a_planar_map_give_the_map_of_all() {
     }
 }
 
-/// The others' updates know more of a front than when it arrives. The first source's front is alone at first and
-/// not causal, which rounds in another way; and in stretched cells, from inside them, it is nearer to the truth.
+/// The updates of other fronts use more than the arrival time. The first source's front is alone at first and
+/// not causal, which changes rounding. In stretched cells, from sources inside them, it is more accurate.
 #[test]
 fn sources_added_to_a_bent_map_give_the_map_of_all() {
     for builtin in SMOOTH {
@@ -72,7 +72,7 @@ fn sources_added_to_a_bent_map_give_the_map_of_all() {
     }
 }
 
-/// On rough ones with holes fronts meet everywhere. Measured: 2e-8.
+/// On rough surfaces with holes, fronts meet everywhere. Measured: 2e-8.
 #[test]
 fn sources_added_to_a_rough_map_give_the_map_of_all() {
     let mut random = Random::new(8);
@@ -124,8 +124,8 @@ fn the_farthest_point_is_the_opposite_corner() {
     assert_eq!(one, Some(Farthest { row: 0, col: 1, distance: 0.0 }));
 }
 
-/// In the square from a corner: the opposite corner, the other two, the middle, and then the
-/// middles of the sides, which are all as far.
+/// From a corner of a square, samples are the opposite corner, the other two corners, the middle, and then
+/// the middles of the sides, which are equally far.
 #[test]
 fn samples_of_a_square_are_where_they_should_be() {
     let (surface, side) = (flat(65, 65), 64f32);
@@ -148,8 +148,8 @@ fn samples_of_a_square_are_where_they_should_be() {
     assert_eq!(points.sources().iter().count(), 9);
 }
 
-/// Radii never grow, every point lies within the last one, and samples lie apart by the radius
-/// before them: to the error of the map where several fronts meet, which is where samples lie.
+/// Radii never grow. Every point lies within the last radius of a sample, and samples are at least the
+/// previous radius apart, up to the error of the map where several fronts meet, which is where samples lie.
 /// Measured: 0.11 cells.
 #[test]
 fn samples_cover_a_surface_and_lie_apart() {
@@ -189,7 +189,7 @@ fn parts_that_no_sample_reaches_come_first_and_holes_never() {
     let first: Vec<_> = points.by_ref().take(2).map(|sample| (sample.row, sample.col)).collect();
     assert_eq!(first, [(0, 0), (0, 16)]);
     assert!(points.radius() < 20.0);
-    // Every point becomes a sample once, and then there is none left.
+    // Every point becomes a sample once, and then none is left.
     let rest = points.by_ref().count();
     assert_eq!(rest + 3, surface.points());
     assert_eq!((points.next(), points.radius()), (None, 0.0));

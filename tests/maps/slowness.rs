@@ -1,5 +1,5 @@
-//! A slowness that differs from point to point: strips and patches across which it jumps, two half planes, and
-//! velocities that change smoothly, all against closed forms.
+//! A slowness that differs from point to point: strips and patches at which it jumps, two half planes, and
+//! velocities that change smoothly. All are compared with closed forms.
 
 use geosweep::cpu;
 use geosweep::surface::{Chart, EdgeLengths, Seed};
@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use crate::common::bounds::{APART, Case, SETTLED};
 use crate::common::{CONVERGED_F64, Random, cases, difference, on_cpu};
 
-/// Fronts that a slowness bends.
+/// Wavefronts that a slowness bends.
 const WAVEFRONTS: [Wavefront; 2] = [Wavefront::Planar, Wavefront::Curved];
 
 fn flat(chart: Chart, spacing: f64, slowness: Vec<f64>) -> Surface {
@@ -18,7 +18,7 @@ fn flat(chart: Chart, spacing: f64, slowness: Vec<f64>) -> Surface {
     surface.unwrap().with_slowness(slowness).unwrap()
 }
 
-/// The same surface, on which a metric holds the slowness.
+/// Returns the same surface with a metric that contains the slowness.
 fn flat_metric(chart: Chart, slowness: Vec<f64>) -> Surface {
     let tensor = |slowness: f64| {
         let square = slowness * slowness;
@@ -41,7 +41,8 @@ fn map(surface: &Surface, source: (usize, usize), wavefront: Wavefront) -> Vec<f
 proptest! {
     #![proptest_config(cases(60))]
 
-    /// Straight across some strips along columns, or rows, costs what the edges cost: the mean of both ends, each.
+    /// The time straight across strips along columns or rows is the sum over the edges of the mean slowness
+    /// of both ends.
     #[test]
     fn crossing_strips_costs_what_edges_cost(
         strips in prop::collection::vec((4usize..25, 1usize..4, 0.0..3.0), 1..4),
@@ -73,7 +74,8 @@ proptest! {
         }
     }
 
-    /// No way that edges offer is shorter, nor does anything pass what is slow unpaid, by raster scans or marching.
+    /// No path along edges is shorter, and nothing crosses slow ground too early, by raster scans or
+    /// marching.
     #[test]
     fn maps_of_patches_keep_their_bounds(
         seed in any::<u64>(),
@@ -109,7 +111,8 @@ proptest! {
     }
 }
 
-/// The time across a border along a line at `border`, between slownesses `near` and `far`: least over where it is crossed.
+/// Returns the time across a border along a line at `border`, between slownesses `near` and `far`: the
+/// minimum over the crossing point.
 fn refracted([along, from, to]: [f64; 3], [near, far]: [f64; 2]) -> f64 {
     let time = |at: f64| near * at.hypot(from) + far * (along - at).hypot(to);
     // The sum is convex.
@@ -134,7 +137,7 @@ fn rays_between_half_planes_obey_snells_law() {
             let along = col - 60.0;
             let right = match row < 100.0 {
                 true => along.hypot(row - 40.0),
-                // Halfway between the last row of one and the first of the other.
+                // The border is half-way between the last row of one slowness and the first of the other.
                 false => refracted([along, 59.5, row - 99.5], [1.0, 10.0]),
             };
             sum += if right > 0.0 { (time - right).abs() / right } else { 0.0 };
@@ -144,7 +147,7 @@ fn rays_between_half_planes_obey_snells_law() {
     }
 }
 
-/// Over a velocity that grows linearly with the row, rays are circles and times known.
+/// Returns the error for a velocity that grows linearly with the row. Rays are circles, and times are known.
 fn linear(points: usize, wavefront: Wavefront) -> f64 {
     let step = 1.0 / (points - 1) as f64;
     let velocity = |row: usize| 1.0 + 2.0 * row as f64 * step;
@@ -164,8 +167,8 @@ fn linear(points: usize, wavefront: Wavefront) -> f64 {
     found.iter().enumerate().map(error).sum::<f64>() / found.len() as f64
 }
 
-/// A conformal map of the plane: its derivative is the slowness, and times are distances between images. `sheared` grids
-/// are of the same plane.
+/// Returns the error for a conformal map of the plane. Its derivative is the slowness, and times are
+/// distances between images. Sheared grids cover the same plane.
 fn conformal(points: usize, shear: f64, as_metric: bool) -> f64 {
     let step = 0.8 / (points - 1) as f64;
     let place = |index: usize| {
@@ -187,7 +190,7 @@ fn conformal(points: usize, shear: f64, as_metric: bool) -> f64 {
         geosweep::glam::DVec3::new(x, y, 0.0)
     });
     let surface = if as_metric {
-        // Of a step of rows, which lead to the side as well, and of columns.
+        // The metric of a step of rows, which also lead to the side, and of a step of columns.
         let metric = (0..points * points).map(|index| {
             let unit = (slowness(index) * step).powi(2);
             MetricTensor { rr: unit * (1.0 + shear * shear), rc: unit * shear, cc: unit }
@@ -253,7 +256,7 @@ fn zero_is_free_and_infinity_a_wall() {
         let slowness = (0..chart.points()).map(|index| at(index / 12, index % 12)).collect();
         flat(chart, 1.0, slowness)
     };
-    // A road along row 4.
+    // A road runs along row 4.
     let road = of(|row, _| if row == 4 { 0.0 } else { 1.0 });
     for wavefront in WAVEFRONTS {
         let along = map(&road, (4, 0), wavefront);
@@ -277,7 +280,7 @@ fn zero_is_free_and_infinity_a_wall() {
     assert!(surface.with_slowness(vec![f64::NAN; 108]).is_err(), "nothing is left");
 }
 
-/// Over cells that are stretched and sheared so that triangles are obtuse, too: scans of both orders give one map.
+/// Over cells that are stretched and sheared so that triangles are obtuse, scans of both orders give one map.
 #[test]
 fn maps_over_sheared_cells_do_not_depend_on_the_order_of_updates() {
     for (shear, slow) in [(1.4, 3.0), (-2.0, 50.0), (0.9, 1.1)] {

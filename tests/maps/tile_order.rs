@@ -1,5 +1,5 @@
-//! How often tiles are visited where those that are due much later than the first wait, and in how many rounds: the
-//! work of a map is linear in its points, whatever the surface.
+//! How often tiles are visited, and in how many rounds, if tiles that are due much later than the first one
+//! wait. The work of a map is linear in its points on any surface.
 
 use geosweep::Stop;
 use geosweep::cpu::twins::{Rounds, tile_rounds_counted};
@@ -9,7 +9,7 @@ use geosweep::{Sources, Spacing, Surface, Wavefront};
 
 use crate::common::difference;
 
-/// Hills as steep as they are wide.
+/// Returns hills as steep as they are wide.
 fn steep_hills(side: usize) -> Surface {
     let per_point = 6.0 / (side - 1) as f64;
     let height = |index: usize| {
@@ -20,7 +20,7 @@ fn steep_hills(side: usize) -> Surface {
     Surface::from_heights(side, side, heights, Spacing::square(per_point / 4.0)).unwrap()
 }
 
-/// One way to and fro between walls, each three points thick and open at one end.
+/// Returns one path to and fro between walls, each three points thick and open at one end.
 fn serpentine(side: usize) -> Surface {
     let (every, end) = (side / 8, side / 10);
     let floor: Vec<_> = (0..side * side)
@@ -34,7 +34,8 @@ fn serpentine(side: usize) -> Surface {
     plane.unwrap().with_mask(&floor).unwrap()
 }
 
-/// Of `GEOSWEEP_SIDE` points a side, or 384. With that of 1024 and 2048 it takes a minute and five.
+/// The grid has `GEOSWEEP_SIDE` points per side, or 384. With 1024 and 2048, the test takes one minute and
+/// five.
 #[test]
 fn tiles_in_order_are_visited_some_six_times() {
     let side = std::env::var("GEOSWEEP_SIDE").map_or(384, |side| side.parse().unwrap());

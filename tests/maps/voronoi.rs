@@ -1,4 +1,4 @@
-//! Voronoi regions against exact bisectors and areas.
+//! Voronoi regions compared with exact bisectors and areas.
 
 use geosweep::geometry::{NO_REGION, Voronoi, area};
 use geosweep::surface::EdgeLengths;
@@ -27,8 +27,8 @@ fn of_points(points: &[[f64; 2]]) -> Sources {
     points.iter().fold(Sources::default(), |sources, at| sources.and_point(at[0], at[1], 0.0))
 }
 
-/// The issue asks for half a cell. Close pairs have bisectors that run along the fronts' way for
-/// hundreds of cells. Measured: up to 0.006 cells on plane and cylinder, 0.06 on the sphere.
+/// The bound is half a cell. Bisectors of close pairs run along the fronts' direction for hundreds of cells.
+/// Measured: up to 0.006 cells on plane and cylinder, 0.06 on the sphere.
 #[test]
 fn borders_lie_within_half_a_cell_of_the_bisector() {
     const POINTS: usize = 129;
@@ -64,7 +64,7 @@ fn borders_lie_within_half_a_cell_of_the_bisector() {
             for (index, &label) in regions.labels.iter().enumerate() {
                 let at = [(index / POINTS) as f64, (index % POINTS) as f64];
                 let difference = later(at);
-                // A point whose distances agree to single precision may have either.
+                // A point whose distances agree to single precision may have either label.
                 let tie = 1e-5 * exact(pair[0], at);
                 assert!(difference.abs() < tie || (label == 1) == (difference > 0.0), "{at:?}");
             }
@@ -82,8 +82,8 @@ fn areas_add_up_to_the_surface_and_are_those_of_the_exact_regions() {
     approx::assert_relative_eq!(areas.iter().sum::<f64>(), area(&surface), max_relative = 1e-12);
     assert!(areas.iter().all(|&area| area > 0.0) && regions.regions() == 5);
 
-    // Four sources around the middle of a square, off its lines of symmetry: the middle is where
-    // their borders meet, and each has a quarter by symmetry of order four.
+    // Four sources surround the middle of a square, off its lines of symmetry. Their borders meet in the
+    // middle, and each region is a quarter by symmetry of order four.
     let surface = flat(81, 81);
     let sources = of_points(&[[10.0, 30.0], [30.0, 70.0], [70.0, 50.0], [50.0, 10.0]]);
     let regions = regions_of(&surface, &sources);
@@ -103,7 +103,7 @@ fn the_smaller_number_is_on_the_left() {
         let sources = of_points(&points);
         let regions = regions_of(&surface, &sources);
         let vertices = &regions.borders[0].curve.vertices;
-        // With the west on its left a border runs northwards, to smaller rows.
+        // With the western region on its left, a border runs northwards, to smaller rows.
         let down = vertices.last().unwrap()[0] - vertices[0][0];
         assert_eq!(down, -20.0 * sign);
     }
@@ -146,7 +146,7 @@ fn curves_have_regions_too() {
     let surface = flat(41, 41);
     let sources = Sources::curve([[5.0, 2.0], [5.0, 38.0]]).and_point(30.0, 20.0, 0.0);
     let regions = regions_of(&surface, &sources);
-    // A parabola, where the point is as far as the line.
+    // The border is a parabola, whose points are as far from the point as from the line.
     for at in regions.borders.iter().flat_map(|border| &border.curve.vertices) {
         if (2.0..=38.0).contains(&at[1]) {
             let difference = (at[0] - 5.0) - (at[0] - 30.0).hypot(at[1] - 20.0);
@@ -155,7 +155,7 @@ fn curves_have_regions_too() {
     }
 }
 
-/// Whatever computed the map, also one with a planar front, whose times are off by half a cell.
+/// Any engine may have computed the map, even with a planar front, whose times are off by half a cell.
 #[test]
 fn the_map_of_any_engine_will_do() {
     let surface = Builtin::Cylinder.surface(129, 129).unwrap();
@@ -184,8 +184,8 @@ fn the_map_of_any_engine_will_do() {
     }
 }
 
-/// A later start shifts the border: a hyperbola in the plane. From a start that the other front
-/// comes before, there is no region.
+/// A later start shifts the border, to a hyperbola in the plane. A source that another front reaches before
+/// it starts has no region.
 #[test]
 fn start_values_shift_borders() {
     let surface = flat(101, 101);
@@ -200,10 +200,10 @@ fn start_values_shift_borders() {
     assert_eq!((regions.borders.len(), regions.areas(&surface)[1]), (0, 0.0));
 }
 
-/// Fifty sources in the plane: labels, junctions and the sum of areas. Two in five junctions lie
-/// beside the triangle with a corner in each region. Those for which no border leads there, between
-/// two such triangles for example, are moved to its side: measured, 3 of 222 ends, to where
-/// distances to the three sources differ by 0.30.
+/// Fifty sources in the plane: labels, junctions and the sum of areas. Two in five junctions lie beside the
+/// triangle with a corner in each region. If no border leads to one, for example between two such triangles,
+/// it is moved to its side. Of 222 ends, 3 were moved, to places where distances to the three sources differ
+/// by 0.30, as measured.
 #[test]
 fn many_regions_meet_where_they_should() {
     const POINTS: usize = 201;
@@ -236,7 +236,7 @@ fn many_regions_meet_where_they_should() {
         }
     }
     println!("{junctions} ends at junctions, {moved} moved, {worst:.4} cells");
-    // Euler: at most 2 n - 5 junctions of three borders.
+    // Euler: there are at most 2 n - 5 junctions of three borders.
     assert!(
         (150..=285).contains(&junctions) && 30 * moved < junctions && worst < 0.5,
         "{junctions} {worst}"
@@ -246,7 +246,7 @@ fn many_regions_meet_where_they_should() {
     approx::assert_relative_eq!(sum, 40_000.0, max_relative = 1e-12);
 }
 
-/// Around a wall the nearer source is that of the shorter way, not of the straight line.
+/// Around a wall, the nearest source is the one with the shorter path, not with the shorter straight line.
 #[test]
 fn regions_reach_around_holes() {
     let wall = |i: usize| i % 61 == 30 && i / 61 > 5;
@@ -262,7 +262,7 @@ fn regions_reach_around_holes() {
     let around = |at: [f64; 2], source: [f64; 2]| {
         let corners = [[5.0, 29.0], [5.0, 31.0]];
         let straight = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
-        // Neither source sees past the wall but over its top.
+        // Neither source sees past the wall except over its top.
         let over = |a: [f64; 2], b: [f64; 2]| a[0] + (b[0] - a[0]) * (30.0 - a[1]) / (b[1] - a[1]);
         if (at[1] < 30.0) == (source[1] < 30.0) || over(at, source) <= 5.0 {
             straight(at, source)
@@ -283,7 +283,7 @@ fn regions_reach_around_holes() {
 
 #[test]
 fn plateaus_and_wrong_sizes() {
-    // All points lie at the same place.
+    // All points are at the same place.
     let points = vec![geosweep::glam::DVec3::ONE; 12];
     let plateau = Surface::from_positions(3, 4, points).unwrap();
     let regions = regions_of(&plateau, &of_points(&[[0.0, 0.0], [2.0, 3.0]]));

@@ -1,4 +1,4 @@
-//! What further maps of a kept solver take from the heap: nothing.
+//! A solver that is used again allocates nothing on the heap for further maps.
 
 use geosweep::Stop;
 use geosweep::cpu::RotatedScan;
@@ -11,7 +11,7 @@ use crate::heap::allocations;
 #[test]
 fn further_maps_allocate_nothing() {
     let _alone = ALONE.lock();
-    // A thread that counts has to do all the work.
+    // The thread that counts must do all the work.
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     one.install(|| {
         let surface = Builtin::Maze.surface(150, 110).unwrap();

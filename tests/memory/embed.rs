@@ -1,5 +1,4 @@
-//! What recording a frame takes from the program: no allocation on the heap, and no call to the
-//! device but commands.
+//! Recording a frame allocates nothing on the heap, and calls no function of the device except commands.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -20,7 +19,7 @@ use crate::host::Host;
 
 static DEVICE_CALLS: AtomicU32 = AtomicU32::new(0);
 
-/// In place of every function of the device but commands.
+/// Replaces every function of the device except commands.
 extern "system" fn counted() -> vk::Result {
     DEVICE_CALLS.fetch_add(1, Ordering::Relaxed);
     vk::Result::ERROR_DEVICE_LOST
@@ -68,7 +67,7 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
     let mut regions = regions.unwrap();
     host.run(|commands| solver.record(&device, commands, &surface).prepare());
 
-    // Commands alone reach the device.
+    // With this device, only commands reach the real one.
     let recording_device =
         host.device_with(|name| (!name.to_bytes().starts_with(b"vkCmd")).then_some(counted as _));
     let inline: Vec<_> = (0..100).map(|i| PointSource::at(i as f32 / 3.0, 7.0)).collect();
@@ -141,7 +140,7 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
         }
     }
 
-    // That the counters count.
+    // The counters work.
     let before = allocations();
     drop(std::hint::black_box(vec![1u8; 100]));
     assert_eq!(allocations() - before, 1);

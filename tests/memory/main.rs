@@ -1,7 +1,7 @@
-//! What the library takes of memory: allocations on the heap, and the size of the process.
+//! Memory that the library takes: allocations on the heap, and the size of the process.
 //!
-//! A binary of its own, since it replaces the global allocator, and since each test has to be alone
-//! in its process.
+//! This is a separate binary, since it replaces the global allocator, and since each test must be alone in
+//! its process.
 
 use std::sync::Mutex;
 
@@ -14,5 +14,5 @@ mod host;
 #[cfg(target_os = "linux")]
 mod resident;
 
-/// Held by a test as long as it runs: no other may take memory meanwhile.
+/// Lock that each test holds while it runs, so that no other test takes memory.
 static ALONE: Mutex<()> = Mutex::new(());

@@ -1,4 +1,4 @@
-//! What maps take of the machine's memory at most, by the operating system's own account.
+//! Largest amount of the machine's memory that maps take, as the operating system counts it.
 
 use geosweep::Stop;
 use geosweep::cpu::RotatedScan;
@@ -11,7 +11,7 @@ use crate::ALONE;
 
 const STOP: Stop = Stop { tolerance: 1e-6, iterations: 100 };
 
-/// Bytes in memory, now (`VmRSS`) or at most (`VmHWM`).
+/// Returns the bytes in memory, at present (`VmRSS`) or at most so far (`VmHWM`).
 fn resident(field: &str) -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
     let line = status.lines().find_map(|line| line.strip_prefix(field)?.strip_prefix(':'));
@@ -19,7 +19,7 @@ fn resident(field: &str) -> f64 {
     1024.0 * kib.trim().parse::<f64>().unwrap()
 }
 
-/// By how many bytes for each of so many points a process grows at most while it works.
+/// Returns by how many bytes per point a process grows at most during `work`, for `points` points.
 fn growth<T>(points: usize, work: impl FnOnce() -> T) -> f64 {
     std::fs::write("/proc/self/clear_refs", "5").expect("Linux resets the largest size so");
     let before = resident("VmRSS");
@@ -34,16 +34,17 @@ fn map_on_cpu(surface: &Surface, wavefront: Wavefront) -> f64 {
     growth(surface.chart().points(), || {
         let edges = EdgeLengths::<f32>::new(surface).unwrap();
         let mut solver = RotatedScan::new(&edges, wavefront);
-        // The second map keeps what makes further ones faster.
+        // The first map keeps memory that makes further ones faster, so a second one is measured.
         solver.solve(&seeds, STOP);
         solver.solve(&seeds, STOP);
     })
 }
 
-/// Beside the surface itself, what measuring its edges and its curvature takes included.
+/// The bytes are in addition to the surface itself. They include what measuring its edges and its curvature
+/// takes.
 #[test]
 fn the_cpu_takes_at_most_forty_bytes_a_point() {
-    // Arrays so large that none comes from what others have left on the heap.
+    // Arrays of this size do not come from freed memory on the heap.
     const POINTS: usize = 3000;
     let _alone = ALONE.lock();
     let surface = Builtin::Sphere.surface(POINTS, POINTS).unwrap();
@@ -51,16 +52,16 @@ fn the_cpu_takes_at_most_forty_bytes_a_point() {
         map_on_cpu(&Builtin::Sphere.surface(50, 50).unwrap(), wavefront);
         let bytes = map_on_cpu(&surface, wavefront);
         println!("{wavefront}: {bytes:.1} bytes a point");
-        // Four edges and two copies of arrival times are there if this sees anything.
+        // At least four edges and two copies of arrival times must show, or the measurement sees nothing.
         assert!((23.0..40.0).contains(&bytes), "{wavefront}: {bytes}");
     }
 }
 
-/// Beside the surface and the map, which go in and come out: on drivers that run on the processor device
-/// memory is the machine's.
+/// The bytes are in addition to the surface and the map, which are uploaded and downloaded. With drivers on
+/// the processor, device memory is the machine's.
 #[test]
 fn a_device_takes_at_most_forty_eight_bytes_a_point() {
-    // Large beside what a driver takes for shaders.
+    // Large compared with the memory that a driver takes for shaders.
     const POINTS: usize = 1800;
     let _alone = ALONE.lock();
     let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();

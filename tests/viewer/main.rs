@@ -1,5 +1,5 @@
-//! The viewer as one meets it: a window on an X server, and input events. All under the validation
-//! layers, whose messages fail its exit status.
+//! The viewer as a user meets it: a window on an X server, and input events. The validation layers are
+//! active, and a message of theirs makes the viewer's exit status an error.
 #![cfg(all(feature = "formats", target_os = "linux"))]
 
 mod rest;
@@ -11,14 +11,14 @@ use std::process::{Child, Command, Output, Stdio};
 use screen::{ESCAPE, Grab, LEFT, RIGHT, Screen, WHEEL_UP, is_colored};
 use x11rb::protocol::xproto::Window;
 
-/// A viewer that runs.
+/// A running viewer.
 struct Viewer {
     process: Option<Child>,
     window: Window,
 }
 
-/// The example that cargo builds along with the tests: `cargo test` does, `cargo test --test viewer`
-/// does not.
+/// Returns the example that cargo builds along with the tests: `cargo test` does so,
+/// `cargo test --test viewer` does not.
 fn program() -> PathBuf {
     let tests = std::env::current_exe().unwrap();
     let path = tests.parent().unwrap().parent().unwrap().join("examples/viewer");
@@ -44,12 +44,12 @@ impl Viewer {
         Self { process, window }
     }
 
-    /// What it shows when it is done.
+    /// Returns the picture that the viewer shows once it is idle.
     fn still(&self, screen: &Screen) -> Grab {
         screen.still(self.window, self.process.as_ref().expect("it runs").id())
     }
 
-    /// Waits for its end, which something else has brought about.
+    /// Waits until the viewer ends, which something else must cause.
     fn end(mut self, screen: &Screen) {
         let mut process = self.process.take().unwrap();
         screen.wait("the viewer ends", || process.try_wait().unwrap());
@@ -74,7 +74,7 @@ fn check(output: &Output) {
     assert_eq!(said, "");
 }
 
-/// Whether the source is where it was put, within the size of its mark.
+/// Returns whether the source is at a place, within the size of its mark.
 fn is_at(grab: &Grab, place: [i16; 2]) -> bool {
     grab.source().is_some_and(|[x, y]| (x - place[0]).abs() <= 4 && (y - place[1]).abs() <= 4)
 }
@@ -84,12 +84,12 @@ fn the_source_follows_the_pointer() {
     let screen = Screen::new();
     let viewer = Viewer::start(&screen, "--size 480x300");
     let before = viewer.still(&screen);
-    // The surface in its colors amid a background, with dark lines.
+    // The surface is shown in its colors on a background, with dark lines.
     let colored = before.part(is_colored);
     assert!((0.2..0.8).contains(&colored), "{colored}");
     assert!([[0, 0], [479, 0], [0, 299]].iter().all(|&corner| !is_colored(before.at(corner))));
 
-    // A click on the surface puts the source there: from a picture of one pixel, on the device.
+    // A click on the surface moves the source there. The device finds the place with a picture of one pixel.
     let place = [300, 190];
     assert!(!is_at(&before, place));
     screen.point(place);
@@ -98,7 +98,7 @@ fn the_source_follows_the_pointer() {
     let clicked = viewer.still(&screen);
     assert!(clicked.changed(&before) > 0.2, "colors and lines move with the source");
 
-    // A drag takes it along.
+    // A drag moves the source along.
     let place = [200, 150];
     screen.press(LEFT);
     for step in 1..=5 {
@@ -113,7 +113,7 @@ fn the_source_follows_the_pointer() {
     screen.point([5, 5]);
     screen.click(LEFT);
     assert!(viewer.still(&screen) == dragged);
-    // And the same place gives the same picture.
+    // The same place gives the same picture.
     screen.point([300, 190]);
     screen.click(LEFT);
     screen.wait("the source is back", || (screen.grab(viewer.window) == clicked).then_some(()));
@@ -136,7 +136,7 @@ fn keys_switch_surface_schedule_and_wavefront() {
     let raster = viewer.still(&screen);
     screen.key(u32::from(b'w'));
     titled("planar fronts");
-    // First-order fronts lie elsewhere, but not far.
+    // First-order fronts are at other places, but not far away.
     let planar = viewer.still(&screen);
     assert!((0.001..0.9).contains(&planar.changed(&raster)), "{}", planar.changed(&raster));
     screen.key(u32::from(b'w'));
@@ -145,7 +145,7 @@ fn keys_switch_surface_schedule_and_wavefront() {
     titled("curved fronts");
     screen.wait("as before", || (screen.grab(viewer.window) == raster).then_some(()));
 
-    // All schedules lead to the same map; all points at once take many frames.
+    // All schedules lead to the same map. All points at once take many frames.
     screen.key(u32::from(b'c'));
     titled("all-points");
     let same = |grab: &Grab| {
@@ -159,7 +159,7 @@ fn keys_switch_surface_schedule_and_wavefront() {
     screen.key(u32::from(b'c'));
     titled("raster");
 
-    // The sheet moves by itself.
+    // The sheet moves without input.
     screen.key(u32::from(b's'));
     titled("sheet, 192 x 192 points");
     let first = screen.grab(viewer.window);
@@ -167,12 +167,12 @@ fn keys_switch_surface_schedule_and_wavefront() {
         let next = screen.grab(viewer.window);
         (next.part(is_colored) > 0.1 && next.changed(&first) > 0.1).then_some(())
     });
-    // Closed in the middle of it.
+    // The window is closed while the sheet moves.
     screen.close(viewer.window);
     viewer.end(&screen);
 }
 
-/// The part of some pixels of a picture that have one of the same kind close by in another.
+/// Returns the fraction of some pixels of a picture that have a pixel of the same kind nearby in another one.
 fn part_beside(grab: &Grab, other: &Grab, is_one: impl Fn([u8; 3]) -> bool) -> f64 {
     let close = |at: usize| {
         let (x, y) = (at % grab.width, at / grab.width);
@@ -184,8 +184,7 @@ fn part_beside(grab: &Grab, other: &Grab, is_one: impl Fn([u8; 3]) -> bool) -> f
     ones.iter().filter(|&&at| close(at)).count() as f64 / ones.len() as f64
 }
 
-/// Whether white pixels that were not there lead from one place to another, without gaps that no
-/// ridge explains.
+/// Returns whether new white pixels lead from one place to another, without gaps other than those at ridges.
 fn leads(grab: &Grab, before: &Grab, from: [i16; 2], to: [i16; 2]) -> bool {
     let far = |a: [i16; 2], b: [i16; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
     let white = |(at, pixel): (usize, &[u8; 3])| {
@@ -214,7 +213,7 @@ fn keys_draw_contours_and_a_path_as_lines() {
         let found = || (screen.title(viewer.window).contains(part) == wanted).then_some(());
         screen.wait(part, found);
     };
-    // The same lines, drawn in another way.
+    // The same lines are drawn in another way.
     screen.key(u32::from(b'l'));
     titled("contours as lines", true);
     let drawn = viewer.still(&screen);
@@ -228,7 +227,7 @@ fn keys_draw_contours_and_a_path_as_lines() {
     titled("contours as lines", false);
     screen.wait("as before", || (screen.grab(viewer.window) == shaded).then_some(()));
 
-    // A path from under the pointer to the source.
+    // The path runs from below the pointer to the source.
     let start = [120, 155];
     let source = shaded.source().unwrap();
     screen.point(start);
@@ -238,11 +237,11 @@ fn keys_draw_contours_and_a_path_as_lines() {
     screen.wait("the path leads to the source", || leads_to(source));
     let traced = viewer.still(&screen);
     assert!(traced.changed(&shaded) < 0.05, "{}", traced.changed(&shaded));
-    // Beside the surface none starts, and the last one stays.
+    // Beside the surface, no path starts, and the last one stays.
     screen.point([5, 5]);
     screen.key(u32::from(b'p'));
     assert!(viewer.still(&screen) == traced);
-    // It ends where the source goes.
+    // The path ends at the source's new place.
     let place = [300, 190];
     screen.point(place);
     screen.click(LEFT);
@@ -255,7 +254,7 @@ fn keys_draw_contours_and_a_path_as_lines() {
     println!("from another source: {beside:.3}");
     assert!(beside < 0.65, "{beside}");
 
-    // On a surface that moves contours are found every frame.
+    // On a moving surface, contours are found every frame.
     screen.key(u32::from(b's'));
     titled("sheet", true);
     titled("contours as lines", true);
@@ -286,7 +285,7 @@ fn the_picture_follows_the_camera_and_the_window() {
     screen.wait("it comes closer", || larger(&screen.grab(viewer.window)).then_some(()));
     let near = viewer.still(&screen);
 
-    // Larger, wider, and back: the same as before.
+    // A larger window, a wider one, smaller ones, and back: the picture is the same as before.
     for size in [[640, 480], [500, 120], [97, 61], [320, 200]] {
         screen.resize(viewer.window, size);
         screen.wait("all of the window is drawn", || {
@@ -299,7 +298,7 @@ fn the_picture_follows_the_camera_and_the_window() {
         });
     }
     screen.wait("as before", || (screen.grab(viewer.window) == near).then_some(()));
-    // Without a window manager, to be minimised is to be unmapped.
+    // Without a window manager, to minimise a window is to unmap it.
     screen.hide(viewer.window);
     screen.show(viewer.window);
     screen.wait("shown again", || (screen.grab(viewer.window) == near).then_some(()));
@@ -327,7 +326,7 @@ fn counted_frames_of_a_moving_surface_are_the_same_every_time() {
 }
 
 #[test]
-fn what_cannot_be_shown_is_said() {
+fn errors_of_the_viewer_are_reported() {
     let screen = Screen::new();
     for (arguments, part) in [
         ("--source 344,0", "its rows are 0 to 343, its columns 0 to 402"),

@@ -1,20 +1,20 @@
-//! Whether processes have come to rest, by the kernel's account of their threads.
+//! Whether processes are idle, by the kernel's account of their threads.
 //!
-//! A picture that has not changed for a while says little: on a loaded machine the next frame is still
-//! to come. But when all threads of the viewer and of the X server sleep, and none has run since the
-//! look before, nobody is left who could wake another.
+//! A picture that has not changed for a while shows little: on a loaded machine, the next frame may still be
+//! pending. But if all threads of the viewer and of the X server sleep, and none has run since the previous
+//! look, no thread is left that could wake another.
 
 use std::fs;
 use std::thread::sleep;
 use std::time::Duration;
 
-/// Looks in turn that must agree.
+/// Number of consecutive looks that must agree.
 const LOOKS: usize = 6;
-/// From look to look. All of them take longer than the timers at work here: what the viewer waits for
-/// an image of the window at most, and the beat of a server without a screen.
+/// Time between two looks. All looks together take longer than the timers involved: the viewer's longest wait
+/// for an image of the window, and the clock of a server without a screen.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// Whether nothing more is to come from processes that wait for one another and for us only.
+/// Returns whether processes that wait only for one another and for this test have nothing left to do.
 pub fn are_done(processes: &[u32]) -> bool {
     let look = || processes.iter().map(|&process| asleep(process)).collect::<Option<Vec<_>>>();
     let first = look();
@@ -25,7 +25,7 @@ pub fn are_done(processes: &[u32]) -> bool {
         })
 }
 
-/// How often each thread of a process has given way, if all of them sleep.
+/// Returns how often each thread of a process has yielded, if all of them sleep.
 fn asleep(process: u32) -> Option<Vec<(String, u64)>> {
     let threads = fs::read_dir(format!("/proc/{process}/task")).ok()?;
     threads

@@ -1,4 +1,4 @@
-//! An X server of the test's own, without a screen, and its one user.
+//! An X server for one test, without a screen, and its only user.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
@@ -14,7 +14,7 @@ use x11rb::rust_connection::RustConnection;
 
 use crate::rest;
 
-/// Nothing here takes a tenth of it, unless it never comes.
+/// Time limit. Nothing here takes a tenth of it unless it hangs.
 pub const LIMIT: Duration = Duration::from_secs(300);
 
 pub const LEFT: u8 = 1;
@@ -26,7 +26,7 @@ const KEY: u8 = 2;
 const BUTTON: u8 = 4;
 const MOTION: u8 = 6;
 
-/// The server, and a connection to it.
+/// An X server and a connection to it.
 pub struct Screen {
     server: Child,
     pub name: String,
@@ -34,7 +34,7 @@ pub struct Screen {
     root: Window,
 }
 
-/// What is in a window: three bytes a pixel.
+/// Contents of a window: three bytes per pixel.
 #[derive(Clone, PartialEq)]
 pub struct Grab {
     pub width: usize,
@@ -44,7 +44,7 @@ pub struct Grab {
 
 impl Screen {
     pub fn new() -> Self {
-        // The server chooses a free number and tells it.
+        // The server chooses a free number and prints it.
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
             .stdout(Stdio::piped())
@@ -59,7 +59,7 @@ impl Screen {
         Self { server, name, connection, root }
     }
 
-    /// Waits until it is so.
+    /// Waits until `found` returns a value.
     pub fn wait<T>(&self, what: &str, mut found: impl FnMut() -> Option<T>) -> T {
         let start = Instant::now();
         loop {
@@ -71,8 +71,8 @@ impl Screen {
         }
     }
 
-    /// The viewer's window, once it is shown. Keys go there, for which a window manager cares
-    /// elsewhere.
+    /// Returns the viewer's window, once it is shown. Keys go to it, as a window manager would otherwise
+    /// arrange.
     pub fn window(&self) -> Window {
         let window = self.wait("the window is shown", || {
             let tree = self.connection.query_tree(self.root).unwrap().reply().unwrap();
@@ -109,8 +109,8 @@ impl Screen {
         Grab { width: width.into(), height: height.into(), pixels }
     }
 
-    /// What the window of a program shows once all that was asked of it is done: what it has been told
-    /// has arrived, no frame is on its way, and the server has drawn them all.
+    /// Returns the contents of a program's window once the program is idle: all input has arrived, no frame
+    /// is pending, and the server has drawn all frames.
     pub fn still(&self, window: Window, program: u32) -> Grab {
         let at_work = [program, self.server.id()];
         self.wait("the picture stands still", || rest::are_done(&at_work).then_some(()));
@@ -122,7 +122,7 @@ impl Screen {
         event.unwrap().check().unwrap();
     }
 
-    /// Moves the pointer. The window lies at the screen's upper left.
+    /// Moves the pointer. The window is at the screen's upper left.
     pub fn point(&self, at: [i16; 2]) {
         self.input(MOTION, 0, at);
     }
@@ -140,7 +140,7 @@ impl Screen {
         self.release(button);
     }
 
-    /// Presses a key by its symbol.
+    /// Presses the key with a symbol.
     pub fn key(&self, symbol: u32) {
         let (first, last) =
             (self.connection.setup().min_keycode, self.connection.setup().max_keycode);
@@ -167,7 +167,7 @@ impl Screen {
         self.focus(window);
     }
 
-    /// What a window manager sends when the user closes the window.
+    /// Sends the message of a window manager when the user closes the window.
     pub fn close(&self, window: Window) {
         let data = [self.atom("WM_DELETE_WINDOW"), 0, 0, 0, 0];
         let message = ClientMessageEvent::new(32, window, self.atom("WM_PROTOCOLS"), data);
@@ -188,20 +188,20 @@ impl Grab {
         self.pixels[y as usize * self.width + x as usize]
     }
 
-    /// The part of pixels for which something holds.
+    /// Returns the fraction of pixels for which `holds` is true.
     pub fn part(&self, holds: impl Fn([u8; 3]) -> bool) -> f64 {
         let count = self.pixels.iter().filter(|&&pixel| holds(pixel)).count();
         count as f64 / self.pixels.len() as f64
     }
 
-    /// The part of pixels that are not as in another picture of the same size.
+    /// Returns the fraction of pixels that differ from another picture of the same size.
     pub fn changed(&self, other: &Self) -> f64 {
         assert_eq!((self.width, self.height), (other.width, other.height));
         let pairs = self.pixels.iter().zip(&other.pixels);
         pairs.filter(|(a, b)| a != b).count() as f64 / self.pixels.len() as f64
     }
 
-    /// The middle of the white disc that marks the source.
+    /// Returns the middle of the white disc that marks the source.
     pub fn source(&self) -> Option<[i16; 2]> {
         let white = |&(_, pixel): &(usize, &[u8; 3])| pixel.iter().all(|&channel| channel > 246);
         let (mut sum, mut count) = ([0, 0], 0);
@@ -213,7 +213,7 @@ impl Grab {
     }
 }
 
-/// A color of the surface: the background, walls and shadows are close to grey.
+/// Returns whether a color belongs to the surface: the background, walls and shadows are close to grey.
 pub fn is_colored([r, g, b]: [u8; 3]) -> bool {
     r.max(g).max(b) - r.min(g).min(b) > 40
 }

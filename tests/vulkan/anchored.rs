@@ -1,4 +1,5 @@
-//! Anchors on a Vulkan device against the CPU engine and exact distances, under the validation layers.
+//! Anchored fronts on a Vulkan device, compared with the CPU engine and exact distances, under the validation
+//! layers.
 
 use geosweep::accuracy::Errors;
 use geosweep::pairwise::Pairwise;
@@ -10,14 +11,15 @@ use geosweep::{DeviceChoice, Engine, Options, Sources, Spacing, Surface, Wavefro
 use crate::common::Random;
 use crate::common::*;
 
-/// Of the largest distance: what rounding leaves on the way from corner to corner.
+/// Largest difference relative to the largest distance: the rounding errors along a path from corner to
+/// corner.
 const AGREEMENT: f64 = 2e-6;
 
 fn anchored(schedule: Schedule) -> Method {
     Method { wavefront: Wavefront::Anchored, schedule: Some(schedule), stop: CONVERGED }
 }
 
-/// A plane without some boxes and walls, and some of its points.
+/// Returns a plane without some boxes and walls, and some of its points.
 fn floor_plan(number: u64, rows: usize, cols: usize) -> (Surface, Vec<[usize; 2]>) {
     let mut random = Random::new(number);
     let mut below = |most: usize| (random.next() * most as f64) as usize;
@@ -47,7 +49,8 @@ fn floor_plan(number: u64, rows: usize, cols: usize) -> (Surface, Vec<[usize; 2]
     (plane.with_mask(&floor).unwrap(), some)
 }
 
-/// Seeds of sources, some inside cells, as far as they lie on the plan, and with times of their own.
+/// Returns the seeds of those sources that lie on the plan, some inside cells and with different start
+/// values.
 fn some_seeds(surface: &Surface, places: &[[usize; 2]], number: u64) -> Vec<Seed> {
     let mut random = Random::new(number + 1000);
     let mut all = Vec::new();
@@ -64,7 +67,7 @@ fn some_seeds(surface: &Surface, places: &[[usize; 2]], number: u64) -> Vec<Seed
     all
 }
 
-/// The plan with a number, and seeds on it.
+/// Returns the plan with a number, and seeds on it.
 fn seeded_plan(number: u64) -> (Surface, Vec<Seed>) {
     let (rows, cols) = (30 + number as usize % 40, 34 + 3 * (number as usize % 17));
     let (surface, places) = floor_plan(number, rows, cols);
@@ -96,7 +99,7 @@ fn every_schedule_leads_to_the_map_of_the_cpu() {
     println!("{worst:.1e}");
 }
 
-/// Among them sources inside cells, whose numbers go on from those of the map.
+/// Some of the added sources are inside cells. Their numbers continue those of the map.
 #[test]
 fn sources_can_be_added() {
     let mut solver = vulkan_solver();
@@ -137,7 +140,7 @@ fn the_maze_is_exact() {
     }
 }
 
-/// Where anchors do not hold fronts are curved.
+/// On surfaces without anchors, fronts are curved.
 #[test]
 fn other_surfaces_have_curved_fronts() {
     let mut solver = vulkan_solver();
@@ -160,8 +163,8 @@ fn other_surfaces_have_curved_fronts() {
     }
 }
 
-/// Sources inside cells are kept in a table. More of them are no anchors in a map of their own, and cannot be
-/// added to one.
+/// A table holds the sources inside cells. Sources beyond its size are not anchors in a map of their own, and
+/// cannot be added to a map.
 #[test]
 fn sources_inside_cells_are_as_many_as_there_is_room_for() {
     let mut solver = vulkan_solver();
@@ -183,7 +186,7 @@ fn sources_inside_cells_are_as_many_as_there_is_room_for() {
     let map = solver.solve(&mut on_device, &more, method).unwrap();
     let curved = Method { wavefront: Wavefront::Curved, ..method };
     assert_eq!(map.distances, solver.solve(&mut on_device, &more, curved).unwrap().distances);
-    // A map goes on as it has begun.
+    // A map continues with the wavefront with which it started.
     let alone = Sources::point(68.5, 3.25).seeds(&surface).unwrap();
     solver.solve(&mut on_device, &more, method).unwrap();
     solver.add(&mut on_device, &alone, method).unwrap();
@@ -216,7 +219,7 @@ fn many_maps_at_once_have_curved_fronts() {
     assert!(refused.contains("on the CPU"), "{refused}");
 }
 
-/// Rooms of 23 x 23 points, some doors between them, and a place inside a cell of one.
+/// Returns rooms of 23 x 23 points with some doors between them, and a place inside a cell of one room.
 fn rooms(number: u64, rows: usize, cols: usize) -> (Surface, Sources) {
     let mut random = Random::new(number);
     let mut from = |low: f64, high: f64| low + (high - low) * random.next();
@@ -236,7 +239,7 @@ fn rooms(number: u64, rows: usize, cols: usize) -> (Surface, Sources) {
     (plane.unwrap().with_mask(&floor).unwrap(), source)
 }
 
-/// By default, and wherever the source lies.
+/// The schedule is the default or any other, and the source is anywhere.
 #[test]
 fn rooms_are_the_same_in_every_schedule() {
     let mut worst = 0.0f64;

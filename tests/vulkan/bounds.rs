@@ -1,4 +1,5 @@
-//! Bounds that any map keeps, on surfaces that nothing was tuned on: each schedule, and against the CPU engine.
+//! Bounds that hold for any map, on surfaces on which nothing was tuned: with each schedule, and compared
+//! with the CPU engine.
 
 use geosweep::Wavefront;
 use geosweep::cpu;
@@ -8,7 +9,7 @@ use geosweep::vulkan::{Method, Schedule, Solver};
 use crate::common::bounds::{APART, Case, SETTLED, cases};
 use crate::common::vulkan_solver;
 
-/// What has failed, and which fronts have settled in another way than the CPU's.
+/// Returns the failures, and the wavefronts that have converged to another result than the CPU's.
 fn solve(solver: &mut Solver, case: &Case) -> (Vec<String>, Vec<String>) {
     let bounds = case.bounds();
     let edges = EdgeLengths::<f32>::new(&case.surface).unwrap();
@@ -75,9 +76,9 @@ fn maps_keep_their_bounds_around_clusters_of_sources() {
     check(10, Case::clusters);
 }
 
-/// Where an obtuse triangle's part ends on the line that a scan of a tile is updating.
+/// A part of an obtuse triangle ends on the line that a scan of a tile is updating.
 #[test]
-fn tiles_see_what_changes_on_the_line_itself() {
+fn tiles_see_changes_on_the_line_itself() {
     let (failures, apart) = solve(&mut vulkan_solver(), &Case::new(7100));
     assert_eq!([failures, apart].concat(), [""; 0]);
 }

@@ -1,4 +1,4 @@
-//! The Vulkan engine against the CPU engine, under the validation layers.
+//! The Vulkan engine compared with the CPU engine, under the validation layers.
 
 use geosweep::Stop;
 use geosweep::cpu::Solution;
@@ -13,18 +13,18 @@ use geosweep::{
 
 use crate::common::*;
 
-/// Both engines stop where nothing falls by more than 1e-6 in an iteration, and measure edges
-/// in different precision; the bar is ten times that.
+/// Largest difference between engines. Both stop when nothing falls by more than 1e-6 in an iteration, and
+/// measure edges in different precision. The bound is ten times that.
 const AGREEMENT: f64 = 1e-5;
-/// After the same number of iterations only rounding is left: a few units of the last digit for
-/// each of the points a front passes, with both signs.
+/// Largest difference after the same number of iterations. Only rounding remains: a few units of the last
+/// digit for each point that a front passes, with both signs.
 const TWINS: f64 = 2e-6;
 /// `FEW_TILES` in `glsl/constants.glsl`.
 const FEW_TILES: usize = 64;
 
 const WAVEFRONTS: [Wavefront; 3] = Wavefront::ALL;
 
-/// Whether a device computes on the processor's cores, in the arithmetic of the twins.
+/// Returns whether a device computes on the processor's cores, with the arithmetic of the twins.
 fn is_processor(solver: &Solver) -> bool {
     devices().unwrap().iter().any(|info| info.name == solver.device_name() && info.kind == "CPU")
 }
@@ -124,7 +124,7 @@ fn engines_agree_far_from_the_origin() {
     assert_engines_agree(&mut solver, &far, &middle(&far), "far from the origin");
 }
 
-/// Every schedule leads to the same map, with the same points reached.
+/// Every schedule leads to the same map and reaches the same points.
 #[test]
 fn schedules_agree() {
     let mut solver = vulkan_solver();
@@ -155,7 +155,7 @@ fn schedules_agree() {
     }
 }
 
-/// Sources added to a map lead to the map of all of them.
+/// Sources that are added to a map lead to the map of all sources.
 #[test]
 fn sources_can_be_added_to_a_map() {
     let mut solver = vulkan_solver();
@@ -179,7 +179,8 @@ fn sources_can_be_added_to_a_map() {
     }
 }
 
-/// At most 48 bytes a point, the buffers for transfer included; GPUs pad images, small ones by most.
+/// A surface takes at most 48 bytes per point, including the buffers for transfer. GPUs pad images, and small
+/// ones the most.
 #[test]
 fn a_surface_takes_little_memory() {
     let solver = vulkan_solver();
@@ -191,12 +192,12 @@ fn a_surface_takes_little_memory() {
     }
 }
 
-/// Iteration by iteration, not only in the limit: the scans are those of the twin.
+/// Compares scans with those of the twin iteration by iteration, not only in the limit.
 fn assert_twins(solver: &mut Solver, surface: &Surface, source: (usize, usize), iterations: u32) {
     assert_schedule_twins(solver, surface, source, Schedule::Raster, 1..=iterations);
 }
 
-/// The map of a schedule's twin, point by point.
+/// Returns the map of a schedule's twin, point by point.
 fn twin(
     edges: &EdgeLengths<f32>,
     seeds: &[Seed],
@@ -234,8 +235,9 @@ fn assert_schedule_twins(
     let seeds = seeds_at(surface, source);
     let edges = EdgeLengths::<f32>::new(surface).unwrap();
     let mut on_device = solver.upload(surface).unwrap();
-    // Before a map settles, which of two fronts that are no planes a point keeps may hang on the last digit: with fused
-    // products and inexact roots maps are 5.8e-4 apart for an iteration or two on lavapipe, and 1.8e-3 on a GPU.
+    // Before a map converges, the last digit may decide which of two curved fronts a point keeps. With fused
+    // products and inexact roots, maps differ by 5.8e-4 for an iteration or two on lavapipe, and by 1.8e-3 on
+    // a GPU.
     let on_processor = is_processor(solver);
     let of_others = if on_processor { TWINS } else { 5e-3 };
     for iterations in iterations {
@@ -249,7 +251,7 @@ fn assert_schedule_twins(
             let what = format!("{iterations} iterations, {schedule}, {wavefront}");
             let most = if wavefront == Wavefront::Planar { TWINS } else { of_others };
             assert!(difference < most, "{what}: {difference}");
-            // Whether a round more changes a last digit hangs on how a device rounds: GPUs fuse products.
+            // A device's rounding decides whether one more round changes a last digit: GPUs fuse products.
             let apart = twin.iterations.abs_diff(vulkan.iterations);
             assert!(apart <= 1, "{what}: {} and {}", twin.iterations, vulkan.iterations);
         }
@@ -265,7 +267,7 @@ fn every_iteration_of_the_shader_is_one_of_its_twin() {
     assert_twins(&mut solver, &holes, some_point(&holes), 3);
 }
 
-/// Among them rounds in a second recording, and more than the map takes.
+/// Some rounds are in a second recording, and some come after convergence.
 #[test]
 fn every_update_and_every_round_is_one_of_its_twin() {
     let mut solver = vulkan_solver();
@@ -283,7 +285,7 @@ fn every_update_and_every_round_is_one_of_its_twin() {
     }
 }
 
-/// More rows than one band of the upload holds, and bends across their border.
+/// The grid has more rows than one band of the upload, and bends across the bands' border.
 #[test]
 fn every_band_of_the_upload_arrives() {
     let mut solver = vulkan_solver();
@@ -343,7 +345,7 @@ fn the_one_call_says_what_it_used() {
     assert_eq!((cpu.report.engine, &cpu.report.device, &cpu.report.reason), ("cpu", &None, &None));
     assert!(difference(&vulkan.distances, &cpu.distances) < AGREEMENT);
     assert_eq!(vulkan.distance(15, 20), -2.0);
-    // So small a grid is not worth a GPU.
+    // A grid of this size is too small for a GPU.
     let auto = map(Engine::Auto);
     assert_eq!((auto.report.engine, &auto.report.fallback), ("cpu", &None));
     assert!(auto.report.reason.is_some_and(|why| why.contains("600 points")));
@@ -368,7 +370,7 @@ fn a_grid_larger_than_the_device_is_an_error() {
     assert!(matches!(error, VulkanError::TooLarge { .. }), "{error}");
 }
 
-/// The real terrain that the repository ships.
+/// The terrain is the one in the repository.
 #[test]
 #[cfg(feature = "formats")]
 fn engines_agree_on_real_terrain() {
@@ -380,7 +382,7 @@ fn engines_agree_on_real_terrain() {
     assert_engines_agree(&mut solver, &surface, &Sources::point(297.0, 219.0), "terrain");
 }
 
-/// Slowness as rough as noise, which leaves lengths that are no triangles.
+/// The slowness is as rough as noise, so that some lengths do not form triangles.
 #[test]
 fn engines_agree_with_rough_slowness() {
     let mut solver = vulkan_solver();
@@ -388,7 +390,7 @@ fn engines_agree_with_rough_slowness() {
     let slowness = (1..=50 * 40).map(|i| 0.5 + 1.5 * noise(i)).collect();
     let surface = rough(50, 40, 0).with_slowness(slowness).unwrap();
     assert_engines_agree(&mut solver, &surface, &middle(&surface), "rough slowness");
-    // And as a metric, sheared, with walls.
+    // The same as a sheared metric, with walls.
     let tensor = |i: u64| {
         let square = (0.5 + 1.5 * noise(i)).powi(2);
         let hole = if i % 97 == 5 { f64::NAN } else { 1.0 };

@@ -1,4 +1,4 @@
-//! The Vulkan engine under the validation layers: without a renderer, embedded in one, profiled.
+//! The Vulkan engine under the validation layers: without a renderer, embedded in one, and profiled.
 
 mod anchored;
 mod bounds;

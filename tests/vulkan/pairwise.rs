@@ -1,5 +1,5 @@
-//! Many maps at once on a Vulkan device against the CPU engine and against the shaders' twin, under
-//! the validation layers.
+//! Many maps at once on a Vulkan device, compared with the CPU engine and with the shaders' twin, under the
+//! validation layers.
 
 use geosweep::Stop;
 use geosweep::cpu::twins;
@@ -12,20 +12,20 @@ use geosweep::{Engine, Error, MetricTensor, Options, Spacing, Surface, Wavefront
 
 use crate::common::*;
 
-/// Both engines stop where nothing falls by more than 1e-6 in an iteration, and measure edges in
-/// different precision; the bar is ten times that.
+/// Largest difference between engines. Both stop when nothing falls by more than 1e-6 in an iteration, and
+/// measure edges in different precision. The bound is ten times that.
 const AGREEMENT: f64 = 1e-5;
-/// After the same number of iterations only rounding is left; see headless.rs.
+/// Largest difference after the same number of iterations: only rounding remains; see headless.rs.
 const TWINS: f64 = 2e-6;
 
-/// About so many sources, all over the grid, in the order of the points; `None` for holes.
+/// Returns about `count` sources over the whole grid, in the order of the points; `None` for holes.
 fn sources(surface: &Surface, count: usize) -> Vec<Option<usize>> {
     let points = surface.chart().points();
     let source = |point: usize| surface.present()[point].then_some(point);
     (0..points).step_by(points.div_ceil(count)).map(source).collect()
 }
 
-/// The rows of some sources, and that they have converged or taken all iterations.
+/// Computes the rows of some sources. Asserts that they have converged or used all iterations.
 fn solve(
     pairwise: &mut PairwiseOnDevice,
     (solver, uploaded, points): (&Solver, &SurfaceOnDevice, usize),
@@ -40,7 +40,7 @@ fn solve(
     rows
 }
 
-/// The rows of the sources there are, one after another, as the CPU computes them.
+/// Returns the rows of the sources that are not `None`, as the CPU computes them.
 fn rows_on_cpu(surface: &Surface, wavefront: Wavefront, sources: &[Option<usize>]) -> Vec<f32> {
     let options = Options {
         engine: Engine::Cpu,
@@ -59,7 +59,7 @@ fn rows_on_cpu(surface: &Surface, wavefront: Wavefront, sources: &[Option<usize>
     all
 }
 
-/// Holds the rows of a device against those of the CPU, map by map; no source has no distances.
+/// Compares a device's rows with those of the CPU, map by map. A row without a source has no distances.
 fn assert_rows_agree(
     surface: &Surface,
     wavefront: Wavefront,
@@ -81,7 +81,7 @@ fn assert_rows_agree(
     }
 }
 
-/// Every wavefront, and both schedules in turns, which the twins hold against one another.
+/// Compares engines for every wavefront. Both schedules alternate; the twins compare them with one another.
 fn assert_engines_agree(solver: &Solver, surface: &Surface, number: usize, what: &str) {
     let points = surface.chart().points();
     let sources = sources(surface, 5);
@@ -140,7 +140,7 @@ fn engines_agree_with_slowness_and_on_a_metric() {
     assert_engines_agree(&solver, &weighted.unwrap(), 0, "slowness on steep hills");
 }
 
-/// Iteration by iteration, each map by itself: the scans and the counting are the twin's.
+/// Scans and counts equal the twin's, iteration by iteration and for each map.
 #[test]
 fn every_iteration_of_the_shaders_is_one_of_their_twin() {
     let solver = vulkan_solver();
@@ -203,8 +203,8 @@ fn batches_split_obtuse_triangles_over_several_workgroups() {
     }
 }
 
-/// Rows do not depend on the sources beside them, nor on the batch they were computed in, and come
-/// out the same again; holes and what is no source give rows of infinity.
+/// Rows do not depend on the sources beside them, nor on their batch, and are the same when computed again.
+/// Rows of holes and of missing sources are infinite.
 #[test]
 fn rows_do_not_depend_on_their_batch() {
     let solver = vulkan_solver();
@@ -237,7 +237,7 @@ fn rows_do_not_depend_on_their_batch() {
     }
 }
 
-/// More sources than a batch takes, and batches as large as the device's kind of memory allows.
+/// There are more sources than a batch takes. Batches are as large as the device's memory type allows.
 #[test]
 fn sources_beyond_a_batch_are_computed_in_the_next() {
     let solver = vulkan_solver();
@@ -247,7 +247,7 @@ fn sources_beyond_a_batch_are_computed_in_the_next() {
     for schedule in PairwiseSchedule::ALL {
         let mut pairwise = solver.pairwise(&uploaded, Wavefront::Planar, Some(schedule)).unwrap();
         let count = pairwise.batch() + 5;
-        assert!(count < points, "the grid is chosen so that there are so many sources");
+        assert!(count < points, "the grid has room for this number of sources");
         let sources: Vec<_> = (0..count).map(Some).collect();
         let mut rows = vec![f32::NAN; count * points];
         pairwise.solve(&solver, &uploaded, &sources, Stop::after(2), &mut rows).unwrap();
@@ -260,7 +260,7 @@ fn sources_beyond_a_batch_are_computed_in_the_next() {
     }
 }
 
-/// Corridors to and fro, one above the other: each takes an iteration or so.
+/// Returns corridors to and fro, one above the other. Each takes about one iteration.
 fn corridors(rows: usize, cols: usize) -> Surface {
     let is_open = |index: usize| {
         let (row, col) = (index / cols, index % cols);
@@ -270,14 +270,14 @@ fn corridors(rows: usize, cols: usize) -> Surface {
     rough(rows, cols, 0).with_mask(&mask).unwrap()
 }
 
-/// A map that takes more iterations than a dispatch has goes on in the next.
+/// A map that takes more iterations than a dispatch has continues in the next one.
 #[test]
 fn mazes_take_as_many_dispatches_as_they_need() {
     let solver = vulkan_solver();
     let surface = corridors(141, 12);
     let (points, edges) = (surface.chart().points(), EdgeLengths::<f32>::new(&surface).unwrap());
     let uploaded = solver.upload(&surface).unwrap();
-    // From the first point far, from one in the middle half as far.
+    // The way is long from the first point, and half as long from one in the middle.
     let sources = [Some(0), Some(70 * 12)];
     for wavefront in [Wavefront::Planar, Wavefront::Curved] {
         let twins = sources.iter().flatten().map(|&source| {

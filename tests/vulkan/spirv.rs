@@ -1,9 +1,9 @@
-//! The SPIR-V in glsl/spirv against the SPIR-V that the build has compiled.
+//! The SPIR-V in glsl/spirv compared with the SPIR-V that the build has compiled.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// The instructions of a module, sorted: compilers differ in the order of decorations. The
+/// Returns the instructions of a module, sorted, since compilers differ in the order of decorations. The
 /// header's third word names the compiler and is left out.
 fn instructions(spirv: &[u8]) -> Vec<Vec<u32>> {
     let words: Vec<u32> =
@@ -25,8 +25,8 @@ fn modules(folder: &str) -> BTreeSet<String> {
     files.filter_map(|name| name.into_string().ok()).filter(|name| name.ends_with(".spv")).collect()
 }
 
-/// Other versions of glslang may compile the same source to other instructions, so ci/test asks
-/// for this where the version is known to agree.
+/// Other versions of glslang may compile the same source to other instructions. So ci/test requests this test
+/// only where the version is known to agree.
 #[test]
 fn committed_spirv_is_what_the_sources_compile_to() {
     let (compiled, committed) = (env!("OUT_DIR"), "glsl/spirv");

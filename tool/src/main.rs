@@ -33,7 +33,7 @@ use terminal::say;
 #[derive(Parser)]
 #[command(version, max_term_width = 100, after_help = EXAMPLES)]
 struct Tool {
-    /// Say nothing but warnings and errors
+    /// Print only warnings and errors
     #[arg(short, long, global = true)]
     quiet: bool,
     #[command(subcommand)]
@@ -41,12 +41,12 @@ struct Tool {
 }
 
 const EXAMPLES: &str = "\
-Arrays are NumPy .npy files, row first; NaN in a surface marks a hole. Rows count
-downwards from 0 and columns rightwards from 0, as in a picture. Output files
-appear whole or not at all.
+Arrays are NumPy .npy files, row first. NaN in a surface marks a hole. Rows count
+downwards from 0 and columns rightwards from 0, as in a picture. Output files are
+written completely or not at all.
 
-Exit status: 0 if everything asked for was written; 1 if `compare` or
-`tune` finds a difference; 2 on an error.
+Exit status: 0 if all requested files were written; 1 if `compare` or `tune` finds
+a difference; 2 on an error.
 
 Examples:
   geosweep distance dem.tif --spacing 30 --source 120,85 -o map.npy --picture map.png
@@ -65,15 +65,15 @@ enum Command {
     Path(Box<path::Args>),
     /// Divide a surface among its sources
     Voronoi(Box<voronoi::Args>),
-    /// Draw curves at some distances from curves
+    /// Draw curves at given distances from curves
     Offset(Box<offset::Args>),
     /// Find the lines on which fronts meet, the cut locus of the sources
     Ridges(Box<ridges::Args>),
     /// Choose points that are far from one another
     Sample(Box<sample::Args>),
-    /// Place a surface in space so that straight distances are like those along it
+    /// Place a surface in space so that straight distances are close to those along it
     Canonical(canonical::Args),
-    /// List the Vulkan devices, and why one cannot be used
+    /// List the Vulkan devices, and why some cannot be used
     Devices(devices::Args),
     /// Compare two distance maps
     Compare(compare::Args),
@@ -81,13 +81,13 @@ enum Command {
     Builtin(builtin::Args),
     /// Measure the solvers against exact distances on the built-in surfaces
     Accuracy(accuracy::Args),
-    /// Time the engines and schedules side by side, and say what bounds them
+    /// Time the engines and schedules side by side, and show what bounds them
     Bench(bench::Args),
     /// Profile a map on a Vulkan device: every pass, its cost and what bounds it
     Profile(Box<profile::Args>),
-    /// Find out which portions and which schedule suit a Vulkan device
+    /// Find the portions and the schedule that suit a Vulkan device
     Tune(tune::Args),
-    /// Time maps in frames, of a surface that moves, on a Vulkan device
+    /// Time maps of a moving surface in frames on a Vulkan device
     Frames(frames::Args),
     /// Redraw a figure of the paper
     Figure(figure::Args),
@@ -136,8 +136,8 @@ fn main() -> ExitCode {
     })
 }
 
-/// Prints what clap returns instead of arguments. Help and version go to standard output. Errors go to
-/// standard error in the tool's own form. A command without any arguments prints its help.
+/// Prints the result of clap when it returns no arguments. Help and version go to standard output. Errors go
+/// to standard error in the tool's own form. A command without any arguments prints its help.
 fn usage_exit(usage: &clap::Error) -> ExitCode {
     if usage.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         // An error is ignored for the same reason as below.

@@ -17,7 +17,9 @@ use crate::terminal::{Spinner, say};
 pub fn output_file(path: &Path, what: &str, extension: &str) -> Result<OutputFile, Box<dyn Error>> {
     if path.extension().is_none_or(|found| !found.eq_ignore_ascii_case(extension)) {
         let name = path.display();
-        return Err(format!("{name}: {what} written as .{extension}; choose such a name").into());
+        return Err(
+            format!("{name}: {what} written as .{extension}; choose a name that ends so").into()
+        );
     }
     Ok(OutputFile::new(path)?)
 }

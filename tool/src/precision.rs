@@ -14,10 +14,10 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Precision {
-    /// On any engine; rounding grows with the grid, to some millionths at 1200 x 1200 points
+    /// Any engine; rounding errors grow with the grid, to some millionths at 1200 x 1200 points
     #[default]
     Single,
-    /// On the CPU, in two to four times the time
+    /// The CPU only, in two to four times the time
     Double,
 }
 

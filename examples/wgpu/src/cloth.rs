@@ -1,15 +1,16 @@
-//! A cloth in a storage buffer, which a compute pass moves and a render pass draws in the colours of its map.
+//! A cloth in a storage buffer. A compute pass moves it, and a render pass draws it in the colours of its
+//! map.
 
 use geosweep::surface::Chart;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 /// Rows and columns of vertices.
 pub const CHART: Chart = Chart { rows: 60, cols: 72 };
-/// Bytes from one vertex to the next: a position and a word that is not used.
+/// Bytes from one vertex to the next: a position and an unused word.
 pub const STRIDE: u64 = 16;
 /// Width and height of the picture.
 pub const PICTURE: [u32; 2] = [960, 640];
-/// Of its pixels.
+/// Format of the picture.
 pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 const MOVE: &str = "
@@ -75,7 +76,7 @@ pub struct Cloth {
 }
 
 impl Cloth {
-    /// Buffers and pipelines.
+    /// Creates buffers and pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
         let vertices = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("vertices"),
@@ -112,7 +113,7 @@ impl Cloth {
         Self { vertices, time, moving: (pipeline, group), drawing, depths }
     }
 
-    /// Moves the cloth to where it is at some time.
+    /// Moves the cloth to its position at a time.
     pub fn move_to(&self, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder, time: f32) {
         queue.write_buffer(&self.time, 0, bytemuck::bytes_of(&[time, 0.0, 0.0, 0.0]));
         let mut pass = encoder.begin_compute_pass(&Default::default());
@@ -121,7 +122,7 @@ impl Cloth {
         pass.dispatch_workgroups((CHART.points() as u32).div_ceil(64), 1, 1);
     }
 
-    /// What the cloth is drawn with, for an image of distances.
+    /// Returns the bindings for drawing the cloth with an image of distances.
     pub fn colours(&self, device: &wgpu::Device, distances: &wgpu::Texture) -> wgpu::BindGroup {
         let view = distances.create_view(&Default::default());
         let resources =
@@ -156,7 +157,7 @@ impl Cloth {
     }
 }
 
-/// A pipeline of a `vertex` and a `fragment` shader.
+/// Creates a pipeline of a `vertex` and a `fragment` shader.
 pub fn render_pipeline(
     device: &wgpu::Device,
     source: &str,
@@ -187,7 +188,7 @@ pub fn render_pipeline(
     })
 }
 
-/// A texture that is rendered into, and copied from if it holds colours.
+/// Creates a texture for rendering. If it has colours, it can be copied from.
 pub fn target(
     device: &wgpu::Device,
     format: wgpu::TextureFormat,
@@ -207,7 +208,7 @@ pub fn target(
     })
 }
 
-/// A target whose contents are cleared.
+/// Returns an attachment for a target that is cleared.
 pub fn attachment(
     view: &wgpu::TextureView,
     clear: wgpu::Color,
@@ -220,7 +221,7 @@ pub fn attachment(
     }
 }
 
-/// The resources as bindings 0, 1 and so on.
+/// Binds the resources as bindings 0, 1 and so on.
 pub fn bind_group<const COUNT: usize>(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
@@ -228,7 +229,7 @@ pub fn bind_group<const COUNT: usize>(
 ) -> wgpu::BindGroup {
     let mut binding = 0..;
     let entries = resources.map(|resource| wgpu::BindGroupEntry {
-        binding: binding.next().expect("there is no end of numbers"),
+        binding: binding.next().expect("numbers do not run out"),
         resource,
     });
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })

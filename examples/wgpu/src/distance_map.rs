@@ -1,5 +1,5 @@
-//! A distance map of geosweep's on a device of wgpu's: recorded into wgpu's command encoders, its image sampled
-//! by wgpu's pipelines where it lies. A renderer copies this file and changes it.
+//! A distance map of geosweep on a device of wgpu. It is recorded into wgpu's command encoders, and wgpu's
+//! pipelines sample its image without a copy. A renderer can copy and change this file.
 
 use std::error::Error;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -15,7 +15,7 @@ use geosweep::vulkan::{Method, Schedule, requirements};
 use geosweep::{Stop, Wavefront};
 use wgpu::hal::api::Vulkan;
 
-/// How wgpu reads a texture that is sampled: in any shader, whichever it will be.
+/// Access by which wgpu samples a texture, in any shader.
 pub const READER: Reader = Reader::sampled(Access::new(
     vk::PipelineStageFlags::from_raw(
         vk::PipelineStageFlags::VERTEX_SHADER.as_raw()
@@ -25,10 +25,10 @@ pub const READER: Reader = Reader::sampled(Access::new(
     vk::AccessFlags::SHADER_READ,
 ));
 
-/// What an adapter lacks for maps; an empty list means that they run on it. No feature and no limit beyond wgpu's
-/// own has to be asked for when the device is made.
+/// Returns the requirements of maps that an adapter does not meet. An empty list means that maps run on it.
+/// The device needs no features or limits beyond wgpu's own.
 pub fn unmet(adapter: &wgpu::Adapter) -> Vec<String> {
-    // SAFETY: nothing of wgpu's is destroyed.
+    // SAFETY: no object of wgpu is destroyed.
     match unsafe { adapter.as_hal::<Vulkan>() } {
         Some(adapter) => requirements::unmet(
             adapter.shared_instance().raw_instance(),
@@ -38,22 +38,22 @@ pub fn unmet(adapter: &wgpu::Adapter) -> Vec<String> {
     }
 }
 
-/// The pipelines of a device, and the memory of its maps: one for all maps.
+/// The pipelines of a device, and the memory of its maps. All maps share it.
 pub struct MapDevice {
     solver: Solver,
     allocator: Mutex<Allocator>,
     raw: ash::Device,
-    /// Last, since the others go before the device does.
+    /// The last member, since the others are dropped before the device.
     device: wgpu::Device,
 }
 
 impl MapDevice {
-    /// The one call that takes long: it may run on a thread of its own.
+    /// Creates the pipelines. This call takes long, and may run on another thread.
     ///
     /// # Errors
-    /// If wgpu does not drive the device by Vulkan, or a call of Vulkan's fails.
+    /// If wgpu does not drive the device through Vulkan, or a Vulkan call fails.
     pub fn new(device: &wgpu::Device) -> Result<Arc<Self>, Box<dyn Error>> {
-        // SAFETY: nothing of wgpu's is destroyed.
+        // SAFETY: no object of wgpu is destroyed.
         let hal = unsafe { device.as_hal::<Vulkan>() }.ok_or("wgpu does not use Vulkan")?;
         let (instance, physical_device) = (hal.shared_instance(), hal.raw_physical_device());
         let raw = hal.raw_device().clone();
@@ -85,18 +85,19 @@ impl Drop for MapDevice {
     }
 }
 
-/// The map of a surface with vertices in a buffer of wgpu's.
+/// The map of a surface with vertices in a buffer of wgpu.
 pub struct DistanceMap {
     texture: wgpu::Texture,
     plan: Plan,
     images: Arc<Images>,
 }
 
-/// What is freed when neither the map nor wgpu, which may draw a last frame, uses the image any more.
+/// Resources that are freed when neither the map nor wgpu, which may draw a last frame, uses the image any
+/// more.
 struct Images {
     surface: Surface,
     on: Arc<MapDevice>,
-    /// Read by our passes, of which wgpu knows nothing.
+    /// Vertices that geosweep's passes read, of which wgpu knows nothing.
     _vertices: wgpu::Buffer,
 }
 
@@ -107,8 +108,8 @@ impl Drop for Images {
 }
 
 impl DistanceMap {
-    /// A map over so many rows and columns of vertices, which begin with three floats, `stride` bytes apart, in a
-    /// buffer with usage `STORAGE`.
+    /// Creates a map over `chart.rows` rows and `chart.cols` columns of vertices. Each begins with three
+    /// floats, and they are `stride` bytes apart, in a buffer with usage `STORAGE`.
     ///
     /// # Errors
     /// If the vertices are too few, or memory runs out.
@@ -132,7 +133,7 @@ impl DistanceMap {
             unsafe { hal.raw_handle() }
         };
         let points = [Points::positions(buffer, stride)];
-        // wgpu submits to one queue, where frames wait for one another: one image will do.
+        // wgpu submits to one queue, on which frames wait for one another, so that one image is enough.
         let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(chart) };
         let surface = solver.surface(raw, &mut on.allocator(), &info)?;
         let images = Arc::new(Images { surface, on: Arc::clone(on), _vertices: vertices.clone() });
@@ -157,7 +158,7 @@ impl DistanceMap {
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format: wgpu::TextureFormat::R32Float,
-            // Nothing else: wgpu would bring the image into another layout, of which we know nothing.
+            // No other usage: wgpu would change the image's layout without the map's knowledge.
             usage: wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         };
@@ -173,7 +174,8 @@ impl DistanceMap {
             view_formats: Vec::new(),
         };
         let kept = Arc::clone(&images);
-        // SAFETY: the image is as described, in the layout of a resource, and stays until wgpu has let go of it.
+        // SAFETY: the image is as described, in the layout of a resource, and exists until wgpu has released
+        // it.
         let texture = unsafe {
             let hal = device.as_hal::<Vulkan>().ok_or("wgpu does not use Vulkan")?;
             let hal_texture = hal.texture_from_raw(
@@ -192,15 +194,15 @@ impl DistanceMap {
         Ok(Self { texture, plan, images })
     }
 
-    /// Records a new map from the vertices as they are then. The encoder is for maps alone: wgpu lets an encoder
-    /// record its own commands or others', not both. It is submitted after the commands that write the vertices,
-    /// and before those that draw.
+    /// Records a new map from the vertices as they are when it runs. The encoder is for maps alone: an
+    /// encoder records either wgpu's own commands or those of others. Submit it after the commands that write
+    /// the vertices, and before those that draw.
     ///
     /// # Errors
     /// If a source is off the grid.
     ///
     /// # Panics
-    /// If the encoder has recorded commands of wgpu's own.
+    /// If the encoder has recorded commands of wgpu.
     pub fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -209,13 +211,13 @@ impl DistanceMap {
         self.record_for(READER, encoder, sources)
     }
 
-    /// The same, for another reader.
+    /// Records a new map as [`DistanceMap::record`] does, for another reader.
     ///
     /// # Errors
-    /// As [`DistanceMap::record`].
+    /// As for [`DistanceMap::record`].
     ///
     /// # Panics
-    /// As [`DistanceMap::record`].
+    /// As for [`DistanceMap::record`].
     pub fn record_for(
         &self,
         reader: Reader,
@@ -224,14 +226,14 @@ impl DistanceMap {
     ) -> Result<(), Box<dyn Error>> {
         let Images { surface, on, .. } = &*self.images;
         let frame = Frame {
-            // What wgpu's compute passes and copies have written is waited for anyway.
+            // The map waits for writes of wgpu's compute passes and copies in any case.
             before: Access::NONE,
             points: Some(0),
             sources: SourceInput::Inline(sources),
             plan: &self.plan,
             slot: 0,
             reader,
-            // No infinity, which filters would make NaN of.
+            // Not infinity, which filters would turn to NaN.
             unreached: -1.0,
         };
         with_commands(encoder, |commands| {
@@ -240,12 +242,12 @@ impl DistanceMap {
         Ok(())
     }
 
-    /// The image of distances, for pipelines to sample: a column to the right, a row down.
+    /// Returns the image of distances, which pipelines can sample: x is the column, and y is the row.
     pub fn texture(&self) -> &wgpu::Texture {
         &self.texture
     }
 
-    /// How the last map went, once it has run.
+    /// Returns the outcome of the last map, once it has run.
     ///
     /// # Errors
     /// If it has not run.
@@ -255,7 +257,7 @@ impl DistanceMap {
 }
 
 impl Drop for DistanceMap {
-    /// Waits for what was submitted: wgpu does not know which images our passes use. A device that is lost
+    /// Waits for submitted work, since wgpu does not know which images geosweep's passes use. A lost device
     /// runs nothing any more.
     fn drop(&mut self) {
         let _ = self.images.on.device.poll(wgpu::PollType::wait_indefinitely());
@@ -275,7 +277,7 @@ fn with_commands<T>(
     }
 }
 
-/// Brings the image, of which nothing is known yet, into the layout in which wgpu samples it.
+/// Gives the image, which is new, the layout in which wgpu samples it.
 fn bring_into_layout(device: &ash::Device, commands: vk::CommandBuffer, image: vk::Image) {
     let range = vk::ImageSubresourceRange::default()
         .aspect_mask(vk::ImageAspectFlags::COLOR)
@@ -290,6 +292,6 @@ fn bring_into_layout(device: &ash::Device, commands: vk::CommandBuffer, image: v
         .dst_access_mask(READER.access.access);
     let (from, to) = (vk::PipelineStageFlags::TOP_OF_PIPE, READER.access.stages);
     let none = vk::DependencyFlags::empty();
-    // SAFETY: the image is alive, and the command buffer is recorded.
+    // SAFETY: the image is alive, and the command buffer is being recorded.
     unsafe { device.cmd_pipeline_barrier(commands, from, to, none, &[], &[], &[barrier]) };
 }

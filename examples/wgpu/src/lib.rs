@@ -1,5 +1,5 @@
-//! Distance maps of geosweep on a device of wgpu's, for the program and the test beside this file.
-//! [`distance_map`] is what a renderer needs of it, and docs/wgpu.md tells how it goes.
+//! Distance maps of geosweep on a device of wgpu, for the program and the test beside this file. A renderer
+//! needs only [`distance_map`]; docs/wgpu.md explains its use.
 
 pub mod cloth;
 pub mod distance_map;
@@ -12,7 +12,7 @@ use geosweep::vulkan::embed::PointSource;
 use cloth::{Cloth, PICTURE, PICTURE_FORMAT};
 use distance_map::DistanceMap;
 
-/// A device by Vulkan with a name that contains this, in upper or lower case, on which maps run.
+/// Opens a Vulkan device whose name contains `name`, in upper or lower case, and on which maps run.
 ///
 /// # Errors
 /// If there is none.
@@ -34,31 +34,31 @@ pub fn open(
     Ok(pollster::block_on(adapter.request_device(&Default::default()))?)
 }
 
-/// Where the front starts in a frame.
+/// Returns the place at which the front starts in a frame.
 pub fn source(frame: u32) -> PointSource {
     PointSource::at(12.25 + 4.5 * frame as f32, 20.5 + 3.0 * frame as f32)
 }
 
 /// A renderer: a cloth, its map and a picture.
 pub struct Renderer {
-    /// wgpu's device.
+    /// Device of wgpu.
     pub device: wgpu::Device,
-    /// wgpu's queue.
+    /// Queue of wgpu.
     pub queue: wgpu::Queue,
-    /// What is drawn.
+    /// Cloth that is drawn.
     pub cloth: Cloth,
-    /// The distances on it.
+    /// Distances on the cloth.
     pub map: DistanceMap,
-    /// The last frame.
+    /// Last frame.
     pub picture: wgpu::Texture,
     colours: wgpu::BindGroup,
 }
 
 impl Renderer {
-    /// Makes everything.
+    /// Creates everything.
     ///
     /// # Errors
-    /// If the device does not do.
+    /// If the device does not meet the requirements.
     pub fn new(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, Box<dyn Error>> {
         let cloth = Cloth::new(&device);
         let on = distance_map::MapDevice::new(&device)?;
@@ -68,18 +68,19 @@ impl Renderer {
         Ok(Self { device, queue, cloth, map, picture, colours })
     }
 
-    /// Moves, maps and draws, without waiting for frames before.
+    /// Records and submits a frame: moves the cloth, computes the map and draws. Does not wait for earlier
+    /// frames.
     ///
     /// # Errors
-    /// If the map is not recorded.
+    /// If the map cannot be recorded.
     pub fn frame(&self, number: u32) -> Result<(), Box<dyn Error>> {
         self.frame_with(number, |commands| self.map.record(commands, &[source(number)]))
     }
 
-    /// The same, with a recording of the map.
+    /// Records and submits a frame with a given recording of the map.
     ///
     /// # Errors
-    /// If the map is not recorded.
+    /// If the map cannot be recorded.
     pub fn frame_with(
         &self,
         number: u32,

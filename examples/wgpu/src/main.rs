@@ -1,4 +1,4 @@
-//! Eight frames of a cloth that moves, drawn by wgpu in the colours of its map, without a window:
+//! Draws eight frames of a moving cloth with wgpu in the colours of its map, without a window:
 //! `cargo run --release -p geosweep-wgpu-example -- picture.png`
 
 use std::error::Error;

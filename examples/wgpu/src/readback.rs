@@ -1,8 +1,8 @@
-//! What lies on the device, copied to the program.
+//! Copies data from the device to the program.
 
 use std::error::Error;
 
-/// A texture's rows, four bytes a texel. Waits for the device.
+/// Returns a texture's rows, four bytes per texel. Waits for the device.
 ///
 /// # Errors
 /// If the device is lost.
@@ -31,7 +31,7 @@ pub fn texels(
     Ok(bytes.chunks(pitch as usize).flat_map(|line| &line[..row as usize]).copied().collect())
 }
 
-/// A buffer's bytes. Waits for the device.
+/// Returns a buffer's bytes. Waits for the device.
 ///
 /// # Errors
 /// If the device is lost.

@@ -1,5 +1,5 @@
-//! Maps in wgpu's frames are the headless ones, and the validation layers say nothing of them. Where wgpu's
-//! pipelines read the map too early on purpose, they do.
+//! Maps in wgpu's frames equal the headless ones, and the validation layers report nothing about them. If
+//! wgpu's pipelines read the map too early on purpose, they do.
 
 use std::fs;
 use std::sync::Mutex;
@@ -15,14 +15,14 @@ use wgpu_example::distance_map::{DistanceMap, MapDevice, READER};
 use wgpu_example::{Renderer, open, readback, source};
 
 mod snippet {
-    // docs/wgpu.md shows this module.
+    // docs/wgpu.md contains this module.
     include!("snippet.rs");
 }
 
-/// What the layers say reaches a program by the crate `log`.
+/// Messages of the layers, which reach a program through the crate `log`.
 struct Messages(Mutex<Vec<String>>);
 
-/// Of older layers, which know no shaders that name this language as that of their source, as wgpu's do.
+/// Message of older layers about shaders that name their source language as wgpu's do.
 const IS_IN_WGSL: &str = "Invalid source language operand: 10";
 
 static MESSAGES: Messages = Messages(Mutex::new(Vec::new()));
@@ -34,7 +34,7 @@ impl Log for Messages {
 
     fn log(&self, record: &Record<'_>) {
         let message = record.args().to_string();
-        // Loaders and drivers say other things, and the layers something of their own set-up.
+        // Messages of loaders, of drivers and of the layers' own set-up are not findings.
         let is_finding = self.enabled(record.metadata())
             && message.starts_with("VALIDATION [")
             && ![IS_IN_WGSL, "VALIDATION-SETTINGS"].iter().any(|known| message.contains(known));
@@ -72,7 +72,7 @@ const SAMPLE: &str = "
         return vec4<f32>(textureLoad(distances, vec2<i32>(place.xy), 0).r, 0.0, 0.0, 1.0);
     }";
 
-/// What a pipeline of wgpu's samples.
+/// Returns the distances that a pipeline of wgpu samples.
 fn sampled(Renderer { device, queue, map, .. }: &Renderer) -> Vec<f32> {
     let format = wgpu::TextureFormat::R32Float;
     let pipeline = cloth::render_pipeline(device, SAMPLE, format, None);
@@ -99,7 +99,7 @@ fn floats(bytes: &[u8]) -> Vec<f32> {
     bytes.chunks_exact(4).map(|four| f32::from_ne_bytes(four.try_into().unwrap())).collect()
 }
 
-/// The map of the vertices as they are now, by the headless engine.
+/// Returns the map of the current vertices from the headless engine.
 fn headless(Renderer { device, queue, cloth, .. }: &Renderer, frame: u32) -> Vec<f64> {
     let vertices = floats(&readback::bytes(device, queue, &cloth.vertices).unwrap());
     let position = |v: &[f32]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
@@ -116,7 +116,7 @@ fn headless(Renderer { device, queue, cloth, .. }: &Renderer, frame: u32) -> Vec
     solution.distances.into_iter().map(f64::from).collect()
 }
 
-/// Frames that wait for nothing; after the first and the last of them the map is the headless one.
+/// Frames do not wait. After the first and the last of them, the map is the headless one.
 fn frames_hold_the_headless_map() {
     let renderer = renderer();
     for last in [0, 5] {
@@ -128,7 +128,7 @@ fn frames_hold_the_headless_map() {
         assert!(outcome.converged && outcome.passed_over == 0, "{outcome:?}");
         let found = Errors::of(&map, &headless(&renderer, last));
         assert_eq!(found.reached_by_one, 0);
-        // Rounding, as docs/embedding.md says of all maps that are recorded.
+        // Rounding, as docs/embedding.md states for all recorded maps.
         assert!(found.max_of_largest < 1e-5, "frame {last}: {}", found.max_of_largest);
     }
     let picture = readback::texels(&renderer.device, &renderer.queue, &renderer.picture).unwrap();
@@ -140,7 +140,8 @@ fn frames_hold_the_headless_map() {
     assert_eq!(messages(), Vec::<String>::new());
 }
 
-/// The map goes while frames are in flight, before its image is let go of, and before and after the device is.
+/// The map is dropped while frames are in flight, before its image is released, and before and after the
+/// device is dropped.
 fn a_map_goes_at_any_time() {
     let Renderer { device, queue, cloth, map, picture, .. } = {
         let renderer = renderer();
@@ -149,7 +150,7 @@ fn a_map_goes_at_any_time() {
     };
     let kept = map.texture().clone();
     drop(map);
-    // The image is there for who still holds it.
+    // The image exists for those who still hold it.
     let on = MapDevice::new(&device).unwrap();
     let second = DistanceMap::new(&on, &queue, &cloth.vertices, STRIDE, CHART).unwrap();
     drop(on);
@@ -158,12 +159,12 @@ fn a_map_goes_at_any_time() {
     cloth.draw(&mut drawing, &colours, &picture.create_view(&Default::default()));
     queue.submit([drawing.finish()]);
     drop((kept, colours, cloth, picture, queue, device));
-    // Holds the device by itself.
+    // The texture alone now keeps the device alive.
     drop(second);
     assert_eq!(messages(), Vec::<String>::new());
 }
 
-/// The guide's lines are those that compile here.
+/// The guide contains the code that compiles here.
 fn the_guide_shows_the_snippet() {
     let guide = include_str!("../../../docs/wgpu.md");
     let block = format!("```rust\n{}```", include_str!("snippet.rs"));
@@ -171,7 +172,8 @@ fn the_guide_shows_the_snippet() {
     let _ = (snippet::load, snippet::frame);
 }
 
-/// A recording that does not name wgpu's shaders as readers is found out, so that silence means something.
+/// A recording that does not name wgpu's shaders as readers is reported, so that silence of the layers means
+/// something.
 fn a_reader_that_is_not_waited_for_is_reported() {
     let renderer = renderer();
     let reader = Reader { access: Access::NONE, ..READER };
@@ -199,7 +201,8 @@ fn a_source_off_the_grid_is_an_error() {
 
 fn main() {
     let folder = tempfile::tempdir().unwrap();
-    // Older layers compare submissions with one another only if they are asked to, newer ones shaders' accesses.
+    // Older layers compare submissions with one another, and newer ones check shaders' accesses, only on
+    // request.
     let settings = "khronos_validation.enables = \
          VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT,\
          VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT\n\
@@ -207,7 +210,7 @@ fn main() {
          khronos_validation.syncval_submit_time_validation = true\n\
          khronos_validation.syncval_shader_accesses_heuristic = true\n";
     fs::write(folder.path().join("vk_layer_settings.txt"), settings).unwrap();
-    // SAFETY: no other thread is there yet.
+    // SAFETY: there is no other thread yet.
     unsafe { std::env::set_var("VK_LAYER_SETTINGS_PATH", folder.path()) };
     log::set_logger(&MESSAGES).unwrap();
     log::set_max_level(LevelFilter::Warn);

@@ -46,7 +46,7 @@ pub fn align(moving: &[f64], fixed: &[f64], dimensions: usize) -> Alignment {
 mod tests {
     use super::*;
 
-    /// Points without symmetry.
+    /// Returns points without symmetry.
     fn form() -> Vec<f64> {
         (0..30).map(|k| f64::from(k * k % 17) + 0.1 * f64::from(k)).collect()
     }

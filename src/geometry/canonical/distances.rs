@@ -238,7 +238,7 @@ mod tests {
 
     #[test]
     fn the_largest_piece_keeps_its_points_numbers() {
-        // A hole at 1, a point alone at 3, and three points that reach each other.
+        // A hole at 1, an isolated point at 3, and three connected points.
         #[rustfmt::skip]
         let values = vec![
             0.0, FAR, 2.0, FAR, 4.0,

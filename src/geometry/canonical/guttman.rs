@@ -146,7 +146,7 @@ pub(super) fn total(sums: [f32; LANES]) -> f64 {
 mod tests {
     use super::*;
 
-    /// By the definition, in double precision.
+    /// Computes the transform by its definition, in double precision.
     fn plainly(distances: &Distances, dimensions: usize, form: &[f64]) -> Transformed {
         let points = distances.points();
         let at = |point: usize| &form[point * dimensions..][..dimensions];
@@ -185,7 +185,7 @@ mod tests {
             let expected = plainly(&distances, dimensions, &form);
             for instructions in Instructions::available() {
                 let found = transform(&distances, dimensions, &form, instructions);
-                // Sums in single precision of at most 32 numbers each.
+                // The sums are in single precision, of at most 32 numbers each.
                 approx::assert_relative_eq!(found.stress, expected.stress, max_relative = 2e-6);
                 for (found, expected) in found.form.iter().zip(&expected.form) {
                     approx::assert_abs_diff_eq!(found, expected, epsilon = 1e-6);

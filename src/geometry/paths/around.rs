@@ -170,7 +170,7 @@ mod tests {
     use crate::geometry::Paths;
     use crate::surface::builtin::Builtin;
 
-    /// A path that has been bent aside is replaced by the straight one, and a straight one is kept.
+    /// A path with a detour is replaced by the straight one, and a straight path stays.
     #[test]
     fn a_detour_is_cut_short() {
         const POINTS: usize = 81;

@@ -22,8 +22,8 @@ pub(super) struct EdgeTimes {
 /// The ratio of second differences above which there is a kink between them.
 const KINK: f64 = crate::constants::KINK;
 
-/// How much more than the edge's length times may change along an edge, as a fraction of the length. It
-/// allows for curved edges and for a metric that changes.
+/// Largest change of time along an edge beyond the edge's length, as a fraction of the length. It allows for
+/// curved edges and for a metric that changes.
 const MARGIN: f64 = crate::constants::MARGIN;
 
 /// The place where a straight line crosses an edge.

@@ -132,7 +132,7 @@ const TOGETHER: usize = 64;
 
 /// A distance map, prepared for tracing paths.
 ///
-/// All paths that come to the same corner of a hole are identical from there on. This part is traced for the
+/// All paths that reach the same corner of a hole are identical from there on. This part is traced for the
 /// first path and kept for other paths of this call and of later calls. It takes 16 bytes for each cell up to
 /// the next corner.
 ///

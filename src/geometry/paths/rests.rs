@@ -1,4 +1,4 @@
-//! Shares the parts that paths have in common. All paths that come to the corner of a hole are identical from
+//! Shares the parts that paths have in common. All paths that reach the corner of a hole are identical from
 //! there on.
 //!
 //! Around holes many paths bend at few corners, and on winding paths most of a path is shared with the

@@ -331,7 +331,7 @@ mod tests {
     use crate::surface::Source;
     use crate::update::Wavefront;
 
-    /// Whether points are left out or not, all fronts are the same.
+    /// Whether points are skipped or not, all fronts are the same.
     #[test]
     fn points_that_are_not_visited_are_guessed_right() {
         let (rows, cols) = (60, 75);
@@ -355,7 +355,7 @@ mod tests {
                     Source::Point { at: [row as f64, col as f64].into(), initial: -0.5 }
                 };
                 let mut sources: Vec<Source> = (0..count).map(|_| place()).collect();
-                // One close to another, where fronts run side by side.
+                // A second source is close to another one, so that their fronts run side by side.
                 if let Source::Point { at, initial } = sources[0].clone() {
                     let at = [at.x, (at.y - beside).max(0.0)];
                     if mask[surface.chart().index(at[0] as usize, at[1] as usize)] {
@@ -380,7 +380,7 @@ mod tests {
                 });
                 let visits =
                     |fronts: &SourceFronts| fronts.is_queued.iter().filter(|&&q| q).count();
-                // The closest of pairs are never late enough by far for one of them to be left behind.
+                // In the closest pairs, no source is late enough for any of its points to be skipped.
                 assert!(visits(&few) < visits(&all) || roughness > 0.0 || beside == 1.0);
                 for point in 0..few.is_queued.len() {
                     let mut found = [&few, &all].map(|f| f.known.at(point).collect::<Vec<_>>());

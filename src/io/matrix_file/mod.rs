@@ -84,7 +84,7 @@ impl MatrixFile {
             io::ErrorKind::AlreadyExists => IoError::write(
                 output.path(),
                 format!(
-                    "{} holds an unfinished matrix; --resume goes on with it, or remove it",
+                    "{} holds an unfinished matrix; --resume continues it, or remove it",
                     part.display()
                 ),
             ),

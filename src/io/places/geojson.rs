@@ -93,7 +93,7 @@ impl Reader {
                 _ => None,
             };
             let number =
-                number.ok_or_else(|| format!("`{}` {property} is no number", excerpt(&text)))?;
+                number.ok_or_else(|| format!("`{}` {property} is not a number", excerpt(&text)))?;
             let number = finite(number, &text, &property)?;
             if start.replace(number).is_some() {
                 return Err(format!(

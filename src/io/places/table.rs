@@ -227,7 +227,7 @@ impl Rows<'_> {
             return Err(format!("the field {named} is empty; give a number"));
         }
         let (number, decimal) =
-            number(text).ok_or_else(|| format!("`{}` {named} is no number", excerpt(text)))?;
+            number(text).ok_or_else(|| format!("`{}` {named} is not a number", excerpt(text)))?;
         if let Some(decimal) = decimal
             && *self.decimal.get_or_insert(decimal) != decimal
         {
@@ -430,7 +430,7 @@ mod tests {
             let reason = places(text).unwrap_err();
             assert!(reason.contains("running number"), "{reason}");
         }
-        // A header settles it, even one in a comment.
+        // A header decides, even one in a comment.
         assert_eq!(places("# row,col,t0\n0,5,2\n"), Ok(vec![vec![([0.0, 5.0], 2.0)]]));
     }
 

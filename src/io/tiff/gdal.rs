@@ -78,7 +78,9 @@ impl Metadata {
             return Ok(());
         }
         let value = c_number(text).ok_or_else(|| {
-            format!("its no-data value `{text}` is no number; gdal_edit.py -a_nodata sets another")
+            format!(
+                "its no-data value `{text}` is not a number; gdal_edit.py -a_nodata sets another"
+            )
         })?;
         let exact = text.parse().ok();
         let no_data = match sample.kind {
@@ -141,5 +143,5 @@ impl Sample {
 fn real(text: &str, what: &str) -> Result<f64, String> {
     c_number(text.trim())
         .filter(|value| value.is_finite())
-        .ok_or_else(|| format!("its {what} (GDAL_METADATA) `{}` is no number", text.trim()))
+        .ok_or_else(|| format!("its {what} (GDAL_METADATA) `{}` is not a number", text.trim()))
 }

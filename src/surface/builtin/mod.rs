@@ -291,7 +291,7 @@ mod tests {
                 let to = [(rows - 1) as f64, (cols - 1) as f64];
                 if let Some(distance) = builtin.exact_distance(rows, cols, [0.0, 0.0], to) {
                     let chord = surface.position(0, 0).unwrap().distance(
-                        surface.position(rows - 1, cols - 1).expect("a corner is no wall"),
+                        surface.position(rows - 1, cols - 1).expect("a corner is not a wall"),
                     );
                     assert!(distance.is_finite() && distance >= chord - 1e-15, "{builtin}");
                 }

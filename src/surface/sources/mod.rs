@@ -319,7 +319,7 @@ impl Sources {
     /// ([`Seed::origin`]).
     ///
     /// With them, curved fronts of several sources are exact over even grids, whatever the shape of their
-    /// cells: where two fronts meet, each one continues by itself. Over grids whose cells change from point
+    /// cells: where two fronts meet, each one continues separately. Over grids whose cells change from point
     /// to point, the fronts follow straight lines of the chart near the sources, and maps may be less
     /// accurate than from [`Self::seeds`].
     ///

@@ -107,7 +107,7 @@ mod tests {
         }
     }
 
-    /// Holes around the cell, borders and narrow grids.
+    /// The surfaces include holes around the cell, borders and narrow grids.
     #[test]
     fn every_place_of_a_surface_has_a_rise_that_is_no_more_than_the_bend() {
         let mask: Vec<_> = (0..36).map(|k| k % 7 != 5).collect();

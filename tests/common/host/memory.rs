@@ -1,14 +1,14 @@
-//! The renderer's buffers and images.
+//! Buffers and images of the renderer.
 
 use super::*;
 
 impl Host {
-    /// A storage buffer on the device, or, with `mapped`, one that the program reads and writes.
+    /// Creates a storage buffer on the device. With `mapped`, the program can read and write it.
     pub fn buffer(&mut self, bytes: u64, mapped: bool) -> HostBuffer {
         self.shared_buffer(bytes, mapped, &[])
     }
 
-    /// One that these queue families share, if they are several.
+    /// Creates a buffer that these queue families share, if there are several.
     pub fn shared_buffer(&mut self, bytes: u64, mapped: bool, families: &[u32]) -> HostBuffer {
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::TRANSFER_SRC
@@ -28,14 +28,14 @@ impl Host {
         HostBuffer { handle, allocation }
     }
 
-    /// A mapped buffer with these contents.
+    /// Creates a mapped buffer with these contents.
     pub fn buffer_of(&mut self, contents: &[f32]) -> HostBuffer {
         let mut buffer = self.buffer(size_of_val(contents) as u64, true);
         buffer.floats_mut()[..contents.len()].copy_from_slice(contents);
         buffer
     }
 
-    /// A sampled image with these contents, `components` floats a texel.
+    /// Creates a sampled image with these contents, `components` floats per texel.
     pub fn image_of(
         &mut self,
         width: u32,

@@ -1,5 +1,5 @@
-//! A renderer as small as one can be: an instance, a device, an allocator, a queue and one beside it
-//! for compute, and compute passes of its own, written in WGSL.
+//! A minimal renderer: an instance, a device, an allocator, a main queue, a second queue for compute, and its
+//! own compute passes in WGSL.
 
 #![allow(dead_code)] // each test binary uses its part
 
@@ -26,11 +26,11 @@ pub struct Host {
     pub device: ash::Device,
     pub allocator: Option<Allocator>,
     pub physical_device: vk::PhysicalDevice,
-    /// The main queue, for compute and graphics.
+    /// Main queue, for compute and graphics.
     pub queue: vk::Queue,
-    /// For command buffers of the main queue.
+    /// Pool for command buffers of the main queue.
     pub pool: vk::CommandPool,
-    /// A queue beside the main one, of another family if the device has one; or the main one.
+    /// Second queue, of another family if the device has one. It may be the main queue itself.
     pub compute: HostQueue,
     pub instance: ash::Instance,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
@@ -44,28 +44,28 @@ pub struct HostBuffer {
     allocation: Allocation,
 }
 
-/// An image with its memory, one texel a grid point.
+/// An image with its memory, with one texel per grid point.
 pub struct HostImage {
     pub image: vk::Image,
     pub view: vk::ImageView,
     allocation: Allocation,
 }
 
-/// An image that is rendered into.
+/// An image as the target of a render pass.
 pub struct Target {
     pass: vk::RenderPass,
     framebuffer: vk::Framebuffer,
     extent: vk::Extent2D,
 }
 
-/// A picture with depths, and the render pass that draws it.
+/// A picture with a depth image, and the render pass that draws it.
 pub struct Canvas {
     target: Target,
     picture: HostImage,
     depths: HostImage,
 }
 
-/// A pass of the host's over some storage buffers and, at the last binding, an image.
+/// A pass of the host that has storage buffers and, at the last binding, may have an image.
 pub struct HostPass {
     pipeline: vk::Pipeline,
     layout: vk::PipelineLayout,
@@ -75,24 +75,26 @@ pub struct HostPass {
 }
 
 impl Host {
-    /// Under the validation layers.
+    /// Creates a host under the validation layers.
     pub fn new() -> Self {
         let all = [
             vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION,
             vk::ValidationFeatureEnableEXT::GPU_ASSISTED,
         ];
-        // What layers 1.3.275 add to shaders reads a descriptor that is not there, on lavapipe of Mesa 25.2.
+        // Layers from 1.3.275 add code to shaders that reads a missing descriptor, on lavapipe of Mesa 25.2.
         let is_sound = !(vk::make_api_version(0, 1, 3, 240)..vk::make_api_version(0, 1, 4, 0))
             .contains(&layers_version());
         Self::open(if is_sound { &all } else { &all[..1] })
     }
 
-    /// Under the validation layers, but for shaders: that takes long where many pixels are drawn.
+    /// Creates a host under the validation layers, without their checks in shaders: these take long for many
+    /// pixels.
     pub fn with_synchronization_validation() -> Self {
         Self::open(&[vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION])
     }
 
-    /// Without them: for timings, and for faults of which they would rightly complain.
+    /// Creates a host without validation layers: for timings, and for faults that the layers would rightly
+    /// report.
     pub fn without_validation() -> Self {
         Self::open(&[])
     }
@@ -106,7 +108,7 @@ impl Host {
         let layers = [LAYER.as_ptr()];
         let mut extensions =
             vec![ext::debug_utils::NAME.as_ptr(), ext::validation_features::NAME.as_ptr()];
-        // Newer layers tell of hazards of shaders only if they are asked to; older ones cannot be asked.
+        // Newer layers report hazards of shaders only on request. Older ones do not have the setting.
         let of_layer = unsafe { entry.enumerate_instance_extension_properties(Some(LAYER)) };
         let takes_settings = of_layer
             .unwrap_or_default()
@@ -185,12 +187,12 @@ impl Host {
         self.allocator.as_mut().unwrap()
     }
 
-    /// How many allocations there are.
+    /// Returns the number of allocations.
     pub fn allocations(&self) -> usize {
         self.allocator.as_ref().unwrap().generate_report().allocations.len()
     }
 
-    /// Whether the device computes on the processor's cores.
+    /// Returns whether the device computes on the processor's cores.
     pub fn is_processor(&self) -> bool {
         // SAFETY: the physical device is from this instance.
         let properties =
@@ -198,17 +200,17 @@ impl Host {
         properties.device_type == vk::PhysicalDeviceType::CPU
     }
 
-    /// What the validation layers have said so far.
+    /// Returns all messages of the validation layers so far.
     pub fn messages(&self) -> Vec<String> {
         self.log.lock().unwrap().clone()
     }
 
-    /// A command buffer for the main queue.
+    /// Allocates a command buffer for the main queue.
     pub fn commands(&self) -> vk::CommandBuffer {
         self.commands_from(self.pool)
     }
 
-    /// A command buffer.
+    /// Allocates a command buffer from a pool.
     pub fn commands_from(&self, pool: vk::CommandPool) -> vk::CommandBuffer {
         let info =
             vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
@@ -246,7 +248,7 @@ impl Host {
         result
     }
 
-    /// A barrier over all memory.
+    /// Records a barrier for all memory.
     pub fn barrier(
         &self,
         commands: vk::CommandBuffer,
@@ -263,14 +265,14 @@ impl Host {
         }
     }
 
-    /// The device with some functions replaced: those for which `replace` has something else.
+    /// Returns the device with some functions replaced: those for which `replace` returns another function.
     pub fn device_with(
         &self,
         replace: impl Fn(&CStr) -> Option<extern "system" fn() -> vk::Result>,
     ) -> ash::Device {
         let handle = self.device.handle();
         let load = |name: &CStr| match replace(name) {
-            // Takes no arguments, which this calling convention allows.
+            // The function takes no arguments, which this calling convention allows.
             Some(function) => function as *const c_void,
             None => unsafe {
                 std::mem::transmute::<vk::PFN_vkVoidFunction, *const c_void>((self
@@ -300,7 +302,7 @@ impl Drop for Host {
             self.instance.destroy_instance(None);
         }
         if !std::thread::panicking() {
-            // What is said while the device goes is about what was left behind.
+            // Messages while the device is destroyed are about objects that were left behind.
             let left: Vec<_> =
                 self.messages().into_iter().filter(|m| m.contains("vkDestroyDevice")).collect();
             assert_eq!(left, Vec::<String>::new());
@@ -308,7 +310,7 @@ impl Drop for Host {
     }
 }
 
-/// The main queue's family.
+/// Returns the family of the main queue.
 pub fn family(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> u32 {
     let [Place { family, .. }, _] = queues::of(instance, physical_device);
     family
@@ -338,11 +340,11 @@ unsafe extern "system" fn collect(
 ) -> vk::Bool32 {
     let id = unsafe { (*data).message_id_name_as_c_str() }.unwrap_or(c"").to_string_lossy();
     let text = unsafe { (*data).message_as_c_str() }.unwrap_or(c"").to_string_lossy();
-    // What the layers say of their own set-up is no finding.
+    // Messages of the layers about their own set-up are not findings.
     let is_warning = severity == vk::DebugUtilsMessageSeverityFlagsEXT::WARNING;
     if !(is_warning && id.contains("GPU-Assisted")) {
         let text = format!("[ {id} ] {text}");
-        // What a test that fails leaves behind is no news, and its reason would drown.
+        // Objects that a failing test leaves behind are expected, and reporting them would hide its cause.
         if !std::thread::panicking() {
             eprintln!("validation: {text}");
         }
@@ -351,11 +353,11 @@ unsafe extern "system" fn collect(
     vk::FALSE
 }
 
-/// The version of the validation layers.
+/// Returns the version of the validation layers.
 pub fn layers_version() -> u32 {
-    // SAFETY: the loader is this process's own, as in [`Host`].
+    // SAFETY: the process loads its own loader, as in [`Host`].
     let entry = unsafe { ash::Entry::load() }.unwrap();
-    // SAFETY: it needs nothing but the loader.
+    // SAFETY: this needs only the loader.
     let layers = unsafe { entry.enumerate_instance_layer_properties() }.unwrap();
     let is_validation = |layer: &&vk::LayerProperties| layer.layer_name_as_c_str() == Ok(LAYER);
     layers.iter().find(is_validation).expect("the validation layers are installed").spec_version

@@ -1,9 +1,9 @@
-//! The renderer's passes: compute passes in WGSL, and render passes.
+//! Passes of the renderer: compute passes in WGSL, and render passes.
 
 use super::*;
 
 impl Host {
-    /// An image as the target of a render pass that leaves it in the layout `GENERAL`.
+    /// Returns an image as the target of a render pass that leaves it in the layout `GENERAL`.
     pub fn target(&self, image: &HostImage, width: u32, height: u32) -> Target {
         let attachment = [vk::AttachmentDescription::default()
             .format(vk::Format::R32_SFLOAT)
@@ -34,12 +34,12 @@ impl Host {
         unsafe { self.device.create_framebuffer(&info, None) }.unwrap()
     }
 
-    /// Renders nothing on a clear target.
+    /// Records a render pass that only clears the target.
     pub fn clear(&self, commands: vk::CommandBuffer, target: &Target, value: f32) {
         self.in_pass(commands, target, value, || ());
     }
 
-    /// Inside a render pass over a clear target.
+    /// Runs `record` inside a render pass that has cleared the target.
     pub fn in_pass<T>(
         &self,
         commands: vk::CommandBuffer,
@@ -68,7 +68,8 @@ impl Host {
         }
     }
 
-    /// A pass from WGSL with storage buffers at its first bindings and perhaps a texture after them.
+    /// Creates a compute pass from WGSL, with storage buffers at the first bindings and optionally a texture
+    /// after them.
     pub fn pass(
         &self,
         wgsl: &str,
@@ -91,7 +92,7 @@ impl Host {
         pass
     }
 
-    /// A pass that draws triangles, from WGSL with the entry points `vertex` and `fragment`.
+    /// Creates a pass that draws triangles, from WGSL with the entry points `vertex` and `fragment`.
     pub fn draw_pass(
         &self,
         wgsl: &str,
@@ -104,7 +105,8 @@ impl Host {
         self.graphics_pass(wgsl, buffers, Some(texture), canvas, (vertices, topology))
     }
 
-    /// A pass that draws our curves, from WGSL with the entry points `vertex` and `fragment`.
+    /// Creates a pass that draws this library's curves, from WGSL with the entry points `vertex` and
+    /// `fragment`.
     pub fn curve_pass(
         &self,
         wgsl: &str,
@@ -189,7 +191,7 @@ impl Host {
         unsafe { self.device.create_shader_module(&info, None) }.unwrap()
     }
 
-    /// The layout and the descriptors of a pass.
+    /// Creates the layout and the descriptors of a pass.
     fn without_pipeline(
         &self,
         stages: vk::ShaderStageFlags,
@@ -255,7 +257,7 @@ impl Host {
         }
     }
 
-    /// Draws so many vertices on a clear canvas.
+    /// Draws `vertices` vertices on a cleared canvas.
     pub fn draw(
         &self,
         commands: vk::CommandBuffer,
@@ -269,7 +271,7 @@ impl Host {
         });
     }
 
-    /// Draws our curves on a clear canvas.
+    /// Draws this library's curves on a cleared canvas.
     pub fn draw_curves(
         &self,
         commands: vk::CommandBuffer,
@@ -281,7 +283,7 @@ impl Host {
         self.on_canvas(commands, pass, canvas, [0.0, 0.0, 0.0, 1.0], || unsafe {
             let (buffers, offsets) = ([curves.buffer], [curves.vertices_offset]);
             self.device.cmd_bind_vertex_buffers(commands, 0, &buffers, &offsets);
-            // More than one draw a command would be a feature of the device's.
+            // Several draws per command would need a feature of the device.
             for curve in 0..curves.curves {
                 let record = u64::from(curve * stride);
                 self.device.cmd_draw_indirect(commands, curves.buffer, record, 1, stride);
@@ -317,7 +319,7 @@ impl Host {
         }
     }
 
-    /// A picture and its depths, to draw on.
+    /// Creates a picture and its depth image.
     pub fn canvas(&mut self, size: vk::Extent2D, format: vk::Format, depth: vk::Format) -> Canvas {
         use vk::ImageUsageFlags as Usage;
         let usage = Usage::COLOR_ATTACHMENT | Usage::TRANSFER_SRC;
@@ -352,14 +354,14 @@ impl Host {
         let written = vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE
             | vk::AccessFlags::COLOR_ATTACHMENT_WRITE;
         let dependencies = [
-            // It is drawn on again.
+            // The next render pass draws on the same picture.
             vk::SubpassDependency::default()
                 .src_subpass(vk::SUBPASS_EXTERNAL)
                 .src_stage_mask(attached)
                 .src_access_mask(written)
                 .dst_stage_mask(attached)
                 .dst_access_mask(written),
-            // The copy that follows waits.
+            // The copy that follows waits for the render pass.
             vk::SubpassDependency::default()
                 .dst_subpass(vk::SUBPASS_EXTERNAL)
                 .src_stage_mask(vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT)
@@ -400,7 +402,7 @@ impl Host {
         self.free_image(canvas.depths);
     }
 
-    /// Dispatches so many workgroups of a pass.
+    /// Dispatches `groups` workgroups of a pass.
     pub fn dispatch(&self, commands: vk::CommandBuffer, pass: &HostPass, groups: u32) {
         let compute = vk::PipelineBindPoint::COMPUTE;
         unsafe {
@@ -421,7 +423,7 @@ impl Host {
     }
 }
 
-/// SPIR-V from WGSL, with one entry point.
+/// Compiles WGSL to SPIR-V with one entry point.
 fn spirv(wgsl: &str, shader_stage: naga::ShaderStage, entry: &str) -> Vec<u32> {
     use naga::back::spv;
     use naga::valid::{Capabilities, ValidationFlags, Validator};

@@ -1,8 +1,8 @@
-//! The renderer's two queues: where a device has them.
+//! The two queues of the renderer, and where a device has them.
 
 use geosweep::ash::{self, vk};
 
-/// A queue, as devices number them.
+/// A queue by the device's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     pub family: u32,
@@ -28,14 +28,15 @@ impl HostQueue {
     }
 }
 
-/// The places of the main queue and of the one beside it.
+/// Returns the places of the main queue and of the second queue.
 pub fn of(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> [Place; 2] {
     let families = unsafe { instance.get_physical_device_queue_family_properties(physical_device) };
     choose(&families).expect("the tests need a queue for compute and graphics")
 }
 
-/// A main queue for compute and graphics, and one beside it for compute: rather of a family without
-/// graphics, else of any other family, else the main one's second, else the main one itself.
+/// Chooses a main queue for compute and graphics, and a second one for compute. The second one is of a family
+/// without graphics if possible, or of any other family, or the main family's second queue, or the main queue
+/// itself.
 pub fn choose(families: &[vk::QueueFamilyProperties]) -> Option<[Place; 2]> {
     let (compute, graphics) = (vk::QueueFlags::COMPUTE, vk::QueueFlags::GRAPHICS);
     let main = families.iter().position(|f| f.queue_flags.contains(compute | graphics))?;
@@ -52,7 +53,7 @@ pub fn choose(families: &[vk::QueueFamilyProperties]) -> Option<[Place; 2]> {
     Some([main, beside.unwrap_or(Place { index: second, ..main })])
 }
 
-/// How many queues of which family a device is created with.
+/// Returns the number of queues of each family with which a device is created.
 pub fn counts([main, beside]: [Place; 2]) -> impl Iterator<Item = (u32, usize)> {
     let apart = main.family != beside.family;
     let of_main = if apart { 1 } else { beside.index as usize + 1 };

@@ -1,9 +1,9 @@
-//! Numbers out of a fuzzer's bytes.
+//! Numbers from a fuzzer's bytes.
 
 use std::ops::Range;
 
-/// Reads bytes as numbers. Behind the last byte come pseudo-random ones, which all bytes decide, so
-/// that short inputs make whole cases too.
+/// Reads bytes as numbers. After the last byte come pseudo-random ones that depend on all bytes, so that
+/// short inputs give whole cases too.
 pub struct Dice<'a> {
     bytes: std::slice::Iter<'a, u8>,
     state: u64,
@@ -32,18 +32,18 @@ impl<'a> Dice<'a> {
         choices[usize::from(self.byte()) % choices.len()]
     }
 
-    /// True once in so many times.
+    /// Returns true once in `times` calls on average.
     pub fn once_in(&mut self, times: u8) -> bool {
         self.byte().is_multiple_of(times)
     }
 
-    /// A number of a range, its ends among them.
+    /// Returns a number within a range, ends included.
     pub fn within(&mut self, range: Range<f64>) -> f64 {
         let part = f64::from(u16::from_le_bytes([self.byte(), self.byte()])) / f64::from(u16::MAX);
         range.start + part * (range.end - range.start)
     }
 
-    /// A number of a range, as often in each of its decades.
+    /// Returns a number within a range, with equal probability in each decade.
     pub fn magnitude(&mut self, range: Range<f64>) -> f64 {
         self.within(range.start.ln()..range.end.ln()).exp()
     }

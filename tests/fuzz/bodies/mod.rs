@@ -1,4 +1,4 @@
-//! What is fuzzed: bodies that take any bytes and panic where something is wrong.
+//! Bodies that are fuzzed: they accept any bytes and panic if something is wrong.
 //!
 //! cargo-fuzz (`fuzz/`) and the test on stable Rust call the same ones.
 
@@ -10,7 +10,7 @@ mod surface;
 
 pub use readers::UNFINISHED;
 
-/// A body under the name of its target and of its folder of seeds.
+/// A body with the name of its target and of its folder of seeds.
 #[derive(Clone, Copy)]
 pub struct Body {
     pub name: &'static str,
@@ -30,7 +30,7 @@ pub const BODIES: [Body; 10] = [
     Body { name: "surface", run: surface::surface },
 ];
 
-/// Runs the body of this name.
+/// Runs the body with this name.
 pub fn run(name: &str, data: &[u8]) {
     let body = BODIES.iter().find(|body| body.name == name);
     (body.expect("a body has this name").run)(data);

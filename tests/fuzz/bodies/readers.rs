@@ -1,4 +1,4 @@
-//! Files of any content: each reader ends with what it reads, or with an error that names the file.
+//! Files of any content: each reader returns what it reads, or an error that names the file.
 
 use std::fs;
 use std::io::Cursor;
@@ -13,7 +13,7 @@ use geosweep::surface::Chart;
 use geosweep::{Engine, Options, Sources, Surface, distance_map};
 use tempfile::TempDir;
 
-/// A surface of up to this many points is also solved for.
+/// Surfaces of up to this many points are also solved.
 const SOLVED: usize = 1 << 10;
 
 pub fn npy(data: &[u8]) {
@@ -82,7 +82,7 @@ pub fn matrix(data: &[u8]) {
     });
 }
 
-/// A checkpoint, a zero byte, and the unfinished matrix. Goes on with it where that is not refused.
+/// Reads a checkpoint, a zero byte, and the unfinished matrix. Resumes the matrix unless that is refused.
 pub fn checkpoint(data: &[u8]) {
     let Some(end) = data.iter().position(|&byte| byte == 0) else { return };
     let (checkpoint, part) = (&data[..end], &data[end + 1..]);
@@ -103,7 +103,7 @@ pub fn checkpoint(data: &[u8]) {
     }
 }
 
-/// The matrix that checkpoints are resumed to.
+/// Layout of the matrix that checkpoints resume.
 pub const UNFINISHED: MatrixLayout =
     MatrixLayout { rows: 4, cols: 4, element: Element::Float32, upper: false, symmetric: false };
 
@@ -121,7 +121,7 @@ fn surface(path: &Path) {
     }
 }
 
-/// A map that lies as a file says can be written, and is read again.
+/// Checks that a map with the georeference of a file can be written and read again.
 fn written_again(path: &Path, tags: &GeoTags) -> bool {
     let map = path.with_file_name("written.tif");
     let mut file = Cursor::new(Vec::new());
@@ -130,7 +130,7 @@ fn written_again(path: &Path, tags: &GeoTags) -> bool {
     read_map(&map).is_ok_and(|map| map.values == [1.0, f64::INFINITY])
 }
 
-/// Distances are numbers, or the lengths are refused.
+/// Asserts that distances are numbers, unless the lengths are refused.
 fn solved(surface: &Surface) {
     let first =
         surface.present().iter().position(|present| *present).expect("a surface has a point");
@@ -149,7 +149,7 @@ fn grid<T>(path: &Path, grid: Result<Grid<T>, IoError>) {
     }
 }
 
-/// Places are on the grid, or refused.
+/// Asserts that places are on the grid, unless they are refused.
 fn places(path: &Path) {
     let Some(file) = checked(path, PlaceFile::read(path)) else { return };
     let chart = Chart { rows: 7, cols: 9 };
@@ -186,8 +186,8 @@ fn named(path: &Path, error: &IoError) {
     assert!(error.to_string().starts_with(&path.display().to_string()), "{error}");
 }
 
-/// Writes a new file. Some file systems have what replaces an old one on the disk at once, which takes
-/// longer than all else.
+/// Writes a new file. Some file systems write a file that replaces an old one to the disk at once, which
+/// takes longer than everything else.
 fn write(path: &Path, data: &[u8]) {
     let _ = fs::remove_file(path);
     fs::write(path, data).unwrap();

@@ -1,4 +1,4 @@
-//! Small surfaces of any kind with sources: a map is one of numbers, and reaches what can be reached.
+//! Small surfaces of any kind with sources: a map consists of numbers, and reaches all connected points.
 
 use std::f64::consts::TAU;
 
@@ -11,11 +11,11 @@ use geosweep::{
 
 use super::dice::Dice;
 
-/// Most rows and columns.
+/// Largest number of rows and columns.
 const LARGEST_SIDE: usize = 24;
 const MOST_SOURCES: usize = 8;
 
-/// A surface with its sources, and how its map is computed.
+/// A surface with its sources, and the method of its map.
 struct Case {
     surface: Surface,
     sources: Sources,
@@ -24,34 +24,35 @@ struct Case {
     double: bool,
 }
 
-/// A map, in whichever precision it was computed.
+/// A map in either precision.
 struct Solved {
     distances: Vec<f64>,
     iterations: u32,
     reached: usize,
 }
 
-/// What every map keeps; a further bound is a further line.
+/// Properties of every map. A further property is a further line.
 const CHECKS: [fn(&Case, &Solved); 3] = [is_of_numbers, reaches_what_is_connected, ends];
 
 pub fn surface(data: &[u8]) {
     let case = Case::of(&mut Dice::new(data));
     match case.solved() {
         Ok(solved) => CHECKS.iter().for_each(|check| check(&case, &solved)),
-        // Places in holes, fronts that do not suit, lengths that single precision cannot hold.
+        // The source is in a hole, the wavefront is not suitable, or single precision cannot hold the
+        // lengths.
         Err(Error::Source(_) | Error::Options(_) | Error::Surface(_)) => {}
         Err(other) => panic!("{other}"),
     }
 }
 
-/// No distance is NaN, nor is one infinite that counts as reached.
+/// Asserts that no distance is NaN, and that no distance that counts as reached is infinite.
 fn is_of_numbers(_: &Case, solved: &Solved) {
     assert!(solved.distances.iter().all(|distance| *distance > f64::NEG_INFINITY), "NaN or less");
     let finite = solved.distances.iter().filter(|distance| distance.is_finite()).count();
     assert_eq!(finite, solved.reached);
 }
 
-/// The points with a distance are those that edges connect with a source.
+/// Asserts that exactly the points that edges connect with a source have a distance.
 fn reaches_what_is_connected(case: &Case, solved: &Solved) {
     let chart = case.surface.chart();
     let seeds = case.sources.seeds(&case.surface).unwrap();
@@ -70,7 +71,7 @@ fn reaches_what_is_connected(case: &Case, solved: &Solved) {
     }
 }
 
-/// What does not settle is given up after a number of iterations that the size decides.
+/// Asserts that a map without convergence ends after a number of iterations that depends on the size.
 fn ends(case: &Case, solved: &Solved) {
     let enough = 10 * (case.surface.rows() + case.surface.cols());
     assert!(solved.iterations as usize <= enough, "{} iterations", solved.iterations);
@@ -120,8 +121,8 @@ impl Solved {
     }
 }
 
-/// A surface from flat to relief of 100 and shear of 3, of any kind, cells of any proportion, with
-/// holes and slowness or without.
+/// Returns a surface of any kind, from flat to a relief of 100 and a shear of 3, with cells of any
+/// proportion. It may have holes and a slowness.
 fn any_surface(dice: &mut Dice) -> Surface {
     let (rows, cols) = (1 + dice.below(LARGEST_SIDE), 1 + dice.below(LARGEST_SIDE));
     let unit = if dice.once_in(4) { dice.magnitude(1e-6..1e6) } else { 1.0 };
@@ -175,7 +176,7 @@ fn any_surface(dice: &mut Dice) -> Surface {
     surface.with_edge_rule(dice.one_of(&[EdgeRule::Arc, EdgeRule::Chord]))
 }
 
-/// Heights of about -1 to 1: noise, waves or steps.
+/// Returns heights of about -1 to 1: noise, waves or steps.
 fn any_heights(dice: &mut Dice, rows: usize, cols: usize) -> Vec<f64> {
     let form = dice.below(3);
     let waves = [0; 4].map(|_| dice.within(0.0..1.5));
@@ -190,7 +191,7 @@ fn any_heights(dice: &mut Dice, rows: usize, cols: usize) -> Vec<f64> {
     (0..rows * cols).map(&mut height).collect()
 }
 
-/// Points and curves, between grid points or on them, that start together or apart.
+/// Returns points and curves, on grid points or between them, with equal or different start values.
 fn any_sources(dice: &mut Dice, surface: &Surface) -> Sources {
     let (rows, cols) = (surface.rows(), surface.cols());
     let together = dice.once_in(2);

@@ -3,12 +3,12 @@
 use super::put;
 use crate::random::Random;
 
-/// Magic and version.
+/// Bytes before the header: magic number and version.
 const BEFORE_HEADER: usize = 8;
 const TYPES: [&str; 5] = ["compression", "box2i", "chlist", "tiledesc", "int"];
 
 pub fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
-    // An attribute is a name, a type, each ended by 0, the size of its value, and that.
+    // An attribute consists of a name and a type, each ended by 0, the size of its value, and the value.
     let kind = random.one_of(&TYPES);
     let named = [b"\0", kind.as_bytes(), b"\0"].concat();
     let places: Vec<_> = (BEFORE_HEADER..bytes.len().saturating_sub(named.len() + 4))
@@ -30,7 +30,7 @@ pub fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
     }
     match kind {
         "compression" => bytes[value.start] = random.below(12) as u8,
-        // One channel once more, or many times.
+        // One channel is repeated once or many times.
         "chlist" if random.once_in(2) && value.len() > 1 => {
             let channel = bytes[value.start..value.end - 1].to_vec();
             let times = random.one_of(&[1, 2, 16, 200]);

@@ -1,4 +1,4 @@
-//! Files made from good ones: bytes and numbers changed anywhere, and what their formats are made of.
+//! Files made from valid ones: changes of any bytes and numbers, and changes of the parts of each format.
 
 mod exr;
 mod npy;
@@ -9,7 +9,7 @@ mod tiff;
 
 use crate::random::Random;
 
-/// Sizes and counts at which arithmetic goes wrong.
+/// Sizes and counts that break arithmetic.
 pub const NUMBERS: [u64; 20] = [
     0,
     1,
@@ -33,7 +33,7 @@ pub const NUMBERS: [u64; 20] = [
     u64::MAX,
 ];
 
-/// A file for the body of this name, from one of its good ones.
+/// Returns a mutated file for the body with this name, made from one of its valid files.
 pub fn mutated(name: &str, seeds: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
     if name == "surface" && !random.once_in(4) {
         let length = random.below(96);
@@ -61,7 +61,7 @@ pub fn mutated(name: &str, seeds: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
     bytes
 }
 
-/// Changes bytes without knowing what they are.
+/// Changes bytes without regard to their meaning.
 fn mutate(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
     if bytes.is_empty() {
         bytes.extend_from_slice(other);
@@ -88,7 +88,7 @@ fn mutate(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
     }
 }
 
-/// Puts one of [`NUMBERS`] at a place, in any width and either order of bytes.
+/// Writes one of [`NUMBERS`] at a place, with any width and byte order.
 pub fn put(bytes: &mut [u8], place: usize, random: &mut Random) {
     let number = random.one_of(&NUMBERS);
     let width = random.one_of(&[1, 2, 4, 8]);

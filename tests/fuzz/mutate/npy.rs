@@ -8,7 +8,7 @@ const TYPES: [&str; 14] = [
     "|S0",
 ];
 
-/// Magic, version and the size of the header, in version 1.
+/// Bytes before the header: magic number, version and size of the header, in version 1.
 const BEFORE_HEADER: usize = 10;
 
 pub fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {

@@ -1,4 +1,4 @@
-//! Archives of arrays that are changed, under checksums that are right.
+//! Archives of changed arrays with correct checksums.
 
 use rawzip::CompressionMethod;
 

@@ -1,4 +1,4 @@
-//! PNG: chunks changed, moved and added, under checksums that are right.
+//! PNG: changed, moved and added chunks with correct checksums.
 
 use super::put;
 use crate::random::Random;
@@ -16,7 +16,7 @@ pub fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
     }
     let which = random.below(chunks.len());
     match random.below(6) {
-        // Sizes and kinds of the picture stand in the first.
+        // The first chunk has the sizes and the kind of the picture.
         0 | 1 if !chunks[0].1.is_empty() => {
             let data = &mut chunks[0].1;
             let place = random.below(data.len());
@@ -46,14 +46,14 @@ pub fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
     seal(bytes);
 }
 
-/// Kinds and data of the chunks, as far as they are whole.
+/// Returns the kinds and data of the complete chunks.
 fn chunks(bytes: &[u8]) -> Vec<([u8; 4], Vec<u8>)> {
     spans(bytes)
         .map(|(kind, data)| (bytes[kind..kind + 4].try_into().unwrap(), bytes[data].to_vec()))
         .collect()
 }
 
-/// Where kinds begin, and where the data after them lie.
+/// Returns the places of the chunks' kinds, and the ranges of their data.
 fn spans(bytes: &[u8]) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> {
     let mut at = SIGNATURE;
     std::iter::from_fn(move || {
@@ -65,7 +65,7 @@ fn spans(bytes: &[u8]) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> 
     })
 }
 
-/// Makes the checksums right.
+/// Corrects the checksums.
 pub fn seal(bytes: &mut [u8]) {
     let spans: Vec<_> = spans(bytes).collect();
     for (kind, data) in spans {

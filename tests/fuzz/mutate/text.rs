@@ -1,4 +1,4 @@
-//! Text: its numbers, its lines and the characters between.
+//! Text: its numbers, its lines and the other characters.
 
 use crate::random::Random;
 
@@ -34,7 +34,7 @@ pub fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
     let word = random.one_of(&WORDS).bytes();
     match random.below(6) {
         0 | 1 => {
-            // A number from here on.
+            // A number starts here.
             let is_digit = |byte: &u8| byte.is_ascii_digit() || b".-+eE".contains(byte);
             let Some(start) = bytes[place..].iter().position(u8::is_ascii_digit) else { return };
             let start = place + start;

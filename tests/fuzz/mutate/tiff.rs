@@ -1,9 +1,9 @@
-//! TIFF: the fields of the directory.
+//! TIFF: the entries of the directory.
 
 use super::put;
 use crate::random::Random;
 
-/// Size, bits, compression, colours, strips, predictor, tiles, sample formats, GDAL and GeoTIFF.
+/// Tags of sizes, bits, compression, colours, strips, predictor, tiles, sample formats, GDAL and GeoTIFF.
 const TAGS: [u16; 30] = [
     254, 256, 257, 258, 259, 262, 266, 273, 277, 278, 279, 284, 292, 293, 317, 322, 323, 324, 325,
     338, 339, 347, 33550, 33922, 34264, 34735, 34736, 34737, 42112, 42113,
@@ -11,7 +11,7 @@ const TAGS: [u16; 30] = [
 const COMPRESSIONS: [u16; 12] = [1, 2, 3, 4, 5, 6, 7, 8, 32773, 32946, 50000, 50001];
 
 pub fn mutate(bytes: &mut [u8], random: &mut Random) {
-    // What our encoders write: little-endian, a directory of entries of 12 bytes; 20 in BigTIFF.
+    // Our encoders write little-endian files with one directory of entries of 12 bytes, or 20 in BigTIFF.
     let Some(&[b'I', b'I', version, _, a, b, c, d]) = bytes.first_chunk::<8>() else { return };
     let big = version == 43;
     let directory = if big {

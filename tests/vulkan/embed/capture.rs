@@ -1,4 +1,4 @@
-//! What a tool that captures a frame shows of ours: labels, commands and names, as docs/frame-costs.md lists them.
+//! Labels, commands and names that a tool shows when it captures a frame, as docs/frame-costs.md lists them.
 
 use std::ffi::{CStr, c_char, c_void};
 use std::fmt::Write;
@@ -15,10 +15,10 @@ use geosweep::{Stop, Wavefront};
 use crate::embed::stage::vertices;
 use crate::host::Host;
 
-/// From the package's root, where tests run.
+/// Path of the guide from the package's root, where tests run.
 const GUIDE: &str = "docs/frame-costs.md";
 
-/// A label, and what was recorded from there on up to the next one.
+/// A label, and the commands from there to the next label.
 #[derive(Default)]
 struct Pass {
     label: String,
@@ -41,7 +41,7 @@ fn note(count: impl FnOnce(&mut Pass)) {
     count(passes.last_mut().unwrap());
 }
 
-/// A function of the device's that counts before it does what it does.
+/// Defines a function of the device that counts its calls and then calls the real one.
 macro_rules! counting {
     ($(fn $own:ident($($argument:ident: $kind:ty),*) $(-> $result:ty)? as $name:literal: $pointer:ty $count:block)*) => {
         $(unsafe extern "system" fn $own(device: vk::CommandBuffer, $($argument: $kind),*) $(-> $result)? {
@@ -54,7 +54,7 @@ macro_rules! counting {
             unsafe { real(device, $($argument),*) }
         })*
 
-        /// One of these, if it has this name.
+        /// Returns the replacement of the function with this name, if there is one.
         fn own(name: &CStr) -> Option<*const c_void> {
             $(if name == $name { return Some($own as *const c_void); })*
             None
@@ -62,7 +62,7 @@ macro_rules! counting {
     };
 }
 
-/// The device that is looked at, by which functions are found.
+/// The device that is observed. Functions are found through it.
 static DEVICE: OnceLock<u64> = OnceLock::new();
 
 unsafe fn real(name: &CStr) -> vk::PFN_vkVoidFunction {
@@ -150,13 +150,13 @@ unsafe extern "system" fn of_device(
         false => own(wanted),
     };
     match own {
-        // SAFETY: it is called as what its name says.
+        // SAFETY: the function is called with the type of its name.
         Some(own) => unsafe { std::mem::transmute::<*const c_void, vk::PFN_vkVoidFunction>(own) },
         None => unsafe { REAL.get().unwrap()(device, name) },
     }
 }
 
-/// Runs of the same label in a line each.
+/// Returns a list with one line for each run of equal labels.
 fn listing() -> String {
     let mut passes: Vec<Pass> = Vec::new();
     let mut runs: Vec<usize> = Vec::new();
@@ -189,9 +189,10 @@ fn listing() -> String {
     text
 }
 
-/// Compares the guide's block of this kind with what was found; with `GEOSWEEP_UPDATE_GUIDE` set it is renewed.
+/// Compares the guide's block of this kind with `found`. If `GEOSWEEP_UPDATE_GUIDE` is set, writes the block
+/// anew.
 pub fn compare_with_guide(kind: &str, found: &str, is_same_device: bool) {
-    // One test at a time reads and writes it.
+    // Lock of the guide, so that one test at a time reads and writes it.
     static GUIDE_IS_OPEN: Mutex<()> = Mutex::new(());
     let _open = GUIDE_IS_OPEN.lock();
     let guide = std::fs::read_to_string(GUIDE).unwrap();
@@ -205,8 +206,8 @@ pub fn compare_with_guide(kind: &str, found: &str, is_same_device: bool) {
     }
 }
 
-/// The listing in the guide is that of a frame; with `GEOSWEEP_UPDATE_GUIDE` set the test renews it. All objects that a
-/// capture shows have names.
+/// The guide's listing equals that of a frame. If `GEOSWEEP_UPDATE_GUIDE` is set, the test writes the listing
+/// anew. All objects in a capture have names.
 #[test]
 fn a_capture_of_a_frame_is_as_the_guide_lists_it() {
     let mut host = Host::new();
@@ -255,7 +256,7 @@ fn a_capture_of_a_frame_is_as_the_guide_lists_it() {
             .unwrap();
     });
     let found = listing();
-    // Devices differ in how many lines a dispatch scans.
+    // Devices differ in the number of lines that a dispatch scans.
     compare_with_guide("capture", &found, host.is_processor());
     let names = NAMES.lock().unwrap().clone();
     for kind in [

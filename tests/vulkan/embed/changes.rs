@@ -1,5 +1,5 @@
-//! Inputs that change: parts of a buffer by an offset a frame, other buffers and images in place of those that a
-//! surface was made with, and vertices that were zeroed.
+//! Inputs that change: parts of a buffer selected by an offset, other buffers and images in place of those
+//! with which a surface was created, and vertices that were zeroed.
 
 use geosweep::Wavefront;
 use geosweep::ash::vk;
@@ -32,14 +32,14 @@ fn frame<'a>(plan: &'a embed::Plan, sources: SourceInput<'a>) -> Frame<'a> {
 }
 
 impl Stage {
-    /// A map from points that begin so many bytes later.
+    /// Returns the map from points that begin `offset` bytes later.
     fn map_at(&self, offset: u64, sources: SourceInput, plan: &embed::Plan) -> Vec<f32> {
         self.run(|recording| recording.points_at(offset).frame(&frame(plan, sources)));
         self.finish(plan);
         self.read()
     }
 
-    /// What a recording comes to that is thrown away.
+    /// Returns the error of a recording that is discarded.
     fn refused<T: std::fmt::Debug>(
         &self,
         record: impl FnOnce(Recording) -> Result<T, VulkanError>,
@@ -52,7 +52,7 @@ impl Stage {
     }
 }
 
-/// The maps of each phase, of a surface whose points never change.
+/// Returns the map of each phase, from a surface whose points never change.
 fn maps_of_phases(sources: &[PointSource], wavefront: Wavefront) -> Vec<Vec<f32>> {
     let mut host = Kept::watched();
     let buffers = PHASES.map(|phase| host.buffer_of(&vertices(CHART, phase)));
@@ -71,7 +71,7 @@ fn each_frame_reads_its_part_of_a_ring() {
     let place = source(7.25, 20.5);
     let expected = maps_of_phases(&place, Wavefront::Curved);
     let mut host = Kept::watched();
-    // The surface's points begin 48 bytes behind the buffer's start.
+    // The surface's points begin 48 bytes after the buffer's start.
     let parts = PHASES.map(|phase| vertices(CHART, phase)).concat();
     let points = host.buffer_of(&[vec![f32::NAN; 12], parts].concat());
     let ring: Vec<_> = [[2.0, 3.0], [7.25, 20.5], [19.0, 5.0]]
@@ -118,7 +118,7 @@ fn each_frame_reads_its_part_of_a_ring() {
     stage.end([points, ring]);
 }
 
-/// Without waiting for the frames before, which the validation layers would tell of.
+/// Points are replaced without waiting for earlier frames. The validation layers would report a hazard.
 #[test]
 fn points_are_replaced_while_frames_are_in_flight() {
     let place = source(7.25, 20.5);
@@ -146,7 +146,7 @@ fn points_are_replaced_while_frames_are_in_flight() {
     let mut fences: Vec<vk::Fence> = Vec::new();
     for (turn, to) in to.iter().enumerate() {
         if turn >= 2 {
-            // The frame before the last: as in a renderer with two in flight.
+            // Waits for the frame before the last one, as in a renderer with two frames in flight.
             unsafe { device.wait_for_fences(&fences[turn - 2..=turn - 2], true, u64::MAX) }
                 .unwrap();
         }
@@ -174,7 +174,7 @@ fn points_are_replaced_while_frames_are_in_flight() {
     }
     fences.into_iter().for_each(|fence| unsafe { device.destroy_fence(fence, None) });
 
-    // Recorded and not submitted: as many as there are slots, and one more.
+    // Recordings that are not submitted: as many as there are slots, and one more.
     for (turn, points) in all.iter().enumerate() {
         stage.surface.set_points(&device, &stage.solver, 0, points).unwrap();
         let commands = stage.host.commands();
@@ -211,8 +211,8 @@ fn points_are_replaced_while_frames_are_in_flight() {
     stage.end(buffers.into_iter().chain(to));
 }
 
-/// Contours and paths are lifted to the part of a ring that is measured, and to points that were replaced once they
-/// are bound to them; so paths and regions find sources.
+/// Contours and paths are lifted to the measured part of a ring, and to replaced points once they are
+/// rebound. Paths and regions find sources in the same way.
 #[test]
 fn curves_and_regions_follow_points_and_sources() {
     let mut host = Kept::watched();
@@ -238,7 +238,7 @@ fn curves_and_regions_follow_points_and_sources() {
     let mut regions = solver.regions(&device, allocator, surface, Wavefront::Curved).unwrap();
     let to = [(); 2].map(|()| stage.host.buffer(1 << 17, true));
 
-    // The heights of contours and of the path, and where the path ends.
+    // Returns the heights of contours and of the path, and the end of the path.
     let draw = |stage: &Stage, contours: &embed::Contours, paths: &embed::Paths, at, sources| {
         stage.host.run(|commands| {
             let recording = stage.solver.record(&device, commands, &stage.surface).points_at(at);
@@ -332,7 +332,7 @@ fn curves_and_regions_follow_points_and_sources() {
     stage.end([ring, other, entries].into_iter().chain(to));
 }
 
-/// Zeroed vertices make edges of length 0, which the outcome counts; those of points that are holes are none.
+/// Zeroed vertices make edges of length 0, which the outcome counts. Edges at holes do not count.
 #[test]
 fn edges_without_length_are_counted() {
     let edges = |rows: usize, cols: usize| {
@@ -346,7 +346,7 @@ fn edges_without_length_are_counted() {
         }
     }
     let mut holed = patch.clone();
-    // Of its neighbours inside the patch eight have an edge to it.
+    // Eight of its neighbours inside the patch have an edge to it.
     holed[8 * CHART.index(2, 32)] = f32::NAN;
     for (points, without) in [
         (vertices(CHART, 0.4), 0),

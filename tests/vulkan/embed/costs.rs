@@ -1,4 +1,4 @@
-//! What frames cost, by count: commands as they are recorded, and bytes as their passes have moved them.
+//! Costs of frames by count: recorded commands, and bytes that their passes have moved.
 
 use std::ffi::CStr;
 use std::fmt::Write;
@@ -41,12 +41,12 @@ extern "system" fn clear_or_copy() -> vk::Result {
     count(&CLEARS_AND_COPIES)
 }
 
-/// Binding and pushing, which cost next to nothing, go with these too.
+/// Replaces all other commands, among them binding and pushing, which cost next to nothing.
 extern "system" fn other() -> vk::Result {
     count(&OTHERS)
 }
 
-/// In place of a command, which goes nowhere.
+/// Returns a replacement that counts a command and does nothing else.
 fn counting(name: &CStr) -> Option<extern "system" fn() -> vk::Result> {
     Some(match name.to_bytes() {
         b"vkCmdDispatch" | b"vkCmdDispatchIndirect" => dispatch,
@@ -69,10 +69,10 @@ fn taken(counter: &AtomicU32) -> u32 {
     counter.swap(0, Ordering::Relaxed)
 }
 
-/// One test counts at a time.
+/// Lock that makes tests count one at a time.
 static COUNTING: Mutex<()> = Mutex::new(());
 
-/// Dispatches, barriers and others of what is recorded.
+/// Returns the numbers of recorded dispatches, barriers and other commands.
 fn counted(host: &Host, record: impl FnOnce(&ash::Device)) -> [u32; 3] {
     let _alone = COUNTING.lock().unwrap_or_else(PoisonError::into_inner);
     record(&host.device_with(counting));
@@ -81,7 +81,7 @@ fn counted(host: &Host, record: impl FnOnce(&ash::Device)) -> [u32; 3] {
     [dispatches, barriers, others]
 }
 
-/// A row of the table: of a frame with new points and a source between grid points.
+/// Returns a row of the table, for a frame with new points and a source between grid points.
 fn row(host: &mut Host, solver: &embed::Solver, schedule: Schedule, side: usize) -> String {
     let device = host.device.clone();
     let chart = Chart { rows: side, cols: side };
@@ -141,7 +141,8 @@ fn row(host: &mut Host, solver: &embed::Solver, schedule: Schedule, side: usize)
     )
 }
 
-/// The guide's table of costs is that of frames as they are; with `GEOSWEEP_UPDATE_GUIDE` set the test renews it.
+/// The guide's table of costs equals the measured costs. If `GEOSWEEP_UPDATE_GUIDE` is set, the test writes
+/// the table anew.
 #[test]
 fn frames_cost_what_the_guide_says() {
     let mut host = Host::without_validation();
@@ -174,7 +175,7 @@ fn frames_cost_what_the_guide_says() {
     assert_eq!(host.allocations(), 0);
 }
 
-/// Surfaces of one size have the barriers of one, and 65 those of two.
+/// Surfaces of one size need the barriers of one surface, and 65 surfaces those of two.
 #[test]
 fn frames_recorded_together_share_their_barriers() {
     let mut host = Host::without_validation();

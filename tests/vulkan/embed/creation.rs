@@ -1,4 +1,4 @@
-//! Making solvers while a renderer runs: again with a cache that was filled before, and on another thread.
+//! Solvers that are created while a renderer runs: again with a filled cache, and on another thread.
 
 use std::collections::HashMap;
 use std::ffi::c_void;
@@ -23,9 +23,9 @@ const PASSES: [(Schedule, Wavefront); 2] =
     [(Schedule::Raster, Wavefront::Curved), (Schedule::Tiles, Wavefront::Planar)];
 
 static REAL: OnceLock<ash::Device> = OnceLock::new();
-/// What modules, set layouts and pipeline layouts are made of, by their handles.
+/// Contents of modules, set layouts and pipeline layouts, by their handles.
 static CONTENTS: Mutex<Option<HashMap<u64, u64>>> = Mutex::new(None);
-/// What pipelines are made of, in the order of their creation, and by which cache.
+/// Contents of pipelines, in the order of their creation, with their caches.
 static PIPELINES: Mutex<Vec<(u64, vk::PipelineCache)>> = Mutex::new(Vec::new());
 
 fn hash(of: impl Hash) -> u64 {
@@ -126,9 +126,9 @@ unsafe extern "system" fn pipelines(
     }
 }
 
-/// A second solver on a cache, with all that follows, makes the very pipelines that the first has put into it, and
-/// nothing else: a driver that keeps its cache compiles nothing. Drivers need not tell whether they do, and
-/// lavapipe keeps none.
+/// A second solver with the same cache, and all objects that it creates, make exactly the pipelines that the
+/// first has put into the cache. A driver that keeps its cache thus compiles nothing. Drivers need not report
+/// whether they do, and lavapipe keeps none.
 #[test]
 fn a_second_solver_makes_nothing_that_the_cache_does_not_hold() {
     let mut host = Host::without_validation();
@@ -141,7 +141,7 @@ fn a_second_solver_makes_nothing_that_the_cache_does_not_hold() {
             b"vkCreateComputePipelines" => pipelines as *const c_void,
             _ => return None,
         };
-        // SAFETY: it is called as what its name says.
+        // SAFETY: the function is called with the type of its name.
         Some(unsafe {
             std::mem::transmute::<*const c_void, extern "system" fn() -> vk::Result>(own)
         })
@@ -178,15 +178,15 @@ fn a_second_solver_makes_nothing_that_the_cache_does_not_hold() {
         made.sort_unstable_by_key(|&(contents, _)| contents);
     }
     assert_eq!(first, second);
-    // Nothing is compiled twice either.
+    // No pipeline is compiled twice.
     first.dedup();
     assert_eq!(first.len(), second.len());
     unsafe { device.destroy_pipeline_cache(cache, None) };
     host.free(points);
 }
 
-/// A solver that is made on another thread has the maps of the one that draws meanwhile, with the same cache, which
-/// both fill at once. The validation layers watch over threads too.
+/// A solver that is created on another thread gives the same maps as the one that is in use, with the same
+/// cache, which both fill at the same time. The validation layers check the use of threads too.
 #[test]
 fn a_solver_is_made_on_another_thread_while_frames_go_on() {
     let mut host = Host::new();
@@ -208,7 +208,7 @@ fn a_solver_is_made_on_another_thread_while_frames_go_on() {
             embed::Solver::with_cache(instance, physical_device, device, &PASSES, tools, cache)
         });
         let mut frames = vec![stage.map(0, SourceInput::Inline(&source), &plan)];
-        // Pipelines that this thread makes by the same cache.
+        // This thread creates pipelines with the same cache.
         stage.solver.add_passes(device, Schedule::Raster, Wavefront::Planar).unwrap();
         while frames.len() < 2 || !made.is_finished() {
             frames.push(stage.map(0, SourceInput::Inline(&source), &plan));
@@ -217,7 +217,7 @@ fn a_solver_is_made_on_another_thread_while_frames_go_on() {
     });
     assert!(frames.iter().all(|frame| *frame == frames[0]), "frames differ");
     let mut first = std::mem::replace(&mut stage.solver, made);
-    // The surface goes over to the new solver, whose layouts are the same.
+    // The surface moves to the new solver, whose layouts are the same.
     let mut surface = stage.solver.surface(&device, stage.host.allocator(), &info).unwrap();
     std::mem::swap(&mut surface, &mut stage.surface);
     stage.host.run(|commands| stage.solver.record(&device, commands, &stage.surface).prepare());

@@ -1,5 +1,5 @@
-//! Edges that shaders measure from a host's points, against those of their twin, which the headless solver
-//! brings to the device: by the maps that one iteration makes of them.
+//! Edges that shaders measure from a host's points, compared with those of the twin, which the headless
+//! solver uploads. The comparison uses the maps after one iteration.
 
 use geosweep::Stop;
 use geosweep::surface::builtin::Builtin;
@@ -13,10 +13,10 @@ use geosweep::{Sources, Spacing, Surface, Wavefront};
 use crate::common::{difference, rough, some_point, vulkan_solver};
 use crate::embed::stage::{Kept, RASTER, Stage, source};
 
-/// Between the maps from the same points: rounding.
+/// Largest difference between maps from the same points: rounding.
 const SAME: f64 = 1e-5;
 
-/// Chords, and arcs around holes and across creases: the shader's lengths are those of its twin.
+/// For chords, and for arcs around holes and across creases, the shader's lengths equal its twin's.
 #[test]
 fn both_rules_for_edges_are_those_of_the_twin() {
     let mut solver = vulkan_solver();
@@ -68,7 +68,7 @@ fn both_rules_for_edges_are_those_of_the_twin() {
     }
 }
 
-/// More rows than are measured at once, from heights: every point has its own edges.
+/// The surface has more rows than are measured at once, from heights. Every point has its own edges.
 #[test]
 fn all_rows_of_a_large_surface_are_measured() {
     let chart = Chart { rows: 141, cols: 8001 };

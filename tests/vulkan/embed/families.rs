@@ -1,4 +1,4 @@
-//! What differs where a device has two queue families, on devices that have one.
+//! Differences between devices with one and with two queue families, tested on devices with one.
 
 use std::cell::{Cell, RefCell};
 use std::mem::{take, transmute};
@@ -9,7 +9,7 @@ use crate::embed::queues::{Renderer, Way};
 use crate::host::Host;
 use crate::host::queues::{Place, choose, counts};
 
-/// Devices that there are, as they list their queue families.
+/// Lists of queue families of real devices.
 #[test]
 fn the_other_queue_is_of_a_family_without_graphics_if_there_is_one() {
     let (graphics, compute) = (vk::QueueFlags::GRAPHICS, vk::QueueFlags::COMPUTE);
@@ -50,17 +50,17 @@ fn the_other_queue_is_of_a_family_without_graphics_if_there_is_one() {
     assert_eq!(choose(&[]), None);
 }
 
-/// The two families of a device that has them, for one that does not look.
+/// Two families for a device that does not check them.
 const FAMILIES: [u32; 2] = [0, 1];
 
 thread_local! {
     static CREATE_IMAGE: Cell<Option<vk::PFN_vkCreateImage>> = const { Cell::new(None) };
-    /// The formats of images created, and the families that share them.
+    /// Formats of the images that were created, and the families that share them.
     static IMAGES: RefCell<Vec<(vk::Format, Vec<u32>)>> = const { RefCell::new(Vec::new()) };
     static HANDED: RefCell<Handed> = const { RefCell::new(Handed::new()) };
 }
 
-/// What is handed over by barriers: a handle, from which family to which, in which layouts.
+/// Resources that barriers transfer: a handle, both families, and both layouts.
 type Things = Vec<(u64, [u32; 2], [vk::ImageLayout; 2])>;
 
 #[derive(Debug, Default)]
@@ -127,16 +127,16 @@ unsafe extern "system" fn keep_barriers(
     }
 }
 
-/// As [`Host::device_with`] wants it; called with the arguments that it takes.
+/// Returns a function in the form that [`Host::device_with`] requires. It is called with its real arguments.
 fn replacement(function: *const ()) -> extern "system" fn() -> vk::Result {
     unsafe { transmute::<*const (), extern "system" fn() -> vk::Result>(function) }
 }
 
-/// Each queue takes what the other gives, by the same barriers but for stages and accesses; what
-/// readers sample is made for both families or for one, and all other images for one.
+/// Each queue acquires what the other releases, with the same barriers except for stages and accesses. Images
+/// that readers sample are created for both families or for one, and all other images for one.
 #[test]
-fn what_one_family_gives_the_other_takes() {
-    // The packed texels, and an image of distances a frame.
+fn one_family_acquires_what_the_other_releases() {
+    // These are the packed texels, and an image of distances for each frame.
     let (packed, distances) = (vk::Format::R32G32B32A32_SFLOAT, vk::Format::R32_SFLOAT);
     for (way, formats, from_main, from_other) in
         [(Way::Shared, &[packed, distances, distances][..], 0, 1), (Way::HandedOver, &[], 1, 3)]

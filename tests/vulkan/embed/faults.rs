@@ -1,5 +1,4 @@
-//! What goes wrong: devices that lack something, calls that fail, memory that is left, and bad
-//! input.
+//! Errors: devices that lack something, calls that fail, memory that is left, and bad input.
 
 use std::ffi::CStr;
 
@@ -25,7 +24,7 @@ extern "system" fn lost() -> vk::Result {
     vk::Result::ERROR_DEVICE_LOST
 }
 
-/// The function that the test replaces, to be asked first.
+/// The function that the test replaces. The replacement calls it first.
 static PROPERTIES: std::sync::OnceLock<vk::PFN_vkGetPhysicalDeviceProperties> =
     std::sync::OnceLock::new();
 
@@ -39,7 +38,7 @@ unsafe extern "system" fn little(
         let properties = &mut *properties;
         properties.api_version = vk::API_VERSION_1_0;
         properties.limits.max_compute_work_group_invocations = 32;
-        // Each one less than Vulkan guarantees.
+        // Each limit is one less than Vulkan guarantees.
         properties.limits.max_per_stage_descriptor_storage_images = 3;
         properties.limits.max_per_stage_descriptor_storage_buffers = 3;
         properties.limits.max_compute_work_group_count[1] = 65_534;
@@ -53,7 +52,7 @@ extern "system" fn no_format() -> vk::Result {
     vk::Result::ERROR_FORMAT_NOT_SUPPORTED
 }
 
-/// Before a device is created, and again when a solver is made for it all the same.
+/// The error comes before a device is created, and again when a solver is created for it anyway.
 #[test]
 fn all_that_a_device_lacks_is_named() {
     let host = Host::without_validation();
@@ -94,7 +93,7 @@ fn all_that_a_device_lacks_is_named() {
     assert!(unmet.iter().all(|entry| error.to_string().contains(entry)), "{error}");
 }
 
-/// Each call that creates something fails once: an error that names it, and nothing is left.
+/// Each call that creates something fails once. The error names it, and nothing is left behind.
 #[test]
 fn calls_that_fail_are_errors_and_leave_nothing_behind() {
     let mut host = Host::without_validation();
@@ -200,15 +199,15 @@ fn an_allocator_without_memory_is_an_error() {
     assert!(host.allocator().generate_report().blocks.is_empty());
 }
 
-/// The memory stated beforehand is what is taken; a surface that is dropped without being destroyed
-/// is still in the allocator's report, by the names of its parts.
+/// The memory that is computed in advance equals the memory that is allocated. A surface that is dropped
+/// without being destroyed remains in the allocator's report, with the names of its parts.
 #[test]
 fn memory_is_as_stated_and_shows_until_it_is_freed() {
     let mut host = Host::new();
     let device = host.device.clone();
     let solver = embed::Solver::new(&host.instance, host.physical_device, &device, &[]);
     let mut solver = solver.unwrap();
-    // Reader and writer may be of one family.
+    // Reader and writer may have the same family.
     let family = host::family(&host.instance, host.physical_device);
     for (slots, chart) in [(1, CHART), (3, Chart { rows: 301, cols: 257 })] {
         let queue_families = &[family; 2];
@@ -218,7 +217,7 @@ fn memory_is_as_stated_and_shows_until_it_is_freed() {
         let report = host.allocator().generate_report();
         let taken: u64 = report.allocations.iter().map(|allocation| allocation.size).sum();
         assert_eq!(stated, surface.bytes());
-        // The allocator rounds each up to what may lie beside it.
+        // The allocator rounds each allocation up to keep apart what may lie beside it.
         let properties =
             unsafe { host.instance.get_physical_device_properties(host.physical_device) };
         let each = properties.limits.buffer_image_granularity.max(256);
@@ -229,9 +228,9 @@ fn memory_is_as_stated_and_shows_until_it_is_freed() {
         surface.destroy(&device, host.allocator());
         assert_eq!(host.allocations(), 0);
     }
-    // With the map that the host reads. GPUs pad images, small ones by most.
+    // This includes the map that the host reads. GPUs pad images, and small ones the most.
     let most = if host.is_processor() { 48 } else { 66 };
-    // The last is the largest that every device takes.
+    // The last size is the largest that every device accepts.
     for side in [900, 1200, 4092] {
         let chart = Chart { rows: side, cols: side };
         let stated = solver.bytes_for(&device, &SurfaceInfo::new(chart)).unwrap();
@@ -369,7 +368,7 @@ fn bad_input_is_an_error_before_anything_is_recorded() {
     stage.end([points]);
 }
 
-/// Solvers and surfaces may be shared by threads, and moved to them.
+/// Threads may share solvers and surfaces, and these may move between threads.
 #[test]
 fn threads_record_at_once_for_surfaces_of_their_own() {
     fn shared<T: Send + Sync>() {}

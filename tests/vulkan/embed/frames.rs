@@ -1,4 +1,4 @@
-//! Frames: a surface that the host deforms in a pass of its own, and a pass that reads the map.
+//! Frames: a surface that a pass of the host deforms, and a pass that reads the map.
 
 use geosweep::ash::vk;
 use geosweep::glam::DVec3;
@@ -14,7 +14,7 @@ use crate::embed::stage::STOP;
 use crate::host::{Host, HostBuffer, HostPass};
 
 pub const CHART: Chart = Chart { rows: 40, cols: 48 };
-/// Of a vertex: position, normal and texture coordinates.
+/// Floats of a vertex: position, normal and texture coordinates.
 pub const STRIDE: usize = 8;
 pub const IN_FLIGHT: usize = 2;
 pub const PASSES: [(Schedule, Wavefront); 1] = [(Schedule::Raster, Wavefront::Curved)];
@@ -57,10 +57,10 @@ struct Renderer {
 }
 
 struct InFlight {
-    /// How far the vertices are moved.
+    /// Amount by which the vertices are moved.
     phase: HostBuffer,
     deform: HostPass,
-    /// The map as it is drawn, and the vertices that it is of.
+    /// The map as it is drawn, and the vertices for which it was computed.
     picture: HostBuffer,
     copy: HostBuffer,
     draw: HostPass,
@@ -99,12 +99,12 @@ impl Renderer {
         Self { host, solver, surface, plan, vertices, frames }
     }
 
-    /// Appends a frame: moves the vertices, computes the map and draws it.
+    /// Records a frame: moves the vertices, computes the map and draws it.
     fn record(&self, commands: vk::CommandBuffer, number: usize, slot: usize, reader: Reader) {
         let Self { host, vertices, .. } = self;
         let InFlight { deform, copy, draw, .. } = &self.frames[slot];
         let groups = CHART.points().div_ceil(64) as u32;
-        // We have let the vertices go; the host's own copy of them has not.
+        // The recording no longer uses the vertices, but the host's own copy of them still does.
         host.barrier(commands, Access::TRANSFER_READ, Access::COMPUTE_WRITE);
         host.dispatch(commands, deform, groups);
 
@@ -157,15 +157,15 @@ impl Renderer {
     }
 }
 
-/// The source of a frame wanders over the grid, in two of four frames between its points.
+/// Returns the source of a frame. It moves over the grid, and is between grid points in two of four frames.
 pub fn place(number: usize) -> (f32, f32) {
     let turn = 0.1 * number as f32;
     let (row, col) = (19.5 + 15.0 * turn.sin(), 23.5 + 18.0 * (0.7 * turn).cos());
     if number % 4 < 2 { (row.round(), col.round()) } else { (row, col) }
 }
 
-/// Two frames in flight, 200 frames. The maps of some are those of the headless solver on the same
-/// vertices.
+/// With two frames in flight, 200 frames run. Some of their maps are compared with those of the headless
+/// solver on the same vertices.
 #[test]
 fn a_deforming_surface_is_drawn_for_200_frames_without_a_message() {
     let mut renderer = Renderer::new();
@@ -198,7 +198,8 @@ fn a_deforming_surface_is_drawn_for_200_frames_without_a_message() {
     assert_eq!(renderer.end(), Vec::<String>::new());
 }
 
-/// The same map, within 1e-5 of the largest distance, from grid points and from between them.
+/// Asserts that the map is the same within 1e-5 of the largest distance, from grid points and from places
+/// between them.
 pub fn assert_same(headless: &mut Solver, vertices: &[f32], number: usize, picture: &[f32]) {
     let position = |index: usize| {
         let vertex = &vertices[STRIDE * index..];
@@ -216,7 +217,8 @@ pub fn assert_same(headless: &mut Solver, vertices: &[f32], number: usize, pictu
     assert!(difference < 1e-5, "frame {number}: {difference}");
 }
 
-/// Two frames in one command buffer, since older layers do not look across submissions.
+/// Returns the messages for two frames in one command buffer, since older layers do not check across
+/// submissions.
 fn messages_of_two_frames(reader: Reader) -> Vec<String> {
     let renderer = Renderer::new();
     renderer.host.run(|commands| {
@@ -232,7 +234,7 @@ fn frames_in_one_submission_share_a_slot_and_all_images() {
     assert_eq!(messages_of_two_frames(Reader::COMPUTE), Vec::<String>::new());
 }
 
-/// Without this, a clean log would say nothing.
+/// A hazard must be reported, or a clean log would prove nothing.
 #[test]
 fn a_reader_that_is_not_named_is_reported() {
     let layout = Reader::COMPUTE.layout;

@@ -1,4 +1,4 @@
-//! What is known of recordings that have not run: outcomes, slots, preparations, and with checks all of them.
+//! Reports about recordings that have not run: outcomes, slots, preparations, and with checks all of them.
 
 use geosweep::Wavefront;
 use geosweep::ash::vk;
@@ -13,7 +13,7 @@ use crate::embed::stage::{Kept, RASTER, Stage, source, vertices};
 use crate::host::{Host, HostBuffer};
 
 #[test]
-fn an_outcome_before_the_fence_is_none() {
+fn an_outcome_before_the_fence_is_absent() {
     let (stage, points) = stage(2);
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 8);
     let sources = source(3.0, 4.0);
@@ -23,7 +23,7 @@ fn an_outcome_before_the_fence_is_none() {
     };
     not_run(0);
     for _ in 0..2 {
-        // Recorded, and not submitted yet: the frame before it says nothing of this one.
+        // This recording is not submitted yet. The frame before it does not report on it.
         let commands = stage.host.commands();
         stage.host.begin(commands);
         let recording = stage.solver.record(&stage.host.device, commands, &stage.surface);
@@ -39,7 +39,7 @@ fn an_outcome_before_the_fence_is_none() {
         assert!(outcome.converged && outcome.measured, "{outcome:?}");
         assert_eq!((outcome.holes, outcome.passed_over), (0, 0));
     }
-    // One that is thrown away.
+    // A recording that is discarded.
     stage.attempt(|r| r.frame(&Frame { slot: 1, ..frame(&plan, &sources) }).map(drop)).unwrap();
     assert_eq!(stage.surface.in_flight(), Some(1));
     stage.surface.discard(1).unwrap();
@@ -48,7 +48,7 @@ fn an_outcome_before_the_fence_is_none() {
     stage.end([points]);
 }
 
-/// With checks, and with several slots; with one the device waits for the reader before.
+/// This holds with checks and several slots. With one slot, the device waits for the earlier reader.
 #[test]
 fn a_slot_in_flight_is_not_recorded_again() {
     let mut host = Host::new();
@@ -82,7 +82,7 @@ fn a_slot_in_flight_is_not_recorded_again() {
             r.frame(&frame).map(drop)
         })
         .unwrap();
-        // What goes on with the same map may go to the same slot.
+        // A recording that continues the same map may use the same slot.
         record(buffers[1], &|r| {
             r.begin(Access::NONE);
             r.resume(&plan).and(r.outcome(0))
@@ -107,8 +107,8 @@ fn a_slot_in_flight_is_not_recorded_again() {
     assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
 }
 
-/// Without layers, which would tell of images that were never brought into a layout. What a surface before has left
-/// in the memory is no preparation of this one.
+/// Without layers, which would report images that were never given a layout. Data that an earlier surface has
+/// left in the memory do not count as a preparation of this one.
 #[test]
 fn a_preparation_that_never_ran_shows() {
     let (mut stage, points) = {
@@ -146,7 +146,7 @@ fn a_preparation_that_never_ran_shows() {
     whole(&stage);
     assert!(!lost(&stage));
     let of_first = bytes(&record);
-    // Another surface, at the same place in memory.
+    // Another surface at the same place in memory.
     stage.surface.destroy(&device, stage.host.allocator());
     let inputs = [Points::positions(points.handle, 32)];
     let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
@@ -158,14 +158,14 @@ fn a_preparation_that_never_ran_shows() {
     stage.submit(|r| r.prepare());
     whole(&stage);
     assert!(!lost(&stage));
-    // Prepared again, which is lost: images are as they were, and yet nobody knows.
+    // The second preparation is lost. Images are unchanged, but this cannot be known.
     stage.attempt(|r| r.prepare());
     whole(&stage);
     assert!(lost(&stage));
     stage.end([points, record]);
 }
 
-/// With checks, whatever was recorded; an outcome among it or not.
+/// With checks, every recording is tracked, with or without an outcome.
 #[test]
 fn every_recording_is_followed_with_checks() {
     let mut host = Host::with_synchronization_validation();

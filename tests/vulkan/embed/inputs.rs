@@ -1,4 +1,4 @@
-//! What a host can give, in every form, against the headless solver on the same surface.
+//! Inputs of a host in every form, compared with the headless solver on the same surface.
 
 use geosweep::Stop;
 use geosweep::ash::vk;
@@ -16,7 +16,8 @@ use crate::embed::stage::{Kept, RASTER, STOP, Stage, source, vertices};
 use crate::host::Host;
 
 const CHART: Chart = Chart { rows: 31, cols: 45 };
-/// Between the maps from the same points: rounding, since shaders measure the same edges as their twin.
+/// Largest difference between maps from the same points: rounding, since shaders measure the same edges as
+/// their twin.
 const SAME: f64 = 1e-5;
 
 fn positions(vertices: &[f32]) -> Surface {
@@ -37,7 +38,7 @@ fn headless(
     solver.solve(&mut on_device, &seeds, method).unwrap().distances
 }
 
-/// The same, with sources that lie close together solved alone at first.
+/// Returns the map of the headless solver, where sources close to one another are first solved alone.
 fn headless_alone(solver: &mut Solver, surface: &Surface, sources: &Sources) -> Vec<f32> {
     let mut on_device = solver.upload(surface).unwrap();
     let wavefront = Wavefront::Curved;
@@ -46,7 +47,7 @@ fn headless_alone(solver: &mut Solver, surface: &Surface, sources: &Sources) -> 
     solver.solve(&mut on_device, &seeds, method).unwrap().distances
 }
 
-/// Some of the vertices become holes, of each kind that the host may write.
+/// Replaces some of the vertices by holes, of each kind that the host may write.
 fn with_holes(mut vertices: Vec<f32>) -> Vec<f32> {
     for (index, hole) in [(400, f32::NAN), (401, f32::INFINITY), (402, 1e13), (700, f32::NAN)] {
         vertices[8 * index + index % 3] = hole;
@@ -66,7 +67,7 @@ fn positions_in_a_buffer_or_an_image_give_the_headless_map() {
     let texels: Vec<f32> = vertices.chunks(8).flat_map(|v| [v[0], v[1], v[2], f32::NAN]).collect();
     for edge_rule in [EdgeRule::Arc, EdgeRule::Chord] {
         let mut host = Kept::watched();
-        // After other data, at an offset that is a multiple of 4 alone.
+        // The points follow other data, at an offset that is a multiple of 4 but of no larger power of two.
         let buffer = host.buffer_of(&[vec![7.0; 67], vertices.clone()].concat());
         let image = host.image_of(CHART.cols as u32, CHART.rows as u32, 4, &texels);
         let (kind, slowness) = (PointKind::Positions, None);
@@ -96,13 +97,14 @@ fn heights_with_slowness_give_the_headless_map() {
     heights_with_slowness(1.0);
 }
 
-/// Seconds a metre of light.
+/// The slowness is that of light, in seconds per metre.
 #[test]
 fn small_slownesses_give_the_headless_map() {
     heights_with_slowness(3.3e-9);
 }
 
-/// Of a slowness times a unit, with a negative value and NaN, and with a patch of 0 if the unit is 1.
+/// Compares maps with a slowness times `unit`, with a negative value and NaN, and with a patch of 0 if `unit`
+/// is 1.
 fn heights_with_slowness(unit: f32) {
     let mut solver = vulkan_solver();
     let height = |index: usize| {
@@ -143,11 +145,11 @@ fn heights_with_slowness(unit: f32) {
     let mut stage = Stage::new(host, &RASTER, &info);
     for wavefront in Wavefront::ALL {
         let plan = stage.plan(Schedule::Raster, wavefront, 6);
-        // A plan is made before it is known that circles do not suit.
+        // A plan is created before it is known that circular fronts are not suitable.
         let solved = if wavefront == Wavefront::Curved { wavefront } else { Wavefront::Planar };
         let map = headless(&mut solver, &surface, &Sources::point(3.0, 40.0), solved);
-        // Fronts that leave a patch of 0 at one time everywhere differ in how they curve alone: rounding
-        // tells which of them a point takes.
+        // Fronts that leave a patch of 0 have the same time everywhere and differ only in curvature. Rounding
+        // decides which of them a point takes.
         let has_ties = unit == 1.0 && wavefront == Wavefront::Curved;
         let most = if has_ties { 2e-4 } else { SAME };
         for points in 0..2 {
@@ -160,8 +162,8 @@ fn heights_with_slowness(unit: f32) {
     stage.end([buffer]);
 }
 
-/// From a metric that shears and stretches, with a hole. The rule for edges, which a metric has not,
-/// makes no difference.
+/// The metric shears and stretches, and has a hole. A metric has no rule for edges, so that the rule makes no
+/// difference.
 #[test]
 fn a_metric_gives_the_headless_map() {
     let mut solver = vulkan_solver();
@@ -192,8 +194,8 @@ fn a_metric_gives_the_headless_map() {
     stage.end([buffer]);
 }
 
-/// Sources anywhere: on grid points, on edges, in cells, in cells with a missing corner, many in one
-/// texel, more than one dispatch looks at. Chords, for which the headless sources are measured too.
+/// Sources anywhere: on grid points, on edges, in cells, in cells with a missing corner, many in one texel,
+/// and more than one dispatch processes. Edges are chords, with which the headless sources are measured too.
 #[test]
 fn sources_from_the_program_or_a_buffer_give_the_headless_map() {
     let mut solver = vulkan_solver();
@@ -222,7 +224,7 @@ fn sources_from_the_program_or_a_buffer_give_the_headless_map() {
 
     let mut host = Kept::watched();
     let points = host.buffer_of(&vertices);
-    // Entries to be passed over come first and last.
+    // Entries that are skipped come first and last.
     let nowhere = PointSource::at(f32::NAN, 3.0);
     let off = [PointSource::at(-0.5, 3.0), PointSource::at(3.0, 44.5), nowhere];
     let late = PointSource { time: 1e30, ..PointSource::at(9.0, 9.0) };
@@ -255,14 +257,14 @@ fn sources_from_the_program_or_a_buffer_give_the_headless_map() {
                     initial: s.time.into(),
                 })
                 .collect();
-            // Entries of a buffer that are to be passed over count too.
+            // Entries of a buffer that are skipped count too.
             let inputs = [
                 (SourceInput::Inline(set), set.len()),
                 (SourceInput::Buffer(number), buffers[number].1 as usize),
             ];
             for (input, entries) in inputs {
-                // Curved fronts of few sources are solved alone where others are near, on the device a
-                // third as far.
+                // Curved fronts of few sources are solved alone if other sources are near: on the device,
+                // within a third of the distance.
                 let (map, most) = match wavefront.is_curved() && entries <= 8 {
                     true => (headless_alone(&mut solver, &surface, &sources), 5e-3),
                     false => (headless(&mut solver, &surface, &sources, wavefront), SAME),
@@ -276,8 +278,8 @@ fn sources_from_the_program_or_a_buffer_give_the_headless_map() {
     stage.end(buffers.into_iter().map(|(buffer, _)| buffer).chain([points]));
 }
 
-/// A plan of one iteration or a few rounds, resumed in command buffer after command buffer, and in
-/// one; and sources added to the map.
+/// A plan of one iteration or a few rounds is resumed over several command buffers, and in one; sources are
+/// added to the map.
 #[test]
 fn every_schedule_can_be_split_and_added_to() {
     let mut solver = vulkan_solver();
@@ -302,7 +304,7 @@ fn every_schedule_can_be_split_and_added_to() {
         let done = stage.surface.outcome(0).unwrap();
         assert!(done.iterations > portion && done.residual <= STOP.tolerance, "{done:?}");
 
-        // Nothing happens beyond convergence.
+        // Beyond convergence, nothing happens.
         let resume = |recording: geosweep::vulkan::embed::Recording| {
             recording.begin(Access::NONE);
             recording.resume(&plan).unwrap();
@@ -323,7 +325,7 @@ fn every_schedule_can_be_split_and_added_to() {
         let apart = difference(&both, &stage.read());
         assert!(apart < SAME, "{schedule}, added: {apart}");
 
-        // In one command buffer: the same map to the bit.
+        // In one command buffer, the map is the same to the bit.
         stage.run(|recording| {
             recording.begin(Access::NONE);
             recording.solve(SourceInput::Inline(&source(5.0, 7.0)), &plan).unwrap();
@@ -340,8 +342,8 @@ fn every_schedule_can_be_split_and_added_to() {
     stage.end([points]);
 }
 
-/// A command buffer that is recorded once is submitted for other points and sources, which it finds
-/// in buffers.
+/// A command buffer that is recorded once is submitted for other points and sources, which it reads from
+/// buffers.
 #[test]
 fn a_recording_can_be_submitted_again() {
     let mut solver = vulkan_solver();
@@ -385,7 +387,7 @@ fn a_recording_can_be_submitted_again() {
     stage.end([points, sources]);
 }
 
-/// Iterations end where the method says, and that is not convergence.
+/// Iterations end at the method's limit, which is not convergence.
 #[test]
 fn iterations_run_out_without_convergence() {
     let mut host = Kept::watched();
@@ -410,10 +412,10 @@ fn iterations_run_out_without_convergence() {
         });
         let outcome = stage.surface.outcome(0).unwrap();
         match schedule {
-            // Two scans there and back are enough here.
+            // Two scans to and fro are enough here.
             Schedule::Raster => assert!(outcome.iterations <= 3, "{outcome:?}"),
             _ => {
-                // A round visits only tiles, of which there are six here, or more where shared memory is small.
+                // A round visits only tiles, of which there are six here, or more if shared memory is small.
                 let unreached = stage.read().contains(&-1.0);
                 assert!(unreached || schedule == Schedule::Tiles);
                 assert!(!outcome.converged && (3..=4).contains(&outcome.iterations), "{outcome:?}");
@@ -423,12 +425,12 @@ fn iterations_run_out_without_convergence() {
     stage.end([points]);
 }
 
-/// Distances at some places, the packed times, the record in a buffer of the host's, and what
-/// stands for points that are not reached, against the image.
+/// Several readings are compared with the image: distances at some places, the packed times, the record in a
+/// buffer of the host, and the value of points that are not reached.
 #[test]
 fn the_map_can_be_read_in_other_ways() {
     let mut vertices = vertices(CHART, 0.9);
-    // A wall of holes: what is beyond column 30 is not reached.
+    // A wall of holes: points beyond column 30 are not reached.
     for row in 0..CHART.rows {
         vertices[8 * CHART.index(row, 30)] = f32::NAN;
     }
@@ -521,8 +523,8 @@ fn the_map_can_be_read_in_other_ways() {
     stage.end([points, places, looked_up, record, texels]);
 }
 
-/// A height field that the host renders into is read before the render pass has ended, unless the
-/// recording is told of it.
+/// The recording reads a height field before the host's render pass that writes it has ended, unless the
+/// recording is told of the pass.
 #[test]
 fn a_writer_that_is_not_named_is_reported() {
     let after_rendering = |before| {

@@ -1,5 +1,5 @@
-//! What a renderer can get wrong: each is an error, or stands in the outcome; none is a map that looks right.
-//! `tests/capi/misuse.rs` and `states.rs` have the same through the functions of C.
+//! Mistakes of a renderer: each is an error or shows in the outcome, and none gives a map that looks right.
+//! `tests/capi/misuse.rs` and `states.rs` test the same through the functions of C.
 
 use geosweep::ash::{self, vk};
 use geosweep::surface::{Chart, SourceError};
@@ -16,7 +16,7 @@ use crate::host::{Host, HostBuffer};
 
 pub const CHART: Chart = Chart { rows: 17, cols: 21 };
 
-/// A frame of this plan for slot 0, from points 0.
+/// Returns a frame of this plan for slot 0, from points 0.
 pub fn frame<'a>(plan: &'a embed::Plan, sources: &'a [PointSource]) -> Frame<'a> {
     Frame {
         before: Access::NONE,
@@ -29,7 +29,7 @@ pub fn frame<'a>(plan: &'a embed::Plan, sources: &'a [PointSource]) -> Frame<'a>
     }
 }
 
-/// On a surface of vertices, with so many slots.
+/// Returns a stage with a surface of vertices and `slots` slots.
 pub fn stage(slots: usize) -> (Stage, HostBuffer) {
     let mut host = Kept::watched();
     let points = host.buffer_of(&vertices(CHART, 0.3));
@@ -39,7 +39,7 @@ pub fn stage(slots: usize) -> (Stage, HostBuffer) {
 }
 
 impl Stage {
-    /// What a recording comes to that is thrown away.
+    /// Runs `record` with a recording that is discarded, and returns its result.
     pub fn attempt<T>(&self, record: impl FnOnce(Recording) -> T) -> T {
         let commands = self.host.commands();
         self.host.begin(commands);
@@ -95,10 +95,10 @@ fn an_unprepared_surface_takes_nothing() {
     stage.end([points]);
 }
 
-/// Points that have not changed, of which there are none yet; and curvatures that a solver without curved fronts
-/// has not measured.
+/// The points have not changed but were never measured, and a solver without curved fronts has measured no
+/// curvatures.
 #[test]
-fn maps_come_of_what_was_measured() {
+fn maps_need_measured_edges() {
     let mut host = Host::new();
     let points = host.buffer_of(&vertices(CHART, 0.3));
     let inputs = [Points::positions(points.handle, 32)];
@@ -132,7 +132,7 @@ fn maps_come_of_what_was_measured() {
 }
 
 #[test]
-fn nothing_is_read_of_a_map_that_is_not_there_or_another() {
+fn missing_and_other_maps_are_not_read() {
     let mut host = Kept::watched();
     let points = host.buffer_of(&vertices(CHART, 0.3));
     let (places, to) = (host.buffer_of(&[1.0, 2.0]), host.buffer(80, true));
@@ -179,7 +179,7 @@ fn nothing_is_read_of_a_map_that_is_not_there_or_another() {
                 r.paths(&paths, &path_frame),
                 r.regions(&regions, &region_frame),
             );
-            // What was measured anew has none either.
+            // A new measurement has no map either.
             r.measure(0).unwrap();
             r.solve(inline, &plan).unwrap();
             r.measure(0).unwrap();
@@ -204,10 +204,10 @@ fn nothing_is_read_of_a_map_that_is_not_there_or_another() {
 }
 
 #[test]
-fn what_lies_beyond_a_buffer_is_refused() {
+fn ranges_beyond_a_buffer_are_refused() {
     let (mut stage, points) = stage(1);
     let device = stage.host.device.clone();
-    // 96 bytes, which drivers may round up.
+    // A buffer of 96 bytes, which drivers may round up.
     let (small, count) = (stage.host.buffer_of(&[0.0; 24]), CHART.points() as u64);
     let handle = small.handle;
     let beyond = |result: Result<(), VulkanError>, what: &str| {
@@ -259,7 +259,8 @@ fn what_lies_beyond_a_buffer_is_refused() {
     stage.end([points, small]);
 }
 
-/// Its device knows no function of 1.1, whatever the driver can; but some loaders hand out what the driver has.
+/// The instance's devices know no function of 1.1, whatever the driver supports. Some loaders return the
+/// driver's functions anyway.
 #[test]
 fn an_instance_for_vulkan_1_0_is_refused() {
     let entry = unsafe { ash::Entry::load() }.unwrap();
@@ -295,9 +296,9 @@ fn an_instance_for_vulkan_1_0_is_refused() {
     }
 }
 
-/// Refused where the program gives it; clamped where a shader may have written it.
+/// An invalid curvature is refused if the program gives it, and clamped if a shader may have written it.
 #[test]
-fn a_curvature_that_is_none_gives_no_other_map() {
+fn an_invalid_curvature_does_not_change_the_map() {
     let mut host = Kept::watched();
     let points = host.buffer_of(&vertices(CHART, 0.3));
     let bad = [f32::INFINITY, f32::NAN, -1.0, f32::NEG_INFINITY, -0.0];
@@ -333,9 +334,9 @@ fn a_curvature_that_is_none_gives_no_other_map() {
     stage.end([points, entries]);
 }
 
-/// Sources that start nothing and points that are none are counted by the device, from buffers and images.
+/// The device counts sources that start nothing and points that are holes, from buffers and images.
 #[test]
-fn what_only_the_device_knows_is_in_the_outcome() {
+fn facts_that_only_the_device_knows_are_in_the_outcome() {
     let mut host = Kept::watched();
     let mut given = vertices(CHART, 0.3);
     for (hole, value) in [(8 * 40, f32::NAN), (8 * 41 + 2, f32::INFINITY), (8 * 300 + 1, -2e12)] {
@@ -356,7 +357,7 @@ fn what_only_the_device_knows_is_in_the_outcome() {
         ]
         .concat(),
     );
-    // Two columns and a row too few.
+    // The image lacks two columns and a row.
     let texels: Vec<f32> = (0..19 * 16).flat_map(|_| [1.0; 4]).collect();
     let image = host.image_of(19, 16, 4, &texels);
     let memory = PointMemory::Image { view: image.view, layout: vk::ImageLayout::GENERAL };
@@ -369,7 +370,7 @@ fn what_only_the_device_knows_is_in_the_outcome() {
     stage.map(0, SourceInput::Buffer(0), &plan);
     let outcome = stage.surface.outcome(0).unwrap();
     assert_eq!((outcome.holes, outcome.passed_over, outcome.measured), (3, 5, true));
-    // What is added to a map counts with the others; a map that starts anew counts anew.
+    // A source that is added to a map counts with the others. A map that starts anew counts anew.
     let in_hole = source(hole_row, hole_col);
     let record = stage.host.buffer(80, true);
     stage.submit(|r| {
@@ -389,7 +390,7 @@ fn what_only_the_device_knows_is_in_the_outcome() {
     stage.end([points, entries, record]);
 }
 
-/// Of a surface that is measured in bands each point counts once.
+/// On a surface that is measured in bands, each point counts once.
 #[test]
 fn holes_of_bands_count_once() {
     let chart = Chart { rows: 700, cols: 500 };
@@ -413,7 +414,7 @@ fn holes_of_bands_count_once() {
     stage.end([points]);
 }
 
-/// The recording that measures is thrown away, and what comes after it is not.
+/// The recording that measures is discarded, and the recording after it runs.
 #[test]
 fn edges_that_were_never_measured_on_the_device_show() {
     let (stage, points) = stage(1);
@@ -428,13 +429,13 @@ fn edges_that_were_never_measured_on_the_device_show() {
     stage.end([points]);
 }
 
-/// No call of Vulkan's tells the state of a command buffer. The layers do; and what was recorded into one that
-/// was not begun never runs, which its outcome tells.
+/// No Vulkan call returns the state of a command buffer, but the layers report it. A recording into a command
+/// buffer that was not begun never runs, and its outcome shows that.
 #[test]
 fn a_recording_at_the_wrong_place_is_reported_by_the_layers() {
     let mut host = Host::new();
     if !host.is_processor() {
-        // The layers tell of a call and hand it on; drivers of GPUs may end the process.
+        // The layers report a call and pass it on, and drivers of GPUs may end the process.
         return;
     }
     let image = host.image_of(8, 8, 1, &[0.0; 64]);

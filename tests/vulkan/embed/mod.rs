@@ -1,4 +1,4 @@
-//! The embedding interface, used by a renderer of the tests' own.
+//! The embedding interface, used by the tests' own renderer.
 
 mod capture;
 mod changes;
@@ -28,24 +28,24 @@ mod stage;
 mod surroundings;
 mod together;
 
-/// It checks that every frame has converged.
+/// The example itself checks that every frame has converged.
 #[test]
 fn the_example_runs() {
     example::main().unwrap();
 }
 
-/// Something is drawn, the lines move with the source and with the surface, and the validation layers
-/// have nothing to say about the passes that draw and ours between them.
+/// The picture is not empty, and the lines move with the source and with the surface. The validation layers
+/// report nothing about the passes that draw or about the library's passes between them.
 #[test]
 #[cfg(feature = "formats")]
-fn the_renderer_draws_what_it_is_told() {
+fn the_renderer_draws_the_requested_frame() {
     use render::PointSource;
     let mut host = render::Host::with_synchronization_validation();
     let mut draw = |phase, row, col| render::render(&mut host, 1, phase, PointSource::at(row, col));
     let background = [237u8, 235, 230];
     let first = draw(1.1, 150.0, 210.0);
     let pixels = || first.iter().flatten();
-    // Devices round colours to one digit or the next.
+    // Devices round colours differently in the last digit.
     let is_background = |pixel: &[u8; 3]| (0..3).all(|i| pixel[i].abs_diff(background[i]) <= 1);
     let drawn = pixels().filter(|&pixel| !is_background(pixel)).count();
     assert!((0.4..0.9).contains(&(drawn as f64 / pixels().count() as f64)), "{drawn}");

@@ -1,4 +1,5 @@
-//! Images of the host's that distances are written to, whose memory other images of the host's have meanwhile.
+//! Images of the host to which distances are written. Other images of the host use the same memory at other
+//! times.
 
 use geosweep::Wavefront;
 use geosweep::ash::vk;
@@ -15,7 +16,7 @@ use crate::host::{Host, HostBuffer};
 
 const CHART: Chart = Chart { rows: 23, cols: 36 };
 
-/// Images that have the same memory, one after another.
+/// Images that use the same memory, one after another.
 struct Aliases {
     images: Vec<HostImage>,
     memory: vk::DeviceMemory,
@@ -56,7 +57,7 @@ impl Aliases {
         Self { images: images.into_iter().map(view).collect(), memory }
     }
 
-    /// Another image takes the memory: it is brought into a layout and cleared by a copy.
+    /// Makes another image take the memory: gives it a layout and clears it by a copy.
     fn take_over(&self, host: &Host, commands: vk::CommandBuffer, number: usize) {
         let barrier = vk::ImageMemoryBarrier::default()
             .image(self.images[number].image)
@@ -114,8 +115,8 @@ fn copy(host: &Host, commands: vk::CommandBuffer, from: embed::ResultImage, to: 
     host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
 }
 
-/// Two characters with their vertices in rings, two frames in flight; one writes an image of the host's whose memory is
-/// another image's for the rest of the frame, and a third's in every second frame.
+/// Two characters have their vertices in rings, with two frames in flight. One writes an image of the host,
+/// whose memory belongs to another image for the rest of the frame, and to a third one in every second frame.
 #[test]
 fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
     const FRAMES: usize = 50;
@@ -139,7 +140,7 @@ fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
         reader: Reader::COPY,
         unreached: f32::INFINITY,
     };
-    // By a surface with images of its own, frame by frame.
+    // The expected maps come from a surface with its own images, frame by frame.
     let mut expected: [Vec<Vec<f32>>; 2] = [Vec::new(), Vec::new()];
     for (who, maps) in expected.iter_mut().enumerate() {
         for at in [0, part, 2 * part] {
@@ -181,7 +182,7 @@ fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
             check(&stage, &second, slot, fence, before);
         }
         if turn >= 10 {
-            // The graph hands out another image.
+            // The render graph assigns another image.
             let image = aliases.images[(turn / 2) % 3];
             second.set_result(&device, slot, image).unwrap();
         }
@@ -221,7 +222,7 @@ fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
     let few = SurfaceInfo { results: &given[..1], ..alone };
     let refused = stage.solver.surface(&device, stage.host.allocator(), &few).unwrap_err();
     assert!(refused.to_string().contains("1 results are given for 2 slots"), "{refused}");
-    // Recorded and not submitted: each of the slot's sets waits.
+    // Recordings that are not submitted: each of the slot's descriptor sets waits.
     for image in [given[0], given[1], given[0]] {
         second.set_result(&device, 0, image).unwrap();
         let commands = stage.host.commands();
@@ -238,7 +239,8 @@ fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
     stage.end(to.into_iter().flatten().chain([ring]));
 }
 
-/// Curves and labels in buffers of the host's are those in buffers of their own, and go to another one when told.
+/// Curves and labels in buffers of the host equal those in the library's own buffers, and go to another
+/// buffer after it is set.
 #[test]
 fn curves_and_labels_go_to_buffers_of_the_hosts() {
     let mut host = Kept::watched_but_for_shaders();

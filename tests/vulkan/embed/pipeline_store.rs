@@ -1,4 +1,4 @@
-//! Pipelines that stay in a file from one solver to the next.
+//! Pipelines that a file keeps from one solver to the next.
 
 use geosweep::Wavefront;
 use geosweep::ash::vk;
@@ -7,7 +7,7 @@ use geosweep::vulkan::{PipelineStore, Schedule};
 
 use crate::host::Host;
 
-/// The files of a folder, and what is in them.
+/// Returns the files of a folder and their contents.
 fn files(folder: &std::path::Path) -> Vec<(std::path::PathBuf, Vec<u8>)> {
     let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     files.map(|path| (path.clone(), std::fs::read(path).unwrap())).collect()

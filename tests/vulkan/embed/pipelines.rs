@@ -1,4 +1,4 @@
-//! The pipelines of a device: made once, by the host's cache if it has one.
+//! Pipelines of a device: created once, with the host's cache if it has one.
 
 use std::ffi::{CStr, c_void};
 use std::sync::OnceLock;
@@ -17,10 +17,10 @@ use crate::host::Host;
 static REAL: OnceLock<vk::PFN_vkCreateComputePipelines> = OnceLock::new();
 static MADE: AtomicU32 = AtomicU32::new(0);
 static MADE_BY_CACHE: AtomicU32 = AtomicU32::new(0);
-/// The host's.
+/// The host's cache.
 static CACHE: AtomicU64 = AtomicU64::new(0);
 
-/// Counts, and has the driver do it.
+/// Counts the call and passes it to the driver.
 unsafe extern "system" fn create_and_count(
     device: vk::Device,
     cache: vk::PipelineCache,
@@ -41,8 +41,8 @@ fn made() -> [u32; 2] {
     [&MADE, &MADE_BY_CACHE].map(|count| count.swap(0, Ordering::Relaxed))
 }
 
-/// Contours, paths and regions of a second surface, and of the same one, make no pipeline, with or
-/// without a cache, and all others are made by the cache that is the solver's at that time.
+/// Contours, paths and regions of a second surface, and of the same one, create no pipeline, with or without
+/// a cache. All others are created with the cache that the solver has at that time.
 #[test]
 fn pipelines_are_made_once_and_by_the_hosts_cache() {
     let mut host = Host::new();
@@ -69,7 +69,7 @@ fn pipelines_are_made_once_and_by_the_hosts_cache() {
     let tools = Tools::default();
     let mut solver =
         Solver::with_cache(&instance, physical_device, &device, &passes, tools, cache).unwrap();
-    // Those of every surface, four scans and the surroundings of sources.
+    // These are the pipelines of every surface, of four scans and of the surroundings of sources.
     assert_eq!(made(), [16 + 4 + 1; 2]);
     solver.add_passes(&device, Schedule::Raster, Wavefront::Curved).unwrap();
     solver.add_passes(&device, Schedule::Raster, Wavefront::Anchored).unwrap();
@@ -80,7 +80,7 @@ fn pipelines_are_made_once_and_by_the_hosts_cache() {
     let allocator = host.allocator();
     let mut all = Vec::new();
     for number in 0..3 {
-        // The third has no cache any more.
+        // The third solver no longer has a cache.
         if number == 2 {
             solver.set_pipeline_cache(vk::PipelineCache::null());
         }
@@ -88,7 +88,7 @@ fn pipelines_are_made_once_and_by_the_hosts_cache() {
         assert_eq!(made(), [0; 2]);
         let first = |count: u32| [if number == 0 { count } else { 0 }; 2];
         let contours = solver.contours(&device, allocator, &surface, 100).unwrap();
-        // With the one that lifts them.
+        // The count includes the pipeline that lifts them.
         assert_eq!(made(), first(3 + 1));
         let info = PathsInfo { paths: 1, vertices: 10 };
         let paths = solver.paths(&device, allocator, &surface, info).unwrap();
@@ -97,7 +97,7 @@ fn pipelines_are_made_once_and_by_the_hosts_cache() {
         assert_eq!(made(), first(4));
         all.push((surface, contours, paths, regions));
     }
-    // Two of these depend on the wavefront.
+    // Two of these pipelines depend on the wavefront.
     let regions = solver.regions(&device, allocator, &all[0].0, Wavefront::Planar);
     let [count, by_cache] = made();
     assert!((1..4).contains(&count) && by_cache == 0, "{count}, {by_cache}");
@@ -115,8 +115,8 @@ fn pipelines_are_made_once_and_by_the_hosts_cache() {
     assert_eq!(host.messages(), Vec::<String>::new());
 }
 
-/// A plan says which wavefront its maps have: no one knows of a surface on the device whether fronts
-/// can have anchors.
+/// A plan returns the wavefront of its maps. It cannot be known whether fronts on a device's surface can have
+/// anchors.
 #[test]
 fn plans_name_the_wavefront_of_their_maps() {
     let host = Host::without_validation();

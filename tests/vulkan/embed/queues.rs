@@ -1,8 +1,8 @@
-//! Maps from a queue for compute beside the main queue, on which vertices are moved and maps drawn:
-//! with semaphores, and what both queues use shared by their families or handed over.
+//! Maps from a queue for compute beside the main queue, which moves vertices and draws maps. Semaphores order
+//! them. The queue families share the resources of both queues, or transfer their ownership.
 //!
-//! On a device with a single family the same runs on two queues of it, or on one: semaphores are
-//! needed all the same between two, and barriers between equal families hand nothing over.
+//! On a device with a single family, the same runs on two queues of it, or on one. Semaphores are needed
+//! between two queues there too, and barriers between equal families transfer nothing.
 
 use geosweep::ash::vk;
 use geosweep::vulkan::embed::{
@@ -19,30 +19,30 @@ use crate::embed::stage::STOP;
 use crate::host::{self, Host, HostBuffer, HostPass};
 
 pub mod handover {
-    // docs/async-compute.md shows this file.
+    // docs/async-compute.md contains this file.
     include!("handover.rs");
 }
 
 const FRAMES: usize = 12;
-/// How maps and vertices are read where they are drawn.
+/// Returns the access by which maps and vertices are read where they are drawn.
 fn read() -> Access {
     Access::COMPUTE_READ.and(Access::TRANSFER_READ)
 }
 const LEVELS: [f32; 5] = [3.0, 6.5, 10.0, 15.0, 24.0];
 const ROOM: u32 = 8192;
 
-/// How queue families get at what both use.
+/// How queue families access the resources of both queues.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
-    /// Images and the host's buffers are made for both.
+    /// Images and the host's buffers are created for both families.
     Shared,
-    /// They belong to one at a time.
+    /// Images and buffers belong to one family at a time.
     HandedOver,
 }
 
 pub struct Renderer {
     way: Way,
-    /// The main queue's family and that of the other.
+    /// Family of the main queue, and family of the other queue.
     families: [u32; 2],
     pub host: Host,
     solver: embed::Solver,
@@ -51,18 +51,18 @@ pub struct Renderer {
     frames: Vec<InFlight>,
 }
 
-/// What a frame has of its own, so that fences alone keep frames apart.
+/// Resources of one frame in flight, so that fences alone keep frames apart.
 struct InFlight {
     phase: HostBuffer,
     vertices: HostBuffer,
     deform: HostPass,
     contours: Contours,
     draw: HostPass,
-    /// What the main queue has read: the map, the vertices and the contours.
+    /// Data that the main queue has read: the map, the vertices and the contours.
     picture: HostBuffer,
     copy: HostBuffer,
     lines: HostBuffer,
-    /// For the main queue, the other, and the main queue again.
+    /// Command buffers for the main queue, the other queue, and the main queue again.
     commands: [vk::CommandBuffer; 3],
     semaphores: [vk::Semaphore; 2],
     fence: vk::Fence,
@@ -72,7 +72,7 @@ impl Renderer {
     pub fn new(mut host: Host, way: Way, families: [u32; 2]) -> Self {
         let device = host.device.clone();
         let shared = if way == Way::Shared { &families[..] } else { &[] };
-        // We take equal families as well, Vulkan does not.
+        // This library accepts equal families, Vulkan does not.
         let apart = if families[0] == families[1] { &[] } else { shared };
         let bytes = 4 * (STRIDE * CHART.points()) as u64;
         let vertices: [_; IN_FLIGHT] =
@@ -129,7 +129,7 @@ impl Renderer {
         self.surface.result(slot, Reader::OTHER_QUEUE.layout).unwrap()
     }
 
-    /// For the main queue: moves the vertices.
+    /// Records for the main queue: moves the vertices.
     pub fn deform(&self, commands: vk::CommandBuffer, slot: usize) {
         let InFlight { deform, vertices, .. } = &self.frames[slot];
         self.host.dispatch(commands, deform, groups());
@@ -140,7 +140,7 @@ impl Renderer {
         }
     }
 
-    /// For the other queue: the map.
+    /// Records for the other queue: computes the map.
     pub fn map(&self, commands: vk::CommandBuffer, number: usize, slot: usize) {
         let Self { way, host, solver, surface, plan, .. } = self;
         let InFlight { vertices, .. } = &self.frames[slot];
@@ -167,7 +167,8 @@ impl Renderer {
         assert_eq!(distances, self.distances(slot));
     }
 
-    /// For the other queue, after the map: its contours, and all goes to the main queue's family.
+    /// Records for the other queue, after the map: finds its contours, and transfers everything to the main
+    /// queue's family.
     pub fn contour(&self, commands: vk::CommandBuffer, slot: usize) {
         let Self { way, host, solver, surface, .. } = self;
         let InFlight { vertices, contours, .. } = &self.frames[slot];
@@ -185,7 +186,7 @@ impl Renderer {
         }
     }
 
-    /// For the main queue: reads the map, the vertices and the contours.
+    /// Records for the main queue: reads the map, the vertices and the contours.
     pub fn draw(&self, commands: vk::CommandBuffer, slot: usize) {
         let InFlight { vertices, contours, draw, copy, lines, .. } = &self.frames[slot];
         let (device, [main, other]) = (&self.host.device, self.families);
@@ -229,7 +230,7 @@ impl Renderer {
         handover::submit(device, queues, *commands, *semaphores, read().stages, *fence).unwrap();
     }
 
-    /// After the fence: the map is the headless solver's, the contours are the CPU's.
+    /// Compares the map with the headless solver's and the contours with the CPU's, after the fence.
     fn check(&self, headless: &mut Solver, number: usize, slot: usize) {
         let InFlight { contours, picture, copy, lines, .. } = &self.frames[slot];
         let outcome = self.surface.outcome(slot).unwrap();
@@ -285,7 +286,7 @@ fn bytes_of(contours: &Contours) -> u64 {
     contours.curves().vertices_offset + u64::from(ROOM * CurveVertex::BYTES)
 }
 
-/// Two frames in flight: while the main queue draws one, the other queue is at the next.
+/// Draws with two frames in flight: while the main queue draws one, the other queue computes the next.
 fn draw_frames(way: Way) {
     let host = Host::new();
     let families = [host::family(&host.instance, host.physical_device), host.compute.family];
@@ -319,9 +320,9 @@ fn maps_of_another_queue_are_drawn_when_images_are_handed_over() {
     draw_frames(Way::HandedOver);
 }
 
-/// Two frames in one command buffer, since older layers do not look across submissions. Barriers
-/// stand for the semaphores: from all that was done to the stages that wait. If those that read do
-/// not wait, contours are left out as well, whose own barriers would do.
+/// Returns the messages for two frames in one command buffer, since older layers do not check across
+/// submissions. Barriers replace the semaphores: from all earlier commands to the stages that wait. Unless
+/// `waits` is set, contours are left out too, since their own barriers would suffice.
 fn messages_of_one_queue(way: Way, waits: bool) -> Vec<String> {
     let host = Host::new();
     let main = host::family(&host.instance, host.physical_device);
@@ -351,7 +352,7 @@ fn the_stages_that_wait_for_semaphores_are_enough() {
     }
 }
 
-/// Without this, a clean log would say nothing.
+/// A hazard must be reported, or a clean log would prove nothing.
 #[test]
 fn a_semaphore_left_out_is_reported() {
     let messages = messages_of_one_queue(Way::Shared, false);

@@ -1,4 +1,4 @@
-//! README's lines for renderers.
+//! Code of README for renderers.
 
 use geosweep::ash::vk;
 use geosweep::vulkan::embed::Access;
@@ -8,7 +8,7 @@ use crate::host::Host;
 
 #[expect(clippy::too_many_arguments, reason = "what a host has, in lines that README hides")]
 mod snippet {
-    // What README shows, with the lines that it hides.
+    // Code that README shows, with its hidden lines.
     include!("snippet.rs");
 }
 
@@ -24,7 +24,7 @@ fn the_snippet_of_readme_is_the_one_that_runs() {
     assert!(lines.eq(copy), "copy the lines of README into tests/vulkan/embed/snippet.rs");
 }
 
-/// A tilted plane, whose distances are known; curved fronts are exact there but for rounding.
+/// The surface is a tilted plane with known distances. Curved fronts are exact there, up to rounding.
 #[test]
 fn the_snippet_of_readme_runs() {
     let mut host = Host::new();

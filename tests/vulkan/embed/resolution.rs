@@ -1,5 +1,5 @@
-//! How well a grid resolves a surface, as the device counts it while it measures a host's points, against what
-//! `Surface::resolution` tells of the same surface.
+//! How well a grid resolves a surface, as the device determines it while measuring a host's points, compared
+//! with `Surface::resolution` on the same surface.
 
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeRule, Geometry};
@@ -12,7 +12,7 @@ use geosweep::{Spacing, Surface, Wavefront};
 use crate::common::rough;
 use crate::embed::stage::{Kept, RASTER, Stage, source};
 
-/// Heights that turn at random by as much, in units of the spacing.
+/// Returns heights that turn at random by up to `relief`, in units of the spacing.
 fn noise(rows: usize, cols: usize, relief: f64) -> Surface {
     let heights = (0..rows * cols).map(|index| {
         let mixed = (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -27,7 +27,7 @@ fn noise(rows: usize, cols: usize, relief: f64) -> Surface {
 fn outcomes_tell_whether_the_grid_resolves_the_surface() {
     let torus = Builtin::Torus.surface(61, 70).unwrap();
     let holed = rough(60, 50, 7);
-    // The last is measured in bands.
+    // The last surface is measured in bands.
     let surfaces = [torus, holed, noise(20, 90, 8.0), noise(700, 500, 2.0)];
     let (mut rough, mut sharp) = (0, 0);
     for surface in surfaces {
@@ -54,7 +54,7 @@ fn outcomes_tell_whether_the_grid_resolves_the_surface() {
         let info = SurfaceInfo { points: &points, edge_rule, ..SurfaceInfo::new(chart) };
         let stage = Stage::new(host, &RASTER[..1], &info);
         let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 1);
-        // Twice: each measuring counts anew.
+        // A second measurement counts anew.
         for _ in 0..2 {
             stage.run(|recording| {
                 recording.begin(Access::NONE);
@@ -66,7 +66,7 @@ fn outcomes_tell_whether_the_grid_resolves_the_surface() {
         }
         let found = stage.surface.outcome(0).unwrap().resolution.expect("something was looked at");
         let expected = surface.resolution().unwrap();
-        // One edge more or less that turns by 30 degrees but for rounding.
+        // Rounding may decide on one edge that turns by 30 degrees.
         let (found_share, share) = (found.sharp_edges, expected.sharp_edges);
         assert!((found_share - share).abs() < 1e-3, "{chart:?}: {found_share} {share}");
         assert_eq!(found.is_rough(), expected.is_rough(), "{chart:?}: {found:?} {expected:?}");

@@ -1,5 +1,5 @@
-//! A host with a solver and a surface of ours, and what tests do with them. Hosts and solvers are lent,
-//! since their pipelines take longer to compile than most tests take.
+//! A host with a solver and a surface, and the operations of tests on them. Hosts and solvers are lent, since
+//! compiling their pipelines takes longer than most tests.
 
 use std::ops::{Deref, DerefMut};
 
@@ -15,7 +15,7 @@ use geosweep::vulkan::{Method, Schedule};
 use crate::common::{Lent, Pool};
 use crate::host::{Host, HostBuffer};
 
-/// A host and, while no stage has it, a solver with the passes that were used so far.
+/// A host and, unless a stage has it, a solver with the passes that were used so far.
 pub struct Kept {
     host: Host,
     solver: Option<embed::Solver>,
@@ -86,14 +86,14 @@ impl Drop for Kept {
 
 pub const STOP: Stop = Stop { tolerance: 1e-6, iterations: 400 };
 
-/// All wavefronts by raster scans.
+/// All wavefronts with raster scans.
 pub const RASTER: [(Schedule, Wavefront); 3] = [
     (Schedule::Raster, Wavefront::Planar),
     (Schedule::Raster, Wavefront::PointSource),
     (Schedule::Raster, Wavefront::Curved),
 ];
 
-/// A prepared surface. [`Stage::end`] takes it down.
+/// A prepared surface. [`Stage::end`] destroys it.
 pub struct Stage {
     pub host: Lent<Kept>,
     pub solver: embed::Solver,
@@ -126,7 +126,7 @@ impl Stage {
         self.solver.plan(self.surface.chart(), method, iterations).unwrap()
     }
 
-    /// Runs a frame, then as many recordings more as it takes to converge.
+    /// Runs a frame, then recordings until the map has converged.
     pub fn map(&self, points: usize, sources: SourceInput, plan: &embed::Plan) -> Vec<f32> {
         self.run(|recording| {
             recording.frame(&Frame {
@@ -143,7 +143,7 @@ impl Stage {
         self.read()
     }
 
-    /// Resumes the plan until it has converged.
+    /// Resumes the plan until the map has converged.
     pub fn finish(&self, plan: &embed::Plan) {
         while !self.surface.outcome(0).unwrap().converged {
             let before = self.surface.outcome(0).unwrap();
@@ -180,20 +180,20 @@ impl Stage {
         });
     }
 
-    /// The distances that [`Stage::run`] has copied.
+    /// Returns the distances that [`Stage::run`] has copied.
     pub fn read(&self) -> Vec<f32> {
         self.download.floats()[..self.surface.chart().points()].to_vec()
     }
 
-    /// Destroys everything but what was lent; nothing is left in the allocator, and the validation layers
-    /// have said nothing.
+    /// Destroys everything except what was lent. Asserts that nothing is left in the allocator, and that the
+    /// validation layers have reported nothing.
     pub fn end(self, buffers: impl IntoIterator<Item = HostBuffer>) {
         assert_eq!(self.host.messages(), Vec::<String>::new());
         assert_eq!(self.take_down(buffers), Vec::<String>::new());
     }
 
-    /// Destroys everything but what was lent; nothing is left in the allocator. What the validation layers
-    /// have said.
+    /// Destroys everything except what was lent. Asserts that nothing is left in the allocator. Returns the
+    /// messages of the validation layers.
     pub fn take_down(self, buffers: impl IntoIterator<Item = HostBuffer>) -> Vec<String> {
         let Self { mut host, solver, mut surface, download } = self;
         let device = host.device.clone();
@@ -206,12 +206,13 @@ impl Stage {
     }
 }
 
-/// A point source.
+/// Returns a point source.
 pub fn source(row: f32, col: f32) -> [PointSource; 1] {
     [PointSource::at(row, col)]
 }
 
-/// Positions of a wavy surface, eight floats a point like vertices that hold more than a position.
+/// Returns positions of a wavy surface, with eight floats per point, like vertices that have further
+/// attributes.
 pub fn vertices(chart: Chart, phase: f32) -> Vec<f32> {
     (0..chart.points())
         .flat_map(|index| {

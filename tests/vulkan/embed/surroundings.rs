@@ -1,4 +1,4 @@
-//! Sources between grid points, whose surroundings are solved before the whole grid is.
+//! Sources between grid points, whose surroundings are solved before the whole grid.
 
 use geosweep::Stop;
 use geosweep::cpu::twins;
@@ -14,13 +14,13 @@ use crate::common::{Lent, difference, vulkan_solver};
 use crate::embed::stage::{Kept, RASTER, STOP, Stage};
 use crate::host::HostBuffer;
 
-/// Wavefronts that have surroundings.
+/// Wavefronts with surroundings.
 const ROUND: [Wavefront; 2] = [Wavefront::PointSource, Wavefront::Curved];
 
-/// Of a plan: as many as all maps here take, or more.
+/// Iterations of a plan, enough for all maps here.
 const ITERATIONS: u32 = 12;
 
-/// Bumps, with holes where the mask says so.
+/// Returns bumps with holes where `is_hole` says so.
 fn bumps(chart: Chart, is_hole: impl Fn(usize, usize) -> bool) -> Surface {
     let (mut heights, mut mask) = (Vec::new(), Vec::new());
     for (row, col) in (0..chart.points()).map(|index| chart.position(index)) {
@@ -32,7 +32,7 @@ fn bumps(chart: Chart, is_hole: impl Fn(usize, usize) -> bool) -> Surface {
     surface.with_mask(&mask).unwrap()
 }
 
-/// A stage with the surface, measured.
+/// Returns a stage with the surface, measured.
 fn stage_of(
     mut host: Lent<Kept>,
     surface: &Surface,
@@ -51,9 +51,9 @@ fn stage_of(
     (Stage::new(host, passes, &info), buffer)
 }
 
-/// The map of some sources and how it has gone.
+/// Returns the map of some sources and its outcome.
 fn map(stage: &Stage, sources: &[PointSource], method: Method) -> (Vec<f32>, Outcome) {
-    // All points at once take an iteration for each point on the way.
+    // With all points at once, a front needs an iteration for each point on its way.
     let iterations = if method.schedule == Some(Schedule::Raster) { ITERATIONS } else { 300 };
     let plan = stage.solver.plan(stage.surface.chart(), method, iterations).unwrap();
     stage.run(|recording| {
@@ -70,10 +70,10 @@ fn raster(wavefront: Wavefront, stop: Stop) -> Method {
     Method { wavefront, schedule: Some(Schedule::Raster), stop }
 }
 
-/// Of points that are no more than surroundings: the one iteration that follows changes nothing.
+/// The surfaces are as small as the surroundings of sources, so that the following iteration changes nothing.
 #[test]
 fn surroundings_are_those_of_the_twin() {
-    // With a wall that fronts come around on both sides, on fewer points than there is room for, and of two
+    // The cases are a wall with fronts around both ends, a grid smaller than the surroundings, and two
     // sources on an island in a grid that is large enough for two.
     let wall = |row: usize, col: usize| row == 12 && (5..14).contains(&col);
     let sea = |row: usize, col: usize| !((30..50).contains(&row) && (40..60).contains(&col));
@@ -90,7 +90,7 @@ fn surroundings_are_those_of_the_twin() {
             let source = |&[row, col]: &[f64; 2]| PointSource::at(row as f32, col as f32);
             let sources: Vec<_> = places.iter().map(source).collect();
             let (found, outcome) = map(&stage, &sources, raster(wavefront, Stop::after(1)));
-            // Sources that are solved alone are so for some cells.
+            // Sources that are solved alone are so within some cells.
             let are_alone = wavefront.is_curved() && places.len() > 1;
             let residual = if are_alone { outcome.residual } else { 0.0 };
             assert_eq!((outcome.iterations, outcome.residual), (1, residual), "{places:?}");
@@ -133,9 +133,10 @@ fn frames_from_inside_cells_take_about_as_many_iterations_as_from_grid_points() 
         let mut saved = 0;
         for (row, col) in [(50.0, 60.25), (50.3, 60.9), (51.75, 60.625)] {
             let with = iterations(row, col, 1);
-            // Two, where from a grid point one is enough and one more tells so.
+            // Two iterations, where from a grid point one is enough and one more confirms it.
             assert!(with <= at_point.max(3) + 1, "{wavefront} {row} {col}: {with}, {at_point}");
-            // A crowd has none, though all its sources are at one place: here from six on.
+            // A crowd has no surroundings, even if all its sources are at one place. Here six sources are a
+            // crowd.
             saved += iterations(row, col, 9) - with;
         }
         assert!(saved >= 3, "{wavefront}: {saved} of three maps");
@@ -143,8 +144,8 @@ fn frames_from_inside_cells_take_about_as_many_iterations_as_from_grid_points() 
     stage.end([buffer]);
 }
 
-/// Sources whose surroundings meet, beside the grid's corner and behind a wall, and others that come
-/// later: the maps are the headless solver's, whose surroundings are its own.
+/// The cases are sources whose surroundings meet, beside the grid's corner and behind a wall, and others that
+/// start later. The maps are compared with the headless solver's, which computes its own surroundings.
 #[test]
 fn maps_with_surroundings_are_the_headless_solvers() {
     let surface = bumps(Chart { rows: 120, cols: 140 }, |row, col| row == 45 && col > 20);
@@ -172,10 +173,10 @@ fn maps_with_surroundings_are_the_headless_solvers() {
             let (all, outcome) = map(&stage, &sources, method);
             assert!(outcome.converged, "{wavefront} {case:?}");
             let apart = difference(&expected, &all);
-            // Curved fronts are solved alone at first, where others are near.
+            // Curved fronts are first solved alone if other sources are near.
             let most = if wavefront.is_curved() && case.len() > 1 { 2e-4 } else { 1e-5 };
             assert!(apart < most, "{wavefront} {case:?}: {apart}");
-            // The last one later than the others.
+            // The last source starts later than the others.
             let (last, first) = sources.split_last().unwrap();
             map(&stage, first, method);
             let plan = stage.plan(Schedule::Raster, wavefront, ITERATIONS);
@@ -192,8 +193,8 @@ fn maps_with_surroundings_are_the_headless_solvers() {
     stage.end([buffer]);
 }
 
-/// By every schedule, at grid points and inside cells, beside a lone one: the maps are about those from the earliest of
-/// each source's own. Without surroundings they are early by up to a third of a cell.
+/// With every schedule, sources are at grid points and inside cells, beside a single one. The maps are close
+/// to the minimum of each source's own map. Without surroundings, they are early by up to a third of a cell.
 #[test]
 fn sources_side_by_side_are_solved_alone_at_first() {
     let surface = bumps(Chart { rows: 60, cols: 64 }, |_, _| false);
@@ -202,7 +203,7 @@ fn sources_side_by_side_are_solved_alone_at_first() {
         &surface,
         &Schedule::ALL.map(|schedule| (schedule, Wavefront::Curved)),
     );
-    // By how much maps may be early: it grows with the square of a cluster's width.
+    // The amount by which maps may be early. It grows with the square of a cluster's width.
     let cases: [(f32, &[[f32; 2]]); 3] = [
         (0.06, &[[30.0, 20.0], [31.0, 20.0]]),
         (0.1, &[[30.0, 20.0], [30.0, 21.0], [31.0, 22.0], [50.0, 60.0]]),

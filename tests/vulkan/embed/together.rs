@@ -1,4 +1,4 @@
-//! Frames of several surfaces, recorded together: each has the map that it would have alone.
+//! Frames of several surfaces that are recorded together: each has the same map as if recorded alone.
 
 use geosweep::Wavefront;
 use geosweep::ash::vk;
@@ -12,11 +12,11 @@ use geosweep::vulkan::{Method, Schedule, VulkanError};
 use crate::embed::stage::{Kept, STOP, Stage, source, vertices};
 use crate::host::{Host, HostBuffer};
 
-/// A surface with its plan, and how its frames go.
+/// A surface with its plan and the inputs of its frames.
 struct Part {
     surface: Surface,
     plan: embed::Plan,
-    /// Points, sources, and the distances that were copied.
+    /// Points, sources, and a copy of the distances.
     buffers: [HostBuffer; 3],
     sources: Vec<PointSource>,
     from_buffer: bool,
@@ -40,7 +40,7 @@ impl Part {
         }
     }
 
-    /// Copies the image of a slot, and reads it.
+    /// Copies the image of a slot, and reads the copy.
     fn read(&self, host: &Host, slot: usize) -> Vec<f32> {
         let image = self.surface.result(slot, self.reader.layout).unwrap();
         let layers = vk::ImageSubresourceLayers::default()
@@ -58,8 +58,8 @@ impl Part {
     }
 }
 
-/// Of two schedules and wavefronts, four sizes, one of them measured in several bands, crowds and single sources,
-/// inline and in a buffer, for several readers.
+/// The surfaces have two schedules and wavefronts, four sizes (one measured in several bands), crowds and
+/// single sources, inline and in a buffer, and several readers.
 #[test]
 fn maps_recorded_together_are_those_recorded_alone() {
     let host = Kept::watched_but_for_shaders();
@@ -121,7 +121,7 @@ fn maps_recorded_together_are_those_recorded_alone() {
             })
             .collect();
         stage.host.run(|commands| {
-            // Twice, since a frame follows another in one command buffer too.
+            // The frames run twice, since a frame may follow another in one command buffer.
             stage.solver.record_frames(&device, commands, &frames).unwrap();
             stage.solver.record_frames(&device, commands, &frames).unwrap();
         });
@@ -159,7 +159,7 @@ fn a_frame_among_several_that_cannot_be_recorded_is_named() {
     };
     let first = SurfaceFrame { surface: &stage.surface, frame, points_at: 0 };
     let second = SurfaceFrame { surface: &other, ..first };
-    // Commands would panic: none is recorded.
+    // Panics in place of each command, so that none can be recorded.
     extern "system" fn recorded() -> vk::Result {
         panic!("a frame that was refused has recorded something")
     }

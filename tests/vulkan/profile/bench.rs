@@ -34,12 +34,12 @@ impl Bench {
         solver.profile(on_device, seeds, method, detail).unwrap().1
     }
 
-    /// Iterations of the map without a profile.
+    /// Returns the number of iterations of the map without a profile.
     pub fn iterations(&mut self, method: Method) -> u32 {
         self.solver.solve(&mut self.on_device, &self.seeds, method).unwrap().iterations
     }
 
-    /// The steps as they are recorded, portion by portion, and the texels.
+    /// Returns the recorded steps, portion by portion, and the texels.
     pub fn steps(&self, method: Method, portions: usize) -> (TexelChart, Vec<Vec<Step>>) {
         let texels = TexelChart::new(self.surface.chart()).unwrap();
         let sizes = self.solver.tuning().portions(method.wavefront, texels);

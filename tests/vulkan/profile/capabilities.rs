@@ -1,4 +1,4 @@
-//! What a device lacks is said, and left out.
+//! Capabilities that a device lacks are reported and not used.
 
 use geosweep::Wavefront;
 use geosweep::vulkan::Schedule;
@@ -7,8 +7,8 @@ use geosweep::vulkan::profile::{Capabilities, Capability, Clock, Detail, Grain};
 use crate::host::Host;
 use crate::profile::bench::{Bench, method};
 
-/// Whatever is looked at, and whatever the device lacks, the map is the same to the last bit; and
-/// what is lacking is said.
+/// The map is the same to the last bit, whatever is profiled and whatever the device lacks. Missing
+/// capabilities are reported.
 #[test]
 fn a_device_that_lacks_something_still_gives_the_rest() {
     let all = Capability::ALL;
@@ -39,7 +39,7 @@ fn a_device_that_lacks_something_still_gives_the_rest() {
                 assert_eq!(pass.begin.is_some(), found.timestamps.is_ok());
                 assert_eq!(pass.invocations.is_some(), found.statistics.is_ok());
             }
-            // What is counted needs no capability.
+            // Counts need no capability.
             let in_iterations: Vec<_> = profile.passes().filter(|p| p.area.is_some()).collect();
             assert!(in_iterations.len() > 2);
             assert!(in_iterations.iter().all(|pass| pass.work.texels.is_some()));
@@ -55,7 +55,7 @@ fn a_device_that_lacks_something_still_gives_the_rest() {
     }
 }
 
-/// A host asks before it makes its device.
+/// A host asks for the capabilities before it creates its device.
 #[test]
 fn capabilities_say_what_there_is() {
     let host = Host::without_validation();

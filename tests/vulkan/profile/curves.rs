@@ -10,8 +10,8 @@ use geosweep::vulkan::profile::{PassKind, PassRecord};
 use crate::host::Host;
 use crate::profile::renderer::{CHART, Renderer};
 
-/// A host that makes room for what it is told has room for all, and no more than that where sources
-/// have unlike initial values, so that paths are traced again.
+/// A host that makes room for the reported number of passes has room for all of them. The number is exact if
+/// sources have different start values, so that paths are traced again.
 #[test]
 fn a_host_can_size_its_queries_for_contours_and_paths() {
     let tools = Tools { labels: true, ..Tools::default() };
@@ -52,14 +52,14 @@ fn a_host_can_size_its_queries_for_contours_and_paths() {
         let place = |kind| kinds.iter().position(|&other| other == kind).unwrap();
         let (first, lift) = (place(PassKind::Contours), place(PassKind::Lift));
         assert_eq!((lift + 1 - first) as u32, contours.passes());
-        // All that follows is of the paths: the sources, what begins and goes on, the lift.
+        // All following passes are of the paths: the sources, the start, the continuation, the lift.
         let of_paths = &kinds[lift + 1..];
         let going_on = (paths.passes() - 3) / 3;
         assert_eq!(of_paths.len() as u32, 3 + traces * going_on);
         assert_eq!((of_paths[0], of_paths.last()), (PassKind::Sources, Some(&PassKind::Lift)));
         let moved = |pass: &PassRecord| (pass.work.bytes_read, pass.work.bytes_written);
-        // Each point's time; a row of cells has a count, and so have its 64 strips; and a record is
-        // six numbers. How many segments are written, and lifted, the device finds.
+        // Each point's time is read. A row of cells has a count, and so have its 64 strips; a record is six
+        // numbers. The device finds how many segments are written and lifted.
         let (times, rows) = (4 * CHART.points() as u64, CHART.rows as u64 - 1);
         let of_contours: Vec<_> = found.passes[first..=lift].iter().map(moved).collect();
         assert_eq!(
@@ -71,7 +71,7 @@ fn a_host_can_size_its_queries_for_contours_and_paths() {
                 (None, None),
             ]
         );
-        // Three starts with four times around each, and all sources; nine numbers of a record and
+        // Three starts with four times around each are read, and all sources; nine numbers of a record and
         // fifteen of a state for each path, and three of its first vertex.
         let all = 16 * sources.len() as u64;
         let of_paths: Vec<_> = found.passes[lift + 1..].iter().map(moved).collect();

@@ -11,9 +11,8 @@ use geosweep::vulkan::profile::{Grain, PassKind, PassRecord, Profile, QueryRange
 use crate::host::Host;
 use crate::profile::renderer::{CHART, Renderer};
 
-/// The host's own timestamps around a frame are the total. What lies between its passes, such as
-/// the reset of queries, is in no pass; an interruption of the driver's thread there can only
-/// happen in some of the tries.
+/// The host's own timestamps around a frame give the total. Work between its passes, such as the reset of
+/// queries, belongs to no pass. The driver's thread may be interrupted there, but not in all of the attempts.
 #[test]
 fn the_passes_of_a_frame_add_up_to_its_total() {
     let renderer = Renderer::new(Host::without_validation(), Schedule::Raster, Tools::default());
@@ -30,9 +29,9 @@ fn the_passes_of_a_frame_add_up_to_its_total() {
     renderer.end();
 }
 
-/// Under the validation layers, with synchronization validation; labels and names included.
+/// The frame is profiled under the validation layers, with synchronization validation, labels and names.
 #[test]
-fn a_frame_is_taken_down_pass_by_pass() {
+fn a_frame_is_profiled_pass_by_pass() {
     for schedule in Schedule::ALL {
         let tools = Tools { labels: true, ..Tools::default() };
         let renderer = Renderer::new(Host::new(), schedule, tools);
@@ -49,24 +48,24 @@ fn a_frame_is_taken_down_pass_by_pass() {
                 let work = passes.iter().find(|pass| pass.kind == kind)?.work;
                 work.bytes_read.zip(work.bytes_written)
             };
-            // A distance read and one written at each point.
+            // One distance is read and one is written at each point.
             let bytes = passes[kinds.len() - 1].work.bytes();
             assert_eq!(bytes, Some(2 * 4 * CHART.points() as u64));
-            // Heights are read and put beside their slowness, and four lengths of edges measured.
+            // Heights are read and stored with their slowness, and four lengths of edges are measured.
             let points = CHART.points() as u64;
             assert_eq!(of(PassKind::Points), Some((4 * points, 8 * points)));
             assert_eq!(of(PassKind::Edges), Some((8 * points, 16 * points)));
-            // One source of four numbers comes with the commands, and has four texels around it:
-            // their place, times and curvatures; and both layers of their fronts.
+            // One source of four numbers comes with the commands, and has four texels around it: their place,
+            // times and curvatures; and both layers of their fronts.
             assert_eq!(of(PassKind::Sources), Some((0, 16)));
             let find = |pass: &&PassRecord| pass.kind == PassKind::Sources && pass.dispatches > 0;
             let work = passes.iter().find(find).unwrap().work;
             assert_eq!((work.bytes_read, work.bytes_written), (Some(16), Some(4 * 40)));
             assert_eq!(of(PassKind::Seed), Some((4 * (40 + 32), 4 * 32)));
-            // What is dispatched has a size.
+            // Each dispatched pass has a size.
             let sized = passes.iter().filter(|pass| pass.groups.is_some());
             assert!(sized.eq(passes.iter().filter(|pass| pass.dispatches > 0)), "{passes:?}");
-            // Each iteration that the device has done is there, and no other.
+            // The records contain exactly the iterations that the device has executed.
             let done = passes
                 .iter()
                 .filter(|pass| pass.area.is_some() && !pass.is_idle())
@@ -78,7 +77,7 @@ fn a_frame_is_taken_down_pass_by_pass() {
     }
 }
 
-/// Of a source between grid points, if the wavefront has any.
+/// The source is between grid points; the wavefront may have surroundings.
 #[test]
 fn surroundings_are_solved_once_a_source_and_set() {
     for (wavefront, carried) in [(Wavefront::PointSource, 1), (Wavefront::Curved, 3)] {
@@ -90,8 +89,8 @@ fn surroundings_are_solved_once_a_source_and_set() {
         assert_eq!(kinds, [PassKind::Seed, PassKind::Surroundings, PassKind::Seed]);
         let count = passes.iter().filter(|pass| pass.kind == PassKind::Surroundings).count();
         assert_eq!((count, passes[first].groups), (1, Some([1; 3])));
-        // A source is read; of each texel its times and 16 lengths, with curved fronts their curvature and
-        // the surface's; and written its place, times and curvatures.
+        // A source is read; of each texel its times and 16 lengths, and with curved fronts their curvature
+        // and the surface's. Its place, times and curvatures are written.
         let Work { bytes_read, bytes_written, .. } = passes[first].work;
         let texels = 100;
         let read = 16 + texels * 16 * (carried + 4);
@@ -100,15 +99,15 @@ fn surroundings_are_solved_once_a_source_and_set() {
     }
 }
 
-/// Without what the device has decided, nothing is made up.
+/// Without the device's decisions, the values that depend on them are unknown.
 #[test]
-fn what_is_not_read_back_is_not_known() {
+fn results_without_a_readback_are_unknown() {
     for schedule in Schedule::ALL {
         let mut renderer = Renderer::new(Host::without_validation(), schedule, Tools::default());
         renderer.timed_frame();
         let device = &renderer.host.device;
         let resolved = renderer.profile.resolve(device, None, None).unwrap().unwrap();
-        // Nor is what the host gives without having said that it has room for it.
+        // The same holds for a host that has not said that it has room for them.
         renderer.profile = Profile::new(1000, Grain::Blocks, Slots::default());
         renderer.host.run(|commands| renderer.frame(device, commands, true));
         let bytes = renderer.decisions.bytes();
@@ -129,9 +128,9 @@ fn what_is_not_read_back_is_not_known() {
     }
 }
 
-/// Recording does not wait for the device, and neither does asking too early.
+/// Recording does not wait for the device, nor does reading results too early.
 #[test]
-fn results_that_are_not_there_are_not_waited_for() {
+fn missing_results_are_not_waited_for() {
     let renderer = Renderer::new(Host::without_validation(), Schedule::Raster, Tools::default());
     let host = &renderer.host;
     // The queries are reset and not written.
@@ -151,7 +150,7 @@ fn results_that_are_not_there_are_not_waited_for() {
     renderer.end();
 }
 
-/// A profile that is too small leaves passes out and says how many.
+/// A profile that is too small leaves passes out and reports how many.
 #[test]
 fn passes_without_room_are_counted() {
     let mut renderer = Renderer::new(Host::new(), Schedule::Raster, Tools::default());
@@ -161,9 +160,9 @@ fn passes_without_room_are_counted() {
     let device = &renderer.host.device;
     renderer.host.run(|commands| renderer.frame(device, commands, true));
     let found = renderer.profile.resolve(device, Some(renderer.clock), None).unwrap().unwrap();
-    // Without a buffer for decisions the two copies of them are not recorded.
+    // Without a buffer for decisions, the two copies of them are not recorded.
     assert_eq!((found.passes.len(), found.left_out), (10, all - 2 - 10));
-    // An empty range is none.
+    // An empty range counts as none.
     let timestamps = Some(QueryRange { pool: renderer.pool, first: 2, count: 0 });
     renderer.profile = Profile::new(all, Grain::Blocks, Slots { timestamps, ..Slots::default() });
     renderer.host.run(|commands| renderer.frame(device, commands, true));
@@ -173,7 +172,7 @@ fn passes_without_room_are_counted() {
     assert_eq!(renderer.end(), Vec::<String>::new());
 }
 
-/// A frame's map is one record, and the first timestamps are those that are used.
+/// A frame's map is one record, and only the first timestamps are used.
 #[test]
 fn a_portion_of_a_frame_is_one_record() {
     for schedule in Schedule::ALL {
@@ -201,7 +200,7 @@ extern "system" fn count_query() -> vk::Result {
     vk::Result::SUCCESS
 }
 
-/// The functions of the device that only profiling calls are counted.
+/// The test counts calls of the device's functions that only profiling uses.
 #[test]
 fn profiling_that_is_off_records_nothing() {
     let renderer = Renderer::new(Host::without_validation(), Schedule::Raster, Tools::default());

@@ -1,4 +1,4 @@
-//! What a profile says of passes, against counts and clocks of the tests' own.
+//! Profiles of passes, compared with the tests' own counts and clocks.
 
 mod bench;
 mod capabilities;

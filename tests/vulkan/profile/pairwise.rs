@@ -10,14 +10,14 @@ use geosweep::vulkan::{Schedule, TexelChart};
 use crate::common::CONVERGED;
 use crate::profile::bench::{Bench, of_kind, sum};
 
-/// Texels of a plan's iterations; nothing follows the last count.
+/// Returns the texels of a plan's iterations. No step follows the last count.
 fn of_iterations(steps: &[Step]) -> Vec<u64> {
     let iterations = steps.split(|step| *step == Step::Count);
     iterations.filter(|steps| !steps.is_empty()).map(plan::texels_scanned).collect()
 }
 
-/// Maps in images against the plan of each recording and the iterations that each map takes by
-/// itself.
+/// Maps in images are compared with the plan of each recording, and with the number of iterations of each
+/// single map.
 #[test]
 fn each_iteration_visits_the_maps_that_have_not_converged() {
     let mut bench = Bench::new(41, 36, &[]);
@@ -39,7 +39,7 @@ fn each_iteration_visits_the_maps_that_have_not_converged() {
         let mut plain = vec![0.0; sources.len() * chart.points()];
         pairwise.solve(solver, on_device, &sources, CONVERGED, &mut plain).unwrap();
 
-        // The first recording is bounded by what lies around all sources.
+        // The first recording is bounded by the surroundings of all sources.
         let sizes = Portions { across: 0, ..tuning.portions(wavefront, texels) };
         let places = sources.iter().flatten().map(|&source| {
             let (row, col) = chart.position(source);
@@ -78,9 +78,10 @@ fn each_iteration_visits_the_maps_that_have_not_converged() {
                 assert_eq!(idle, going == 0, "{number}");
                 let curved = u64::from(wavefront == Wavefront::Curved);
                 let bytes = going * texels * (32 + 64 + curved * (32 + 16));
-                // The count looks at seven numbers of a map that goes on and writes five. Of one
-                // that is done now, it writes that, and takes it from those pending; with the last
-                // of these, rows and columns have no groups. Of one that was done it looks at that.
+                // For a map that continues, the count reads seven numbers and writes five. For a map that has
+                // just converged, it writes that, and decrements the number of pending maps; for the last of
+                // these, it sets the groups of rows and columns to zero. For a map that had converged
+                // earlier, it reads that.
                 let now = alone.iter().filter(|&&count| count == number as u32 + 1).count() as u64;
                 let groups = if now > 0 && now == going { 2 } else { 0 };
                 let over = sources.len() as u64 - going;
@@ -105,9 +106,9 @@ fn each_iteration_visits_the_maps_that_have_not_converged() {
     }
 }
 
-/// Seven by four points; the first iteration leads away from (2, 1): down four lines of four points,
-/// in two pairs, up two, and right two lines of seven points, in four pairs, left one. A point has
-/// two triangles, a pair nine lengths.
+/// A grid of seven by four points. The first iteration leads away from (2, 1): down four lines of four
+/// points, in two pairs, up two, and right two lines of seven points, in four pairs, left one. A point has
+/// two triangles, and a pair has nine lengths.
 #[test]
 fn maps_in_shared_memory_agree_with_a_count_by_hand() {
     let bench = Bench::new(7, 4, &[]);
@@ -136,14 +137,14 @@ fn maps_in_shared_memory_agree_with_a_count_by_hand() {
     assert_eq!((with_hole.work, with_hole.groups), (one.work, Some([3, 1, 1])));
     assert_eq!(one.invocations.is_some(), solver.capabilities().unwrap().statistics.is_ok());
     assert_eq!(with_hole.invocations, one.invocations.map(|one| 3 * one));
-    // Later iterations go through all lines.
+    // Later iterations visit all lines.
     let (iterations, all) = workgroups(&[Some(source)], CONVERGED);
     assert!(iterations > 1);
     let later = u64::from(iterations - 1) * 2 * (2 * 6 * 4 + 2 * 3 * 7);
     assert_eq!(all.work.triangles, one.work.triangles.map(|first| first + later));
 }
 
-/// Also where the device lacks everything.
+/// This also holds on a device that lacks all capabilities.
 #[test]
 fn the_rows_are_the_same_with_and_without() {
     for left_out in [vec![], Capability::ALL.to_vec()] {

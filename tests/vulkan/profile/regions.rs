@@ -8,7 +8,7 @@ use geosweep::vulkan::profile::{PassKind, PassRecord};
 use crate::host::Host;
 use crate::profile::renderer::{CHART, Renderer};
 
-/// A host that makes room for what it is told has room for all, and no more than that.
+/// A host that makes room for the reported number of passes has room for exactly all of them.
 #[test]
 fn a_host_can_size_its_queries_for_regions() {
     let tools = Tools { labels: true, ..Tools::default() };
@@ -39,8 +39,8 @@ fn a_host_can_size_its_queries_for_regions() {
     let kinds: Vec<_> = own.iter().map(|pass| pass.kind).collect();
     let others: Vec<_> = (0..kinds.len()).filter(|&k| kinds[k] != PassKind::Regions).collect();
     assert_eq!((others, kinds[1]), (vec![1], PassKind::Sources));
-    // Two numbers of each point are cleared; sources are four numbers; a way takes the two, its
-    // time and four lengths, and is three.
+    // Two numbers of each point are cleared. Sources are four numbers. A way reads the two, its time and four
+    // lengths, and has three numbers.
     let points = 4 * CHART.points() as u64;
     let moved = |pass: &PassRecord| (pass.work.bytes_read, pass.work.bytes_written);
     let bytes: Vec<_> = own[..5].iter().map(moved).collect();
@@ -54,8 +54,8 @@ fn a_host_can_size_its_queries_for_regions() {
             (Some(7 * points), Some(3 * points)),
         ]
     );
-    // Six passes by a factor of eight are enough for 78 000 points, and three by 64 for what is left;
-    // a fourth makes their number even.
+    // Six passes by a factor of eight are enough for 78 000 points, and three by 64 for the rest; a fourth
+    // makes their number even.
     assert_eq!(own[5..].len(), 6 + 4);
     assert!(own[5..].iter().all(|pass| moved(pass) == (None, None)));
     for pass in own {

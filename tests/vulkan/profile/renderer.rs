@@ -1,4 +1,4 @@
-//! A host with one surface, and what its profile needs.
+//! A host with one surface and a profile.
 
 use geosweep::Stop;
 use geosweep::Wavefront;
@@ -16,7 +16,7 @@ use crate::host::{Host, HostBuffer};
 pub const CHART: Chart = Chart { rows: 260, cols: 300 };
 pub const STOP: Stop = Stop { tolerance: 1e-6, iterations: 200 };
 
-/// A renderer with one surface, and what its profile needs.
+/// A renderer with one surface and the resources of its profile.
 pub struct Renderer {
     pub host: Host,
     pub solver: embed::Solver,
@@ -24,7 +24,7 @@ pub struct Renderer {
     pub plan: Plan,
     pub points: HostBuffer,
     pub decisions: HostBuffer,
-    /// Two queries of the host's own and then those of the profile.
+    /// Two queries of the host, followed by those of the profile.
     pub pool: vk::QueryPool,
     pub slots: Slots,
     pub profile: Profile,
@@ -32,7 +32,7 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// With planar fronts.
+    /// Creates a renderer with planar fronts.
     pub fn new(host: Host, schedule: Schedule, tools: Tools) -> Self {
         Self::with(host, schedule, Wavefront::Planar, tools)
     }
@@ -70,8 +70,8 @@ impl Renderer {
         Self { host, solver, surface, plan, points, decisions, pool, slots, profile, clock }
     }
 
-    /// A profile of recordings with so many passes beside those of a frame, by iterations, and its
-    /// own queries.
+    /// Returns a profile with the grain of iterations, and its own queries. It has room for `more` passes
+    /// beyond those of a frame.
     pub fn profile_with(&self, more: u32) -> (Profile, vk::QueryPool) {
         let grain = Grain::Iterations;
         let passes = self.solver.passes_of_frame(&self.surface, &self.plan, grain) + more;
@@ -104,7 +104,7 @@ impl Renderer {
             .unwrap();
     }
 
-    /// A frame between two timestamps of the host's own: the time between them, and the records.
+    /// Records a frame between two timestamps of the host. Returns the time between them, and the records.
     pub fn timed_frame(&self) -> (u64, Vec<PassRecord>) {
         let device = &self.host.device;
         let stage = vk::PipelineStageFlags::BOTTOM_OF_PIPE;

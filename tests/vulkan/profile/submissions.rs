@@ -1,4 +1,4 @@
-//! How much of a map a submission is, by the texels that it visits.
+//! Parts of a map in one submission, limited by the number of visited texels.
 
 use geosweep::vulkan::profile::{Detail, Grain, PassKind, SolveProfile, SubmissionRecord};
 use geosweep::vulkan::{Method, Schedule, Solution, Solver, TexelChart, Tuning, plan};
@@ -7,10 +7,10 @@ use geosweep::{Stop, Wavefront};
 use crate::common::{device_choice, rough, seeds_at, some_point, vulkan_solver};
 use crate::profile::bench::{Bench, method};
 
-/// Texels that a submission may visit: a third of those of a scan over the grid of these tests, so that iterations
-/// are cut into parts of half as many.
+/// Texels that a submission may visit. These are a third of the texels of a scan over the grid of these
+/// tests, so that iterations are cut into parts of half that number.
 const VISITS: u64 = 1600;
-/// 65 x 75 texels, so that no line fits a workgroup.
+/// Size of 65 x 75 texels, so that no line fits a workgroup.
 const SIZE: (usize, usize) = (130, 150);
 
 fn in_parts(solver: Solver) -> Solver {
@@ -18,7 +18,7 @@ fn in_parts(solver: Solver) -> Solver {
     solver.with_tuning(tuning).unwrap()
 }
 
-/// The same on every device.
+/// Returns a tuning that is the same on every device.
 fn whole(solver: &Solver) -> Tuning {
     Tuning { scan_width: 64, scan_lines: 4, ..solver.tuning() }
 }
@@ -27,7 +27,8 @@ fn texels(submission: &SubmissionRecord) -> u64 {
     submission.passes.iter().map(|pass| pass.work.texels.unwrap_or(0)).sum()
 }
 
-/// What each scan has visited and passed over, whatever it was submitted in, and all bytes of the scans.
+/// Returns the texels that each scan has visited and skipped, over all submissions, and all bytes of the
+/// scans.
 fn scans(profile: &SolveProfile) -> Vec<(u32, PassKind, u64, u64, u64)> {
     let mut scans: Vec<(u32, PassKind, u64, u64, u64)> = Vec::new();
     for pass in profile.passes().filter(|pass| matches!(pass.kind, PassKind::Scan(_))) {
@@ -48,7 +49,7 @@ fn profiled(bench: &mut Bench, method: Method, grain: Grain) -> (Solution, Solve
     solver.profile(on_device, seeds, method, Detail { grain, ..Detail::default() }).unwrap()
 }
 
-/// An iteration of raster scans in two dozen submissions is still the same iteration, block by block.
+/// An iteration of raster scans in two dozen submissions is the same iteration, block by block.
 #[test]
 fn iterations_are_cut_where_a_submission_would_visit_more_than_it_may() {
     let Bench { surface, seeds, solver, .. } = Bench::new(SIZE.0, SIZE.1, &[]);
@@ -81,7 +82,7 @@ fn iterations_are_cut_where_a_submission_would_visit_more_than_it_may() {
                 let in_one = scans(&expected).into_iter().filter(|scan| scan.0 < iterations);
                 assert_eq!(scans(&found), in_one.collect::<Vec<_>>());
             }
-            // The first iteration has bounds; then the map is read back.
+            // The first iteration has bounds. Then the map is read back.
             let (_, steps) = cut.steps(method, in_one.iterations as usize);
             let parts = steps.iter().map(|steps| plan::parts(steps, chart, VISITS).len());
             assert_eq!(found.submissions.len(), parts.sum::<usize>() + 1);
@@ -89,7 +90,7 @@ fn iterations_are_cut_where_a_submission_would_visit_more_than_it_may() {
     }
 }
 
-/// A round visits an unknown number of tiles, so that a submission has few.
+/// A round visits an unknown number of tiles, so that a submission has few rounds.
 #[test]
 fn recordings_of_tiles_have_fewer_rounds() {
     let Bench { surface, seeds, solver, .. } = Bench::new(SIZE.0, SIZE.1, &[]);
@@ -106,8 +107,8 @@ fn recordings_of_tiles_have_fewer_rounds() {
     assert_eq!(rounds.count(), solution.iterations as usize);
 }
 
-/// All wavefronts and schedules in small submissions, and sources that are added: the maps of large ones, to the
-/// last bit, and no message of the validation layers, which fails the call.
+/// With all wavefronts and schedules, and with added sources, small submissions give the maps of large ones
+/// to the last bit. A message of the validation layers would fail the call.
 #[test]
 fn maps_in_small_submissions_are_those_of_large_ones() {
     let surface = rough(SIZE.0, SIZE.1, 9);
@@ -119,7 +120,7 @@ fn maps_in_small_submissions_are_those_of_large_ones() {
     for wavefront in Wavefront::ALL {
         for schedule in [Schedule::Raster, Schedule::AllPoints] {
             let method = method(wavefront, schedule);
-            // The last recording of a map has fewer iterations than the others, and is not theirs.
+            // The last recording of a map has fewer iterations than the others, so that it has another plan.
             for stop in [Stop::after(3), method.stop] {
                 let method = Method { stop, ..method };
                 let maps = [&mut *whole, &mut cut].into_iter().zip(&mut on_device).map(

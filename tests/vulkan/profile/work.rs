@@ -1,4 +1,4 @@
-//! What passes had to do, against counts of the tests' own.
+//! Work of passes, compared with the tests' own counts.
 
 use geosweep::Wavefront;
 use geosweep::cpu::twins::scan_due;
@@ -13,10 +13,11 @@ use crate::profile::bench::{Bench, method, of_kind, sum};
 
 #[test]
 fn texels_visited_and_skipped_are_those_of_the_plan() {
-    // Lines of the first two fit a workgroup, which takes blocks in turn; of the third those of one kind do.
+    // Lines of the first two fit a workgroup, which takes blocks in turn. Of the third, lines in one
+    // direction fit.
     for (rows, cols) in [(61, 90), (90, 61), (3, 180), (121, 130)] {
         for grain in [Grain::Blocks, Grain::Scans] {
-            // As many iterations a recording.
+            // A recording has this many iterations.
             for (wavefront, iterations) in [(Wavefront::Planar, 4), (Wavefront::Curved, 5)] {
                 let mut bench = Bench::new(rows, cols, &[]);
                 hold_against_the_plan(&mut bench, grain, wavefront, iterations);
@@ -25,10 +26,10 @@ fn texels_visited_and_skipped_are_those_of_the_plan() {
     }
 }
 
-/// Marks the texels of every block of the plan in a grid of booleans, if its twin says that it was due,
-/// and holds the records of the device's passes against the marks, scan by scan. The first iteration has
-/// to be the same. Later the device rounds a front otherwise than the twin here and there, and what has
-/// changed in its last digit alone makes a block due as well: up to a tenth of the texels may differ.
+/// Marks in a grid of booleans the texels of every block of the plan that was due according to the twin.
+/// Compares the records of the device's passes with the marks, scan by scan. The first iteration must be the
+/// same. In later ones, the device rounds some fronts differently from the twin, and a change of the last
+/// digit also makes a block due: up to a tenth of the texels may differ.
 fn hold_against_the_plan(bench: &mut Bench, grain: Grain, wavefront: Wavefront, iterations: usize) {
     let detail = Detail { grain, ..Detail::default() };
     let method = method(wavefront, Schedule::Raster);
@@ -43,7 +44,7 @@ fn hold_against_the_plan(bench: &mut Bench, grain: Grain, wavefront: Wavefront, 
     let (mut expected, mut different) = (0, 0);
     let mut iteration = 0;
     for step_list in portions {
-        // Nothing follows the last count.
+        // No step follows the last count.
         let iterations = step_list.split(|step| *step == Step::Count);
         for steps in iterations.filter(|steps| !steps.is_empty()) {
             for scan in Scan::ALL {
@@ -110,14 +111,14 @@ fn coarser_records_are_sums_of_finer_ones() {
             profile.passes().copied().collect::<Vec<_>>()
         });
         let sums = records.each_ref().map(|passes| {
-            // Passes of an iteration follow one another, and so do those outside of them.
+            // Passes of an iteration are consecutive, and so are those outside of iterations.
             let iterations = passes.chunk_by(|a, b| a.iteration == b.iteration);
             let sums = iterations.map(|passes| {
                 let all: Vec<_> = passes.iter().filter(|pass| pass.area.is_some()).collect();
                 let groups = |pass: &PassRecord| pass.groups.map(|g| g.iter().product::<u32>());
                 let mut groups: u64 = passes.iter().filter_map(groups).map(u64::from).sum::<u64>();
-                // The count that ends an iteration is dispatched beyond convergence, too, and so are scans that
-                // take blocks in turn; the record of such an iteration says that it was idle.
+                // Two kinds of passes are dispatched beyond convergence: the count that ends an iteration,
+                // and scans that take blocks in turn. The record of such an iteration says that it was idle.
                 let beyond =
                     |pass: &PassRecord| pass.kind == PassKind::Count && moved(pass) == Some((4, 0));
                 if passes.iter().any(beyond) {
@@ -146,7 +147,7 @@ fn coarser_records_are_sums_of_finer_ones() {
     }
 }
 
-/// A record of a portion is the sum of its iterations, or rounds, and of what comes before them.
+/// Asserts that a record of a portion is the sum of its iterations, or rounds, and of the passes before them.
 fn portions_are_sums(bench: &mut Bench, schedule: Schedule, of_iterations: &[PassRecord]) {
     let detail = Detail { grain: Grain::Portions, invocations: true, ..Detail::default() };
     let profile = bench.profile(method(Wavefront::Curved, schedule), detail);
@@ -177,15 +178,16 @@ fn portions_are_sums(bench: &mut Bench, schedule: Schedule, of_iterations: &[Pas
     }
 }
 
-/// Records of iterations that were counted.
+/// Returns the number of iterations in records.
 fn of_iterations(passes: &[PassRecord]) -> u32 {
     let counted = |pass: &&PassRecord| pass.kind == PassKind::Iteration && !pass.is_idle();
     passes.iter().filter(counted).count() as u32
 }
 
-/// Seven by four points are four by two texels. Planar: 16 bytes of arrival times read and as many
-/// written for each texel, and four points' four edge lengths of 4 bytes. Curved: as many again for
-/// the fronts' curvature, and 16 for the surface's. Two triangles a point.
+/// Seven by four points are four by two texels. With planar fronts, each texel has 16 bytes of arrival times
+/// that are read and 16 that are written, and four points with four edge lengths of 4 bytes. With curved
+/// fronts, it has the same bytes again for the fronts' curvature, and 16 for the surface's. A point has two
+/// triangles.
 #[test]
 fn bytes_agree_with_a_count_by_hand() {
     let mut bench = Bench::new(7, 4, &[]);
@@ -209,11 +211,11 @@ fn bytes_agree_with_a_count_by_hand() {
     }
 }
 
-/// The progress is 916 numbers: nine of how a map goes, three that the grid is dispatched by, six of each of 128
-/// rounds and of the next, the largest change of 128 rounds, whether a point was reached, and how many
-/// texels have settled. A tile has six. For scans, blocks of four lines have three in each, and one on
-/// each side of the longer side of the grid. A count looks at seven numbers and writes five, in the last
-/// iteration two more; beyond, it looks at one.
+/// The progress has 916 numbers: nine of the state of a map, three by which the grid is dispatched, six of
+/// each of 128 rounds and of the next, the largest change of 128 rounds, whether a point was reached, and how
+/// many texels have converged. A tile has six. For scans, blocks of four lines have three in each, and one on
+/// each side of the longer side of the grid. A count reads seven numbers and writes five, in the last
+/// iteration two more; beyond, it reads one.
 #[test]
 fn counts_and_starts_agree_with_a_count_by_hand() {
     let mut bench = Bench::new(61, 90, &[]);
@@ -238,14 +240,14 @@ fn counts_and_starts_agree_with_a_count_by_hand() {
     assert_eq!(seen, [true; 3], "before the last iteration, at it, and beyond");
 }
 
-/// A tile lies in the other image once it is visited an odd number of times, by the lists of rounds;
-/// its texels on the grid are brought back, eight numbers each, after a look at the state of every
-/// tile. Before further rounds the six numbers of the next list are copied, those of the other 128 lists and
-/// all that follow them are written, and what tiles wait for.
+/// A tile is in the other image if it was visited an odd number of times, by the lists of rounds. After a
+/// read of the state of every tile, its texels on the grid are copied back, eight numbers each. Before
+/// further rounds, the six numbers of the next list are copied; those of the other 128 lists, all numbers
+/// after them, and the times for which tiles wait are written.
 #[test]
-fn what_settles_is_what_lies_in_the_other_image() {
+fn settled_texels_are_those_in_the_other_image() {
     let mut bench = Bench::new(100, 131, &[]);
-    // Through whose corridors fronts need more rounds than a recording has.
+    // In its corridors, fronts need more rounds than a recording has.
     bench.surface = Builtin::Maze.surface(100, 131).unwrap();
     bench.on_device = bench.solver.upload(&bench.surface).unwrap();
     bench.seeds = seeds_at(&bench.surface, (0, 0));
@@ -284,12 +286,12 @@ fn what_settles_is_what_lies_in_the_other_image() {
     assert!(of_kind(&profile, PassKind::Resume).count() > 0);
 }
 
-/// Bytes read and written.
+/// Returns the bytes that were read and written.
 fn moved(pass: &PassRecord) -> Option<(u64, u64)> {
     pass.work.bytes_read.zip(pass.work.bytes_written)
 }
 
-/// The device's own count of invocations says how many groups have run, whatever was planned.
+/// The device's own count of invocations gives the number of groups that have run, whatever was planned.
 #[test]
 fn the_device_counts_the_invocations_of_the_groups_in_the_records() {
     let mut bench = Bench::new(70, 131, &[]);
@@ -320,8 +322,8 @@ fn the_device_counts_the_invocations_of_the_groups_in_the_records() {
     }
 }
 
-/// The lists of tiles hold as many tiles as the records, each once, and the first are those around
-/// the source.
+/// The lists of tiles have as many tiles as the records, each once, and the first are those around the
+/// source.
 #[test]
 fn tiles_are_listed_as_they_were_visited() {
     let mut bench = Bench::new(100, 131, &[]);
@@ -335,7 +337,7 @@ fn tiles_are_listed_as_they_were_visited() {
     assert_eq!(lists.len(), rounds.len());
     let mut seen = vec![false; tiles];
     for (list, round) in lists.iter().zip(&rounds) {
-        // The others on the list have waited.
+        // The other tiles on the list have waited.
         assert!(round.groups.unwrap()[0] as usize >= list.len());
         let texels = (tile * tile / 4 * list.len()) as u64;
         assert_eq!(round.work.texels, Some(texels));

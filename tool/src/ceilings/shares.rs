@@ -117,7 +117,7 @@ mod tests {
 
     use super::*;
 
-    /// A map of two recordings, as planned, and a submission of nothing that counts.
+    /// Returns the work of a map of two planned recordings, and of a submission without counted passes.
     fn work(schedule: Schedule) -> Work {
         let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
         let tuning = Tuning {
@@ -140,7 +140,7 @@ mod tests {
         };
         let first = submission(None);
         let mut second = submission(Some(PassKind::Outcome));
-        // A block that was not due.
+        // A block of lines for which nothing was due.
         second.passes[0].groups = Some([0, 1, 1]);
         let empty = SubmissionRecord { passes: Vec::new(), ..first.clone() };
         let submissions = vec![first, second, empty];
@@ -149,7 +149,8 @@ mod tests {
 
     #[test]
     fn what_was_dispatched_is_counted() {
-        // Two recordings of two iterations: four scans, each of which takes 32 lines of texels in turn, and a count.
+        // Two recordings of two iterations each: an iteration has four scans, each of which takes 32 lines of
+        // texels in turn, and a count.
         let raster = work(Schedule::Raster);
         assert_eq!((raster.dispatches, raster.skipped_dispatches), (4 * (4 + 1) - 1, 1));
         let bytes = 2 * 2 * (4 * 32 * 32 * 96 + 28 + 20);

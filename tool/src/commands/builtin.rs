@@ -18,7 +18,7 @@ pub struct Args {
     /// The surface and its size, e.g. torus:257x513
     #[arg(value_name = "NAME:ROWSxCOLS")]
     surface: SizedBuiltin,
-    /// Where to write the positions: a float64 array (ROWS, COLS, 3), NaN at holes
+    /// Output file for the positions: a float64 array (ROWS, COLS, 3), with NaN at holes
     #[arg(short, long, value_name = "FILE.npy")]
     output: PathBuf,
 }
@@ -26,7 +26,7 @@ pub struct Args {
 fn examples() -> String {
     format!(
         "\
-Surfaces: {}; sheared-plane@DEGREES says by what angle.
+Surfaces: {}; sheared-plane@DEGREES sets the angle.
 
 Examples:
   geosweep builtin sphere:257x257 -o sphere.npy

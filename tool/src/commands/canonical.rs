@@ -30,22 +30,22 @@ use crate::terminal::{Outcome, Spinner, counted, print_json, progress, say};
 pub struct Args {
     #[command(flatten)]
     surface: SurfaceArgs,
-    /// Where to write the form: .npy, float64, (M, N, K) for a grid, (n, K) for a matrix, NaN at
-    /// points left out; or .ply, with triangles for a grid, in two or three dimensions
+    /// Output file for the form. An .npy file is float64, (M, N, K) for a grid or (n, K) for a matrix, with
+    /// NaN at points that are left out. A .ply file has two or three dimensions, and triangles for a grid
     #[arg(short, long, value_name = "FORM")]
     output: PathBuf,
-    /// SURFACE is an .npy array of the distances between n points, (n, n) or, as SciPy's squareform
-    /// has it, (n (n - 1) / 2,); +infinity where there is no path. An array that can be nothing
-    /// else is taken as one anyhow
+    /// Read SURFACE as a matrix: an .npy array of the distances between n points, (n, n) or, as from SciPy's
+    /// squareform, (n (n - 1) / 2,), with +infinity where there is no path. An array that can only be a
+    /// matrix needs no option
     #[arg(long, help_heading = "Surface")]
     matrix: bool,
-    /// Use at most this many points of a grid: every second row and column, or every third, and so
-    /// on. The distances between them are still those on the whole grid
+    /// Use at most this many points of a grid: every second row and column, every third, and so on. Their
+    /// distances are still computed on the whole grid
     #[arg(long, value_name = "N", default_value_t = 5000, value_parser = points)]
     #[arg(help_heading = "Surface")]
     points: usize,
 
-    /// Dimensions of the space, K
+    /// Dimensions K of the space
     #[arg(long, value_name = "K", default_value_t = 3, help_heading = "Solver")]
     dimensions: usize,
     /// Stop after this many iterations of majorisation
@@ -55,7 +55,7 @@ pub struct Args {
     #[arg(long, value_name = "T", default_value_t = canonical::DEFAULT_TOLERANCE)]
     #[arg(allow_hyphen_values = true, help_heading = "Solver")]
     tolerance: f64,
-    /// The front assumed between points when distances are computed: planar, point or curved
+    /// Wavefront assumed between points when distances are computed: planar, point or curved
     #[arg(long, value_name = "FRONT", default_value = "curved")]
     #[arg(help_heading = "Solver")]
     wavefront: Wavefront,
@@ -64,10 +64,10 @@ pub struct Args {
     /// lines
     #[arg(long, value_name = "FILE.png", help_heading = "Reports")]
     picture: Option<PathBuf>,
-    /// Print one JSON object (docs/json.md): dimensions, placed and left_out (points), rows and cols
-    /// (of the grid that is used, null for a matrix), iterations, converged, raw_stress (the sum over all pairs of the squared difference
-    /// of straight and given distance), stress_1 (Kruskal's: the square root of that over the sum
-    /// of squared straight distances), start_stress, distance_seconds, form_seconds
+    /// Print one JSON object (docs/json.md): dimensions, placed and left_out (points), rows and cols (of the
+    /// grid that is used, null for a matrix), iterations, converged, raw_stress (the sum over all pairs of
+    /// the squared difference between straight and given distance), stress_1 (Kruskal's: the square root of
+    /// raw_stress over the sum of squared straight distances), start_stress, distance_seconds, form_seconds
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -75,9 +75,9 @@ pub struct Args {
 fn examples() -> String {
     format!(
         "\
-The canonical form does not change when the surface is bent without stretching, but
-for rotations and reflections. Points that are not connected to the largest piece of
-the surface are left out.
+The canonical form stays the same, up to rotations and reflections, when the surface
+is bent without stretching. Points that are not connected to the largest piece of the
+surface are left out.
 
 {}
 
@@ -93,7 +93,7 @@ Examples:
 fn points(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(points @ 2..=16384) => Ok(points),
-        _ => Err(format!("`{}` is no number of points from 2 to 16384", excerpt(text))),
+        _ => Err(format!("`{}` is not a number of points from 2 to 16384", excerpt(text))),
     }
 }
 

@@ -17,26 +17,26 @@ pub struct Args {
     a: PathBuf,
     /// The map to compare it with, of the same size
     b: PathBuf,
-    /// Largest difference that passes, as a fraction of B's largest finite value, or as it is if
-    /// that is 0
+    /// Largest difference that passes, as a fraction of B's largest finite value, or absolute if that value
+    /// is 0
     #[arg(short, long, value_name = "T", default_value_t = 1e-5, value_parser = tolerance)]
     tolerance: f64,
-    /// Print one JSON object (docs/json.md): max_difference and mean_difference (as fractions of scale),
-    /// at (row, column of the largest difference; null if no point is finite in both), scale (B's
-    /// largest finite value; null if it has none but 0, and differences are as they are), compared,
-    /// only_in_a, only_in_b, equal
+    /// Print one JSON object (docs/json.md): max_difference and mean_difference (as fractions of scale), at
+    /// (row, column of the largest difference; null if no point is finite in both), scale (B's largest finite
+    /// value; null if B has only 0, so that differences are absolute), compared, only_in_a, only_in_b, equal
     #[arg(long)]
     json: bool,
 }
 
 const EXAMPLES: &str = "\
 Prints the largest and the mean |A - B| over the points that are finite in both
-maps, as fractions of B's largest finite value, and how many points are finite in
-one map only. +infinity is where no source reaches; NaN and -infinity are errors.
+maps, as fractions of B's largest finite value, and the number of points that are
+finite in one map only. +infinity marks points that no source reaches; NaN and
+-infinity are errors.
 
-Exit status: 0 if the largest difference is within the tolerance and the same
-points are finite (none, if neither map reaches any), 1 if not, 2 if the maps
-cannot be compared.
+Exit status: 0 if the largest difference is within the tolerance and both maps are
+finite at the same points (which may be none), 1 if not, 2 if the maps cannot be
+compared.
 
 Examples:
   geosweep compare vulkan.npy cpu.npy
@@ -45,7 +45,7 @@ Examples:
 fn tolerance(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(tolerance) if tolerance >= 0.0 => Ok(tolerance),
-        _ => Err("a tolerance is a number from 0 on".into()),
+        _ => Err("a tolerance is a number of at least 0".into()),
     }
 }
 

@@ -14,8 +14,8 @@ use crate::terminal::{Outcome, say};
 #[derive(clap::Args)]
 #[command(after_help = examples())]
 pub struct Args {
-    /// Where to write the curves, repeatable: .npy (K, 5) with row, column, x, y, z of each vertex
-    /// and a row of NaN between curves; .csv; .svg (the parameter domain); .geojson (from a GeoTIFF,
+    /// Output file for the curves; repeatable. .npy is (K, 5), with row, column, x, y, z of each vertex and a
+    /// row of NaN between curves. The others are .csv; .svg (the parameter domain); .geojson (from a GeoTIFF,
     /// in its coordinates); .ply or .obj (in space)
     #[arg(short, long, value_name = "CURVES", required_unless_present_any = ["picture", "json"])]
     output: Vec<PathBuf>,
@@ -25,9 +25,8 @@ pub struct Args {
     #[command(flatten)]
     problem: ProblemArgs,
 
-    /// Print one JSON object: what `distance --json` says of the map, and levels, an array of
-    /// objects with level, curves, closed (how many of them are), vertices and length (in the unit
-    /// of the surface)
+    /// Print one JSON object: the members of `distance --json` on the map, and levels, an array of objects
+    /// with level, curves, closed (number of closed curves), vertices and length (in the unit of the surface)
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -35,14 +34,14 @@ pub struct Args {
 #[derive(clap::Args)]
 #[group(required = true, multiple = false)]
 struct LevelArgs {
-    /// At these distances
+    /// Curves at these distances
     #[arg(long, value_name = "A,B,...", value_parser = Numbers::parse)]
     #[arg(allow_hyphen_values = true)]
     levels: Option<Numbers>,
-    /// At so many distances, equally spaced between the smallest and the largest
+    /// Curves at this many distances, equally spaced between the smallest and the largest
     #[arg(long, value_name = "N", value_parser = count)]
     count: Option<usize>,
-    /// At all multiples of a distance
+    /// Curves at all multiples of a distance
     #[arg(long, value_name = "D", allow_hyphen_values = true)]
     every: Option<f64>,
 }
@@ -50,7 +49,7 @@ struct LevelArgs {
 fn count(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count @ 1..) => Ok(count),
-        _ => Err(format!("`{}` is no number of distances; give 1 or more", excerpt(text))),
+        _ => Err(format!("`{}` is not a number of distances; give 1 or more", excerpt(text))),
     }
 }
 
@@ -58,8 +57,8 @@ fn examples() -> String {
     format!(
         "\
 Contours are closed, or end at the surface's border or at holes. Nearer points lie
-to their left as seen on the grid with rows downwards. A level that the map does not
-have gives no curve; at the largest distance curves join the grid points that have it.
+to their left, as seen on the grid with rows downwards. A level outside the map's
+range has no curve. At the largest distance, curves join the grid points that have it.
 
 {}
 

@@ -15,15 +15,15 @@ use crate::terminal::{List, Outcome, Spinner, print, print_json, say};
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Measure what each usable device and the processor can do at best, in some seconds
+    /// Measure the peak rates of each usable device and of the processor, which takes some seconds
     #[arg(long)]
     measure: bool,
-    /// Print, as Markdown, what each device says of itself that bears on maps: its limits, queues and memory
+    /// Print, as Markdown, the properties of each device that matter for maps: its limits, queues and memory
     #[arg(long, conflicts_with_all = ["measure", "json"])]
     limits: bool,
-    /// Print one JSON object (docs/json.md): devices, an array of index, name, kind, api_version,
-    /// driver, unmet (requirements). With --measure each usable device has its ceilings too, and cpu is
-    /// an array of ceilings by number of threads. Rates are per second, times in seconds
+    /// Print one JSON object (docs/json.md): devices, an array of index, name, kind, api_version, driver,
+    /// unmet (requirements). With --measure, each usable device has its ceilings too, and cpu is an array of
+    /// ceilings by number of threads. Rates are per second, times in seconds
     #[arg(long)]
     json: bool,
 }
@@ -31,12 +31,12 @@ pub struct Args {
 const EXAMPLES: &str = "\
 The index, or any part of the name, selects a device for `geosweep distance --device`.
 
-With --measure: the rate at which bytes are copied (read plus written), the rate of
-updates from single triangles with everything at hand, by wavefront; of a device also
-the time of an empty dispatch with its barrier, direct and indirect, of an indirect
-dispatch of nothing with its barrier, of a barrier alone, of what a timestamp adds
-(null or nothing where there are none) and of an empty submission, and the rate of
-reading back.
+With --measure: the rate at which bytes are copied (read plus written), and by wavefront
+the rate of updates from single triangles whose inputs are in registers. For a device
+these follow: the times of an empty dispatch with its barrier, direct and indirect, of
+an indirect dispatch of no groups with its barrier, of a barrier alone, of a timestamp
+(null or nothing if there are none) and of an empty submission; and the rate of reading
+back.
 
 Examples:
   geosweep devices

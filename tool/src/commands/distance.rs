@@ -19,9 +19,9 @@ use crate::terminal::{Outcome, Spinner, print_json, say};
 #[derive(clap::Args)]
 #[command(after_help = examples())]
 pub struct Args {
-    /// Where to write the map: .npy (M, N), .tif or .exr, float32, +infinity at holes and where no
-    /// source reaches; .npy or .tif, float64, in double precision. A .tif lies where the surface's .tif
-    /// or .asc does. May be left out beside --picture, --error or --json
+    /// Output file for the map: .npy (M, N), .tif or .exr, float32, with +infinity at holes and where no
+    /// source reaches. In double precision it is .npy or .tif, float64. A .tif gets the georeference of the
+    /// surface's .tif or .asc. Optional with --picture, --error or --json
     #[arg(short, long, value_name = "MAP")]
     #[arg(required_unless_present_any = ["error", "picture", "json"])]
     output: Option<PathBuf>,
@@ -33,35 +33,34 @@ pub struct Args {
     #[command(flatten)]
     solver: SolverArgs,
 
-    /// Compute, and write, in this precision
+    /// Precision in which the map is computed and written
     #[arg(long, value_enum, default_value_t, help_heading = "Accuracy")]
     precision: Precision,
-    /// Estimate each distance's error from maps of every second and fourth point, which takes a
-    /// third more time; over floor plans from that of a grid twice as fine, in four to five times the
-    /// time: a file as the map's, in the unit of the distances, +infinity where there is no estimate.
-    /// Behind holes of other surfaces too large by far
+    /// Output file for the estimated error of each distance, in the map's format and unit, with +infinity
+    /// where there is no estimate. The estimate compares maps of every second and fourth point, which takes a
+    /// third more time. Over floor plans it compares with a grid twice as fine, which takes four to five
+    /// times the time. Behind holes of other surfaces it is far too large
     #[arg(long, value_name = "FILE", help_heading = "Accuracy")]
     error: Option<PathBuf>,
-    /// Write the map less its estimated error (Richardson's extrapolation), for a third more time.
-    /// On smooth surfaces a half to a hundredth of the error is left, least from sources at grid
-    /// points; behind holes it grows. Over floor plans the distances of the finer grid
+    /// Write the map minus its estimated error (Richardson's extrapolation), in a third more time. On smooth
+    /// surfaces a half to a hundredth of the error remains, least with sources at grid points; behind holes
+    /// the error grows. Over floor plans, write the distances of the finer grid
     #[arg(long, help_heading = "Accuracy")]
     extrapolate: bool,
 
     /// Draw the map: colours and lines of equal distance over the shaded surface
     #[arg(long, value_name = "FILE.png", help_heading = "Reports")]
     picture: Option<PathBuf>,
-    /// The unit of lengths, for the picture's legend (default: what a projected GeoTIFF says, else
-    /// none)
+    /// Unit of lengths, for the picture's legend (default: the unit of a projected GeoTIFF, otherwise none)
     #[arg(long, value_name = "NAME", help_heading = "Reports")]
     unit: Option<String>,
-    /// Print one JSON object (docs/json.md): version, command, precision, engine, device, reason (why this
-    /// engine, where it was left to the tool), fallback, schedule, wavefront, iterations,
-    /// iteration_bound (Theorem 1's, where it applies), residual, converged, solve_seconds, rows,
-    /// cols, points, reached, max_distance, farthest (row and column of the first point that is so
-    /// far), seams (where a closed surface is cut open), sharp_edges (the share of edges along which the surface
-    /// turns by more than 30 degrees), extrapolated, and with --error or --extrapolate the
-    /// estimated mean_relative_error and max_relative_error before extrapolation
+    /// Print one JSON object (docs/json.md): version, command, precision, engine, device, reason (why the
+    /// tool chose this engine, if it did), fallback, schedule, wavefront, iterations, iteration_bound
+    /// (Theorem 1's, where it applies), residual, converged, solve_seconds, rows, cols, points, reached,
+    /// max_distance, farthest (row and column of the first point at that distance), seams (where a closed
+    /// surface is cut open), sharp_edges (the share of edges along which the surface turns by more than 30
+    /// degrees), extrapolated, and with --error or --extrapolate the estimated mean_relative_error and
+    /// max_relative_error before extrapolation
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -70,7 +69,7 @@ fn examples() -> String {
     format!(
         "\
 Distances are in the unit of the positions, or of the heights and the spacing,
-which must agree. Rows count downwards from 0, columns rightwards from 0.
+which must have the same unit. Rows count downwards from 0, columns rightwards from 0.
 
 {}
 
@@ -83,7 +82,7 @@ Examples:
   Travel times, on the CPU, with a report to parse:
     geosweep distance dem.tif --slowness slowness.npy --source 10,10 \\
       --engine cpu --json -o time.npy
-  In double precision, for what is left of errors below single precision's rounding:
+  In double precision, for errors below the rounding of single precision:
     geosweep distance scan.npy --source 80,64 --precision double -o map.npy
   A built-in surface, with an estimate of each distance's error:
     geosweep distance builtin:sphere:257x257 --source 0,0 -o sphere.npy \\

@@ -16,24 +16,23 @@ use crate::terminal::Outcome;
 #[derive(clap::Args)]
 #[command(after_help = examples())]
 pub struct Args {
-    /// Where to write the curves, repeatable: .npy (K, 5), .csv, .svg, .geojson, .ply or .obj, as
-    /// `geosweep contours --help` says
+    /// Output file for the curves; repeatable: .npy (K, 5), .csv, .svg, .geojson, .ply or .obj, as in
+    /// `geosweep contours --help`
     #[arg(short, long, value_name = "CURVES", required_unless_present_any = ["picture", "json"])]
     output: Vec<PathBuf>,
-    /// How far from the sources
+    /// Distances from the sources
     #[arg(long, value_name = "A,B,...", value_parser = Numbers::parse)]
     #[arg(allow_hyphen_values = true)]
     distances: Numbers,
-    /// On which side of the curves
+    /// Side of the curves
     #[arg(long, default_value = "both", value_parser = one_of_or(&SIDES, BOTH))]
     side: Choice<Side>,
 
     #[command(flatten)]
     problem: ProblemArgs,
 
-    /// Print one JSON object: what `distance --json` says of the map, and levels, an array of
-    /// objects with level, curves, closed (how many of them are), vertices and length (in the unit
-    /// of the surface)
+    /// Print one JSON object: the members of `distance --json` on the map, and levels, an array of objects
+    /// with level, curves, closed (number of closed curves), vertices and length (in the unit of the surface)
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -50,9 +49,9 @@ const BOTH: (&str, &str) = ("both", "All around");
 fn examples() -> String {
     format!(
         "\
-A curve is closed if its last vertex is its first. On one side, a point belongs to
-the side on which its shortest path meets the nearest curve; curves are cut where
-that changes, and point sources have no sides.
+A curve is closed if its last vertex equals its first. With --side, a point belongs to
+the side on which its shortest path meets the nearest curve. Offset curves are cut
+where that side changes. Point sources have no sides.
 
 {}
 

@@ -21,35 +21,34 @@ use crate::terminal::{Outcome, Spinner, counted, print_json, say};
 #[derive(clap::Args)]
 #[command(after_help = examples())]
 pub struct Args {
-    /// Where to write the paths, repeatable: .npy float64 (k, 5) with row, column, x, y, z of each
-    /// vertex from the start to the source, and a row of NaN between paths; .csv, with the distance,
-    /// length, surface_length and source of each path as --json has them; .svg (the parameter domain);
+    /// Output file for the paths; repeatable. .npy is float64 (k, 5), with row, column, x, y, z of each
+    /// vertex from the start to the source, and a row of NaN between paths. .csv has each path's distance,
+    /// length, surface_length and source too, as in --json. The others are .svg (the parameter domain);
     /// .geojson (from a GeoTIFF, in its coordinates); .ply or .obj (in space)
     #[arg(short, long, value_name = "PATHS", required_unless_present_any = ["picture", "json"])]
     output: Vec<PathBuf>,
-    /// Where a path starts that leads back to its source: row and column, which may be fractional;
-    /// repeatable
+    /// Start of a path that leads back to its source: row and column, which may be fractional; repeatable
     #[arg(long, visible_alias = "to", value_name = "R,C", value_parser = place)]
     #[arg(allow_hyphen_values = true)]
     #[arg(required_unless_present_any = ["from_file", "from_xy"])]
     from: Vec<[f64; 2]>,
-    /// The same in map coordinates, where SURFACE is georeferenced, after those of --from; repeatable
+    /// Start in map coordinates, if SURFACE is georeferenced; repeatable. These follow the starts of --from
     #[arg(long, visible_alias = "to-xy", value_name = "X,Y", value_parser = coordinates)]
     #[arg(allow_hyphen_values = true)]
     from_xy: Vec<[f64; 2]>,
-    /// A file of starts, after these: a table, an .npy array or GeoJSON as for --source-points, of which
-    /// start values are not used
+    /// File of starts, which follow all others: a table, an .npy array or GeoJSON, as for --source-points.
+    /// Start values in it are not used
     #[arg(long, value_name = "FILE")]
     from_file: Option<PathBuf>,
 
     #[command(flatten)]
     problem: ProblemArgs,
 
-    /// Print one JSON object: what `distance --json` says of the map, and paths, an array of
-    /// objects with from, distance (the map's value at the start), length (the path's own, times the
-    /// slowness; with the source's start value it is the distance but for errors), time (the same as a
-    /// travel time; null without a slowness), surface_length (without any slowness), source (its
-    /// index in the order of --source, --source-xy, --source-points and --source-curve) and vertices
+    /// Print one JSON object: the members of `distance --json` on the map, and paths, an array of objects
+    /// with from, distance (the map's value at the start), length (of the path, times the slowness; together
+    /// with the source's start value it equals the distance, apart from errors), time (length as a travel
+    /// time; null without a slowness), surface_length (without any slowness), source (its index in the order
+    /// of --source, --source-xy, --source-points and --source-curve) and vertices
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -57,8 +56,8 @@ pub struct Args {
 fn examples() -> String {
     format!(
         "\
-A start that is outside the grid, in a hole or not reached by any source is an
-error, and nothing is written.
+It is an error if a start is outside the grid, in a hole or not reached by any
+source. Nothing is written then.
 
 {}
 
@@ -120,7 +119,7 @@ impl Args {
                 let name = path.display();
                 say(
                     "note",
-                    format_args!("{name}: its start values are not used: paths lead from there"),
+                    format_args!("{name}: its start values are not used, since paths start there"),
                 );
             }
         }

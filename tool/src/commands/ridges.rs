@@ -19,12 +19,12 @@ use crate::terminal::{Outcome, Spinner, print_json};
 #[derive(clap::Args)]
 #[command(after_help = examples())]
 pub struct Args {
-    /// Where to write the lines, repeatable: .npy (K, 5), .csv, .svg, .geojson, .ply or .obj, as
-    /// `geosweep contours --help` says
+    /// Output file for the lines; repeatable: .npy (K, 5), .csv, .svg, .geojson, .ply or .obj, as in
+    /// `geosweep contours --help`
     #[arg(short, long, value_name = "CURVES", required_unless_present_any = ["picture", "json"])]
     output: Vec<PathBuf>,
-    /// Leave out where the fronts' directions include less than this angle. Below some 20 degrees
-    /// the grid itself begins to look like kinks
+    /// Leave out lines on which the directions of the fronts differ by less than this angle. Below about 20
+    /// degrees, the grid itself looks like kinks
     #[arg(long, value_name = "DEGREES", default_value_t = 30.0, value_parser = angle)]
     #[arg(allow_hyphen_values = true)]
     least_angle: f64,
@@ -32,9 +32,9 @@ pub struct Args {
     #[command(flatten)]
     problem: ProblemArgs,
 
-    /// Print one JSON object: what `distance --json` says of the map, and ridges, an array of
-    /// objects with vertices, closed, length (in the unit of the surface), least_angle and
-    /// largest_angle (between the fronts along the line, in degrees)
+    /// Print one JSON object: the members of `distance --json` on the map, and ridges, an array of objects
+    /// with vertices, closed, length (in the unit of the surface), least_angle and largest_angle (between the
+    /// fronts along the line, in degrees)
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -42,17 +42,17 @@ pub struct Args {
 fn angle(text: &str) -> Result<f64, String> {
     match text.trim().parse() {
         Ok(angle) if angle > 0.0 && angle <= 180.0 => Ok(angle),
-        _ => Err(format!("`{}` is no angle above 0 and up to 180 degrees", excerpt(text))),
+        _ => Err(format!("`{}` is not an angle above 0 and up to 180 degrees", excerpt(text))),
     }
 }
 
 fn examples() -> String {
     format!(
         "\
-The lines on which the distance map has a kink, since fronts from different directions
-meet there: borders between the regions of several sources, and the cut locus of each,
-behind holes and hills. Shortest paths do not cross them. Lines run from end to end or
-from junction to junction; their direction means nothing.
+Ridges are the lines on which the distance map has a kink, since fronts from different
+directions meet there. They are the borders between the regions of several sources, and
+the cut locus of each source, behind holes and hills. Shortest paths do not cross them.
+Each line runs between two ends or junctions; its direction means nothing.
 
 {}
 

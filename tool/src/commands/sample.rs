@@ -22,20 +22,20 @@ use crate::terminal::{Outcome, counted, print_json};
 #[derive(clap::Args)]
 #[command(after_help = examples())]
 pub struct Args {
-    /// Where to write the samples, repeatable: .npy float64 (k, 5) with row, column, x, y, z of
-    /// each; .csv; .svg (the parameter domain); .geojson (from a GeoTIFF, in its coordinates);
-    /// .ply or .obj (in space)
+    /// Output file for the samples; repeatable. .npy is float64 (k, 5), with row, column, x, y, z of each
+    /// sample. The others are .csv; .svg (the parameter domain); .geojson (from a GeoTIFF, in its
+    /// coordinates); .ply or .obj (in space)
     #[arg(short, long, value_name = "SAMPLES")]
     #[arg(required_unless_present_any = ["labels", "picture", "json"])]
     output: Vec<PathBuf>,
-    /// How many samples
+    /// Number of samples
     #[arg(short = 'k', long, value_name = "K")]
     count: usize,
-    /// The first sample (default: the point next to the middle of the grid)
+    /// First sample (default: the point next to the middle of the grid)
     #[arg(long, value_name = "R,C", value_parser = place, allow_hyphen_values = true)]
     first: Option<[f64; 2]>,
-    /// Write which sample each point is nearest to: .npy (M, N) or .tif, int32, from 0 in the order of the
-    /// samples, -1 at holes and where none reaches
+    /// Write the nearest sample of each point: .npy (M, N) or .tif, int32, counted from 0 in the order of the
+    /// samples, with -1 at holes and where no sample reaches
     #[arg(long, value_name = "LABELS")]
     labels: Option<PathBuf>,
 
@@ -44,10 +44,10 @@ pub struct Args {
     #[command(flatten)]
     picture: PictureArgs,
 
-    /// Print one JSON object: radius (the largest distance from a point to its nearest sample, null
-    /// while a part of the surface has none) and samples, an array of objects with row, col and
-    /// radius (how far it was from all before it; null for the first, and for the first on a part
-    /// of the surface)
+    /// Print one JSON object: radius (the largest distance from a point to its nearest sample; null while a
+    /// part of the surface has no sample) and samples, an array of objects with row, col and radius (the
+    /// distance from all samples before it; null for the first sample, and for the first on each part of the
+    /// surface)
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -55,8 +55,8 @@ pub struct Args {
 fn examples() -> String {
     format!(
         "\
-Farthest-point sampling: each sample is the point that is farthest from all before
-it, on the CPU, with the curved wavefront. Every point of the surface is within the
+Farthest-point sampling, on the CPU with the curved wavefront: each sample is the point
+that is farthest from all samples before it. Every point of the surface is within the
 radius of a sample, and samples are at least that far apart.
 
 {}
@@ -71,7 +71,7 @@ Examples:
 
 pub fn run(args: &Args) -> Outcome {
     if args.count == 0 {
-        return Err("0 samples are none; give --count 1 or more".into());
+        return Err("--count is 0; give 1 or more".into());
     }
     let files = CurveFiles::new(&args.output)?;
     let labels = labels_output(args.labels.as_ref())?;
@@ -124,7 +124,7 @@ pub fn run(args: &Args) -> Outcome {
     let covers = if radius.is_finite() {
         format!("radius {}", seven_digits(f64::from(radius)))
     } else {
-        "some points beyond reach".into()
+        "some points out of reach".into()
     };
     done(["CPU".into(), counted(samples.len() as u64, "sample"), covers], &written);
     if args.json {

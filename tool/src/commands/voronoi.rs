@@ -18,23 +18,23 @@ use crate::terminal::{Outcome, Spinner, print_json};
 #[derive(clap::Args)]
 #[command(after_help = examples())]
 pub struct Args {
-    /// Where to write the regions: .npy (M, N) or .tif, int32, at each point the index of its nearest
-    /// source, counted from 0 in the order of --source, --source-xy, --source-points and
-    /// --source-curve; -1 at holes and where no source reaches
+    /// Output file for the regions: .npy (M, N) or .tif, int32. Each point has the index of its nearest
+    /// source, counted from 0 in the order of --source, --source-xy, --source-points and --source-curve; -1
+    /// at holes and where no source reaches
     #[arg(short, long, value_name = "LABELS")]
     #[arg(required_unless_present_any = ["borders", "picture", "json"])]
     output: Option<PathBuf>,
-    /// Write the borders between regions, repeatable: .npy (K, 5), .csv, .svg, .geojson, .ply or
-    /// .obj, as `geosweep contours --help` says
+    /// Output file for the borders between regions; repeatable: .npy (K, 5), .csv, .svg, .geojson, .ply or
+    /// .obj, as in `geosweep contours --help`
     #[arg(long, value_name = "CURVES")]
     borders: Vec<PathBuf>,
 
     #[command(flatten)]
     problem: ProblemArgs,
 
-    /// Print one JSON object: what `distance --json` says of the map, area (of all regions),
-    /// regions (an array of objects with source, points and area) and neighbours (pairs of regions
-    /// with a common border, the Delaunay graph)
+    /// Print one JSON object: the members of `distance --json` on the map, area (of all regions), regions (an
+    /// array of objects with source, points and area) and neighbours (pairs of regions with a common border,
+    /// the Delaunay graph)
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -42,7 +42,7 @@ pub struct Args {
 fn examples() -> String {
     format!(
         "\
-A source with a start value begins later, so that its region is smaller. Areas are
+A source with a start value starts later, so that its region is smaller. Areas are
 in the squared unit of the surface, without any slowness.
 
 {}

@@ -8,7 +8,7 @@ pub fn size(text: &str) -> Result<usize, String> {
     match text.trim().parse() {
         Ok(size) if RANGE.contains(&size) => Ok(size),
         _ => Err(format!(
-            "`{}` is no number of points a side from {} to {}",
+            "`{}` is not a number of points per side from {} to {}",
             excerpt(text),
             RANGE.start(),
             RANGE.end()

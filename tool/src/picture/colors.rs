@@ -115,7 +115,7 @@ mod tests {
         }
     }
 
-    /// A region beside more others than there are colours, in any place of the order.
+    /// A region beside more others than there are colours, at each position in the order.
     #[test]
     fn neighbours_differ_around_a_hub() {
         let ring = 24;

@@ -167,7 +167,7 @@ fn grid_lines(chart: Chart, positions: &[DVec3]) -> Vec<Stroke> {
 mod tests {
     use super::*;
 
-    /// A shell over a grid, in any pose.
+    /// Returns a shell over a grid, in any pose.
     fn shell(chart: Chart, pose: impl Fn(DVec3) -> DVec3) -> Vec<DVec3> {
         let place = |index| {
             let (row, col) = chart.position(index);
@@ -192,7 +192,7 @@ mod tests {
             let pixel = |row, col| view.pixel(picture.positions[chart.index(row, col)]);
             let (middle, below, right) = (pixel(6, 4), pixel(12, 4), pixel(6, 8));
             assert!(below.y > middle.y + 50.0 && right.x > middle.x + 50.0, "{mirror}");
-            // The rim lies behind the middle: on the whole, since the view is from aside.
+            // The view is oblique, so the rim lies behind the middle on average.
             let corners = [pixel(0, 0), pixel(0, 8), pixel(12, 0), pixel(12, 8)];
             let rim = corners.iter().map(|corner| corner.z).sum::<f32>() / 4.0;
             assert!(rim < middle.z - 20.0, "{mirror}: {corners:?}, {middle}");

@@ -22,8 +22,7 @@ pub struct ProblemArgs {
     surface: SurfaceArgs,
     #[command(flatten)]
     solver: SolverArgs,
-    /// Compute the map in this precision; what is drawn on it is found in the map rounded to single
-    /// precision
+    /// Precision of the map. Results from it are computed on the map rounded to single precision
     #[arg(long, value_enum, default_value_t, help_heading = "Accuracy")]
     precision: Precision,
     #[command(flatten)]

@@ -31,7 +31,7 @@ use crate::terminal::{Spinner, counted, say};
 
 /// Returns a sentence on the built-in surfaces for the end of a command's help.
 pub fn builtin_names() -> String {
-    format!("Built-in surfaces:\n  {}; sheared-plane@DEGREES says by what angle.", Builtin::names())
+    format!("Built-in surfaces:\n  {}; sheared-plane@DEGREES sets the angle.", Builtin::names())
 }
 
 /// Computes the map from some sources, and prints notes that the user should know.
@@ -159,7 +159,7 @@ pub fn comment_on_starts<R: Real>(surface: &Surface, sources: &Sources) {
     }
 }
 
-/// Prints a note if so many edges lie in a row that the rounding errors of their lengths add up.
+/// Prints a note if a path may have enough edges for the rounding errors of their lengths to matter.
 pub fn comment_on_size<R: Real>(surface: &Surface) {
     let most = surface.rows().max(surface.cols());
     if most as f64 * R::epsilon().wide() > ROUNDING {
@@ -167,7 +167,7 @@ pub fn comment_on_size<R: Real>(surface: &Surface) {
             "note",
             format_args!(
                 "distances over {most} edges in a row can err by thousandths, since rounding adds up \
-                 in single precision; `geosweep distance --precision double` does without"
+                 in single precision; `geosweep distance --precision double` avoids this"
             ),
         );
     }
@@ -199,7 +199,7 @@ pub fn comment_on_corners<R: Real>(surface: &Surface, map: &DistanceMap<R>) {
         say(
             "note",
             format_args!(
-                "{} not reached though next to a reached one: the two touch by a corner alone, between \
+                "{} not reached though next to a reached one: the two touch only at a corner, between \
                  holes, where no path passes; widen such lines of the mask to points side by side",
                 match cut {
                     1 => "1 point is".into(),
@@ -210,7 +210,7 @@ pub fn comment_on_corners<R: Real>(surface: &Surface, map: &DistanceMap<R>) {
     }
 }
 
-/// The rounding error of distances from which on a note is printed, as a fraction of a typical edge.
+/// The rounding error of distances at which a note is printed, as a fraction of a typical edge.
 const ROUNDING: f64 = 1e-3;
 
 /// Returns the mean length of the edges along rows and columns.

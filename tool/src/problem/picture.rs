@@ -21,28 +21,28 @@ pub struct PictureArgs {
     /// Draw the result on the surface
     #[arg(long, value_name = "FILE.png", help_heading = "Picture")]
     pub picture: Option<PathBuf>,
-    /// How the surface is seen
+    /// View of the surface
     #[arg(long, value_enum, default_value_t, help_heading = "Picture")]
     view: ViewArg,
-    /// From where, as a direction in the surface's coordinates, z being up; implies --view shaded.
-    /// Heights lie over x along the columns and y along the rows, southwards (default: terrain
-    /// from the south, other surfaces from the side to which they bulge)
+    /// Direction from which the surface is seen, in its coordinates with z up; implies --view shaded. Heights
+    /// have x along the columns and y along the rows, southwards (default: terrain from the south, other
+    /// surfaces from the side to which they bulge)
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
     #[arg(help_heading = "Picture")]
     toward: Option<DVec3>,
-    /// The unit of lengths, for the legend (default: what a projected GeoTIFF says, else none)
+    /// Unit of lengths, for the legend (default: the unit of a projected GeoTIFF, otherwise none)
     #[arg(long, value_name = "NAME", help_heading = "Picture")]
     unit: Option<String>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum ViewArg {
-    /// A map for heights, shaded for positions
+    /// A map for heights, a shaded view for positions
     #[default]
     Auto,
     /// The parameter domain as a map, with relief
     Map,
-    /// In space, shaded
+    /// A shaded view in space
     Shaded,
 }
 

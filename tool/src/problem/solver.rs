@@ -7,24 +7,23 @@ use crate::choices::{Choice, auto_or, one_of_with_alias};
 
 #[derive(clap::Args)]
 pub struct SolverArgs {
-    /// The front assumed between points
+    /// Wavefront assumed between points
     #[arg(long, default_value = "auto", value_parser = auto_or(BEST_WAVEFRONT, &WAVEFRONTS))]
     #[arg(help_heading = "Solver")]
     wavefront: Choice<Wavefront>,
-    /// What computes the map
+    /// Engine that computes the map
     #[arg(long, default_value = "auto", value_parser = one_of_with_alias(&ENGINES, Some(GPU)))]
     #[arg(help_heading = "Solver")]
     engine: Engine,
-    /// The Vulkan device: its index in `geosweep devices`, or a part of its name; implies
-    /// --engine vulkan
+    /// Vulkan device: its index in `geosweep devices`, or a part of its name; implies --engine vulkan
     #[arg(long, value_name = "NAME|INDEX", help_heading = "Solver")]
     device: Option<DeviceChoice>,
-    /// The order of updates on a Vulkan device, the same map from each; any but auto implies
-    /// --engine vulkan, and is for single maps
+    /// Order of updates on a Vulkan device. All orders lead to the same map. Any value but auto implies
+    /// --engine vulkan, and is only for single maps
     #[arg(long, default_value = "auto", value_parser = auto_or(BEST_SCHEDULE, &schedules()))]
     #[arg(help_heading = "Solver")]
     schedule: Choice<Schedule>,
-    /// Stop after this many iterations: of four scans, of two updates of all points, or rounds of
+    /// Stop after this many iterations. An iteration is four scans, two updates of all points, or a round of
     /// tiles (default: 10 for each row and column)
     #[arg(long, value_name = "N", help_heading = "Solver")]
     iterations: Option<u32>,
@@ -45,13 +44,13 @@ const WAVEFRONTS: [(Wavefront, &str); 4] = [
     ),
     (
         Wavefront::Anchored,
-        "Knows its anchor, the corner or source that it comes from on a straight line: exact, for \
+        "Stores its anchor, the corner or source from which it comes in a straight line: exact, for \
          point sources over floor plans only (flat, evenly spaced, with holes)",
     ),
     (
         Wavefront::PointSource,
-        "Circular: exact on developable surfaces but for the sampling, for one point source; \
-         with several, or a slowness, curved",
+        "Circular: exact on developable surfaces apart from the sampling, for one point source; \
+         replaced by curved for several sources or with a slowness",
     ),
     (Wavefront::Planar, "Straight: first-order accurate, as in the paper"),
 ];
@@ -59,8 +58,8 @@ const WAVEFRONTS: [(Wavefront, &str); 4] = [
 const ENGINES: [(Engine, &str); 4] = [
     (
         Engine::Auto,
-        "The CPU; but a GPU, if there is one, for maps of 4 million points or more, which should pay for \
-         its set-up: a threshold that is reckoned, not measured",
+        "The CPU, or a GPU if there is one and the map has 4 million points or more. From this size on, \
+         a GPU's set-up should pay off; the size is an estimate, not a measurement",
     ),
     (Engine::Vulkan(DeviceChoice::Any), "The best Vulkan device, or an error"),
     (Engine::Cpu, "Raster scans on the CPU"),
@@ -73,7 +72,7 @@ const ENGINES: [(Engine, &str); 4] = [
 /// A common name for the Vulkan engine.
 const GPU: (&str, &str) = ("gpu", "vulkan");
 
-const BEST_SCHEDULE: &str = "What is best on the device";
+const BEST_SCHEDULE: &str = "The best schedule on the device";
 
 fn schedules() -> [(Schedule, &'static str); Schedule::ALL.len()] {
     Schedule::ALL.map(|schedule| (schedule, schedule.about()))

@@ -12,29 +12,28 @@ use crate::terminal::say;
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("sources").required(true).multiple(true))]
 pub struct SourceArgs {
-    /// A point source: row and column, which may be fractional, and the distance it starts with
-    /// (default 0); repeatable
+    /// Point source: row and column, which may be fractional, and its start value (default 0); repeatable
     #[arg(short, long, value_name = "R,C[,T0]", group = "sources", help_heading = "Sources")]
     #[arg(value_parser = point, allow_hyphen_values = true)]
     source: Vec<[f64; 3]>,
-    /// The same in map coordinates, where SURFACE is georeferenced: easting and northing, or longitude and
+    /// Point source in map coordinates, if SURFACE is georeferenced: easting and northing, or longitude and
     /// latitude, in its coordinate reference system; repeatable
     #[arg(long, value_name = "X,Y[,T0]", group = "sources", help_heading = "Sources")]
     #[arg(value_parser = point_xy, allow_hyphen_values = true)]
     source_xy: Vec<[f64; 3]>,
-    /// Curves, every point of which is a source; repeatable. An .npy array (K, 2) of rows and columns,
-    /// (K, 3) with start values, or (K, 5) as this tool writes curves, where rows of NaN divide
-    /// curves. A text file with a line `row,col` per vertex (any separator, and decimal commas), or with
-    /// columns that its first line names: row and col, or map coordinates x and y or lon and lat;
-    /// start values t0 (or start, initial, time), equal along a curve; `curve` divides curves, and 1 in
-    /// `closed` closes them; others are not used, which a note says. GeoJSON (.geojson, .json), of
-    /// which points, lines and the rings of polygons are sources, in the coordinates of SURFACE, with a
-    /// property t0. A raster of SURFACE's size (.tif, .asc, .png), each cell of which that is neither
-    /// 0 nor no-data is a source
+    /// File of curves, every point of which is a source; repeatable. An .npy array is (K, 2) with rows and
+    /// columns, (K, 3) with start values too, or (K, 5) as this tool writes curves; rows of NaN separate
+    /// curves. A text file has a line `row,col` per vertex (any separator, and decimal commas), or columns
+    /// that its first line names: row and col, or map coordinates x and y or lon and lat; start values t0 (or
+    /// start, initial, time), equal along a curve; `curve`, whose values separate curves; and `closed`, where
+    /// 1 closes them. Other columns are not used, and a note lists them. GeoJSON (.geojson, .json) has
+    /// points, lines and polygons, whose rings are sources, in the coordinates of SURFACE, with a property
+    /// t0. In a raster of SURFACE's size (.tif, .asc, .png), each cell that is neither 0 nor no-data is a
+    /// source
     #[arg(long, value_name = "FILE", group = "sources", help_heading = "Sources")]
     source_curve: Vec<PathBuf>,
-    /// Point sources in a file as for --source-curve, of which every vertex is a source with a start value
-    /// of its own; repeatable
+    /// File of point sources, as for --source-curve. Every vertex is a source with its own start value;
+    /// repeatable
     #[arg(long, value_name = "FILE", group = "sources", help_heading = "Sources")]
     source_points: Vec<PathBuf>,
 }

@@ -15,42 +15,41 @@ use crate::terminal::{Spinner, say};
 
 #[derive(clap::Args)]
 pub struct SurfaceArgs {
-    /// A file, or builtin:NAME:ROWSxCOLS. Files: .npy with positions (M, N, 3), heights (M, N) or a
-    /// metric (M, N, 2, 2); .npz with one such array, or one that is named surface, positions,
-    /// heights or metric; .tif with heights in one band, as GDAL reads it; .asc with heights, an ESRI
-    /// ASCII grid; .png with heights, grey, 8 or 16 bits; .exr with positions in channels X, Y, Z or
-    /// R, G, B, or heights in a single channel. NaN and no-data mark holes
+    /// A file, or builtin:NAME:ROWSxCOLS. Files: .npy with positions (M, N, 3), heights (M, N) or a metric
+    /// (M, N, 2, 2); .npz with one such array, or one that is named surface, positions, heights or metric;
+    /// .tif with heights in one band, as GDAL reads it; .asc with heights, an ESRI ASCII grid; .png with
+    /// heights, grey, 8 or 16 bits; .exr with positions in channels X, Y, Z or R, G, B, or heights in a
+    /// single channel. NaN and no-data mark holes
     #[arg(value_parser = OsStringValueParser::new().try_map(SurfaceArg::parse))]
     surface: SurfaceArg,
 
-    /// Distance between columns and rows of heights, in the unit of the heights (default: what a
-    /// projected GeoTIFF or an ESRI ASCII grid says, else 1)
+    /// Distance between columns and between rows of heights, in the unit of the heights (default: that of a
+    /// projected GeoTIFF or an ESRI ASCII grid, otherwise 1)
     #[arg(long, value_name = "DX[,DY]", help_heading = "Surface", value_parser = spacing)]
     #[arg(allow_hyphen_values = true)]
     spacing: Option<Spacing>,
-    /// Where the surface is (non-zero) and where it has holes (zero or no-data): .npy (M, N) of
-    /// booleans or integers, .npz (named mask, if it holds several), an 8-bit grey .png, .tif or .asc. Points that
-    /// touch by a corner alone, between two holes, are not connected: widen lines that are 8-connected,
-    /// such as rasterised rivers, to 4-connected ones
+    /// Mask of the surface (non-zero) and its holes (zero or no-data): .npy (M, N) of booleans or integers,
+    /// .npz (named mask, if it holds several), an 8-bit grey .png, .tif or .asc. Points that touch only at a
+    /// corner, between two holes, are not connected. Widen lines that are 8-connected, such as rasterised
+    /// rivers, to 4-connected ones
     #[arg(long, value_name = "FILE", help_heading = "Surface")]
     mask: Option<PathBuf>,
-    /// Weight of lengths at each point, the reciprocal of a speed, so that distances become travel
-    /// times: .npy (M, N), .npz (named slowness, if it holds several), .tif or .asc, positive
+    /// Slowness of each point, the reciprocal of a speed, by which lengths are multiplied, so that distances
+    /// become travel times: .npy (M, N), .npz (named slowness, if it holds several), .tif or .asc, positive
     #[arg(long, value_name = "FILE", help_heading = "Surface")]
     slowness: Option<PathBuf>,
-    /// Lengths from this metric in place of SURFACE's, whose positions are still used for the
-    /// picture: .npy or .npz (M, N, 2, 2), symmetric and positive definite, per step of one row (axis 0)
-    /// and one column (axis 1)
+    /// Metric that gives the lengths in place of SURFACE's positions, which are still used for the picture:
+    /// .npy or .npz (M, N, 2, 2), symmetric and positive definite, per step of one row (axis 0) and one
+    /// column (axis 1)
     #[arg(long, value_name = "FILE", help_heading = "Surface")]
     metric: Option<PathBuf>,
-    /// How long the surface is between neighbouring points (default: arc); a metric has its own
-    /// lengths
+    /// Rule for the length between neighbouring points (default: arc). A metric has its own lengths
     #[arg(long, value_parser = one_of(&EDGE_RULES), help_heading = "Surface")]
     edges: Option<EdgeRule>,
 }
 
 const EDGE_RULES: [(EdgeRule, &str); 2] = [
-    (EdgeRule::Arc, "Along the surface where it bends alike at both ends, else the chord"),
+    (EdgeRule::Arc, "Along the surface if it bends alike at both ends, otherwise the chord"),
     (EdgeRule::Chord, "Straight: the surface is the polyhedron of its points"),
 ];
 
@@ -180,7 +179,7 @@ impl SurfaceArgs {
                                 its own size, leave it out"
                         .into());
                 }
-                let nowhere = "a built-in surface lies nowhere on the Earth";
+                let nowhere = "a built-in surface has no place on the Earth";
                 Ok(Given {
                     surface: builtin.surface()?,
                     georeference: Err(nowhere.into()),
@@ -197,7 +196,7 @@ impl SurfaceArgs {
                     say(
                         "note",
                         format_args!(
-                            "{name}: heights are taken as 1 apart; --spacing says otherwise"
+                            "{name}: heights are taken as 1 apart; --spacing sets another distance"
                         ),
                     );
                 }
@@ -207,7 +206,7 @@ impl SurfaceArgs {
                         "note",
                         format_args!(
                             "{name}: pixel size and heights are taken as metres, since the file \
-                             does not say its unit; --spacing says otherwise"
+                             does not say its unit; --spacing sets another distance"
                         ),
                     );
                 }
@@ -258,10 +257,10 @@ fn warn_of_seams(seams: &[Seam]) {
                  repeat the grid side by side with a source in each copy";
     }
     if seams.iter().any(|seam| matches!(seam, Seam::Sides { .. } | Seam::Fold(_))) {
-        said += "; --mask takes out one of two equal lines";
+        said += "; --mask can remove one of two equal lines";
     }
     if seams.iter().any(|seam| matches!(seam, Seam::Pole { exact: false, .. })) {
-        said += ". Points of a pole must be equal to the last digit, or all but one of them masked";
+        said += ". Mask all but one of a pole's points, or make them equal to the last digit";
     }
     say("warning", said);
 }

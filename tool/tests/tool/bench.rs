@@ -1,4 +1,4 @@
-//! Schedules, devices and their speed as a user meets them.
+//! Schedules, devices and their speed, through the tool.
 
 use crate::workbench::{Workbench, json, run, stderr};
 
@@ -16,7 +16,7 @@ fn every_schedule_gives_the_same_map() {
         assert_eq!(map(schedule), schedule);
     }
     assert!(["raster", "tiles"].contains(&map("auto").as_str()));
-    // Tolerances are relative to the largest distance; each map stops at changes of 1e-6.
+    // Tolerances are relative to the largest distance. Each map stops at changes of 1e-6.
     for schedule in ["auto", "all-points", "tiles"] {
         let compared = run(&bench, &format!("compare {schedule}.npy raster.npy --tolerance 1e-5"));
         assert!(compared.status.success(), "{schedule}: {}", stderr(&compared));
@@ -88,8 +88,8 @@ fn devices_are_measured() {
     assert!(String::from_utf8_lossy(&text.stdout).contains("triangles a second"));
 }
 
-/// What can be said of numbers that depend on the machine: they are there, they fit one another,
-/// and what is counted is right.
+/// The numbers depend on the machine, but they exist, are consistent with one another, and the counts are
+/// right.
 #[test]
 fn a_bench_counts_right_and_its_numbers_fit() {
     let bench = Workbench::new();
@@ -108,13 +108,13 @@ fn a_bench_counts_right_and_its_numbers_fit() {
         let rate = number("points") / number("median_seconds");
         approx::assert_relative_eq!(number("points_per_second"), rate, max_relative = 1e-9);
         assert!(number("points") <= number("rows") * number("cols"), "{map}");
-        // Each of an iteration's four scans sees two of a point's triangles.
+        // Each of an iteration's four scans visits two of a point's triangles.
         let all_scans = 4.0 * 2.0 * number("iterations");
         let texels = (number("rows") / 2.0).ceil() * (number("cols") / 2.0).ceil();
         let (work, shares) = (&map["work"], &map["shares"]);
         let triangles = work["triangles"].as_f64();
         match map["schedule"].as_str().unwrap() {
-            // Skips what cannot change.
+            // This method skips points that cannot change.
             "rotated-scan" => {
                 let all = all_scans * number("rows") * number("cols");
                 assert!(triangles.unwrap() > 0.1 * all && triangles.unwrap() <= all, "{map}");
@@ -125,7 +125,7 @@ fn a_bench_counts_right_and_its_numbers_fit() {
             schedule @ ("raster" | "all-points") => {
                 let all = all_scans * 4.0 * texels;
                 match schedule {
-                    // The first iteration knows where the source is.
+                    // The first iteration is bounded around the source.
                     "raster" => assert!(triangles.unwrap() < all, "{map}"),
                     // Two updates from eight triangles.
                     _ => assert_eq!(triangles.unwrap(), 2.0 * all, "{map}"),
@@ -155,7 +155,7 @@ fn a_bench_counts_right_and_its_numbers_fit() {
 }
 
 #[test]
-fn a_bench_of_a_file_has_its_size_and_one_of_nothing_is_refused() {
+fn a_bench_of_a_file_has_its_size_and_empty_ones_are_refused() {
     let bench = Workbench::new();
     let flat = bench.flat(30, 50);
     let output = run(&bench, &format!("bench --surfaces {flat} --engines cpu --quick -o speed.md"));
@@ -165,7 +165,7 @@ fn a_bench_of_a_file_has_its_size_and_one_of_nothing_is_refused() {
     std::fs::remove_file(bench.output("speed.md")).unwrap();
     for (line, parts) in [
         ("bench --surfaces teapot", ["teapot", "terrain"]),
-        ("bench --sizes 1", ["`1`", "points a side"]),
+        ("bench --sizes 1", ["`1`", "points per side"]),
         ("bench --wavefront square", ["square", "curved"]),
         ("bench --limit=-1", ["--limit", "-1"]),
         ("bench --quick --plot speed.jpg", ["speed.jpg", ".png"]),

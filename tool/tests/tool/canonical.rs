@@ -24,7 +24,7 @@ fn the_form_is_a_surface_of_its_own() {
 #[test]
 fn holes_come_back_as_nan() {
     let bench = Workbench::new();
-    // A hole, and a corner that a diagonal of holes cuts off.
+    // A hole, and a corner that is cut off by a diagonal of holes.
     let mut heights = vec![0.0; 9 * 8];
     for hole in [4 * 8 + 4, 2, 8 + 1, 2 * 8, 8 + 2, 2 * 8 + 1] {
         heights[hole] = f64::NAN;
@@ -56,7 +56,7 @@ fn a_matrix_of_distances_is_taken() {
     let bench = Workbench::new();
     let places = [[0.0, 0.0], [3.0, 0.0], [3.0, 4.0], [0.0, 4.0], [1.0, 1.0]];
     let distance = |a: [f64; 2], b: [f64; 2]| f64::hypot(a[0] - b[0], a[1] - b[1]);
-    // A hole comes third.
+    // The third point is a hole.
     let numbers = [Some(0), Some(1), None, Some(2), Some(3), Some(4)];
     let matrix: Vec<f64> = numbers
         .iter()
@@ -67,7 +67,7 @@ fn a_matrix_of_distances_is_taken() {
     let above: Vec<f64> = above.map(|index| matrix[index]).collect();
     let matrix = bench.array("distances.npy", &[6, 6], &matrix);
     let above = bench.array("above.npy", &[15], &above);
-    // Said or found out.
+    // With the option, and without it.
     for (matrix, said) in [(&matrix, true), (&matrix, false), (&above, false)] {
         let args = ["canonical", matrix, "--dimensions", "2", "-o", "form.npy"].into_iter();
         let output = bench.run(args.chain(said.then_some("--matrix")));
@@ -81,7 +81,7 @@ fn a_matrix_of_distances_is_taken() {
     }
     let args = ["canonical", &matrix, "--dimensions", "2", "-o", "f.npy", "--picture", "f.png"];
     assert!(bench.run(args).status.success() && bench.output("f.png").exists());
-    // A square of heights stays one.
+    // A square array of heights is not taken as a matrix.
     let heights: Vec<f64> = (0..36).map(|i| f64::from(i % 7) * 0.1 + 1.0).collect();
     let heights = bench.array("heights.npy", &[6, 6], &heights);
     let output = bench.run(["canonical", &heights, "--spacing", "1", "-o", "form.npy", "--json"]);
@@ -126,6 +126,6 @@ fn the_figures_bendings_share_a_form() {
     let deviations: Vec<_> =
         rows["surfaces"].as_array().unwrap().iter().map(|row| row["deviation"].as_f64()).collect();
     let [None, None, Some(between), Some(catenoid)] = deviations[..] else { panic!("{rows}") };
-    // The errors of the distances on so coarse a grid.
+    // This is due to the errors of the distances on such a coarse grid.
     assert!(between.max(catenoid) < 2e-3, "{rows}");
 }

@@ -1,5 +1,5 @@
-//! Committed figures that do not depend on the machine are those of this engine: errors, iterations, bytes.
-//! `ci/figures` makes them anew.
+//! Committed figures that do not depend on the machine equal those of this engine: errors, iterations, bytes.
+//! `ci/figures` writes them anew.
 
 use serde_json::Value;
 
@@ -9,13 +9,13 @@ const ACCURACY: &str = include_str!("../../../docs/accuracy.md");
 const ACCURACY_DOUBLE: &str = include_str!("../../../docs/accuracy-double.md");
 const TABLE_2: &str = include_str!("../../../docs/figures/table-2.md");
 
-/// The cells of a Markdown table's line.
+/// Returns the cells of a line of a Markdown table.
 fn cells(line: &str) -> Vec<&str> {
     line.trim_matches('|').split('|').map(str::trim).collect()
 }
 
-/// Rounding differs from one mathematical library to another, in which built-in surfaces are made.
-/// Below `least` errors are nothing else.
+/// Returns whether two errors are the same. Built-in surfaces depend on the mathematical library, whose
+/// rounding differs. Errors below `least` are only rounding.
 fn is_same(found: f64, committed: f64, least: f64) -> bool {
     (found - committed).abs() <= 0.02 * committed.max(least)
 }
@@ -31,7 +31,7 @@ fn committed_errors_in_double_precision_are_those_of_this_engine() {
     compare("docs/accuracy-double.md", ACCURACY_DOUBLE, line, 1e-12);
 }
 
-/// A page's tables of errors against what a command finds.
+/// Compares a page's tables of errors with the output of a command.
 fn compare(page: &str, text: &str, line: &str, least: f64) {
     let bench = Workbench::new();
     let report = json(&run(&bench, line));

@@ -1,4 +1,4 @@
-//! Contours: against truth, and where there are none.
+//! Contours compared with the truth, and levels without a contour.
 
 use geosweep::glam::{DVec2, DVec3};
 use geosweep::surface::builtin::Builtin;
@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::workbench::{Workbench, curves, done, json, notes, read, run, stderr, text};
 
-/// Great circles: within a tenth of a cell, which is what contours are held to.
+/// Contours are within a tenth of a cell, the bound for contours.
 #[test]
 fn contours_on_the_sphere_are_circles() {
     let bench = Workbench::new();
@@ -83,7 +83,7 @@ fn a_table_without_curves_has_the_header_of_one_with_them() {
 }
 
 #[test]
-fn levels_that_have_no_curve_are_told_why() {
+fn levels_without_a_curve_get_a_reason() {
     let bench = Workbench::new();
     let said =
         |words: &str| notes(&done(&bench, &format!("contours {words} --engine cpu -o c.csv")));
@@ -102,7 +102,7 @@ fn levels_that_have_no_curve_are_told_why() {
 }
 
 #[test]
-fn curves_closer_to_a_source_than_the_grid_are_said_to_be_cut() {
+fn curves_cut_beside_a_source_are_reported() {
     let bench = Workbench::new();
     let plane = bench.flat(9, 9);
     let said = |line: &str| {
@@ -118,7 +118,7 @@ fn curves_closer_to_a_source_than_the_grid_are_said_to_be_cut() {
     let (some, text) = said("contours PLANE -s 4.3,4.3 --levels 0.6");
     assert!(some > 0 && text.contains("the curves at 0.6 run between"), "{some} {text}");
     assert_eq!(said("contours PLANE -s 4.3,4.3 --levels 1"), (1, String::new()));
-    // At a point of the grid circles are whole however small.
+    // Around a grid point, circles are whole however small.
     assert_eq!(said("contours PLANE -s 4,4 --levels 0.001"), (1, String::new()));
     let line = bench.input("line.csv", "4.2,1.5\n4.2,6.5\n");
     let near = format!("offset PLANE --source-curve {line} --distances 0.3");
@@ -134,14 +134,14 @@ fn curves_closer_to_a_source_than_the_grid_are_said_to_be_cut() {
 #[test]
 fn odd_grids_and_sources_have_contours() {
     let bench = Workbench::new();
-    // A source on the border: half circles that end there.
+    // The source is on the border, and half circles end there.
     let line = "contours builtin:plane:17x17 -s 0,8 --levels 0.3 --engine cpu --json";
     let report = json(&done(&bench, line));
     assert_eq!(
         (&report["levels"][0]["curves"], &report["levels"][0]["closed"]),
         (&1.into(), &0.into())
     );
-    // Two sources at one point are one.
+    // Two sources at one point count as one.
     let twice = "contours builtin:plane:17x17 -s 5,8 -s 5,8 --levels 0.2 --engine cpu -o twice.npy";
     let once = "contours builtin:plane:17x17 -s 5,8 --levels 0.2 --engine cpu -o once.npy";
     done(&bench, twice);

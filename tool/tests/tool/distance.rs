@@ -1,4 +1,4 @@
-//! The tool as a user meets it: what it writes, from which arguments, and what it says.
+//! The tool through its command line: the files that it writes for given arguments, and its messages.
 
 use std::process::Output;
 
@@ -61,7 +61,7 @@ fn maps_in_double_precision_are_written_whole() {
     assert_eq!(single["precision"], "single");
     let found = map(&bench.output("map.npy"));
     assert!(found.iter().zip(&exact).any(|(found, exact)| (found - exact).abs() > 1e-9));
-    // No digits are lost behind a start value that single precision has few left for.
+    // A start value for which single precision has few digits left loses no digits.
     let output = bench.distance("builtin:plane:30x40", "-s 1,2,1e6 --precision double -o map.npy");
     assert!(output.status.success() && notes(&output).is_empty(), "{}", stderr(&output));
 }
@@ -76,7 +76,7 @@ fn the_nearest_source_counts_with_its_start_value() {
     for (index, distance) in map.iter().enumerate() {
         let (row, col) = ((index / 61) as f64, (index % 61) as f64);
         let exact = (row - 4.0).hypot(col - 5.0).min((row - 30.5).hypot(col - 50.25) + 8.0);
-        // Less the start value, fronts are circles around another centre: first order only.
+        // Relative to the start value, fronts are circles around another centre, which is only first order.
         assert!((distance - exact).abs() < 0.6, "{row},{col}: {distance} {exact}");
     }
 }
@@ -121,7 +121,7 @@ fn engines_and_fronts_can_be_chosen() {
 }
 
 #[test]
-fn circular_fronts_are_for_one_source_which_is_said() {
+fn circular_fronts_for_several_sources_are_replaced_with_a_note() {
     let bench = Workbench::new();
     let words = "distance builtin:sphere:33x33 -s 3,4 -s 20,20 --json -o map.npy --wavefront point";
     let output = bench.run(words.split_whitespace());
@@ -131,7 +131,7 @@ fn circular_fronts_are_for_one_source_which_is_said() {
     assert_eq!(json(&output)["wavefront"], "curved");
 }
 
-/// Along chords the way around a cylinder is short by a 24th of the squared angle between points.
+/// Along chords, the length around a cylinder is too short by a 24th of the squared angle between points.
 #[test]
 fn edges_can_be_arcs_or_chords() {
     let bench = Workbench::new();
@@ -228,14 +228,14 @@ fn curves_come_as_arrays_and_as_text() {
 }
 
 #[test]
-fn a_missing_spacing_and_a_missing_convergence_are_said() {
+fn a_missing_spacing_and_missing_convergence_are_reported() {
     let bench = Workbench::new();
     let output = bench.distance(&bench.flat(5, 5), "-s 0,0 -o map.npy");
     assert!(output.status.success() && output.stdout.is_empty());
     let stderr_text = stderr(&output);
     assert!(stderr_text.contains("geosweep: note:") && stderr_text.contains("--spacing"));
 
-    // Whoever says how many iterations there are to be needs no warning.
+    // There is no warning if the user has limited the iterations.
     let output = bench.distance("builtin:maze:65x65", "-s 1,1 --iterations 1 --json -o map.npy");
     assert_eq!(json(&output)["converged"], false);
     assert_eq!(notes(&output), "");
@@ -252,7 +252,7 @@ fn pictures_show_the_map_and_have_a_sensible_size() {
     let words = "-s 3,0 -o map.npy --picture map.png";
     let hill = |i: usize| 8.0 * (-((i / 10) as f64 - 25.0).powi(2) / 50.0).exp();
     let hill = bench.array("hill.npy", &[51, 10], &(0..510).map(hill).collect::<Vec<_>>());
-    // A single column is a strip that still can be seen.
+    // A single column is a strip that is still visible.
     for (surface, widths) in [(&*hill, 250..400), ("builtin:plane:30x1", 100..250)] {
         let output = bench.distance(surface, words);
         assert!(output.status.success(), "{}", stderr(&output));
@@ -273,7 +273,7 @@ fn pictures_show_the_map_and_have_a_sensible_size() {
 }
 
 #[test]
-fn a_map_is_written_only_if_it_is_asked_for() {
+fn a_map_is_written_only_on_request() {
     let bench = Workbench::new();
     let report = json(&bench.distance("builtin:plane:9x9", "-s 1,1 --json"));
     assert_eq!(report["reached"], 81);
@@ -284,7 +284,7 @@ fn a_map_is_written_only_if_it_is_asked_for() {
         assert!(output.status.success(), "{}", stderr(&output));
     }
     assert_eq!(bench.outputs(), ["bare.png", "named.png"]);
-    // The unit's name is in the legend, which is wider for it.
+    // The legend contains the unit's name, which makes it wider.
     let width = |name: &str| {
         let bytes = fs::read(bench.output(name)).unwrap();
         png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap().info().width
@@ -330,7 +330,7 @@ fn compare_measures_and_its_status_tells() {
             bench.refuses(&output, &[name, "row 1, column 1", "+infinity"]);
         }
     }
-    // No scale: nothing is reached, or nothing is far.
+    // There is no scale, since no point is reached or all distances are 0.
     let none = bench.array("none.npy", &[2, 3], &[inf; 6]);
     let zero = bench.array("zero.npy", &[2, 3], &[0.0; 6]);
     for (pair, status, part) in [
@@ -388,13 +388,13 @@ fn with_environment(
         .args(["distance", surface, "--source", "0,0", "-o", "map.npy"])
         .args(["--engine", engine, "--json"])
         .env(variable.0, variable.1)
-        // The older name of the same variable would win where a machine sets it.
+        // The older name of the same variable would take precedence if it is set.
         .env_remove("VK_ICD_FILENAMES")
         .output()
         .unwrap()
 }
 
-/// Large enough for a GPU.
+/// A surface large enough for a GPU.
 const LARGE: &str = "builtin:plane:2048x2048";
 
 #[test]
@@ -410,7 +410,7 @@ fn without_a_driver_vulkan_is_refused_and_auto_is_the_cpu_and_says_why() {
     assert_eq!(bench.outputs(), ["map.npy"]);
 }
 
-/// A file in the loader's place that is no library stands for a machine without one.
+/// A file in the loader's place that is not a library stands for a machine without one.
 #[test]
 #[cfg(target_os = "linux")]
 fn without_a_loader_vulkan_is_refused_and_auto_is_the_cpu_and_says_why() {
@@ -423,8 +423,8 @@ fn without_a_loader_vulkan_is_refused_and_auto_is_the_cpu_and_says_why() {
     assert!(summary["reason"].as_str().unwrap().contains("loader"), "{summary}");
 }
 
-/// Lavapipe is the same cores by a longer way. The drivers' variable is left alone here, so that a
-/// machine with a GPU takes that.
+/// Lavapipe uses the same cores less directly. The drivers' variable stays unchanged here, so that a machine
+/// with a GPU uses it.
 #[test]
 fn auto_takes_no_vulkan_device_that_is_a_cpu() {
     let bench = Workbench::new();
@@ -438,11 +438,11 @@ fn auto_takes_no_vulkan_device_that_is_a_cpu() {
         Some(device) => assert_ne!(kinds(device), "CPU"),
         None => assert!(report["reason"].as_str().unwrap().contains("is a CPU"), "{report}"),
     }
-    // A small map asks nothing of Vulkan, whatever devices there are.
+    // A small map does not use Vulkan, whatever devices there are.
     let report = json(&run(&bench, "distance builtin:plane:33x33 -s 0,0 --json"));
     assert_eq!(report["engine"], "cpu");
     assert!(report["reason"].as_str().unwrap().contains("1089 points"), "{report}");
-    // Who asks for it by its name gets it.
+    // If the engine is named, it is used.
     let report = json(&run(&bench, "distance builtin:plane:33x33 -s 0,0 --engine gpu --json"));
     assert_eq!((&report["engine"], &report["reason"]), (&"vulkan".into(), &Value::Null));
 }
@@ -503,7 +503,7 @@ fn help_names_every_option() {
     bench.refuses(&bench.run(["sing"]), &["sing"]);
 }
 
-/// One line at the end: what was computed and on what, how it ended, and which files there are now.
+/// One line at the end names what was computed and on what, how it ended, and which files were written.
 #[test]
 fn a_line_says_what_was_done() {
     let bench = Workbench::new();
@@ -522,7 +522,7 @@ fn a_line_says_what_was_done() {
     let words = "-s 3,4 --engine fast-marching --json";
     let said = stderr(&run(&bench, &format!("distance builtin:sphere:33x33 {words}")));
     assert!(said.contains("done: fast marching; ") && said.contains("; one pass in "), "{said}");
-    // Travel times are no distances.
+    // Travel times are not distances.
     let slow = bench.array("slow.npy", &[5, 5], &[2.0; 25]);
     let words = format!("-s 0,0 --spacing 1 --slowness {slow} --json");
     let said = stderr(&bench.distance(&bench.flat(5, 5), &words));
@@ -531,7 +531,7 @@ fn a_line_says_what_was_done() {
         let output = bench.distance("builtin:sphere:33x33", &format!("-s 3,4 --json {quiet}"));
         assert!(output.status.success() && output.stderr.is_empty(), "{}", stderr(&output));
     }
-    // What must be known is said all the same.
+    // Necessary warnings are printed in any case.
     let output = bench.distance(&tube(&bench), "-s 3,4 --json -q");
     assert!(stderr(&output).contains("geosweep: warning: "), "{}", stderr(&output));
 }
@@ -547,7 +547,7 @@ fn without_arguments_there_is_help_and_no_error() {
     }
 }
 
-/// A tube of 9 x 33 points whose last column is its first again.
+/// Returns a tube of 9 x 33 points whose last column repeats its first.
 fn tube(bench: &Workbench) -> String {
     let angle = |col: usize| std::f64::consts::TAU * (col % 32) as f64 / 32.0;
     let point = |index: usize| {
@@ -572,7 +572,7 @@ fn a_closed_surface_is_not_silently_cut_open() {
     // Other commands read surfaces too.
     let output = run(&bench, &format!("pairwise {tube} --wavefront planar --json"));
     assert!(stderr(&output).contains(seam), "{}", stderr(&output));
-    // As advised: without the second of two equal columns each point has one distance.
+    // As advised: without the second of two equal columns, each point has one distance.
     let mask: Vec<f64> = (0..9 * 33).map(|index| f64::from(index % 33 != 32)).collect();
     let bytes: Vec<u8> = mask.iter().map(|&there| there as u8).collect();
     let mut file = b"\x93NUMPY\x01\x00\x46\x00".to_vec();

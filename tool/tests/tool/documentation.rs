@@ -1,9 +1,9 @@
-//! The commands in README and docs, run as they stand there, with what they print.
+//! Runs the commands in README and docs, and compares their output with the pages.
 //!
-//! A block of the language `console` is a session: lines after `$ ` are run, in the order of the page and in
-//! one folder with the repository's examples, and what follows them is what they print on both streams. Times
-//! may be others; `[..]` stands for anything within a line and `...` for any lines. Commands in blocks of the
-//! language `sh` are not run here: they install, build, or need what a test cannot have.
+//! A block of the language `console` is a session. Lines after `$ ` are run, in the order of the page and in
+//! one folder with the repository's examples. The lines after them are the expected output on both streams.
+//! Times may differ; `[..]` stands for anything within a line and `...` for any lines. Commands in blocks of
+//! the language `sh` are not run here: they install, build, or need something that tests do not have.
 
 use std::env;
 use std::ffi::OsString;
@@ -18,7 +18,7 @@ use snapbox::{Assert, Data};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
-/// The pages for users.
+/// Returns the pages for users.
 fn pages() -> Vec<String> {
     let docs = fs::read_dir(Path::new(ROOT).join("docs")).unwrap();
     let names = docs.map(|entry| entry.unwrap().file_name().into_string().unwrap());
@@ -29,7 +29,7 @@ fn pages() -> Vec<String> {
     pages
 }
 
-/// The lines of a page's blocks in some language.
+/// Returns the lines of a page's blocks in a language.
 fn blocks(page: &str, language: &str) -> Vec<String> {
     let text = fs::read_to_string(Path::new(ROOT).join(page)).unwrap();
     let fences = text.split("```").skip(1).step_by(2);
@@ -37,7 +37,7 @@ fn blocks(page: &str, language: &str) -> Vec<String> {
     blocks.map(str::to_owned).collect()
 }
 
-/// A command, and what it is to print.
+/// A command and its expected output.
 struct Step {
     command: String,
     printed: String,
@@ -63,7 +63,7 @@ fn steps(page: &str) -> Vec<Step> {
     steps
 }
 
-/// With wildcards for times: `12.3 ms;` becomes `[..]s;`.
+/// Replaces times by wildcards: `12.3 ms;` becomes `[..]s;`.
 fn with_any_time(text: &str) -> String {
     let line = |line: &str| {
         let mut words: Vec<String> = Vec::new();
@@ -81,7 +81,7 @@ fn with_any_time(text: &str) -> String {
     text.lines().map(line).collect()
 }
 
-/// What README makes with three lines of Python.
+/// Returns the file that README creates with three lines of Python.
 fn hills() -> Vec<u8> {
     let x = |index: usize| 6.0 * index as f64 / 299.0;
     let height = |index: usize| x(index / 300).sin() * x(index % 300).cos();
@@ -136,7 +136,7 @@ fn the_commands_on_time_and_profiles_run() {
     ["docs/profiling.md", "docs/speed.md"].iter().for_each(|page| run(page));
 }
 
-/// No page is left out above, and no command of the tool stands in a block that is not run.
+/// No page is missing above, and no command of the tool is in a block that is not run.
 #[test]
 fn every_command_of_the_documentation_is_run() {
     let run = [
@@ -159,7 +159,7 @@ fn every_command_of_the_documentation_is_run() {
         others.extend(lines.lines().map(|line| format!("{page}: {line}")));
     }
     assert!(commands >= 15, "{commands} commands are few");
-    // RenderDoc's launcher is not on every machine.
+    // Not every machine has RenderDoc's launcher.
     let not_run = others.iter().filter(|line| {
         line.contains(": geosweep ") && !line.contains("RENDERDOC") && !line.contains("--renderdoc")
     });

@@ -77,7 +77,7 @@ fn floor_plans_of_two_rows_have_estimates() {
     let (map, errors) = (map(&bench.output("map.npy")), map(&bench.output("error.npy")));
     for (index, (distance, error)) in map.iter().zip(&errors).enumerate() {
         let exact = f64::hypot((index / 9) as f64, (index % 9) as f64);
-        // Twice the estimate: it is of rounding here, known to a factor.
+        // The bound is twice the estimate, which is an estimate of rounding here, known up to a factor.
         assert!((distance - exact).abs() <= 2.0 * error, "{index}: {distance} {error}");
         assert!(*error <= 1e-6 * exact, "{index}: {error}");
     }
@@ -85,7 +85,7 @@ fn floor_plans_of_two_rows_have_estimates() {
 }
 
 #[test]
-fn extrapolation_beside_holes_is_said_to_be_worse() {
+fn a_note_says_that_extrapolation_beside_holes_is_worse() {
     let bench = Workbench::new();
     for (wavefront, is_worse) in [("curved", true), ("anchored", false)] {
         let words = format!("-s 1,1 --wavefront {wavefront} --extrapolate -o {wavefront}.npy");

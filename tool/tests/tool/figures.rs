@@ -1,4 +1,4 @@
-//! The figures and the accuracy report: what they show is what the library computes.
+//! The figures and the accuracy report show what the library computes.
 
 use std::fs;
 use std::io::Cursor;
@@ -13,7 +13,7 @@ use geosweep::surface::builtin::Builtin;
 use geosweep::{DistanceMap, Engine, Options, Sources, Wavefront, distance_map};
 use serde_json::Value;
 
-/// Width and height of a picture that can be read, with more than one colour in it.
+/// Returns the width and height of a picture. Asserts that it can be read and has more than one colour.
 fn picture_size(bench: &Workbench, name: &str) -> (u32, u32) {
     let bytes = fs::read(bench.output(name)).unwrap();
     let mut reader = png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();
@@ -27,7 +27,7 @@ fn wavefront(name: &str) -> Wavefront {
     Wavefront::EVERY.into_iter().find(|wavefront| wavefront.name() == name).unwrap()
 }
 
-/// The CPU engine's map of a surface with points x points, and its errors.
+/// Returns the CPU engine's map of a surface with `points` x `points` points, and its errors.
 fn solve(
     builtin: Builtin,
     points: usize,
@@ -42,7 +42,8 @@ fn solve(
     (map, errors)
 }
 
-/// By directed scans with the planar front, from a disc of exact values.
+/// Returns the errors after one iteration of directed scans with the planar front, from a disc of exact
+/// values.
 fn errors_after_one_iteration(
     builtin: Builtin,
     points: usize,
@@ -57,7 +58,7 @@ fn errors_after_one_iteration(
     Errors::of(&solution.distances(), &exact)
 }
 
-/// Equal but for the last digit, which is lost when JSON is read.
+/// Asserts that two numbers are equal except for the last digit, which is lost when JSON is read.
 fn assert_same(found: &Value, expected: f64) {
     approx::assert_relative_eq!(found.as_f64().unwrap(), expected, max_relative = 1e-15);
 }
@@ -125,13 +126,13 @@ fn the_maze_is_shown_iteration_by_iteration() {
     }
     assert_eq!(stages[3]["reached"], surface.points());
 
-    // Without walls there is nothing to wait for.
+    // Without walls, one iteration is enough.
     let stages = json(&bench.run(words("figure maze --size 9 --json -o open.png")));
     assert!(stages["stages"].as_array().unwrap().len() < 4, "{stages}");
 }
 
-/// Table 2 from the code that `geosweep bench` measures with; of the paper's rows the one that is
-/// asked for.
+/// Table 2 comes from the code with which `geosweep bench` measures. It has only the requested one of the
+/// paper's rows.
 #[test]
 fn table_2_has_an_iteration_and_a_converged_map_beside_the_papers() {
     let bench = Workbench::new();
@@ -153,7 +154,7 @@ fn table_2_has_an_iteration_and_a_converged_map_beside_the_papers() {
         }
         let [once, converged] =
             ["iteration_bytes", "converged_bytes"].map(|key| row[key].as_u64().unwrap());
-        // The curved front keeps its curvatures and the surface's.
+        // The curved front stores its curvatures and the surface's.
         assert!(once > 16 * (side * side) as u64 && converged > once, "{row}");
     }
     let table = fs::read_to_string(bench.output("t.md")).unwrap();
@@ -192,7 +193,7 @@ fn the_accuracy_report_says_what_the_library_computes() {
     }
 
     let rows = rows["maps"].as_array().unwrap();
-    // Anchors are for floor plans.
+    // Anchored fronts are for floor plans.
     let anchored: Vec<_> = rows.iter().filter(|row| row["wavefront"] == "anchored").collect();
     let is_plan = |builtin: &Builtin| builtin.surface(33, 33).unwrap().is_floor_plan();
     let plans: Vec<_> =
@@ -215,7 +216,7 @@ fn the_accuracy_report_says_what_the_library_computes() {
         assert_eq!(row["iterations"], map.report.iterations);
         assert!(row["solve_seconds"].as_f64().unwrap() > 0.0);
     }
-    // Twice as fine: the order is the binary logarithm of the ratio.
+    // The second grid is twice as fine: the order is the binary logarithm of the ratio.
     for pair in rows.chunks(2) {
         let [coarse, fine] = [0, 1].map(|k| pair[k]["mean_relative_error"].as_f64().unwrap());
         assert_eq!(pair[0]["order"], Value::Null);
@@ -225,7 +226,7 @@ fn the_accuracy_report_says_what_the_library_computes() {
 }
 
 #[test]
-fn a_report_for_nobody_in_particular_goes_to_standard_output() {
+fn a_report_without_a_file_goes_to_standard_output() {
     let bench = Workbench::new();
     let line = "accuracy --sizes 9 --surfaces sheared-plane@30,sphere --wavefronts planar";
     let output = bench.run(words(line));
@@ -249,7 +250,7 @@ fn wrong_arguments_are_refused() {
         ("figure convergence -o figure.png --csv table.txt", &["table.txt", ".csv"]),
         ("figure convergence -o figure.png --csv missing/table.csv", &["missing", "no folder"]),
         ("figure convergence -o figure.png --sizes 0", &["`0`", "from 2 to 16384"]),
-        ("figure convergence -o figure.png --sizes 9,x", &["`x`", "points a side"]),
+        ("figure convergence -o figure.png --sizes 9,x", &["`x`", "points per side"]),
         ("figure maze -o maze.png --size 0", &["`0`", "from 2 to 16384"]),
         ("figure maze -o maze.png --size 99999", &["`99999`", "from 2 to 16384"]),
         ("figure maze -o missing/maze.png", &["missing", "no folder"]),

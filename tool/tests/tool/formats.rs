@@ -1,4 +1,4 @@
-//! Curves in every format, and where they lie on a georeferenced surface.
+//! Curves in every format, and their coordinates on a georeferenced surface.
 
 use std::io::Cursor;
 
@@ -99,7 +99,7 @@ fn every_format_holds_the_same_curves() {
     }
 }
 
-/// A flat GeoTIFF of 30 x 20 m pixels, with GeoTIFF's keys after the header.
+/// Returns a flat GeoTIFF of 30 x 20 m pixels, with the given GeoTIFF keys after the header.
 pub fn geotiff(rows: u32, cols: u32, tie_point: [f64; 6], keys: &[u16]) -> Vec<u8> {
     use tiff::encoder::{TiffEncoder, colortype::GrayI16};
     use tiff::tags::Tag;
@@ -130,7 +130,7 @@ fn curves_on_a_geotiff_lie_where_it_does() {
     assert!(!stderr(&output).contains("metres"), "{}", stderr(&output));
     let file: Value = serde_json::from_str(&text(&bench, "c.geojson")).unwrap();
     assert_eq!(file["crs"]["properties"]["name"], "urn:ogc:def:crs:EPSG::32616");
-    // Pixels lie by their middles: half a pixel from the corner.
+    // Points are at the middles of pixels, half a pixel from the corner.
     let source = DVec2::new(500_000.0 + 15.5 * 30.0, 4_000_000.0 - 20.5 * 20.0);
     let features = file["features"].as_array().unwrap();
     assert!(features.len() >= 4, "{}", features.len());
@@ -146,7 +146,7 @@ fn curves_on_a_geotiff_lie_where_it_does() {
         }
     }
 
-    // Degrees: on WGS 84 plain GeoJSON, elsewhere with the system's name.
+    // Coordinates are degrees: with WGS 84 in plain GeoJSON, otherwise with the system's name.
     for (epsg, named) in [(4326, false), (4269, true)] {
         let degrees = [1024, 0, 1, 2, 2048, 0, 1, epsg];
         let dem = bench.input("degrees.tif", geotiff(41, 31, corner, &degrees));

@@ -1,4 +1,4 @@
-//! The tool as a user meets it: what it writes, from which arguments, and what it says.
+//! The tool through its command line: the files that it writes for given arguments, and its messages.
 
 mod bench;
 mod canonical;

@@ -1,7 +1,7 @@
-//! The notices of third parties, which binaries carry: THIRD-PARTY.txt, made from the packages themselves.
+//! The notices of third parties in binaries: THIRD-PARTY.txt, generated from the packages themselves.
 //!
-//! `GEOSWEEP_UPDATE_NOTICES=1` writes it anew, for all the platforms in `PLATFORMS`. The test holds it against
-//! the packages of the first alone, since those of others need not be here.
+//! `GEOSWEEP_UPDATE_NOTICES=1` writes it anew, for all the platforms in `PLATFORMS`. The test compares it
+//! with the packages of the first platform only, since those of others may be missing here.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -18,15 +18,15 @@ const PLATFORMS: [&str; 3] =
 
 /// A package that some binary contains.
 struct Package {
-    /// Its name and version, as in `serde 1.0.0`.
+    /// Name and version, as in `serde 1.0.0`.
     name: String,
-    /// As its manifest has it.
+    /// Licences as in its manifest.
     licences: String,
     authors: String,
     folder: PathBuf,
 }
 
-/// What a command of cargo prints, without the network.
+/// Returns the output of a cargo command, run without the network.
 fn cargo(args: &[&str]) -> String {
     let output =
         Command::new(env!("CARGO")).args(args).arg("--offline").current_dir(ROOT).output().unwrap();
@@ -35,7 +35,7 @@ fn cargo(args: &[&str]) -> String {
     text
 }
 
-/// All that is built for a platform, tests and tools too.
+/// Returns all packages that are built for a platform, including those for tests and tools.
 fn all_packages(platform: &str) -> Vec<Package> {
     let text = cargo(&["metadata", "--format-version", "1", "--filter-platform", platform]);
     let metadata: Value = serde_json::from_str(&text).unwrap();
@@ -55,15 +55,15 @@ fn all_packages(platform: &str) -> Vec<Package> {
     packages.filter(|package| built.contains(&&package["id"])).map(package).collect()
 }
 
-/// The packages in the tool and in the library for C, for a platform. What runs while they are built is in
-/// none of them.
+/// Returns the packages in the tool and in the library for C, for a platform. Packages that only run during
+/// the build are not contained in them.
 fn packages(platform: &str) -> Vec<Package> {
     let ours = ["tree", "-p", "geosweep", "-p", "geosweep-cli", "--all-features"];
     let edges = ["--edges", "normal,no-proc-macro"];
     let looks = ["--prefix", "none", "--format", "{p}|", "--target", platform];
     let contained = cargo(&[&ours[..], &edges, &looks].concat()).replace(" v", " ");
     let all = all_packages(platform).into_iter();
-    // Of our own, the tree names the folders too.
+    // For the workspace's own packages, the tree also prints the folders.
     let is_contained = |package: &Package| {
         contained.lines().any(|line| line.starts_with(&format!("{}|", package.name)))
     };
@@ -72,7 +72,7 @@ fn packages(platform: &str) -> Vec<Package> {
     packages
 }
 
-/// The licences that deny.toml allows, the first ones first.
+/// Returns the licences that deny.toml allows, in its order.
 fn allowed() -> Vec<String> {
     let text = fs::read_to_string(Path::new(ROOT).join("deny.toml")).unwrap();
     let (_, list) = text.split_once("\nallow = [").unwrap();
@@ -80,7 +80,7 @@ fn allowed() -> Vec<String> {
 }
 
 impl Package {
-    /// The licence of those offered under which binaries contain it.
+    /// Returns the licence, among those offered, under which binaries contain the package.
     fn licence<'a>(&self, allowed: &'a [String]) -> &'a str {
         let licences = self.licences.replace('/', " OR ");
         let offered: Vec<_> = licences.split(" OR ").map(str::trim).collect();
@@ -88,7 +88,7 @@ impl Package {
         first.unwrap_or_else(|| panic!("{}: deny.toml allows none of {licences}", self.name))
     }
 
-    /// Its files whose names begin with one of some words, in lower case.
+    /// Returns the package's files whose names begin with one of some words, in lower case.
     fn files(&self, words: &[&str]) -> Vec<String> {
         let mut files: Vec<_> = fs::read_dir(&self.folder)
             .unwrap()
@@ -102,8 +102,9 @@ impl Package {
         files.iter().map(|path| fs::read_to_string(path).unwrap()).collect()
     }
 
-    /// What has to be said beside its licence's name: that licence's text, unless it is Apache's, which has no
-    /// line of copyright and is given once for all, and notices of what the package contains itself.
+    /// Returns the texts that are required in addition to the licence's name. These are the licence's text
+    /// and notices of what the package itself contains. Apache's text has no line of copyright and is given
+    /// once for all packages.
     fn texts(&self, licence: &str) -> Vec<String> {
         let mut texts = self.files(&["notice"]);
         if licence != "Apache-2.0" {
@@ -124,7 +125,7 @@ impl Package {
     }
 }
 
-/// Without differences of line ends and of white space at ends.
+/// Removes differences of line ends and of trailing white space.
 fn tidy(text: &str) -> String {
     let lines =
         text.trim_start_matches('\u{feff}').lines().map(|line| line.trim_end().to_owned() + "\n");
@@ -135,7 +136,7 @@ fn line(package: &Package, licence: &str) -> String {
     format!("{:<36} {licence}\n", package.name)
 }
 
-/// The whole file.
+/// Returns the whole file.
 fn notices(packages: &[Package], allowed: &[String]) -> String {
     let mut text = String::from(
         "Notices of third parties\n\n\
@@ -162,7 +163,7 @@ fn notices(packages: &[Package], allowed: &[String]) -> String {
     text
 }
 
-/// What `cargo deny check licenses` asks, without it.
+/// The test is equivalent to `cargo deny check licenses`, and does not need it.
 #[test]
 fn licences_of_all_packages_are_allowed() {
     let allowed = allowed();

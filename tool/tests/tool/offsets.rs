@@ -1,4 +1,4 @@
-//! Offset curves.
+//! Offset curves through the tool.
 
 use crate::workbench::{Workbench, curves, done, json, read, run, text};
 
@@ -30,8 +30,8 @@ fn offsets_keep_to_their_side() {
         for [row, col, ..] in curve {
             assert!(sign * (20.0 - row) > -0.1, "{side}: {row},{col}");
             let beyond = (15.0 - col).max(col - 45.0).max(0.0);
-            // Around the ends of a curve, where its front turns at once, the map itself is 0.17 of
-            // a cell off (measured, with any wavefront).
+            // Around the ends of a curve, where its front turns abruptly, the map itself is 0.17 of a cell
+            // off (measured, with any wavefront).
             let tolerance = if beyond > 0.0 { 0.2 } else { 0.1 };
             assert!(((row - 20.0).hypot(beyond) - 8.0).abs() < tolerance, "{side}: {row},{col}");
         }
@@ -48,7 +48,7 @@ fn offsets_keep_to_their_side() {
          --engine cpu --json -o two.svg --picture two.png"
     );
     let report = json(&done(&bench, &line));
-    // Around the line; outside and inside of the square, whose middle is 3 away.
+    // Around the line, and outside and inside of the square, whose middle is 3 away.
     assert_eq!(report["levels"][0]["closed"], 3);
     assert_eq!(report["levels"][1]["closed"], 2);
 

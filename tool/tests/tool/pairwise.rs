@@ -136,10 +136,10 @@ fn an_interrupted_matrix_is_resumed_to_the_same_bytes() {
     };
     let output = interrupted(start("d.npy").spawn().unwrap(), "-INT");
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("--resume goes on"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("--resume continues"), "{}", stderr(&output));
     assert_eq!(bench.outputs(), ["at-once.npy", "d.npy.part", "d.npy.part.json"]);
 
-    // Not by mistake anew, and not as something else.
+    // It does not start anew by mistake, nor continue as another matrix.
     let output = run(&mut start("d.npy"));
     assert!(stderr(&output).contains("unfinished matrix"), "{}", stderr(&output));
     let output = run(start("d.npy").args(["--resume", "--numbers", "float16"]));
@@ -148,7 +148,7 @@ fn an_interrupted_matrix_is_resumed_to_the_same_bytes() {
     let output = run(start("d.npy").args(["--resume", "--spacing", "2"]));
     assert_eq!(output.status.code(), Some(2));
 
-    // Power failure: rows that no checkpoint knows of, one of them in part.
+    // A power failure leaves rows after the last checkpoint, one of them in part.
     let output = interrupted(start("d.npy").arg("--resume").spawn().unwrap(), "-KILL");
     assert!(!output.status.success());
     let mut part = fs::read(bench.output("d.npy.part")).unwrap();
@@ -164,7 +164,7 @@ fn an_interrupted_matrix_is_resumed_to_the_same_bytes() {
     assert!(resumed == at_once);
 }
 
-/// A matrix in memory, of which nothing can be resumed: nothing is left.
+/// A matrix in memory cannot be resumed, and leaves nothing behind.
 #[test]
 fn an_interrupted_matrix_from_symmetry_leaves_nothing() {
     let bench = Workbench::new();
@@ -173,7 +173,7 @@ fn an_interrupted_matrix_from_symmetry_leaves_nothing() {
     let mut command = Command::new(cargo_bin!("geosweep"));
     command.current_dir(bench.outputs.path()).args(words(line)).stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
-    // As soon as it has begun, which is after it has learned to be interrupted.
+    // The file exists after the handler of interruptions is installed.
     while !bench.output("d.npy.part").exists() {
         assert!(child.try_wait().unwrap().is_none(), "it ended before it began");
         std::thread::sleep(Duration::from_millis(1));
@@ -186,7 +186,7 @@ fn an_interrupted_matrix_from_symmetry_leaves_nothing() {
     assert_eq!(bench.outputs(), [""; 0]);
 }
 
-/// A matrix of 340 MB within 250 MB of address space, for everything.
+/// A matrix of 340 MB within 250 MB of address space for the whole process.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_matrix_larger_than_memory_is_written() {
@@ -205,14 +205,14 @@ fn a_matrix_larger_than_memory_is_written() {
     assert_eq!(report["matrix_rows"], 9216);
     assert!(report["memory_bytes"].as_u64().unwrap() < 40_000_000, "{report}");
     fs::remove_file(bench.output("d.npy")).unwrap();
-    // What needs the matrix in memory says so, before any work.
+    // Options that need the matrix in memory fail before any work.
     let output = limited(250_000, "--from-symmetry");
     assert!(stderr(&output).contains("324 MiB of memory"), "{}", stderr(&output));
     bench.refuses(&output, &["324 MiB"]);
 }
 
 #[test]
-fn what_makes_no_matrix_is_refused() {
+fn invalid_requests_for_a_matrix_are_refused() {
     let bench = Workbench::new();
     let refuses = |options: &str, parts: &[&str]| {
         let line = format!("pairwise {SPHERE} {options}");
@@ -238,12 +238,12 @@ fn what_makes_no_matrix_is_refused() {
     refuses(&format!("-o d.npy --sources {between}"), &["3.5"]);
     let cube = bench.array("points.npy", &[2, 3, 1], &[0.0; 6]);
     refuses(&format!("-o d.npy --sources {cube}"), &["points.npy", "(2, 3, 1)", "(K,)"]);
-    refuses("-o d.npy --sample 0", &["`0` is no number of samples"]);
+    refuses("-o d.npy --sample 0", &["`0` is not a number of samples"]);
     refuses("-o d.npy --sample 3 --sources 0..9", &["--sources"]);
     refuses("-o d.npy --labels labels.npy", &["--sample"]);
     refuses("-o d.npy --sample 3 --labels d.npy", &["d.npy", "two outputs"]);
 
-    // 64 TB, more than any disk here; said before anything is computed.
+    // 64 TB are more than any disk here has. This is reported before anything is computed.
     let line = "pairwise builtin:plane:2000x2000 -o d.npy --wavefront curved";
     bench.refuses(&bench.run(words(line)), &["d.npy", "61035157 MiB", "are free"]);
 
@@ -273,11 +273,11 @@ fn samples_have_rows_and_regions() {
     assert_eq!((labels.rows, labels.cols), (12, 15));
     for (point, label) in labels.values.iter().enumerate() {
         let own = rows.values[*label as usize * POINTS + point];
-        // The map of all samples and that of one differ by rounding.
+        // The map of all samples and that of one sample differ by rounding.
         let nearest = (0..9).map(|k| rows.values[k * POINTS + point]).fold(f64::INFINITY, f64::min);
         assert!(own <= nearest + 1e-5, "{point}: {own} to {label}, {nearest} to another");
     }
-    // What `sample` writes names the same rows.
+    // The output of `sample` names the same rows.
     assert!(bench.run(words(&format!("sample {SPHERE} -k 9 -o samples.npy"))).status.success());
     let line = format!("pairwise {SPHERE} --sources samples.npy -o again.npy");
     assert!(bench.run(words(&line)).status.success());
@@ -308,6 +308,6 @@ fn table_1_is_a_table() {
     assert_eq!(lines.len(), 4, "{table}");
     let columns = |line: &&str| line.matches('|').count();
     assert!(lines.iter().all(|line| columns(line) == 12), "{table}");
-    // The paper's figures stand beside its sizes only.
+    // The paper's figures are next to its own sizes only.
     assert!(lines[2].ends_with("|  |  |  |") && lines[3].ends_with("| 0.15 | 1.3 | 8.3 |"));
 }

@@ -1,4 +1,4 @@
-//! Paths, and starts that cannot be.
+//! Paths, and starts without a path.
 
 use geosweep::surface::builtin::Builtin;
 
@@ -27,7 +27,7 @@ fn paths_run_from_their_starts_to_the_source() {
         let exact = Builtin::Sphere.exact_distance(65, 65, start, [30.0, 20.0]).unwrap();
         let (length, distance) =
             (row["length"].as_f64().unwrap(), row["distance"].as_f64().unwrap());
-        // Paths bend by steps as long as cells: a few 1e-4 at 65 points.
+        // Paths bend in steps as long as cells: a few 1e-4 at 65 points.
         assert!((length - exact).abs() <= 2e-3 * exact, "{length} {exact}");
         assert!((distance - exact).abs() <= 2e-3 * exact, "{distance} {exact}");
     }
@@ -43,7 +43,7 @@ fn paths_run_from_their_starts_to_the_source() {
 }
 
 #[test]
-fn starts_that_cannot_be_are_refused() {
+fn impossible_starts_are_refused() {
     let bench = Workbench::new();
     let mut heights = vec![0.0; 9 * 9];
     (0..9).for_each(|row| heights[row * 9 + 5] = f64::NAN);
@@ -67,7 +67,7 @@ fn starts_that_cannot_be_are_refused() {
     bench.refuses(&run(&bench, &line), &["R,C"]);
 }
 
-/// Over a slowness a path's length is a travel time, and its length on the surface is told beside it.
+/// With a slowness, a path's length is a travel time, and its length on the surface is reported too.
 #[test]
 fn paths_tell_lengths_and_travel_times() {
     let bench = Workbench::new();
@@ -107,7 +107,8 @@ fn paths_tell_lengths_and_travel_times() {
     assert!(path["time"].is_null() && path["surface_length"] == path["length"], "{path}");
 }
 
-/// In double precision the map that paths and regions are made of has no rounding of single precision.
+/// In double precision, the map from which paths and regions are computed has no rounding of single
+/// precision.
 #[test]
 fn maps_of_paths_and_regions_come_in_double_precision() {
     let bench = Workbench::new();

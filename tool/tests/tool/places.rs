@@ -1,4 +1,5 @@
-//! Sources and starts as people have them: tables with start values, arrays, map coordinates, GeoJSON.
+//! Sources and starts in the files that people have: tables with start values, arrays, map coordinates,
+//! GeoJSON.
 
 use geosweep::io::read_map;
 use serde_json::{Value, json};
@@ -9,12 +10,12 @@ use crate::workbench::{Workbench, done, json, map, notes, read, run, stderr, tex
 const CORNER: [f64; 6] = [0.0, 0.0, 0.0, 500_000.0, 4_000_000.0, 0.0];
 const UTM: [u16; 12] = [1024, 0, 1, 1, 3072, 0, 1, 32616, 3076, 0, 1, 9001];
 
-/// The middle of a pixel of [`geotiff`]s.
+/// Returns the middle of a pixel of a [`geotiff`].
 fn coordinates(row: f64, col: f64) -> [f64; 2] {
     [500_000.0 + (col + 0.5) * 30.0, 4_000_000.0 - (row + 0.5) * 20.0]
 }
 
-/// Start values count whatever file they stand in, in all commands that read sources.
+/// Start values count in files of any kind, in all commands that read sources.
 #[test]
 fn start_values_of_files_are_those_of_options() {
     let bench = Workbench::new();
@@ -93,7 +94,7 @@ fn curves_start_with_one_value() {
     bench.refuses(&run(&bench, &line), &["differing.csv", "line 4", "--source-points"]);
 }
 
-/// The same places by row and column, in map coordinates, in tables of them and in GeoJSON.
+/// The places are the same by row and column, in map coordinates, in tables of them and in GeoJSON.
 #[test]
 fn map_coordinates_are_places_on_the_grid() {
     let bench = Workbench::new();
@@ -142,7 +143,7 @@ fn map_coordinates_are_places_on_the_grid() {
     assert_eq!(path(&format!("--from-file {file}"))["paths"], expected);
 }
 
-/// Lines and the rings of polygons are curves; contours as GeoJSON are sources again.
+/// Lines and the rings of polygons are curves. Contours as GeoJSON are sources again.
 #[test]
 fn lines_and_polygons_are_curves() {
     let bench = Workbench::new();
@@ -182,7 +183,7 @@ fn lines_and_polygons_are_curves() {
 }
 
 #[test]
-fn places_that_cannot_be_are_refused_with_the_extent() {
+fn impossible_places_are_refused_with_the_extent() {
     let bench = Workbench::new();
     let dem = bench.input("dem.tif", geotiff(21, 31, CORNER, &UTM));
     let flat = bench.flat(9, 9);
@@ -228,7 +229,7 @@ fn places_that_cannot_be_are_refused_with_the_extent() {
     bench.refuses(&run(&bench, &line), &["between.csv", "between points of the grid"]);
 }
 
-/// Whatever is quoted, of a file or of an argument, a message stays short.
+/// A message stays short, whatever it quotes from a file or an argument.
 #[test]
 fn messages_quote_excerpts() {
     let bench = Workbench::new();
@@ -298,8 +299,8 @@ fn masks_of_integers_are_taken() {
     }
 }
 
-/// A line of points that touch by their corners alone is not passed, as --mask and limits.md say, and one of
-/// points side by side is.
+/// A front does not pass along a line of points that touch only at their corners, as --mask and limits.md
+/// say. It passes along points side by side.
 #[test]
 fn lines_of_a_mask_are_passed_along_sides_alone() {
     let bench = Workbench::new();
@@ -323,13 +324,16 @@ fn lines_of_a_mask_are_passed_along_sides_alone() {
         assert_eq!(reached(1), (1, size as u64));
         let line = format!("distance {flat} -s 0,0 --spacing 1 --mask {} --json", diagonal(1));
         let said = notes(&done(&bench, &line));
-        assert!(said.contains("1 point is not reached") && said.contains("corner alone"), "{said}");
+        assert!(
+            said.contains("1 point is not reached") && said.contains("only at a corner"),
+            "{said}"
+        );
         let (reached, points) = reached(2);
         assert_eq!(reached, points);
     }
     let help = String::from_utf8(run(&bench, "distance --help").stdout).unwrap();
     let words = help.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(words.contains("touch by a corner alone"), "{help}");
+    assert!(words.contains("touch only at a corner"), "{help}");
 }
 
 #[test]
@@ -363,9 +367,9 @@ fn numbers_in_messages_have_few_digits() {
     bench.refuses(&output, &["source 1e38,0"]);
 }
 
-/// A globe that is sampled at the middles of its cells has no repeated column, and is closed nevertheless.
+/// A globe that is sampled at the middles of its cells has no repeated column, but it is closed.
 #[test]
-fn a_globe_by_the_middles_of_its_cells_is_warned_of() {
+fn a_globe_sampled_at_cell_middles_gets_a_warning() {
     use std::f64::consts::{PI, TAU};
     let bench = Workbench::new();
     for (rows, cols) in [(18, 36), (9, 12), (40, 25)] {

@@ -1,4 +1,4 @@
-//! Profiles as a user meets them.
+//! Profiles through the tool.
 
 use std::collections::BTreeMap;
 use std::process::Output;
@@ -6,8 +6,7 @@ use std::process::Output;
 use crate::workbench::{Workbench, json, stderr};
 use serde_json::Value;
 
-/// The tool with the words of a command line, under the validation layers: any message of theirs
-/// is an error.
+/// Runs the tool with the words of a command line, under the validation layers, whose messages are errors.
 fn run(bench: &Workbench, line: &str) -> Output {
     let words = line.split_whitespace();
     bench.command().env("GEOSWEEP_VALIDATION", "1").args(words).output().unwrap()
@@ -21,7 +20,7 @@ fn sum(kinds: &[&Value], name: &str) -> u64 {
     kinds.iter().map(|kind| kind[name].as_u64().unwrap_or_else(|| panic!("{name}: {kind}"))).sum()
 }
 
-/// 31 x 25 texels; each recorded iteration has four scans, visited or skipped.
+/// The grid has 31 x 25 texels. Each recorded iteration has four scans, visited or skipped.
 #[test]
 fn a_profile_counts_what_the_schedules_do() {
     let bench = Workbench::new();
@@ -55,7 +54,7 @@ fn a_profile_counts_what_the_schedules_do() {
             let iterations = report["iterations"].as_u64().unwrap();
             assert_eq!((visited + skipped) % (31 * 25), 0);
             assert!(visited <= 4 * iterations * 31 * 25);
-            // The first is bounded, the others pass over blocks in which nothing can change.
+            // The first iteration is bounded. The others skip blocks in which nothing can change.
             assert!(visited > 2 * iterations * 31 * 25, "{visited} in {iterations} iterations");
             let scans = with(match grain {
                 "iterations" => "iteration",
@@ -63,8 +62,8 @@ fn a_profile_counts_what_the_schedules_do() {
                 _ => "scan ",
             });
             assert_eq!(scans.len(), if matches!(grain, "scans" | "blocks") { 4 } else { 1 });
-            // An iteration ends with a count: seven numbers read, five written, two more at the last,
-            // but for blocks that are cleared.
+            // An iteration ends with a count: seven numbers are read and five are written, two more in the
+            // last one, apart from blocks that are cleared.
             let [read, written] = match grain {
                 "iterations" | "portions" => [4 * 7 * iterations, 4 * 5 * iterations + 4 * 2],
                 _ => [0, 0],
@@ -73,7 +72,7 @@ fn a_profile_counts_what_the_schedules_do() {
                 sum(&scans, "bytes_read") - visited * 80 - read,
                 sum(&scans, "bytes_written") - visited * 16 - written,
             ];
-            // A portion also clears images, sets the sources and copies what it decides.
+            // A portion also clears images, sets the sources and copies its decisions.
             match grain {
                 "portions" => assert!(beyond.iter().all(|&bytes| bytes > 0), "{beyond:?}"),
                 _ => assert_eq!(beyond, [0; 2], "{grain}"),
@@ -84,7 +83,7 @@ fn a_profile_counts_what_the_schedules_do() {
             let expected = match grain {
                 "portions" => 1,
                 "iterations" => iterations,
-                // Those in which no block is due are idle, as all beyond the last iteration are.
+                // Scans in which no block is due are idle, and so are all scans beyond the last iteration.
                 "scans" => 4 * 4 - sum(&with("idle"), "count"),
                 _ => dispatches,
             };
@@ -106,7 +105,7 @@ fn a_profile_counts_what_the_schedules_do() {
     assert_eq!(bench.outputs(), [""; 0]);
 }
 
-/// Maps of all points of a small grid fit one batch.
+/// A batch has room for the maps of all points of a small grid.
 #[test]
 fn maps_of_many_sources_are_profiled_at_once() {
     let bench = Workbench::new();
@@ -133,8 +132,8 @@ fn maps_of_many_sources_are_profiled_at_once() {
     }
 }
 
-/// The kinds' times add up to those of the passes, run by run, and these are within the command
-/// buffers'.
+/// Asserts that the times of the kinds add up to those of the passes, run by run, and that these are within
+/// the times of the command buffers.
 fn times_fit(report: &Value) {
     let kinds = report["kinds"].as_array().unwrap();
     for (number, passes) in numbers(&report["total"]["passes"]).into_iter().enumerate() {
@@ -176,7 +175,7 @@ fn the_table_says_what_is_missing() {
     assert!(report["kinds"].as_array().unwrap().iter().all(|kind| kind["share"].is_null()));
 }
 
-/// A complete event of a trace; times in nanoseconds.
+/// A complete event of a trace, with times in nanoseconds.
 #[derive(Clone, Debug)]
 struct Event {
     name: String,
@@ -186,15 +185,13 @@ struct Event {
     args: Value,
 }
 
-/// The tracks of a trace by their names, with the events in the order of the file. Holds them
-/// against the Trace Event Format: an object with `traceEvents`, of which metadata events name the
-/// tracks and complete events have a name, a category, a process and a thread that have been named,
-/// and times in microseconds.
+/// Returns the tracks of a trace by their names, with the events in the order of the file. Checks the Trace
+/// Event Format: an object with `traceEvents`, whose metadata events name the tracks. Complete events have a
+/// name, a category, a process and a thread that have been named, and times in microseconds.
 ///
-/// Reads as Perfetto's trace processor does (`src/trace_processor/importers/json` of its sources):
-/// processes and threads are 32-bit numbers, only metadata has no time, times are cut off at whole
-/// nanoseconds and not negative, no event has an array beside its own values, and what details tell
-/// is numbers.
+/// Reads as Perfetto's trace processor does (`src/trace_processor/importers/json` of its sources): processes
+/// and threads are 32-bit numbers, only metadata has no time, times are truncated to whole nanoseconds and
+/// not negative, no event has an array next to its own values, and details are numbers.
 fn tracks(text: &str) -> BTreeMap<String, Vec<Event>> {
     let trace: Value = serde_json::from_str(text).unwrap();
     assert!(["ns", "ms"].contains(&trace["displayTimeUnit"].as_str().unwrap()));
@@ -240,8 +237,8 @@ fn tracks(text: &str) -> BTreeMap<String, Vec<Event>> {
     tracks
 }
 
-/// In a track, events begin in their order, and each lies inside or after those before, to the
-/// nanosecond: the depth of each.
+/// Returns the depth of each event of a track. Asserts that events begin in their order, and that each is
+/// inside or after those before it, to the nanosecond.
 fn depths(events: &[Event]) -> Vec<usize> {
     let mut open: Vec<&Event> = Vec::new();
     let mut last = i64::MIN;
@@ -308,17 +305,17 @@ fn a_trace_is_one_of_the_chrome_format() {
     }
 }
 
-/// The lines of a table by the names of its columns.
+/// Returns the lines of a table by the names of its columns.
 fn csv_lines(text: &str) -> Vec<BTreeMap<String, String>> {
     let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned));
     let heads: Vec<String> = lines.next().unwrap().collect();
     lines.map(|cells| heads.iter().cloned().zip(cells).collect()).collect()
 }
 
-/// The events of a trace that does not nest, or goes back in time, are found.
+/// A trace whose events do not nest, or that goes back in time, is refused.
 #[test]
 #[should_panic(expected = "leaves")]
-fn a_trace_that_does_not_nest_is_no_trace() {
+fn a_trace_that_does_not_nest_is_refused() {
     let event = |begin, end| Event {
         name: String::new(),
         category: String::new(),
@@ -329,7 +326,7 @@ fn a_trace_that_does_not_nest_is_no_trace() {
     depths(&[event(0, 2), event(1, 3)]);
 }
 
-/// Colours of what is visited, of what was, and of what is not.
+/// The picture has the colours of texels that are visited now, that were visited before, and that were not.
 #[test]
 fn a_picture_shows_what_is_visited() {
     let bench = Workbench::new();
@@ -362,7 +359,7 @@ fn a_picture_shows_what_is_visited() {
     assert_eq!(bench.outputs(), ["visits.png"]);
 }
 
-/// A profile whose runs were all faster, or slower, than those of today.
+/// Returns a profile in which all runs were faster, or slower, by a factor.
 fn scaled(report: &Value, by: f64) -> String {
     let mut report = report.clone();
     let scale = |seconds: &mut Value| {
@@ -378,11 +375,11 @@ fn scaled(report: &Value, by: f64) -> String {
 }
 
 #[test]
-fn what_got_slower_is_told_from_noise() {
+fn slower_passes_are_distinguished_from_noise() {
     let bench = Workbench::new();
     let line = "profile builtin:sphere:40x40 --source 5,5 --repeat 4";
     let report = json(&run(&bench, &format!("{line} --json")));
-    // A thousandth and a thousandfold are beyond any noise.
+    // Factors of a thousandth and a thousand are beyond any noise.
     for (by, verdict) in [(1e-3, "slower"), (1e3, "faster")] {
         let earlier = bench.input("earlier.json", scaled(&report, by));
         let now = json(&run(&bench, &format!("{line} --json --against {earlier}")));
@@ -398,7 +395,7 @@ fn what_got_slower_is_told_from_noise() {
             }
         }
     }
-    // One run has no noise to compare with; another size is another thing.
+    // A single run has no noise to compare with, and another size cannot be compared.
     let earlier = bench.input("earlier.json", report.to_string());
     let other = "profile builtin:sphere:30x40 --source 5,5 --repeat 1";
     let output = run(&bench, &format!("{other} --against {earlier}"));
@@ -408,7 +405,7 @@ fn what_got_slower_is_told_from_noise() {
 }
 
 #[test]
-fn what_cannot_be_profiled_is_refused() {
+fn unsupported_profiles_are_refused() {
     let bench = Workbench::new();
     let nonsense = bench.input("nonsense.json", "{\"rows\": 3}");
     for (words, parts) in [
@@ -421,7 +418,7 @@ fn what_cannot_be_profiled_is_refused() {
         ("--without clocks", vec!["clocks", "timestamps"]),
         ("--against nowhere.json", vec!["nowhere.json"]),
         ("--device nonesuch", vec!["nonesuch", "available"]),
-        (&format!("--against {nonsense}"), vec!["nonsense.json", "no profile"]),
+        (&format!("--against {nonsense}"), vec!["nonsense.json", "not a profile"]),
     ] {
         let line = format!("profile builtin:plane:9x9 --source 1,1 {words}");
         bench.refuses(&run(&bench, &line), &parts);
@@ -432,7 +429,7 @@ fn what_cannot_be_profiled_is_refused() {
     assert!(stderr(&output).contains("a.json: is also an input"), "{}", stderr(&output));
 }
 
-/// A library that stands for RenderDoc, loaded into the tool before it starts.
+/// A library takes RenderDoc's place, loaded into the tool before it starts.
 #[cfg(target_os = "linux")]
 #[test]
 fn renderdoc_captures_one_map() {

@@ -1,4 +1,4 @@
-//! Rasters in every role: surface, mask, slowness, sources, and what is written.
+//! Rasters in every role: surface, mask, slowness, sources, and outputs.
 
 use geosweep::io::{SurfaceFile, read_map};
 
@@ -7,7 +7,7 @@ use crate::workbench::{Workbench, stderr};
 const ROWS: usize = 12;
 const COLS: usize = 17;
 
-/// An ESRI ASCII grid in cells of 10 m.
+/// Returns an ESRI ASCII grid in cells of 10 m.
 fn asc(corner: [f64; 2], value: impl Fn(usize, usize) -> f64) -> String {
     let [x, y] = corner;
     let mut text = format!(
@@ -40,7 +40,7 @@ fn rasters_are_surface_mask_slowness_and_sources() {
     let times = run(&bench, &format!("distance {flat} --slowness {twice} -s 3,4 -o t.npy"));
     assert!(times.iter().zip(&plain).all(|(t, d)| (t - 2.0 * d).abs() < 1e-3));
 
-    // 0 and no-data are no surface.
+    // 0 and no-data are holes.
     let mask = bench
         .input("mask.asc", asc(CORNER, |row, _| [1.0, 0.0, -1.0][row.saturating_sub(9).min(2)]));
     let masked = run(&bench, &format!("distance {flat} --mask {mask} -s 3,4 -o m.npy"));

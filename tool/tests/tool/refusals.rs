@@ -1,4 +1,4 @@
-//! What the tool says when it cannot, and that nothing is left behind or overwritten then.
+//! Errors of the tool. It leaves nothing behind and overwrites nothing after an error.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -165,7 +165,7 @@ fn wrong_companions_are_refused_by_name() {
 #[test]
 fn outputs_that_cannot_be_written_are_refused_before_anything_is_read() {
     let bench = Workbench::new();
-    // A surface that does not exist: its error would come first if it were looked at.
+    // The surface does not exist: its error would come first if the file were opened.
     for (words, parts) in [
         ("-o map.txt", &["unknown extension .txt", ".npy, .tif or .exr"][..]),
         ("-o map", &["no extension"]),
@@ -178,7 +178,7 @@ fn outputs_that_cannot_be_written_are_refused_before_anything_is_read() {
 }
 
 #[test]
-fn what_is_in_the_way_stays() {
+fn existing_files_in_the_way_stay() {
     let bench = Workbench::new();
     let flat = bench.flat(5, 5);
     let before = fs::read(&flat).unwrap();
@@ -232,7 +232,7 @@ fn links_are_followed_and_devices_left_alone() {
 
 #[cfg(unix)]
 #[test]
-fn a_closed_pipe_is_no_panic() {
+fn a_closed_pipe_does_not_panic() {
     use std::process::{Command, Stdio};
     let bench = Workbench::new();
     let program = assert_cmd::cargo::cargo_bin!("geosweep");

@@ -1,11 +1,11 @@
-//! Voronoi regions.
+//! Voronoi regions through the tool.
 
 use geosweep::io::read_map;
 
 use crate::workbench::{Workbench, curves, done, json, read, run, stderr};
 
 #[test]
-fn regions_are_what_is_nearest() {
+fn regions_contain_the_nearest_points() {
     let bench = Workbench::new();
     let flat = bench.flat(33, 41);
     let sources = [[8.0, 10.0], [20.0, 30.0], [28.0, 6.0]];
@@ -43,14 +43,14 @@ fn regions_are_what_is_nearest() {
             let source = sources[row[k].parse::<usize>().unwrap()];
             far(number(6), number(7), source)
         });
-        // Half a cell either way changes the difference by a cell at most; junctions lie within
+        // Half a cell in either direction changes the difference by at most a cell, and junctions are within
         // a cell.
         assert!((left - right).abs() < 1.0, "{row:?}");
     }
 }
 
 #[test]
-fn what_no_source_reaches_has_no_region() {
+fn unreached_points_have_no_region() {
     let bench = Workbench::new();
     let mut heights = vec![0.0; 9 * 12];
     (0..9).for_each(|row| heights[row * 12 + 7] = f64::NAN);
@@ -64,7 +64,7 @@ fn what_no_source_reaches_has_no_region() {
         let expected = if index % 12 >= 7 { -1.0 } else { *label };
         assert!(*label == expected && *label != 1.0, "{index}: {label}");
     }
-    // Of two sources at one point the first has it all.
+    // The first of two sources at one point gets the whole region.
     let report = json(&output);
     assert_eq!(report["regions"][1]["points"], 0);
     assert_eq!(report["regions"][1]["area"], 0.0);

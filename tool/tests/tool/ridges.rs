@@ -1,11 +1,11 @@
-//! Ridges by the tool, against a bisector; the farthest point in reports; and refusals.
+//! Ridges through the tool, compared with a bisector; the farthest point in reports; and errors.
 
 use std::fs;
 
 use crate::workbench::{Workbench, json, run};
 use serde_json::Value;
 
-/// Rows and columns of all vertices in a .csv of curves.
+/// Returns rows and columns of all vertices in a .csv of curves.
 fn places(bench: &Workbench, name: &str) -> Vec<[f64; 2]> {
     let mut table = csv::Reader::from_path(bench.output(name)).unwrap();
     let header = ["kind", "length", "least_angle", "largest_angle", "closed", "row", "col"];
@@ -18,8 +18,8 @@ fn places(bench: &Workbench, name: &str) -> Vec<[f64; 2]> {
     places.collect()
 }
 
-/// Between two sources in a column, 25 rows apart, the line half-way: all of it where the fronts'
-/// angle is 30 degrees or more, and as much of it as their angle allows.
+/// Between two sources in a column, 25 rows apart, the ridge is the line half-way: where the fronts' angle is
+/// at least the default or the requested one.
 #[test]
 fn ridges_are_the_bisector_as_far_as_the_angle_is_wide() {
     let bench = Workbench::new();
@@ -66,7 +66,7 @@ fn ridges_come_in_every_format_and_as_a_picture() {
     assert!(!text("n.svg").contains("<path"));
 }
 
-/// The eccentricity of a source, and where it is, in the report of every command on a map.
+/// The report of every command on a map has the eccentricity of a source and its place.
 #[test]
 fn reports_have_the_farthest_point() {
     let bench = Workbench::new();
@@ -80,7 +80,7 @@ fn reports_have_the_farthest_point() {
 }
 
 #[test]
-fn what_cannot_be_is_refused() {
+fn invalid_requests_for_ridges_are_refused() {
     let bench = Workbench::new();
     for (words, parts) in [
         ("--least-angle 0 -o r.csv", ["`0`", "180"]),

@@ -50,7 +50,7 @@ fn samples_are_far_from_one_another() {
     }
 }
 
-/// What one command writes, the others read.
+/// Commands can read what other commands write.
 #[test]
 fn samples_and_curves_are_inputs_too() {
     let bench = Workbench::new();
@@ -83,7 +83,7 @@ fn samples_and_curves_are_inputs_too() {
     }
     assert_eq!(map(&bench.output("csv-d.npy")), map(&bench.output("npy-d.npy")));
 
-    // Curves stay apart: nothing between two circles is a source.
+    // Curves stay apart: no point between two circles is a source.
     done(&bench, &format!("contours {plane} -s 4,4 -s 12,14 --levels 0.1 -o c.csv -o c.npy"));
     for format in ["csv", "npy"] {
         done(&bench, &format!("distance {plane} --source-curve c.{format} -o {format}.npy"));

@@ -1,4 +1,4 @@
-//! What suits a device: portions, schedules, frames.
+//! Tuning for a device: portions, schedules, frames.
 
 use serde_json::Value;
 
@@ -11,7 +11,7 @@ fn rows<'a>(report: &'a Value, schedule: &'a str) -> impl Iterator<Item = &'a Va
     rows.iter().filter(move |row| row["schedule"] == schedule)
 }
 
-/// Other portions give the same map, and what is said of times fits.
+/// Other portions give the same map, and the times in the report are consistent.
 #[test]
 fn a_sweep_finds_the_same_maps_and_suggests_among_what_it_tried() {
     let bench = Workbench::new();
@@ -34,7 +34,7 @@ fn a_sweep_finds_the_same_maps_and_suggests_among_what_it_tried() {
             tried.push((row["knob"].as_str().unwrap().to_owned(), row["value"].as_u64().unwrap()));
         }
     }
-    // What is suggested was tried, or is as before.
+    // Each suggested value was tried, or is the untuned one.
     for (name, knob) in [
         ("scan_lines", "lines a block"),
         ("scan_width", "invocations a group"),
@@ -65,8 +65,8 @@ fn a_sweep_without_time_says_what_it_leaves_out() {
     }
 }
 
-/// More dispatches with fewer lines in each, where no line fits a workgroup, and more submissions with fewer
-/// iterations in each.
+/// With fewer lines in each, there are more dispatches if no line fits a workgroup. With fewer iterations in
+/// each, there are more submissions.
 #[test]
 fn a_bench_with_other_portions_counts_other_dispatches() {
     let bench = Workbench::new();
@@ -120,7 +120,7 @@ fn frames_of_a_moving_surface_are_timed() {
 }
 
 #[test]
-fn what_suits_no_device_is_refused() {
+fn unsuitable_tunings_are_refused() {
     let bench = Workbench::new();
     let vulkan = "bench --quick --sizes 9 --engines vulkan";
     for (line, parts) in [

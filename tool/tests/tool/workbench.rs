@@ -1,4 +1,4 @@
-//! What the tests of the tool share: running it, and what it must not leave behind.
+//! Shared parts of the tool's tests: they run the tool, and check what it leaves behind.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -13,7 +13,7 @@ use jsonschema::Validator;
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// A folder of inputs and one of outputs, in which only what was asked for may appear.
+/// A folder of inputs and one of outputs, in which only requested files may appear.
 pub struct Workbench {
     pub inputs: TempDir,
     pub outputs: TempDir,
@@ -44,14 +44,14 @@ impl Workbench {
         self.outputs.path().join(name)
     }
 
-    /// The tool, to be run in the folder of outputs.
+    /// Returns a command that runs the tool in the folder of outputs.
     pub fn command(&self) -> Command {
         let mut command = cargo_bin_cmd!("geosweep");
         command.current_dir(self.outputs.path());
         command
     }
 
-    /// Runs it.
+    /// Runs the tool.
     pub fn run(&self, args: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Output {
         self.command().args(args).output().unwrap()
     }
@@ -70,7 +70,8 @@ impl Workbench {
         names
     }
 
-    /// The tool must refuse, in one message with all these parts, and leave nothing behind.
+    /// Asserts that the tool has failed, with one message that has all these parts, and has left nothing
+    /// behind.
     pub fn refuses(&self, output: &Output, parts: &[&str]) {
         let stderr = stderr(output);
         assert_eq!(output.status.code(), Some(2), "{stderr}");
@@ -87,25 +88,25 @@ pub fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
-/// All that is said but for the line that says what was done.
+/// Returns all messages except the line that says what was done.
 pub fn notes(output: &Output) -> String {
     let said = stderr(output);
     let notes = said.lines().filter(|line| !line.starts_with("geosweep: done: "));
     notes.map(|line| format!("{line}\n")).collect()
 }
 
-/// The distances of a map.
+/// Returns the distances of a map.
 pub fn map(path: &Path) -> Vec<f64> {
     read_map(path).unwrap().values
 }
 
-/// What a command that has succeeded prints with --json.
+/// Returns the JSON output of a command that has succeeded.
 pub fn json(output: &Output) -> Value {
     assert!(output.status.success(), "{}", stderr(output));
     printed_json(output)
 }
 
-/// One line, as docs/geosweep.schema.json has it.
+/// Returns the JSON output, which is one line and satisfies docs/geosweep.schema.json.
 pub fn printed_json(output: &Output) -> Value {
     static SCHEMA: LazyLock<Validator> = LazyLock::new(|| {
         let schema = include_str!("../../../docs/geosweep.schema.json");
@@ -115,7 +116,7 @@ pub fn printed_json(output: &Output) -> Value {
     assert_eq!(text.lines().count(), 1, "{text}");
     let printed = serde_json::from_str(text).unwrap();
     if let Err(error) = SCHEMA.validate(&printed) {
-        // Which of the commands it should be like is clear from its name.
+        // The command's name selects the part of the schema.
         let command = printed["command"].as_str().unwrap_or_default().replace(' ', "-");
         panic!("{command}: at {}: {error}\n{text}", error.instance_path());
     }
@@ -131,14 +132,14 @@ pub fn run(bench: &Workbench, line: &str) -> Output {
     bench.run(words(line))
 }
 
-/// Runs a line that must succeed.
+/// Runs a command line that must succeed.
 pub fn done(bench: &Workbench, line: &str) -> Output {
     let output = run(bench, line);
     assert!(output.status.success(), "{line}: {}", stderr(&output));
     output
 }
 
-/// The rows of a float64 array (K, 5), split where they are NaN.
+/// Returns the rows of a float64 array (K, 5), split where they are NaN.
 pub fn curves(bytes: &[u8]) -> Vec<Vec<[f64; 5]>> {
     let length = u16::from_le_bytes([bytes[8], bytes[9]]) as usize;
     let header = std::str::from_utf8(&bytes[10..10 + length]).unwrap();
@@ -149,12 +150,12 @@ pub fn curves(bytes: &[u8]) -> Vec<Vec<[f64; 5]>> {
     rows.split(|row| row[0].is_nan()).map(<[_]>::to_vec).collect()
 }
 
-/// An output file.
+/// Returns the contents of an output file.
 pub fn read(bench: &Workbench, name: &str) -> Vec<u8> {
     fs::read(bench.output(name)).unwrap()
 }
 
-/// An output file of text.
+/// Returns an output file as text.
 pub fn text(bench: &Workbench, name: &str) -> String {
     String::from_utf8(read(bench, name)).unwrap()
 }

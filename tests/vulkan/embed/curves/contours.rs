@@ -1,4 +1,4 @@
-//! Contours.
+//! Contours in the host's frames.
 
 use std::collections::HashMap;
 
@@ -15,7 +15,7 @@ use crate::common::rough;
 use crate::embed::stage::Kept;
 use crate::host::Host;
 
-/// Shorter pieces are not compared: the CPU leaves out what has no length.
+/// Length in cells below which pieces are not compared: the CPU leaves out pieces without length.
 const SHORT: f64 = 0.01;
 
 type Piece = [[f64; 2]; 2];
@@ -28,7 +28,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// The pieces of all levels, by level.
+/// Returns the pieces of all levels, by level.
 fn on_cpu(map: &DistanceMap, sources: &Sources, levels: &[f32]) -> Vec<Vec<Piece>> {
     let levels: Vec<f64> = levels.iter().map(|&level| level.into()).collect();
     let pieces = |contour: &geosweep::geometry::Contour| {
@@ -50,8 +50,8 @@ fn on_device(levels: &[f32], vertices: &[CurveVertex]) -> Vec<Vec<Piece>> {
     pieces
 }
 
-/// The largest distance from a piece to the nearest one of others that runs the same way; infinite if
-/// there is none in a cell beside it.
+/// Returns the largest distance from a piece to the nearest of `others` that runs in the same direction. It
+/// is infinite if there is none in a neighbouring cell.
 fn apart(pieces: &[Piece], others: &[Piece]) -> f64 {
     let cell = |piece: &Piece| [0, 1].map(|k| (0.5 * (piece[0][k] + piece[1][k])).floor() as i64);
     let mut by_cell: HashMap<[i64; 2], Vec<&Piece>> = HashMap::new();
@@ -67,7 +67,7 @@ fn apart(pieces: &[Piece], others: &[Piece]) -> f64 {
     long.map(nearest).fold(0.0, f64::max)
 }
 
-/// The largest distance in cells between contours from the device and the CPU's on the same map.
+/// Returns the largest distance in cells between the device's contours and the CPU's on the same map.
 pub fn difference(
     map: &DistanceMap,
     sources: &Sources,
@@ -99,7 +99,7 @@ fn new_contours(scene: &mut Scene, room: u32) -> Contours {
     stage.solver.contours(&device, stage.host.allocator(), &stage.surface, room).unwrap()
 }
 
-/// Against the CPU's on the device's own map, as sets of pieces.
+/// Compares contours with the CPU's on the device's own map, as sets of pieces.
 fn compare(name: &str, surface: &Surface, source: [f32; 3], levels: &[f32], tolerance: f64) {
     let [row, col, time] = source;
     let sources = [PointSource { time, ..PointSource::at(row, col) }];
@@ -125,8 +125,8 @@ fn spaced(step: f32, count: usize) -> Vec<f32> {
     (1..=count).map(|k| step * k as f32).collect()
 }
 
-/// 7e-6 cells were measured on lavapipe: single precision holds rows and columns as exactly as that. Where
-/// divisions and roots are a unit off in the last place, as on GPUs, 3.3e-5.
+/// Largest difference in cells. On lavapipe 7e-6 was measured, the resolution of rows and columns in single
+/// precision. If divisions and roots are a unit off in the last place, as on GPUs, it is 3.3e-5.
 pub const SAME: f64 = 1e-4;
 
 #[test]
@@ -151,7 +151,7 @@ fn contours_are_those_of_the_cpu() {
     }
 }
 
-/// The shaders are watched too.
+/// The layers check the shaders too.
 #[test]
 fn contours_that_do_not_fit_are_counted_and_the_first_are_kept() {
     let surface = rough(23, 21, 13);
@@ -161,9 +161,9 @@ fn contours_that_do_not_fit_are_counted_and_the_first_are_kept() {
     let (all, mut vertices) = record(&mut scene, &roomy, levels, 0.0);
     assert_eq!(all.status(), CurveStatus::Complete);
     let needed = all.vertices as usize;
-    // Beyond them nothing is written.
+    // Nothing is written beyond the needed vertices.
     vertices.truncate(needed);
-    // The same again, vertex by vertex.
+    // A second recording gives the same contours, vertex by vertex.
     let (again, found) = record(&mut scene, &roomy, levels, 0.0);
     assert_eq!((again, &found[..needed]), (all, &vertices[..]));
     for room in [needed, needed - 1, needed / 2 + 1, 2] {
@@ -183,7 +183,7 @@ fn contours_that_do_not_fit_are_counted_and_the_first_are_kept() {
         let device = scene.stage.host.device.clone();
         contours.destroy(&device, scene.stage.host.allocator());
     }
-    // No level, one below and one above the map.
+    // No level; one level below and one above the map.
     for levels in [&[][..], &[-1.0, 1e9]] {
         let (none, _) = record(&mut scene, &roomy, LevelInput::List(levels), 0.0);
         assert_eq!((none.vertices, none.status()), (0, CurveStatus::Complete));
@@ -211,7 +211,7 @@ fn grids_without_cells_have_no_contours() {
 #[test]
 fn contours_that_make_no_sense_are_errors_before_anything_is_recorded() {
     let surface = flat(9, 13);
-    // Its end tells what was left behind.
+    // When the host is dropped, it reports objects that were left behind.
     let mut scene = Scene::new(Host::new(), &surface, &[PointSource::at(1.0, 2.0)]);
     let other = Scene::new(Kept::watched(), &surface, &[PointSource::at(1.0, 2.0)]);
     let mut contours = new_contours(&mut scene, 100);

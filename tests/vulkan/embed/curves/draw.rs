@@ -1,4 +1,4 @@
-//! Contours and paths drawn in the frame that finds them, from what the host's own passes write.
+//! Contours and paths drawn in the frame that finds them, from inputs that the host's own passes write.
 
 use geosweep::ash::vk;
 use geosweep::surface::Chart;
@@ -43,8 +43,7 @@ const DRAW: &str = "
     @fragment
     fn fragment() -> @location(0) vec4<f32> { return vec4<f32>(1.0); }";
 
-/// A frame in which everything happens, drawn twice over: where contours and where paths are, in
-/// grid steps.
+/// A frame with all passes, drawn twice, and the pixels of contours and of paths in grid steps.
 struct Drawn {
     contours: Vec<[f64; 2]>,
     paths: Vec<[f64; 2]>,
@@ -93,7 +92,7 @@ fn draw(reader: Access) -> Drawn {
     host.run(|commands| {
         let recording = solver.record(&device, commands, surface);
         for _ in 0..2 {
-            // We have let all of them go: COMPUTE_READ, and the copy of the starts.
+            // The recordings no longer use any of them: COMPUTE_READ, and the copy of the starts.
             host.barrier(
                 commands,
                 Access::COMPUTE_READ.and(Access::TRANSFER_READ),
@@ -139,7 +138,7 @@ fn draw(reader: Access) -> Drawn {
     Drawn { contours: lit_contours, paths: lit_paths, messages }
 }
 
-/// Lines are a pixel wide: a quarter of a grid step.
+/// Lines are a pixel wide, which is a quarter of a grid step.
 #[test]
 fn curves_are_drawn_where_they_are_without_a_message() {
     let drawn = draw(Access::DRAW);
@@ -150,11 +149,11 @@ fn curves_are_drawn_where_they_are_without_a_message() {
         let radius = away(pixel, centre);
         assert!((radius - 10.0).abs().min((radius - 30.0).abs()) < 0.4, "{pixel:?}");
     }
-    // Both circles, a pixel for a quarter of a step along an axis, and some more where pieces meet.
+    // Both circles have a pixel for a quarter of a step along an axis, and some more where pieces meet.
     let around = 8.0 * f64::sqrt(0.5) * (10.0 + 30.0) * 4.0;
     let count = drawn.contours.len() as f64;
     assert!((0.95..1.3).contains(&(count / around)), "{count} {around}");
-    // naga turns pictures upside down, so that rows may count either way.
+    // naga turns pictures upside down, so that rows may count in either direction.
     let ends = [[2.0, 6.0], [60.5, 50.25]];
     let ends = ends.map(|end: [f64; 2]| [end, [64.0 - end[0], end[1]]]);
     let off = |pixel: [f64; 2], end: [f64; 2]| {
@@ -169,18 +168,19 @@ fn curves_are_drawn_where_they_are_without_a_message() {
         let nearest = ends.iter().map(|end| off(pixel, end[usize::from(flip)]));
         assert!(nearest.fold(f64::INFINITY, f64::min) < 0.4, "{pixel:?}");
     }
-    // 30 rows and 28.5 of them, and some more pixels where pieces meet.
+    // Paths of 30 and 28.5 rows, and some more pixels where pieces meet.
     assert!((230..330).contains(&drawn.paths.len()), "{}", drawn.paths.len());
 }
 
-/// Without this, a clean log would say nothing. Each by itself, since newer layers tell of one hazard of a draw.
+/// A hazard must be reported, or a clean log would prove nothing. Each draw is tested separately, since newer
+/// layers report only one hazard of a draw.
 #[test]
 fn a_reader_of_curves_that_is_not_named_is_reported() {
     let vertices = vk::AccessFlags::VERTEX_ATTRIBUTE_READ;
     let indirect = vk::AccessFlags::INDIRECT_COMMAND_READ;
     let stages = vk::PipelineStageFlags::VERTEX_INPUT | vk::PipelineStageFlags::DRAW_INDIRECT;
-    // Layers 1.3.239 look at the vertices of an indirect draw, 1.4.309 do not: they don't know how many there are.
-    // Between them 1.3.275 (Ubuntu 24.04) tell of neither.
+    // Layers 1.3.239 check the vertices of an indirect draw. Layers 1.4.309 do not, since they do not know
+    // their number. Layers 1.3.275 (Ubuntu 24.04), which lie between, report neither.
     let version = layers_version();
     let tells_of_vertices = version < vk::make_api_version(0, 1, 3, 240);
     let tells_of_indirect = tells_of_vertices || version >= vk::make_api_version(0, 1, 4, 0);

@@ -1,4 +1,4 @@
-//! Contours, paths and regions in the host's buffers, against the CPU's on the same map.
+//! Contours, paths and regions in the host's buffers, compared with the CPU's on the same map.
 
 pub mod contours;
 mod draw;
@@ -18,7 +18,7 @@ use crate::common::Lent;
 use crate::embed::stage::{Kept, RASTER, Stage};
 use crate::host::HostBuffer;
 
-/// A surface on the device, its points in a buffer, and a map on it.
+/// A surface on the device with its points in a buffer, and a map on it.
 struct Scene {
     stage: Stage,
     points: HostBuffer,
@@ -70,13 +70,13 @@ impl Scene {
         (records, vertices)
     }
 
-    /// Nothing is left in the allocator, and the validation layers have said nothing.
+    /// Asserts that nothing is left in the allocator, and that the validation layers have reported nothing.
     fn end(self) {
         self.stage.end([self.points]);
     }
 }
 
-/// x, y and z of each point, NaN in holes.
+/// Returns x, y and z of each point, NaN in holes.
 pub fn positions(surface: &Surface) -> Vec<f32> {
     let chart = surface.chart();
     let position = |index| {
@@ -87,7 +87,7 @@ pub fn positions(surface: &Surface) -> Vec<f32> {
     (0..chart.points()).flat_map(position).collect()
 }
 
-/// A map as if the engine had returned it.
+/// Returns a map as if the engine had returned it.
 pub fn map_of(chart: Chart, distances: Vec<f32>) -> DistanceMap {
     let reached = || distances.iter().copied().filter(|distance| distance.is_finite());
     let report = Report {
@@ -111,7 +111,7 @@ pub fn map_of(chart: Chart, distances: Vec<f32>) -> DistanceMap {
     DistanceMap { chart, distances, report }
 }
 
-/// The vertices of a curve.
+/// Returns the vertices of a curve.
 fn vertices<'a>(
     record: &CurveRecord,
     number: usize,
@@ -123,7 +123,7 @@ fn vertices<'a>(
     &all[record.first_vertex as usize..][..record.vertices.min(curves.capacity) as usize]
 }
 
-/// How far the vertices lie off where the surface is, relative to its extent.
+/// Returns how far the vertices are from the surface at most, relative to its extent.
 fn lifted_off(surface: &Surface, vertices: &[CurveVertex]) -> f64 {
     let extent = positions(surface)
         .into_iter()
@@ -136,7 +136,7 @@ fn lifted_off(surface: &Surface, vertices: &[CurveVertex]) -> f64 {
     vertices.iter().map(off).fold(0.0, f64::max) / f64::from(extent)
 }
 
-/// A place that rounding has brought next to the surface may lie in a hole.
+/// Returns the position of a place. A place that rounding has moved off the surface may be in a hole.
 fn lifted(surface: &Surface, [row, col]: [f64; 2]) -> geosweep::glam::DVec3 {
     let nudges = [0.0, 1e-5, -1e-5];
     let places = nudges.iter().flat_map(|r| nudges.map(|c| [row + r, col + c]));

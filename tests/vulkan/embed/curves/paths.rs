@@ -1,4 +1,4 @@
-//! Paths.
+//! Paths in the host's frames.
 
 use geosweep::ash::vk;
 use geosweep::geometry::Paths;
@@ -23,7 +23,7 @@ fn new_paths(scene: &mut Scene, info: PathsInfo) -> embed::Paths {
     stage.solver.paths(&device, stage.host.allocator(), &stage.surface, info).unwrap()
 }
 
-/// Pseudo-random starts, at grid points and between them.
+/// Returns pseudo-random starts, at grid points and between them.
 fn starts(rows: usize, cols: usize, count: usize) -> Vec<[f32; 2]> {
     let mut random = Random::new(1);
     let mut next = || random.next() as f32;
@@ -55,10 +55,10 @@ fn end(mut scene: Scene, mut paths: embed::Paths) {
     scene.end();
 }
 
-/// Relative differences of lengths: from those of the CPU's paths on the same map, of 99 in 100; the
-/// largest from the exact ones, of paths from grid points; and the largest from the map. Lengths below
-/// a twentieth of the largest distance count as so much: beside a grid line single precision rounds
-/// by up to 3e-4 of a cell.
+/// Compares paths. Returns three relative differences of lengths: from the CPU's paths on the same map, for
+/// 99 in 100 paths; the largest from the exact ones, for paths from grid points; and the largest from the
+/// map. Lengths below a twentieth of the largest distance are taken as that: beside a grid line, single
+/// precision rounds by up to 3e-4 of a cell.
 fn compare(
     name: &str,
     surface: &Surface,
@@ -123,8 +123,7 @@ fn compare(
     [from_cpu, from_exact, from_map]
 }
 
-/// The bar is 2e-3. Measured: 6.6e-4 from the exact lengths and 9e-4 from the map (peaks), elsewhere
-/// 4e-5.
+/// The bound is 2e-3. Measured: 6.6e-4 from the exact lengths and 9e-4 from the map (peaks), elsewhere 4e-5.
 #[test]
 fn lengths_are_the_distances() {
     const POINTS: usize = 257;
@@ -140,10 +139,10 @@ fn lengths_are_the_distances() {
     }
 }
 
-/// With holes, and from sources between grid points with unlike initial values. Half of what the
-/// bar for lengths is; measured: 5e-4 with holes, 1e-5 without. The map has ridges
-/// there on which the two may take other sides, and its distances are up to 5 % off the lengths of the
-/// CPU's paths too.
+/// Surfaces have holes, and sources are between grid points and have different start values. The bound is
+/// half of that for lengths; measured: 5e-4 with holes, 1e-5 without. At ridges of the map, the two may
+/// choose different sides, and the map's distances differ by up to 5 % from the lengths of the CPU's paths
+/// too.
 #[test]
 fn paths_on_rough_surfaces_are_those_of_the_cpu() {
     for (name, one_hole_in) in [("rough, with holes", 11), ("rough", 0)] {
@@ -161,7 +160,7 @@ fn paths_on_rough_surfaces_are_those_of_the_cpu() {
     }
 }
 
-/// Great circles: within a tenth of a cell, as the CPU's.
+/// Paths are within a tenth of a cell of great circles, as the CPU's.
 #[test]
 fn paths_on_the_sphere_are_great_circles() {
     let surface = Builtin::Sphere.surface(129, 129).unwrap();
@@ -184,10 +183,10 @@ fn paths_on_the_sphere_are_great_circles() {
     end(scene, paths);
 }
 
-/// The shaders are watched too.
+/// The layers check the shaders too.
 #[test]
-fn paths_that_cannot_be_say_why() {
-    // Cut in two by a column of holes.
+fn impossible_paths_give_a_reason() {
+    // A column of holes cuts the surface in two.
     let mask: Vec<_> = (0..9 * 11).map(|i| i % 11 != 6).collect();
     let heights = vec![0.0; 9 * 11];
     let surface = Surface::from_heights(9, 11, heights, Spacing::square(1.0)).unwrap();
@@ -221,15 +220,15 @@ fn paths_that_cannot_be_say_why() {
         assert_eq!(record.status(), status, "{start:?}: {record:?}");
         assert_eq!(record.vertex_count > 0, status == Complete);
     }
-    // Two have no start.
+    // Two paths have no start.
     assert!(records[10..].iter().all(|record| record.status() == Outside));
     assert_eq!((records[1].vertices, records[1].length, records[1].source()), (1, 0.0, Some(0)));
-    // The way so far, towards the source.
+    // The path up to where it ends, towards the source.
     let way = vertices(&records[2], 2, paths.curves(), &all);
     assert_eq!((records[2].vertices, way.len()), (9, 9));
     assert!(way.windows(2).all(|pair| pair[1].time < pair[0].time), "{way:?}");
 
-    // Sources that the map does not know.
+    // The map does not know these sources.
     let others = [PointSource::at(7.0, 4.0)];
     let (records, _) =
         read(&mut scene, &paths, StartInput::Inline(&starts), SourceInput::Inline(&others));
@@ -237,7 +236,7 @@ fn paths_that_cannot_be_say_why() {
     let (records, _) =
         read(&mut scene, &paths, StartInput::Inline(&starts), SourceInput::Inline(&[]));
     assert_eq!(records[0].status(), Lost);
-    // No start at all.
+    // No path has a start.
     let (records, _) = read(&mut scene, &paths, StartInput::Inline(&[]), inline);
     assert!(records.iter().all(|record| record.status() == Outside));
     end(scene, paths);
@@ -248,7 +247,7 @@ fn paths_that_make_no_sense_are_errors_before_anything_is_recorded() {
     let heights = vec![0.0; 9 * 11];
     let surface = Surface::from_heights(9, 11, heights, Spacing::square(1.0)).unwrap();
     let source = PointSource::at(2.0, 1.5);
-    // Its end tells what was left behind.
+    // When the host is dropped, it reports objects that were left behind.
     let mut scene = Scene::new(Host::new(), &surface, &[source]);
     let other = Scene::new(Kept::watched(), &surface, &[source]);
     let paths = new_paths(&mut scene, PathsInfo { paths: 2, vertices: 30 });
@@ -297,7 +296,7 @@ fn paths_that_make_no_sense_are_errors_before_anything_is_recorded() {
     other.end();
 }
 
-/// Steep random steps, holes, and cells up to 25 times as long as wide.
+/// The surfaces have steep random steps, holes, and cells up to 25 times as long as wide.
 #[test]
 fn every_path_falls_to_a_source() {
     let mut random = Random::new(5);
@@ -336,8 +335,8 @@ fn every_path_falls_to_a_source() {
     assert!(traced > 300, "{traced}");
 }
 
-/// All points of the first row coincide, so that no time falls along it. The CPU's path is 10 % too
-/// long; this one looks at all of the pole's points for the one to leave from.
+/// All points of the first row coincide, so that no time falls along it. The CPU's path is 10 % too long.
+/// This one tests all of the pole's points to find the one from which to leave.
 #[test]
 fn paths_cross_a_pole() {
     let (rows, cols) = (9, 24);

@@ -1,4 +1,4 @@
-//! Regions of the points nearest to each source, against those of the CPU.
+//! Regions of the points nearest to each source, compared with the CPU's.
 
 use geosweep::MetricTensor;
 use geosweep::ash::vk;
@@ -26,7 +26,7 @@ struct Atlas {
     wavefront: Wavefront,
 }
 
-/// Labels, and the map that they are of.
+/// Labels, and the map from which they were found.
 struct Found {
     labels: Vec<u32>,
     map: Vec<f32>,
@@ -37,7 +37,8 @@ impl Atlas {
         Self::with(host, surface, wavefront, None, 0)
     }
 
-    /// With the metric alone, if there is one, and room for so many sources in a buffer.
+    /// Creates an atlas. If there is a metric, the surface has only that. The buffer has room for `room`
+    /// sources.
     fn with(
         host: impl Into<Lent<Kept>>,
         surface: &Surface,
@@ -75,7 +76,7 @@ impl Atlas {
         Found { labels: self.labels(sources), map }
     }
 
-    /// Of the map that is there.
+    /// Returns the labels of the current map.
     fn labels(&mut self, sources: SourceInput) -> Vec<u32> {
         let Stage { host, solver, surface, .. } = &mut self.stage;
         let (device, bytes) = (host.device.clone(), self.regions.labels().bytes);
@@ -121,8 +122,8 @@ fn on_cpu(sources: &[PointSource]) -> Sources {
     sources.iter().fold(Sources::default(), add)
 }
 
-/// How many labels differ from others, and how many points away, at most, is one with the others'
-/// label: within so many points lies a border of the others'.
+/// Returns how many labels differ from the others, and how many points away at most one of the others' labels
+/// is equal: a border of the others' lies within this distance.
 fn off(chart: Chart, found: &[u32], others: &[u32]) -> (usize, usize) {
     let far = |index: usize| {
         let (row, col) = chart.position(index);
@@ -138,7 +139,7 @@ fn off(chart: Chart, found: &[u32], others: &[u32]) -> (usize, usize) {
     (differ.len(), differ.into_iter().map(far).max().unwrap_or(0))
 }
 
-/// What the twin finds, on a map of its own.
+/// Returns the labels that the twin finds on its own map.
 fn of_twin(surface: &Surface, sources: &[PointSource], wavefront: Wavefront) -> Vec<u32> {
     let seeds = |(source, label): (&PointSource, u32)| {
         let seeds = on_cpu(&[*source]).seeds(surface).unwrap();
@@ -154,7 +155,7 @@ fn of_twin(surface: &Surface, sources: &[PointSource], wavefront: Wavefront) -> 
     twins::regions(&EdgeLengths::new(surface).unwrap(), &seeds, wavefront, STOP)
 }
 
-/// Labels against those of the twin and of [`Voronoi`], by the same map.
+/// Compares labels with those of the twin and of [`Voronoi`] on the same map.
 fn compare(
     name: &str,
     atlas: &mut Atlas,
@@ -164,7 +165,7 @@ fn compare(
 ) -> Found {
     let chart = surface.chart();
     let found = atlas.find(SourceInput::Inline(sources));
-    // Again, to the last one.
+    // A second recording gives the same labels.
     assert_eq!(atlas.labels(SourceInput::Inline(sources)), found.labels, "{name}");
     let twin = off(chart, &found.labels, &of_twin(surface, sources, atlas.wavefront));
     let edges = EdgeLengths::new(surface).unwrap();
@@ -179,7 +180,8 @@ fn compare(
     found
 }
 
-/// One point in so many, beside a border: there rounding decides.
+/// Number of points of which one label may differ from the twin's. It lies beside a border, where rounding
+/// decides.
 const TWIN_MAY_DIFFER: usize = 500;
 
 #[test]
@@ -200,7 +202,7 @@ fn labels_are_those_of_the_cpu_but_beside_borders() {
         for wavefront in Wavefront::ALL {
             let host = Kept::watched_but_for_shaders();
             let mut atlas = Atlas::new(host, surface, wavefront);
-            // Straight fronts from points bend their ways near the sources.
+            // Straight fronts from points bend paths near the sources.
             let within = if wavefront == Wavefront::Planar { 4 } else { 2 };
             let two = at(&[[15.0, 17.0], [47.0, 37.0]]);
             compare(&format!("{name}, two"), &mut atlas, surface, &two, within);
@@ -220,7 +222,7 @@ fn surface_extent(surface: &Surface) -> f32 {
     positions(surface).into_iter().filter(|x| x.is_finite()).fold(0.0, |a: f32, x| a.max(x.abs()))
 }
 
-/// The shaders are watched too.
+/// The layers check the shaders too.
 #[test]
 fn walls_holes_and_narrow_grids_have_regions() {
     let cut = {
@@ -250,7 +252,7 @@ fn walls_holes_and_narrow_grids_have_regions() {
     }
 }
 
-/// Without positions, and longer along the diagonals one way than the other.
+/// The surface has no positions, and is longer along the diagonals of one direction.
 #[test]
 fn a_metric_has_regions() {
     let chart = Chart { rows: 41, cols: 53 };
@@ -279,7 +281,7 @@ fn labels_are_places_in_the_list() {
     let late = PointSource { time: 100.0, ..PointSource::at(16.0, 16.0) };
     let [first, second] = [PointSource::at(16.0, 10.25), PointSource::at(20.0, 30.0)];
     let nowhere = PointSource { row: f32::NAN, ..first };
-    // In the hole, nowhere, too late for anything, and twice the same.
+    // A source in the hole, one at no place, one that is too late, and one that is listed twice.
     let list = [PointSource::at(5.0, 7.0), second, nowhere, first, late, second, first];
     let mut atlas =
         Atlas::with(Kept::watched(), &surface, Wavefront::Curved, None, list.len() as u32);
@@ -295,11 +297,11 @@ fn labels_are_places_in_the_list() {
 
     let pair = at(&[[16.0, 30.0], [16.0, 11.0]]);
     let found = atlas.find(SourceInput::Inline(&pair));
-    // No source, no map, no region.
+    // Without sources, there is no map and no region.
     let nothing = atlas.find(SourceInput::Inline(&[]));
     assert!(nothing.labels.iter().all(|&label| label == NO_REGION));
 
-    // A source that is added takes its part.
+    // A source that is added gets its region.
     let plan = atlas.stage.plan(Schedule::Raster, Wavefront::Curved, 6);
     atlas.stage.map(0, SourceInput::Inline(&pair[..1]), &plan);
     atlas.stage.run(|recording| {
@@ -314,7 +316,7 @@ fn labels_are_places_in_the_list() {
     atlas.end();
 }
 
-/// A curve is a list of points on the grid, and a table says which are whose.
+/// A curve is a list of points on the grid, and a table names the curve of each point.
 #[test]
 fn curves_of_many_sources_have_the_regions_of_curves() {
     let surface = Builtin::Peaks.surface(65, 73).unwrap();
@@ -350,9 +352,9 @@ fn curves_of_many_sources_have_the_regions_of_curves() {
     }
 }
 
-/// A few points around a close pair decide all that lies behind it, so that a border there turns about
-/// the pair, and all the wrong labels lie between it and where it should be. Measured: 17.5 and 4.8
-/// degrees, and nothing beyond a cell from the border where both are grid points.
+/// A few points around a close pair decide everything behind it. A border there turns about the pair, and all
+/// wrong labels are between the border and its exact place. Measured: 17.5 and 4.8 degrees, and nothing
+/// beyond a cell from the border if both are grid points.
 #[test]
 fn borders_behind_close_pairs_turn_by_a_bounded_angle() {
     let chart = Chart { rows: 97, cols: 97 };
@@ -377,7 +379,7 @@ fn borders_behind_close_pairs_turn_by_a_bounded_angle() {
         for index in (0..chart.points()).filter(|&i| found.labels[i] != exact.labels[i]) {
             let (row, col) = chart.position(index);
             let to = [row as f32 - middle[0], col as f32 - middle[1]];
-            // A point within a cell of the border is no matter of angles.
+            // Angles do not matter for a point within a cell of the border.
             let off = (to[0] * across[0] + to[1] * across[1]) / across[0].hypot(across[1]);
             if off.abs() > 1.0 {
                 largest = largest.max((off.abs() / to[0].hypot(to[1])).asin().to_degrees());
@@ -393,7 +395,7 @@ fn borders_behind_close_pairs_turn_by_a_bounded_angle() {
 #[test]
 fn regions_that_make_no_sense_are_errors_before_anything_is_recorded() {
     let surface = flat(9, 13);
-    // Its end tells what was left behind.
+    // When the host is dropped, it reports objects that were left behind.
     let mut atlas = Atlas::new(Host::new(), &surface, Wavefront::Planar);
     let other = Atlas::new(Kept::watched(), &surface, Wavefront::Planar);
     let sources = at(&[[1.0, 2.0]]);

@@ -35,58 +35,58 @@ use sources::RowsOf;
 pub struct Args {
     #[command(flatten)]
     surface: SurfaceArgs,
-    /// Where to write the distances: .npy, float32, (n, n) for the n points of the grid in row-major
-    /// order, +infinity where no path leads and throughout for a hole. With --json it may be left
-    /// out, to time the solver alone
+    /// Output file for the distances: .npy, float32, (n, n) for the n points of the grid in row-major order.
+    /// Distances of holes are +infinity, and so are those between points that no path connects. Optional with
+    /// --json, to time the solver alone
     #[arg(short, long, value_name = "D.npy", required_unless_present = "json")]
     output: Option<PathBuf>,
-    /// Only the rows of these points, (k, n): a range A..B of rows of the matrix, without B; or a
-    /// file: .npy, (k,) for rows of the matrix, or points of the grid in a table, an .npy array or GeoJSON
-    /// as for --source-points of `geosweep distance`. Start values are added to a point's distances
+    /// Compute only the rows of these points, (k, n). This is a range A..B of rows of the matrix, without B,
+    /// or a file: .npy, (k,), with rows of the matrix; or points of the grid in a table, an .npy array or
+    /// GeoJSON, as for --source-points of `geosweep distance`. Start values are added to a point's distances
     #[arg(long, value_name = "A..B|FILE", help_heading = "Matrix")]
     sources: Option<RowsOf>,
-    /// Only the rows of k points that are far from one another, (k, n): the point next to the middle
-    /// of the grid, then each time the farthest from all before it, as `geosweep sample` has it
+    /// Compute only the rows of k points that are far from one another, (k, n). The first is the point next
+    /// to the middle of the grid. Each further one is the farthest from all before it, as in
+    /// `geosweep sample`
     #[arg(long, value_name = "K", conflicts_with = "sources", help_heading = "Matrix")]
     #[arg(value_parser = sample_size)]
     sample: Option<usize>,
-    /// With --sample, write which sample each point is nearest to: .npy int32 (M, N), from 0, -1 at
-    /// holes and where none reaches
+    /// With --sample, write the nearest sample of each point: .npy int32 (M, N), counted from 0, with -1 at
+    /// holes and where no sample reaches
     #[arg(long, value_name = "LABELS.npy", requires = "sample", help_heading = "Matrix")]
     labels: Option<PathBuf>,
     /// Type of the numbers
     #[arg(long, default_value = "float32", value_parser = one_of(&NUMBERS))]
     #[arg(help_heading = "Matrix")]
     numbers: Element,
-    /// Only what lies above the diagonal, row after row: (n (n - 1) / 2,), as SciPy's squareform has
-    /// it
+    /// Write only the entries above the diagonal, row by row: (n (n - 1) / 2,), as in SciPy's squareform
     #[arg(long, conflicts_with_all = ["sources", "sample"], help_heading = "Matrix")]
     upper: bool,
-    /// Replace both distances between two points by their mean. Needs the disk space of a whole
-    /// float32 matrix more
+    /// Replace the two distances between each pair of points by their mean. Needs disk space for another
+    /// whole float32 matrix
     #[arg(long, conflicts_with_all = ["sources", "sample"], help_heading = "Matrix")]
     symmetrize: bool,
-    /// Start rows from the distances back to points that earlier rows know (eq. 20 of the paper),
-    /// and do not compute these again. Needs the matrix in memory; for the planar and the point
-    /// wavefront on the CPU
+    /// Start rows from the distances to points of earlier rows (eq. 20 of the paper), and do not compute
+    /// these again. Keeps the matrix in memory. Only for the planar and the point wavefront on the CPU
     #[arg(long, conflicts_with_all = ["sources", "sample", "resume"])]
     #[arg(help_heading = "Solver")]
     from_symmetry: bool,
     #[command(flatten)]
     solver: SolverArgs,
-    /// Go on with D.npy.part, which an interrupted command has left: the same bytes as without the
-    /// interruption. Begins if there is none
+    /// Continue from D.npy.part, which an interrupted command has left. The result is the same to the byte as
+    /// without the interruption. If there is no such file, start from the first row
     #[arg(long, requires = "output")]
     resume: bool,
     /// Print one JSON object (docs/json.md): precision, rows, cols and points of the grid, matrix_rows,
-    /// matrix_cols, engine, device, wavefront, iterations (of the slowest map), converged, residual, solve_seconds, distances_per_second, resumed_rows, memory_bytes
-    /// (beside the surface), disk_bytes, samples (with --sample, an array of [row, column])
+    /// matrix_cols, engine, device, wavefront, iterations (of the slowest map), converged, residual,
+    /// solve_seconds, distances_per_second, resumed_rows, memory_bytes (without the surface), disk_bytes,
+    /// samples (with --sample, an array of [row, column])
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
 
 const NUMBERS: [(Element, &str); 2] = [
-    (Element::Float32, "What the solvers compute"),
+    (Element::Float32, "The numbers as the solvers compute them"),
     (
         Element::Float16,
         "Half the space: a relative error of up to 5e-4, and no distance above 65504",
@@ -96,11 +96,11 @@ const NUMBERS: [(Element, &str); 2] = [
 fn examples() -> String {
     format!(
         "\
-Rows are written as they are done, so that the matrix may be larger than memory. It
-lies in D.npy.part until it is finished. The curved wavefront is the most accurate; point
-computes sixteen maps at once, many times faster, and is about as accurate on surfaces
-that are not much curved. The distance from one point to another and that back are
-computed apart and differ by the solver's error; --symmetrize takes their mean.
+Each row is written when it is finished, so that the matrix may be larger than memory. Its
+file is D.npy.part until it is complete. The curved wavefront is the most accurate. The
+point wavefront computes sixteen maps at once, many times faster, and is about as accurate
+on surfaces with little curvature. The distances between two points in either direction
+are computed separately and differ by the solver's error; --symmetrize takes their mean.
 
 {}
 
@@ -134,7 +134,7 @@ enum Stopped {
 fn sample_size(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count @ 1..) => Ok(count),
-        _ => Err(format!("`{}` is no number of samples; give 1 or more", excerpt(text))),
+        _ => Err(format!("`{}` is not a number of samples; give 1 or more", excerpt(text))),
     }
 }
 
@@ -176,7 +176,7 @@ pub fn run(args: &Args) -> Outcome {
     let mut file = matrix.map(begin).transpose()?;
     let resumed_rows = file.as_ref().map_or(0, MatrixFile::rows);
     if resumed_rows > 0 {
-        say("note", format_args!("goes on after row {resumed_rows} of {}", layout.rows));
+        say("note", format_args!("continues after row {resumed_rows} of {}", layout.rows));
     }
     let bar = progress_of_rows(layout.rows, resumed_rows);
     let solved = if args.from_symmetry {
@@ -281,7 +281,7 @@ impl Args {
                 paused?;
                 let all = layout.rows;
                 let what = format!("interrupted after {rows} of {all} rows");
-                Err(format!("{what}; the same command with --resume goes on").into())
+                Err(format!("{what}; the same command with --resume continues").into())
             }
             stopped => Err(stopped.into()),
         }

@@ -34,7 +34,7 @@ impl FromStr for RowsOf {
             _ => {
                 let text = excerpt(text);
                 Err(format!(
-                    "`{text}` is no range of rows; it goes from A to before B, as in 0..100, both \
+                    "`{text}` is not a range of rows; it goes from A to before B, as in 0..100, both \
                      whole numbers (./{text} is a file)"
                 ))
             }

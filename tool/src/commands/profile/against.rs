@@ -42,7 +42,7 @@ impl Earlier {
         let name = path.display();
         let text = fs::read(path).map_err(|error| format!("{name}: {error}"))?;
         serde_json::from_slice(&text).map_err(|error| {
-            format!("{name}: this is no profile as `geosweep profile --json` prints it: {error}")
+            format!("{name}: this is not a profile as `geosweep profile --json` prints it: {error}")
         })
     }
 }

@@ -14,7 +14,7 @@ use super::renderdoc::Capture;
 use super::subject::{Of, Solved, Subject};
 use crate::terminal::{progress, say};
 
-/// What to measure, and how often.
+/// The measurements to perform, and their number.
 pub struct Wanted<'a> {
     pub surface: &'a Surface,
     pub of: Of<'a>,

@@ -37,8 +37,8 @@ use subject::Of;
 pub struct Args {
     #[command(flatten)]
     sources: SourceArgs,
-    /// Not one map but those of a batch of neighbouring points, as the rows of a matrix are computed
-    /// on a Vulkan device: where they lie
+    /// Profile a batch of maps from neighbouring points, in place of one map, as for the rows of a matrix on
+    /// a Vulkan device. The value says where the maps are stored
     #[arg(long, value_parser = auto_or(BEST_PLACE, &PLACES))]
     #[arg(value_name = "WHERE", num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "auto", group = "sources", help_heading = "Sources")]
@@ -49,20 +49,20 @@ pub struct Args {
     #[command(flatten)]
     solver: SolverArgs,
 
-    /// Time so many maps, after some to warm up: drivers compile at the first dispatch. Medians and
-    /// ranges are those of the maps
+    /// Number of timed maps, after some warm-up maps: drivers compile at the first dispatch. Medians and
+    /// ranges are over these maps
     #[arg(long, value_name = "N", default_value_t = 5, help_heading = "Profile")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeat: u32,
-    /// What is timed by itself. Timestamps take time of their own: fewer disturb small maps less
+    /// Unit of work that gets its own time. Timestamps take time themselves: fewer disturb small maps less
     #[arg(long, value_name = "GRAIN", default_value = "auto")]
     #[arg(value_parser = auto_or(BEST_GRAIN, &GRAINS), help_heading = "Profile")]
     grain: Choice<Grain>,
-    /// Profile as on a device that lacks these
+    /// Profile as on a device without these
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     #[arg(value_parser = one_of(&CAPABILITIES), help_heading = "Profile")]
     without: Vec<Capability>,
-    /// Let RenderDoc, in whose presence the tool must have been started, capture one map
+    /// Capture one map with RenderDoc, which must have started the tool
     #[arg(long, help_heading = "Profile")]
     renderdoc: bool,
 
@@ -70,22 +70,22 @@ pub struct Args {
     /// chrome://tracing
     #[arg(long, value_name = "FILE.json", help_heading = "Reports")]
     trace: Option<PathBuf>,
-    /// Write the same passes as a table, a line for each
+    /// Write the same passes as a table, one line per pass
     #[arg(long, value_name = "FILE.csv", help_heading = "Reports")]
     csv: Option<PathBuf>,
-    /// Draw which texels each scan, or which tiles each round, has visited
+    /// Draw the texels that each scan has visited, or the tiles of each round
     #[arg(long, value_name = "FILE.png", help_heading = "Reports")]
     picture: Option<PathBuf>,
-    /// Compare with an earlier profile, as --json has printed it: what got slower, by how much, and
-    /// whether that is more than repeated runs differ among themselves
+    /// Compare with an earlier profile, as --json has printed it: what got slower, by how much, and whether
+    /// that is more than the noise between runs
     #[arg(long, value_name = "FILE.json", help_heading = "Reports")]
     against: Option<PathBuf>,
-    /// Print one JSON object: device, driver, rows, cols, maps (at once), schedule, wavefront, grain, iterations,
-    /// residual, converged, capabilities (true, or why not), ceilings (as from `geosweep devices`),
-    /// executables, runs, kinds and total. A kind of pass: name, count, dispatches, seconds (of each run), median_seconds,
-    /// median_pass_seconds, share, texels, skipped, bytes_read, bytes_written, triangles,
-    /// invocations, and its shares of the ceilings. Total: seconds of the passes, their share of the
-    /// command buffers' time, and seconds on the host's clock, with and without profiling
+    /// Print one JSON object: device, driver, rows, cols, maps (at once), schedule, wavefront, grain,
+    /// iterations, residual, converged, capabilities (true, or why one is missing), ceilings (as from
+    /// `geosweep devices`), executables, runs, kinds and total. A kind of pass: name, count, dispatches,
+    /// seconds (of each run), median_seconds, median_pass_seconds, share, texels, skipped, bytes_read,
+    /// bytes_written, triangles, invocations, and its shares of the ceilings. Total: seconds of the passes,
+    /// their share of the command buffers' time, and seconds on the host's clock, with and without profiling
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -94,14 +94,14 @@ const CAPABILITIES: [(Capability, &str); 5] = [
     (Capability::Timestamps, "Time on the device"),
     (Capability::Statistics, "Counted invocations"),
     (Capability::Executables, "Registers and spills of pipelines"),
-    (Capability::Calibration, "The device's clock beside the host's"),
+    (Capability::Calibration, "The device's and the host's clock together"),
     (Capability::Labels, "Labels and names for tools"),
 ];
 
-const BEST_PLACE: &str = "In shared memory where they fit";
+const BEST_PLACE: &str = "In shared memory if they fit";
 const PLACES: [(PairwiseSchedule, &str); 2] = [
-    (PairwiseSchedule::SharedMemory, "Each in the shared memory of a workgroup"),
-    (PairwiseSchedule::Images, "All in the layers of images"),
+    (PairwiseSchedule::SharedMemory, "Each map in the shared memory of a workgroup"),
+    (PairwiseSchedule::Images, "All maps in the layers of images"),
 ];
 
 const BEST_GRAIN: &str = "Each scan, or something coarser if timestamps would add more than 2.5 % to a \
@@ -116,7 +116,7 @@ const GRAINS: [(Grain, &str); 4] = [
 fn examples() -> String {
     format!(
         "\
-docs/profiling.md tells how to read the table.
+docs/profiling.md explains the table.
 
 {}
 

@@ -38,7 +38,7 @@ struct Batch {
     rows: Vec<f32>,
 }
 
-/// How the subject was computed.
+/// The method by which the subject was computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solved {
     Map(Schedule),

@@ -150,10 +150,11 @@ fn microseconds(nanoseconds: i64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Whether a reader takes a number for the next one above or below, or not.
+    /// A reader may replace a number by the next one above or below, or keep it. Cut off, each must give the
+    /// same nanosecond.
     #[test]
     fn nanoseconds_survive_being_cut_off() {
-        // The nearest number to 1.001 falls short.
+        // The floating-point number nearest to 1.001 is smaller than 1.001.
         assert_eq!((1e3 * 1.001) as i64, 1000);
         const HOURS: i64 = 7_200_000_000_000;
         for nanoseconds in (0..5000).chain((0..5000).map(|k| HOURS - 987_654_321 * k)) {

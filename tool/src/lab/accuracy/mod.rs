@@ -26,7 +26,7 @@ use report::Report;
 #[derive(clap::Args)]
 #[command(after_help = examples())]
 pub struct Args {
-    /// Points a side
+    /// Points per side
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = lists::size)]
     #[arg(default_values_t = [33, 65, 129, 257, 513, 1025])]
     sizes: Vec<usize>,
@@ -36,28 +36,28 @@ pub struct Args {
     /// Wavefronts (default: those that suit the surface: anchored over floor plans only)
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     wavefronts: Vec<Wavefront>,
-    /// What computes the maps
+    /// Engine that computes the maps
     #[arg(long, default_value = "cpu", value_parser = one_of(&ENGINES))]
     engine: Engine,
-    /// In which precision: double leaves the method's own errors
+    /// Precision of the maps: double shows the method's own errors
     #[arg(long, value_enum, default_value_t)]
     precision: Precision,
-    /// Where to write the report, as Markdown (default: standard output, unless --json)
+    /// Output file for the report, as Markdown (default: standard output, unless --json)
     #[arg(short, long, value_name = "REPORT.md")]
     output: Option<PathBuf>,
-    /// A folder for two plots: accuracy-size.png and accuracy-time.png
+    /// Folder for two plots: accuracy-size.png and accuracy-time.png
     #[arg(long, value_name = "FOLDER")]
     plots: Option<PathBuf>,
-    /// A table of what other solvers achieve, for plots and report: surface, size (points a
-    /// side), solver, seconds, mean_error (relative)
+    /// Table with the results of other solvers, for plots and report: surface, size (points per side),
+    /// solver, seconds, mean_error (relative)
     #[arg(long, value_name = "FILE.csv")]
     peers: Option<PathBuf>,
-    /// What the report says about the machine that the times come from
+    /// Machine on which the times were measured, for the report
     #[arg(long, value_name = "TEXT")]
     machine: Option<String>,
-    /// Print one JSON object (docs/json.md) with maps, an array with an object for each: surface,
-    /// wavefront, side (points a side), mean_relative_error, rms_relative_error, max_relative_error,
-    /// order, iterations, solve_seconds
+    /// Print one JSON object (docs/json.md) with maps, an array with an object for each: surface, wavefront,
+    /// side (points per side), mean_relative_error, rms_relative_error, max_relative_error, order,
+    /// iterations, solve_seconds
     #[arg(long)]
     json: bool,
 }
@@ -65,11 +65,11 @@ pub struct Args {
 fn examples() -> String {
     format!(
         "\
-Errors are relative to the exact distance, over all points but the source, which lies
-near row 0.31, column 0.41 of the grid (in the maze, at the corner where its corridor
-begins). The order is that of the mean error, from the size before: the base-2 logarithm
-of the ratio of the errors over that of the ratio of the spacings. Times are those of
-the solve alone, the shortest of a few.
+Errors are relative to the exact distance, over all points but the source. The source lies
+near row 0.31, column 0.41 of the grid, as fractions of its size; in the maze, it lies at
+the corner where the corridor begins. The order is that of the mean error from the
+previous size: the logarithm of the ratio of the errors over the logarithm of the ratio of
+the spacings. Times are the shortest of a few runs, without the set-up.
 
 Surfaces: {}.
 Wavefronts: {}.

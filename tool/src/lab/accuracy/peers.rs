@@ -60,7 +60,7 @@ fn peer(row: Row) -> Result<Option<Peer>, String> {
     let (Some(seconds), Some(mean)) = (seconds, mean_error) else { return Ok(None) };
     for number in [seconds, mean] {
         if !(number > 0.0 && number.is_finite()) {
-            return Err(format!("`{}` is no positive number", exact(number)));
+            return Err(format!("`{}` is not a positive number", exact(number)));
         }
     }
     let solver = match solver.strip_prefix("geosweep cpu, ") {

@@ -88,7 +88,7 @@ fn look(solver: &str) -> (Color, Line) {
     }
 }
 
-/// How a series of measurements is drawn.
+/// The look of a series of measurements.
 struct Curve {
     line: Line,
     /// Whether the name of the wavefront is written at the end of the line.

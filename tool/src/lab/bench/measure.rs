@@ -42,7 +42,7 @@ impl Method {
     }
 }
 
-/// What to measure.
+/// The measurements to perform.
 pub struct Plan {
     pub surfaces: Vec<BenchSurface>,
     /// The sizes in ascending order.
@@ -207,7 +207,7 @@ impl Bench<'_> {
             let size = size.map_or(String::new(), |side| format!(" of {side} x {side} points"));
             say(
                 "note",
-                format_args!("{name}{size} is left out: the time is used up, see --budget"),
+                format_args!("{name}{size} is left out: there is no time left, see --budget"),
             );
             self.bar.inc(rounds as u64);
             return Ok(());

@@ -26,13 +26,12 @@ pub use surface::BenchSurface;
 #[derive(clap::Args)]
 #[command(after_help = examples())]
 pub struct Args {
-    /// Points a side (default: those of the paper's table 2, 150 to 1200, and 2048 and 4096 where
-    /// memory allows; with --quick 150 and 400)
+    /// Points per side (default: the sizes of the paper's table 2, 150 to 1200, and 2048 and 4096 if memory
+    /// allows; with --quick 150 and 400)
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = lists::size)]
     sizes: Vec<usize>,
-    /// Built-in surfaces, terrain, or files of surfaces, each at its own size, heights with
-    /// their file's spacing or 1 (default: plane, sphere, peaks, maze, terrain; with --quick
-    /// sphere and maze)
+    /// Built-in surfaces, terrain, or files of surfaces. A file has its own size, and heights have their
+    /// file's spacing or 1 (default: plane, sphere, peaks, maze, terrain; with --quick sphere and maze)
     #[arg(long, value_name = "NAME|FILE,...", value_delimiter = ',')]
     #[arg(value_parser = BenchSurface::parse)]
     surfaces: Vec<BenchSurface>,
@@ -47,39 +46,39 @@ pub struct Args {
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     #[arg(value_parser = one_of(&Schedule::ALL.map(|schedule| (schedule, ""))))]
     schedules: Vec<Schedule>,
-    /// The Vulkan device: its index in `geosweep devices`, or a part of its name
+    /// Vulkan device: its index in `geosweep devices`, or a part of its name
     #[arg(long, value_name = "NAME|INDEX")]
     device: Option<DeviceChoice>,
-    /// The Vulkan device's portions in place of those for its kind: invocations and lines of a block of a scan,
-    /// points on a side of a tile and iterations inside it, and iterations or rounds in a submission;
-    /// `geosweep tune` finds out which are best
+    /// Portions of the Vulkan device, in place of those for its kind: invocations and lines of a block of a
+    /// scan, points per side of a tile, iterations inside a tile, and iterations or rounds per submission;
+    /// `geosweep tune` finds the best
     #[arg(long, value_name = "WIDTH,LINES,TILE,INNER[,TOGETHER]", value_parser = tuning)]
     tuning: Option<Tuning>,
-    /// Stop a map that takes more than this, and leave its engine or schedule out at this size and
-    /// larger ones (default: 3; with --quick 0.3)
+    /// Stop a map that takes more than this, and leave out its engine or schedule at this size and larger
+    /// ones (default: 3; with --quick 0.3)
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     limit: Option<f64>,
-    /// Leave out what has not begun after so long, smaller sizes first, and say so
+    /// Start no map after this time, and report what is left out. Smaller sizes come first
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     budget: Option<f64>,
-    /// Fewer sizes, surfaces and runs, and a lower limit: some ten seconds
+    /// Fewer sizes, surfaces and runs, and a lower limit: takes about ten seconds
     #[arg(long)]
     quick: bool,
-    /// Where to write the tables, as Markdown (default: standard output, unless --json)
+    /// Output file for the tables, as Markdown (default: standard output, unless --json)
     #[arg(short, long, value_name = "REPORT.md")]
     output: Option<PathBuf>,
     /// Draw time against points
     #[arg(long, value_name = "FILE.png")]
     plot: Option<PathBuf>,
-    /// What the report says about the machine
+    /// Machine on which the times were measured, for the report
     #[arg(long, value_name = "TEXT")]
     machine: Option<String>,
-    /// Print one JSON object (docs/json.md): cpu and device (their ceilings, as from `geosweep devices`), maps
-    /// and growth. A map: surface, rows, cols, points, wavefront, engine, schedule,
-    /// set_up_seconds, median_seconds, best_seconds, runs, iterations, converged,
-    /// points_per_second, bytes (held), work (bytes moved, triangles, dispatches,
-    /// skipped_dispatches, submissions) and shares (of the time: data, arithmetic, dispatches).
-    /// Growth: the exponent for each surface, wavefront, engine and schedule
+    /// Print one JSON object (docs/json.md): cpu and device (their ceilings, as from `geosweep devices`),
+    /// maps and growth. A map: surface, rows, cols, points, wavefront, engine, schedule, set_up_seconds,
+    /// median_seconds, best_seconds, runs, iterations, converged, points_per_second, bytes (of the solver's
+    /// memory), work (bytes moved, triangles, dispatches, skipped_dispatches, submissions) and shares (of the
+    /// time: data, arithmetic, dispatches). Growth: the exponent for each surface, wavefront, engine and
+    /// schedule
     #[arg(long)]
     json: bool,
 }
@@ -87,15 +86,15 @@ pub struct Args {
 fn examples() -> String {
     format!(
         "\
-Times are those of converged maps of a surface that is ready to be solved on: the median
-and the best of 3 to 20 runs after one to warm up. Set-up is what comes before: edge
-lengths and room for the solver, or the upload. Iterations are of four scans, of two
-updates of all points, or rounds of tiles.
+Times are those of converged maps after the set-up of the surface: the median and the best
+of 3 to 20 runs after a warm-up run. The set-up computes edge lengths and allocates the
+solver's memory, or uploads the surface. An iteration is four scans, two updates of all
+points, or a round of tiles.
 
-The last three columns say what bounds a map. Each is the share of the time that a part of
-its work would take on its own at the ceiling of the machine, which is measured first:
-moving the data, computing the updates, and empty dispatches. None can be much above
-100 %, and the largest is what to look at; see docs/speed.md.
+The last three columns show what bounds a map: moving the data, computing the updates, or
+empty dispatches. Each is the share of the time that this part would take alone at the
+machine's peak rate, which is measured first. None can be much above 100 %, and the
+largest is the bound; see docs/speed.md.
 
 Surfaces: {}.
 Wavefronts: {}.
@@ -122,7 +121,7 @@ const TABLE_2: [usize; 9] = [150, 200, 400, 600, 800, 1000, 1200, 2048, 4096];
 pub fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(seconds) if (0.0..=1e6).contains(&seconds) => Ok(seconds),
-        _ => Err("a limit is a number of seconds from 0 on".into()),
+        _ => Err("a limit is a number of seconds of at least 0".into()),
     }
 }
 
@@ -133,7 +132,7 @@ fn tuning(text: &str) -> Result<Tuning, String> {
             let together = together.first().copied();
             Ok(Tuning { scan_width, scan_lines, tile, inner, together, visits: None })
         }
-        _ => Err("four numbers are wanted, or five, such as 128,8,16,4".into()),
+        _ => Err("portions are four or five numbers, such as 128,8,16,4".into()),
     }
 }
 

@@ -21,7 +21,7 @@ use crate::terminal::{List, Outcome, print_json, progress};
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Where to write the picture
+    /// Output file for the picture
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
     /// Columns of each grid; the face has a quarter more rows
@@ -34,11 +34,12 @@ pub struct Args {
 }
 
 const EXAMPLES: &str = "\
-Above, a face and three surfaces that are bendings of one another without stretching:
-a helicoid, a catenoid and one between. Below, their canonical forms by least-squares
-scaling of all geodesic distances, turned for the least squared distance. Those of
-the bendings are the same but for the errors of the distances. Under each, how far
-it is from the first one's, over its size (root mean squares).
+Above are a face and three surfaces that bend into one another without stretching: a
+helicoid, a catenoid and one between them. Below are their canonical forms by
+least-squares scaling of all geodesic distances, rotated for the smallest squared
+difference. Apart from the errors of the distances, the three bendings have the same
+form. The number under each is its distance from the form of the first, as a fraction
+of its size (root mean squares).
 
 Examples:
   geosweep figure canonical -o canonical.png
@@ -52,7 +53,7 @@ const BENDINGS: [(f64, &str); 3] = [(0.0, "helicoid"), (45.0, "between both"), (
 fn columns(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(size @ 9..=110) => Ok(size),
-        _ => Err(format!("`{}` is no number of columns from 9 to 110", excerpt(text))),
+        _ => Err(format!("`{}` is not a number of columns from 9 to 110", excerpt(text))),
     }
 }
 

@@ -20,14 +20,14 @@ use crate::picture::plot::{Axis, COLORS, Color, Line, Plot, Series, Sheet, Slope
 use crate::precision::Precision;
 use crate::terminal::{List, Outcome, print_json, progress};
 
-/// The arguments of `geosweep figure convergence`.
+/// Output file for the picture
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Where to write the picture
+    /// Output file for the picture
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
-    /// Points a side
+    /// Points per side
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = lists::size)]
     #[arg(default_values_t = [17, 33, 65, 129, 257, 513, 1025])]
     sizes: Vec<usize>,
@@ -41,10 +41,11 @@ pub struct Args {
 }
 
 const EXAMPLES: &str = "\
-The mean relative error against the number of points a side. On the left, as in the
-paper, one iteration of directed raster scans with the planar wavefront: from a bare
-point, and from exact values in a disc of radius 0.15 around it. Beside it the other
-wavefronts from a bare point, converged. All on the CPU, in single precision.
+The mean relative error against the number of points per side. The plot on the left has
+one iteration of directed raster scans with the planar wavefront, as in the paper: from
+a point, and from exact values in a disc of radius 0.15 around it. The other plots have
+converged maps from a point with the other wavefronts. All maps are computed on the CPU
+in single precision.
 
 Examples:
   geosweep figure convergence -o convergence.png --csv convergence.csv

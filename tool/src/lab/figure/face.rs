@@ -18,16 +18,16 @@ use crate::terminal::{Outcome, progress};
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Where to write the picture
+    /// Output file for the picture
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
 }
 
 const EXAMPLES: &str = "\
-On the built-in face of 21,769 points, in millimetres: contours of the distance from
+The built-in face of 21,769 points, in millimetres, with contours of the distance from
 the tip of the nose, shortest paths back to it, the Voronoi diagram of 20 points, and
-offset curves of two curves that are not connected. On the CPU, with the curved
-wavefront.
+offset curves of two curves that are not connected. All are computed on the CPU with
+the curved wavefront.
 
 Example:
   geosweep figure face -o face.png";

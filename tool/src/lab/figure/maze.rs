@@ -19,10 +19,10 @@ use crate::terminal::{List, Outcome, print_json};
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Where to write the picture
+    /// Output file for the picture
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
-    /// Points a side
+    /// Points per side
     #[arg(long, value_name = "N", default_value_t = 201, value_parser = lists::size)]
     size: usize,
     /// Print one JSON object (docs/json.md) with stages, an array with an object per panel: iterations,
@@ -33,9 +33,10 @@ pub struct Args {
 
 const EXAMPLES: &str = "\
 The distance from the outer end of the corridor of the built-in maze after one, two
-and three iterations and, if these are not enough, as many as are. An iteration is
-the four rotated scans (down, up, right, left) that a GPU does, here on the CPU, with
-the point-source wavefront. Walls are light grey, what is not reached yet is hatched.
+and three iterations and, if the map has not converged by then, at convergence. An
+iteration is the four rotated scans (down, up, right, left) of a GPU, computed here on
+the CPU with the point-source wavefront. Walls are light grey. Points that are not
+reached yet are hatched.
 
 Examples:
   geosweep figure maze -o maze.png

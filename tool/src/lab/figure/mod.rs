@@ -38,11 +38,11 @@ Examples:
 
 #[derive(Subcommand)]
 enum Figure {
-    /// All figures and both tables, each as below without options
+    /// All figures and both tables, each with its default options
     All(AllArgs),
     /// Figures 1 and 2: a grid on a surface, and the update of a point from a triangle
     Update(update::Args),
-    /// Figures 3 and 4: what a point is updated from in each scan, and in which order
+    /// Figures 3 and 4: the triangles from which each scan updates a point, and the order of updates
     Scans(scans::Args),
     /// Figure 8: surfaces, bendings of one, and their canonical forms
     Canonical(canonical::Args),
@@ -63,11 +63,11 @@ enum Figure {
 /// The arguments of `geosweep figure all`.
 #[derive(clap::Args)]
 struct AllArgs {
-    /// The folder for update.png, scans.png, convergence.png, maze.png, face.png, canonical.png,
-    /// table-1.md and table-2.md
+    /// Folder for update.png, scans.png, convergence.png, maze.png, face.png, canonical.png, table-1.md and
+    /// table-2.md
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
-    /// What the tables say about the machine that their times come from
+    /// Machine on which the times were measured, for the tables
     #[arg(long, value_name = "TEXT")]
     machine: Option<String>,
 }

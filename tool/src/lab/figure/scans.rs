@@ -11,16 +11,15 @@ use crate::terminal::Outcome;
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Where to write the picture
+    /// Output file for the picture
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
 }
 
 const EXAMPLES: &str = "\
-Above, the two triangles from which a point is updated in each directed raster scan
-and in each scan turned by 45 degrees, with the order of the scan. Below, which
-updates wait for which, in one scan of each kind; those with one number are done at
-once.
+Above are the two triangles from which each directed raster scan, and each scan turned
+by 45 degrees, updates a point, with the order of the scan. Below is the order of
+updates in one scan of each kind. Updates with the same number run at the same time.
 
 Example:
   geosweep figure scans -o scans.png";

@@ -21,20 +21,20 @@ use crate::terminal::{List, Outcome, progress};
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Where to write the table, as Markdown (default: standard output, unless --json)
+    /// Output file for the table, as Markdown (default: standard output, unless --json)
     #[arg(short, long, value_name = "TABLE.md")]
     output: Option<PathBuf>,
-    /// Points a side (default: those of the paper)
+    /// Points per side (default: those of the paper)
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = side)]
     #[arg(default_values_t = PAPER.sides())]
     sizes: Vec<usize>,
     /// The built-in surface
     #[arg(long, value_name = "NAME", default_value = "sphere", value_parser = Builtin::parse)]
     surface: Builtin,
-    /// Runs of each method, of which the median counts
+    /// Runs of each method, whose median counts
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = runs)]
     runs: usize,
-    /// What the table says about the machine that the times come from
+    /// Machine on which the times were measured, for the table
     #[arg(long, value_name = "TEXT")]
     machine: Option<String>,
     /// Print one JSON object (docs/json.md) with sizes, an array with an object per size: vertices, distances, planar_seconds,
@@ -45,10 +45,11 @@ pub struct Args {
 }
 
 const EXAMPLES: &str = "\
-All distances between the points of a square grid: one iteration of raster scans with
-the planar wavefront, sixteen maps in the lanes of one instruction stream; for
-comparison our fast marching, a map for each thread, with the same wavefront; and the
-point-source wavefront until it has converged. Memory is there before the clock starts.
+All distances between the points of a square grid, by three methods: one iteration of
+raster scans with the planar wavefront, sixteen maps in the lanes of one instruction
+stream; this library's fast marching with the same wavefront, one map per thread; and
+converged raster scans with the point-source wavefront. Memory is allocated before the
+clock starts.
 
 Examples:
   geosweep figure table-1
@@ -67,14 +68,14 @@ const PAPER: Paper<6, 2> = Paper([
 fn side(text: &str) -> Result<usize, String> {
     match text.trim().parse() {
         Ok(side @ 4..=128) => Ok(side),
-        _ => Err(format!("`{}` is no number of points a side from 4 to 128", excerpt(text))),
+        _ => Err(format!("`{}` is not a number of points per side from 4 to 128", excerpt(text))),
     }
 }
 
 fn runs(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(runs @ 1..=1000) => Ok(runs),
-        _ => Err(format!("`{}` is no number of runs from 1 to 1000", excerpt(text))),
+        _ => Err(format!("`{}` is not a number of runs from 1 to 1000", excerpt(text))),
     }
 }
 

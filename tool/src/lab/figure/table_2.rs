@@ -19,21 +19,21 @@ use crate::terminal::{List, Outcome, say};
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Where to write the table, as Markdown (default: standard output, unless --json)
+    /// Output file for the table, as Markdown (default: standard output, unless --json)
     #[arg(short, long, value_name = "TABLE.md")]
     output: Option<PathBuf>,
-    /// Points a side (default: those of the paper)
+    /// Points per side (default: those of the paper)
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = lists::size)]
     #[arg(default_values_t = PAPER.sides())]
     sizes: Vec<usize>,
-    /// The surface: built-in, terrain or a file, as for `geosweep bench`
+    /// Surface: built-in, terrain or a file, as for `geosweep bench`
     #[arg(long, value_name = "NAME", default_value = "sphere", value_parser = BenchSurface::parse)]
     surface: BenchSurface,
-    /// The Vulkan device: its index in `geosweep devices`, or a part of its name (default: the
-    /// first usable one; without any, the table has the CPU alone)
+    /// Vulkan device: its index in `geosweep devices`, or a part of its name (default: the first usable one;
+    /// without any, the table has only the CPU)
     #[arg(long, value_name = "NAME|INDEX")]
     device: Option<DeviceChoice>,
-    /// What the table says about the machine that the times come from
+    /// Machine on which the times were measured, for the table
     #[arg(long, value_name = "TEXT")]
     machine: Option<String>,
     /// Print one JSON object (docs/json.md) with sizes, an array with an object per size and engine: engine, rows, cols, points,
@@ -45,8 +45,8 @@ pub struct Args {
 
 const EXAMPLES: &str = "\
 Single maps from a point: one iteration of raster scans with the planar wavefront, as
-in the paper, and a converged map with the curved one, timed as `geosweep bench` does:
-the median of 3 to 20 runs after one to warm up, without the set-up of the surface.
+in the paper, and a converged map with the curved one. Times are taken as by `geosweep
+bench`: the median of 3 to 20 runs after a warm-up run, without the set-up of the surface.
 
 Examples:
   geosweep figure table-2

@@ -1,4 +1,4 @@
-//! Implements `geosweep figure update`: the subject of the paper's figures 1 and 2, in a drawing of our own.
+//! Implements `geosweep figure update`: the subject of the paper's figures 1 and 2, in a new drawing.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -11,16 +11,16 @@ use crate::terminal::Outcome;
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Where to write the picture
+    /// Output file for the picture
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
 }
 
 const EXAMPLES: &str = "\
-On the left a point of the grid with the two directions of its parameters and one of
-its triangles; in the middle the same on a surface, where directions have lengths
-and an angle. On the right the planar update: the straight front that reaches x₁
-and x₂ at t₁ and t₂ reaches x₀ at t₀.
+The left panel has a point of the grid with the two directions of its parameters and
+one of its triangles. The middle panel has the same on a surface, where the directions
+have lengths and an angle. The right panel has the planar update: the straight front
+that reaches x₁ and x₂ at t₁ and t₂ reaches x₀ at t₀.
 
 Example:
   geosweep figure update -o update.png";

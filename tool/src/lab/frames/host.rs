@@ -60,6 +60,8 @@ impl Host {
         }
     }
 
+    /// Opens the device with the index `index` of an instance.
+    ///
     /// # Safety
     /// `instance` was created from `entry`. On an error the caller must destroy it.
     unsafe fn of_instance(

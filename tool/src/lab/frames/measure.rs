@@ -13,7 +13,7 @@ use geosweep::{DeviceChoice, Stop, Wavefront};
 use super::host::{Buffer, Host, Times};
 use crate::terminal::{progress, say};
 
-/// What to measure.
+/// The measurements to perform.
 pub struct Plan {
     /// The sizes in ascending order.
     pub sizes: Vec<usize>,

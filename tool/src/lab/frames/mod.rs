@@ -23,7 +23,7 @@ use report::{Report, Summary};
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Points a side
+    /// Points per side
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = lists::size)]
     #[arg(default_values = ["64", "256", "1024"])]
     sizes: Vec<usize>,
@@ -35,37 +35,37 @@ pub struct Args {
     /// Wavefront
     #[arg(long, value_name = "NAME", default_value = "curved")]
     wavefront: Wavefront,
-    /// The Vulkan device: its index in `geosweep devices`, or a part of its name
+    /// Vulkan device: its index in `geosweep devices`, or a part of its name
     #[arg(long, value_name = "NAME|INDEX")]
     device: Option<DeviceChoice>,
-    /// Frames of each size and schedule, after three to warm up
+    /// Frames of each size and schedule, after three warm-up frames
     #[arg(long, value_name = "N", default_value_t = 60)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
-    /// Iterations of scans in a frame, at most; rounds of tiles are as many as the size allows
+    /// Largest number of iterations of scans in a frame. Rounds of tiles are as many as the size allows
     #[arg(long, value_name = "N", default_value_t = 8)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
     iterations: u32,
-    /// No further frames of a size and schedule after so long
+    /// Start no further frames of a size and schedule after this time
     #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
     limit: f64,
-    /// Where to write the table, as Markdown (default: standard output, unless --json)
+    /// Output file for the table, as Markdown (default: standard output, unless --json)
     #[arg(short, long, value_name = "REPORT.md")]
     output: Option<PathBuf>,
     /// Print one JSON object (docs/json.md): device and frames, an array of rows, cols, schedule, wavefront,
-    /// frames, converged (how many of them), iterations (median), device_seconds and host_seconds (median;
-    /// of the device null without timestamps), worst_seconds (on the host's clock), record_seconds (median)
-    /// and bytes (of the surface)
+    /// frames, converged (number of converged frames), iterations (median), device_seconds and host_seconds
+    /// (medians; device_seconds is null without timestamps), worst_seconds (on the host's clock),
+    /// record_seconds (median) and bytes (of the surface)
     #[arg(long)]
     json: bool,
 }
 
 const EXAMPLES: &str = "\
-A sheet moves from frame to frame; its vertices lie in the device's memory, eight phases
-of its motion. In each frame its edges are measured anew, the map is solved from a source
-that moves too, and its distances are left for a renderer to sample. Time on the device is
-that between two timestamps around all this; on the host from the submission until its
-fence is signalled.
+A sheet moves from frame to frame. The device's memory holds its vertices in eight phases
+of the motion. Each frame measures the edges, solves the map from a source that moves too,
+and leaves the distances for a renderer to sample. The time on the device is that between
+two timestamps around all of this. The time on the host is that from the submission until
+its fence is signalled.
 
 Examples:
   geosweep frames

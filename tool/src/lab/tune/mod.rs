@@ -22,7 +22,7 @@ use sweep::{Plan, sweep};
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Points a side (default: 64, 256, 1024; with --quick 64, 256)
+    /// Points per side (default: 64, 256, 1024; with --quick 64, 256)
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = lists::size)]
     sizes: Vec<usize>,
     /// Built-in surfaces, terrain, or files of surfaces, as `geosweep bench` takes them (default: sphere, maze)
@@ -32,36 +32,37 @@ pub struct Args {
     /// Wavefront
     #[arg(long, value_name = "NAME", default_value = "curved")]
     wavefront: Wavefront,
-    /// The Vulkan device: its index in `geosweep devices`, or a part of its name
+    /// Vulkan device: its index in `geosweep devices`, or a part of its name
     #[arg(long, value_name = "NAME|INDEX")]
     device: Option<DeviceChoice>,
-    /// Leave a map out that takes more than this with the device's own portions (default: 2; with --quick 0.5)
+    /// Leave out a map that takes more than this with the device's own portions (default: 2; with --quick
+    /// 0.5)
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     limit: Option<f64>,
-    /// Leave out what has not begun after so long, and say so (default: 300; with --quick 60)
+    /// Start no measurement after this time, and report what is left out (default: 300; with --quick 60)
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     budget: Option<f64>,
     /// Fewer sizes, values and runs
     #[arg(long)]
     quick: bool,
-    /// Where to write the tables, as Markdown (default: standard output, unless --json)
+    /// Output file for the tables, as Markdown (default: standard output, unless --json)
     #[arg(short, long, value_name = "REPORT.md")]
     output: Option<PathBuf>,
-    /// Print one JSON object (docs/json.md): device, wavefront, untuned and suggested (scan_width, scan_lines,
-    /// tile, inner, together), rows, schedules and left_out. A row: schedule, knob, value, ratio (of its times
-    /// to the untuned ones, geometric mean), refused (why the device has no room for it, or null) and maps:
-    /// surface, rows, cols, best_seconds, untuned_seconds, iterations, difference (from the untuned map, relative to its
-    /// largest distance)
+    /// Print one JSON object (docs/json.md): device, wavefront, untuned and suggested (scan_width,
+    /// scan_lines, tile, inner, together), rows, schedules and left_out. A row: schedule, knob, value, ratio
+    /// (of its times to the untuned ones, geometric mean), refused (why the device cannot use the value, or
+    /// null) and maps: surface, rows, cols, best_seconds, untuned_seconds, iterations, difference (from the
+    /// untuned map, relative to its largest distance)
     #[arg(long)]
     json: bool,
 }
 
 const EXAMPLES: &str = "\
-One number is changed at a time, the others stay as they are for the device's kind, and
-each map is timed in turn with the untuned one and compared with it. What is suggested is the best value
-of each, if it takes less than 0.97 of the time, and all of these together are timed once
-more. Times are the best of some runs by the host's clock. Exit status 1 if a map differs
-by more than 1e-5 of its largest distance.
+One number is changed at a time. The others stay as they are for the device's kind. Each
+map is timed in turn with the untuned one and compared with it. The best value of each
+number is suggested if it takes less than 0.97 of the time. All suggested values together
+are timed once more. Times are the best of several runs by the host's clock. The exit
+status is 1 if a map differs by more than 1e-5 of its largest distance.
 
 Examples:
   geosweep tune --quick

@@ -12,7 +12,7 @@ use super::suggest::suggested;
 use crate::lab::bench::BenchSurface;
 use crate::terminal::{progress, say};
 
-/// What to measure.
+/// The measurements to perform.
 pub struct Plan {
     pub surfaces: Vec<BenchSurface>,
     /// The sizes in ascending order.

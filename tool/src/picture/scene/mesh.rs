@@ -121,7 +121,7 @@ mod tests {
                 0.5 * (b - a).cross(c - a).z
             })
             .sum();
-        // All with the same orientation.
+        // All triangles have the same orientation.
         assert_eq!(area.abs(), 12.0 - 2.0);
     }
 }

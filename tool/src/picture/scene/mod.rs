@@ -93,8 +93,7 @@ mod tests {
     const RED: Color = [1.0, 0.0, 0.0];
     const BLUE: Color = [0.0, 0.0, 1.0];
 
-    /// Level squares with the z axis towards the viewer, each with its middle, half side and
-    /// colour.
+    /// Returns level squares with the z axis towards the viewer, each with its middle, half side and colour.
     fn squares(squares: &[(DVec3, f64, Color)]) -> Mesh {
         let corners =
             [DVec2::new(-1.0, -1.0), DVec2::new(1.0, -1.0), DVec2::ONE, DVec2::new(-1.0, 1.0)];
@@ -126,10 +125,10 @@ mod tests {
             let (middle, side) = (pixel(&canvas, 25, 25), pixel(&canvas, 6, 25));
             assert!(middle[0] > middle[2] && side[2] > side[0], "{middle:?} {side:?}");
             assert_eq!(pixel(&canvas, 0, 0), WHITE);
-            // Across bands, and along the diagonal that two triangles share, no gap.
+            // There is no gap across bands, nor along the diagonal that two triangles share.
             let inside = (18..32).flat_map(|y| (18..32).map(move |x| (x, y)));
             for (x, y) in inside {
-                // Weights sum to one but for rounding.
+                // Weights sum to one, apart from rounding errors.
                 let difference = std::array::from_fn(|k| pixel(&canvas, x, y)[k] - middle[k]);
                 assert!(Vec3::from(difference).length() < 1e-5, "{x} {y}");
             }
@@ -145,7 +144,7 @@ mod tests {
         let (seen, hidden) = (pixel(&canvas, 12, 25), pixel(&canvas, 37, 25));
         assert_eq!(seen, RED);
         assert!(hidden[2] > hidden[0], "{hidden:?}");
-        // As wide as asked: two pixels on each side of the line between the middle rows.
+        // The line has the requested width: two pixels on each side of the line between the middle rows.
         let width =
             (0..50).filter(|&y| pixel(&canvas, 12, y)[0] > 0.9 && pixel(&canvas, 12, y) != WHITE);
         assert_eq!(width.count(), 4);

@@ -77,7 +77,7 @@ mod tests {
         };
         let ((left, right), (top, bottom)) = (range(|p| p.x), range(|p| p.y));
         assert!(left > 0.0 && right < 299.0 && top > 0.0 && bottom < 199.0);
-        // One of both pairs of sides is reached but for the margin.
+        // The points reach one of the two pairs of sides, up to the margin.
         let free = ((right - left) / 300.0).max((bottom - top) / 200.0);
         approx::assert_abs_diff_eq!(free, 0.92, epsilon = 1e-4);
     }
