@@ -37,7 +37,7 @@ pub struct GeosweepAccess {
 pub struct GeosweepReader {
     /// Stages and accesses of the reader.
     pub access: GeosweepAccess,
-    /// Layout in which the recording leaves the image.
+    /// Layout in which the recording leaves the image. It is not `VK_IMAGE_LAYOUT_UNDEFINED`.
     pub layout: vk::ImageLayout,
 }
 
@@ -77,9 +77,9 @@ pub struct GeosweepSources {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepFrame {
-    /// Access that has written points and sources since the previous frame. The recording always waits for
-    /// writes by compute shaders and copies. Writes through mapped memory before the submission need no
-    /// barrier.
+    /// Access that has written points and sources since the previous frame, or has used the memory of your own
+    /// images of distances. The recording always waits for writes by compute shaders and copies. Writes
+    /// through mapped memory before the submission need no barrier.
     pub before: GeosweepAccess,
     /// Number of the surface's points that are measured, or `GEOSWEEP_POINTS_UNCHANGED`.
     pub points: u32,

@@ -327,7 +327,8 @@ pub unsafe extern "C" fn geosweep_surface_set_sources(
 }
 
 /// Replaces your own image for the distances of a slot. The surface must have been created with your images.
-/// Later recordings write the new image, and frames in flight continue to write the old one.
+/// Later recordings write the new image, and frames in flight continue to write the old one. Replace an
+/// image at most once for each recording of its slot.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_set_result(
     surface: *mut GeosweepSurface,

@@ -48,15 +48,16 @@ pub struct GeosweepLookup {
 
 /// Your own image for the distances of a slot, in place of one that the surface allocates. A render graph may
 /// use its memory for other resources between frames. The image is 2D with `VK_FORMAT_R32_SFLOAT` and at
-/// least cols x rows texels; its usage contains `VK_IMAGE_USAGE_STORAGE_BIT` and what its readers need. Its
-/// old content is discarded, whatever its layout. `GeosweepFrame::before`, or a barrier of yours, must wait
-/// for earlier uses of the memory.
+/// least cols x rows texels and one array layer; its usage contains `VK_IMAGE_USAGE_STORAGE_BIT` and what its
+/// readers need. Its old content is discarded, whatever its layout. `GeosweepFrame::before`, or a barrier of
+/// yours, must wait for earlier uses of the memory. Slots may share an image, and so may surfaces that are
+/// recorded one after another.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepHostImage {
     /// The image.
     pub image: vk::Image,
-    /// A view of the image.
+    /// A 2D view of the image's first mip level.
     pub view: vk::ImageView,
 }
 
