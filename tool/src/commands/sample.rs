@@ -71,7 +71,7 @@ Examples:
 
 pub fn run(args: &Args) -> Outcome {
     if args.count == 0 {
-        return Err("--count is 0; give 1 or more".into());
+        return Err("0 samples are requested; give --count 1 or more".into());
     }
     let files = CurveFiles::new(&args.output)?;
     let labels = labels_output(args.labels.as_ref())?;
