@@ -26,6 +26,7 @@ mod merge;
 mod pairwise;
 mod panel;
 mod point_fronts;
+mod prepared;
 mod progress;
 mod raster_scan;
 mod rotated_scan;
@@ -43,6 +44,8 @@ mod transpose;
 mod transposed;
 #[cfg(any(test, feature = "twins"))]
 pub mod twins;
+mod typical_edge;
+mod window;
 
 pub use crate::lanes::Instructions;
 pub use ceilings::Ceilings;

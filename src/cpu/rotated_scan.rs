@@ -62,7 +62,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scans<R> for Scanner<'a, R, K> {
     }
 
     fn set_instructions(&mut self, instructions: Instructions) {
-        self.instructions = instructions;
+        self.on.instructions = instructions;
     }
 
     fn times(&self) -> &[R] {
