@@ -131,7 +131,8 @@ impl<'a, K: TriangleKind<'a, f32>> WarmLine<'a, K> {
             carried: &mut self.carried,
             ground: &self.ground,
             edges: self.edges.planes(),
-            place: LinesInGrid { edges: self.edges, first: 0, beyond: None },
+            surface: (chart.stride(), 0),
+            place: LinesInGrid { edges: self.edges, first: 0, before: 0, beyond: None },
         };
         let how = How { scan, renews: true, instructions: Instructions::best() };
         let updated = self.kind.update(&mut lines, 2, &(0..POINTS), how, &mut self.changed);

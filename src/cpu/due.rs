@@ -19,39 +19,45 @@ use super::tiles::{TILE, Tiles};
 use crate::lanes::Loop;
 use crate::surface::{Direction, Real};
 
-/// Finds the tiles in which two scans have work. Returns the number of examined points. Points examined for
-/// both scans count twice.
+/// Finds the tiles in which up to four scans have work that start from the same fronts. Returns the number of examined
+/// points. Points examined for two scans count twice. Rows of tiles are examined in parallel if the tiles are
+/// those of the whole grid.
 pub(super) fn find_due<'a, R: Real, K: FrontKind<'a, R>>(
     kind: &K,
     before: Before<R, K::Carried, K::Ground>,
     tiles: &mut Tiles,
-    scans: [How; 2],
+    scans: &[How],
 ) -> u64 {
-    let (chart, tiling) = (before.edges.chart(), tiles.tiling());
-    let stride = chart.offset(Direction::South);
-    let seen = scans.map(|how| (how, Behind::of(chart, how.scan)));
+    let (chart, window, place) = (before.edges.chart(), before.fronts.window, tiles.place());
+    let strides = [window.own(), chart].map(|chart| chart.offset(Direction::South));
+    let seen: [Option<_>; 4] = std::array::from_fn(|scan| {
+        let how = *scans.get(scan)?;
+        Some((how, Behind::of(chart, how.scan), window.behind(how.scan)))
+    });
     let in_band = |(band, (beside, due)): (usize, (&[u8], &mut [u8]))| {
         let mut looked = 0;
-        for row in tiling.rows(band..band + 1) {
-            for &(how, ref behind) in &seen {
+        for row in place.rows(band..band + 1) {
+            for &(how, ref behind, in_window) in seen.iter().flatten() {
                 for run in runs(beside, how.scan) {
                     let due = &mut due[run.clone()];
-                    let cols = tiling.cols(run);
+                    let cols = place.cols(run);
                     looked += cols.len() as u64;
                     let first = chart.bordered(row, cols.start);
-                    let stretch = before.stretch(behind, first, cols.len());
+                    let behinds = (behind, in_window);
+                    let stretch = before.stretch(behinds, [row, cols.start], cols.len());
                     let before = &before;
                     let obtuse = before.edges.obtuse_triangles().filter(|_| K::NEEDS_EDGES);
                     let obtuse = obtuse.map(|bits| (&bits[first..][..cols.len()], behind.bits()));
                     let look =
-                        Look::<R, K> { kind, before, first, stretch, obtuse, stride, how, due };
+                        Look::<R, K> { kind, before, first, stretch, obtuse, strides, how, due };
                     how.instructions.run(look);
                 }
             }
         }
         looked
     };
-    tiles.rows_beside_changes(scans.map(|how| how.scan)).enumerate().map(in_band).sum()
+    let least = if place.chart() == chart { 1 } else { usize::MAX };
+    tiles.rows_beside_changes(scans).enumerate().with_min_len(least).map(in_band).sum()
 }
 
 /// Returns the runs of adjacent tiles that a scan has to examine in a row of tiles.
@@ -70,13 +76,13 @@ fn runs(beside: &[u8], scan: Scan) -> impl Iterator<Item = Range<usize>> {
 struct Look<'l, 'a, R: Real, K: FrontKind<'a, R>> {
     kind: &'l K,
     before: &'l Before<'l, R, K::Carried, K::Ground>,
-    /// The first point.
+    /// The first point, as an index into bordered arrays of the grid.
     first: usize,
     stretch: Stretch<'l, R, K::Carried, K::Ground>,
     /// The obtuse triangles of the points, if the surface has any, and the bits of those that the scan uses.
     obtuse: Option<(&'l [u8], u8)>,
-    /// Offset from a row to the next.
-    stride: isize,
+    /// Offsets from a row to the next, of the fronts and of the surface's data.
+    strides: [isize; 2],
     how: How,
     due: &'l mut [u8],
 }
@@ -86,10 +92,10 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Loop for Look<'_, 'a, R, K> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { kind, before, first, stretch, obtuse, stride, how, due } = self;
+        let Self { kind, before, first, stretch, obtuse, strides, how, due } = self;
         let points = stretch.times.len();
         for (tile, due) in due.iter_mut().enumerate() {
-            prefetch_next_row(&stretch, stride, tile * TILE, K::NEEDS_EDGES);
+            prefetch_next_row(&stretch, strides, tile * TILE, K::NEEDS_EDGES);
             if *due & how.scan.bit() != 0 {
                 continue;
             }
@@ -145,13 +151,15 @@ mod tests {
         }
         let carried = vec![carried.unwrap_or_default(); array.len()];
         let ground = kind.ground(chart);
-        let before = Before { edges, times: &array, carried: &carried, ground: &ground };
-        let mut tiles = Tiles::new(chart);
+        let window = Window::whole(chart);
+        let fronts = Fronts { window, times: &array, carried: &carried };
+        let before = Before { edges, fronts, far: None, ground: &ground };
+        let mut tiles = Tiles::new(window, &window.block());
         tiles.touch(MIDDLE[0], MIDDLE[1]);
         let mut found = Vec::new();
         for scans in [DOWN_UP, RIGHT_LEFT] {
             let how = |scan| How { scan, renews: true, instructions };
-            assert!(find_due(kind, before, &mut tiles, scans.map(how)) > 0);
+            assert!(find_due(kind, before, &mut tiles, &scans.map(how)) > 0);
             let quiet = vec![false; tiles.len()];
             for scan in scans {
                 let mut runs = Vec::new();

@@ -6,12 +6,14 @@ use std::ops::Range;
 use super::behind::Behind;
 use super::scan::Scan;
 use super::stretch::{Stretch, part};
+use super::window::Fronts;
 use crate::lanes::prefetch;
 use crate::surface::{EdgeLengths, Real};
 use crate::update::{Carried, Kept};
 
-/// Bordered arrays of lines while a scan updates them. Point p of line l has index l * `stride` + p + 1.
-/// Lines are counted from the first line, points from the first one inside the border.
+/// Bordered arrays of lines while a scan updates them; [`Self::at`] and [`Self::on_surface`] say where a point
+/// lies in them. Lines are counted from the first line of the arrays, points from the first one inside the
+/// grid's border.
 pub(super) struct GridLines<'a, R, C, G> {
     pub stride: usize,
     /// The neighbours behind a point, where lines are rows.
@@ -23,6 +25,8 @@ pub(super) struct GridLines<'a, R, C, G> {
     /// Lengths of the edges to the next point, to the point on the line before, and on that line to the next
     /// and to the previous point. Empty where edges are not needed.
     pub edges: [&'a [R]; 4],
+    /// Distance between lines of the surface's data, and the number of lines of them before the first line.
+    pub surface: (usize, usize),
     pub place: LinesInGrid<'a, R, C>,
 }
 
@@ -32,9 +36,23 @@ pub(super) struct LinesInGrid<'a, R, C> {
     pub edges: &'a EdgeLengths<R>,
     /// The row or column, counted from the border, of the first of these lines.
     pub first: usize,
-    /// For lines that are columns: the rows of them that are in these arrays, and the arrays of the whole
-    /// grid, which have the fronts at all other points.
-    pub beyond: Option<(Range<usize>, &'a [R], &'a [C])>,
+    /// Number of the grid's points before the first one of a line.
+    pub before: usize,
+    /// Where the fronts at other points are, unless these lines have all.
+    pub beyond: Option<Beyond<'a, R, C>>,
+}
+
+/// Fronts at points that are not in some lines.
+pub(super) struct Beyond<'a, R, C> {
+    /// The scan that passes the lines.
+    pub scan: Scan,
+    /// The entries of each line that are in the lines' arrays, and the lines, both counted from the border of
+    /// the grid.
+    pub points: Range<usize>,
+    pub lines: Range<usize>,
+    /// The fronts at other points: as the scan sees them, and those of the whole grid.
+    pub near: Option<Fronts<'a, R, C>>,
+    pub far: Option<Fronts<'a, R, C>>,
 }
 
 impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
@@ -46,25 +64,40 @@ impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
         scan: Scan,
     ) -> ScanLine<'_, R, C, G> {
         let count = points.len();
-        let first = line * self.stride + points.start + 1;
-        let here = first..first + count;
+        let behind = self.line_behind(line, scan);
         // From the point before the first to the one after the last.
-        let around = self.line_behind(line, scan) * self.stride + points.start;
-        let there = around..around + count + 2;
+        let around = |first: usize| first - 1..first + count + 1;
+        let (first, there) = (self.at(line, points.start), around(self.at(behind, points.start)));
+        let here = first..first + count;
+        let on_surface = self.on_surface(line, points.start);
+        let surface_there = around(self.on_surface(behind, points.start));
         let (times, times_behind) = here_and_there(self.times, here.clone(), there.clone());
         let (carried, carried_behind) = here_and_there(self.carried, here.clone(), there.clone());
-        let forward = scan.is_forward();
+        let next = [self.stride, self.surface.0].map(|stride| stride as isize);
         ScanLine {
             times,
             carried,
-            ground: &self.ground[here],
+            ground: &self.ground[on_surface..][..count],
             times_behind,
             carried_behind,
-            ground_behind: &self.ground[there],
-            edges: self.behind.edges().map(|slot| slot.row(self.edges, first, count)),
-            bases: self.behind.bases()[0].row(self.edges, first, count + 1),
-            next: if forward { self.stride as isize } else { -(self.stride as isize) },
+            ground_behind: &self.ground[surface_there],
+            edges: self.behind.edges().map(|slot| slot.row(self.edges, on_surface, count)),
+            bases: self.behind.bases()[0].row(self.edges, on_surface, count + 1),
+            next: if scan.is_forward() { next } else { next.map(|stride| -stride) },
         }
+    }
+
+    /// Returns the index of a point in the arrays of fronts.
+    #[inline(always)]
+    pub(super) fn at(&self, line: usize, point: usize) -> usize {
+        line * self.stride + point + 1 - self.place.before
+    }
+
+    /// Returns the index of a point in the arrays of the surface's data.
+    #[inline(always)]
+    pub(super) fn on_surface(&self, line: usize, point: usize) -> usize {
+        let (stride, before) = self.surface;
+        (line + before) * stride + point + 1
     }
 
     /// Returns the index in these arrays of a row or column of the grid.
@@ -78,17 +111,18 @@ impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
 
     /// Returns the front at a point of the grid.
     pub(super) fn front(&self, point: usize) -> Kept<R, C> {
-        let LinesInGrid { edges, first, beyond } = &self.place;
-        let Some((rows, times, carried)) = beyond else {
+        let LinesInGrid { edges, first, before, beyond } = &self.place;
+        let Some(Beyond { scan, points, lines, near, far }) = beyond else {
             return Kept { time: self.times[point], carried: self.carried[point] };
         };
-        let (row, col) = edges.chart().entry(point);
-        match col.checked_sub(*first).map(|line| line * self.stride + row) {
-            Some(place) if place < self.times.len() && rows.contains(&row) => {
-                Kept { time: self.times[place], carried: self.carried[place] }
-            }
-            _ => Kept { time: times[point], carried: carried[point] },
+        let entry = edges.chart().entry(point);
+        let (line, at) = scan.lines().place(entry.0, entry.1);
+        if lines.contains(&line) && points.contains(&at) {
+            let place = (line - first) * self.stride + at - before;
+            return Kept { time: self.times[place], carried: self.carried[place] };
         }
+        let found = [near, far].into_iter().flatten().find_map(|fronts| fronts.at(entry));
+        found.expect("a window has the fronts around it, and the grid has all")
     }
 
     /// Returns the row and column, counted from the border, of point `point` of a line.
@@ -124,8 +158,8 @@ pub(super) struct ScanLine<'a, R, C, G> {
     pub edges: [&'a [R]; 3],
     /// Lengths of the n + 1 edges between the points behind.
     pub bases: &'a [R],
-    /// Offset from a point to the line that is updated next.
-    pub next: isize,
+    /// Offsets from a point to the line that is updated next, of the fronts and of the surface's data.
+    pub next: [isize; 2],
 }
 
 impl<R: Real, C: Carried, G> ScanLine<'_, R, C, G> {
@@ -158,12 +192,12 @@ impl<R: Real, C: Carried, G> ScanLine<'_, R, C, G> {
     /// prefetcher stays within a page, and a line is about as long as a page.
     #[inline(always)]
     pub(super) fn prefetch_next(&self, start: usize) {
-        let place = self.next + start as isize;
+        let [place, on_surface] = self.next.map(|next| next + start as isize);
         prefetch(self.times, place);
-        self.edges.iter().for_each(|edges| prefetch(edges, place));
-        prefetch(self.bases, place);
+        self.edges.iter().for_each(|edges| prefetch(edges, on_surface));
+        prefetch(self.bases, on_surface);
         prefetch(self.carried, place);
-        prefetch(self.ground, place);
+        prefetch(self.ground, on_surface);
     }
 }
 

@@ -17,7 +17,7 @@ use crate::update::{Carried, Kept};
 pub(super) fn merge<'a, R: Real, K: FrontKind<'a, R>>(
     chart: Chart,
     tiles: &Tiles,
-    copies: [&mut ScanCopy<R, K::Carried, K::Ground>; 2],
+    copies: [&mut ScanCopy<R, K::Carried>; 2],
     scans: [Scan; 2],
     instructions: Instructions,
 ) {

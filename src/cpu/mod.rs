@@ -9,7 +9,8 @@
 //! [`RotatedScan`] updates a row from the row behind it, sixteen points at once with AVX-512
 //! (`line_update.rs`). Columns are updated as rows of a transposed panel of sixteen (`panel.rs`,
 //! `transposed.rs`). A scan visits only tiles beside which something has changed since it last passed
-//! (`tiles.rs`), and only if that change has an effect (`due.rs`).
+//! (`tiles.rs`), and only if that change has an effect (`due.rs`). Large grids are scanned patch by patch, as
+//! fronts come to them, by all threads (`patches/`).
 
 mod behind;
 mod ceilings;
@@ -23,9 +24,12 @@ mod fronts;
 mod line;
 mod line_update;
 mod merge;
+mod order;
 mod pairwise;
 mod panel;
+mod patches;
 mod point_fronts;
+mod prepared;
 mod progress;
 mod raster_scan;
 mod rotated_scan;
@@ -43,12 +47,16 @@ mod transpose;
 mod transposed;
 #[cfg(any(test, feature = "twins"))]
 pub mod twins;
+mod typical_edge;
+mod window;
 
 pub use crate::lanes::Instructions;
 pub use ceilings::Ceilings;
 pub use connections::Connections;
 pub use fast_marching::{fast_marching, fast_marching_with};
+pub use order::Order;
 pub use pairwise::PairwiseScan;
+pub use patches::PatchCounts;
 pub(crate) use progress::{Progress, bend_units};
 pub use raster_scan::raster_scan;
 pub use rotated_scan::{RotatedScan, rotated_scan};

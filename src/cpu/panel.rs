@@ -5,11 +5,12 @@ use std::ops::Range;
 
 use super::Instructions;
 use super::behind::Behind;
-use super::line::{GridLines, LinesInGrid};
+use super::line::{Beyond, GridLines, LinesInGrid};
 use super::scan::Scan;
 use super::tiles::TILE;
 use super::transpose::{Turned, transpose};
 use super::transposed::{ColumnsToLines, TransposedEdges};
+use super::window::{Fronts, Window};
 use crate::surface::{Block, Chart, EdgeLengths, Real};
 use crate::update::Carried;
 
@@ -72,7 +73,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
     pub(super) fn load(
         &mut self,
         grid: Grid<R, G>,
-        (times, carried): (&[R], &[C]),
+        Fronts { window, times, carried }: Fronts<R, C>,
         Block { rows, cols }: &Block,
         scan: Scan,
         instructions: Instructions,
@@ -81,10 +82,12 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         // Counted from the border, column c is 1 + c, and the column behind is before or after it.
         self.first = if scan.is_forward() { cols.start } else { cols.start + 1 };
         self.lines = cols.len() + 1;
-        let lines = ColumnsToLines { chart, first: self.first, count: self.lines, instructions };
+        let from =
+            |window| ColumnsToLines { window, first: self.first, count: self.lines, instructions };
+        let (fronts, lines) = (from(window), from(Window::whole(chart)));
         let around = rows.start..rows.end + 2;
-        lines.transpose(times, &mut self.times, 0, around.clone(), [0, 0]);
-        lines.transpose(carried, &mut self.carried, 0, around.clone(), [0, 0]);
+        fronts.transpose(times, &mut self.times, 0, around.clone(), [0, 0]);
+        fronts.transpose(carried, &mut self.carried, 0, around.clone(), [0, 0]);
         lines.transpose(grid.ground, &mut self.ground, 0, around, [0, 0]);
         if self.edges[0].is_empty() {
             return;
@@ -102,7 +105,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
     pub(super) fn lines<'a>(
         &'a mut self,
         grid: Grid<'a, R, G>,
-        (times, carried): (&'a [R], &'a [C]),
+        [near, far]: [Option<Fronts<'a, R, C>>; 2],
         rows: &Range<usize>,
         scan: Scan,
     ) -> GridLines<'a, R, C, G> {
@@ -121,10 +124,18 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
             carried: &mut self.carried[held],
             ground: &self.ground[held],
             edges: [next, up, up_next, up_previous],
+            surface: (self.stride, 0),
             place: LinesInGrid {
                 edges: grid.edges,
                 first: self.first,
-                beyond: Some((rows.start + 1..rows.end + 1, times, carried)),
+                before: 0,
+                beyond: Some(Beyond {
+                    scan,
+                    points: rows.start + 1..rows.end + 1,
+                    lines: self.first..self.first + self.lines,
+                    near,
+                    far,
+                }),
             },
         }
     }
@@ -133,15 +144,15 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
     pub(super) fn store(
         &self,
         (times, carried): (&mut [R], &mut [C]),
-        chart: Chart,
+        window: Window,
         Block { rows, cols }: Block,
         instructions: Instructions,
     ) {
         let block = Turned {
             from: (cols.start + 1 - self.first) * self.stride + rows.start + 1,
             from_stride: self.stride,
-            to: chart.bordered(rows.start, cols.start),
-            to_stride: chart.stride(),
+            to: window.index(rows.start, cols.start),
+            to_stride: window.own().stride(),
             rows: cols.len(),
             cols: rows.len(),
         };

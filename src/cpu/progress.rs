@@ -39,7 +39,12 @@ impl Progress {
         let first_reached = f64::from(FIRST_REACHED) * f64::from(f32::EPSILON);
         let reached = units as f64 * R::epsilon().wide() > first_reached;
         self.since_reached = if reached { 0 } else { self.since_reached + 1 };
-        self.residual <= self.stop.tolerance || self.iterations >= self.stop.iterations
+        self.is_settled() || self.is_last()
+    }
+
+    /// Returns whether the last iteration changed nothing by more than the tolerance.
+    pub(crate) fn is_settled(&self) -> bool {
+        self.residual <= self.stop.tolerance
     }
 
     /// Returns whether no further iteration is allowed.

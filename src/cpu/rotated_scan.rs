@@ -1,7 +1,9 @@
-//! Solves by rotated raster scans in SIMD lanes: whole rows, then whole columns.
+//! Solves by rotated raster scans in SIMD lanes, in the order that suits the grid.
 
 use super::Instructions;
 use super::fronts::{FrontKind, for_kind};
+use super::order::Order;
+use super::patches::{PatchCounts, PatchScanner};
 use super::scanner::Scanner;
 use super::solution::{Solution, distances};
 use crate::surface::{Chart, EdgeLengths, Real, Seed};
@@ -16,11 +18,9 @@ pub fn rotated_scan<R: Real>(
     wavefront: Wavefront,
     stop: Stop,
 ) -> Solution<R> {
-    for_kind!(edges, wavefront, kind => {
-        let mut scanner = Scanner::new(edges, kind);
-        let Convergence { iterations, residual } = scanner.solve(seeds, stop);
-        Solution::new(edges.chart(), scanner.into_times(), iterations, residual)
-    })
+    let mut solver = RotatedScan::new(edges, wavefront);
+    let Convergence { iterations, residual } = solver.solve(seeds, stop);
+    Solution::new(edges.chart(), solver.scanner.into_times(), iterations, residual)
 }
 
 /// A solver by rotated scans for many maps of one surface, one after another. It allocates memory only once.
@@ -28,9 +28,14 @@ pub fn rotated_scan<R: Real>(
 /// (in single precision), and on surfaces with many obtuse triangles it stores their parts with the edges.
 /// Both make the second map and all later ones faster.
 ///
-/// Opposite scans run in parallel on two copies of the fronts, which are then merged. This loses nothing: a
-/// front that turns back has to pass through the other pair of scans anyway. So the map is bit-identical for
-/// any number of threads.
+/// Large grids are solved patch by patch, by all threads of the pool that makes the solver ([`Order`]). On
+/// others, opposite scans run in parallel on two copies of the fronts, which are then merged. This loses
+/// nothing: a front that turns back has to pass through the other pair of scans anyway. Either way the map is
+/// bit-identical for any number of threads.
+///
+/// By patches, the number of iterations of a map is that of the patch with most of them, and the same number
+/// limits them ([`Stop::iterations`]). The residual is the largest change of a last iteration, or the largest
+/// one that a patch without iterations left has not seen.
 #[derive(Debug)]
 pub struct RotatedScan<'a, R> {
     chart: Chart,
@@ -44,9 +49,13 @@ trait Scans<R>: std::fmt::Debug + Send + Sync {
     fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence;
     fn set_instructions(&mut self, instructions: Instructions);
     fn times(&self) -> &[R];
+    fn into_times(self: Box<Self>) -> Vec<R>;
     fn visits(&self) -> u64;
     fn updates(&self) -> u64;
     fn bytes(&self) -> usize;
+    fn patches(&self) -> Option<PatchCounts> {
+        None
+    }
     fn boxed<'b>(&self) -> Box<dyn Scans<R> + 'b>
     where
         Self: 'b;
@@ -62,11 +71,15 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scans<R> for Scanner<'a, R, K> {
     }
 
     fn set_instructions(&mut self, instructions: Instructions) {
-        self.instructions = instructions;
+        self.on.instructions = instructions;
     }
 
     fn times(&self) -> &[R] {
         self.times()
+    }
+
+    fn into_times(self: Box<Self>) -> Vec<R> {
+        (*self).into_times()
     }
 
     fn visits(&self) -> u64 {
@@ -89,11 +102,80 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scans<R> for Scanner<'a, R, K> {
     }
 }
 
+impl<'a, R: Real, K: FrontKind<'a, R>> Scans<R> for PatchScanner<'a, R, K> {
+    fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        self.solve(seeds, stop)
+    }
+
+    fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        self.add(seeds, stop)
+    }
+
+    fn set_instructions(&mut self, instructions: Instructions) {
+        self.on.instructions = instructions;
+    }
+
+    fn times(&self) -> &[R] {
+        self.times()
+    }
+
+    fn into_times(self: Box<Self>) -> Vec<R> {
+        (*self).into_times()
+    }
+
+    fn visits(&self) -> u64 {
+        self.visits()
+    }
+
+    fn updates(&self) -> u64 {
+        self.updates()
+    }
+
+    fn bytes(&self) -> usize {
+        self.bytes()
+    }
+
+    fn patches(&self) -> Option<PatchCounts> {
+        Some(self.counts())
+    }
+
+    fn boxed<'b>(&self) -> Box<dyn Scans<R> + 'b>
+    where
+        Self: 'b,
+    {
+        Box::new(self.clone())
+    }
+}
+
 impl<'a, R: Real> RotatedScan<'a, R> {
     /// Allocates the memory for maps of a surface. Uses the best instructions that are available.
     pub fn new(edges: &'a EdgeLengths<R>, wavefront: Wavefront) -> Self {
-        let scanner: Box<dyn Scans<R> + 'a> =
-            for_kind!(edges, wavefront, kind => Box::new(Scanner::new(edges, kind)));
+        let order = Order::best_for(edges.chart(), rayon::current_num_threads());
+        Self::in_order(edges, wavefront, order)
+    }
+
+    /// Does the same as [`Self::new`], for maps in a given order instead of the best one.
+    ///
+    /// ```
+    /// use geosweep::cpu::{Order, RotatedScan};
+    /// use geosweep::surface::{EdgeLengths, Seed, builtin::Builtin};
+    /// use geosweep::{Stop, Wavefront};
+    ///
+    /// let edges = EdgeLengths::<f32>::new(&Builtin::Plane.surface(200, 200)?)?;
+    /// let order = Order::Patches { side: 64 };
+    /// let mut solver = RotatedScan::in_order(&edges, Wavefront::Planar, order);
+    /// let stop = Stop { tolerance: 1e-6, iterations: 1000 };
+    /// assert!(solver.solve(&[Seed::at_source(0, 0, 0.0)], stop).residual <= 1e-6);
+    /// // Sixteen patches were visited.
+    /// let counts = solver.patches().unwrap();
+    /// assert!(counts.patches == 16 && counts.visits >= 16);
+    /// # Ok::<(), geosweep::surface::SurfaceError>(())
+    /// ```
+    pub fn in_order(edges: &'a EdgeLengths<R>, wavefront: Wavefront, order: Order) -> Self {
+        let scanner: Box<dyn Scans<R> + 'a> = for_kind!(edges, wavefront, kind => match order.plan() {
+            Some(plan) => Box::new(PatchScanner::new(edges, kind, plan)),
+            None => Box::new(Scanner::new(edges, kind)),
+        });
         Self { chart: edges.chart(), scanner }
     }
 
@@ -147,6 +229,11 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     /// Returns the distances of the last map, row-major. They are +infinity where the sources do not reach.
     pub fn distances(&self) -> Vec<R> {
         distances(self.chart, self.scanner.times())
+    }
+
+    /// Returns the rounds and visits of the last map, if it was solved by patches.
+    pub fn patches(&self) -> Option<PatchCounts> {
+        self.scanner.patches()
     }
 
     /// Returns the number of point visits of the last map. A visit reads what the point's update needs.

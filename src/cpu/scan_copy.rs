@@ -1,26 +1,27 @@
-//! Holds a copy of the fronts for one of two opposite scans, and runs the scan: band by band, line by line.
+//! Holds the fronts of a window as one scan sees them, and runs the scan: band by band, line by line.
 
 use std::ops::Range;
 
 use super::behind::Behind;
 use super::fronts::FrontKind;
-use super::line::{GridLines, LinesInGrid};
+use super::line::{Beyond, GridLines, LinesInGrid};
 use super::line_update::{How, Updated};
 use super::panel::{Grid, Panel};
 use super::scan::Scan;
 use super::tiles::Tiles;
+use super::window::{Fronts, Window};
 use crate::surface::{Block, Chart, Real};
 use crate::update::Carried;
 
-/// The fronts at all points as one scan sees them, and the scan's working memory.
+/// The fronts at all points of a window as one scan sees them, and the scan's working memory.
 #[derive(Clone, Debug)]
-pub(super) struct ScanCopy<R, C, G> {
+pub(super) struct ScanCopy<R, C> {
+    pub window: Window,
     /// Arrival times and the data that fronts carry, as bordered arrays.
     pub times: Vec<R>,
     pub carried: Vec<C>,
     /// Flags of the tiles that the scan has changed.
     pub changed: Vec<bool>,
-    pub panel: Panel<R, C, G>,
     /// The stretches of a band to visit, and flags of the tiles of one stretch that have changed.
     runs: Vec<Range<usize>>,
     marks: Vec<bool>,
@@ -29,17 +30,40 @@ pub(super) struct ScanCopy<R, C, G> {
     pub updates: u64,
 }
 
-impl<R: Real, C: Carried, G: bytemuck::Pod> ScanCopy<R, C, G> {
-    pub(super) fn new(chart: Chart, tiles: &Tiles, needs_edges: bool) -> Self {
-        let points = chart.bordered_points();
+/// What a scan needs beside the fronts of its window: the surface, a panel for columns, and the fronts of the
+/// whole grid if the window is smaller.
+pub(super) struct On<'a, R, C, G> {
+    pub grid: Grid<'a, R, G>,
+    pub panel: &'a mut Panel<R, C, G>,
+    pub far: Option<Fronts<'a, R, C>>,
+}
+
+impl<R: Real, C: Carried> ScanCopy<R, C> {
+    pub(super) fn new(window: Window, tiles: &Tiles) -> Self {
+        let points = window.own().bordered_points();
         let longest_band = tiles.in_band(Scan::DOWN).max(tiles.in_band(Scan::RIGHT));
         Self {
+            window,
             times: vec![R::FAR; points],
             carried: vec![C::default(); points],
             changed: vec![false; tiles.len()],
-            panel: Panel::new(chart, needs_edges),
             runs: Vec::with_capacity(longest_band),
             marks: Vec::with_capacity(longest_band),
+            visits: 0,
+            updates: 0,
+        }
+    }
+
+    /// Returns a copy without any points.
+    pub(super) fn empty(grid: Chart) -> Self {
+        let window = Window::new(grid, &Block { rows: 0..0, cols: 0..0 });
+        Self {
+            window,
+            times: Vec::new(),
+            carried: Vec::new(),
+            changed: Vec::new(),
+            runs: Vec::new(),
+            marks: Vec::new(),
             visits: 0,
             updates: 0,
         }
@@ -50,7 +74,11 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> ScanCopy<R, C, G> {
         std::mem::size_of_val(self.times.as_slice())
             + std::mem::size_of_val(self.carried.as_slice())
             + self.changed.len()
-            + self.panel.bytes()
+    }
+
+    /// Returns the fronts.
+    pub(super) fn fronts(&self) -> Fronts<'_, R, C> {
+        Fronts { window: self.window, times: &self.times, carried: &self.carried }
     }
 
     /// Resets all points to unreached.
@@ -61,19 +89,21 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> ScanCopy<R, C, G> {
     }
 
     /// Visits the tiles that are due, and those ahead of the scan's own changes. Returns the largest change.
-    pub(super) fn scan<'a, K: FrontKind<'a, R, Carried = C, Ground = G>>(
+    /// `far` has the fronts of the whole grid, if the window is smaller.
+    pub(super) fn scan<'a, K: FrontKind<'a, R, Carried = C>>(
         &mut self,
         kind: &K,
-        grid: Grid<R, G>,
+        on: On<'_, R, C, K::Ground>,
         tiles: &Tiles,
         how: How,
     ) -> R::Bits {
+        let mut on = on;
         let mut updated = Updated::<R::Bits>::default();
         let mut runs = std::mem::take(&mut self.runs);
         for band in tiles.bands(how.scan) {
             tiles.runs(how.scan, band, &self.changed, &mut runs);
             for run in &runs {
-                updated = updated.and(self.scan_run(kind, grid, tiles, how, band, run));
+                updated = updated.and(self.scan_run(kind, &mut on, tiles, how, (band, run)));
             }
         }
         self.runs = runs;
@@ -82,51 +112,74 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> ScanCopy<R, C, G> {
     }
 
     /// Scans a stretch of a band.
-    fn scan_run<'a, K: FrontKind<'a, R, Carried = C, Ground = G>>(
+    fn scan_run<'a, K: FrontKind<'a, R, Carried = C>>(
         &mut self,
         kind: &K,
-        grid: Grid<R, G>,
+        On { grid, panel, far }: &mut On<'_, R, C, K::Ground>,
         tiles: &Tiles,
         how: How,
-        band: usize,
-        run: &Range<usize>,
+        (band, run): (usize, &Range<usize>),
     ) -> Updated<R::Bits> {
-        let (chart, scan) = (grid.edges.chart(), how.scan);
+        let (grid, far, scan, window) = (*grid, *far, how.scan, self.window);
         let points = |run| tiles.lines(scan, band, run);
         let Block { rows: lines, cols: along } = points(run.clone());
         self.visits += (lines.len() * along.len()) as u64;
         self.marks.clear();
         self.marks.resize(run.len(), false);
         let marks = &mut self.marks;
-        let mut update = |here: &mut GridLines<R, C, G>| {
+        let mut update = |here: &mut GridLines<R, C, K::Ground>| {
             let update = |line| kind.update(here, here.number(line), &along, how, marks);
             scan.in_order(lines.clone()).map(update).fold(Updated::default(), Updated::and)
         };
         let changed = |place| tiles.index(scan, band, place);
         if scan.by_rows() {
-            let updated = update(&mut GridLines {
-                stride: chart.stride(),
-                behind: Behind::of(chart, scan),
-                times: &mut self.times,
-                carried: &mut self.carried,
-                ground: grid.ground,
-                edges: grid.edges.planes(),
-                place: LinesInGrid { edges: grid.edges, first: 0, beyond: None },
-            });
+            let fronts = (self.times.as_mut_slice(), self.carried.as_mut_slice());
+            let updated = update(&mut rows(grid, window, fronts, far, scan));
             marked(run, &self.marks).for_each(|place| self.changed[changed(place)] = true);
             return updated;
         }
-        let panel = &mut self.panel;
-        let fronts = (self.times.as_slice(), self.carried.as_slice());
+        let fronts = Fronts { window, times: &self.times, carried: &self.carried };
         panel.load(grid, fronts, &points(run.clone()).by(scan.lines()), scan, how.instructions);
-        let updated = update(&mut panel.lines(grid, fronts, &along, scan));
+        let updated = update(&mut panel.lines(grid, [Some(fronts), far], &along, scan));
         for place in marked(run, &self.marks) {
             self.changed[changed(place)] = true;
             let fronts = (self.times.as_mut_slice(), self.carried.as_mut_slice());
             let points = points(place..place + 1).by(scan.lines());
-            panel.store(fronts, chart, points, how.instructions);
+            panel.store(fronts, window, points, how.instructions);
         }
         updated
+    }
+}
+
+/// Returns the rows of a window as lines.
+fn rows<'a, R, C, G>(
+    grid: Grid<'a, R, G>,
+    window: Window,
+    (times, carried): (&'a mut [R], &'a mut [C]),
+    far: Option<Fronts<'a, R, C>>,
+    scan: Scan,
+) -> GridLines<'a, R, C, G>
+where
+    R: Real,
+{
+    let (chart, (first, before)) = (grid.edges.chart(), window.first());
+    let Block { rows, cols } = window.block();
+    let beyond = far.is_some().then(|| Beyond {
+        scan,
+        points: cols.start + 1..cols.end + 1,
+        lines: rows.start + 1..rows.end + 1,
+        near: None,
+        far,
+    });
+    GridLines {
+        stride: window.own().stride(),
+        behind: Behind::of(chart, scan),
+        times,
+        carried,
+        ground: grid.ground,
+        edges: grid.edges.planes(),
+        surface: (chart.stride(), first),
+        place: LinesInGrid { edges: grid.edges, first, before, beyond },
     }
 }
 

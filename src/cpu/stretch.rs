@@ -2,9 +2,10 @@
 
 use super::behind::Behind;
 use super::settled::Visited;
+use super::window::Fronts;
 use crate::lanes::prefetch;
 use crate::surface::{EdgeLengths, Real, min};
-use crate::update::{Carried, Triangle};
+use crate::update::{Carried, Kept, Triangle};
 
 /// A stretch of points in a row or column, the neighbours behind each of them, and the triangles between.
 ///
@@ -134,48 +135,63 @@ fn parts<T>([a, b, c]: [&[T]; 3], start: usize, points: usize) -> [&[T]; 3] {
     [part(a, start, points), part(b, start, points), part(c, start, points)]
 }
 
-/// The fronts at all points that two scans start from.
+/// The fronts at all points of a window that scans start from.
 #[derive(Clone, Copy)]
 pub(super) struct Before<'a, R, C, G> {
     pub edges: &'a EdgeLengths<R>,
-    pub times: &'a [R],
-    pub carried: &'a [C],
+    pub fronts: Fronts<'a, R, C>,
+    /// The fronts of the whole grid, if the window is smaller.
+    pub far: Option<Fronts<'a, R, C>>,
     pub ground: &'a [G],
 }
 
 impl<'a, R: Real, C: Carried, G> Before<'a, R, C, G> {
-    /// Returns the stretch of `points` points from the point `first` of the bordered array on.
+    /// Returns the stretch of `points` points of a row from a column on. The neighbours behind are given for
+    /// the grid, and as offsets in the window ([`super::window::Window::behind`]).
     pub(super) fn stretch(
         &self,
-        behind: &Behind,
-        first: usize,
+        (behind, in_window): (&Behind, [isize; 3]),
+        [row, col]: [usize; 2],
         points: usize,
     ) -> Stretch<'a, R, C, G> {
-        let at = behind.points().map(|offset| first.wrapping_add_signed(offset));
+        let Fronts { window, times, carried } = self.fronts;
+        let (here, first) = (window.index(row, col), window.grid().bordered(row, col));
+        let at = in_window.map(|offset| here.wrapping_add_signed(offset));
         Stretch {
-            times: part(self.times, first, points),
-            carried: part(self.carried, first, points),
+            times: part(times, here, points),
+            carried: part(carried, here, points),
             ground: part(self.ground, first, points),
-            times_behind: at.map(|at| part(self.times, at, points)),
-            carried_behind: at.map(|at| part(self.carried, at, points)),
+            times_behind: at.map(|at| part(times, at, points)),
+            carried_behind: at.map(|at| part(carried, at, points)),
             edges: behind.edges().map(|slot| self.edges.row(first, slot, points)),
             bases: behind.bases().map(|slot| self.edges.row(first, slot, points)),
         }
     }
+
+    /// Returns the front at a point of the grid's bordered array.
+    pub(super) fn front(&self, point: usize) -> Kept<R, C> {
+        let Fronts { times, carried, .. } = self.fronts;
+        let Some(far) = &self.far else {
+            return Kept { time: times[point], carried: carried[point] };
+        };
+        let entry = self.edges.chart().entry(point);
+        self.fronts.at(entry).or_else(|| far.at(entry)).expect("the grid has all fronts")
+    }
 }
 
 /// Prefetches the data that the check of a stretch's next row needs, from the point `start` on. For times
-/// this is the row after the next, since the next one has been read for this row.
+/// this is the row after the next, since the next one has been read for this row. `strides` are the offsets
+/// to the next row of the fronts and of the surface's data.
 #[inline(always)]
 pub(super) fn prefetch_next_row<R: Real, C: Carried, G>(
     stretch: &Stretch<R, C, G>,
-    stride: isize,
+    [stride, on_surface]: [isize; 2],
     start: usize,
     looks_at_edges: bool,
 ) {
-    let place = stride + start as isize;
-    prefetch(stretch.times, place + stride);
-    prefetch(stretch.carried, place + stride);
+    let place = on_surface + start as isize;
+    prefetch(stretch.times, 2 * stride + start as isize);
+    prefetch(stretch.carried, 2 * stride + start as isize);
     if looks_at_edges {
         stretch.edges.iter().for_each(|edges| prefetch(edges, place));
         prefetch(stretch.bases[1], place);

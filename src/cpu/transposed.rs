@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::Instructions;
 use super::tiles::TILE;
 use super::transpose::{Turned, transpose};
+use super::window::Window;
 use crate::surface::{Chart, EdgeLengths, Real};
 
 /// The lengths of the edges from each point of a column to the column before: to the same row, the next and
@@ -41,7 +42,8 @@ impl<R: Real> TransposedEdges<R> {
         (up, up_next, up_previous).into_par_iter().enumerate().for_each(
             |(band, (up, up_next, up_previous))| {
                 let (first, count) = (band * TILE, up.len() / stride);
-                let lines = ColumnsToLines { chart, first, count, instructions };
+                let window = Window::whole(chart);
+                let lines = ColumnsToLines { window, first, count, instructions };
                 // Nothing lies before the border.
                 let skip = if band == 0 { 1 } else { 0 };
                 let to = [up, up_next, up_previous];
@@ -66,10 +68,10 @@ impl<R: Real> TransposedEdges<R> {
     }
 }
 
-/// A range of columns of bordered arrays, which become lines of other arrays.
+/// A range of columns of a window's bordered arrays, which become lines of other arrays.
 #[derive(Clone, Copy)]
 pub(super) struct ColumnsToLines {
-    pub chart: Chart,
+    pub window: Window,
     /// The column of the first line, counted from the border, and the number of lines.
     pub first: usize,
     pub count: usize,
@@ -87,9 +89,11 @@ impl ColumnsToLines {
         rows: Range<usize>,
         [down, left]: [usize; 2],
     ) {
-        let (from_stride, to_stride) = (self.chart.stride(), self.chart.transposed().stride());
+        let from_stride = self.window.own().stride();
+        let to_stride = self.window.grid().transposed().stride();
+        let (row, col) = self.window.first();
         let block = Turned {
-            from: (rows.start + down) * from_stride + self.first + skip - left,
+            from: (rows.start + down - row) * from_stride + self.first + skip - left - col,
             from_stride,
             to: skip * to_stride + rows.start,
             to_stride,

@@ -14,7 +14,7 @@ pub trait Real:
     const FAR: Self;
 
     /// The type of the binary digits, which also counts units in the last place.
-    type Bits: num_traits::PrimInt + From<u32> + Into<u64> + Default + Send;
+    type Bits: num_traits::PrimInt + From<u32> + Into<u64> + Default + Send + Sync + std::fmt::Debug;
 
     /// Returns the binary digits of the number.
     fn to_bits(self) -> Self::Bits;

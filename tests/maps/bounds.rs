@@ -1,7 +1,7 @@
 //! Bounds that hold for any map, on surfaces on which nothing was tuned.
 
-use geosweep::cpu::{self, twins};
-use geosweep::surface::{EdgeLengths, Real};
+use geosweep::cpu::{self, Order, RotatedScan, twins};
+use geosweep::surface::{EdgeLengths, Real, Seed};
 use geosweep::{Sources, Spacing, Surface, Wavefront, cpu::Solution};
 
 use crate::common::bounds::{APART, Case, SETTLED, cases};
@@ -16,6 +16,20 @@ fn checked<R: Real>(case: &Case, what: &str, solution: &Solution<R>) -> Result<V
     Ok(distances.iter().map(|distance| distance.wide()).collect())
 }
 
+/// Checks the map that is solved by patches as small as can be, so that even small grids have several.
+fn by_patches(
+    case: &Case,
+    edges: &EdgeLengths<f32>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+) -> Result<(), String> {
+    let mut solver = RotatedScan::in_order(edges, wavefront, Order::Patches { side: 16 });
+    let settled = solver.solve(seeds, SETTLED).residual <= SETTLED.tolerance;
+    let named = |error: &str| format!("{}, {wavefront}, patches: {error}", case.name);
+    case.bounds().check(&solver.distances()).map_err(|error| named(&error.to_string()))?;
+    if settled { Ok(()) } else { Err(named("not settled")) }
+}
+
 /// Returns the failures, and the wavefronts that have converged to two different results.
 fn solve(case: &Case) -> (Vec<String>, Vec<String>) {
     let edges = EdgeLengths::<f32>::new(&case.surface).unwrap();
@@ -27,6 +41,7 @@ fn solve(case: &Case) -> (Vec<String>, Vec<String>) {
         let maps = [("rotated scans", rotated), ("scans in turn", in_turn)]
             .map(|(what, solution)| checked(case, &format!("{wavefront}, {what}"), &solution));
         failures.extend(maps.iter().filter_map(|map| map.clone().err()));
+        failures.extend(by_patches(case, &edges, &seeds, wavefront).err());
         let [Ok(a), Ok(b)] = maps else { continue };
         let most = case.bounds().difference(&a, &b);
         if most > APART {

@@ -18,6 +18,7 @@ mod offset;
 mod origins;
 mod pairwise;
 mod pairwise_matrix;
+mod patches;
 mod paths;
 mod paths_around_holes;
 mod properties;

@@ -183,8 +183,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
             return false;
         }
         let at = before.edges.chart().entry(first).into();
-        let known = |x: usize| Kept { time: before.times[x], carried: before.carried[x] };
-        let rays = self.floor.rays(at, how.scan.ahead(), [0, 1], known);
+        let rays = self.floor.rays(at, how.scan.ahead(), [0, 1], |x| before.front(x));
         let mut settled = true;
         for (i, &time) in stretch.times[..points].iter().enumerate() {
             settled &= !is_shorter(rays.time(i, stretch.times_behind[1][i]), time);
@@ -225,12 +224,13 @@ impl<R: Real> Stretches for AnchoredLine<'_, '_, R> {
     #[inline(always)]
     fn prefetch_next(&self, start: usize) {
         // Before the first line and after the last one there is no line, and nothing is read.
-        let next = self.line as isize + if self.scan.is_forward() { 1 } else { -1 };
-        let in_line = (self.points.start + start + 1) as isize;
-        let place = next * self.lines.stride as isize + in_line;
-        prefetch(self.lines.times, place);
-        prefetch(self.lines.carried, place);
-        prefetch(self.lines.ground, place);
+        let (lines, start) = (&self.lines, self.points.start + start);
+        let ahead = |stride: usize| stride as isize * if self.scan.is_forward() { 1 } else { -1 };
+        let place = lines.at(self.line, start) as isize + ahead(lines.stride);
+        prefetch(lines.times, place);
+        prefetch(lines.carried, place);
+        let on_surface = lines.on_surface(self.line, start) as isize;
+        prefetch(lines.ground, on_surface + ahead(lines.surface.0));
     }
 
     #[inline(always)]
@@ -243,13 +243,12 @@ impl<R: Real> Stretches for AnchoredLine<'_, '_, R> {
     ) -> Option<bool> {
         let (lines, start) = (&*self.lines, self.points.start + start);
         let line_behind = lines.line_behind(self.line, how.scan);
-        let (here, there) =
-            (self.line * lines.stride + start + 1, line_behind * lines.stride + start);
+        let (here, there) = (lines.at(self.line, start), lines.at(line_behind, start) - 1);
         let (times, anchors) = (&lines.times[here..][..points], &lines.carried[here..][..points]);
         let behind = LineBehind {
             times: &lines.times[there..][..points + 2],
             anchors: &lines.carried[there..][..points + 2],
-            holes: &lines.ground[here..][..points],
+            holes: &lines.ground[lines.on_surface(self.line, start)..][..points],
         };
         let (mut renewed, mut leads) = (false, true);
         for i in 0..points {

@@ -2,13 +2,14 @@
 
 use super::behind;
 use crate::Stop;
-use crate::constants::{BAND_SIDES, EDGE_LOOKS, PATIENCE, SPLIT_REACH};
+use crate::constants::{BAND_SIDES, PATIENCE, SPLIT_REACH};
 use crate::cpu::Solution;
 use crate::cpu::behind::Behind;
 use crate::cpu::fronts::{FrontKind, for_kind};
 use crate::cpu::point_fronts::PointFronts;
 use crate::cpu::scan::Scan;
-use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed, Tiling, relative_change};
+use crate::cpu::typical_edge::typical_edge;
+use crate::surface::{Chart, EdgeLengths, Real, Seed, Tiling, relative_change};
 use crate::update::Wavefront;
 use num_traits::One;
 
@@ -50,25 +51,6 @@ pub fn tile_rounds_counted<R: Real>(
     for_kind!(edges, wavefront, kind => {
         solve(PointFronts::start(edges, kind, seeds), seeds, stop, rounds)
     })
-}
-
-/// Returns the typical length of edges along rows and columns, in single precision. The twin of
-/// `glsl/typical_edge.comp`.
-fn typical_edge<R: Real>(edges: &EdgeLengths<R>) -> f32 {
-    let Chart { rows, cols } = edges.chart();
-    let looks = EDGE_LOOKS as usize;
-    let point = |look: usize, points: usize| {
-        let texels = points.div_ceil(2);
-        2 * (texels * (2 * look + 1) / (2 * looks))
-    };
-    let all = (0..looks * looks).flat_map(|look| {
-        let (row, col) = (point(look / looks, rows), point(look % looks, cols));
-        [Direction::East, Direction::North].map(|to| edges.length(row, col, to).wide() as f32)
-    });
-    let there = all.filter(|length| *length > 0.0 && *length < f32::FAR);
-    let logarithms = there.map(|length| length.to_bits() >> 12);
-    let (sum, count) = logarithms.fold((0u32, 0u32), |(sum, count), bits| (sum + bits, count + 1));
-    sum.checked_div(count).map_or(0.0, |mean| f32::from_bits(mean << 12))
 }
 
 fn solve<'a, R: Real, K: FrontKind<'a, R>>(

@@ -16,6 +16,11 @@ impl Tiling {
         Self { chart, side }
     }
 
+    /// Returns the chart that is cut.
+    pub(crate) const fn chart(self) -> Chart {
+        self.chart
+    }
+
     /// Returns a chart whose points are the tiles.
     pub(crate) const fn tiles(self) -> Chart {
         let Chart { rows, cols } = self.chart;

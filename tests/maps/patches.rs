@@ -1,0 +1,243 @@
+//! Maps that are solved patch by patch: by any number of threads, as by scans of the whole grid.
+
+use geosweep::cpu::{Order, PatchCounts, RotatedScan};
+use geosweep::surface::builtin::Builtin;
+use geosweep::surface::{EdgeLengths, Real, Seed};
+use geosweep::{Convergence, Sources, Spacing, Stop, Surface, Wavefront};
+
+use crate::common::{CONVERGED, CONVERGED_F64, at, difference, off_centre, rough};
+
+/// A solved map, how it converged, and its visits.
+type Solved<R> = (Vec<R>, Convergence, Option<PatchCounts>);
+
+fn solved<R: Real>(
+    edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    order: Order,
+    stop: Stop,
+) -> Solved<R> {
+    let mut solver = RotatedScan::in_order(edges, wavefront, order);
+    let convergence = solver.solve(seeds, stop);
+    (solver.distances(), convergence, solver.patches())
+}
+
+/// By patches of 32 points a side.
+const PATCHES: Order = Order::Patches { side: 32 };
+
+/// Surfaces of sizes that are no multiples of a patch: flat, round, with obtuse triangles, with holes.
+fn surfaces() -> Vec<(&'static str, Surface)> {
+    let built = |builtin: Builtin, rows, cols| builtin.surface(rows, cols).unwrap();
+    vec![
+        ("plane", built(Builtin::Plane, 100, 131)),
+        ("sphere", built(Builtin::Sphere, 97, 96)),
+        ("peaks", built(Builtin::Peaks, 120, 90)),
+        ("face", built(Builtin::Face, 110, 110)),
+        ("maze", built(Builtin::Maze, 150, 110)),
+        ("sheared plane", built(Builtin::ShearedPlane { degrees: 60.0 }, 90, 100)),
+        ("rough with holes", rough(101, 77, 9)),
+    ]
+}
+
+fn source(name: &str, surface: &Surface) -> Sources {
+    if name == "maze" { at([0.0, 0.0]) } else { at(off_centre(surface.rows(), surface.cols())) }
+}
+
+#[test]
+fn every_number_of_threads_gives_the_same_map_to_the_bit() {
+    for (name, surface) in surfaces() {
+        let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+        let seeds = source(name, &surface).seeds(&surface).unwrap();
+        for wavefront in Wavefront::EVERY {
+            let with = |threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| solved(&edges, &seeds, wavefront, PATCHES, CONVERGED))
+            };
+            let alone = with(1);
+            for threads in [2, 4, 16] {
+                assert!(with(threads) == alone, "{name} {wavefront}, {threads} threads");
+            }
+        }
+    }
+}
+
+/// Largest difference between maps by patches and by lines, relative to the largest distance.
+fn apart<R: Real>(surface: &Surface, seeds: &[Seed], wavefront: Wavefront, stop: Stop) -> f64 {
+    let edges = EdgeLengths::<R>::new(surface).unwrap();
+    let (by_lines, ..) = solved(&edges, seeds, wavefront, Order::Lines, stop);
+    let mut most = 0.0f64;
+    for side in [16, 32, 80] {
+        let order = Order::Patches { side };
+        let (map, convergence, _) = solved(&edges, seeds, wavefront, order, stop);
+        assert!(convergence.residual <= stop.tolerance, "{wavefront}, {side}: {convergence:?}");
+        most = most.max(difference(&map, &by_lines));
+    }
+    most
+}
+
+#[test]
+fn patches_give_the_map_of_scans_of_the_whole_grid() {
+    for (name, surface) in surfaces() {
+        let seeds = source(name, &surface).seeds(&surface).unwrap();
+        for wavefront in Wavefront::EVERY {
+            let single = apart::<f32>(&surface, &seeds, wavefront, CONVERGED);
+            let double = apart::<f64>(&surface, &seeds, wavefront, CONVERGED_F64);
+            println!("{name} {wavefront}: {single:.1e} {double:.1e}");
+            assert!(single < 3e-6, "{name} {wavefront}: {single:e}");
+            // On rough ground the last digit decides which of two fronts is taken for the first.
+            let most = if name.starts_with("rough") { 1e-6 } else { 1e-9 };
+            assert!(double < most, "{name} {wavefront}: {double:e}");
+        }
+    }
+}
+
+#[test]
+fn tiny_and_narrow_grids_have_patches_too() {
+    for [rows, cols] in [[1, 1], [1, 90], [90, 1], [2, 2], [17, 33], [33, 16], [5, 100]] {
+        let surface = rough(rows, cols, 0);
+        let seeds = at([0.0, 0.0]).seeds(&surface).unwrap();
+        for wavefront in Wavefront::ALL {
+            let apart = apart::<f64>(&surface, &seeds, wavefront, CONVERGED_F64);
+            assert!(apart < 1e-6, "{rows} x {cols} {wavefront}: {apart:e}");
+        }
+    }
+}
+
+#[test]
+fn several_sources_and_curves_cross_patches() {
+    let surface = Builtin::Peaks.surface(120, 100).unwrap();
+    // In a corner that four patches share, on a border, inside a cell, and a line across many.
+    let points = [[31.0, 31.0], [63.5, 64.0], [100.3, 10.6]];
+    let line: Vec<_> = (0..90).map(|k| [10.0 + k as f64, 50.0]).collect();
+    let sources = |all: &[[f64; 2]]| {
+        let add = |sources: Sources, &[row, col]: &[f64; 2]| sources.and_point(row, col, 0.0);
+        all.iter().fold(Sources::default(), add)
+    };
+    let (points, line) = (sources(&points), sources(&line));
+    for (name, sources) in [("points", points), ("line", line)] {
+        let seeds = sources.seeds(&surface).unwrap();
+        for wavefront in [Wavefront::Planar, Wavefront::Curved] {
+            let apart = apart::<f64>(&surface, &seeds, wavefront, CONVERGED_F64);
+            assert!(apart < 1e-7, "{name} {wavefront}: {apart:e}");
+        }
+    }
+}
+
+#[test]
+fn slowness_bends_fronts_in_patches_too() {
+    let (rows, cols) = (90, 100);
+    let slowness = (0..rows * cols).map(|k| if k % cols / 30 == 1 { 3.0 } else { 1.0 });
+    let plane = Builtin::Plane.surface(rows, cols).unwrap();
+    let surface = plane.with_slowness(slowness.collect()).unwrap();
+    let seeds = at([10.0, 10.0]).seeds(&surface).unwrap();
+    for wavefront in [Wavefront::Planar, Wavefront::Curved] {
+        let apart = apart::<f64>(&surface, &seeds, wavefront, CONVERGED_F64);
+        assert!(apart < 1e-6, "{wavefront}: {apart:e}");
+    }
+}
+
+#[test]
+fn added_sources_give_the_map_of_all_sources() {
+    let surface = Builtin::Sphere.surface(150, 130).unwrap();
+    let edges = EdgeLengths::<f64>::new(&surface).unwrap();
+    let seeds = |point| at(point).seeds(&surface).unwrap();
+    let (first, second) = (seeds([20.0, 20.0]), seeds([127.0, 95.0]));
+    for wavefront in Wavefront::ALL {
+        let mut solver = RotatedScan::in_order(&edges, wavefront, PATCHES);
+        let visits = |solver: &RotatedScan<f64>| solver.patches().unwrap().visits;
+        solver.solve(&first, CONVERGED_F64);
+        let of_first = visits(&solver);
+        let added = solver.add(&second, CONVERGED_F64);
+        assert!(added.residual <= CONVERGED_F64.tolerance);
+        assert!(visits(&solver) < 2 * of_first, "{wavefront}: the second source has a part");
+        let both = [first.clone(), second.clone()].concat();
+        let mut lines = RotatedScan::in_order(&edges, wavefront, Order::Lines);
+        lines.solve(&first, CONVERGED_F64);
+        lines.add(&second, CONVERGED_F64);
+        let apart = difference(&solver.distances(), &lines.distances());
+        assert!(apart < 1e-7, "{wavefront}: {apart:e}");
+        // Nothing comes earlier than the map.
+        let visited = visits(&solver);
+        solver.add(&both, CONVERGED_F64);
+        assert_eq!(visits(&solver), visited, "{wavefront}");
+    }
+}
+
+#[test]
+fn a_solver_forgets_the_map_before() {
+    let surface = rough(120, 110, 11);
+    let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+    for wavefront in Wavefront::EVERY {
+        let mut used = RotatedScan::in_order(&edges, wavefront, PATCHES);
+        for point in [[60.0, 3.0], [119.0, 109.0], [7.0, 50.0]] {
+            let Ok(seeds) = at(point).seeds(&surface) else { continue };
+            let convergence = used.solve(&seeds, CONVERGED);
+            let fresh = solved(&edges, &seeds, wavefront, PATCHES, CONVERGED);
+            assert!((used.distances(), convergence, used.patches()) == fresh, "{wavefront}");
+        }
+    }
+}
+
+#[test]
+fn maps_that_have_not_converged_say_so() {
+    let surface = Builtin::Maze.surface(150, 110).unwrap();
+    let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+    let seeds = at([0.0, 0.0]).seeds(&surface).unwrap();
+    for wavefront in Wavefront::EVERY {
+        let limit = |iterations| {
+            let stop = Stop { iterations, ..CONVERGED };
+            solved(&edges, &seeds, wavefront, PATCHES, stop).1
+        };
+        let settled = limit(10_000);
+        assert!(settled.residual <= CONVERGED.tolerance && settled.iterations > 2);
+        let cut = limit(1);
+        assert!(cut.residual > CONVERGED.tolerance && cut.iterations == 1, "{cut:?}");
+        assert_eq!(limit(settled.iterations + 1), settled, "{wavefront}");
+    }
+    let none = solved(&edges, &[], Wavefront::Planar, PATCHES, CONVERGED);
+    assert_eq!((none.1.iterations, none.1.residual), (1, 0.0));
+    assert!(none.0.iter().all(|distance| distance.is_infinite()));
+}
+
+/// A corridor that winds through every patch several times.
+#[test]
+fn a_serpentine_is_followed_to_its_end() {
+    let (rows, cols) = (130, 120);
+    let is_wall = |row: usize, col: usize| {
+        let opening = if row / 10 % 2 == 0 { cols - 1 } else { 0 };
+        row % 10 == 9 && col != opening
+    };
+    let flat = Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0));
+    let mask: Vec<_> = (0..rows * cols).map(|k| !is_wall(k / cols, k % cols)).collect();
+    let surface = flat.unwrap().with_mask(&mask).unwrap();
+    let seeds = at([0.0, 0.0]).seeds(&surface).unwrap();
+    for wavefront in Wavefront::EVERY {
+        let apart = apart::<f64>(&surface, &seeds, wavefront, CONVERGED_F64);
+        assert!(apart < 1e-9, "{wavefront}: {apart:e}");
+    }
+}
+
+/// How many threads rounds keep busy on average, and how often a patch is visited, where fronts are smooth.
+#[test]
+fn rounds_leave_room_for_many_threads() {
+    let surface = Builtin::Sphere.surface(2048, 2048).unwrap();
+    let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+    let seeds = Sources::point(1023.0, 1023.0).seeds(&surface).unwrap();
+    for wavefront in [Wavefront::Planar, Wavefront::Curved] {
+        let (by_lines, ..) = solved(&edges, &seeds, wavefront, Order::Lines, CONVERGED);
+        let [small, large] = [64, 256].map(|side| {
+            let order = Order::Patches { side };
+            let (map, convergence, counts) = solved(&edges, &seeds, wavefront, order, CONVERGED);
+            assert!(convergence.residual <= CONVERGED.tolerance);
+            let apart = difference(&map, &by_lines);
+            println!("{wavefront}, {side}: {apart:.1e} apart, {counts:?}");
+            assert!(apart < 1e-5, "{wavefront}, {side}: {apart:e}");
+            counts.unwrap()
+        });
+        let busy = small.visits as f64 / small.rounds as f64;
+        let visits = large.visits as f64 / large.patches as f64;
+        println!("{wavefront}: {busy:.1} threads, {visits:.2} visits");
+        assert!(busy >= 10.0, "{wavefront}: {busy}");
+        assert!(visits <= 3.0, "{wavefront}: {visits}");
+    }
+}
