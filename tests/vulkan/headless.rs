@@ -25,7 +25,7 @@ const FEW_TILES: usize = 64;
 const WAVEFRONTS: [Wavefront; 3] = Wavefront::ALL;
 
 /// Whether a device computes on the processor's cores, in the arithmetic of the twins.
-fn is_processor(solver: &Solver) -> bool {
+pub fn is_processor(solver: &Solver) -> bool {
     devices().unwrap().iter().any(|info| info.name == solver.device_name() && info.kind == "CPU")
 }
 
@@ -224,7 +224,7 @@ fn twin(
     }
 }
 
-fn assert_schedule_twins(
+pub fn assert_schedule_twins(
     solver: &mut Solver,
     surface: &Surface,
     source: (usize, usize),
