@@ -88,9 +88,21 @@ float stored_length(vec4 lengths, ivec2 step) {
     return step.x == 0 ? lengths.y : step.x > 0 ? lengths.z : lengths.w;
 }
 
+// Returns that component.
+int component_stored(ivec2 step) {
+    if (step.y == 0) return 0;
+    return step.x == 0 ? 1 : step.x > 0 ? 2 : 3;
+}
+
 // Returns whether the length of an edge is stored at this end, from which it leads east or north.
 bool stored_here(ivec2 step) {
     return step.y < 0 || (step.y == 0 && step.x > 0);
+}
+
+// Returns the length of an edge, given the lengths that are stored at both of its ends.
+float length_between(vec4 here, vec4 there, ivec2 step) {
+    bool own = stored_here(step);
+    return stored_length(own ? here : there, own ? step : -step);
 }
 
 // Points and texels of the images.

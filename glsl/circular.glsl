@@ -7,15 +7,14 @@ float circular_curvature(float time, float base) {
     return base / max(time, 0.25 * base);
 }
 
-// Returns the arrival times at x0 from the times at x1 and x2.
-vec4 circular(vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
+// Returns the arrival times at x0 from the times at x1 and x2. The shape is seen from the end at which the
+// front arrives later. `h` is its height.
+vec4 circular_in(Shape shape, vec4 h, vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
     vec4 along_edge = edge_step(t1, t2, l1, l2);
     bvec4 swap = lessThan(t1, t2);
     vec4 t = mix(t1, t2, swap);
     vec4 near = mix(t2, t1, swap);
-    Shape shape = shape_of(mix(l1, l2, swap), mix(l2, l1, swap), c);
     vec4 p = shape.foot;
-    vec4 h = sqrt(max(shape.height_squared, 0.0));
     vec4 d = (near - t) * shape.per_base;
     vec4 kappa = c / max(t, 0.25 * c);
     vec4 cos_a = 0.5 * kappa * ((1.0 - d) * (1.0 + d)) - d;
@@ -30,4 +29,10 @@ vec4 circular(vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
     vec4 inside = t + c * (n / (1.0 + sqrt(max(1.0 + kappa * n, 0.0))));
     inside = mix(inside, max(inside, t), bvec4(causal));
     return min(along_edge, mix(along_edge, inside, upwind));
+}
+
+vec4 circular(vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
+    bvec4 swap = lessThan(t1, t2);
+    Shape shape = shape_of(mix(l1, l2, swap), mix(l2, l1, swap), c);
+    return circular_in(shape, sqrt(max(shape.height_squared, 0.0)), t1, t2, l1, l2, c);
 }

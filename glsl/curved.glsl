@@ -10,8 +10,10 @@ vec4 bent(vec4 curvature, vec4 gaussian, vec4 ray) {
 
 // Returns the fronts at x0 from fronts at x1 and x2. `g0` is the Gaussian curvature at x0. `alone` tells
 // where only one of x1 and x2 is present, across the grid's diagonal. `causal` tells where x0 must not depend
-// on neighbours that arrive later.
-Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone, bvec4 causal) {
+// on neighbours that arrive later. The shape is seen from the end at which the front arrives later. `h` is its
+// height, and `upright` tells whether no angle is obtuse by more than a few degrees.
+Fronts curved_in(Shape shape, vec4 h, bvec4 upright, Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c,
+                 bvec4 alone, bvec4 causal) {
     bvec4 swap = lessThan(end1.time, end2.time);
     vec4 t = mix(end1.time, end2.time, swap);
     vec4 near_t = mix(end2.time, end1.time, swap);
@@ -21,9 +23,7 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     vec4 near_g = mix(end2.surface, end1.surface, swap);
     vec4 l = mix(l1, l2, swap);
     vec4 near_l = mix(l2, l1, swap);
-    Shape shape = shape_of(l, near_l, c);
     vec4 p = shape.foot;
-    vec4 h = sqrt(max(shape.height_squared, 0.0));
     vec4 d = (near_t - t) * shape.per_base;
     bvec4 from_beside = both(lessThan(abs(k * c), vec4(ABOUT_STRAIGHT)), greaterThan(d, vec4(-FROM_SOURCE)));
     bvec4 beside = both(greaterThanEqual(near_k, vec4(SOURCE_CURVATURE)), from_beside);
@@ -40,7 +40,7 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     bvec4 after_x1 = greaterThanEqual(crossing, vec4(0.0));
     vec4 n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * 2.0;
     vec4 root = sqrt(max(1.0 + kappa * n, 0.0));
-    vec4 least = mix(vec4(0.0), d, both(are_upright(shape), not(causal)));
+    vec4 least = mix(vec4(0.0), d, both(upright, not(causal)));
     vec4 rise = max(n / (1.0 + root), least);
     vec4 by_far = t + l;
     vec4 by_near = near_t + near_l;
@@ -79,6 +79,13 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     // Curvatures stay above the numbers of origins, which may stand in their place.
     vec4 curvature = max(bent(dividend * per, 0.5 * (g0 + gaussian), ray), -0.5 * FIRST_ORIGIN);
     return Fronts(mix(mix(by_near, by_far, from_far), time, inside), curvature, shape.whole);
+}
+
+Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone, bvec4 causal) {
+    bvec4 swap = lessThan(end1.time, end2.time);
+    Shape shape = shape_of(mix(l1, l2, swap), mix(l2, l1, swap), c);
+    return curved_in(shape, sqrt(max(shape.height_squared, 0.0)), are_upright(shape), end1, end2, g0, l1, l2, c, alone,
+                     causal);
 }
 
 // Returns the curvature over a base, in units of 1 over the base, given the curvatures at its later end and

@@ -98,6 +98,35 @@ bvec4 are_upright(Shape shape) {
     return lessThan(longest, UPRIGHT * (side + other + 1.0 - longest));
 }
 
+// Triangles as seen from both ends of their bases. An update can be prepared with them before the times at x1
+// and x2 are known, and with them the end that counts.
+struct Face {
+    vec4 l1, l2, base;
+    Shape from_x1, from_x2;
+    vec4 height_x1, height_x2; // of x0 over the base, as seen from each end
+    bvec4 upright;
+};
+
+// Returns the faces of triangles. Of obtuse ones only the edges count.
+Face face_of(vec4 l1, vec4 l2, vec4 base, bvec4 obtuse) {
+    Shape from_x1 = shape_of(l1, l2, base);
+    Shape from_x2 = shape_of(l2, l1, base);
+    from_x1.whole = both(from_x1.whole, not(obtuse));
+    from_x2.whole = both(from_x2.whole, not(obtuse));
+    return Face(l1, l2, base, from_x1, from_x2, sqrt(max(from_x1.height_squared, 0.0)),
+                sqrt(max(from_x2.height_squared, 0.0)), are_upright(from_x1));
+}
+
+// Returns the shapes as seen from x2 where `second` is set, and from x1 elsewhere. They are equal to the last
+// bit to those that shape_of() returns.
+Shape seen_from(Face face, bvec4 second) {
+    Shape a = face.from_x1;
+    Shape b = face.from_x2;
+    return Shape(a.per_base, mix(a.side, b.side, second), mix(a.other, b.other, second), mix(a.foot, b.foot, second),
+                 mix(a.height_squared, b.height_squared, second),
+                 either(both(second, b.whole), both(not(second), a.whole)));
+}
+
 // Returns whether triangles of one slowness are obtuse at x0.
 bvec4 are_obtuse(vec4 l1, vec4 l2, vec4 c) {
     vec4 per_base = 1.0 / c;

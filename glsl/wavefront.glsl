@@ -43,6 +43,25 @@ Fronts update(Ends end1, Ends end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l
     return Fronts(time, vec4(0.0), bvec4(false));
 }
 
+// Returns the fronts at x0 as update() does, through triangles whose shapes were found before the fronts at x1
+// and x2 arrived. The slowness is 1.
+Fronts update_on(Face face, Ends end1, Ends end2, vec4 surface, bvec4 alone) {
+    bvec4 swap = lessThan(end1.time, end2.time);
+    Shape shape = seen_from(face, swap);
+    vec4 height = mix(face.height_x1, face.height_x2, swap);
+    if (HAS_CURVATURE) {
+        return curved_in(shape, height, face.upright, end1, end2, surface, face.l1, face.l2, face.base, alone,
+                         bvec4(causal));
+    }
+    vec4 time;
+    if (WAVEFRONT == PLANAR) {
+        time = planar_in(face.from_x1, end1.time, end2.time, face.l1, face.l2, face.base);
+    } else {
+        time = circular_in(shape, height, end1.time, end2.time, face.l1, face.l2, face.base);
+    }
+    return Fronts(time, vec4(0.0), bvec4(false));
+}
+
 // Returns the curvature of a front over the base of a triangle, in units of 1 over the base. `time` is that
 // at the later end, and `carried` is the value there and at the other end. `d` is the time at the other end
 // less that at this one, in units of the base.

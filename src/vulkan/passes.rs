@@ -4,10 +4,10 @@ use std::marker::PhantomData;
 
 use bytemuck::Pod;
 
-use super::Tuning;
 use super::plan::Scan::{self, Down, Left, Right, Up};
 use super::profile::PassKind::{self, *};
 use super::shaders::{self, Constant, Shader};
+use super::{TileLanes, Tuning};
 use crate::update::Wavefront;
 
 /// Row of the table.
@@ -21,6 +21,9 @@ pub(crate) struct Row {
     pub(crate) depends_on_wavefront: bool,
     /// Width of the workgroups, if a constant sets it.
     width: Option<Width>,
+    /// Shaders in its place with [`TileLanes::Points`] and [`TileLanes::Shuffled`]. Their interfaces are the
+    /// same.
+    pub(crate) of_points: Option<[&'static Shader; 2]>,
 }
 
 /// Width of a workgroup in invocations.
@@ -28,7 +31,7 @@ pub(crate) struct Row {
 enum Width {
     /// [`Tuning::scan_width`].
     Scans,
-    /// One invocation for each texel on a side of a tile.
+    /// One invocation for each texel or point on a side of a tile.
     Tiles,
     /// [`MapSize::invocations`].
     Maps,
@@ -41,7 +44,24 @@ impl Row {
             "the row of a shader with a constant for the width of its workgroups says the width"
         );
         let depends_on_wavefront = shader.depends_on(Constant::Wavefront);
-        Self { shader, kind, depends_on_wavefront, width }
+        Self { shader, kind, depends_on_wavefront, width, of_points: None }
+    }
+
+    const fn of_points(self, points: &'static Shader, shuffled: &'static Shader) -> Self {
+        assert!(
+            points.is_like(self.shader) && shuffled.is_like(self.shader),
+            "one shader can be dispatched in the place of another"
+        );
+        Self { of_points: Some([points, shuffled]), ..self }
+    }
+
+    /// Returns the shader from which a pipeline is made.
+    pub(crate) fn shader_of(&self, tuning: &Tuning) -> &'static Shader {
+        match (self.of_points, tuning.tile_lanes) {
+            (None, _) | (_, TileLanes::Pairs) => self.shader,
+            (Some([points, _]), TileLanes::Points) => points,
+            (Some([_, shuffled]), TileLanes::Shuffled) => shuffled,
+        }
     }
 }
 
@@ -101,9 +121,13 @@ impl<P: Pod> CommonPass<P> {
 macro_rules! passes {
     (@width) => { None };
     (@width $width:ident) => { Some(Width::$width) };
+    (@row $row:expr) => { $row };
+    (@row $row:expr, $points:ident, $shuffled:ident) => {
+        $row.of_points(&shaders::$points::SHADER, &shaders::$shuffled::SHADER)
+    };
     (
         common { $($common:ident: $common_shader:ident, $common_kind:expr;)* }
-        others { $($name:ident: $shader:ident, $kind:expr $(, $width:ident)?;)* }
+        others { $($name:ident: $shader:ident $(or $points:ident or $shuffled:ident)?, $kind:expr $(, $width:ident)?;)* }
     ) => {
         #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
         enum Number { $($common,)* $($name),* }
@@ -121,7 +145,7 @@ macro_rules! passes {
         /// All passes.
         pub(crate) static TABLE: [Row; [$(Number::$common,)* $(Number::$name),*].len()] = [
             $(Row::new(&shaders::$common_shader::SHADER, $common_kind, None),)*
-            $(Row::new(&shaders::$shader::SHADER, $kind, passes!(@width $($width)?))),*
+            $(passes!(@row Row::new(&shaders::$shader::SHADER, $kind, passes!(@width $($width)?)) $(, $points, $shuffled)?)),*
         ];
 
         /// Size of the largest block of push constants, in bytes. Every device offers 128 bytes.
@@ -132,8 +156,8 @@ macro_rules! passes {
     };
 }
 
-// The columns are the name of a pass, its shader, its kind in profiles, and the width of its workgroups if a
-// constant sets it.
+// The columns are the name of a pass, its shader (and those of [`Row::of_points`]), its kind in
+// profiles, and the width of its workgroups if a constant sets it.
 passes! {
     common {
         POINTS_FROM_BUFFER: points_from_buffer, Some(Points);
@@ -160,7 +184,7 @@ passes! {
         SCAN_RIGHT: scan, Some(Scan(Right)), Scans;
         SCAN_LEFT: scan, Some(Scan(Left)), Scans;
         ALL_POINTS: all_points, Some(AllPoints);
-        TILES: tiles, Some(Tiles), Tiles;
+        TILES: tiles or tiles_points or tiles_shuffled, Some(Tiles), Tiles;
         CONTOUR_COUNTS: contour_counts, Some(Contours);
         CONTOUR_OFFSETS: contour_offsets, Some(Contours);
         CONTOUR_SEGMENTS: contour_segments, Some(Contours);
@@ -286,7 +310,8 @@ impl Row {
         let ahead = self.scan().map_or((0, 0), Scan::ahead);
         let width = self.width.map_or(0, |width| match width {
             Width::Scans => tuning.scan_width,
-            Width::Tiles => tuning.tile / 2,
+            Width::Tiles if tuning.tile_lanes == TileLanes::Pairs => tuning.tile / 2,
+            Width::Tiles => tuning.tile,
             Width::Maps => map.invocations,
         });
         let value = |constant| match constant {
@@ -301,6 +326,7 @@ impl Row {
             Constant::Lines => tuning.scan_lines as i32,
             Constant::Tile => tuning.tile as i32,
             Constant::Inner => tuning.inner as i32,
+            Constant::EdgesShared => tuning.tile_edges.into(),
             Constant::Room => map.room as i32,
             Constant::Rows => map.known.rows as i32,
             Constant::Cols => map.known.cols as i32,
@@ -328,14 +354,7 @@ mod tests {
 
     #[test]
     fn shaders_of_the_four_scans_differ_in_what_lies_ahead() {
-        let tuning = Tuning {
-            scan_width: 64,
-            scan_lines: 4,
-            tile: 16,
-            inner: 4,
-            together: None,
-            visits: None,
-        };
+        let tuning = Tuning::ON_CPU;
         let (wavefront, map) = (Wavefront::Curved, MapSize::default());
         let of = Specialization { tuning, on_processor: true, variant: wavefront.into(), map };
         for (pass, scan) in SCANS.into_iter().zip(Scan::ALL) {
@@ -353,7 +372,11 @@ mod tests {
 
     #[test]
     fn every_shader_is_in_the_table() {
-        let listed = |name: &str| TABLE.iter().any(|row| row.shader.name == name);
+        let is_of = |row: &Row, name: &str| {
+            row.shader.name == name
+                || row.of_points.iter().flatten().any(|shader| shader.name == name)
+        };
+        let listed = |name: &str| TABLE.iter().any(|row| is_of(row, name));
         for entry in std::fs::read_dir("glsl/spirv").unwrap() {
             let name = entry.unwrap().file_name().into_string().unwrap();
             if let Some(name) = name.strip_suffix(".spv") {

@@ -140,7 +140,10 @@ fn device_name(properties: &vk::PhysicalDeviceProperties) -> String {
 
 fn file_name(properties: &vk::PhysicalDeviceProperties) -> String {
     let mut shaders = DefaultHasher::new();
-    TABLE.iter().for_each(|row| row.shader.spirv.hash(&mut shaders));
+    for row in &TABLE {
+        row.shader.spirv.hash(&mut shaders);
+        row.of_points.iter().flatten().for_each(|shader| shader.spirv.hash(&mut shaders));
+    }
     let mut driver = DefaultHasher::new();
     (properties.driver_version, properties.pipeline_cache_uuid).hash(&mut driver);
     let (device, driver, shaders) = (device_name(properties), driver.finish(), shaders.finish());

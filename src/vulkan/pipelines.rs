@@ -377,7 +377,7 @@ impl Pipelines {
         let layout = self.layout(row.shader);
         let constants = row.constants(of);
         let how = (layout, self.flags, cache.handle);
-        let made = compute_pipeline(device, row.shader, how, &constants)?;
+        let made = compute_pipeline(device, row.shader_of(&of.tuning), how, &constants)?;
         self.name(&row.name(of.variant), made);
         Ok(made)
     }

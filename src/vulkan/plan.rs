@@ -228,8 +228,7 @@ mod tests {
     use crate::surface::Chart;
     use crate::vulkan::{Schedule, Tuning};
 
-    const TUNING: Tuning =
-        Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None, visits: None };
+    const TUNING: Tuning = Tuning::ON_CPU;
 
     fn texels(side: usize) -> TexelChart {
         TexelChart::new(Chart { rows: side, cols: side }).unwrap()

@@ -5,7 +5,7 @@ use std::fmt;
 use ash::vk;
 
 use super::plan::Portions;
-use super::{TexelChart, VulkanError};
+use super::{TexelChart, TileLanes, VulkanError, tile_lanes};
 use crate::Wavefront;
 use crate::name::{UnknownName, by_name};
 use crate::surface::Chart;
@@ -85,6 +85,11 @@ pub struct Tuning {
     pub tile: u32,
     /// Largest number of iterations of four scans inside a tile in one round.
     pub inner: u32,
+    /// Division of the points of a tile among invocations.
+    pub tile_lanes: TileLanes,
+    /// Whether the lengths of a tile's edges are copied to shared memory. Otherwise each scan reads them from
+    /// their image, one line ahead.
+    pub tile_edges: bool,
     /// Largest number of iterations of raster scans, or of rounds of tiles, in a submission. `None` selects
     /// it by the size of the grid. On large grids a submission has fewer iterations than this.
     pub together: Option<u32>,
@@ -96,18 +101,29 @@ pub struct Tuning {
 }
 
 impl Tuning {
-    /// Returns the best sizes for a device.
-    pub fn of(properties: &vk::PhysicalDeviceProperties) -> Self {
-        let limits = &properties.limits;
-        let on_cpu = properties.device_type == vk::PhysicalDeviceType::CPU;
-        let wanted = if on_cpu { Self::ON_CPU } else { Self::ON_GPU };
-        let fits = |tile: u32| Self::tile_bytes(tile) <= limits.max_compute_shared_memory_size;
-        let tile = if fits(wanted.tile) { wanted.tile } else { 8 };
-        Self {
-            scan_width: wanted.scan_width.min(limits.max_compute_work_group_invocations),
-            tile,
-            ..wanted
-        }
+    /// Returns the best sizes for a device. The instance must be for Vulkan 1.1 or later.
+    pub fn of(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> Self {
+        // SAFETY: the physical device is from this instance.
+        let properties = unsafe { instance.get_physical_device_properties(physical_device) };
+        let shuffles = tile_lanes::shuffles(instance, physical_device);
+        Self::for_limits(properties.device_type, &properties.limits, shuffles)
+    }
+
+    fn for_limits(
+        kind: vk::PhysicalDeviceType,
+        limits: &vk::PhysicalDeviceLimits,
+        shuffles: bool,
+    ) -> Self {
+        let wanted = match kind {
+            vk::PhysicalDeviceType::CPU => Self::ON_CPU,
+            _ => Self { tile_lanes: TileLanes::of_gpu(shuffles), ..Self::ON_GPU },
+        };
+        let sizes = [wanted.tile, 16].into_iter().flat_map(|tile| [(tile, true), (tile, false)]);
+        let bytes = limits.max_compute_shared_memory_size;
+        let fits = |&(tile, edges): &(u32, bool)| Self::tile_bytes(tile, edges) <= bytes;
+        let (tile, tile_edges) = sizes.into_iter().find(fits).unwrap_or((8, false));
+        let scan_width = wanted.scan_width.min(limits.max_compute_work_group_invocations);
+        Self { scan_width, tile, tile_edges, ..wanted }
     }
 
     /// Sizes for devices that are CPUs. Measured on lavapipe (Mesa 22.3, two cores, 1200 x 1200 points):
@@ -115,17 +131,39 @@ impl Tuning {
     /// curved ones. Blocks of eight lines take 0.8 and 0.75 times as long. Workgroups of 128 invocations let
     /// blocks go in turn up to 244 points a side in place of 116. They take 0.4 to 1.1 times as long there,
     /// and 0.9 to 2.1 times at 320 points.
-    const ON_CPU: Self =
-        Self { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None, visits: None };
+    pub const ON_CPU: Self = Self {
+        scan_width: 64,
+        scan_lines: 4,
+        tile: 16,
+        inner: 4,
+        tile_lanes: TileLanes::Pairs,
+        tile_edges: true,
+        together: None,
+        visits: None,
+    };
     /// Sizes for GPUs. Those of scans are not measured: they save dispatches at the cost of an eighth more
-    /// updates. Each tile has a warp. With one iteration in a tile in place of four, maps by tiles take an
-    /// NVIDIA H200 0.55 to 0.65 of the time from 256 to 4096 points a side, and the same time at 64 points.
-    const ON_GPU: Self =
-        Self { scan_width: 128, scan_lines: 8, tile: 16, inner: 1, together: None, visits: None };
+    /// updates. With one iteration in a tile in place of four, maps by tiles of 16 points take an NVIDIA H200
+    /// 0.55 to 0.65 of the time from 256 to 4096 points a side, and the same time at 64 points. Tiles of 32
+    /// points take half as many rounds. A prototype with them took 0.5 of the time of one with tiles of 16.
+    const ON_GPU: Self = Self {
+        scan_width: 128,
+        scan_lines: 8,
+        tile: 32,
+        inner: 1,
+        tile_lanes: TileLanes::Points,
+        tile_edges: true,
+        together: None,
+        visits: None,
+    };
 
     /// Checks that a device has room for these sizes.
-    pub(crate) fn check(&self, limits: &vk::PhysicalDeviceLimits) -> Result<(), VulkanError> {
-        let Self { scan_width, scan_lines, tile, inner, together, visits } = *self;
+    pub(crate) fn check(
+        &self,
+        limits: &vk::PhysicalDeviceLimits,
+        shuffles: bool,
+    ) -> Result<(), VulkanError> {
+        let Self { scan_width, scan_lines, tile, inner, tile_lanes, tile_edges, together, visits } =
+            *self;
         let refuse = |reason: String| Err(VulkanError::Tuning(reason));
         let most =
             limits.max_compute_work_group_invocations.min(limits.max_compute_work_group_size[0]);
@@ -139,11 +177,14 @@ impl Tuning {
         if scan_width <= 2 * (scan_lines - 1) {
             return refuse(format!("of {scan_width} texels none is left for {scan_lines} lines"));
         }
-        if !(2..=64).contains(&tile) || tile % 2 != 0 || 2 * tile > most {
+        if !(2..=64).contains(&tile) || tile % 2 != 0 || tile_lanes.invocations() * tile > most {
             return refuse(format!("no tile has {tile} points a side"));
         }
-        if Self::tile_bytes(tile) > bytes {
+        if Self::tile_bytes(tile, tile_edges) > bytes {
             return refuse(format!("a tile of {tile} points a side does not fit {bytes} bytes"));
+        }
+        if tile_lanes == TileLanes::Shuffled && !shuffles {
+            return refuse("the device does not shuffle within subgroups".into());
         }
         if inner == 0 {
             return refuse("no iteration in a tile solves nothing".into());
@@ -157,10 +198,11 @@ impl Tuning {
         Ok(())
     }
 
-    /// Returns the bytes of shared memory of a tile with curved fronts: edge lengths, Gaussian curvature and
-    /// four copies of the fronts, at its points and those around it.
-    fn tile_bytes(tile: u32) -> u32 {
-        (tile + 2).pow(2) * (16 + 4 + 4 * 8) + 16
+    /// Returns the bytes of shared memory of a tile with curved fronts: edge lengths where wanted, Gaussian
+    /// curvature and four copies of the fronts, at its points and those around it.
+    fn tile_bytes(tile: u32, edges: bool) -> u32 {
+        let of_edges = if edges { 16 } else { 0 };
+        (tile + 2).pow(2) * (of_edges + 4 + 4 * 8) + 64
     }
 
     /// Returns the sizes that a plan for a grid needs.
@@ -221,3 +263,32 @@ const CHOICES: [Choice; 3] = [
     // of the time of raster scans from 64 to 4096 points a side.
     Choice { on_cpu: false, side: usize::MAX, schedule: Schedule::Tiles },
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tiles fit the shared memory that devices have, and edges stay in their image where that makes room.
+    #[test]
+    fn tiles_are_as_large_as_shared_memory_allows() {
+        let of = |kind, kilobytes: u32| {
+            let limits = vk::PhysicalDeviceLimits {
+                max_compute_shared_memory_size: kilobytes << 10,
+                max_compute_work_group_invocations: 1024,
+                max_compute_work_group_size: [1024; 3],
+                ..Default::default()
+            };
+            let tuning = Tuning::for_limits(kind, &limits, true);
+            tuning.check(&limits, true).unwrap();
+            let refused = Tuning { tile_lanes: TileLanes::Shuffled, ..tuning };
+            assert!(refused.check(&limits, false).is_err());
+            (tuning.tile, tuning.tile_edges, tuning.tile_lanes)
+        };
+        let gpu = |kilobytes| of(vk::PhysicalDeviceType::DISCRETE_GPU, kilobytes);
+        assert_eq!(gpu(64), (32, true, TileLanes::Shuffled));
+        assert_eq!(gpu(48), (32, false, TileLanes::Shuffled));
+        assert_eq!(gpu(32), (16, true, TileLanes::Shuffled));
+        assert_eq!(gpu(16), (16, false, TileLanes::Shuffled));
+        assert_eq!(of(vk::PhysicalDeviceType::CPU, 32), (16, true, TileLanes::Pairs));
+    }
+}

@@ -22,6 +22,14 @@ pub(crate) struct Shader {
 }
 
 impl Shader {
+    /// Returns whether another shader has as many bindings and specialization constants, and pushes as much.
+    pub(crate) const fn is_like(&self, other: &Self) -> bool {
+        self.bindings.len() == other.bindings.len()
+            && self.sees_host == other.sees_host
+            && self.constants.len() == other.constants.len()
+            && self.push_constant_bytes == other.push_constant_bytes
+    }
+
     /// Returns whether a constant specializes the shader.
     pub(crate) const fn depends_on(&self, wanted: Constant) -> bool {
         let mut place = 0;

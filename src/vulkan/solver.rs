@@ -16,7 +16,7 @@ use super::record::{Commands, Recorder};
 use super::schedules;
 use super::surface_on_device::{Start, SurfaceOnDevice};
 use super::upload::{SeedTexel, seed_texels};
-use super::{Schedule, Tuning, ValidationLog, VulkanError, embed};
+use super::{Schedule, Tuning, ValidationLog, VulkanError, embed, tile_lanes};
 use crate::Stop;
 use crate::surface::Seed;
 use crate::update::Wavefront;
@@ -158,7 +158,8 @@ impl Solver {
         // SAFETY: the physical device is from this instance.
         let properties =
             unsafe { instance.get_physical_device_properties(self.context.physical_device) };
-        tuning.check(&properties.limits)?;
+        let shuffles = tile_lanes::shuffles(instance, self.context.physical_device);
+        tuning.check(&properties.limits, shuffles)?;
         let pipelines = &mut self.for_device.pipelines;
         pipelines.set_tuning(device, tuning);
         pipelines.make_all(device, COMMON, Wavefront::Planar)?;

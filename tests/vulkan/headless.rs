@@ -25,7 +25,7 @@ const FEW_TILES: usize = 64;
 const WAVEFRONTS: [Wavefront; 3] = Wavefront::ALL;
 
 /// Returns whether a device computes on the processor's cores, with the arithmetic of the twins.
-fn is_processor(solver: &Solver) -> bool {
+pub fn is_processor(solver: &Solver) -> bool {
     devices().unwrap().iter().any(|info| info.name == solver.device_name() && info.kind == "CPU")
 }
 
@@ -225,7 +225,7 @@ fn twin(
     }
 }
 
-fn assert_schedule_twins(
+pub fn assert_schedule_twins(
     solver: &mut Solver,
     surface: &Surface,
     source: (usize, usize),

@@ -12,3 +12,4 @@ mod pairwise;
 mod profile;
 #[cfg(feature = "shaderc")]
 mod spirv;
+mod tile_lanes;

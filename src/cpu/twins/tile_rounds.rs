@@ -1,4 +1,4 @@
-//! Implements rounds of scans inside tiles. The twin of `glsl/tiles.comp` and `glsl/settle.comp`.
+//! Implements rounds of scans inside tiles. The twin of `glsl/tile_round.glsl` and `glsl/settle.comp`.
 
 use super::behind;
 use crate::Stop;

@@ -111,7 +111,7 @@ impl Solver {
             return Err(VulkanError::Unusable { device, unmet: unmet.join("; ") });
         }
         let labels = tools.labels.then(|| Labels::new(instance, device));
-        let tuning = Tuning::of(&properties);
+        let tuning = Tuning::of(instance, physical_device);
         let limits = Limits::of(instance, physical_device);
         let on_processor = limits.kind == vk::PhysicalDeviceType::CPU;
         let pipelines = Pipelines::new(device, (tuning, on_processor), labels, tools.executables)?;

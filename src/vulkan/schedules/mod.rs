@@ -299,7 +299,7 @@ pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
 /// use geosweep::surface::Chart;
 /// use geosweep::vulkan::{Schedule, TexelChart, Tuning, planned};
 /// let texels = TexelChart::new(Chart { rows: 256, cols: 256 }).unwrap();
-/// let tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None, visits: None };
+/// let tuning = Tuning::ON_CPU;
 /// let portions = tuning.portions(Wavefront::Planar, texels);
 /// let steps = Schedule::Raster.plan(texels, portions, None, 1);
 /// let passes = planned(&steps, texels, tuning, Wavefront::Planar);
@@ -326,8 +326,7 @@ mod tests {
     use crate::surface::Chart;
     use crate::vulkan::profile::{Decisions, decided};
 
-    const TUNING: Tuning =
-        Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None, visits: None };
+    const TUNING: Tuning = Tuning::ON_CPU;
 
     /// Returns portions with one dispatch for each block of lines, as on grids of any size.
     fn portions(wavefront: Wavefront, texels: TexelChart) -> Portions {

@@ -120,14 +120,7 @@ mod tests {
     /// Returns the work of a map of two planned recordings, and of a submission without counted passes.
     fn work(schedule: Schedule) -> Work {
         let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
-        let tuning = Tuning {
-            scan_width: 64,
-            scan_lines: 4,
-            tile: 16,
-            inner: 4,
-            together: None,
-            visits: None,
-        };
+        let tuning = Tuning::ON_CPU;
         let portions = tuning.portions(Wavefront::Planar, texels);
         let steps = schedule.plan(texels, portions, None, 2);
         let mut passes = planned(&steps, texels, tuning, Wavefront::Planar);

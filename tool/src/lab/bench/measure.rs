@@ -134,7 +134,10 @@ pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
             .then(|| {
                 let solver = Solver::for_profiling(&plan.device, &Capability::ALL)?;
                 match plan.tuning {
-                    Some(tuning) => solver.with_tuning(tuning),
+                    Some(tuning) => {
+                        let Tuning { tile_lanes, tile_edges, .. } = solver.tuning();
+                        solver.with_tuning(Tuning { tile_lanes, tile_edges, ..tuning })
+                    }
                     None => Ok(solver),
                 }
             })

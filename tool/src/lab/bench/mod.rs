@@ -130,7 +130,7 @@ fn tuning(text: &str) -> Result<Tuning, String> {
     match numbers.as_deref() {
         Ok(&[scan_width, scan_lines, tile, inner, ref together @ ..]) if together.len() < 2 => {
             let together = together.first().copied();
-            Ok(Tuning { scan_width, scan_lines, tile, inner, together, visits: None })
+            Ok(Tuning { scan_width, scan_lines, tile, inner, together, ..Tuning::ON_CPU })
         }
         _ => Err("portions are four or five numbers, such as 128,8,16,4".into()),
     }

@@ -88,8 +88,7 @@ mod tests {
     use super::super::sweep::Map;
     use super::*;
 
-    const UNTUNED: Tuning =
-        Tuning { scan_width: 128, scan_lines: 8, tile: 16, inner: 4, together: None, visits: None };
+    const UNTUNED: Tuning = Tuning { scan_width: 128, scan_lines: 8, ..Tuning::ON_CPU };
 
     fn row(knob: Knob, value: u32, ratio: f64, difference: f64) -> Row {
         let [best, untuned] = [Duration::from_millis(1); 2];

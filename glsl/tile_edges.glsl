@@ -1,0 +1,55 @@
+// Reads the lengths of edges in and around a tile: from shared memory where there is room, and from their
+// image otherwise. Included by tile_round.glsl.
+
+// Whether the lengths are copied to shared memory.
+layout(constant_id = 15) const int EDGES_SHARED = 1;
+
+// The four lengths of all points, one after another, so that neighbouring invocations read neighbouring words.
+shared float lengths[EDGES_SHARED != 0 ? 4 * AREA : 1];
+
+// First point of the window, in the images.
+ivec2 window;
+
+vec4 lengths_in_image(ivec2 at) {
+    return imageLoad(edges, min(window + at, last_point(texels)));
+}
+
+void load_edges() {
+    if (EDGES_SHARED == 0) return;
+    for (uint i = gl_LocalInvocationIndex; i < AREA; i += INVOCATIONS) {
+        vec4 all = lengths_in_image(from_row_major(int(i), SIDE));
+        for (int j = 0; j < 4; j++) lengths[j * AREA + i] = all[j];
+    }
+}
+
+// Returns the length of an edge from a point of the window.
+float edge_in_tile(ivec2 at, ivec2 step) {
+    bool here = stored_here(step);
+    ivec2 from = here ? at : at + step;
+    ivec2 stored = here ? step : -step;
+    if (EDGES_SHARED == 0) return stored_length(lengths_in_image(from), stored);
+    return lengths[component_stored(stored) * AREA + spot(from)];
+}
+
+// Edges that the update of a point of a line needs, from x0 to the points behind, and their bases.
+struct Edges {
+    float left, middle, right;
+    float base_left, base_right;
+};
+
+// Returns the edges of a point. `behind` is what lies in the image at the point behind, and becomes what lies
+// at this one.
+Edges edges_of(ivec2 at, ivec2 ahead, ivec2 along, inout vec4 behind) {
+    if (EDGES_SHARED != 0) {
+        return Edges(edge_in_tile(at, -ahead - along), edge_in_tile(at, -ahead), edge_in_tile(at, along - ahead),
+                     edge_in_tile(at - ahead - along, along), edge_in_tile(at - ahead, along));
+    }
+    vec4 here = lengths_in_image(at);
+    vec4 before = lengths_in_image(at - ahead - along);
+    vec4 after = lengths_in_image(at - ahead + along);
+    Edges all = Edges(length_between(here, before, -ahead - along), length_between(here, behind, -ahead),
+                      length_between(here, after, along - ahead), length_between(before, behind, along),
+                      length_between(behind, after, along));
+    behind = here;
+    return all;
+}

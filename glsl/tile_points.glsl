@@ -1,0 +1,227 @@
+// Scans a tile with one point of a line for each invocation, as GPUs like it: half of the work between two
+// lines, in more lanes. What does not depend on times is found out for the next line while this one waits.
+// Included by tile_round.glsl.
+//
+// An invocation keeps its front on the line behind. With WITH_SHUFFLES it has those beside it from its
+// neighbours' registers. Neighbours of another subgroup, or all of them without, pass theirs in shared memory.
+//
+// The update takes four triangles. Here the left triangle is in x and the right one in z. The other two are
+// constants, which compilers for GPUs leave out.
+
+// Values of a triangle's component that is left out: lengths of a triangle that is not obtuse.
+const float NO_EDGE = 1.0;
+
+// What an invocation knows of a point.
+struct Seen {
+    float time, carried, surface, slowness;
+};
+
+// What is stored of a point and of what lies behind it, which no scan of this copy changes before it comes there.
+struct Stored {
+    Edges edges;
+    Seen own;
+    // The neighbours behind, without their fronts.
+    Seen before, after;
+    // For invocations at the ends of a line: the neighbour behind that lies outside the tile.
+    Seen outside;
+};
+
+// The same, with what can be computed of it before the fronts behind are known.
+struct Prepared {
+    Stored stored;
+    vec4 l1, l2, base;
+    bvec4 obtuse;
+    Face face;
+};
+
+vec4 sided(float left, float right, float other) {
+    return vec4(left, other, right, other);
+}
+
+Seen seen_in_tile(int copy, int at) {
+    Seen seen = Seen(times[copy * AREA + at], 0.0, 0.0, 0.0);
+    if (CARRIES) {
+        seen.carried = carried[copy * AREA + at];
+        seen.surface = surface[at];
+    }
+    if (SLOWED != 0) seen.slowness = slowness[at];
+    return seen;
+}
+
+Stored stored_at(ivec2 at, ivec2 ahead, ivec2 along, int copy, inout vec4 lengths_behind) {
+    bool is_last = gl_LocalInvocationID.x == TILE - 1;
+    return Stored(edges_of(at, ahead, along, lengths_behind), seen_in_tile(copy, spot(at)),
+                  seen_in_tile(copy, spot(at - ahead - along)), seen_in_tile(copy, spot(at - ahead + along)),
+                  seen_in_tile(copy, spot(at - ahead + (is_last ? along : -along))));
+}
+
+Prepared prepare(Stored stored) {
+    Prepared next;
+    next.stored = stored;
+    Edges edges = stored.edges;
+    next.l1 = sided(edges.left, edges.middle, NO_EDGE);
+    next.l2 = sided(edges.middle, edges.right, NO_EDGE);
+    next.base = sided(edges.base_left, edges.base_right, NO_EDGE);
+    next.obtuse = bvec4(false);
+    if (SLOWED == 0 && !HAS_ANCHORS) {
+        next.obtuse = are_obtuse(next.l1, next.l2, next.base);
+        next.face = face_of(next.l1, next.l2, next.base, next.obtuse);
+    }
+    return next;
+}
+
+// Returns the fronts at a point, in all components, given the three points behind.
+Fronts update_point(Prepared now, Seen before, Seen behind, Seen after, Places places) {
+    Ends near = Ends(sided(before.time, behind.time, 0.0), sided(before.carried, behind.carried, 0.0),
+                     sided(before.surface, behind.surface, 0.0), sided(before.slowness, behind.slowness, NO_EDGE));
+    Ends far = Ends(sided(behind.time, after.time, 0.0), sided(behind.carried, after.carried, 0.0),
+                    sided(behind.surface, after.surface, 0.0), sided(behind.slowness, after.slowness, NO_EDGE));
+    vec4 own = sided(now.stored.own.surface, now.stored.own.surface, 0.0);
+    vec4 slow = sided(now.stored.own.slowness, now.stored.own.slowness, NO_EDGE);
+    bvec4 alone = bvec4(now.l1.z >= FAR);
+    Fronts both_sides;
+    if (NAMED != 0 || SLOWED != 0) {
+        ivec2 back = -places.ahead;
+        Site left = site_at(places, back - places.along, back);
+        Site right = site_at(places, back, back + places.along);
+        Site site = Site(vec4(places.first.x), vec4(places.first.y),
+                         sided(left.first_col.x, right.first_col.x, 0.0), sided(left.first_row.x, right.first_row.x, 1.0),
+                         sided(left.second_col.x, right.second_col.x, 1.0),
+                         sided(left.second_row.x, right.second_row.x, 0.0));
+        both_sides = update_at(near, far, own, slow, now.l1, now.l2, now.base, alone, site);
+        now.obtuse = are_split(near, far, slow, now.l1, now.l2, now.base);
+    } else {
+        both_sides = update_on(now.face, near, far, own, alone);
+    }
+    Fronts fronts = earlier(Fronts(both_sides.time.xxxx, both_sides.carried.xxxx, both_sides.whole.xxxx),
+                            Fronts(both_sides.time.zzzz, both_sides.carried.zzzz, both_sides.whole.zzzz));
+    bvec4 right = bvec4(now.obtuse.z, false, false, false);
+    add_parts(places, bvec4(now.obtuse.x, false, false, false), right, fronts);
+    return fronts;
+}
+
+// Returns the paths to a point.
+Fronts ways_to_point(Prepared now, Seen before, Seen behind, Seen after, Places places, uint scan, bool renews) {
+    Ends ends = Ends(vec4(before.time, behind.time, after.time, FAR),
+                     vec4(before.carried, behind.carried, after.carried, 0.0),
+                     vec4(before.surface, behind.surface, after.surface, 0.0), vec4(0.0));
+    return ways_to(sight_of_pair(ends, now.l1, now.l2), places, 1u, scan, renews, vec4(now.stored.own.time),
+                   vec4(now.stored.own.carried));
+}
+
+// Whether the invocations before and after this one in its line are in its subgroup.
+bool has_before = false;
+bool has_after = false;
+// Whether every line is in one subgroup.
+bool are_lines_whole = false;
+// Whether any line is divided between subgroups.
+shared uint divided;
+
+// The device chooses which invocations make a subgroup, so neighbours tell their numbers. The workgroup has a
+// barrier after each of the first two of these functions.
+void forget_subgroups() {
+    divided = 0u;
+}
+
+void note_subgroups() {
+#ifdef WITH_SHUFFLES
+    int number = int(gl_LocalInvocationIndex);
+    int before = subgroupShuffleUp(number, 1u);
+    int after = subgroupShuffleDown(number, 1u);
+    has_before = gl_SubgroupInvocationID > 0u && before == number - 1;
+    has_after = gl_SubgroupInvocationID + 1u < gl_SubgroupSize && after == number + 1;
+    int place = int(gl_LocalInvocationID.x);
+    if (place > 0 && !has_before || place < TILE - 1 && !has_after) atomicOr(divided, 1u);
+#endif
+}
+
+void know_subgroups() {
+#ifdef WITH_SHUFFLES
+    are_lines_whole = divided == 0u;
+#endif
+}
+
+// Lets the invocations of a scan see what they have written.
+void end_line() {
+#ifdef WITH_SHUFFLES
+    if (are_lines_whole) {
+        subgroupMemoryBarrierShared();
+        subgroupBarrier();
+        return;
+    }
+#endif
+    barrier();
+}
+
+// Completes what is known of the neighbours behind, given the front behind.
+void know_neighbours(Prepared now, Seen behind, ivec2 at_behind, ivec2 along, int copy, out Seen before, out Seen after) {
+    before = now.stored.before;
+    after = now.stored.after;
+    int place = int(gl_LocalInvocationID.x);
+#ifdef WITH_SHUFFLES
+    before.time = subgroupShuffleUp(behind.time, 1u);
+    after.time = subgroupShuffleDown(behind.time, 1u);
+    if (CARRIES) {
+        before.carried = subgroupShuffleUp(behind.carried, 1u);
+        after.carried = subgroupShuffleDown(behind.carried, 1u);
+    }
+    if (place == 0) {
+        before.time = now.stored.outside.time;
+        before.carried = now.stored.outside.carried;
+    }
+    if (place == TILE - 1) {
+        after.time = now.stored.outside.time;
+        after.carried = now.stored.outside.carried;
+    }
+    if (are_lines_whole) return;
+#endif
+    if (!has_before) {
+        int from = copy * AREA + spot(at_behind - along);
+        before.time = times[from];
+        if (CARRIES) before.carried = carried[from];
+    }
+    if (!has_after) {
+        int from = copy * AREA + spot(at_behind + along);
+        after.time = times[from];
+        if (CARRIES) after.carried = carried[from];
+    }
+}
+
+// Runs one of the four scans over its copy of the tile. All invocations see what it has brought before it returns.
+void run_scan(int copy, bool may_renew) {
+    const bool SEES_FURTHER = SPLITS != 0 || HAS_ANCHORS;
+    ivec2 ahead = ahead_of(copy);
+    ivec2 along = along_of(copy);
+    ivec2 at = (1 + int(gl_LocalInvocationID.x)) * along + first_line_of_tile(ahead);
+    copy_here = copy;
+    vec4 lengths_behind = vec4(0.0);
+    if (EDGES_SHARED == 0) lengths_behind = lengths_in_image(at - ahead);
+    Seen behind = seen_in_tile(copy, spot(at - ahead));
+    Prepared now = prepare(stored_at(at, ahead, along, copy, lengths_behind));
+    for (int line = 0; line < TILE; line++) {
+        Seen before;
+        Seen after;
+        know_neighbours(now, behind, at - ahead, along, copy, before, after);
+        Stored next = stored_at(line + 1 < TILE ? at + ahead : at, ahead, along, copy, lengths_behind);
+
+        Places places = Places(window + at, along, ivec2(0), ahead, along);
+        Fronts fronts;
+        if (HAS_ANCHORS) {
+            fronts = ways_to_point(now, before, behind, after, places, uint(copy) + 1u, may_renew);
+        } else {
+            fronts = update_point(now, before, behind, after, places);
+        }
+        vec4 time = vec4(now.stored.own.time);
+        vec4 held = vec4(now.stored.own.carried);
+        accept(fronts, uint(copy) + 1u, may_renew, time, held);
+        // Other invocations may read parts and anchors on this line, so all of them read before any writes.
+        if (SEES_FURTHER) end_line();
+        times[copy * AREA + spot(at)] = time.x;
+        if (CARRIES) carried[copy * AREA + spot(at)] = held.x;
+        behind = Seen(time.x, held.x, now.stored.own.surface, now.stored.own.slowness);
+        now = prepare(next);
+        if (SEES_FURTHER || !are_lines_whole) end_line();
+        at += ahead;
+    }
+    barrier();
+}

@@ -1,0 +1,127 @@
+//! The forms of the pass over tiles that GPUs take, on any device, against the form that CPUs take and against the
+//! twin.
+
+use geosweep::surface::builtin::Builtin;
+use geosweep::surface::{Seed, Surface};
+use geosweep::vulkan::{Method, Schedule, Solution, Solver, TileLanes, Tuning};
+use geosweep::{Sources, Spacing, Stop, Wavefront};
+
+use crate::common::*;
+use crate::headless::{assert_schedule_twins, is_processor};
+
+/// Lines of 8 points fit a subgroup of lavapipe, and those of 16 do not. Of 24 points a side only tiles whose edges stay
+/// in their image fit its shared memory.
+const FORMS: [(TileLanes, u32, bool, u32); 4] = [
+    (TileLanes::Shuffled, 8, true, 1),
+    (TileLanes::Shuffled, 16, false, 2),
+    (TileLanes::Points, 16, true, 1),
+    (TileLanes::Points, 24, false, 1),
+];
+
+fn solver(tile_lanes: TileLanes, tile: u32, tile_edges: bool, inner: u32) -> Solver {
+    let solver = Solver::with_validation(&device_choice()).unwrap();
+    let tuning = Tuning { tile_lanes, tile, tile_edges, inner, ..solver.tuning() };
+    solver.with_tuning(tuning).unwrap()
+}
+
+fn assert_nothing_said(solver: &Solver) {
+    let said = solver.validation_log().expect("validation is on").messages();
+    assert!(said.is_empty(), "{said:?}");
+}
+
+struct Problem {
+    what: &'static str,
+    surface: Surface,
+    seeds: Vec<Seed>,
+    wavefronts: &'static [Wavefront],
+}
+
+impl Problem {
+    fn new(
+        what: &'static str,
+        surface: Surface,
+        sources: &Sources,
+        wavefronts: &'static [Wavefront],
+    ) -> Self {
+        let seeds = sources.seeds(&surface).unwrap();
+        Self { what, surface, seeds, wavefronts }
+    }
+}
+
+/// With holes, obtuse triangles, an uneven slowness, fronts of several origins, and anchors; no side is a multiple of
+/// that of a tile.
+fn problems() -> Vec<Problem> {
+    use Wavefront::{Anchored, Curved, Planar, PointSource};
+    let middle = |surface: &Surface| {
+        let (row, col) = some_point(surface);
+        Sources::point(row as f64, col as f64)
+    };
+    let sphere = Builtin::Sphere.surface(45, 39).unwrap();
+    let holes = rough(41, 54, 5);
+    let slowness = (0..40 * 53).map(|i| if i % 53 < 30 { 1.0 } else { 2.5 }).collect();
+    let slowed = rough(40, 53, 9).with_slowness(slowness).unwrap();
+    let plane = Surface::from_heights(37, 50, vec![0.0; 37 * 50], Spacing::square(0.7)).unwrap();
+    let several = Sources::point(3.0, 5.0).and_point(30.0, 41.0, 1.5).and_point(20.25, 8.5, 0.5);
+    let maze = Builtin::Maze.surface(51, 43).unwrap();
+    vec![
+        Problem::new("sphere", sphere, &Sources::point(11.0, 30.0), &[Planar, PointSource, Curved]),
+        Problem::new("holes", holes.clone(), &middle(&holes), &[Planar, Curved]),
+        Problem::new("slowness", slowed.clone(), &middle(&slowed), &[Planar, Curved]),
+        Problem::new("origins", plane, &several, &[Curved]),
+        Problem::new("anchors", maze, &Sources::point(0.0, 0.0), &[Anchored]),
+    ]
+}
+
+fn solved(solver: &mut Solver, problem: &Problem, wavefront: Wavefront, stop: Stop) -> Solution {
+    let mut on_device = solver.upload(&problem.surface).unwrap();
+    let method = Method { wavefront, schedule: Some(Schedule::Tiles), stop };
+    solver.solve(&mut on_device, &problem.seeds, method).unwrap()
+}
+
+/// Round by round, and to the last bit where the device rounds as the twins do.
+#[test]
+fn every_form_leads_to_the_same_fronts() {
+    let problems = problems();
+    for (lanes, tile, edges, inner) in FORMS {
+        let mut pairs = solver(TileLanes::Pairs, tile, edges, inner);
+        let mut points = solver(lanes, tile, edges, inner);
+        let is_exact = is_processor(&pairs);
+        // All of them for one form of each module; drivers take a second or more for each pipeline.
+        let is_first = matches!((lanes, tile), (TileLanes::Shuffled, 8) | (TileLanes::Points, 24));
+        let count = if is_first { problems.len() } else { 2 };
+        for problem in &problems[..count] {
+            for &wavefront in problem.wavefronts {
+                for stop in [Stop::after(1), Stop::after(4), CONVERGED] {
+                    let wanted = solved(&mut pairs, problem, wavefront, stop);
+                    let found = solved(&mut points, problem, wavefront, stop);
+                    let what =
+                        format!("{}, {lanes:?} of {tile}, {wavefront}, {stop:?}", problem.what);
+                    let difference = difference(&wanted.distances, &found.distances);
+                    if is_exact {
+                        assert!(wanted.distances == found.distances, "{what}: {difference:e}");
+                        assert_eq!(wanted.iterations, found.iterations, "{what}");
+                    } else if stop == CONVERGED {
+                        assert!(difference < 1e-5, "{what}: {difference:e}");
+                    }
+                }
+            }
+        }
+        assert_nothing_said(&pairs);
+        assert_nothing_said(&points);
+    }
+}
+
+/// Among them rounds in a second recording, and more than the map takes.
+#[test]
+fn every_round_of_a_form_is_one_of_its_twin() {
+    for (lanes, tile, edges, inner) in [FORMS[0], FORMS[3]] {
+        let mut solver = solver(lanes, tile, edges, inner);
+        let maze = Builtin::Maze.surface(67, 60).unwrap();
+        assert_schedule_twins(&mut solver, &maze, (0, 0), Schedule::Tiles, [1, 2, 9, 200]);
+        let hills = rough(49, 38, 0);
+        assert_schedule_twins(&mut solver, &hills, (31, 13), Schedule::Tiles, [1, 3, 200]);
+        let strip = rough(1, 40, 0);
+        assert_schedule_twins(&mut solver, &strip, (0, 39), Schedule::Tiles, [1, 3]);
+        assert_nothing_said(&solver);
+    }
+}
