@@ -26,7 +26,7 @@ fn distance_map(c: &mut Criterion) {
             let edges = EdgeLengths::<f32>::new(&surface).expect("built-in surfaces fit");
             let mut group = c.benchmark_group(format!("{}/{side}", builtin.name()));
             group.throughput(Throughput::Elements((side * side) as u64)).sample_size(10);
-            for wavefront in [Wavefront::Planar, Wavefront::PointSource] {
+            for wavefront in [Wavefront::Planar, Wavefront::Circular] {
                 group.bench_function(BenchmarkId::new("raster scan", wavefront), |b| {
                     b.iter(|| cpu::raster_scan(&edges, &seeds, wavefront, STOP));
                 });

@@ -20,7 +20,7 @@ fn pairwise(c: &mut Criterion) {
     for (name, stop) in [("one iteration", Stop::after(1)), ("converged", CONVERGED)] {
         let mut group = c.benchmark_group(name);
         group.throughput(Throughput::Elements((POINTS * POINTS) as u64)).sample_size(10);
-        for wavefront in [Wavefront::Planar, Wavefront::PointSource] {
+        for wavefront in [Wavefront::Planar, Wavefront::Circular] {
             for instructions in Instructions::available() {
                 let solver = PairwiseScan::new(&edges, wavefront).expect("fronts for lanes");
                 let solver = solver.with_instructions(instructions);

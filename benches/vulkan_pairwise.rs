@@ -25,7 +25,7 @@ fn vulkan_pairwise(c: &mut Criterion) {
         for (name, stop) in [("one iteration", Stop::after(1)), ("converged", CONVERGED)] {
             let mut group = c.benchmark_group(format!("{side} x {side}, {name}"));
             group.throughput(Throughput::Elements(rows.len() as u64)).sample_size(10);
-            for wavefront in Wavefront::ALL {
+            for wavefront in Wavefront::FOR_ANY_SURFACE {
                 let options = Options {
                     engine: Engine::Cpu,
                     wavefront: Some(wavefront),

@@ -37,11 +37,11 @@ fn source(points: usize) -> [usize; 2] {
     [3 * (points - 1) / 10, 2 * (points - 1) / 5]
 }
 
-/// Prints errors of the converged map in single precision, for planar and point-source fronts from a point,
+/// Prints errors of the converged map in single precision, for planar and circular fronts from a point,
 /// and for planar fronts from exact values in a disc of radius 0.1.
 fn engine_table(points: usize) {
     println!(
-        "| shear | largest angle | planar: mean | max | planar from a disc: mean | max | point-source: mean | max |"
+        "| shear | largest angle | planar: mean | max | planar from a disc: mean | max | circular: mean | max |"
     );
     println!("|---:|---:|---:|---:|---:|---:|---:|---:|");
     for degrees in ANGLES {
@@ -59,11 +59,9 @@ fn engine_table(points: usize) {
         );
         let point = Sources::point(from[0], from[1]);
         print!("| {degrees} | {:.0} ", largest_angle(degrees));
-        for (sources, wavefront) in [
-            (&point, Wavefront::Planar),
-            (&disc, Wavefront::Planar),
-            (&point, Wavefront::PointSource),
-        ] {
+        for (sources, wavefront) in
+            [(&point, Wavefront::Planar), (&disc, Wavefront::Planar), (&point, Wavefront::Circular)]
+        {
             let stop = Stop { tolerance: 1e-6, iterations: 1000 };
             let seeds = sources.seeds(&surface).unwrap();
             let map = cpu::rotated_scan(&edges, &seeds, wavefront, stop).distances();
@@ -79,7 +77,7 @@ fn engine_table(points: usize) {
 /// Prints mean errors and times of fast marching with the crate's [`Connections`], in single precision.
 fn fast_marching_table(points: usize) {
     println!(
-        "| shear | planar: mean, 8 | split | point-source: mean, 8 | split | ms, 8 | split | ms to split |"
+        "| shear | planar: mean, 8 | split | circular: mean, 8 | split | ms, 8 | split | ms to split |"
     );
     println!("|---:|---:|---:|---:|---:|---:|---:|---:|");
     for degrees in ANGLES {
@@ -95,7 +93,7 @@ fn fast_marching_table(points: usize) {
         let eight = Connections::eight(surface.chart());
         print!("| {degrees} ");
         let mut times = [Duration::ZERO; 2];
-        for wavefront in [Wavefront::Planar, Wavefront::PointSource] {
+        for wavefront in [Wavefront::Planar, Wavefront::Circular] {
             times = [&eight, &split].map(|connections| {
                 let start = Instant::now();
                 let map = cpu::fast_marching_with(&edges, connections, &seeds, wavefront);

@@ -1,6 +1,6 @@
 // Implements fronts around a virtual point source, whose distance is the arrival time. They carry nothing
 // else.
-// Twin: the point-source front in src/update, where the formulas are explained.
+// Twin: the circular front in src/update, where the formulas are explained.
 
 // Returns the curvature over a base, in units of 1 over the base, given the time at its later end.
 float circular_curvature(float time, float base) {

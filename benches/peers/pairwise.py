@@ -47,7 +47,7 @@ PEERS: dict[Callable[[], Solver], int] = {GeometryCentralHeat: 512, Exact: 128, 
 
 OURS = {
     "geosweep planar, 1 iteration": ("--wavefront", "planar", "--iterations", "1"),
-    "geosweep point": ("--wavefront", "point"),
+    "geosweep circular": ("--wavefront", "circular"),
     "geosweep curved": ("--wavefront", "curved"),
 }
 

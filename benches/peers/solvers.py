@@ -284,7 +284,7 @@ class ScikitFmm(Solver):
         return np.ma.filled(distances, np.inf)
 
 
-WAVEFRONTS = ("planar", "point", "curved")
+WAVEFRONTS = ("planar", "circular", "curved")
 DOUBLE = ("--precision", "double")
 
 

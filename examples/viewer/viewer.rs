@@ -228,7 +228,7 @@ impl Viewer {
     }
 
     pub fn next_wavefront(&mut self) -> Result<()> {
-        self.use_method(self.schedule, after(&Wavefront::ALL, self.wavefront))
+        self.use_method(self.schedule, after(&Wavefront::FOR_ANY_SURFACE, self.wavefront))
     }
 
     /// Creates the pipelines of a method when it is first used.

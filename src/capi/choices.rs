@@ -12,7 +12,7 @@ pub enum GeosweepWavefront {
     /// Straight front: first-order accurate and the cheapest.
     Planar = 0,
     /// Circular front around a virtual point source: exact on the plane, for point sources.
-    PointSource = 1,
+    Circular = 1,
     /// Front that carries its curvature along with the distance: second-order accurate on curved surfaces and
     /// around holes.
     Curved = 2,
@@ -55,7 +55,7 @@ pub(super) type ScheduleNumber = i32;
 pub(super) type EdgeRuleNumber = i32;
 
 pub(super) fn wavefront(number: WavefrontNumber, name: &str) -> Result<Wavefront, Failure> {
-    let choices = Wavefront::EVERY.map(|choice| (wavefront_number(choice), choice));
+    let choices = Wavefront::ALL.map(|choice| (wavefront_number(choice), choice));
     choose(number, name, "GeosweepWavefront", &choices)
 }
 
@@ -63,7 +63,7 @@ pub(super) fn wavefront(number: WavefrontNumber, name: &str) -> Result<Wavefront
 pub(super) fn wavefront_number(wavefront: Wavefront) -> WavefrontNumber {
     match wavefront {
         Wavefront::Planar => GeosweepWavefront::Planar as i32,
-        Wavefront::PointSource => GeosweepWavefront::PointSource as i32,
+        Wavefront::Circular => GeosweepWavefront::Circular as i32,
         Wavefront::Curved => GeosweepWavefront::Curved as i32,
         Wavefront::Anchored => GeosweepWavefront::Anchored as i32,
     }

@@ -171,7 +171,7 @@ typedef enum GeosweepWavefront {
     // Straight front: first-order accurate and the cheapest.
     GEOSWEEP_WAVEFRONT_PLANAR = 0,
     // Circular front around a virtual point source: exact on the plane, for point sources.
-    GEOSWEEP_WAVEFRONT_POINT_SOURCE = 1,
+    GEOSWEEP_WAVEFRONT_CIRCULAR = 1,
     // Front that carries its curvature along with the distance: second-order accurate on curved surfaces and
     // around holes.
     GEOSWEEP_WAVEFRONT_CURVED = 2,

@@ -22,10 +22,10 @@ pub struct Ceilings {
     /// Bytes per second, read plus written, of copies of 32 MiB for each thread. Copies of this size may fit
     /// a large cache.
     pub copy: f64,
-    /// Updates from one triangle per second, by wavefront ([`Wavefront::ALL`]), for a line of points that
+    /// Updates from one triangle per second, by wavefront ([`Wavefront::FOR_ANY_SURFACE`]), for a line of points that
     /// stays in the nearest cache, with the best available instructions. Each point counts as two, also where
     /// one of its triangles is skipped because it brings nothing.
-    pub triangles: [f64; Wavefront::ALL.len()],
+    pub triangles: [f64; Wavefront::FOR_ANY_SURFACE.len()],
 }
 
 /// Number of values that a thread copies.
@@ -52,7 +52,7 @@ impl Ceilings {
                         std::hint::black_box(&mut to);
                     }
                 }),
-            triangles: Wavefront::ALL.map(|wavefront| {
+            triangles: Wavefront::FOR_ANY_SURFACE.map(|wavefront| {
                 let lines = for_triangle_kind!(&edges, wavefront, kind => rate(threads, || {
                     let mut line = WarmLine::new(&edges, Clone::clone(&kind));
                     move || {
@@ -157,7 +157,7 @@ mod tests {
     #[test]
     fn the_line_that_is_timed_is_one_that_a_front_reaches() {
         let edges = two_rows();
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             let times = for_triangle_kind!(&edges, wavefront, kind => {
                 let mut line = WarmLine::new(&edges, Clone::clone(&kind));
                 for _ in 0..2 {

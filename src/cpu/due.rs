@@ -200,7 +200,7 @@ mod tests {
     #[test]
     fn scans_have_something_to_do_where_their_fronts_would_come_earlier() {
         let edges = plane();
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             for instructions in Instructions::available() {
                 let found = |scan, late| {
                     let times = |row, col| {

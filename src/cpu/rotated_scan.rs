@@ -213,7 +213,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     ///
     /// let edges = EdgeLengths::<f32>::new(&Builtin::Plane.surface(101, 101)?)?;
     /// let stop = Stop { tolerance: 1e-6, iterations: 1000 };
-    /// let mut solver = RotatedScan::new(&edges, Wavefront::PointSource);
+    /// let mut solver = RotatedScan::new(&edges, Wavefront::Circular);
     /// solver.solve(&[Seed::at_source(0, 0, 0.0)], stop);
     /// let before = solver.distances();
     /// solver.add(&[Seed::at_source(100, 100, 0.0)], stop);

@@ -75,7 +75,7 @@ pub(crate) fn from_planar<R: Real>(triangle: Triangle<R>, now: R) -> bool {
 /// distance of r from the base's nearest point, the distance from the source to the points of the base is at
 /// most c^2 / 8r below the chord. Here r is at least t - c / 2 for the earlier end.
 #[inline(always)]
-pub(crate) fn from_point_source<R: Real>(triangle: Triangle<R>, now: R) -> bool {
+pub(crate) fn from_circular<R: Real>(triangle: Triangle<R>, now: R) -> bool {
     let Triangle { t1, t2, c, .. } = triangle;
     let distance = max(min(t1, t2) - R::of(0.5) * c, R::zero());
     Lead::new(triangle, now).exceeds(R::of(0.125) * c * c, distance)
@@ -97,7 +97,7 @@ pub(super) fn from_curved<R: Real>(triangle: Triangle<R>, curvatures: [R; 2], no
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::update::{Bends, curved, planar, point_source};
+    use crate::update::{Bends, circular, curved, planar};
     use glam::DVec2;
 
     /// Calls `check` with triangles of all shapes, obtuse and acute, and the arrival times of fronts from all
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn no_settled_point_is_reached_earlier_by_a_circular_front() {
-        assert_settles(0.3, |triangle| point_source(triangle, false), from_point_source);
+        assert_settles(0.3, |triangle| circular(triangle, false), from_circular);
     }
 
     #[test]
@@ -189,7 +189,7 @@ mod tests {
         ] {
             let now = planar(triangle) + 0.1;
             assert!(!from_planar(triangle, now), "{triangle:?}");
-            assert!(!from_point_source(triangle, now), "{triangle:?}");
+            assert!(!from_circular(triangle, now), "{triangle:?}");
             assert!(!from_curved(triangle, [0.1; 2], now), "{triangle:?}");
         }
     }

@@ -74,7 +74,7 @@ impl Wavefront {
         match self.or_curved(Setting::of_engine(surface.is_floor_plan())) {
             Self::Planar => seeds,
             Self::Anchored => with_diagonals(surface, seeds),
-            wavefront @ (Self::PointSource | Self::Curved) => {
+            wavefront @ (Self::Circular | Self::Curved) => {
                 with_origins(wavefront, surface, seeds)
             }
         }
@@ -345,7 +345,7 @@ mod tests {
             let surface = builtin.surface(300, 300).unwrap();
             let edges = EdgeLengths::<f32>::new(&surface).unwrap();
             let own = |row, col| Sources::point(row, col).seeds(&surface).unwrap();
-            for wavefront in [Wavefront::PointSource, Wavefront::Curved] {
+            for wavefront in [Wavefront::Circular, Wavefront::Curved] {
                 let iterations =
                     |seeds: &[Seed]| rotated_scan(&edges, seeds, wavefront, SINGLE).iterations;
                 let at_point = iterations(&own(100.0, 125.0));
@@ -372,7 +372,7 @@ mod tests {
         {
             let whole = builtin.surface(160, 160).unwrap();
             let surface = if masked { whole.with_mask(&mask).unwrap() } else { whole };
-            for wavefront in [Wavefront::PointSource, Wavefront::Curved] {
+            for wavefront in [Wavefront::Circular, Wavefront::Curved] {
                 // In the middle, on a side of a cell, and beside the grid's corner.
                 for (row, col) in [(80.3, 100.75), (81.0, 100.5), (0.25, 158.5)] {
                     let seeds = assert_same_map(&surface, wavefront, &Sources::point(row, col));
@@ -417,7 +417,7 @@ mod tests {
         // The wall reaches from the fast half past the source, which lies beside it.
         let wall = |k: usize| k / cols != 60 || k % cols < 66 || k % cols > 90;
         let surface = surface.with_mask(&(0..rows * cols).map(wall).collect::<Vec<_>>()).unwrap();
-        for wavefront in [Wavefront::PointSource, Wavefront::Curved] {
+        for wavefront in [Wavefront::Circular, Wavefront::Curved] {
             assert!(assert_same_map(&surface, wavefront, &Sources::point(58.5, 73.25)) > 200);
         }
     }

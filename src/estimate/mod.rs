@@ -4,7 +4,7 @@
 //! grid to a coarser one tells the error itself. The form of the error depends on the wavefront:
 //!
 //! - planar: h log(1/h) and h, from the singularity at a point source and away from it;
-//! - point-source: h and h^2, from the curvature that bends the front and from the chords;
+//! - circular: h and h^2, from the curvature that bends the front and from the chords;
 //! - curved: h^2.
 //!
 //! Let d1 be the growth of the distance from every point to every second one, and d2 that from there to every
@@ -34,7 +34,7 @@ pub struct ErrorEstimate<R = f32> {
     /// to the exact distances, see [`estimate_error`]. Where there is no estimate, it equals the map.
     pub extrapolated: Vec<R>,
     /// The observed order p: over the whole map, changes from grid to grid are proportional to h^p. It needs
-    /// three grids. On smooth surfaces it is 1.2 to 2 for point-source fronts, about 2 for curved ones, and
+    /// three grids. On smooth surfaces it is 1.2 to 2 for circular fronts, about 2 for curved ones, and
     /// near 0.5 for planar ones from points. It is lower where the surface is rough on the grid or has holes,
     /// and where only rounding is left. It is `None` for anchored fronts that are compared with a finer grid.
     pub observed_order: Option<f64>,
@@ -60,9 +60,9 @@ pub struct ErrorEstimate<R = f32> {
 /// | the same; two grid points | 1.1 to 3.5 | 99 % |
 /// | the same; a point between grid points | 1.1 to 1.7 | 91 to 100 % |
 /// | rough terrain: planar front | 1.0 to 1.6 | 90 to 98 % |
-/// | rough terrain: point-source front | 4 to 5 | 100 % |
+/// | rough terrain: circular front | 4 to 5 | 100 % |
 /// | rough terrain: curved front | 2 to 2.4 | 99.9 % |
-/// | maze: planar, point-source, curved front | 15 to 27, 33 to 51, 1000 | 98 to 100 % |
+/// | maze: planar, circular, curved front | 15 to 27, 33 to 51, 1000 | 98 to 100 % |
 /// | floor plans, anchored front: rounding | 2.8 to 4.7 | 98.7 to 100 % |
 /// | floor plans with single points missing, anchored front | 2.0 | 98.9 to 99.5 % |
 ///
@@ -73,7 +73,7 @@ pub struct ErrorEstimate<R = f32> {
 ///
 /// - Planar front: 3 to 15 % from sources at grid points, half from a source between them, and two thirds on
 ///   rough terrain.
-/// - Point-source front: 1 to 15 % on sphere, cylinder and cone, up to 70 % from two sources. On rough
+/// - Circular front: 1 to 15 % on sphere, cylinder and cone, up to 70 % from two sources. On rough
 ///   terrain the error is doubled.
 /// - Curved front: 0.1 to 18 % on sphere, cylinder and cone, up to 30 % from two sources. On rough terrain
 ///   half of the error is left.
@@ -207,7 +207,7 @@ impl Weights {
     fn of(wavefront: Wavefront) -> Self {
         match wavefront {
             Wavefront::Planar => Self { two: 1.0, three: Some([3.0, -1.0]) },
-            Wavefront::PointSource => Self { two: 1.0, three: Some([5.0 / 3.0, -1.0 / 3.0]) },
+            Wavefront::Circular => Self { two: 1.0, three: Some([5.0 / 3.0, -1.0 / 3.0]) },
             Wavefront::Curved | Wavefront::Anchored => Self { two: 1.0 / 3.0, three: None },
         }
     }

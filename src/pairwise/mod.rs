@@ -7,7 +7,7 @@
 //!
 //! // A flat square of 5 x 5 points.
 //! let surface = Surface::from_heights(5, 5, vec![0.0; 25], Spacing::square(1.0))?;
-//! let options = Options { wavefront: Some(Wavefront::PointSource), ..Options::default() };
+//! let options = Options { wavefront: Some(Wavefront::Circular), ..Options::default() };
 //! let mut pairwise = Pairwise::new(&surface, &options)?;
 //! let (matrix, report) = pairwise.matrix(|_| ())?;
 //! assert!(report.converged());
@@ -116,7 +116,7 @@ impl<'a> Pairwise<'a> {
         done: impl Fn(usize) -> Result<(), E> + Sync,
     ) -> Result<(Vec<f32>, PairwiseReport), E> {
         let Some(lanes) = self.engine.lanes() else {
-            let message = "the symmetric initialisation is for the planar and the point-source \
+            let message = "the symmetric initialisation is for the planar and the circular \
                            wavefront on the CPU; choose these, or leave it out";
             return Err(Error::Options(message.into()).into());
         };

@@ -25,7 +25,7 @@ pub(crate) fn base_crossing<R: Real>(
     let d = (near_t - t) * shape.per_base;
     let kappa = match wavefront {
         Wavefront::Planar => zero,
-        Wavefront::PointSource | Wavefront::Anchored => c / max(t, R::of(0.25) * c),
+        Wavefront::Circular | Wavefront::Anchored => c / max(t, R::of(0.25) * c),
         Wavefront::Curved => {
             let beside = (near_k >= at_source)
                 & ((k * c).abs() < R::of(ABOUT_STRAIGHT))
@@ -73,7 +73,7 @@ mod tests {
             let ends = triangle(times[0], times[1]);
             let curvatures = times.map(|time| 1.0 / time);
             let of = |wavefront| base_crossing(wavefront, ends, curvatures);
-            approx::assert_abs_diff_eq!(of(Wavefront::PointSource), exact(source), epsilon = 1e-12);
+            approx::assert_abs_diff_eq!(of(Wavefront::Circular), exact(source), epsilon = 1e-12);
             approx::assert_abs_diff_eq!(of(Wavefront::Curved), exact(source), epsilon = 1e-12);
         }
         // A straight front, as from far away.
@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn fronts_along_edges_come_from_their_ends() {
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             let of = |t1, t2| base_crossing(wavefront, triangle(t1, t2), [0.1; 2]);
             assert_eq!((of(2.0, f64::FAR), of(f64::FAR, 2.0)), (0.0, 1.0));
             // One end is earlier by more than the length of the base.

@@ -92,7 +92,7 @@ pub struct Bends<R> {
 
 /// Returns the front at x0 from fronts at x1 and x2.
 ///
-/// Inside the triangle the front is circular as in [`super::point_source()`], with the mean curvature of both
+/// Inside the triangle the front is circular as in [`super::circular()`], with the mean curvature of both
 /// ends in place of 1 / t. The curvatures of both ends are carried to the arrival time at x0, interpolated to
 /// the place where the ray crosses the base, and bent by the surface's Gaussian curvature along the ray
 /// (`bent`). A front that turns around the end of an edge beside a hole or the border is diffracted: it

@@ -7,13 +7,13 @@
 mod anchor;
 mod anchored;
 mod carried;
+mod circular;
 #[cfg(feature = "twins")]
 mod crossing;
 mod curvature;
 mod curved;
 mod inside;
 mod planar;
-mod point_source;
 mod sight;
 mod slowed;
 mod wavefront;
@@ -21,13 +21,13 @@ mod wavefront;
 pub(crate) use anchor::Anchor;
 pub(crate) use anchored::{Floor, is_shorter};
 pub(crate) use carried::{Carried, EXACT, Kept, SEED, tag_of};
+pub use circular::circular;
 #[cfg(feature = "twins")]
 pub(crate) use crossing::base_crossing;
 pub(crate) use curvature::Curvature;
 pub use curved::{Bends, Front, curved};
 pub(crate) use inside::InsideSources;
 pub use planar::planar;
-pub use point_source::point_source;
 pub(crate) use sight::{Sighted, Steps, curved_from_origins, line_to};
 pub(crate) use slowed::{curved_slowed, is_settled as is_settled_slowed, planar_slowed};
 pub use wavefront::Wavefront;
@@ -188,7 +188,7 @@ mod tests {
                 let bends =
                     Bends { fronts: [0.5; 2], surface: [0.0; 3], alone: false, causal: false };
                 let curved = curved(triangle, bends).time;
-                for time in [planar(triangle), point_source(triangle, false), curved] {
+                for time in [planar(triangle), circular(triangle, false), curved] {
                     assert_eq!(time, edge_step, "{triangle:?}");
                 }
             }

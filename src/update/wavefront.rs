@@ -19,7 +19,7 @@ pub enum Wavefront {
     /// uneven slowness are solved with [`Self::Curved`] instead, and their report says so: circular fronts do
     /// not tell to which source they belong where they meet. Fast marching, which updates in one order, keeps
     /// them for several sources.
-    PointSource = constants::CIRCULAR as i32,
+    Circular = constants::CIRCULAR as i32,
     /// A front that carries its curvature beside the arrival time. It is second-order accurate on curved
     /// surfaces, also around holes and for extended sources.
     Curved = constants::CURVED as i32,
@@ -32,9 +32,9 @@ pub enum Wavefront {
 
 impl Wavefront {
     /// The wavefronts that suit any surface: all but [`Self::Anchored`].
-    pub const ALL: [Self; 3] = [Self::Planar, Self::PointSource, Self::Curved];
+    pub const FOR_ANY_SURFACE: [Self; 3] = [Self::Planar, Self::Circular, Self::Curved];
     /// All wavefronts, including [`Self::Anchored`].
-    pub const EVERY: [Self; 4] = [Self::Planar, Self::PointSource, Self::Curved, Self::Anchored];
+    pub const ALL: [Self; 4] = [Self::Planar, Self::Circular, Self::Curved, Self::Anchored];
 
     /// Returns whether fronts carry their curvature.
     pub fn is_curved(self) -> bool {
@@ -50,7 +50,7 @@ impl Wavefront {
     pub fn name(self) -> &'static str {
         match self {
             Self::Planar => "planar",
-            Self::PointSource => "point",
+            Self::Circular => "circular",
             Self::Curved => "curved",
             Self::Anchored => "anchored",
         }
@@ -65,12 +65,12 @@ impl Wavefront {
         let from_curves = sources == SourceKind::Curves;
         match asked {
             Some(Self::Anchored) => setting.has_anchors().map(|()| Self::Anchored),
-            Some(Self::PointSource) if from_curves => Err(Unsuited::PointSourceFromCurves),
+            Some(Self::Circular) if from_curves => Err(Unsuited::CircularFromCurves),
             // Circular fronts do not tell from which source they come. Where fronts of several sources meet,
             // or one that a slowness bends meets itself, the result would depend on the order of updates.
             // Fast marching has only one order. Matrices with a constant slowness keep circular fronts for
             // their speed; where rays bend, circles have no centre.
-            Some(Self::PointSource)
+            Some(Self::Circular)
                 if sources.are_several() && engine != EngineKind::FastMarching
                     || is_slowed_unevenly =>
             {
@@ -99,20 +99,22 @@ impl fmt::Display for Wavefront {
     }
 }
 
-/// Parses the [`name`](Wavefront::name) of a wavefront.
+/// Parses the [`name`](Wavefront::name) of a wavefront. `point` is an older name of the circular one.
 ///
 /// ```
 /// use geosweep::Wavefront;
-/// assert_eq!("point".parse(), Ok(Wavefront::PointSource));
+/// assert_eq!("circular".parse(), Ok(Wavefront::Circular));
+/// assert_eq!("point".parse(), Ok(Wavefront::Circular));
 /// let error = "round".parse::<Wavefront>().unwrap_err();
-/// let expected = "no wavefront is called `round`; there are planar, point, curved, anchored";
+/// let expected = "no wavefront is called `round`; there are planar, circular, curved, anchored";
 /// assert_eq!(error.to_string(), expected);
 /// ```
 impl FromStr for Wavefront {
     type Err = UnknownName;
 
     fn from_str(text: &str) -> Result<Self, UnknownName> {
-        by_name("wavefront", text, &Self::EVERY, |wavefront| wavefront.name())
+        let text = if text.trim() == "point" { Self::Circular.name() } else { text };
+        by_name("wavefront", text, &Self::ALL, |wavefront| wavefront.name())
     }
 }
 
@@ -217,9 +219,9 @@ impl Setting {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Unsuited {
     #[error(
-        "the point-source wavefront needs point sources; use the curved or the planar one for curves"
+        "the circular wavefront needs point sources; use the curved or the planar one for curves"
     )]
-    PointSourceFromCurves,
+    CircularFromCurves,
     #[error(
         "the anchored wavefront is for floor plans: flat surfaces whose points are evenly spaced, without \
          obtuse triangles and without a slowness; use the curved one for others"
@@ -283,7 +285,7 @@ mod tests {
     #[test]
     fn what_is_asked_for_is_kept_or_refused() {
         let floor = Setting::of_engine(true);
-        for wavefront in Wavefront::EVERY {
+        for wavefront in Wavefront::ALL {
             for engine in [EngineKind::Map, EngineKind::FastMarching, EngineKind::Matrix] {
                 assert_eq!(resolved(wavefront, Setting { engine, ..floor }), Ok(wavefront));
             }
@@ -304,16 +306,16 @@ mod tests {
             assert_eq!(Anchored.or_curved(setting), Curved);
         }
         let curves = Setting { sources: CURVES, ..floor };
-        assert_eq!(resolved(PointSource, curves), Err(Unsuited::PointSourceFromCurves));
+        assert_eq!(resolved(Circular, curves), Err(Unsuited::CircularFromCurves));
         assert_eq!(resolved(Planar, curves), Ok(Planar));
         let several = SourceKind::Points { single: false, inside_cells: 0 };
         let with = |engine| Setting { sources: several, engine, ..floor };
-        assert_eq!(resolved(PointSource, with(EngineKind::Map)), Ok(Curved));
-        assert_eq!(resolved(PointSource, with(EngineKind::FastMarching)), Ok(PointSource));
+        assert_eq!(resolved(Circular, with(EngineKind::Map)), Ok(Curved));
+        assert_eq!(resolved(Circular, with(EngineKind::FastMarching)), Ok(Circular));
         let slow =
             |engine| Setting { is_slowed_unevenly: true, engine, ..Setting::of_engine(false) };
         for engine in [EngineKind::Map, EngineKind::Matrix, EngineKind::FastMarching] {
-            assert_eq!(resolved(PointSource, slow(engine)), Ok(Curved));
+            assert_eq!(resolved(Circular, slow(engine)), Ok(Curved));
         }
     }
 }

@@ -27,8 +27,8 @@ pub struct Ceilings {
     /// Bytes a second, read plus written, of a pass that copies one image to another. It moves 64 MiB, which
     /// may fit a large cache.
     pub copy: f64,
-    /// Updates from one triangle a second, by wavefront ([`Wavefront::ALL`]), with all data in registers.
-    pub triangles: [f64; Wavefront::ALL.len()],
+    /// Updates from one triangle a second, by wavefront ([`Wavefront::FOR_ANY_SURFACE`]), with all data in registers.
+    pub triangles: [f64; Wavefront::FOR_ANY_SURFACE.len()],
     /// Time of an empty dispatch of one workgroup with the barrier after it.
     pub dispatch: Duration,
     /// Time of the same dispatch if it is indirect, with the number of workgroups from a buffer.
@@ -133,7 +133,7 @@ impl<'a> Probe<'a> {
             new.buffers.push(Buffer::new(device, allocator, info)?);
         }
         new.copy = pipelines.make(device, CEILING_COPY, Wavefront::Planar)?.handle;
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             new.updates.push(pipelines.make(device, CEILING_UPDATES, wavefront)?.handle);
         }
         let family = requirements::compute_queue_family(instance, context.physical_device)
@@ -157,8 +157,8 @@ impl<'a> Probe<'a> {
             probe.dispatch(commands, probe.copy, Load { texels, repeats: 0 });
             probe.barrier(commands);
         })?;
-        let mut triangles = [0.0; Wavefront::ALL.len()];
-        for (wavefront, triangles) in Wavefront::ALL.into_iter().zip(&mut triangles) {
+        let mut triangles = [0.0; Wavefront::FOR_ANY_SURFACE.len()];
+        for (wavefront, triangles) in Wavefront::FOR_ANY_SURFACE.into_iter().zip(&mut triangles) {
             let repeated = self.repeated(|probe, commands, repeats| {
                 let work = Load { texels: [COMPUTED; 2], repeats };
                 probe.dispatch(commands, probe.updates[wavefront as usize], work);

@@ -255,13 +255,13 @@ impl From<Wavefront> for Variant {
 }
 
 impl Variant {
-    pub(crate) const COUNT: usize = 8 * Wavefront::EVERY.len();
+    pub(crate) const COUNT: usize = 8 * Wavefront::ALL.len();
 
     /// Returns all variants, by their places among a pass's pipelines.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         (0..8).flat_map(|bits| {
             let [splits, slowed, named] = [0, 1, 2].map(|bit| bits >> bit & 1 != 0);
-            Wavefront::EVERY.map(|wavefront| Self { wavefront, splits, slowed, named })
+            Wavefront::ALL.map(|wavefront| Self { wavefront, splits, slowed, named })
         })
     }
 }
@@ -295,7 +295,7 @@ impl Row {
         let slowed = self.shader.depends_on(Constant::Slowed) && variant.slowed;
         let named = self.shader.depends_on(Constant::Named) && variant.named;
         let bits = [splits, slowed, named].map(usize::from);
-        (bits[0] + 2 * bits[1] + 4 * bits[2]) * Wavefront::EVERY.len() + wavefront
+        (bits[0] + 2 * bits[1] + 4 * bits[2]) * Wavefront::ALL.len() + wavefront
     }
 
     /// Returns the direction of the scan, if the pass is one.

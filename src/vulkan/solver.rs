@@ -36,7 +36,7 @@ const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
 /// let mut solver = Solver::new(&DeviceChoice::Any)?;
 /// let mut on_device = solver.upload(&surface)?;
 /// let stop = Stop { tolerance: 1e-6, iterations: 100 };
-/// let method = Method { wavefront: Wavefront::PointSource, schedule: None, stop };
+/// let method = Method { wavefront: Wavefront::Circular, schedule: None, stop };
 /// for row in 0..2 {
 ///     let seeds = Sources::point(row as f64, 0.0).seeds(&surface)?;
 ///     let solution = solver.solve(&mut on_device, &seeds, method)?;
@@ -542,7 +542,7 @@ mod tests {
         let mut solver = solver();
         let mut on_device = solver.upload(&surface).unwrap();
         let log = solver.validation_log().unwrap().clone();
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             for schedule in Schedule::ALL {
                 let method = method(wavefront, schedule);
                 solver.solve(&mut on_device, &seeds(&surface), method).unwrap();

@@ -98,7 +98,7 @@ impl SurfaceOnDevice {
         let has_anchors = self.anchors.is_some() && (!goes_on || self.is_anchored);
         let wavefront = match wavefront.or_curved(Setting::of_engine(has_anchors)) {
             // Circles have no centre where rays bend.
-            Wavefront::PointSource if self.slowed => Wavefront::Curved,
+            Wavefront::Circular if self.slowed => Wavefront::Curved,
             wavefront => wavefront,
         };
         let is_anchored = wavefront == Wavefront::Anchored;

@@ -20,7 +20,7 @@ const COLS: u32 = CHART.cols as u32;
 const SAME: f64 = 1e-5;
 const WAVEFRONTS: [(GeosweepWavefront, Wavefront); 4] = [
     (GeosweepWavefront::Planar, Wavefront::Planar),
-    (GeosweepWavefront::PointSource, Wavefront::PointSource),
+    (GeosweepWavefront::Circular, Wavefront::Circular),
     (GeosweepWavefront::Curved, Wavefront::Curved),
     (GeosweepWavefront::Anchored, Wavefront::Anchored),
 ];
@@ -123,7 +123,7 @@ fn all_kinds_of_points_give_the_map_of_the_cpu() {
             assert!(session.outcome(surface).converged);
             let seeds = Sources::point(3.0, 40.0).seeds(truth).unwrap();
             // If a surface has points with a slowness, planar fronts take the place of circular ones.
-            let is_circular = wavefront == Wavefront::PointSource;
+            let is_circular = wavefront == Wavefront::Circular;
             let solved = if is_circular { Wavefront::Planar } else { wavefront };
             let exact = on_cpu(truth, &seeds, solved, CONVERGED);
             let difference = difference(&map, &exact);

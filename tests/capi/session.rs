@@ -58,7 +58,7 @@ pub const RASTER: [GeosweepPasses; 4] = {
         GeosweepPasses { schedule: GeosweepSchedule::Raster as i32, wavefront: wavefront as i32 }
     }
     use GeosweepWavefront::*;
-    [of(Planar), of(PointSource), of(Curved), of(Anchored)]
+    [of(Planar), of(Circular), of(Curved), of(Anchored)]
 };
 
 pub fn solver_info(host: &Host) -> GeosweepSolverInfo {

@@ -199,13 +199,13 @@ impl Case {
     }
 
     /// Returns the wavefronts for this case. Circular ones are only for one source and an even slowness, see
-    /// [`Wavefront::PointSource`].
+    /// [`Wavefront::Circular`].
     pub fn wavefronts(&self) -> Vec<Wavefront> {
         let is_circular = self.sources.are_points()
             && self.sources.iter().count() == 1
             && self.surface.slowness().is_none();
-        let all = Wavefront::ALL.into_iter();
-        all.filter(|&wavefront| wavefront != Wavefront::PointSource || is_circular).collect()
+        let all = Wavefront::FOR_ANY_SURFACE.into_iter();
+        all.filter(|&wavefront| wavefront != Wavefront::Circular || is_circular).collect()
     }
 
     pub fn seeds(&self) -> Vec<Seed> {

@@ -49,7 +49,7 @@ fn point_source_fronts_are_accurate() {
         let source = off_centre(points, points);
         let exact = builtin.exact_distances(points, points, source).unwrap();
         for engine in &ENGINES {
-            let map = (engine.solve)(&surface, &at(source), Wavefront::PointSource, CONVERGED);
+            let map = (engine.solve)(&surface, &at(source), Wavefront::Circular, CONVERGED);
             let errors = Errors::of(&map, &exact);
             println!("{} {builtin} {points}: {errors}", engine.name);
             assert_eq!(errors.reached_by_one, 0, "{} {builtin} {points}", engine.name);
@@ -130,7 +130,7 @@ fn maps_converge_where_no_closed_form_exists() {
             let surface = builtin.surface(points, points).unwrap();
             let source = [0.3125, 0.40625].map(|fraction| fraction * (points - 1) as f64);
             let reference = builtin.reference_distances(points, points, source);
-            Wavefront::ALL.map(|wavefront| {
+            Wavefront::FOR_ANY_SURFACE.map(|wavefront| {
                 let map = rotated::<f32>(&surface, &at(source), wavefront, CONVERGED);
                 let errors = Errors::of(&map.distances(), &reference);
                 println!("{builtin} {wavefront} {points}: {errors}");
@@ -140,7 +140,7 @@ fn maps_converge_where_no_closed_form_exists() {
         });
         for (k, (error, order)) in bars.into_iter().enumerate() {
             let found = (coarse[k] / fine[k]).log2() / 2.0;
-            println!("{builtin} {}: order {found:.2}", Wavefront::ALL[k]);
+            println!("{builtin} {}: order {found:.2}", Wavefront::FOR_ANY_SURFACE[k]);
             assert!(fine[k] < error && found > order, "{builtin}: {} {found}", fine[k]);
         }
     }
@@ -193,7 +193,7 @@ fn travel_times_are_accurate() {
         })
         .collect();
     // Measured: planar 2.2e-3, point-source 1.7e-5.
-    for (wavefront, bar) in [(Wavefront::Planar, 3e-3), (Wavefront::PointSource, 3e-5)] {
+    for (wavefront, bar) in [(Wavefront::Planar, 3e-3), (Wavefront::Circular, 3e-5)] {
         for engine in &ENGINES {
             let map = (engine.solve)(&surface, &at(source), wavefront, CONVERGED);
             let errors = Errors::of(&map, &exact);
@@ -293,7 +293,7 @@ fn one_iteration_does_not_reach_the_end_of_a_maze_and_more_do() {
     let surface = Builtin::Maze.surface(points, points).unwrap();
     let exact = Builtin::Maze.exact_distances(points, points, ENTRY).unwrap();
     for (wavefront, mean, largest) in
-        [(Wavefront::Planar, 1e-3, 5e-4), (Wavefront::PointSource, 3e-4, 3e-4)]
+        [(Wavefront::Planar, 1e-3, 5e-4), (Wavefront::Circular, 3e-4, 3e-4)]
     {
         for engine in &ENGINES {
             let solve =
@@ -320,7 +320,7 @@ fn one_iteration_does_not_reach_the_end_of_a_maze_and_more_do() {
 fn a_maze_takes_as_many_iterations_as_its_turns() {
     for points in [65, 257] {
         let surface = Builtin::Maze.surface(points, points).unwrap();
-        for wavefront in [Wavefront::Planar, Wavefront::PointSource] {
+        for wavefront in [Wavefront::Planar, Wavefront::Circular] {
             let directed = directed::<f32>(&surface, &at(ENTRY), wavefront, CONVERGED).iterations;
             let rotated = rotated::<f32>(&surface, &at(ENTRY), wavefront, CONVERGED).iterations;
             println!("{points} {wavefront}: {directed} directed, {rotated} rotated iterations");
@@ -336,7 +336,7 @@ fn a_maze_from_inside_is_right_too() {
     let surface = Builtin::Maze.surface(points, points).unwrap();
     let exact = Builtin::Maze.exact_distances(points, points, middle).unwrap();
     for engine in &ENGINES {
-        let map = (engine.solve)(&surface, &at(middle), Wavefront::PointSource, CONVERGED);
+        let map = (engine.solve)(&surface, &at(middle), Wavefront::Circular, CONVERGED);
         let errors = Errors::of(&map, &exact);
         println!("{}: {errors}", engine.name);
         assert_eq!(errors.reached_by_one, 0, "{}", engine.name);

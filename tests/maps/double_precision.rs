@@ -36,14 +36,14 @@ fn double_precision_is_free_of_single_precisions_rounding() {
         (Builtin::Cylinder, 1e-12),
     ];
     for (builtin, bar) in bars {
-        for wavefront in [Wavefront::PointSource, Wavefront::Curved] {
+        for wavefront in [Wavefront::Circular, Wavefront::Curved] {
             let [double, single] = errors(builtin, 200, wavefront);
             println!("{builtin} {wavefront}: {double:.1e}, {single:.1e}");
             assert!(double < bar && single > 1e-8, "{builtin} {wavefront}: {double} {single}");
         }
     }
     // The error of the method itself stays.
-    let [double, single] = errors(Builtin::Sphere, 100, Wavefront::PointSource);
+    let [double, single] = errors(Builtin::Sphere, 100, Wavefront::Circular);
     approx::assert_relative_eq!(double, single, max_relative = 1e-2);
 }
 

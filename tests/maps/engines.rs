@@ -12,7 +12,7 @@ use crate::common::{
     CONVERGED, CONVERGED_F64, Random, at, difference, directed, marched, off_centre, rotated,
 };
 
-const WAVEFRONTS: [Wavefront; 2] = [Wavefront::Planar, Wavefront::PointSource];
+const WAVEFRONTS: [Wavefront; 2] = [Wavefront::Planar, Wavefront::Circular];
 const POINTS: usize = 97;
 
 /// Returns every built-in surface at a size, with its name.
@@ -94,7 +94,7 @@ fn directed_and_rotated_scans_converge_to_the_same_map() {
         .map(|(name, surface)| (name, surface, off_centre(POINTS, POINTS)));
     let mut worst = [0.0f64; 3];
     for (name, surface, source) in built_in.chain(random) {
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             let a = directed::<f64>(&surface, &at(source), wavefront, CONVERGED_F64).distances();
             let b = rotated::<f64>(&surface, &at(source), wavefront, CONVERGED_F64).distances();
             let c = rotated::<f32>(&surface, &at(source), wavefront, CONVERGED).distances();
@@ -110,7 +110,7 @@ fn directed_and_rotated_scans_converge_to_the_same_map() {
             let is_slow = name.contains("slow true");
             let bars = match wavefront {
                 Wavefront::Curved if may_differ => [3e-2; 3],
-                Wavefront::PointSource if is_slow => [3e-2; 3],
+                Wavefront::Circular if is_slow => [3e-2; 3],
                 _ => [1e-12, 1e-6, 5e-6],
             };
             for (found, most) in found.into_iter().zip(bars) {
@@ -262,7 +262,7 @@ fn fast_marching_agrees_with_raster_scans_on_acute_triangles() {
 
 /// If triangles are obtuse, connections to further neighbours restore the order. Measured at 97 x 97 points
 /// and 60 degrees of shear: the mean relative error of fast marching falls from 3.0e-2 to 4.0e-3 (planar) and
-/// from 2.3e-2 to rounding (point-source).
+/// from 2.3e-2 to rounding (circular).
 #[test]
 fn split_triangles_correct_fast_marching() {
     for degrees in [60.0, -72.0, 80.0] {
@@ -274,7 +274,7 @@ fn split_triangles_correct_fast_marching() {
         let seeds = at(source).seeds(&surface).unwrap();
         let [eight, split] =
             [Connections::eight(surface.chart()), Connections::split(&surface).unwrap()];
-        for (wavefront, bar) in [(Wavefront::Planar, 5e-3), (Wavefront::PointSource, 1e-12)] {
+        for (wavefront, bar) in [(Wavefront::Planar, 5e-3), (Wavefront::Circular, 1e-12)] {
             let [eight, split] = [&eight, &split].map(|connections| {
                 let solution = cpu::fast_marching_with(&edges, connections, &seeds, wavefront);
                 Errors::of(&solution.distances(), &exact).mean_relative
@@ -288,7 +288,7 @@ fn split_triangles_correct_fast_marching() {
 
 /// On a curved surface, compared with a grid eight times as fine, the errors are smaller than without the
 /// connections, and no larger than those of the scans, which do not depend on the order. Measured: planar 0.5
-/// to 0.9 and point-source 0.7 to 1.1 times the error of the scans.
+/// to 0.9 and circular 0.7 to 1.1 times the error of the scans.
 #[test]
 fn split_triangles_serve_curved_surfaces() {
     let (points, fine) = (65, 513);
@@ -300,8 +300,7 @@ fn split_triangles_serve_curved_surfaces() {
     assert!(split.triangles() > 0);
     for source in [[0.0, 0.0], [19.0, 26.0], [44.0, 31.0]] {
         let fine_source = at(source.map(|x| x * step as f64));
-        let reference =
-            rotated::<f32>(&fine_peaks, &fine_source, Wavefront::PointSource, CONVERGED);
+        let reference = rotated::<f32>(&fine_peaks, &fine_source, Wavefront::Circular, CONVERGED);
         let reference = reference.distances();
         let reference: Vec<f64> = (0..points * points)
             .map(|index| (index / points * fine + index % points) * step)
@@ -372,7 +371,7 @@ fn scans_of_blocks_that_are_due_are_whole_scans() {
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
         let seeds = Sources::point(20.0, 30.5).and_point(0.0, 0.0, 1.0).seeds(&surface);
         let seeds = seeds.or_else(|_| Sources::point(0.0, 0.0).seeds(&surface)).unwrap();
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             for lines in [1, 4, 7, 100] {
                 let stop = Stop { tolerance: 1e-6, iterations: 60 };
                 let whole = twins::scan_in_turn(&edges, &seeds, wavefront, stop);

@@ -9,7 +9,7 @@ use geosweep::{
 
 use crate::common::{at, device_choice, off_centre};
 
-const WAVEFRONTS: [Wavefront; 3] = [Wavefront::Planar, Wavefront::PointSource, Wavefront::Curved];
+const WAVEFRONTS: [Wavefront; 3] = [Wavefront::Planar, Wavefront::Circular, Wavefront::Curved];
 const SMOOTH: [Builtin; 3] = [Builtin::Sphere, Builtin::Cylinder, Builtin::Cone];
 
 fn options(wavefront: Wavefront) -> Options {
@@ -111,12 +111,12 @@ fn sources_may_lie_between_grid_points() {
     }
 }
 
-/// Measured at 129 points: planar 0.044 to 0.078, point-source 0.007 to 0.042, curved 0.004 to 0.124. The
+/// Measured at 129 points: planar 0.044 to 0.078, circular 0.007 to 0.042, curved 0.004 to 0.124. The
 /// largest is that of the cone, whose tip is not smooth.
 #[test]
 fn extrapolation_takes_most_of_the_error_of_smooth_surfaces() {
     for (wavefront, bar) in
-        [(Wavefront::Planar, 0.1), (Wavefront::PointSource, 0.06), (Wavefront::Curved, 0.15)]
+        [(Wavefront::Planar, 0.1), (Wavefront::Circular, 0.06), (Wavefront::Curved, 0.15)]
     {
         for builtin in SMOOTH {
             let found = measured(builtin, 129, off_centre(129, 129), wavefront);
@@ -131,7 +131,7 @@ fn extrapolation_takes_most_of_the_error_of_smooth_surfaces() {
 #[test]
 fn rounding_is_estimated_if_it_is_the_only_error() {
     let surface = Builtin::Plane.surface(129, 129).unwrap();
-    for wavefront in [Wavefront::PointSource, Wavefront::Curved] {
+    for wavefront in [Wavefront::Circular, Wavefront::Curved] {
         let estimate = estimate(&surface, &at(off_centre(129, 129)), wavefront);
         let (mean, largest) = estimate.relative();
         // Measured: 3.3e-7 and 1.6e-7, at most 1.2e-6.
@@ -173,13 +173,13 @@ fn curves_are_sources_too() {
 }
 
 /// The sources have odd and even rows and columns. Measured: planar 1.20, with 0.08 of the error left;
-/// point-source 1.2 to 3.3, with up to half of it left; curved 1.1 to 1.5, with up to a quarter left.
+/// circular 1.2 to 3.3, with up to half of it left; curved 1.1 to 1.5, with up to a quarter left.
 #[test]
 fn several_sources_are_as_good_as_one() {
     let points = 129;
     let (a, b) = ([39.0, 52.0], [116.0, 89.0]);
     for (wavefront, left) in
-        [(Wavefront::Planar, 0.15), (Wavefront::PointSource, 0.7), (Wavefront::Curved, 0.4)]
+        [(Wavefront::Planar, 0.15), (Wavefront::Circular, 0.7), (Wavefront::Curved, 0.4)]
     {
         for builtin in SMOOTH {
             let surface = smooth(builtin, points);

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use crate::common::bounds::{self, Case, SETTLED};
 use crate::common::{CONVERGED, difference};
 
-const STRAIGHT: [Wavefront; 2] = [Wavefront::Planar, Wavefront::PointSource];
+const STRAIGHT: [Wavefront; 2] = [Wavefront::Planar, Wavefront::Circular];
 
 /// Returns the whole matrix.
 fn matrix(solver: &PairwiseScan, surface: &Surface, stop: Stop) -> Vec<f32> {
@@ -210,7 +210,7 @@ fn point_sources_on_the_sphere_are_accurate() {
     let side = 65;
     let surface = Builtin::Sphere.surface(side, side).unwrap();
     let edges = EdgeLengths::<f32>::new(&surface).unwrap();
-    let solver = PairwiseScan::new(&edges, Wavefront::PointSource).unwrap();
+    let solver = PairwiseScan::new(&edges, Wavefront::Circular).unwrap();
     let rows = matrix(&solver, &surface, CONVERGED);
     let error = |source: usize| {
         let place = [(source / side) as f64, (source % side) as f64];

@@ -8,7 +8,7 @@ use geosweep::{Engine, Error, Options, Spacing, Surface, Wavefront};
 
 use crate::common::{CONVERGED, device_choice, difference, on_cpu};
 
-const STRAIGHT: [Wavefront; 2] = [Wavefront::Planar, Wavefront::PointSource];
+const STRAIGHT: [Wavefront; 2] = [Wavefront::Planar, Wavefront::Circular];
 
 fn options(engine: Engine, wavefront: Wavefront) -> Options {
     Options { engine, wavefront: Some(wavefront), ..Options::default() }
@@ -47,7 +47,7 @@ fn every_engine_gives_the_same_matrix() {
     let device = device_choice();
     let surface = hills();
     let chart = surface.chart();
-    for wavefront in Wavefront::ALL {
+    for wavefront in Wavefront::FOR_ANY_SURFACE {
         let rows = matrix(&surface, &on_lanes(wavefront));
         for (source, row) in rows.chunks(chart.points()).enumerate() {
             let (r, c) = chart.position(source);
@@ -76,7 +76,7 @@ fn every_engine_gives_the_same_matrix() {
 fn rows_in_part_are_those_of_the_whole_to_the_bit() {
     let surface = hills();
     let points = surface.chart().points();
-    for wavefront in Wavefront::ALL {
+    for wavefront in Wavefront::FOR_ANY_SURFACE {
         let mut pairwise = Pairwise::new(&surface, &on_lanes(wavefront)).unwrap();
         let (whole, _) = pairwise.matrix(|_| ()).unwrap();
         for range in [0..points, 5..6, 17..100, 240..points] {
@@ -109,7 +109,7 @@ fn rows_in_part_are_those_of_the_whole_to_the_bit() {
 #[test]
 fn the_matrix_does_not_depend_on_threads() {
     let surface = hills();
-    for wavefront in Wavefront::ALL {
+    for wavefront in Wavefront::FOR_ANY_SURFACE {
         let with = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
@@ -213,7 +213,7 @@ fn an_error_of_the_sink_ends_the_work() {
 #[test]
 fn memory_beside_the_matrix_is_bounded() {
     let surface = Builtin::Sphere.surface(64, 64).unwrap();
-    for wavefront in Wavefront::ALL {
+    for wavefront in Wavefront::FOR_ANY_SURFACE {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
         let bytes = pool.install(|| Pairwise::new(&surface, &on_lanes(wavefront)).unwrap().bytes());
         println!("{wavefront}: {:.1} MB", bytes as f64 * 1e-6);

@@ -48,7 +48,7 @@ fn every_number_of_threads_gives_the_same_map_to_the_bit() {
     for (name, surface) in surfaces() {
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
         let seeds = source(name, &surface).seeds(&surface).unwrap();
-        for wavefront in Wavefront::EVERY {
+        for wavefront in Wavefront::ALL {
             let with = |threads| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| solved(&edges, &seeds, wavefront, PATCHES, CONVERGED))
@@ -79,7 +79,7 @@ fn apart<R: Real>(surface: &Surface, seeds: &[Seed], wavefront: Wavefront, stop:
 fn patches_give_the_map_of_scans_of_the_whole_grid() {
     for (name, surface) in surfaces() {
         let seeds = source(name, &surface).seeds(&surface).unwrap();
-        for wavefront in Wavefront::EVERY {
+        for wavefront in Wavefront::ALL {
             let single = apart::<f32>(&surface, &seeds, wavefront, CONVERGED);
             let double = apart::<f64>(&surface, &seeds, wavefront, CONVERGED_F64);
             println!("{name} {wavefront}: {single:.1e} {double:.1e}");
@@ -96,7 +96,7 @@ fn tiny_and_narrow_grids_have_patches_too() {
     for [rows, cols] in [[1, 1], [1, 90], [90, 1], [2, 2], [17, 33], [33, 16], [5, 100]] {
         let surface = rough(rows, cols, 0);
         let seeds = at([0.0, 0.0]).seeds(&surface).unwrap();
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             let apart = apart::<f64>(&surface, &seeds, wavefront, CONVERGED_F64);
             assert!(apart < 1e-6, "{rows} x {cols} {wavefront}: {apart:e}");
         }
@@ -142,7 +142,7 @@ fn added_sources_give_the_map_of_all_sources() {
     let edges = EdgeLengths::<f64>::new(&surface).unwrap();
     let seeds = |point| at(point).seeds(&surface).unwrap();
     let (first, second) = (seeds([20.0, 20.0]), seeds([127.0, 95.0]));
-    for wavefront in Wavefront::ALL {
+    for wavefront in Wavefront::FOR_ANY_SURFACE {
         let mut solver = RotatedScan::in_order(&edges, wavefront, PATCHES);
         let visits = |solver: &RotatedScan<f64>| solver.patches().unwrap().visits;
         solver.solve(&first, CONVERGED_F64);
@@ -167,7 +167,7 @@ fn added_sources_give_the_map_of_all_sources() {
 fn a_solver_forgets_the_map_before() {
     let surface = rough(120, 110, 11);
     let edges = EdgeLengths::<f32>::new(&surface).unwrap();
-    for wavefront in Wavefront::EVERY {
+    for wavefront in Wavefront::ALL {
         let mut used = RotatedScan::in_order(&edges, wavefront, PATCHES);
         for point in [[60.0, 3.0], [119.0, 109.0], [7.0, 50.0]] {
             let Ok(seeds) = at(point).seeds(&surface) else { continue };
@@ -183,7 +183,7 @@ fn maps_that_have_not_converged_say_so() {
     let surface = Builtin::Maze.surface(150, 110).unwrap();
     let edges = EdgeLengths::<f32>::new(&surface).unwrap();
     let seeds = at([0.0, 0.0]).seeds(&surface).unwrap();
-    for wavefront in Wavefront::EVERY {
+    for wavefront in Wavefront::ALL {
         let limit = |iterations| {
             let stop = Stop { iterations, ..CONVERGED };
             solved(&edges, &seeds, wavefront, PATCHES, stop).1
@@ -211,7 +211,7 @@ fn a_serpentine_is_followed_to_its_end() {
     let mask: Vec<_> = (0..rows * cols).map(|k| !is_wall(k / cols, k % cols)).collect();
     let surface = flat.unwrap().with_mask(&mask).unwrap();
     let seeds = at([0.0, 0.0]).seeds(&surface).unwrap();
-    for wavefront in Wavefront::EVERY {
+    for wavefront in Wavefront::ALL {
         let apart = apart::<f64>(&surface, &seeds, wavefront, CONVERGED_F64);
         assert!(apart < 1e-9, "{wavefront}: {apart:e}");
     }

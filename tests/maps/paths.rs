@@ -481,7 +481,7 @@ fn paths_over_a_corner_that_are_straight_already_stay() {
     let spacing = Spacing { dx: 0.7332386534248858, dy: 3.3076031328927122 };
     let surface = Surface::from_heights(3, 11, heights, spacing).unwrap();
     let sources = at([0.0, 0.0]);
-    let map = rotated::<f32>(&surface, &sources, Wavefront::PointSource, CONVERGED).distances();
+    let map = rotated::<f32>(&surface, &sources, Wavefront::Circular, CONVERGED).distances();
     let edges = EdgeLengths::new(&surface).unwrap();
     let paths = Paths::new(&surface, &edges, &sources, &map).unwrap();
     let along = paths.clone().along_the_map();
@@ -503,7 +503,7 @@ proptest! {
     fn every_path_falls_to_a_source(
         surface in rough(),
         wavefront in prop_oneof![
-            Just(Wavefront::Planar), Just(Wavefront::PointSource), Just(Wavefront::Curved)
+            Just(Wavefront::Planar), Just(Wavefront::Circular), Just(Wavefront::Curved)
         ],
     ) {
         let sources = at([0.0, 0.0]);

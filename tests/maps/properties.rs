@@ -16,7 +16,7 @@ use crate::common::{CONVERGED, CONVERGED_F64, cases, difference, marched, rotate
 const ROUNDING: f64 = 1e-12;
 
 fn wavefront() -> impl Strategy<Value = Wavefront> {
-    prop_oneof![Just(Wavefront::Planar), Just(Wavefront::PointSource)]
+    prop_oneof![Just(Wavefront::Planar), Just(Wavefront::Circular)]
 }
 
 /// Returns a grid point, for any size of the grid.
@@ -170,7 +170,7 @@ proptest! {
     #[test]
     fn the_way_back_is_as_long(surface in smooth(), a in place(), b in place()) {
         let (a, b) = (point(&surface, a), point(&surface, b));
-        for (wavefront, tolerance) in [(Wavefront::Planar, 0.05), (Wavefront::PointSource, 0.025)] {
+        for (wavefront, tolerance) in [(Wavefront::Planar, 0.05), (Wavefront::Circular, 0.025)] {
             let there = map(&surface, &sources(a), wavefront)[surface.chart().index(b.0, b.1)];
             let back = map(&surface, &sources(b), wavefront)[surface.chart().index(a.0, a.1)];
             let difference = (there - back).abs();
@@ -179,7 +179,7 @@ proptest! {
     }
 
     /// The triangle inequality holds exactly for the planar front, on every surface: its update is monotone
-    /// and passes constants on, so that d(a, b) + d(b, .) lies above d(a, .). The point-source front has
+    /// and passes constants on, so that d(a, b) + d(b, .) lies above d(a, .). The circular front has
     /// neither property.
     #[test]
     fn no_detour_is_shorter(surface in any_surface(), a in place(), b in place()) {
@@ -194,12 +194,12 @@ proptest! {
         }
     }
 
-    /// The point-source front satisfies it within 1% of the largest distance in 20 000 cases.
+    /// The circular front satisfies it within 1% of the largest distance in 20 000 cases.
     #[test]
     fn no_detour_is_much_shorter(surface in smooth(), a in place(), b in place()) {
         let (a, b) = (point(&surface, a), point(&surface, b));
-        let from_a = map(&surface, &sources(a), Wavefront::PointSource);
-        let from_b = map(&surface, &sources(b), Wavefront::PointSource);
+        let from_a = map(&surface, &sources(a), Wavefront::Circular);
+        let from_b = map(&surface, &sources(b), Wavefront::Circular);
         let to_b = from_a[surface.chart().index(b.0, b.1)];
         let slack = 0.02 * largest(&from_a);
         for (direct, rest) in from_a.iter().zip(&from_b) {
@@ -261,7 +261,7 @@ proptest! {
         check_turned(&surface, present(&surface, a), wavefront)?;
     }
 
-    /// This holds only for the planar front. From a fast into a much slower medium, the point-source front
+    /// This holds only for the planar front. From a fast into a much slower medium, the circular front
     /// assumes a wrong centre and is not monotone, so that its map can depend on the order of updates (once
     /// in ten thousand such surfaces).
     #[test]
@@ -294,7 +294,7 @@ proptest! {
         let flat = vec![1.0; rows * cols];
         let surface = Surface::from_heights(rows, cols, flat, Spacing { dx, dy }).unwrap();
         let (row, col) = (v * (rows - 1) as f64, u * (cols - 1) as f64);
-        let distances = map(&surface, &Sources::point(row, col), Wavefront::PointSource);
+        let distances = map(&surface, &Sources::point(row, col), Wavefront::Circular);
         for (index, distance) in distances.into_iter().enumerate() {
             let (r, c) = surface.chart().position(index);
             let exact = ((c as f64 - col) * dx).hypot((r as f64 - row) * dy);
@@ -313,7 +313,7 @@ proptest! {
         let all = places.iter().fold(Sources::default(), |sources, &(row, col)| {
             sources.and_point(row as f64, col as f64, 0.0)
         });
-        for wavefront in [Wavefront::Planar, Wavefront::PointSource] {
+        for wavefront in [Wavefront::Planar, Wavefront::Circular] {
             let alone: Vec<_> =
                 places.iter().map(|&place| map(&surface, &sources(place), wavefront)).collect();
             for (index, together) in map(&surface, &all, wavefront).into_iter().enumerate() {
@@ -336,7 +336,7 @@ proptest! {
                 Options { engine: Engine::Cpu, wavefront: Some(wavefront), ..Options::default() };
             distance_map(&surface, sources, &options).unwrap()
         };
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             let plain = map(&sources(a), wavefront);
             let delayed = map(&Sources::default().and_point(a.0 as f64, a.1 as f64, later), wavefront);
             for (delayed, plain) in delayed.distances.iter().zip(&plain.distances) {

@@ -73,7 +73,7 @@ fn fronts_meet_behind_a_wall() {
         let is_free = |i: usize| i / side != wall || (i % side).abs_diff(middle) > half;
         let mask: Vec<bool> = (0..side * side).map(is_free).collect();
         let surface = flat(side, side).with_mask(&mask).unwrap();
-        for wavefront in Wavefront::EVERY {
+        for wavefront in Wavefront::ALL {
             let sources = Sources::point(from, middle as f64);
             let options =
                 Options { engine: Engine::Cpu, wavefront: Some(wavefront), ..Options::default() };

@@ -28,7 +28,7 @@ fn every_set_of_instructions_gives_the_same_map_to_the_bit() {
         let surface = holed(size);
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
         let seeds = at([0.0, 0.0]).seeds(&surface).unwrap();
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             let solve = |instructions| {
                 let mut solver =
                     RotatedScan::new(&edges, wavefront).with_instructions(instructions);
@@ -47,7 +47,7 @@ fn every_set_of_instructions_gives_the_same_map_to_the_bit() {
 fn every_number_of_threads_gives_the_same_map_to_the_bit() {
     for builtin in [Builtin::Maze, Builtin::Peaks] {
         let surface = builtin.surface(120, 90).unwrap();
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             let with = |threads| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let source = off_centre(120, 90);
@@ -67,7 +67,7 @@ fn every_number_of_threads_gives_the_same_map_to_the_bit() {
 fn tiny_and_narrow_grids_agree_with_directed_scans() {
     for size in SIZES {
         let surface = holed(size);
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             let rotated = rotated::<f64>(&surface, &at([0.0, 0.0]), wavefront, CONVERGED);
             let directed = directed::<f64>(&surface, &at([0.0, 0.0]), wavefront, CONVERGED);
             let difference = difference(&rotated.distances(), &directed.distances());
@@ -85,7 +85,7 @@ fn a_solver_forgets_the_map_before() {
     let sizes = SIZES.into_iter().chain([[257, 261]]);
     for surface in torus.into_iter().chain(sizes.map(holed)) {
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
-        let all = Wavefront::EVERY.map(|wavefront| {
+        let all = Wavefront::ALL.map(|wavefront| {
             Instructions::available().into_iter().map(move |instructions| (wavefront, instructions))
         });
         for (wavefront, instructions) in all.into_iter().flatten() {
@@ -119,7 +119,7 @@ fn a_map_without_sources_is_empty_and_ends() {
 #[test]
 fn memory_is_at_most_forty_bytes_a_point() {
     for (points, wavefront) in [1200, 256].into_iter().flat_map(|points| {
-        Wavefront::ALL
+        Wavefront::FOR_ANY_SURFACE
             .into_iter()
             .filter(move |front| points > 256 || !front.is_curved())
             .map(move |front| (points, front))

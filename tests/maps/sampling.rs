@@ -64,7 +64,7 @@ fn sources_added_to_a_planar_map_give_the_map_of_all() {
 fn sources_added_to_a_bent_map_give_the_map_of_all() {
     for builtin in SMOOTH {
         let surface = builtin.surface(70, 50).unwrap();
-        for wavefront in [Wavefront::PointSource, Wavefront::Curved] {
+        for wavefront in [Wavefront::Circular, Wavefront::Curved] {
             let [at_once, added] = both_ways::<f32>(&surface, &POINTS, wavefront, CONVERGED);
             let difference = difference(&at_once, &added);
             assert!(difference < 1e-5, "{builtin} {wavefront}: {difference:e}");
@@ -86,7 +86,7 @@ fn sources_added_to_a_rough_map_give_the_map_of_all() {
         };
         POINTS.into_iter().flat_map(around).for_each(|(row, col)| mask[row * 50 + col] = true);
         let surface = surface.with_mask(&mask).unwrap();
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             let [at_once, added] = both_ways::<f32>(&surface, &POINTS, wavefront, CONVERGED);
             let difference = difference(&at_once, &added);
             assert!(difference < 1e-6, "{wavefront}: {difference:e}");
@@ -98,7 +98,7 @@ fn sources_added_to_a_rough_map_give_the_map_of_all() {
 fn a_seed_behind_the_map_changes_nothing() {
     let surface = Builtin::Sphere.surface(40, 40).unwrap();
     let edges = EdgeLengths::<f32>::new(&surface).unwrap();
-    for wavefront in Wavefront::ALL {
+    for wavefront in Wavefront::FOR_ANY_SURFACE {
         let mut solver = RotatedScan::new(&edges, wavefront);
         solver.solve(&Sources::point(20.0, 20.0).seeds(&surface).unwrap(), CONVERGED);
         let before = solver.distances();

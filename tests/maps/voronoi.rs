@@ -164,7 +164,7 @@ fn the_map_of_any_engine_will_do() {
     let sources = of_points(&pair);
     let exact = |from, at| Builtin::Cylinder.exact_distance(129, 129, from, at).unwrap();
     for engine in [Engine::Vulkan(DeviceChoice::Any), Engine::Cpu, Engine::FastMarching] {
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             let options = Options {
                 engine: engine.clone(),
                 wavefront: Some(wavefront),

@@ -48,7 +48,7 @@ fn the_cpu_takes_at_most_forty_bytes_a_point() {
     const POINTS: usize = 3000;
     let _alone = ALONE.lock();
     let surface = Builtin::Sphere.surface(POINTS, POINTS).unwrap();
-    for wavefront in Wavefront::ALL {
+    for wavefront in Wavefront::FOR_ANY_SURFACE {
         map_on_cpu(&Builtin::Sphere.surface(50, 50).unwrap(), wavefront);
         let bytes = map_on_cpu(&surface, wavefront);
         println!("{wavefront}: {bytes:.1} bytes a point");

@@ -86,7 +86,7 @@ fn assert_engines_agree(solver: &Solver, surface: &Surface, number: usize, what:
     let points = surface.chart().points();
     let sources = sources(surface, 5);
     let uploaded = solver.upload(surface).unwrap();
-    for wavefront in Wavefront::ALL {
+    for wavefront in Wavefront::FOR_ANY_SURFACE {
         let schedule = PairwiseSchedule::ALL[(number + wavefront as usize) % 2];
         let mut pairwise = solver.pairwise(&uploaded, wavefront, Some(schedule)).unwrap();
         let rows = solve(&mut pairwise, (solver, &uploaded, points), &sources, CONVERGED);
@@ -155,7 +155,7 @@ fn every_iteration_of_the_shaders_is_one_of_their_twin() {
         let points = chart.points();
         let sources: Vec<_> = sources(&surface, 7).into_iter().filter(Option::is_some).collect();
         let uploaded = solver.upload(&surface).unwrap();
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             for schedule in PairwiseSchedule::ALL {
                 let mut pairwise = solver.pairwise(&uploaded, wavefront, Some(schedule)).unwrap();
                 for stop in [Stop::after(1), Stop::after(2), Stop::after(5), CONVERGED] {
@@ -211,7 +211,7 @@ fn rows_do_not_depend_on_their_batch() {
     let surface = rough(15, 13, 7);
     let points = surface.chart().points();
     let uploaded = solver.upload(&surface).unwrap();
-    for wavefront in Wavefront::ALL {
+    for wavefront in Wavefront::FOR_ANY_SURFACE {
         for schedule in PairwiseSchedule::ALL {
             let mut pairwise = solver.pairwise(&uploaded, wavefront, Some(schedule)).unwrap();
             let mut solve = |sources: &[Option<usize>]| {
@@ -305,7 +305,7 @@ fn mazes_take_as_many_dispatches_as_they_need() {
 fn grids_too_large_for_shared_memory_go_into_images() {
     let solver = vulkan_solver();
     let small = solver.upload(&rough(64, 64, 0)).unwrap();
-    for wavefront in [Wavefront::Planar, Wavefront::PointSource] {
+    for wavefront in [Wavefront::Planar, Wavefront::Circular] {
         let pairwise = solver.pairwise(&small, wavefront, None).unwrap();
         assert_eq!(pairwise.schedule(), PairwiseSchedule::SharedMemory);
     }
@@ -314,10 +314,10 @@ fn grids_too_large_for_shared_memory_go_into_images() {
     let wanted = Some(PairwiseSchedule::SharedMemory);
     let error = solver.pairwise(&large, Wavefront::Planar, wanted).err().unwrap();
     assert!(matches!(error, VulkanError::NotInSharedMemory { .. }), "{error}");
-    let mut pairwise = solver.pairwise(&large, Wavefront::PointSource, None).unwrap();
+    let mut pairwise = solver.pairwise(&large, Wavefront::Circular, None).unwrap();
     assert_eq!(pairwise.schedule(), PairwiseSchedule::Images);
     let sources = [Some(0), Some(35_000), None, Some(70_199)];
     let mut rows = vec![f32::NAN; 4 * 270 * 260];
     pairwise.solve(&solver, &large, &sources, CONVERGED, &mut rows).unwrap();
-    assert_rows_agree(&surface, Wavefront::PointSource, &sources, &rows, "270x260");
+    assert_rows_agree(&surface, Wavefront::Circular, &sources, &rows, "270x260");
 }

@@ -51,7 +51,7 @@ impl Problem {
 /// With holes, obtuse triangles, an uneven slowness, fronts of several origins, and anchors; no side is a multiple of
 /// that of a tile.
 fn problems() -> Vec<Problem> {
-    use Wavefront::{Anchored, Curved, Planar, PointSource};
+    use Wavefront::{Anchored, Curved, Planar, Circular};
     let middle = |surface: &Surface| {
         let (row, col) = some_point(surface);
         Sources::point(row as f64, col as f64)
@@ -64,7 +64,7 @@ fn problems() -> Vec<Problem> {
     let several = Sources::point(3.0, 5.0).and_point(30.0, 41.0, 1.5).and_point(20.25, 8.5, 0.5);
     let maze = Builtin::Maze.surface(51, 43).unwrap();
     vec![
-        Problem::new("sphere", sphere, &Sources::point(11.0, 30.0), &[Planar, PointSource, Curved]),
+        Problem::new("sphere", sphere, &Sources::point(11.0, 30.0), &[Planar, Circular, Curved]),
         Problem::new("holes", holes.clone(), &middle(&holes), &[Planar, Curved]),
         Problem::new("slowness", slowed.clone(), &middle(&slowed), &[Planar, Curved]),
         Problem::new("origins", plane, &several, &[Curved]),

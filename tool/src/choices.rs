@@ -38,9 +38,21 @@ pub fn auto_or<T>(
 where
     T: Clone + Display + Send + Sync + 'static,
 {
+    auto_or_with_alias(help, table, None)
+}
+
+/// Parses one of several values or `auto`, like [`auto_or`]. `alias` is as in [`one_of_with_alias`].
+pub fn auto_or_with_alias<T>(
+    help: &'static str,
+    table: &[(T, &'static str)],
+    alias: Option<(&'static str, &'static str)>,
+) -> impl TypedValueParser<Value = Choice<T>> + use<T>
+where
+    T: Clone + Display + Send + Sync + 'static,
+{
     let auto = ("auto".into(), help, None);
     let named = |entry| some(named(entry));
-    parser(std::iter::once(auto).chain(table.iter().map(named)).collect(), None)
+    parser(std::iter::once(auto).chain(table.iter().map(named)).collect(), alias)
 }
 
 /// Parses one of several values, or a given name that leaves the choice open.
@@ -95,15 +107,7 @@ where
 
 /// Returns the names of all wavefronts, for help texts.
 pub fn wavefront_names() -> String {
-    Wavefront::EVERY.map(Wavefront::name).join(", ")
-}
-
-/// Returns the name of a wavefront as shown in figures and reports.
-pub fn label(wavefront: Wavefront) -> &'static str {
-    match wavefront {
-        Wavefront::PointSource => "point-source",
-        other => other.name(),
-    }
+    Wavefront::ALL.map(Wavefront::name).join(", ")
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! Implements circular fronts around a virtual point source.
 
 use super::straight::Straight;
-use crate::cpu::settled::from_point_source;
+use crate::cpu::settled::from_circular;
 use crate::surface::{EdgeLengths, Origins, Real};
-use crate::update::{Triangle, point_source};
+use crate::update::{Triangle, circular};
 
-/// The front of [`crate::Wavefront::PointSource`].
+/// The front of [`crate::Wavefront::Circular`].
 #[derive(Clone, Copy, Debug)]
 pub(in crate::cpu) struct Circular {
     origins: Origins,
@@ -24,14 +24,14 @@ impl Straight for Circular {
 
     #[inline(always)]
     fn time<R: Real>(self, triangle: Triangle<R>) -> R {
-        point_source(triangle, self.origins.are_causal())
+        circular(triangle, self.origins.are_causal())
     }
 
     /// Accepts only times that are earlier by more than rounding. A change of the last digit would be passed
     /// on from point to point, and all of them would be visited again.
     #[inline(always)]
     fn earlier<R: Real>(self, now: R, triangle: Triangle<R>) -> R {
-        Self::first(now, point_source(triangle, self.origins.are_causal()))
+        Self::first(now, circular(triangle, self.origins.are_causal()))
     }
 
     #[inline(always)]
@@ -42,6 +42,6 @@ impl Straight for Circular {
 
     #[inline(always)]
     fn is_settled<R: Real>(triangle: Triangle<R>, now: R) -> bool {
-        from_point_source(triangle, now)
+        from_circular(triangle, now)
     }
 }

@@ -49,7 +49,7 @@ impl<'a, R: Real> FrontOver<'a, R> {
         }
         match (wavefront.or_curved(Setting::of_engine(floor.is_some())), floor) {
             (Wavefront::Planar, _) => Self::Planar(Planar),
-            (Wavefront::PointSource, _) => Self::Circular(Circular::new(edges)),
+            (Wavefront::Circular, _) => Self::Circular(Circular::new(edges)),
             (Wavefront::Anchored, Some(grid)) => Self::Anchored(Anchored::new(edges, grid)),
             (Wavefront::Anchored | Wavefront::Curved, _) => Self::Curved(Curved::new(edges)),
         }

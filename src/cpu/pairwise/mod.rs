@@ -1,6 +1,7 @@
 //! Computes all pairs: maps of neighbouring sources share one instruction stream, each in a SIMD lane (paper,
 //! section 5.1, Algorithm 4).
 
+mod circular;
 mod farther;
 mod kernel;
 mod maps;
@@ -9,7 +10,6 @@ mod outward;
 mod parts;
 mod pending;
 mod planar;
-mod point_source;
 mod reach;
 mod scans;
 mod stage;
@@ -18,11 +18,11 @@ use super::Instructions;
 use crate::surface::{Chart, Direction, EdgeLengths, Real};
 use crate::update::Wavefront;
 use crate::{Convergence, Stop};
+use circular::Circular;
 use kernel::{FanSlots, LANES};
 use maps::Known;
 use pending::SCANS;
 use planar::Planar;
-use point_source::PointSource;
 use scans::{BatchSolver, Scans};
 
 /// A solver for batches of maps of one surface. Any number of threads may use it.
@@ -56,10 +56,10 @@ impl PairwiseScan {
                 Box::new(Scans::<Planar<true>>::new(edges))
             }
             Wavefront::Planar => Box::new(Scans::<Planar<false>>::new(edges)),
-            Wavefront::PointSource if edges.front_meets_itself() => {
-                Box::new(Scans::<PointSource<true>>::new(edges))
+            Wavefront::Circular if edges.front_meets_itself() => {
+                Box::new(Scans::<Circular<true>>::new(edges))
             }
-            Wavefront::PointSource => Box::new(Scans::<PointSource<false>>::new(edges)),
+            Wavefront::Circular => Box::new(Scans::<Circular<false>>::new(edges)),
             Wavefront::Curved | Wavefront::Anchored => return None,
         };
         Some(Self { chart: edges.chart(), scans, instructions: Instructions::best() })

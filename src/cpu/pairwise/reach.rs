@@ -82,7 +82,7 @@ impl Bulge {
 mod tests {
     use super::*;
     use crate::surface::Real;
-    use crate::update::{self, planar, point_source};
+    use crate::update::{self, circular, planar};
 
     /// Calls `check` with fans of all shapes, obtuse and acute, and with fronts from all directions.
     fn every_fan(check: impl Fn(Fan, [f32; 3])) {
@@ -132,7 +132,7 @@ mod tests {
             let [a, b, c] = times;
             let (reach, bulge) = (Reach::new(fan), Bulge::new(fan));
             let (t0, first) =
-                (updates(fan, times, |triangle| point_source(triangle, false)), min(min(a, b), c));
+                (updates(fan, times, |triangle| circular(triangle, false)), min(min(a, b), c));
             for now in (0..80).map(|k| first + 0.05 * k as f32) {
                 if bulge.keeps(reach.earliest(a, b, c) - now, first) {
                     kept.set(kept.get() + 1);

@@ -4,7 +4,7 @@
 use crate::cpu::{Visited, settled};
 use crate::geometry::spokes::Spokes;
 use crate::surface::{Real, Source, Sources, max, min, ring};
-use crate::update::{Triangle, Wavefront, planar, point_source};
+use crate::update::{Triangle, Wavefront, circular, planar};
 
 /// The kind and initial value of a source's wavefront.
 #[derive(Clone, Copy, Debug)]
@@ -93,7 +93,7 @@ impl<'a> Continuation<'a> {
         let Origin { wavefront, initial } = self.origins[label as usize];
         let now = now - initial;
         let settles = match wavefront {
-            Wavefront::PointSource => settled::from_point_source,
+            Wavefront::Circular => settled::from_circular,
             _ => settled::from_planar,
         };
         let visited = Visited { now, triangles };
@@ -126,7 +126,7 @@ impl<'a> Continuation<'a> {
             return min(t1 + l1, t2 + l2);
         }
         match self.origins[label as usize].wavefront {
-            Wavefront::PointSource => point_source(triangle, false),
+            Wavefront::Circular => circular(triangle, false),
             _ => planar(triangle),
         }
     }
@@ -136,7 +136,7 @@ impl Origin {
     fn of(source: &Source) -> Self {
         match source {
             Source::Point { initial, .. } => {
-                Self { wavefront: Wavefront::PointSource, initial: *initial }
+                Self { wavefront: Wavefront::Circular, initial: *initial }
             }
             Source::Curve { initial, .. } => {
                 Self { wavefront: Wavefront::Planar, initial: *initial }

@@ -365,7 +365,7 @@ mod tests {
                 let sources = Sources::from_iter(sources);
                 let seeds = sources.seeds(&surface).unwrap();
                 let stop = Stop { tolerance: 0.0, iterations: 1000 };
-                let map = raster_scan(&edges, &seeds, Wavefront::PointSource, stop).distances();
+                let map = raster_scan(&edges, &seeds, Wavefront::Circular, stop).distances();
                 let [few, all] = [false, true].map(|everywhere| {
                     let mut fronts =
                         SourceFronts::before(&surface, &edges, &sources, &map).unwrap();

@@ -214,7 +214,7 @@ impl Solver {
 
     /// Returns the schedules and wavefronts for which the solver has pipelines.
     pub(super) fn all_passes(&self) -> impl Iterator<Item = (Schedule, Wavefront)> {
-        let of = |schedule| Wavefront::EVERY.map(|wavefront| (schedule, wavefront));
+        let of = |schedule| Wavefront::ALL.map(|wavefront| (schedule, wavefront));
         let all = Schedule::ALL.into_iter().flat_map(of);
         all.filter(|&(schedule, wavefront)| self.has_passes(schedule, wavefront))
     }

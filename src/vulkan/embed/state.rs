@@ -185,7 +185,7 @@ impl State {
 const EDGES: u32 = 1;
 const CURVATURE: u32 = 2;
 
-const WAVEFRONTS: u32 = Wavefront::EVERY.len() as u32;
+const WAVEFRONTS: u32 = Wavefront::ALL.len() as u32;
 
 /// Returns a number for the plan's schedule and wavefront. It is never 0.
 fn number_of(plan: &Plan) -> u32 {

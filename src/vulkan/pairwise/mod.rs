@@ -46,7 +46,7 @@ use tally::Tally;
 /// let surface = Surface::from_heights(32, 32, vec![0.0; 1024], Spacing::square(1.0))?;
 /// let solver = Solver::new(&DeviceChoice::Any)?;
 /// let on_device = solver.upload(&surface)?;
-/// let mut pairwise = solver.pairwise(&on_device, Wavefront::PointSource, None)?;
+/// let mut pairwise = solver.pairwise(&on_device, Wavefront::Circular, None)?;
 /// let sources: Vec<_> = (0..1024).map(Some).collect();
 /// let mut distances = vec![0.0; 1024 * 1024];
 /// pairwise.solve(&solver, &on_device, &sources, Stop { tolerance: 1e-6, iterations: 100 }, &mut distances)?;
@@ -88,7 +88,7 @@ impl Solver {
         let (chart, texels) = (grid.chart, grid.texels);
         let slowed = surface.slowed;
         let wavefront = match wavefront.or_curved(Setting::of_engine(false)) {
-            Wavefront::PointSource if slowed => Wavefront::Curved,
+            Wavefront::Circular if slowed => Wavefront::Curved,
             wavefront => wavefront,
         };
         // Updates in shared memory read nothing but a point's neighbours and the lengths between them.
@@ -434,7 +434,7 @@ mod tests {
             let surface = Surface::from_heights(rows, cols, heights, Spacing::square(1.0)).unwrap();
             let on_device = solver.upload(&surface).unwrap();
             let sources = [Some(0), None, Some(rows * cols / 2)];
-            for wavefront in Wavefront::ALL {
+            for wavefront in Wavefront::FOR_ANY_SURFACE {
                 let shared = Some(PairwiseSchedule::SharedMemory);
                 let mut pairwise = solver.pairwise(&on_device, wavefront, shared).unwrap();
                 let layout = pairwise.layout;
@@ -513,7 +513,7 @@ mod tests {
         let (surface, solver) = (hill(), solver());
         let log = solver.validation_log().unwrap().clone();
         let on_device = solver.upload(&surface).unwrap();
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             for schedule in PairwiseSchedule::ALL {
                 let mut pairwise = solver.pairwise(&on_device, wavefront, Some(schedule)).unwrap();
                 pairwise.solve(&solver, &on_device, &SOURCES, STOP, &mut [0.0; 3 * 600]).unwrap();

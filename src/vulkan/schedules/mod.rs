@@ -382,7 +382,7 @@ mod tests {
             visits[0] |= 1 << number;
         }
         let decisions = Decisions { after: 2, visits: &visits, ..Decisions::default() };
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             let (mut visited, mut skipped) = ([0; 4], [0; 4]);
             for (number, (record, presence)) in
                 passes(Schedule::Raster, wavefront).into_iter().enumerate().take(16)

@@ -84,7 +84,7 @@ impl Case {
         let fronts = [
             None,
             Some(Wavefront::Curved),
-            Some(Wavefront::PointSource),
+            Some(Wavefront::Circular),
             Some(Wavefront::Planar),
             Some(Wavefront::Anchored),
         ];

@@ -45,7 +45,7 @@ fn both_rules_for_edges_are_those_of_the_twin() {
             let points = [Points { memory, kind, slowness: None }];
             let info = SurfaceInfo { points: &points, edge_rule, ..SurfaceInfo::new(chart) };
             let stage = Stage::new(host, &RASTER, &info);
-            for wavefront in Wavefront::ALL {
+            for wavefront in Wavefront::FOR_ANY_SURFACE {
                 let (stop, schedule) = (Stop::after(1), Some(Schedule::Raster));
                 let method = Method { wavefront, schedule, stop };
                 let mut on_device =
@@ -88,10 +88,10 @@ fn all_rows_of_a_large_surface_are_measured() {
     let kind = PointKind::Heights(spacing);
     let inputs = [Points { memory, kind, slowness: None }];
     let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(chart) };
-    let stage = Stage::new(host, &[(Schedule::Raster, Wavefront::PointSource)], &info);
+    let stage = Stage::new(host, &[(Schedule::Raster, Wavefront::Circular)], &info);
     let stop = Stop::after(1);
     let schedule = Some(Schedule::Raster);
-    let method = Method { wavefront: Wavefront::PointSource, schedule, stop };
+    let method = Method { wavefront: Wavefront::Circular, schedule, stop };
     let plan = stage.solver.plan(chart, method, 1).unwrap();
     stage.run(|recording| {
         recording.begin(Access::NONE);

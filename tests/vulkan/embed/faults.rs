@@ -380,7 +380,7 @@ fn threads_record_at_once_for_surfaces_of_their_own() {
     let mut host = Host::new();
     let buffers = [0.3, 1.9].map(|phase| host.buffer_of(&vertices(CHART, phase)));
     let device = host.device.clone();
-    let passes = [(Schedule::Raster, Wavefront::PointSource)];
+    let passes = [(Schedule::Raster, Wavefront::Circular)];
     let solver = embed::Solver::new(&host.instance, host.physical_device, &device, &passes);
     let mut solver = solver.unwrap();
     let mut surfaces = [0, 1].map(|index: usize| {
@@ -388,7 +388,7 @@ fn threads_record_at_once_for_surfaces_of_their_own() {
         let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(CHART) };
         solver.surface(&device, host.allocator(), &info).unwrap()
     });
-    let method = Method { wavefront: Wavefront::PointSource, schedule: None, stop: STOP };
+    let method = Method { wavefront: Wavefront::Circular, schedule: None, stop: STOP };
     let plan = solver.plan(CHART, method, 4).unwrap();
     // A command pool belongs to one thread at a time.
     let family = host::family(&host.instance, host.physical_device);

@@ -78,7 +78,7 @@ fn positions_in_a_buffer_or_an_image_give_the_headless_map() {
         let info = SurfaceInfo { points: &points, edge_rule, ..SurfaceInfo::new(CHART) };
         let mut stage = Stage::new(host, &RASTER, &info);
         let surface = surface.clone().with_edge_rule(edge_rule);
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             let plan = stage.plan(Schedule::Raster, wavefront, 6);
             let map = headless(&mut solver, &surface, &Sources::point(12.0, 30.0), wavefront);
             for points in 0..2 {
@@ -143,7 +143,7 @@ fn heights_with_slowness(unit: f32) {
     ];
     let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(CHART) };
     let mut stage = Stage::new(host, &RASTER, &info);
-    for wavefront in Wavefront::ALL {
+    for wavefront in Wavefront::FOR_ANY_SURFACE {
         let plan = stage.plan(Schedule::Raster, wavefront, 6);
         // A plan is created before it is known that circular fronts are not suitable.
         let solved = if wavefront == Wavefront::Curved { wavefront } else { Wavefront::Planar };
@@ -184,7 +184,7 @@ fn a_metric_gives_the_headless_map() {
     let points = [Points { memory, kind: PointKind::Metric, slowness: None }];
     let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(CHART) };
     let stage = Stage::new(host, &RASTER, &info);
-    for wavefront in Wavefront::ALL {
+    for wavefront in Wavefront::FOR_ANY_SURFACE {
         let plan = stage.plan(Schedule::Raster, wavefront, 6);
         let map = headless(&mut solver, &surface, &Sources::point(12.0, 30.0), wavefront);
         let own = stage.map(0, SourceInput::Inline(&source(12.0, 30.0)), &plan);
@@ -245,7 +245,7 @@ fn sources_from_the_program_or_a_buffer_give_the_headless_map() {
         sources: &sources,
         ..SurfaceInfo::new(CHART)
     };
-    let passes = [(Schedule::Raster, Wavefront::Curved), (Schedule::Tiles, Wavefront::PointSource)];
+    let passes = [(Schedule::Raster, Wavefront::Curved), (Schedule::Tiles, Wavefront::Circular)];
     let stage = Stage::new(host, &passes, &info);
     for (schedule, wavefront) in passes {
         let plan = stage.plan(schedule, wavefront, 12);
@@ -538,7 +538,7 @@ fn a_writer_that_is_not_named_is_reported() {
         }];
         let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(Chart { rows: 8, cols: 8 }) };
         let mut stage = Stage::new(host, &RASTER, &info);
-        let plan = stage.plan(Schedule::Raster, Wavefront::PointSource, 4);
+        let plan = stage.plan(Schedule::Raster, Wavefront::Circular, 4);
         stage.host.run(|commands| {
             stage.host.clear(commands, &target, 3.0);
             let recording = stage.solver.record(&stage.host.device, commands, &stage.surface);

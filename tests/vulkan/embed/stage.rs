@@ -89,7 +89,7 @@ pub const STOP: Stop = Stop { tolerance: 1e-6, iterations: 400 };
 /// All wavefronts with raster scans.
 pub const RASTER: [(Schedule, Wavefront); 3] = [
     (Schedule::Raster, Wavefront::Planar),
-    (Schedule::Raster, Wavefront::PointSource),
+    (Schedule::Raster, Wavefront::Circular),
     (Schedule::Raster, Wavefront::Curved),
 ];
 

@@ -15,7 +15,7 @@ use crate::embed::stage::{Kept, RASTER, STOP, Stage};
 use crate::host::HostBuffer;
 
 /// Wavefronts with surroundings.
-const ROUND: [Wavefront; 2] = [Wavefront::PointSource, Wavefront::Curved];
+const ROUND: [Wavefront; 2] = [Wavefront::Circular, Wavefront::Curved];
 
 /// Iterations of a plan, enough for all maps here.
 const ITERATIONS: u32 = 12;

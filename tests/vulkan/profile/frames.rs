@@ -80,7 +80,7 @@ fn a_frame_is_profiled_pass_by_pass() {
 /// The source is between grid points; the wavefront may have surroundings.
 #[test]
 fn surroundings_are_solved_once_a_source_and_set() {
-    for (wavefront, carried) in [(Wavefront::PointSource, 1), (Wavefront::Curved, 3)] {
+    for (wavefront, carried) in [(Wavefront::Circular, 1), (Wavefront::Curved, 3)] {
         let host = Host::without_validation();
         let renderer = Renderer::with(host, Schedule::Raster, wavefront, Tools::default());
         let (_, passes) = renderer.timed_frame();

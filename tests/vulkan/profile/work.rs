@@ -303,7 +303,7 @@ fn the_device_counts_the_invocations_of_the_groups_in_the_records() {
         (Schedule::AllPoints, 64),
         (Schedule::Tiles, tuning.tile / 2 * 4),
     ] {
-        let profile = bench.profile(method(Wavefront::PointSource, schedule), detail);
+        let profile = bench.profile(method(Wavefront::Circular, schedule), detail);
         let mut counted = 0;
         for pass in profile.passes() {
             let group = match pass.kind {

@@ -5,7 +5,6 @@ mod shares;
 use geosweep::{Wavefront, cpu, vulkan};
 use serde::Serialize;
 
-use crate::choices::label;
 pub use shares::{Shares, Work};
 
 /// The peak rates of a device, in bytes and triangles per second, and the durations of its commands, in
@@ -35,13 +34,13 @@ pub struct CpuCeilings {
 #[derive(Clone, Copy, Serialize)]
 struct Triangles {
     planar: f64,
-    point: f64,
+    circular: f64,
     curved: f64,
 }
 
 impl From<[f64; 3]> for Triangles {
-    fn from([planar, point, curved]: [f64; 3]) -> Self {
-        Self { planar, point, curved }
+    fn from([planar, circular, curved]: [f64; 3]) -> Self {
+        Self { planar, circular, curved }
     }
 }
 
@@ -102,11 +101,13 @@ impl std::fmt::Display for CpuCeilings {
 
 impl std::fmt::Display for Triangles {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { planar, point, curved } = self;
+        let Self { planar, circular, curved } = self;
         f.write_str("triangles a second:")?;
-        for (wavefront, rate) in Wavefront::ALL.into_iter().zip([planar, point, curved]) {
-            let comma = if wavefront == Wavefront::ALL[0] { "" } else { "," };
-            write!(f, "{comma} {} {:.0} M", label(wavefront), rate / 1e6)?;
+        for (wavefront, rate) in
+            Wavefront::FOR_ANY_SURFACE.into_iter().zip([planar, circular, curved])
+        {
+            let comma = if wavefront == Wavefront::FOR_ANY_SURFACE[0] { "" } else { "," };
+            write!(f, "{comma} {} {:.0} M", wavefront.name(), rate / 1e6)?;
         }
         Ok(())
     }

@@ -42,7 +42,7 @@ impl Work {
     /// hole flags instead of edges.
     pub fn on_cpu((visits, updates): (u64, u64), wavefront: Wavefront) -> Self {
         let bytes = match wavefront {
-            Wavefront::Planar | Wavefront::PointSource => 24,
+            Wavefront::Planar | Wavefront::Circular => 24,
             Wavefront::Curved => 36,
             Wavefront::Anchored => 20,
         };

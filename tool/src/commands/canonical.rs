@@ -55,7 +55,7 @@ pub struct Args {
     #[arg(long, value_name = "T", default_value_t = canonical::DEFAULT_TOLERANCE)]
     #[arg(allow_hyphen_values = true, help_heading = "Solver")]
     tolerance: f64,
-    /// Wavefront assumed between points when distances are computed: planar, point or curved
+    /// Wavefront assumed between points when distances are computed: planar, circular or curved
     #[arg(long, value_name = "FRONT", default_value = "curved")]
     #[arg(help_heading = "Solver")]
     wavefront: Wavefront,

@@ -3,12 +3,12 @@
 use geosweep::vulkan::Schedule;
 use geosweep::{DeviceChoice, Engine, Options, Wavefront};
 
-use crate::choices::{Choice, auto_or, one_of_with_alias};
+use crate::choices::{Choice, auto_or, auto_or_with_alias, one_of_with_alias};
 
 #[derive(clap::Args)]
 pub struct SolverArgs {
     /// Wavefront assumed between points
-    #[arg(long, default_value = "auto", value_parser = auto_or(BEST_WAVEFRONT, &WAVEFRONTS))]
+    #[arg(long, default_value = "auto", value_parser = auto_or_with_alias(BEST_WAVEFRONT, &WAVEFRONTS, Some(POINT)))]
     #[arg(help_heading = "Solver")]
     wavefront: Choice<Wavefront>,
     /// Engine that computes the map
@@ -48,7 +48,7 @@ const WAVEFRONTS: [(Wavefront, &str); 4] = [
          point sources over floor plans only (flat, evenly spaced, with holes)",
     ),
     (
-        Wavefront::PointSource,
+        Wavefront::Circular,
         "Circular: exact on developable surfaces apart from the sampling, for one point source; \
          replaced by curved for several sources or with a slowness",
     ),
@@ -68,6 +68,9 @@ const ENGINES: [(Engine, &str); 4] = [
         "Fast marching on the CPU, the sequential reference for the planar front",
     ),
 ];
+
+/// The former name of circular fronts.
+const POINT: (&str, &str) = ("point", "circular");
 
 /// A common name for the Vulkan engine.
 const GPU: (&str, &str) = ("gpu", "vulkan");

@@ -108,7 +108,7 @@ fn engines_and_fronts_can_be_chosen() {
     for (words, key, value) in [
         ("--engine fast-marching", "engine", "fast-marching"),
         ("--engine cpu --wavefront planar", "wavefront", "planar"),
-        ("--engine cpu --wavefront point", "wavefront", "point"),
+        ("--engine cpu --wavefront point", "wavefront", "circular"),
     ] {
         let words = format!("distance builtin:sphere:33x33 -s 3,4 --json -o map.npy {words}");
         let report = json(&bench.run(words.split_whitespace()));
@@ -123,10 +123,11 @@ fn engines_and_fronts_can_be_chosen() {
 #[test]
 fn circular_fronts_for_several_sources_are_replaced_with_a_note() {
     let bench = Workbench::new();
-    let words = "distance builtin:sphere:33x33 -s 3,4 -s 20,20 --json -o map.npy --wavefront point";
+    let words =
+        "distance builtin:sphere:33x33 -s 3,4 -s 20,20 --json -o map.npy --wavefront circular";
     let output = bench.run(words.split_whitespace());
     let said =
-        "geosweep: note: solved with curved fronts, since point ones are for a single source";
+        "geosweep: note: solved with curved fronts, since circular ones are for a single source";
     assert!(stderr(&output).contains(said), "{}", stderr(&output));
     assert_eq!(json(&output)["wavefront"], "curved");
 }

@@ -24,7 +24,7 @@ fn picture_size(bench: &Workbench, name: &str) -> (u32, u32) {
 }
 
 fn wavefront(name: &str) -> Wavefront {
-    Wavefront::EVERY.into_iter().find(|wavefront| wavefront.name() == name).unwrap()
+    Wavefront::ALL.into_iter().find(|wavefront| wavefront.name() == name).unwrap()
 }
 
 /// Returns the CPU engine's map of a surface with `points` x `points` points, and its errors.
@@ -74,7 +74,7 @@ fn convergence_shows_what_the_library_computes() {
 
     let rows = rows["maps"].as_array().unwrap();
     // Three surfaces from two starts, then five with every other wavefront, at two sizes.
-    assert_eq!(rows.len(), 2 * (3 * 2 + 5 * (Wavefront::ALL.len() - 1)));
+    assert_eq!(rows.len(), 2 * (3 * 2 + 5 * (Wavefront::FOR_ANY_SURFACE.len() - 1)));
     let table = fs::read_to_string(bench.output("table.csv")).unwrap();
     let mut lines = table.lines();
     assert_eq!(lines.next(), Some("surface,wavefront,source,iterations,side,mean_relative_error"));
@@ -117,7 +117,7 @@ fn the_maze_is_shown_iteration_by_iteration() {
     assert_eq!(stages.len(), 4);
     for (stage, iterations) in stages.iter().zip([1, 2, 3, 100]) {
         let stop = Stop { tolerance: 1e-6, iterations };
-        let solution = scan_in_turn(&edges, &seeds, Wavefront::PointSource, stop);
+        let solution = scan_in_turn(&edges, &seeds, Wavefront::Circular, stop);
         let reached = solution.distances().iter().filter(|d| d.is_finite()).count();
         assert_eq!(stage["iterations"], solution.iterations);
         assert_eq!(stage["reached"], reached);
@@ -201,7 +201,7 @@ fn the_accuracy_report_says_what_the_library_computes() {
     assert!(plans.contains(&"maze".to_owned()) && anchored.len() == 2 * plans.len(), "{plans:?}");
     let is_of_plan = |row: &&Value| plans.iter().any(|plan| row["surface"] == plan.as_str());
     assert!(anchored.iter().all(|&row| is_of_plan(&row)), "{anchored:?}");
-    let all = Builtin::measurable().count() * 2 * Wavefront::ALL.len() + anchored.len();
+    let all = Builtin::measurable().count() * 2 * Wavefront::FOR_ANY_SURFACE.len() + anchored.len();
     assert_eq!(rows.len(), all);
     for row in rows {
         let builtin = Builtin::parse(row["surface"].as_str().unwrap()).unwrap();
@@ -259,7 +259,7 @@ fn wrong_arguments_are_refused() {
         ("figure table-2 -o table.txt", &["table.txt", ".md"]),
         ("accuracy --sizes 0", &["`0`", "from 2 to 16384"]),
         ("accuracy --surfaces teapot", &["teapot", "sphere"]),
-        ("accuracy --wavefronts square", &["`square`", "planar, point"]),
+        ("accuracy --wavefronts square", &["`square`", "planar, circular"]),
         ("accuracy --engine abacus", &["abacus", "vulkan"]),
         ("accuracy -o report.txt", &["report.txt", ".md"]),
         ("accuracy -o missing/report.md", &["missing", "no folder"]),

@@ -15,7 +15,7 @@ const POINTS: usize = 12 * 15;
 #[test]
 fn the_matrix_holds_the_maps_of_all_points() {
     let bench = Workbench::new();
-    for wavefront in ["planar", "point", "curved"] {
+    for wavefront in ["planar", "circular", "curved"] {
         let line = format!("pairwise {SPHERE} -o d.npy --wavefront {wavefront} --json");
         let report = json(&bench.run(words(&line)));
         assert_eq!(bench.outputs(), ["d.npy"]);
@@ -53,7 +53,7 @@ fn the_solver_is_timed_alone() {
 fn rows_triangles_halves_and_means_fit_together() {
     let bench = Workbench::new();
     let run = |options: &str| {
-        let line = format!("pairwise {SPHERE} --wavefront point {options}");
+        let line = format!("pairwise {SPHERE} --wavefront circular {options}");
         let output = bench.run(words(&line));
         assert!(output.status.success(), "{}", stderr(&output));
         assert!(stderr(&output).contains("on disk"), "{}", stderr(&output));
@@ -111,7 +111,7 @@ fn rows_triangles_halves_and_means_fit_together() {
 fn an_interrupted_matrix_is_resumed_to_the_same_bytes() {
     let bench = Workbench::new();
     // The slowest engine, so that there is time to interrupt it.
-    let line = "pairwise builtin:peaks:40x40 --engine fast-marching --wavefront point -o";
+    let line = "pairwise builtin:peaks:40x40 --engine fast-marching --wavefront circular -o";
     let start = |name: &str| {
         let mut command = Command::new(cargo_bin!("geosweep"));
         command.current_dir(bench.outputs.path()).args(words(line)).arg(name);
@@ -169,7 +169,7 @@ fn an_interrupted_matrix_is_resumed_to_the_same_bytes() {
 fn an_interrupted_matrix_from_symmetry_leaves_nothing() {
     let bench = Workbench::new();
     let line =
-        "pairwise builtin:sphere:80x80 --wavefront point --from-symmetry --symmetrize -o d.npy";
+        "pairwise builtin:sphere:80x80 --wavefront circular --from-symmetry --symmetrize -o d.npy";
     let mut command = Command::new(cargo_bin!("geosweep"));
     command.current_dir(bench.outputs.path()).args(words(line)).stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
@@ -228,7 +228,7 @@ fn invalid_requests_for_a_matrix_are_refused() {
     refuses("-o d.npy --sources nowhere.txt", &["nowhere.txt"]);
     refuses("-o d.npy --sources 0..9 --upper", &["--upper"]);
     refuses("-o d.npy --sources 0..9 --symmetrize", &["--symmetrize"]);
-    refuses("-o d.npy --wavefront curved --from-symmetry", &["point-source"]);
+    refuses("-o d.npy --wavefront curved --from-symmetry", &["circular"]);
     refuses("-o d.npy --schedule tiles", &["schedule", "single maps", "leave"]);
     refuses("-o d.npy --engine vulkan --schedule raster", &["schedule", "single maps"]);
     refuses("-o d.npy --engine fast-marching --from-symmetry", &["CPU"]);
@@ -299,8 +299,8 @@ fn table_1_is_a_table() {
         let number = |name: &str| row[name].as_f64().unwrap();
         let ratio = number("fast_marching_seconds") / number("planar_seconds");
         approx::assert_relative_eq!(ratio, number("speed_up"), max_relative = 1e-9);
-        let rate = number("distances") / number("point_seconds");
-        let told = number("point_distances_per_second");
+        let rate = number("distances") / number("circular_seconds");
+        let told = number("circular_distances_per_second");
         approx::assert_relative_eq!(rate, told, max_relative = 1e-9);
     }
     let table = fs::read_to_string(bench.output("table.md")).unwrap();

@@ -109,7 +109,7 @@ fn a_profile_counts_what_the_schedules_do() {
 #[test]
 fn maps_of_many_sources_are_profiled_at_once() {
     let bench = Workbench::new();
-    let line = "profile builtin:sphere:20x30 --wavefront point --repeat 2 --json";
+    let line = "profile builtin:sphere:20x30 --wavefront circular --repeat 2 --json";
     for (more, part) in [("--source 1,1", "--source"), ("--picture a.png", "--picture")] {
         bench.refuses(&run(&bench, &format!("{line} --pairwise {more}")), &[part, "--pairwise"]);
     }

@@ -199,7 +199,7 @@ fn labels_are_those_of_the_cpu_but_beside_borders() {
         ("sheared plane", Builtin::ShearedPlane { degrees: 50.0 }.surface(65, 49).unwrap()),
     ];
     for (name, surface) in &surfaces {
-        for wavefront in Wavefront::ALL {
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             let host = Kept::watched_but_for_shaders();
             let mut atlas = Atlas::new(host, surface, wavefront);
             // Straight fronts from points bend paths near the sources.

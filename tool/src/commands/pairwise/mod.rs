@@ -105,7 +105,7 @@ are computed separately and differ by the solver's error; --symmetrize takes the
 {}
 
 Examples:
-  geosweep pairwise face.npy -o distances.npy --wavefront point
+  geosweep pairwise face.npy -o distances.npy --wavefront circular
   geosweep pairwise dem.tif -o rows.npy --sources 4096..8192 --resume
   geosweep pairwise scan.npy -o rows.npy --sample 200 --labels regions.npy
   geosweep pairwise builtin:torus:64x64 -o d.npy --upper --numbers float16 --symmetrize --json",

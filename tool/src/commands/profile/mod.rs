@@ -124,7 +124,7 @@ Examples:
   geosweep profile builtin:sphere:400x400 --source 20,20
   geosweep profile builtin:maze:257x257 --source 0,0 --schedule tiles --picture rounds.png
   geosweep profile dem.tif --spacing 30 --source 120,85 --trace trace.json --csv passes.csv
-  geosweep profile builtin:face:64x64 --pairwise --wavefront point
+  geosweep profile builtin:face:64x64 --pairwise --wavefront circular
   geosweep profile builtin:peaks:400x400 --source 20,20 --json > before.json
   geosweep profile builtin:peaks:400x400 --source 20,20 --against before.json",
         problem::builtin_names()

@@ -8,7 +8,6 @@ use super::against::Comparison;
 use super::file::{KindRow, Summary};
 use super::kinds::median;
 use super::measure::Measured;
-use crate::choices::label;
 use crate::columns::{Columns, digits, percent};
 
 /// The contents of the report.
@@ -31,7 +30,7 @@ impl Display for Report<'_> {
             setting.rows,
             setting.cols,
             setting.schedule,
-            label(measured.wavefront),
+            measured.wavefront.name(),
             summary.iterations,
             plural(summary.iterations as usize),
             summary.runs,

@@ -13,7 +13,6 @@ use geosweep::vulkan::profile::{PassRecord, SolveProfile, SubmissionRecord};
 use serde_json::{Value, json};
 
 use super::measure::Measured;
-use crate::choices::label;
 
 const PROCESS: u32 = 1;
 /// The track of the host. `DEVICE` is the track of the device.
@@ -55,7 +54,7 @@ pub fn write(writer: &mut impl Write, measured: &Measured, run: &SolveProfile) -
             "rows": measured.chart.rows,
             "cols": measured.chart.cols,
             "schedule": measured.solved.schedule(),
-            "wavefront": label(measured.wavefront),
+            "wavefront": measured.wavefront.name(),
             "iterations": measured.iterations,
             "alignment": alignment,
         },

@@ -126,8 +126,8 @@ pub fn run(args: &Args) -> Outcome {
 /// Returns the wavefronts that suit a surface. Anchored wavefronts are for floor plans only.
 fn suited_to(builtin: Builtin, size: usize) -> Vec<Wavefront> {
     match builtin.surface(size, size) {
-        Ok(surface) if surface.is_floor_plan() => Wavefront::EVERY.to_vec(),
-        _ => Wavefront::ALL.to_vec(),
+        Ok(surface) if surface.is_floor_plan() => Wavefront::ALL.to_vec(),
+        _ => Wavefront::FOR_ANY_SURFACE.to_vec(),
     }
 }
 

@@ -75,8 +75,8 @@ fn title(builtin: Builtin) -> String {
 
 /// Returns the colour of a wavefront, by its name.
 fn color(name: &str) -> Color {
-    let index = Wavefront::EVERY.iter().position(|wavefront| wavefront.name() == name);
-    COLORS[index.unwrap_or(Wavefront::EVERY.len())]
+    let index = Wavefront::ALL.iter().position(|wavefront| wavefront.name() == name);
+    COLORS[index.unwrap_or(Wavefront::ALL.len())]
 }
 
 /// Returns the colour and line of a solver that was measured separately. A wavefront in double precision has

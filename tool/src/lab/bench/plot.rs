@@ -1,6 +1,5 @@
 //! Plots time against the number of points, one plot per surface and wavefront.
 
-use crate::choices::label;
 use crate::picture::plot::{Axis, COLORS, Line, Plot, Series, Sheet, Slopes};
 
 use super::measure::{Method, Timing};
@@ -32,7 +31,7 @@ pub fn by_points(timings: &[Timing], methods: &[Method]) -> Sheet {
         };
         let name = maps[0].surface.to_string();
         Plot {
-            title: format!("{name}, {}", label(maps[0].wavefront)),
+            title: format!("{name}, {}", maps[0].wavefront.name()),
             x: x.written(lowest),
             y: y.written(leftmost),
             series: methods.iter().enumerate().map(series).collect(),

@@ -7,7 +7,6 @@ use serde::Serialize;
 use super::growth::Growth;
 use super::measure::{Measurements, Timing};
 use crate::ceilings::{CpuCeilings, DeviceCeilings, Shares, Work};
-use crate::choices::label;
 use crate::columns::{Columns, digits, percent};
 
 /// A map as JSON.
@@ -97,7 +96,7 @@ impl Display for Report<'_> {
         let growth = Growth::of(timings);
         for maps in timings.chunk_by(|a, b| a.surface == b.surface && a.wavefront == b.wavefront) {
             let (surface, wavefront) = (maps[0].surface.to_string(), maps[0].wavefront);
-            writeln!(f, "\n## {surface}, {}\n", label(wavefront))?;
+            writeln!(f, "\n## {surface}, {}\n", wavefront.name())?;
             table(f, maps)?;
             let of_maps: Vec<_> = growth
                 .iter()

@@ -12,7 +12,6 @@ use geosweep::surface::builtin::Builtin;
 use geosweep::{Engine, Options, Sources, Wavefront};
 use serde::Serialize;
 
-use crate::choices::label;
 use crate::lab::lists;
 use crate::lab::reference::Reference;
 use crate::output::{commit, done, png_output, stage_picture, wanted_file};
@@ -70,7 +69,7 @@ const IN_THE_PAPER: usize = 3;
 /// The width and height of a plot, in pixels.
 const FRAME: [usize; 2] = [450, 500];
 /// The wavefronts whose converged maps are shown beside the paper's figure.
-const CONVERGED: &[Wavefront] = &[Wavefront::PointSource, Wavefront::Curved];
+const CONVERGED: &[Wavefront] = &[Wavefront::Circular, Wavefront::Curved];
 
 /// The start of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -253,7 +252,7 @@ fn sheet(sizes: &[usize], studies: &[Vec<Study>], rows: &[Vec<Vec<Row>>]) -> She
 }
 
 fn converged_title(wavefront: Wavefront) -> String {
-    let mut title = format!("{} wavefront, converged", label(wavefront));
+    let mut title = format!("{} wavefront, converged", wavefront.name());
     title[..1].make_ascii_uppercase();
     title
 }

@@ -35,7 +35,7 @@ const EXAMPLES: &str = "\
 The distance from the outer end of the corridor of the built-in maze after one, two
 and three iterations and, if the map has not converged by then, at convergence. An
 iteration is the four rotated scans (down, up, right, left) of a GPU, computed here on
-the CPU with the point-source wavefront. Walls are light grey. Points that are not
+the CPU with the circular wavefront. Walls are light grey. Points that are not
 reached yet are hatched.
 
 Examples:
@@ -93,7 +93,7 @@ fn stages(surface: &Surface, sources: &Sources) -> Result<Vec<Stage>, geosweep::
 impl Stage {
     fn after(iterations: u32, surface: &Surface, edges: &EdgeLengths<f32>, seeds: &[Seed]) -> Self {
         let stop = Stop { tolerance: DEFAULT_TOLERANCE, iterations };
-        let solution = scan_in_turn(edges, seeds, Wavefront::PointSource, stop);
+        let solution = scan_in_turn(edges, seeds, Wavefront::Circular, stop);
         let distances = solution.distances();
         Self {
             iterations: solution.iterations,

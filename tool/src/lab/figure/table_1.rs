@@ -39,7 +39,7 @@ pub struct Args {
     machine: Option<String>,
     /// Print one JSON object (docs/json.md) with sizes, an array with an object per size: vertices, distances, planar_seconds,
     /// planar_spread, fast_marching_seconds, fast_marching_spread, speed_up,
-    /// planar_distances_per_second, point_seconds, point_spread, point_distances_per_second
+    /// planar_distances_per_second, circular_seconds, circular_spread, circular_distances_per_second
     #[arg(long)]
     json: bool,
 }
@@ -48,7 +48,7 @@ const EXAMPLES: &str = "\
 All distances between the points of a square grid, by three methods: one iteration of
 raster scans with the planar wavefront, sixteen maps in the lanes of one instruction
 stream; this library's fast marching with the same wavefront, one map per thread; and
-converged raster scans with the point-source wavefront. Memory is allocated before the
+converged raster scans with the circular wavefront. Memory is allocated before the
 clock starts.
 
 Examples:
@@ -91,9 +91,9 @@ struct Row {
     fast_marching_spread: f64,
     speed_up: f64,
     planar_distances_per_second: f64,
-    point_seconds: f64,
-    point_spread: f64,
-    point_distances_per_second: f64,
+    circular_seconds: f64,
+    circular_spread: f64,
+    circular_distances_per_second: f64,
 }
 
 pub fn run(args: &Args) -> Outcome {
@@ -123,8 +123,8 @@ impl Row {
         };
         let planar = options(Engine::Cpu, Wavefront::Planar, Some(1));
         let (planar_seconds, planar_spread) = median(&surface, &planar, runs)?;
-        let point = options(Engine::Cpu, Wavefront::PointSource, None);
-        let (point_seconds, point_spread) = median(&surface, &point, runs)?;
+        let circular = options(Engine::Cpu, Wavefront::Circular, None);
+        let (circular_seconds, circular_spread) = median(&surface, &circular, runs)?;
         let marching = options(Engine::FastMarching, Wavefront::Planar, None);
         let (fast_marching_seconds, fast_marching_spread) = median(&surface, &marching, runs)?;
         let distances = (side * side).pow(2);
@@ -138,9 +138,9 @@ impl Row {
             fast_marching_spread,
             speed_up: fast_marching_seconds / planar_seconds,
             planar_distances_per_second: distances as f64 / planar_seconds,
-            point_seconds,
-            point_spread,
-            point_distances_per_second: distances as f64 / point_seconds,
+            circular_seconds,
+            circular_spread,
+            circular_distances_per_second: distances as f64 / circular_seconds,
         })
     }
 }
@@ -179,7 +179,7 @@ impl Display for Table<'_> {
 
 All distances between the points of a grid on the {surface}, in seconds{machine},
 {threads} threads, {instructions}: medians of {runs} runs and half the distance of their quartiles. Raster
-scan: one iteration, planar wavefront. Point-source: the same with circular wavefronts until
+scan: one iteration, planar wavefront. Circular: the same with circular wavefronts until
 they have converged. The paper's own figures, from its table 1, are those of an AMD Opteron with
 SSE2 in 2008.
 "
@@ -187,7 +187,7 @@ SSE2 in 2008.
         writeln!(
             f,
             "\
-| vertices | distances | raster scan | fast marching | speed-up | distances/s | point-source, converged | distances/s | paper: raster scan | fast marching | speed-up |
+| vertices | distances | raster scan | fast marching | speed-up | distances/s | circular, converged | distances/s | paper: raster scan | fast marching | speed-up |
 |---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
         )?;
         self.rows.iter().try_for_each(|row| {
@@ -206,9 +206,9 @@ SSE2 in 2008.
                 row.fast_marching_spread,
                 row.speed_up,
                 1e-6 * row.planar_distances_per_second,
-                row.point_seconds,
-                row.point_spread,
-                1e-6 * row.point_distances_per_second,
+                row.circular_seconds,
+                row.circular_spread,
+                1e-6 * row.circular_distances_per_second,
             )
         })
     }

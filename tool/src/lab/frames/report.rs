@@ -6,7 +6,6 @@ use std::time::Duration;
 use serde::Serialize;
 
 use super::measure::{Measured, Timing};
-use crate::choices::label;
 use crate::columns::{Columns, digits};
 
 #[derive(Serialize)]
@@ -58,7 +57,7 @@ pub struct Report<'a>(pub &'a Measured);
 impl Display for Report<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Measured { device, timings } = self.0;
-        let front = timings.first().map_or("", |timing| label(timing.wavefront));
+        let front = timings.first().map_or("", |timing| timing.wavefront.name());
         writeln!(f, "# Frames\n\n{device}, {front} fronts; medians in milliseconds.\n")?;
         let heads = [
             "points",

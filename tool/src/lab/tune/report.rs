@@ -7,7 +7,6 @@ use serde::Serialize;
 
 use super::suggest::{Choice, together};
 use super::sweep::{Knob, Row, SCHEDULES, Swept};
-use crate::choices::label;
 use crate::columns::digits;
 
 /// Portions as JSON.
@@ -132,7 +131,7 @@ impl Display for Report<'_> {
              a group, tiles of {tile} points a side, {inner} iterations in a tile. Times of the \
              column `time` are relative to the untuned maps that were timed in turn, not to the first line.",
             swept.device,
-            label(swept.wavefront)
+            swept.wavefront.name()
         )?;
         for schedule in SCHEDULES {
             self.rows(f, schedule)?;

@@ -1,12 +1,12 @@
-//! Implements the point-source wavefront in SIMD lanes, with coefficients that all maps share.
+//! Implements the circular wavefront in SIMD lanes, with coefficients that all maps share.
 
 use super::kernel::{Fan, Kernel, LANES, Lanes};
 use super::reach::{Bulge, Reach};
 use crate::surface::{max, min};
 use crate::update::Corner;
 
-/// The point-source update. If it is `CAUSAL`, no front arrives before either end of a base.
-pub(super) struct PointSource<const CAUSAL: bool>;
+/// The circular update. If it is `CAUSAL`, no front arrives before either end of a base.
+pub(super) struct Circular<const CAUSAL: bool>;
 
 /// Coefficients of the circular update of a triangle with x1 at the origin, x2 at (base, 0) and x0 at (foot,
 /// height). They are NaN where there is no triangle, so that every comparison fails.
@@ -60,7 +60,7 @@ impl CircularTriangle {
     /// Returns the square of the arrival time at x0 if the ray crosses the base, else infinity, from the
     /// squares of those at x1 and x2.
     ///
-    /// The front is the same as in [`crate::update::point_source`]: its virtual source lies at (x, -y), t1
+    /// The front is the same as in [`crate::update::circular`]: its virtual source lies at (x, -y), t1
     /// away from x1 and t2 from x2. Squares need no division and one square root. They round to the precision
     /// of t0 and not to that of the step. With a few precomputed coefficients and all sources at grid points,
     /// this is fast and accurate enough.
@@ -77,7 +77,7 @@ impl CircularTriangle {
     }
 }
 
-impl<const CAUSAL: bool> Kernel for PointSource<CAUSAL> {
+impl<const CAUSAL: bool> Kernel for Circular<CAUSAL> {
     type Coefficients = Coefficients;
 
     fn coefficients(fan: Fan) -> Coefficients {

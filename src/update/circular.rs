@@ -1,4 +1,4 @@
-//! Implements the point-source wavefront: a circular front, unfolded into the triangle's plane.
+//! Implements the circular front: its virtual source is unfolded into the triangle's plane.
 
 use super::{Shape, Triangle};
 use crate::constants::STRADDLING;
@@ -14,7 +14,7 @@ use crate::surface::{Real, max, min};
 /// n = kappa l^2 + 2 (h sin a - p cos a), which loses no digits for flat fronts. Measuring from the farther
 /// end keeps kappa below 2 and the result symmetric.
 #[inline(always)]
-pub fn point_source<R: Real>(triangle: Triangle<R>, causal: bool) -> R {
+pub fn circular<R: Real>(triangle: Triangle<R>, causal: bool) -> R {
     let Triangle { t1, t2, l1, l2, c } = triangle;
     let along_edge = triangle.edge_step();
     let (zero, one, half) = (R::zero(), R::one(), R::of(0.5));
@@ -62,7 +62,7 @@ mod tests {
                 for back in [0.01, 0.5, 3.0, 1e4] {
                     let crossing = x1.lerp(x2, s);
                     let source = crossing + back * (crossing - x0).normalize();
-                    let t0 = point_source(from_source(source, x0, x1, x2), false);
+                    let t0 = circular(from_source(source, x0, x1, x2), false);
                     approx::assert_relative_eq!(t0, source.distance(x0), max_relative = 1e-11);
                 }
             }
@@ -72,7 +72,7 @@ mod tests {
     #[test]
     fn tends_to_the_planar_front_far_from_the_source() {
         let triangle = Triangle { t1: 1e9, t2: 1e9 + 0.2, l1: 0.9, l2: 1.1, c: 1.0 };
-        let difference = point_source(triangle, false) - super::super::planar(triangle);
+        let difference = circular(triangle, false) - super::super::planar(triangle);
         approx::assert_abs_diff_eq!(difference, 0.0, epsilon = 1e-6);
     }
 
@@ -81,23 +81,23 @@ mod tests {
         let triangle = Triangle { t1: 3.3f32, t2: 3.1, l1: 0.9, l2: 1.3, c: 1.1 };
         let Triangle { t1, t2, l1, l2, c } = triangle;
         let mirrored = Triangle { t1: t2, t2: t1, l1: l2, l2: l1, c };
-        assert_eq!(point_source(triangle, false), point_source(mirrored, false));
+        assert_eq!(circular(triangle, false), circular(mirrored, false));
     }
 
     #[test]
     fn two_sources_at_the_ends_give_the_edge_step() {
         let triangle = Triangle { t1: 0.0f32, t2: 0.0, l1: 1.0, l2: 1.2, c: 1.0 };
-        assert_eq!(point_source(triangle, false), 1.0);
+        assert_eq!(circular(triangle, false), 1.0);
         let triangle = Triangle { t1: 0.3f32, t2: 0.4, ..triangle };
-        assert_eq!(point_source(triangle, false), 1.3);
+        assert_eq!(circular(triangle, false), 1.3);
     }
 
     #[test]
     fn a_missing_edge_or_time_leaves_the_other() {
         let far = f32::FAR;
         let whole = Triangle { t1: 1.0, t2: 1.2, l1: 1.0, l2: 1.0, c: 1.0f32 };
-        assert_eq!(point_source(Triangle { t1: far, ..whole }, false), 2.2);
-        assert_eq!(point_source(Triangle { l1: far, c: far, ..whole }, false), 2.2);
-        assert!(point_source(Triangle { t1: far, t2: far, ..whole }, false) >= far);
+        assert_eq!(circular(Triangle { t1: far, ..whole }, false), 2.2);
+        assert_eq!(circular(Triangle { l1: far, c: far, ..whole }, false), 2.2);
+        assert!(circular(Triangle { t1: far, t2: far, ..whole }, false) >= far);
     }
 }
