@@ -129,6 +129,7 @@ mod tests {
     use super::*;
     use crate::cpu::Instructions;
     use crate::cpu::fronts::{Curved, for_triangle_kind};
+    use crate::cpu::window::{Fronts, Window};
     use crate::surface::{Chart, EdgeLengths};
     use crate::update::{Curvature, Front, Wavefront};
 

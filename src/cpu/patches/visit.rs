@@ -46,7 +46,9 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Visits<'_, 'a, R, K> {
     pub(super) fn visit(&self, number: usize, patch: &mut Patch, room: &mut Room<R, K::Carried>) {
         let chart = self.on.chart();
         let [rows, cols] = [&patch.block.rows, &patch.block.cols].map(|at| [at.start, at.end - 1]);
-        let seen = chart.around_span(rows, cols, self.reach);
+        // Fronts that do not go by edges may come from anchors farther away, which the window then holds.
+        let reach = if K::NEEDS_EDGES { self.reach } else { TILE };
+        let seen = chart.around_span(rows, cols, reach);
         room.load(patch.window, &patch.tiles, self.far, seen);
         self.panels.with(|| self.on.panel(), |panel| self.settle(patch, room, panel));
         self.report(number, room);
