@@ -74,9 +74,7 @@ impl Wavefront {
         match self.or_curved(Setting::of_engine(surface.is_floor_plan())) {
             Self::Planar => seeds,
             Self::Anchored => with_diagonals(surface, seeds),
-            wavefront @ (Self::Circular | Self::Curved) => {
-                with_origins(wavefront, surface, seeds)
-            }
+            wavefront @ (Self::Circular | Self::Curved) => with_origins(wavefront, surface, seeds),
         }
     }
 }

@@ -51,7 +51,7 @@ impl Problem {
 /// With holes, obtuse triangles, an uneven slowness, fronts of several origins, and anchors; no side is a multiple of
 /// that of a tile.
 fn problems() -> Vec<Problem> {
-    use Wavefront::{Anchored, Curved, Planar, Circular};
+    use Wavefront::{Anchored, Circular, Curved, Planar};
     let middle = |surface: &Surface| {
         let (row, col) = some_point(surface);
         Sources::point(row as f64, col as f64)
