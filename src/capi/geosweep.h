@@ -30,7 +30,7 @@
  *
  * Units. Distances are in the unit of the points. Rows and columns are counted from 0, and arrays
  * are row by row. Start with structs that are all zero: each enum then has its usual value, and there
- * are no arrays and no barriers.
+ * are no arrays and no barriers. Readers, slots and the value of unreached points have no usual value.
  *
  * This file is generated from src/capi. Do not edit it.
  */
@@ -302,13 +302,14 @@ typedef struct GeosweepSolverInfo {
 
 // Your own image for the distances of a slot, in place of one that the surface allocates. A render graph may
 // use its memory for other resources between frames. The image is 2D with `VK_FORMAT_R32_SFLOAT` and at
-// least cols x rows texels; its usage contains `VK_IMAGE_USAGE_STORAGE_BIT` and what its readers need. Its
-// old content is discarded, whatever its layout. `GeosweepFrame::before`, or a barrier of yours, must wait
-// for earlier uses of the memory.
+// least cols x rows texels and one array layer; its usage contains `VK_IMAGE_USAGE_STORAGE_BIT` and what its
+// readers need. Its old content is discarded, whatever its layout. `GeosweepFrame::before`, or a barrier of
+// yours, must wait for earlier uses of the memory. Slots may share an image, and so may surfaces that are
+// recorded one after another.
 typedef struct GeosweepHostImage {
     // The image.
     VkImage image;
-    // A view of the image.
+    // A 2D view of the image's first mip level.
     VkImageView view;
 } GeosweepHostImage;
 
@@ -529,15 +530,15 @@ typedef struct GeosweepSources {
 typedef struct GeosweepReader {
     // Stages and accesses of the reader.
     struct GeosweepAccess access;
-    // Layout in which the recording leaves the image.
+    // Layout in which the recording leaves the image. It is not `VK_IMAGE_LAYOUT_UNDEFINED`.
     VkImageLayout layout;
 } GeosweepReader;
 
 // Inputs of a frame.
 typedef struct GeosweepFrame {
-    // Access that has written points and sources since the previous frame. The recording always waits for
-    // writes by compute shaders and copies. Writes through mapped memory before the submission need no
-    // barrier.
+    // Access that has written points and sources since the previous frame, or has used the memory of your own
+    // images of distances. The recording always waits for writes by compute shaders and copies. Writes
+    // through mapped memory before the submission need no barrier.
     struct GeosweepAccess before;
     // Number of the surface's points that are measured, or `GEOSWEEP_POINTS_UNCHANGED`.
     uint32_t points;
@@ -794,7 +795,8 @@ enum GeosweepStatus geosweep_surface_set_sources(struct GeosweepSurface *surface
                                                  const struct GeosweepSourceBuffer *sources);
 
 // Replaces your own image for the distances of a slot. The surface must have been created with your images.
-// Later recordings write the new image, and frames in flight continue to write the old one.
+// Later recordings write the new image, and frames in flight continue to write the old one. Replace an
+// image at most once for each recording of its slot.
 enum GeosweepStatus geosweep_surface_set_result(struct GeosweepSurface *surface,
                                                 uint32_t slot,
                                                 const struct GeosweepHostImage *image);
@@ -870,7 +872,7 @@ enum GeosweepStatus geosweep_record_frame(const struct GeosweepSurface *surface,
 // `geosweep_record_frame` does, and the passes of all frames share barriers. `count` surfaces of one size
 // and plan thus need only the barriers of one; if recorded one after another, they would run one after
 // another. `surfaces` and `frames` have `count` entries, at most 64. All surfaces belong to one solver, none
-// is listed twice, and no frame has a profile. Writes the images of distances to `results`, which has room
+// is listed twice, and no frame has a profile. Your own images of distances differ too. Writes the images of distances to `results`, which has room
 // for `count`, unless that is null.
 enum GeosweepStatus geosweep_record_frames(const struct GeosweepSurface *const *surfaces,
                                            const struct GeosweepFrame *frames,
