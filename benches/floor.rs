@@ -23,6 +23,7 @@ const ROWS: [(&str, &[&str]); 8] = [
     ("pairwise builtin:peaks:64x64", FRONTS),
 ];
 
+/// `point` is what all commits accept for circular fronts.
 const FRONTS: &[&str] = &["planar", "point", "curved"];
 
 /// Options that both tools accept for a distance map or matrix.
