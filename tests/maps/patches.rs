@@ -202,7 +202,7 @@ fn maps_that_have_not_converged_say_so() {
 fn a_serpentine_is_followed_to_its_end() {
     let (rows, cols) = (130, 120);
     let is_wall = |row: usize, col: usize| {
-        let opening = if row / 10 % 2 == 0 { cols - 1 } else { 0 };
+        let opening = if (row / 10).is_multiple_of(2) { cols - 1 } else { 0 };
         row % 10 == 9 && col != opening
     };
     let flat = Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0));
