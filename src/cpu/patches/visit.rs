@@ -197,7 +197,8 @@ fn within(block: &Block, other: &Block, reach: usize) -> Block {
 fn tiles_of(block: &Block) -> impl Iterator<Item = Block> {
     let spans = |range: std::ops::Range<usize>| {
         let first = range.start / TILE;
-        (first..range.end.div_ceil(TILE).max(first))
+        let last = if range.is_empty() { first } else { range.end.div_ceil(TILE) };
+        (first..last)
             .map(move |tile| range.start.max(tile * TILE)..range.end.min((tile + 1) * TILE))
     };
     let cols = block.cols.clone();
