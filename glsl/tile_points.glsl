@@ -128,8 +128,11 @@ void note_subgroups() {
     int number = int(gl_LocalInvocationIndex);
     int before = subgroupShuffleUp(number, 1u);
     int after = subgroupShuffleDown(number, 1u);
+    // A subgroup may have fewer invocations than its size.
+    uint place_after = subgroupShuffleDown(gl_SubgroupInvocationID, 1u);
     has_before = gl_SubgroupInvocationID > 0u && before == number - 1;
-    has_after = gl_SubgroupInvocationID + 1u < gl_SubgroupSize && after == number + 1;
+    has_after = gl_SubgroupInvocationID + 1u < gl_SubgroupSize && after == number + 1
+                && place_after == gl_SubgroupInvocationID + 1u;
     int place = int(gl_LocalInvocationID.x);
     if (place > 0 && !has_before || place < TILE - 1 && !has_after) atomicOr(divided, 1u);
 #endif

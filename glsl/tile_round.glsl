@@ -51,6 +51,8 @@ shared float slowness[SLOWED != 0 ? AREA : 1];
 // Four copies, one for each scan.
 shared float times[4 * AREA];
 shared float carried[CARRIES ? 4 * AREA : 1];
+shared uint tile_number;
+shared uint tile_urgency;
 shared uint change;
 shared uint border_change;
 shared uint woken; // tiles that the next round visits, as bits of 3 x 3 tiles
@@ -171,8 +173,9 @@ uint sides_of(ivec2 at) {
     uint bits = 0u;
     bool west = at.x < REACH;
     bool east = at.x >= TILE - REACH;
-    if (at.y < REACH) bits |= west ? 0xbu : east ? 0x26u : 0x2u;
-    if (at.y >= TILE - REACH) bits |= west ? 0xc8u : east ? 0x1a0u : 0x80u;
+    // In a small tile a point may be close to opposite sides.
+    if (at.y < REACH) bits |= 0x2u | (west ? 0x1u : 0u) | (east ? 0x4u : 0u);
+    if (at.y >= TILE - REACH) bits |= 0x80u | (west ? 0x40u : 0u) | (east ? 0x100u : 0u);
     if (west) bits |= 0x8u;
     if (east) bits |= 0x20u;
     return bits;
@@ -188,10 +191,14 @@ void main() {
     uint count = uint(tile_grid.x * tile_grid.y);
     uint place = place_in_dispatch(count);
     if (place >= rounds[ROUND_WORDS * round + 3u]) return;
-    uint number = tiles[(2u + (round & 1u)) * count + place];
-    uint urgency = tiles[urgency_at(number, round, count)];
+    // One invocation reads what it changes, since a barrier does not order the others' reads of buffers.
+    if (gl_LocalInvocationIndex == 0u) {
+        tile_number = tiles[(2u + (round & 1u)) * count + place];
+        tile_urgency = atomicExchange(tiles[urgency_at(tile_number, round, count)], 0u);
+    }
     barrier();
-    if (gl_LocalInvocationIndex == 0u) tiles[urgency_at(number, round, count)] = 0u;
+    uint number = tile_number;
+    uint urgency = tile_urgency;
     if (waits(urgency, round)) {
         if (gl_LocalInvocationIndex == 0u) {
             tiles[(2u + (round & 1u)) * count + place] = number | uint(HAS_WAITED);

@@ -22,6 +22,9 @@ pub enum Order {
 /// one thread takes up to twice as long, and rounds have about ten visits side by side (`docs/speed.md`).
 const PATCHES: [(usize, usize, usize); 1] = [(1 << 22, 8, 128)];
 
+/// Largest side of a patch. No grid has as many points a side.
+const LARGEST_SIDE: usize = 1 << 30;
+
 impl Order {
     /// Returns the best order for a grid and a number of threads.
     pub fn best_for(chart: Chart, threads: usize) -> Self {
@@ -35,7 +38,9 @@ impl Order {
     pub(super) fn plan(self) -> Option<Plan> {
         match self {
             Self::Lines => None,
-            Self::Patches { side } => Some(Plan::new(side.max(1).next_multiple_of(TILE))),
+            Self::Patches { side } => {
+                Some(Plan::new(side.clamp(1, LARGEST_SIDE).next_multiple_of(TILE)))
+            }
         }
     }
 }
@@ -54,5 +59,6 @@ mod tests {
         assert_eq!(Order::Lines.plan(), None);
         assert_eq!(Order::Patches { side: 17 }.plan().map(|plan| plan.side), Some(32));
         assert_eq!(Order::Patches { side: 0 }.plan().map(|plan| plan.side), Some(16));
+        assert!(Order::Patches { side: usize::MAX }.plan().is_some());
     }
 }

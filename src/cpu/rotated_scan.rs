@@ -23,15 +23,16 @@ pub fn rotated_scan<R: Real>(
     Solution::new(edges.chart(), solver.scanner.into_times(), iterations, residual)
 }
 
-/// A solver by rotated scans for many maps of one surface, one after another. It allocates memory only once.
+/// A solver by rotated scans for many maps of one surface, one after another. It allocates memory once, by
+/// patches during the first map.
 /// For straight fronts on grids of at least 256 x 256 points, the second map fills another 12 bytes per point
 /// (in single precision), and on surfaces with many obtuse triangles it stores their parts with the edges.
 /// Both make the second map and all later ones faster.
 ///
 /// Large grids are solved patch by patch, by all threads of the pool that makes the solver ([`Order`]). On
 /// others, opposite scans run in parallel on two copies of the fronts, which are then merged. This loses
-/// nothing: a front that turns back has to pass through the other pair of scans anyway. Either way the map is
-/// bit-identical for any number of threads.
+/// nothing: a front that turns back has to pass through the other pair of scans anyway. In either order the
+/// map is bit-identical for any number of threads. [`RotatedScan::new`] chooses the order by that number.
 ///
 /// By patches, the number of iterations of a map is that of the patch with most of them, and the same number
 /// limits them ([`Stop::iterations`]). The residual is the largest change of a last iteration, or the largest

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::batches::without_holes;
 use super::lanes::LaneEngine;
-use crate::cpu::{Connections, RotatedScan, fast_marching_with};
+use crate::cpu::{Connections, Order, RotatedScan, fast_marching_with};
 use crate::surface::{EdgeLengths, Seed, Surface};
 use crate::vulkan::{PairwiseOnDevice, Solver, SurfaceOnDevice};
 use crate::{Convergence, Engine, Error, Stop, Wavefront};
@@ -91,7 +91,8 @@ impl<'a> RowEngine<'a> {
         match &self.kind {
             Kind::Lanes(lanes) => lanes.bytes(threads),
             Kind::Maps(edges) => {
-                edges.bytes() + threads * RotatedScan::new(edges, self.wavefront).bytes()
+                edges.bytes()
+                    + threads * RotatedScan::in_order(edges, self.wavefront, Order::Lines).bytes()
             }
             Kind::FastMarching(edges, _) => {
                 // For each point: the front, a flag, a few entries of the heap, and additional connections.
@@ -131,7 +132,8 @@ impl<'a> RowEngine<'a> {
         match &mut self.kind {
             Kind::Lanes(lanes) => Ok(lanes.solve(sources, stop, into, done)),
             Kind::Maps(edges) => {
-                let new = || RotatedScan::new(edges, wavefront);
+                // Threads are busy with maps of their own.
+                let new = || RotatedScan::in_order(edges, wavefront, Order::Lines);
                 Ok(map_by_map(surface, sources, into, done, new, |solver, seed| {
                     let convergence = solver.solve(&[seed], stop);
                     (convergence, solver.distances())

@@ -177,7 +177,7 @@ impl Tuning {
         if scan_width <= 2 * (scan_lines - 1) {
             return refuse(format!("of {scan_width} texels none is left for {scan_lines} lines"));
         }
-        if !(2..=64).contains(&tile) || tile % 2 != 0 || tile_lanes.invocations() * tile > most {
+        if !(8..=64).contains(&tile) || tile % 2 != 0 || tile_lanes.invocations() * tile > most {
             return refuse(format!("no tile has {tile} points a side"));
         }
         if Self::tile_bytes(tile, tile_edges) > bytes {
@@ -199,10 +199,10 @@ impl Tuning {
     }
 
     /// Returns the bytes of shared memory of a tile with curved fronts: edge lengths where wanted, Gaussian
-    /// curvature and four copies of the fronts, at its points and those around it.
+    /// curvature, slowness and four copies of the fronts, at its points and those around it.
     fn tile_bytes(tile: u32, edges: bool) -> u32 {
         let of_edges = if edges { 16 } else { 0 };
-        (tile + 2).pow(2) * (of_edges + 4 + 4 * 8) + 64
+        (tile + 2).pow(2) * (of_edges + 8 + 4 * 8) + 64
     }
 
     /// Returns the sizes that a plan for a grid needs.

@@ -161,6 +161,35 @@ fn added_sources_give_the_map_of_all_sources() {
     }
 }
 
+/// A map that its limit of iterations has stopped is not called converged when nothing new is added.
+#[test]
+fn adding_to_a_stopped_map_goes_on_with_it() {
+    let surface = Builtin::Maze.surface(150, 110).unwrap();
+    let edges = EdgeLengths::<f64>::new(&surface).unwrap();
+    let seeds = source("maze", &surface).seeds(&surface).unwrap();
+    for wavefront in [Wavefront::Planar, Wavefront::Curved] {
+        let mut solver = RotatedScan::in_order(&edges, wavefront, PATCHES);
+        let stopped = solver.solve(&seeds, Stop { iterations: 1, ..CONVERGED_F64 });
+        assert!(stopped.residual > CONVERGED_F64.tolerance, "{wavefront}: {stopped:?}");
+        let added = solver.add(&seeds, CONVERGED_F64);
+        assert!(added.residual <= CONVERGED_F64.tolerance, "{wavefront}: {added:?}");
+        let (whole, ..) = solved(&edges, &seeds, wavefront, Order::Lines, CONVERGED_F64);
+        let apart = difference(&solver.distances(), &whole);
+        assert!(apart < 1e-7, "{wavefront}: {apart:e}");
+    }
+}
+
+/// There is at least one iteration, as with scans of the whole grid.
+#[test]
+fn no_map_is_called_converged_without_an_iteration() {
+    let surface = Builtin::Maze.surface(150, 110).unwrap();
+    let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+    let seeds = source("maze", &surface).seeds(&surface).unwrap();
+    let none = Stop { iterations: 0, ..CONVERGED };
+    let (_, convergence, _) = solved(&edges, &seeds, Wavefront::Planar, PATCHES, none);
+    assert!(convergence.residual > CONVERGED.tolerance, "{convergence:?}");
+}
+
 #[test]
 fn a_solver_forgets_the_map_before() {
     let surface = rough(120, 110, 11);

@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use super::fronts::FrontKind;
 use super::prepared::Prepared;
 use super::progress::Progress;
+use super::scan::Scan;
 use super::scanner::FEW_ITERATIONS;
 use super::tiles::{TILE, Tiles};
 use super::typical_edge::typical_edge;
@@ -175,12 +176,29 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PatchScanner<'a, R, K> {
         })
     }
 
-    /// Adds sources to the last map, as [`super::scanner::Scanner::add`] does.
+    /// Adds sources to the last map, as [`super::scanner::Scanner::add`] does. A map that has not converged
+    /// goes on.
     pub(super) fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         self.carried.iter_mut().for_each(|carried| *carried = K::released(*carried));
+        let was_stopped = self.patches.iter().any(|patch| patch.progress.is_last());
         self.start(stop);
         self.seed(seeds);
-        rayon::scope(|_| self.converge(seeds, stop))
+        rayon::scope(|_| {
+            if was_stopped {
+                self.wake_unsettled();
+            }
+            self.converge(seeds, stop)
+        })
+    }
+
+    /// Examines all patches in which a scan has yet to see some change.
+    fn wake_unsettled(&mut self) {
+        for (patch, woken) in self.patches.iter().zip(&mut self.woken) {
+            if Scan::ALL.iter().any(|&scan| patch.tiles.has_pending(scan)) {
+                *woken = Some(R::zero());
+            }
+        }
+        self.wake();
     }
 
     /// Resets all points to unreached.
@@ -197,6 +215,8 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PatchScanner<'a, R, K> {
     fn start(&mut self, stop: Stop) {
         self.dues.clear();
         self.unseen = R::Bits::default();
+        // As with scans of the whole grid, there is at least one iteration.
+        let stop = Stop { iterations: stop.iterations.max(1), ..stop };
         self.patches.iter_mut().for_each(|patch| patch.progress = Progress::new(stop));
     }
 
