@@ -140,7 +140,7 @@ fn keys_switch_surface_schedule_and_wavefront() {
     let planar = viewer.still(&screen);
     assert!((0.001..0.9).contains(&planar.changed(&raster)), "{}", planar.changed(&raster));
     screen.key(u32::from(b'w'));
-    titled("point fronts");
+    titled("circular fronts");
     screen.key(u32::from(b'w'));
     titled("curved fronts");
     screen.wait("as before", || (screen.grab(viewer.window) == raster).then_some(()));
