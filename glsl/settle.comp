@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 // Copies all fronts back to image 0 after the rounds of a recording, and resets the states of the tiles. One
 // workgroup is one tile. One invocation handles some of its texels. The very first invocation also counts the
-// rounds and decides whether more follow.
+// rounds and decides whether more follow. The list that the last round has left goes where the first round of
+// any recording finds it.
 // Twin: Tiles::settle in src/cpu/twins/tile_rounds.rs.
 
 #include "constants.glsl"
@@ -33,8 +34,18 @@ void count_rounds() {
     if (since_reached >= PATIENCE) renews = 0u;
     if (visited < count || rounds[ROUND_WORDS * count] == 0u) done = 1u;
     if (iterations >= most) done = 1u;
-    // The next recording would take its first list from this entry.
-    if (done != 0u) rounds[ROUND_WORDS * count] = 0u;
+    // A recording that goes on takes its first list from the last entry.
+    for (uint i = 0u; i < ROUND_WORDS; i++) {
+        rounds[ROUND_WORDS * ROUNDS + i] = rounds[ROUND_WORDS * count + i];
+    }
+    if (done != 0u) rounds[ROUND_WORDS * ROUNDS] = 0u;
+}
+
+// Moves an entry of the list for an odd round, and a tile's urgency in it, to those for an even one.
+void move_to_even(uint number, uint all) {
+    tiles[2u * all + number] = tiles[3u * all + number];
+    tiles[urgency_at(number, 0u, all)] = tiles[urgency_at(number, 1u, all)];
+    tiles[urgency_at(number, 1u, all)] = 0u;
 }
 
 void main() {
@@ -44,6 +55,7 @@ void main() {
     if (number >= all) return;
     if (gl_LocalInvocationIndex == 0u) {
         if (number == 0u && done == 0u) count_rounds();
+        if ((count & 1u) != 0u) move_to_even(number, all);
         state = tiles[number];
         tiles[number] = 0u;
     }

@@ -358,7 +358,7 @@ impl Solver {
                     *goes_on = None;
                     self.record(submitter, commands, images, |recorder| {
                         if number == 0 {
-                            recorder.go_on(schedule, &wanted.1);
+                            recorder.go_on(schedule);
                         }
                         record_part(&recorder, variant, &parts, number);
                     })?;

@@ -221,8 +221,9 @@ impl<'a> Recording<'a> {
     }
 
     /// Records further iterations of a map that may not have converged, as many as the plan holds. The plan
-    /// must be the one that the map was started with. The iterations may follow in the same command buffer or
-    /// in a later one. They visit nothing if the map has converged.
+    /// has the schedule and the wavefront that the map was started with, and any number of iterations. The
+    /// iterations may follow in the same command buffer or in a later one. They visit nothing if the map has
+    /// converged.
     ///
     /// # Errors
     /// If the plan does not fit the surface, the solver has no pipelines for it, or there is no map with the
@@ -230,7 +231,7 @@ impl<'a> Recording<'a> {
     pub fn resume(&self, plan: &Plan) -> Result<(), VulkanError> {
         self.check(plan)?;
         self.surface.state.check_plan(plan)?;
-        self.recorder.go_on(plan.schedule, plan.steps());
+        self.recorder.go_on(plan.schedule);
         self.steps(plan);
         self.note();
         Ok(())

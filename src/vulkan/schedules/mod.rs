@@ -152,9 +152,9 @@ impl Recorder<'_> {
         }
     }
 
-    /// Records what must precede further iterations of a map. The recording is as long as the last.
-    pub(crate) fn go_on(&self, schedule: Schedule, steps: &[Step]) {
-        schedule.order().go_on(self, steps);
+    /// Records what must precede further iterations of a map.
+    pub(crate) fn go_on(&self, schedule: Schedule) {
+        schedule.order().go_on(self);
     }
 
     /// Records the steps of a plan, whose pipelines were made for `variant`.

@@ -56,8 +56,8 @@ pub(super) trait Order: Sync {
     /// one.
     fn start(&self, _: &Recorder, _is_added: bool) {}
 
-    /// Records what must precede further steps of a map. The recording is as long as the last.
-    fn go_on(&self, _: &Recorder, _: &[Step]) {}
+    /// Records what must precede further steps of a map.
+    fn go_on(&self, _: &Recorder) {}
 
     /// Records one of the schedule's steps.
     fn record(&self, recording: &mut Steps, step: &Step);

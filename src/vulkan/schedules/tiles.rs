@@ -53,13 +53,8 @@ impl Order for Tiles {
         rounds.clamp(2, ROUNDS.into()) as u32
     }
 
-    /// Makes the list that the last rounds have left the first one.
-    fn go_on(&self, recorder: &Recorder, steps: &[Step]) {
-        let is_round = |step: &&Step| matches!(step, Step::Tiles { .. });
-        let rounds = steps.iter().filter(is_round).count() as u32;
-        if rounds == 0 {
-            return;
-        }
+    /// Makes the list that the last recording has left the first one.
+    fn go_on(&self, recorder: &Recorder) {
         let later = offset::VISITS - offset::round(1);
         let (list, tiles) = (offset::round(1) - offset::round(0), recorder.tile_bytes());
         let work = Work::of_bytes(list, list + later + tiles);
@@ -67,7 +62,8 @@ impl Order for Tiles {
         let _pass = recorder.pass_with(record);
         let progress = recorder.grid.progress.buffer;
         recorder.barrier(PASS, TRANSFER);
-        let (from, to) = (offset::round(rounds), offset::round(0));
+        // `settle.comp` has put it there, however many rounds that recording had.
+        let (from, to) = (offset::round(ROUNDS), offset::round(0));
         recorder.copy((progress, from), (progress, to), list);
         recorder.barrier(COPY, CLEAR);
         recorder.write_progress(&progress::before_rounds(recorder.tiles()), offset::round(1));

@@ -325,6 +325,25 @@ fn every_schedule_can_be_split_and_added_to() {
         let apart = difference(&both, &stage.read());
         assert!(apart < SAME, "{schedule}, added: {apart}");
 
+        // Further recordings may be of any length.
+        let others = [1, 4, 5, 2, 7].map(|portion| stage.plan(schedule, wavefront, portion));
+        stage.run(|recording| {
+            recording.begin(Access::NONE);
+            recording.solve(SourceInput::Inline(&source(5.0, 7.0)), &plan).unwrap();
+            let lengths = || others.iter().cycle().take(2 * done.iterations as usize);
+            lengths().for_each(|plan| recording.resume(plan).unwrap());
+            recording.outcome(0).unwrap();
+            recording.result(0, Reader::COPY, f32::INFINITY)
+        });
+        let by_others = stage.surface.outcome(0).unwrap();
+        assert!(by_others.converged, "{schedule}: {by_others:?}");
+        let apart = difference(&one, &stage.read());
+        assert!(apart < SAME, "{schedule}, by other plans: {apart}");
+        if schedule == Schedule::Tiles {
+            // As many rounds lead to the same map, however they are divided among recordings.
+            assert_eq!(by_others.iterations, done.iterations);
+        }
+
         // In one command buffer, the map is the same to the bit.
         stage.run(|recording| {
             recording.begin(Access::NONE);
