@@ -1,5 +1,5 @@
-// Scans a tile with one point of a line for each invocation, as GPUs like it: half of the work between two
-// lines, in more lanes. What does not depend on times is found out for the next line while this one waits.
+// Scans a tile with one point of a line for each invocation. On a GPU this halves the work between two lines.
+// Values of the next line that do not depend on times are computed while this line waits for its neighbours.
 // Included by tile_round.glsl.
 //
 // An invocation keeps its front on the line behind. With WITH_SHUFFLES it has those beside it from its
@@ -11,12 +11,12 @@
 // Values of a triangle's component that is left out: lengths of a triangle that is not obtuse.
 const float NO_EDGE = 1.0;
 
-// What an invocation knows of a point.
+// Front, surface value and slowness at a point.
 struct Seen {
     float time, carried, surface, slowness;
 };
 
-// What is stored of a point and of what lies behind it, which no scan of this copy changes before it comes there.
+// Values at a point and behind it that no scan of this copy changes before it gets there.
 struct Stored {
     Edges edges;
     Seen own;
@@ -26,7 +26,7 @@ struct Stored {
     Seen outside;
 };
 
-// The same, with what can be computed of it before the fronts behind are known.
+// Stored values of a point, with the shapes of its triangles, which do not depend on the fronts behind.
 struct Prepared {
     Stored stored;
     vec4 l1, l2, base;

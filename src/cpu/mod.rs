@@ -36,6 +36,7 @@ mod rotated_scan;
 mod scan;
 mod scan_copy;
 mod scanner;
+mod scans;
 pub(crate) mod settled;
 mod sight_lines;
 mod solution;

@@ -1,10 +1,11 @@
 //! Solves by rotated raster scans in SIMD lanes, in the order that suits the grid.
 
 use super::Instructions;
-use super::fronts::{FrontKind, for_kind};
+use super::fronts::for_kind;
 use super::order::Order;
 use super::patches::{PatchCounts, PatchScanner};
 use super::scanner::Scanner;
+use super::scans::Scans;
 use super::solution::{Solution, distances};
 use crate::surface::{Chart, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
@@ -42,110 +43,6 @@ pub struct RotatedScan<'a, R> {
     chart: Chart,
     /// The scanner for one kind of front.
     scanner: Box<dyn Scans<R> + 'a>,
-}
-
-/// A [`Scanner`] of any kind of front.
-trait Scans<R>: std::fmt::Debug + Send + Sync {
-    fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence;
-    fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence;
-    fn set_instructions(&mut self, instructions: Instructions);
-    fn times(&self) -> &[R];
-    fn into_times(self: Box<Self>) -> Vec<R>;
-    fn visits(&self) -> u64;
-    fn updates(&self) -> u64;
-    fn bytes(&self) -> usize;
-    fn patches(&self) -> Option<PatchCounts> {
-        None
-    }
-    fn boxed<'b>(&self) -> Box<dyn Scans<R> + 'b>
-    where
-        Self: 'b;
-}
-
-impl<'a, R: Real, K: FrontKind<'a, R>> Scans<R> for Scanner<'a, R, K> {
-    fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
-        self.solve(seeds, stop)
-    }
-
-    fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
-        self.add(seeds, stop)
-    }
-
-    fn set_instructions(&mut self, instructions: Instructions) {
-        self.on.instructions = instructions;
-    }
-
-    fn times(&self) -> &[R] {
-        self.times()
-    }
-
-    fn into_times(self: Box<Self>) -> Vec<R> {
-        (*self).into_times()
-    }
-
-    fn visits(&self) -> u64 {
-        self.visits()
-    }
-
-    fn updates(&self) -> u64 {
-        self.updates()
-    }
-
-    fn bytes(&self) -> usize {
-        self.bytes()
-    }
-
-    fn boxed<'b>(&self) -> Box<dyn Scans<R> + 'b>
-    where
-        Self: 'b,
-    {
-        Box::new(self.clone())
-    }
-}
-
-impl<'a, R: Real, K: FrontKind<'a, R>> Scans<R> for PatchScanner<'a, R, K> {
-    fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
-        self.solve(seeds, stop)
-    }
-
-    fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
-        self.add(seeds, stop)
-    }
-
-    fn set_instructions(&mut self, instructions: Instructions) {
-        self.on.instructions = instructions;
-    }
-
-    fn times(&self) -> &[R] {
-        self.times()
-    }
-
-    fn into_times(self: Box<Self>) -> Vec<R> {
-        (*self).into_times()
-    }
-
-    fn visits(&self) -> u64 {
-        self.visits()
-    }
-
-    fn updates(&self) -> u64 {
-        self.updates()
-    }
-
-    fn bytes(&self) -> usize {
-        self.bytes()
-    }
-
-    fn patches(&self) -> Option<PatchCounts> {
-        Some(self.counts())
-    }
-
-    fn boxed<'b>(&self) -> Box<dyn Scans<R> + 'b>
-    where
-        Self: 'b,
-    {
-        Box::new(self.clone())
-    }
 }
 
 impl<'a, R: Real> RotatedScan<'a, R> {

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::Instructions;
 use super::due::find_due;
 use super::fronts::{FrontKind, KeptBy};
 use super::line_update::How;
@@ -11,6 +12,7 @@ use super::prepared::Prepared;
 use super::progress::Progress;
 use super::scan::Scan;
 use super::scan_copy::{On, ScanCopy};
+use super::scans::Scans;
 use super::stretch::Before;
 use super::tiles::Tiles;
 use super::window::Window;
@@ -45,30 +47,6 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         Self { on, tiles, copies: [a, b], panels: [panel_a, panel_b], looked: 0 }
     }
 
-    /// Computes the distance map of `seeds`.
-    pub(super) fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
-        // Enters the thread pool once, and not for each pair of scans.
-        rayon::scope(|_| {
-            if self.on.prepare() {
-                self.panels.iter_mut().for_each(Panel::free_edges_back);
-            }
-            self.forget();
-            self.seed(seeds);
-            self.converge(seeds, stop)
-        })
-    }
-
-    /// Adds sources to the last map, which is a warm start. Only tiles that the new fronts reach first are
-    /// visited.
-    pub(super) fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
-        for ScanCopy { carried, .. } in &mut self.copies {
-            carried.iter_mut().for_each(|carried| *carried = K::released(*carried));
-        }
-        self.seed(seeds);
-        // Enters the thread pool once, and not for each pair of scans.
-        rayon::scope(|_| self.converge(seeds, stop))
-    }
-
     fn converge(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         let mut progress = Progress::new(stop);
         loop {
@@ -92,36 +70,11 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         }
     }
 
-    /// Returns the arrival times of the last map, as a bordered array.
-    pub(super) fn times(&self) -> &[R] {
-        &self.copies[0].times
-    }
-
-    pub(super) fn into_times(self) -> Vec<R> {
-        let [copy, _] = self.copies;
-        copy.times
-    }
-
     /// Returns the front at a point of the last map.
     pub(super) fn front(&self, row: usize, col: usize) -> KeptBy<'a, R, K> {
         let point = self.on.chart().bordered(row, col);
         let ScanCopy { times, carried, .. } = &self.copies[0];
         Kept { time: times[point], carried: carried[point] }
-    }
-
-    pub(super) fn visits(&self) -> u64 {
-        self.looked + self.copies.iter().map(|copy| copy.visits).sum::<u64>()
-    }
-
-    pub(super) fn updates(&self) -> u64 {
-        self.copies.iter().map(|copy| copy.updates).sum()
-    }
-
-    /// Returns the number of bytes held, without the edge lengths and the data stored with them.
-    pub(super) fn bytes(&self) -> usize {
-        let copies = self.copies.iter().map(ScanCopy::bytes).sum::<usize>();
-        let panels = self.panels.iter().map(Panel::bytes).sum::<usize>();
-        copies + panels + self.tiles.bytes() + self.on.bytes()
     }
 
     /// Resets all points to unreached.
@@ -170,5 +123,62 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         self.tiles.passed(scans, [&self.copies[0].changed, &self.copies[1].changed]);
         self.copies.iter_mut().for_each(|copy| copy.changed.fill(false));
         a.max(b)
+    }
+}
+
+impl<'a, R: Real, K: FrontKind<'a, R>> Scans<R> for Scanner<'a, R, K> {
+    fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        // Enters the thread pool once, and not for each pair of scans.
+        rayon::scope(|_| {
+            if self.on.prepare() {
+                self.panels.iter_mut().for_each(Panel::free_edges_back);
+            }
+            self.forget();
+            self.seed(seeds);
+            self.converge(seeds, stop)
+        })
+    }
+
+    fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        for ScanCopy { carried, .. } in &mut self.copies {
+            carried.iter_mut().for_each(|carried| *carried = K::released(*carried));
+        }
+        self.seed(seeds);
+        // Enters the thread pool once, and not for each pair of scans.
+        rayon::scope(|_| self.converge(seeds, stop))
+    }
+
+    fn set_instructions(&mut self, instructions: Instructions) {
+        self.on.instructions = instructions;
+    }
+
+    fn times(&self) -> &[R] {
+        &self.copies[0].times
+    }
+
+    fn into_times(self: Box<Self>) -> Vec<R> {
+        let [copy, _] = self.copies;
+        copy.times
+    }
+
+    fn visits(&self) -> u64 {
+        self.looked + self.copies.iter().map(|copy| copy.visits).sum::<u64>()
+    }
+
+    fn updates(&self) -> u64 {
+        self.copies.iter().map(|copy| copy.updates).sum()
+    }
+
+    fn bytes(&self) -> usize {
+        let copies = self.copies.iter().map(ScanCopy::bytes).sum::<usize>();
+        let panels = self.panels.iter().map(Panel::bytes).sum::<usize>();
+        copies + panels + self.tiles.bytes() + self.on.bytes()
+    }
+
+    fn boxed<'b>(&self) -> Box<dyn Scans<R> + 'b>
+    where
+        Self: 'b,
+    {
+        Box::new(self.clone())
     }
 }

@@ -22,6 +22,7 @@ use rayon::prelude::*;
 use super::clusters::around_clusters;
 use super::fronts::{TriangleKind, for_triangle_kind};
 use super::scanner::Scanner;
+use super::scans::Scans;
 use super::sight_lines::along_sight_lines;
 use crate::Stop;
 use crate::surface::{Block, Direction, EdgeLengths, Origin, Real, Seed, Surface, with_diagonals};

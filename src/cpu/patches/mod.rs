@@ -13,11 +13,13 @@ mod visit;
 
 use rayon::prelude::*;
 
+use super::Instructions;
 use super::fronts::FrontKind;
 use super::prepared::Prepared;
 use super::progress::Progress;
 use super::scan::Scan;
 use super::scanner::FEW_ITERATIONS;
+use super::scans::Scans;
 use super::tiles::{TILE, Tiles};
 use super::typical_edge::typical_edge;
 use super::window::{Fronts, Window};
@@ -161,34 +163,6 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PatchScanner<'a, R, K> {
             looked: 0,
             unseen: R::Bits::default(),
         }
-    }
-
-    /// Computes the distance map of `seeds`.
-    pub(super) fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
-        rayon::scope(|_| {
-            if self.on.prepare() {
-                self.panels = Pool::default();
-            }
-            self.forget();
-            self.start(stop);
-            self.seed(seeds);
-            self.converge(seeds, stop)
-        })
-    }
-
-    /// Adds sources to the last map, as [`super::scanner::Scanner::add`] does. A map that has not converged
-    /// goes on.
-    pub(super) fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
-        self.carried.iter_mut().for_each(|carried| *carried = K::released(*carried));
-        let was_stopped = self.patches.iter().any(|patch| patch.progress.is_last());
-        self.start(stop);
-        self.seed(seeds);
-        rayon::scope(|_| {
-            if was_stopped {
-                self.wake_unsettled();
-            }
-            self.converge(seeds, stop)
-        })
     }
 
     /// Examines all patches in which a scan has yet to see some change.
@@ -365,31 +339,55 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PatchScanner<'a, R, K> {
             }
         }
     }
+}
 
-    /// Returns the arrival times of the last map, as a bordered array.
-    pub(super) fn times(&self) -> &[R] {
+impl<'a, R: Real, K: FrontKind<'a, R>> Scans<R> for PatchScanner<'a, R, K> {
+    fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        rayon::scope(|_| {
+            if self.on.prepare() {
+                self.panels = Pool::default();
+            }
+            self.forget();
+            self.start(stop);
+            self.seed(seeds);
+            self.converge(seeds, stop)
+        })
+    }
+
+    fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        self.carried.iter_mut().for_each(|carried| *carried = K::released(*carried));
+        let was_stopped = self.patches.iter().any(|patch| patch.progress.is_last());
+        self.start(stop);
+        self.seed(seeds);
+        rayon::scope(|_| {
+            if was_stopped {
+                self.wake_unsettled();
+            }
+            self.converge(seeds, stop)
+        })
+    }
+
+    fn set_instructions(&mut self, instructions: Instructions) {
+        self.on.instructions = instructions;
+    }
+
+    fn times(&self) -> &[R] {
         &self.times
     }
 
-    pub(super) fn into_times(self) -> Vec<R> {
+    fn into_times(self: Box<Self>) -> Vec<R> {
         self.times
     }
 
-    /// Returns the rounds and visits of the last map.
-    pub(super) fn counts(&self) -> PatchCounts {
-        self.counts
-    }
-
-    pub(super) fn visits(&self) -> u64 {
+    fn visits(&self) -> u64 {
         self.looked + self.rooms.iter().map(|room| room.looked + room.copy.visits).sum::<u64>()
     }
 
-    pub(super) fn updates(&self) -> u64 {
+    fn updates(&self) -> u64 {
         self.rooms.iter().map(|room| room.copy.updates).sum()
     }
 
-    /// Returns the number of bytes held, without the edge lengths and the data stored with them.
-    pub(super) fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         let tiles = self.patches.iter().map(|patch| patch.tiles.bytes()).sum::<usize>();
         let rooms = self.rooms.iter().map(|room| room.copy.bytes()).sum::<usize>();
         std::mem::size_of_val(self.times.as_slice())
@@ -399,9 +397,20 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PatchScanner<'a, R, K> {
             + self.panels.bytes()
             + self.on.bytes()
     }
+
+    fn patches(&self) -> Option<PatchCounts> {
+        Some(self.counts)
+    }
+
+    fn boxed<'b>(&self) -> Box<dyn Scans<R> + 'b>
+    where
+        Self: 'b,
+    {
+        Box::new(self.clone())
+    }
 }
 
-/// What a patch tells a neighbour: a tile along their border has changed.
+/// News from a patch for a neighbour: a tile along their border has changed.
 #[derive(Clone, Copy, Debug)]
 struct News<R: Real> {
     /// The neighbour.

@@ -18,7 +18,7 @@ pub(super) struct Room<R: Real, C> {
     changed: Vec<Block>,
     /// Flags of the window's tiles that have changed.
     pub marks: Vec<bool>,
-    /// What the neighbours have to know.
+    /// News for the neighbours.
     pub news: Vec<News<R>>,
     /// Number of iterations of the visit.
     pub iterations: u32,

@@ -15,7 +15,7 @@ use crate::cpu::window::Fronts;
 use crate::surface::{Block, Real, Tiling, min};
 use crate::update::Carried;
 
-/// What the visits of a round share.
+/// Data that the visits of a round share.
 pub(super) struct Visits<'v, 'a, R: Real, K: FrontKind<'a, R>> {
     pub on: &'v Prepared<'a, R, K>,
     /// The fronts of the whole grid before the round.
@@ -221,7 +221,7 @@ mod tests {
         assert_eq!(seen(block(0..64, 64..128)), block(64..66, 64..128));
         assert_eq!(seen(block(128..150, 128..150)), block(126..128, 126..128));
         assert_eq!(seen(block(64..128, 0..64)), block(64..128, 64..66));
-        // What has changed lies too far away.
+        // The changed points lie too far away.
         let changed = block(80..96, 64..128);
         assert_eq!(within(&changed, &block(0..64, 64..128), 2).places().count(), 0);
     }
