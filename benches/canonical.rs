@@ -11,7 +11,7 @@ fn canonical(c: &mut Criterion) {
     for builtin in [Builtin::Sphere, Builtin::Torus, Builtin::Peaks] {
         for side in [32, 64] {
             let surface = builtin.surface(side, side).expect("built-in surfaces fit");
-            let options = Options { wavefront: Some(Wavefront::Circular), ..Options::default() };
+            let options = Options::default().with_wavefront(Wavefront::Circular);
             let mut pairwise = Pairwise::new(&surface, &options).expect("built-in surfaces fit");
             let (matrix, _) = pairwise.matrix(|_| ()).expect("it fits memory");
             let distances = Distances::new(side * side, matrix).expect("all is reached");

@@ -12,7 +12,7 @@ use geosweep::surface::builtin::Builtin;
 use geosweep::vulkan::{Method, Solver};
 use geosweep::{DeviceChoice, Sources, Wavefront};
 
-const STOP: Stop = Stop { tolerance: 1e-6, iterations: 1000 };
+const STOP: Stop = Stop::within(1e-6).or_after(1000);
 
 fn distance_map(c: &mut Criterion) {
     let mut solver = Solver::new(&DeviceChoice::Any)
@@ -39,7 +39,7 @@ fn distance_map(c: &mut Criterion) {
                 let Some(solver) = &mut solver else { continue };
                 let mut on_device = solver.upload(&surface).expect("the grid fits the device");
                 let id = BenchmarkId::new(format!("Vulkan on {}", solver.device_name()), wavefront);
-                let method = Method { wavefront, schedule: None, stop: STOP };
+                let method = Method::new(wavefront, STOP);
                 group.bench_function(id, |b| {
                     b.iter_custom(|runs| {
                         (0..runs)

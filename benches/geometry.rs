@@ -20,7 +20,7 @@ use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{DistanceMap, Engine, Options, Sources, Surface, Wavefront, distance_map};
 
-const STOP: Stop = Stop { tolerance: 1e-6, iterations: 1000 };
+const STOP: Stop = Stop::within(1e-6).or_after(1000);
 const PATHS: usize = 1000;
 
 /// A case to measure.
@@ -114,7 +114,7 @@ fn points(places: &[[f64; 2]]) -> Sources {
 }
 
 fn solve(surface: &Surface, sources: &Sources) -> DistanceMap {
-    let options = Options { engine: Engine::Cpu, ..Options::default() };
+    let options = Options::default().with_engine(Engine::Cpu);
     distance_map(surface, sources, &options).expect("the surface fits")
 }
 

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 const SIDE: usize = 64;
 const POINTS: usize = SIDE * SIDE;
-const CONVERGED: Stop = Stop { tolerance: 1e-6, iterations: 1000 };
+const CONVERGED: Stop = Stop::within(1e-6).or_after(1000);
 
 fn pairwise(c: &mut Criterion) {
     let surface = Builtin::Sphere.surface(SIDE, SIDE).expect("built-in surfaces fit");

@@ -42,25 +42,21 @@ fn record(criterion: &mut Criterion) {
             .collect();
         let points = host.buffer_of(&positions);
         let inputs = [Points::positions(points.handle, 12)];
-        let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(chart) };
+        let info = SurfaceInfo::new(chart).with_points(&inputs);
         let surface = solver.surface(&device, host.allocator(), &info);
         let mut surface = surface.expect("there is memory");
         host.run(|commands| solver.record(&device, commands, &surface).prepare());
         // The number is of iterations for scans, and the largest number of rounds for tiles.
         for ((schedule, wavefront), iterations) in passes.into_iter().zip([4, 64]) {
-            let stop = Stop { tolerance: 1e-4, iterations: 200 };
-            let method = Method { wavefront, schedule: Some(schedule), stop };
+            let stop = Stop::within(1e-4).or_after(200);
+            let method = Method::new(wavefront, stop).with_schedule(schedule);
             let plan = solver.plan(chart, method, iterations).expect("the passes are there");
             let commands = host.commands();
-            let frame = Frame {
-                before: Access::COMPUTE_WRITE,
-                points: Some(0),
-                sources: SourceInput::Inline(&[PointSource::at(3.0, 4.5)]),
-                plan: &plan,
-                slot: 0,
-                reader: Reader::COMPUTE,
-                unreached: -1.0,
-            };
+            let places = [PointSource::at(3.0, 4.5)];
+            let frame = Frame::new(&plan, SourceInput::Inline(&places), Reader::COMPUTE)
+                .with_before(Access::COMPUTE_WRITE)
+                .with_points(0)
+                .with_unreached(-1.0);
             group.bench_function(
                 BenchmarkId::new(format!("{schedule}, record"), side),
                 |bencher| {
@@ -110,8 +106,8 @@ fn regions(
     let sources: Vec<_> =
         spread(20, chart.rows).into_iter().map(|[row, col]| PointSource::at(row, col)).collect();
     let sources = SourceInput::Inline(&sources);
-    let stop = Stop { tolerance: 1e-4, iterations: 200 };
-    let method = Method { wavefront, schedule: Some(Schedule::Raster), stop };
+    let stop = Stop::within(1e-4).or_after(200);
+    let method = Method::new(wavefront, stop).with_schedule(Schedule::Raster);
     let plan = solver.plan(chart, method, 4).expect("the passes are there");
     group.bench_function(BenchmarkId::new("map of 20 sources, run", chart.rows), |bencher| {
         bencher.iter(|| {
@@ -124,7 +120,7 @@ fn regions(
     });
     let made = solver.regions(&device, host.allocator(), surface, wavefront);
     let mut made = made.expect("there is memory");
-    let frame = RegionFrame { before: Access::NONE, sources, reader: Access::VERTEX_READ };
+    let frame = RegionFrame::new(sources, Access::VERTEX_READ);
     group.bench_function(BenchmarkId::new("20 regions, run", chart.rows), |bencher| {
         bencher.iter(|| {
             host.run(|commands| {
@@ -160,7 +156,7 @@ fn curves(
     for count in [10, 100] {
         let step = 1.3 * side as f32 / count as f32;
         let levels = LevelInput::Spacing { step, count };
-        let frame = ContourFrame { levels, start: 0.0, points: 0, reader: Access::DRAW };
+        let frame = ContourFrame::new(levels, Access::DRAW);
         group.bench_function(BenchmarkId::new(format!("{count} contours, run"), side), |bencher| {
             bencher.iter(|| {
                 host.run(|commands| {
@@ -175,13 +171,9 @@ fn curves(
         let made = solver.paths(&device, host.allocator(), surface, info);
         let mut made = made.expect("there is memory");
         let starts = spread(paths, side);
-        let frame = PathFrame {
-            before: Access::NONE,
-            starts: StartInput::Inline(&starts),
-            sources: SourceInput::Inline(&[PointSource::at(3.0, 4.5)]),
-            points: 0,
-            reader: Access::DRAW,
-        };
+        let places = [PointSource::at(3.0, 4.5)];
+        let frame =
+            PathFrame::new(StartInput::Inline(&starts), SourceInput::Inline(&places), Access::DRAW);
         group.bench_function(BenchmarkId::new(format!("{paths} paths, run"), side), |bencher| {
             bencher.iter(|| {
                 host.run(|commands| {

@@ -9,7 +9,7 @@ use geosweep::surface::builtin::Builtin;
 use geosweep::vulkan::{PairwiseSchedule, Solver};
 use geosweep::{DeviceChoice, Engine, Error, Options, Wavefront};
 
-const CONVERGED: Stop = Stop { tolerance: 1e-6, iterations: 1000 };
+const CONVERGED: Stop = Stop::within(1e-6).or_after(1000);
 
 fn vulkan_pairwise(c: &mut Criterion) {
     let device = std::env::var("GEOSWEEP_BENCH_DEVICE").unwrap_or_default();
@@ -26,13 +26,11 @@ fn vulkan_pairwise(c: &mut Criterion) {
             let mut group = c.benchmark_group(format!("{side} x {side}, {name}"));
             group.throughput(Throughput::Elements(rows.len() as u64)).sample_size(10);
             for wavefront in Wavefront::FOR_ANY_SURFACE {
-                let options = Options {
-                    engine: Engine::Cpu,
-                    wavefront: Some(wavefront),
-                    tolerance: Some(stop.tolerance),
-                    iterations: Some(stop.iterations),
-                    ..Options::default()
-                };
+                let options = Options::default()
+                    .with_engine(Engine::Cpu)
+                    .with_wavefront(wavefront)
+                    .with_tolerance(stop.tolerance)
+                    .with_iterations(stop.iterations);
                 let mut on_cpu = Pairwise::new(&surface, &options).expect("built-in surfaces fit");
                 let points: Vec<_> = sources.iter().flatten().copied().collect();
                 group.bench_function(BenchmarkId::new(wavefront.name(), "CPU engine"), |b| {

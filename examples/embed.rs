@@ -10,7 +10,7 @@ use geosweep::Wavefront;
 use geosweep::ash::{self, vk};
 use geosweep::gpu_allocator::{MemoryLocation, vulkan::*};
 use geosweep::surface::Chart;
-use geosweep::vulkan::embed::{self, Access, Frame, PointSource, Points, Reader, SourceInput};
+use geosweep::vulkan::embed::{self, Frame, PointSource, Points, Reader, SourceInput};
 use geosweep::vulkan::{Method, Schedule, requirements};
 
 pub(crate) fn main() -> Result<(), Box<dyn Error>> {
@@ -64,11 +64,11 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let passes = [(Schedule::Raster, Wavefront::Curved)];
     let mut solver = embed::Solver::new(&instance, physical_device, &device, &passes)?;
     let points = [Points::positions(vertices, 12)];
-    let info = embed::SurfaceInfo { points: &points, ..embed::SurfaceInfo::new(chart) };
+    let info = embed::SurfaceInfo::new(chart).with_points(&points);
     println!("the surface will take {} KiB", solver.bytes_for(&device, &info)? / 1024);
     let mut surface = solver.surface(&device, &mut allocator, &info)?;
-    let stop = Stop { tolerance: 1e-5, iterations: 100 };
-    let method = Method { wavefront: Wavefront::Curved, schedule: None, stop };
+    let stop = Stop::within(1e-5).or_after(100);
+    let method = Method::new(Wavefront::Curved, stop);
     let plan = solver.plan(chart, method, 6)?;
     submit(&mut || {
         solver.record(&device, commands, &surface).prepare();
@@ -85,15 +85,11 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
         }
         submit(&mut || {
             // ==== Every frame: what is before, where the fronts start, who reads the result ====
-            let distances = solver.record(&device, commands, &surface).frame(&Frame {
-                before: Access::NONE, // what the program has written is there once it is submitted
-                points: Some(0),
-                sources: SourceInput::Inline(&[PointSource::at(60.0, 80.0 + frame as f32)]),
-                plan: &plan,
-                slot: 0, // with several frames in flight, which of them
-                reader: Reader::COPY,
-                unreached: f32::INFINITY,
-            })?;
+            // What the program has written to memory is visible to a submission, so `before` stays at NONE.
+            // With several frames in flight, `with_slot` says which of them this is.
+            let sources = [PointSource::at(60.0, 80.0 + frame as f32)];
+            let map = Frame::new(&plan, SourceInput::Inline(&sources), Reader::COPY).with_points(0);
+            let distances = solver.record(&device, commands, &surface).frame(&map)?;
             // ---- The renderer reads `distances.view`, or as here copies `distances.image` ----
             let layers = vk::ImageSubresourceLayers::default()
                 .aspect_mask(vk::ImageAspectFlags::COLOR)

@@ -62,7 +62,7 @@ fn engine_table(points: usize) {
         for (sources, wavefront) in
             [(&point, Wavefront::Planar), (&disc, Wavefront::Planar), (&point, Wavefront::Circular)]
         {
-            let stop = Stop { tolerance: 1e-6, iterations: 1000 };
+            let stop = Stop::within(1e-6).or_after(1000);
             let seeds = sources.seeds(&surface).unwrap();
             let map = cpu::rotated_scan(&edges, &seeds, wavefront, stop).distances();
             let map: Vec<_> = map.into_iter().map(f64::from).collect();

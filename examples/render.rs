@@ -164,11 +164,11 @@ pub(crate) fn render(
     let solver = embed::Solver::new(&host.instance, host.physical_device, &device, &passes);
     let mut solver = solver.expect("the device meets the requirements");
     let inputs = [Points::positions(points.handle, 16)];
-    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&inputs);
     let surface = solver.surface(&device, host.allocator(), &info);
     let mut surface = surface.expect("there is memory");
-    let stop = Stop { tolerance: 1e-4, iterations: 100 };
-    let method = Method { wavefront: Wavefront::Curved, schedule: None, stop };
+    let stop = Stop::within(1e-4).or_after(100);
+    let method = Method::new(Wavefront::Curved, stop);
     let plan = solver.plan(CHART, method, 8).expect("the passes are there");
     host.run(|commands| solver.record(&device, commands, &surface).prepare());
     let result = surface.result(0, Reader::FRAGMENT.layout).expect("there is a slot");
@@ -182,15 +182,11 @@ pub(crate) fn render(
     // Every frame.
     host.run(|commands| {
         host.dispatch(commands, &moving, CHART.points().div_ceil(64) as u32);
-        let frame = Frame {
-            before: Access::COMPUTE_WRITE,
-            points: Some(0),
-            sources: SourceInput::Inline(&[source]),
-            plan: &plan,
-            slot: 0,
-            reader: Reader::FRAGMENT,
-            unreached: -1.0,
-        };
+        let places = [source];
+        let frame = Frame::new(&plan, SourceInput::Inline(&places), Reader::FRAGMENT)
+            .with_before(Access::COMPUTE_WRITE)
+            .with_points(0)
+            .with_unreached(-1.0);
         let recording = solver.record(&device, commands, &surface);
         recording.frame(&frame).expect("the frame is right");
         host.barrier(commands, Access::COMPUTE_WRITE, Access::VERTEX_READ);

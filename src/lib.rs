@@ -12,7 +12,7 @@
 //! // A ramp of 65 x 65 points, 10 m apart.
 //! let heights = (0..65 * 65).map(|i| 3.0 * (i % 65) as f64).collect();
 //! let surface = Surface::from_heights(65, 65, heights, Spacing::square(10.0))?;
-//! let options = Options { engine: Engine::Cpu, ..Options::default() };
+//! let options = Options::default().with_engine(Engine::Cpu);
 //! let map = distance_map(&surface, &Sources::point(0.0, 0.0), &options)?;
 //! let exact = f32::hypot(64.0 * 10.0, 64.0 * f32::hypot(10.0, 3.0));
 //! assert!((map.distance(64, 64) - exact).abs() < 1e-5 * exact);
@@ -51,7 +51,7 @@ pub use error::Error;
 pub use estimate::{ErrorEstimate, estimate_error, estimate_error_f64};
 pub use glam;
 pub use gpu_allocator;
-pub use map::{DistanceMap, Report};
+pub use map::{DistanceMap, Report, UsedEngine};
 pub use name::UnknownName;
 pub use solve::{
     DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, Engine, Options, distance_map, distance_map_f64,

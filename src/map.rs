@@ -1,5 +1,6 @@
 //! The distance map, and the report on how it was computed.
 
+use std::fmt;
 use std::time::Duration;
 
 use crate::surface::{Chart, Real, Resolution, Seam};
@@ -8,6 +9,7 @@ use crate::update::Wavefront;
 /// Geodesic distances from the sources to every grid point, in single precision or in double precision
 /// ([`crate::distance_map_f64`]).
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct DistanceMap<R = f32> {
     /// The grid's size.
     pub chart: Chart,
@@ -18,11 +20,41 @@ pub struct DistanceMap<R = f32> {
     pub report: Report,
 }
 
+/// Engine that has computed a map or rows of a matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum UsedEngine {
+    /// Rotated raster scans on the CPU.
+    Cpu,
+    /// Fast marching on the CPU.
+    FastMarching,
+    /// A Vulkan device.
+    Vulkan,
+}
+
+impl UsedEngine {
+    /// Returns the name of the engine in reports: `cpu`, `fast-marching` or `vulkan`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+            Self::FastMarching => "fast-marching",
+            Self::Vulkan => "vulkan",
+        }
+    }
+}
+
+impl fmt::Display for UsedEngine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
 /// Report on how a map was computed.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Report {
-    /// The engine: `vulkan`, `cpu` or `fast-marching`.
-    pub engine: &'static str,
+    /// Engine that computed the map.
+    pub engine: UsedEngine,
     /// Name of the Vulkan device.
     pub device: Option<String>,
     /// Reason for the choice of the engine, if the choice was left to the crate.
@@ -60,7 +92,46 @@ pub struct Report {
     pub resolution: Option<Resolution>,
 }
 
+impl Report {
+    /// Returns the report on a map that has converged and of which nothing else is known.
+    pub fn new(engine: UsedEngine, wavefront: Wavefront) -> Self {
+        Self {
+            engine,
+            device: None,
+            reason: None,
+            fallback: None,
+            schedule: "",
+            wavefront,
+            iterations: 0,
+            residual: 0.0,
+            tolerance: 0.0,
+            converged: true,
+            solve_time: Duration::ZERO,
+            points: 0,
+            reached: 0,
+            max_distance: f64::NEG_INFINITY,
+            seams: Vec::new(),
+            resolution: None,
+        }
+    }
+}
+
 impl<R: Real> DistanceMap<R> {
+    /// Returns a map of `distances`, row-major, which were computed elsewhere: for instance those that a
+    /// renderer has read back. Functions on maps, such as [`crate::geometry::contours`], take it. All points
+    /// of the grid count as points of the surface.
+    ///
+    /// # Panics
+    /// If there are not as many distances as grid points.
+    pub fn new(chart: Chart, distances: Vec<R>, report: Report) -> Self {
+        assert_eq!(distances.len(), chart.points(), "one distance for each grid point");
+        let finite = || distances.iter().map(|distance| distance.wide()).filter(|d| d.is_finite());
+        let (reached, max_distance) =
+            (finite().count(), finite().fold(f64::NEG_INFINITY, f64::max));
+        let report = Report { points: chart.points(), reached, max_distance, ..report };
+        Self { chart, distances, report }
+    }
+
     /// Returns the distance at a grid point.
     ///
     /// # Panics

@@ -10,10 +10,7 @@ impl Options {
     /// # Errors
     /// If an option is out of range, or the wavefront does not suit the sources.
     pub fn method(&self, surface: &Surface, sources: &Sources) -> Result<vulkan::Method, Error> {
-        Ok(vulkan::Method {
-            wavefront: self.wavefront(surface, sources)?,
-            schedule: self.schedule,
-            stop: self.stop::<f32>(surface)?,
-        })
+        Ok(vulkan::Method::new(self.wavefront(surface, sources)?, self.stop::<f32>(surface)?)
+            .with_schedule(self.schedule))
     }
 }

@@ -11,7 +11,7 @@ use crate::name::{UnknownName, by_name};
 use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface};
 use crate::update::{EngineKind, Setting, SourceKind, Wavefront};
 use crate::vulkan::{self, DeviceChoice, Schedule, VulkanError};
-use crate::{DistanceMap, Error, Report};
+use crate::{DistanceMap, Error, Report, UsedEngine};
 
 /// The engine that computes a map.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,7 +39,7 @@ impl Engine {
     /// unchanged.
     pub(crate) fn as_for(&self, report: &Report) -> Self {
         match (self, report.engine) {
-            (Self::Auto, "cpu") => Self::Cpu,
+            (Self::Auto, UsedEngine::Cpu) => Self::Cpu,
             (Self::Auto, _) => Self::Vulkan(DeviceChoice::Any),
             _ => self.clone(),
         }
@@ -78,7 +78,15 @@ pub const DEFAULT_TOLERANCE: f64 = 1e-6;
 pub const DEFAULT_TOLERANCE_F64: f64 = 1e-13;
 
 /// Options of a map. The default suits most surfaces.
-#[derive(Clone, Debug, PartialEq)]
+///
+/// ```
+/// use geosweep::{Engine, Options, Wavefront};
+///
+/// let options = Options::default().with_engine(Engine::Cpu).with_wavefront(Wavefront::Curved);
+/// assert_eq!(options.wavefront, Some(Wavefront::Curved));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Options {
     /// The engine that computes the map.
     pub engine: Engine,
@@ -105,19 +113,32 @@ pub struct Options {
     pub iterations: Option<u32>,
 }
 
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            engine: Engine::Auto,
-            wavefront: None,
-            schedule: None,
-            tolerance: None,
-            iterations: None,
-        }
-    }
-}
-
 impl Options {
+    /// Sets [`Options::engine`].
+    pub fn with_engine(self, engine: Engine) -> Self {
+        Self { engine, ..self }
+    }
+
+    /// Sets [`Options::wavefront`].
+    pub fn with_wavefront(self, wavefront: impl Into<Option<Wavefront>>) -> Self {
+        Self { wavefront: wavefront.into(), ..self }
+    }
+
+    /// Sets [`Options::schedule`].
+    pub fn with_schedule(self, schedule: impl Into<Option<Schedule>>) -> Self {
+        Self { schedule: schedule.into(), ..self }
+    }
+
+    /// Sets [`Options::tolerance`].
+    pub fn with_tolerance(self, tolerance: impl Into<Option<f64>>) -> Self {
+        Self { tolerance: tolerance.into(), ..self }
+    }
+
+    /// Sets [`Options::iterations`].
+    pub fn with_iterations(self, iterations: impl Into<Option<u32>>) -> Self {
+        Self { iterations: iterations.into(), ..self }
+    }
+
     pub(crate) fn stop<R: Precision>(&self, surface: &Surface) -> Result<Stop, Error> {
         let tolerance = self.tolerance.unwrap_or(R::TOLERANCE);
         if !(0.0..1.0).contains(&tolerance) {
@@ -129,7 +150,7 @@ impl Options {
         if iterations == 0 {
             return Err(Error::Options("at least one iteration is needed".into()));
         }
-        Ok(Stop { tolerance, iterations })
+        Ok(Stop::within(tolerance).or_after(iterations))
     }
 
     /// Returns the wavefront of a map.
@@ -353,10 +374,9 @@ impl<'a> Problem<'a> {
         let solution = cpu::rotated_scan(&edges, &self.seeds, self.wavefront, self.stop);
         let time = start.elapsed();
         let report = Report {
-            engine: "cpu",
             iterations: solution.iterations,
             residual: solution.residual,
-            ..self.report("rotated-scan", time)
+            ..self.report(UsedEngine::Cpu, "rotated-scan", time)
         };
         Ok(self.finish(solution.distances(), report))
     }
@@ -367,44 +387,34 @@ impl<'a> Problem<'a> {
         let start = Instant::now();
         let solution = cpu::fast_marching_with(&edges, &split, &self.seeds, self.wavefront);
         let time = start.elapsed();
-        let report = Report { engine: "fast-marching", ..self.report("heap", time) };
+        let report =
+            Report { iterations: 1, ..self.report(UsedEngine::FastMarching, "heap", time) };
         Ok(self.finish(solution.distances(), report))
     }
 
     fn solve_on_vulkan(&self, choice: &DeviceChoice) -> Result<DistanceMap, VulkanError> {
         let mut solver = vulkan::Solver::new(choice)?;
         let mut surface = solver.upload(self.surface)?;
-        let method =
-            vulkan::Method { wavefront: self.wavefront, schedule: self.schedule, stop: self.stop };
+        let method = vulkan::Method::new(self.wavefront, self.stop).with_schedule(self.schedule);
         let solution = solver.solve(&mut surface, &self.seeds, method)?;
         let report = Report {
-            engine: "vulkan",
             device: Some(solver.device_name().to_owned()),
             iterations: solution.iterations,
             residual: solution.residual,
-            ..self.report(solution.schedule.name(), solution.time)
+            ..self.report(UsedEngine::Vulkan, solution.schedule.name(), solution.time)
         };
         Ok(self.finish(solution.distances, report))
     }
 
-    fn report(&self, schedule: &'static str, solve_time: Duration) -> Report {
+    fn report(&self, engine: UsedEngine, schedule: &'static str, solve_time: Duration) -> Report {
         Report {
-            engine: "",
-            device: None,
-            reason: None,
-            fallback: None,
             schedule,
-            wavefront: self.wavefront,
-            iterations: 1,
-            residual: 0.0,
             tolerance: self.stop.tolerance,
-            converged: false,
             solve_time,
             points: self.surface.points(),
-            reached: 0,
-            max_distance: 0.0,
             seams: self.surface.seams(),
             resolution: self.surface.resolution(),
+            ..Report::new(engine, self.wavefront)
         }
     }
 

@@ -1,7 +1,15 @@
 //! The stop criterion of the iterations and the result of the iterations, the same for every engine.
 
 /// Stop criterion of raster scans. Scans stop at whichever limit comes first.
+///
+/// ```
+/// use geosweep::Stop;
+///
+/// let stop = Stop::within(1e-6).or_after(100);
+/// assert_eq!((stop.tolerance, stop.iterations), (1e-6, 100));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Stop {
     /// Relative tolerance. Scans stop after an iteration in which no arrival time fell by more than this
     /// fraction.
@@ -11,9 +19,20 @@ pub struct Stop {
 }
 
 impl Stop {
+    /// Stops once no arrival time falls by more than the fraction `tolerance` in an iteration. The number of
+    /// iterations is not limited.
+    pub const fn within(tolerance: f64) -> Self {
+        Self { tolerance, iterations: u32::MAX }
+    }
+
     /// Stops after `iterations` iterations, or earlier if nothing changes any more.
-    pub fn after(iterations: u32) -> Self {
+    pub const fn after(iterations: u32) -> Self {
         Self { tolerance: 0.0, iterations }
+    }
+
+    /// Stops after `iterations` iterations at the latest.
+    pub const fn or_after(self, iterations: u32) -> Self {
+        Self { iterations, ..self }
     }
 }
 

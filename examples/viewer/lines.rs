@@ -84,13 +84,16 @@ impl Lines {
         let (points, reader) = (0, Access::DRAW);
         if let Some(contours) = self.contours.as_ref().filter(|_| self.shows_contours) {
             let levels = LevelInput::Spacing { step: spacing, count: LEVELS };
-            recording.contours(contours, &ContourFrame { levels, start: 0.0, points, reader })?;
+            recording.contours(contours, &ContourFrame::new(levels, reader).with_points(points))?;
         }
         if let Some(path) = &self.path {
             let buffer = self.start.source.handle;
             let starts = StartInput::Buffer { buffer, offset: 0, count: 1 };
             let (before, sources) = (Access::TRANSFER_WRITE, SourceInput::Buffer(0));
-            recording.paths(path, &PathFrame { before, starts, sources, points, reader })?;
+            recording.paths(
+                path,
+                &PathFrame::new(starts, sources, reader).with_before(before).with_points(points),
+            )?;
         }
         Ok(())
     }

@@ -63,19 +63,20 @@ pub fn corners(chart: Chart) -> [f32; 8] {
 impl Map {
     pub fn new(gpu: &mut Gpu, solver: &Solver, chart: Chart, memory: &Memory) -> Result<Self> {
         let device = gpu.device.clone();
-        let info = SurfaceInfo {
-            slots: IN_FLIGHT,
-            points: &[Points::positions(memory.positions, 16)],
-            sources: &[SourceBuffer { buffer: memory.source, offset: 0, count: 1 }],
-            lookups: &[Lookup {
-                places: memory.corners,
-                places_offset: 0,
-                distances: memory.distances,
-                distances_offset: 0,
-                count: 4,
-            }],
-            ..SurfaceInfo::new(chart)
-        };
+        let lookup_buffers = [Lookup {
+            places: memory.corners,
+            places_offset: 0,
+            distances: memory.distances,
+            distances_offset: 0,
+            count: 4,
+        }];
+        let source_buffers = [SourceBuffer { buffer: memory.source, offset: 0, count: 1 }];
+        let inputs = [Points::positions(memory.positions, 16)];
+        let info = SurfaceInfo::new(chart)
+            .with_slots(IN_FLIGHT)
+            .with_points(&inputs)
+            .with_sources(&source_buffers)
+            .with_lookups(&lookup_buffers);
         let surface = solver.surface(&device, gpu.allocator(), &info)?;
         let plan = plan(solver, chart, None, Wavefront::Curved)?;
         let written = [None; IN_FLIGHT];
@@ -167,15 +168,13 @@ impl Map {
                 recording.result(slot, Reader::FRAGMENT, UNREACHED)?;
             }
             Due::Solve | Due::Measure => {
-                recording.frame(&Frame {
-                    before: Access::COMPUTE_WRITE.and(Access::TRANSFER_WRITE),
-                    points: (due == Due::Measure).then_some(0),
-                    sources: SourceInput::Buffer(0),
-                    plan: &self.plan,
-                    slot,
-                    reader: Reader::FRAGMENT,
-                    unreached: UNREACHED,
-                })?;
+                recording.frame(
+                    &Frame::new(&self.plan, SourceInput::Buffer(0), Reader::FRAGMENT)
+                        .with_before(Access::COMPUTE_WRITE.and(Access::TRANSFER_WRITE))
+                        .with_points((due == Due::Measure).then_some(0))
+                        .with_slot(slot)
+                        .with_unreached(UNREACHED),
+                )?;
             }
         }
         recording.lookup(0, UNREACHED, Access::FRAGMENT_READ, Access::FRAGMENT_READ)?;
@@ -210,7 +209,7 @@ fn plan(
     wavefront: Wavefront,
 ) -> Result<Plan> {
     // The tolerance is below what a picture shows.
-    let stop = Stop { tolerance: 1e-4, iterations: 10_000 };
+    let stop = Stop::within(1e-4).or_after(10_000);
     // Iterations that smooth surfaces need in one frame. If they are not enough, the next frames continue, so
     // that one sees the front of all points at once advance.
     let iterations = match schedule {
@@ -218,5 +217,5 @@ fn plan(
         Some(Schedule::AllPoints) => 48,
         Some(Schedule::Raster) | None => 8,
     };
-    Ok(solver.plan(chart, Method { wavefront, schedule, stop }, iterations)?)
+    Ok(solver.plan(chart, Method::new(wavefront, stop).with_schedule(schedule), iterations)?)
 }

@@ -196,12 +196,9 @@ pub unsafe extern "C" fn geosweep_record_contours(
         };
         let curves = recording.points_at(given.points_offset).contours(
             &contours.contours,
-            &embed::ContourFrame {
-                levels,
-                start: given.start,
-                points: given.points as usize,
-                reader: access(given.reader, "frame->reader")?,
-            },
+            &embed::ContourFrame::new(levels, access(given.reader, "frame->reader")?)
+                .with_start(given.start)
+                .with_points(given.points as usize),
         )?;
         if let Some(output) = output {
             output.write(curves.into());

@@ -208,13 +208,9 @@ pub unsafe extern "C" fn geosweep_record_paths(
         };
         let curves = recording.points_at(given.points_offset).paths(
             &paths.paths,
-            &embed::PathFrame {
-                before: access(given.before, "frame->before")?,
-                starts,
-                sources,
-                points: given.points as usize,
-                reader: access(given.reader, "frame->reader")?,
-            },
+            &embed::PathFrame::new(starts, sources, access(given.reader, "frame->reader")?)
+                .with_before(access(given.before, "frame->before")?)
+                .with_points(given.points as usize),
         )?;
         if let Some(output) = output {
             output.write(curves.into());

@@ -56,11 +56,11 @@ fn method(given: &GeosweepMethod) -> Result<(Method, u32), Failure> {
         let reason = format!("is {iterations}: a recording holds 1 to {MOST_ITERATIONS}");
         return Err(Failure::argument("method->iterations", reason));
     }
-    let method = Method {
-        wavefront: wavefront(given.wavefront, "method->wavefront")?,
-        schedule: schedule(given.schedule, "method->schedule")?,
-        stop: Stop { tolerance, iterations: most_iterations },
-    };
+    let method = Method::new(
+        wavefront(given.wavefront, "method->wavefront")?,
+        Stop::within(tolerance).or_after(most_iterations),
+    )
+    .with_schedule(schedule(given.schedule, "method->schedule")?);
     Ok((method, iterations))
 }
 

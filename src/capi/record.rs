@@ -111,15 +111,11 @@ unsafe fn frame_of<'a>(
         (plan, sources(&given.sources, "frame->sources.sources")?)
     };
     let points = (given.points != GEOSWEEP_POINTS_UNCHANGED).then_some(given.points as usize);
-    Ok(embed::Frame {
-        before: access(given.before, "frame->before")?,
-        points,
-        sources,
-        plan,
-        slot: given.slot as usize,
-        reader: reader(given.reader, "frame->reader.")?,
-        unreached: unreached(given.unreached, "frame->unreached")?,
-    })
+    Ok(embed::Frame::new(plan, sources, reader(given.reader, "frame->reader.")?)
+        .with_before(access(given.before, "frame->before")?)
+        .with_points(points)
+        .with_slot(given.slot as usize)
+        .with_unreached(unreached(given.unreached, "frame->unreached")?))
 }
 
 /// Records frames of several surfaces so that they run at the same time. Each is recorded as
@@ -167,7 +163,8 @@ pub unsafe extern "C" fn geosweep_record_frames(
             // SAFETY: the caller's promise.
             let frame = unsafe { frame_of(surface, given) }.map_err(in_frame)?;
             let (surface, points_at) = (&surface.surface, given.points_offset);
-            frames[number] = Some(embed::SurfaceFrame { surface, frame, points_at });
+            frames[number] =
+                Some(embed::SurfaceFrame::new(surface, frame).with_points_at(points_at));
         }
         let (Some(shared), [Some(first), ..]) = (shared, frames) else { return Ok(()) };
         let frames: [_; MOST_TOGETHER] =

@@ -195,11 +195,8 @@ pub unsafe extern "C" fn geosweep_record_regions(
         };
         let labels = recording.regions(
             &regions.regions,
-            &embed::RegionFrame {
-                before: access(given.before, "frame->before")?,
-                sources,
-                reader: access(given.reader, "frame->reader")?,
-            },
+            &embed::RegionFrame::new(sources, access(given.reader, "frame->reader")?)
+                .with_before(access(given.before, "frame->before")?),
         )?;
         if let Some(output) = output {
             output.write(labels.into());

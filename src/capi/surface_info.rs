@@ -163,16 +163,14 @@ impl<'a> Wanted<'a> {
     }
 
     pub(super) fn info(&'a self, points: &'a [embed::Points]) -> embed::SurfaceInfo<'a> {
-        embed::SurfaceInfo {
-            chart: self.chart,
-            edge_rule: self.edge_rule,
-            slots: self.slots,
-            queue_families: self.families,
-            results: &self.results,
-            points,
-            sources: &self.sources,
-            lookups: &self.lookups,
-        }
+        embed::SurfaceInfo::new(self.chart)
+            .with_edge_rule(self.edge_rule)
+            .with_slots(self.slots)
+            .with_queue_families(self.families)
+            .with_results(&self.results)
+            .with_points(points)
+            .with_sources(&self.sources)
+            .with_lookups(&self.lookups)
     }
 
     pub(super) fn bytes(&self, shared: &Shared) -> Result<u64, Failure> {

@@ -175,7 +175,7 @@ impl Case {
 
     fn solve<R: Real>(&self, wavefront: Wavefront, tolerance: f64, scan: Scan<R>) -> Vec<f64> {
         let edges = EdgeLengths::new(&self.surface).unwrap();
-        let stop = Stop { tolerance, iterations: 1000 };
+        let stop = Stop::within(tolerance).or_after(1000);
         let seeds = with_diagonals(&self.surface, self.sources.seeds(&self.surface).unwrap());
         let map = scan(&edges, &seeds, wavefront, stop).distances();
         map.into_iter().map(Real::wide).collect()
@@ -252,7 +252,7 @@ fn anchored_fronts_over_floor_plans_are_exact_and_agree() {
 /// Solves from all sources at once, and one after another, where fronts are overtaken by later ones.
 #[test]
 fn scans_from_several_sources_are_marched_maps() {
-    let stop = Stop { tolerance: 1e-13, iterations: 1000 };
+    let stop = Stop::within(1e-13).or_after(1000);
     for (kind, seed) in
         Kind::ALL.into_iter().flat_map(|kind| (1..=PLANS).map(move |seed| (kind, seed)))
     {
@@ -289,7 +289,7 @@ fn scans_from_several_sources_are_marched_maps() {
 /// Rays of sources inside cells do not wait beside diagonals; see [`with_diagonals`].
 #[test]
 fn anchored_fronts_settle_in_as_few_iterations_from_between_points() {
-    let stop = Stop { tolerance: 1e-6, iterations: 1000 };
+    let stop = Stop::within(1e-6).or_after(1000);
     for kind in Kind::ALL {
         let iterations = |case: Case| {
             let edges = EdgeLengths::<f32>::new(&case.surface).unwrap();
@@ -335,7 +335,7 @@ fn anchored_fronts_over_floor_plans_are_exact_in_all_schedules() {
 /// Returns the options of fast marching with anchors.
 fn by_anchors() -> Options {
     let (engine, wavefront) = (Engine::FastMarching, Some(Wavefront::Anchored));
-    Options { engine, wavefront, ..Options::default() }
+    Options::default().with_engine(engine).with_wavefront(wavefront)
 }
 
 fn marched(surface: &Surface, sources: &Sources) -> Vec<f64> {
@@ -462,7 +462,7 @@ fn estimates_over_floor_plans_are_near_the_errors() {
         let (mut within_twice, mut count) = (0.0, 0.0);
         for seed in 1..=PLANS {
             let case = if between { Case::between(kind, seed) } else { Case::new(kind, seed) };
-            let options = Options { engine: Engine::Cpu, ..Options::default() };
+            let options = Options::default().with_engine(Engine::Cpu);
             let found = estimate_error(&case.surface, &case.sources, &options).unwrap();
             assert_eq!(found.unknown(), 0);
             for (index, &exact) in case.exact.iter().enumerate() {

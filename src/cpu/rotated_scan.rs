@@ -62,7 +62,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     /// let edges = EdgeLengths::<f32>::new(&Builtin::Plane.surface(200, 200)?)?;
     /// let order = Order::Patches { side: 64 };
     /// let mut solver = RotatedScan::in_order(&edges, Wavefront::Planar, order);
-    /// let stop = Stop { tolerance: 1e-6, iterations: 1000 };
+    /// let stop = Stop::within(1e-6).or_after(1000);
     /// assert!(solver.solve(&[Seed::at_source(0, 0, 0.0)], stop).residual <= 1e-6);
     /// // Sixteen patches were visited.
     /// let counts = solver.patches().unwrap();
@@ -110,7 +110,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     /// use geosweep::Wavefront;
     ///
     /// let edges = EdgeLengths::<f32>::new(&Builtin::Plane.surface(101, 101)?)?;
-    /// let stop = Stop { tolerance: 1e-6, iterations: 1000 };
+    /// let stop = Stop::within(1e-6).or_after(1000);
     /// let mut solver = RotatedScan::new(&edges, Wavefront::Circular);
     /// solver.solve(&[Seed::at_source(0, 0, 0.0)], stop);
     /// let before = solver.distances();

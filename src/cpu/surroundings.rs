@@ -52,7 +52,7 @@ const LONG: f64 = 1.5;
 /// Number of rows and columns around the surroundings on whose points the edges and curvatures there depend.
 const MARGIN: usize = 5;
 /// A sufficient precision. The scans of the whole grid start from the surroundings and correct the rest.
-const STOP: Stop = Stop { tolerance: 1e-8, iterations: 100 };
+const STOP: Stop = Stop::within(1e-8).or_after(100);
 
 impl Wavefront {
     /// Returns the seeds from which engines solve best with this wavefront. Seeds from points inside cells
@@ -312,8 +312,8 @@ mod tests {
     use crate::surface::builtin::Builtin;
     use crate::surface::{Sources, Spacing};
 
-    const SINGLE: Stop = Stop { tolerance: 1e-6, iterations: 1000 };
-    const DOUBLE: Stop = Stop { tolerance: 1e-13, iterations: 1000 };
+    const SINGLE: Stop = Stop::within(1e-6).or_after(1000);
+    const DOUBLE: Stop = Stop::within(1e-13).or_after(1000);
 
     fn map(surface: &Surface, wavefront: Wavefront, seeds: &[Seed]) -> Vec<f64> {
         let edges = EdgeLengths::<f64>::new(surface).unwrap();

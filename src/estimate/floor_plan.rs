@@ -23,7 +23,7 @@ pub(super) fn estimate<R: Precision>(
     options: &Options,
 ) -> Result<ErrorEstimate<R>, Error> {
     // Both grids use one engine, since their difference is the estimate.
-    let options = Options { engine: options.engine.as_for(&map.report), ..options.clone() };
+    let options = options.clone().with_engine(options.engine.as_for(&map.report));
     let finer = in_precision::<R>(fine, &on_fine_grid(sources), &options)?;
     let rounding = R::epsilon().wide();
     let known = |index| {

@@ -88,8 +88,7 @@ pub struct ErrorEstimate<R = f32> {
 /// use geosweep::surface::builtin::Builtin;
 ///
 /// let surface = Builtin::Sphere.surface(65, 65)?;
-/// let wavefront = Some(Wavefront::Planar);
-/// let options = Options { engine: Engine::Cpu, wavefront, ..Options::default() };
+/// let options = Options::default().with_engine(Engine::Cpu).with_wavefront(Wavefront::Planar);
 /// let estimate = estimate_error(&surface, &Sources::point(20.0, 30.0), &options)?;
 /// let exact = Builtin::Sphere.exact_distance(65, 65, [20.0, 30.0], [64.0, 64.0]).unwrap() as f32;
 /// let error = (estimate.map.distance(64, 64) - exact).abs();
@@ -139,7 +138,7 @@ fn estimate<R: Precision>(
     let coarse = surface.coarsened(&grid_points(surface, sources))?;
     let map = in_precision::<R>(surface, sources, options)?;
     // All grids use one engine, since their differences are the estimate.
-    let options = &Options { engine: options.engine.as_for(&map.report), ..options.clone() };
+    let options = &options.clone().with_engine(options.engine.as_for(&map.report));
     let first = Level::new(surface, coarse, sources, &map, options)?;
     let second = first.coarser(options)?;
     let weights = Weights::of(map.report.wavefront);
@@ -259,7 +258,7 @@ impl<R: Precision> Level<R> {
         // An even grid may become uneven when it is coarsened. Its fronts then have no anchors.
         let over = Setting::of_engine(coarse.surface().is_floor_plan());
         let wavefront = options.wavefront.map(|wavefront| wavefront.or_curved(over));
-        let options = &Options { wavefront, ..options.clone() };
+        let options = &options.clone().with_wavefront(wavefront);
         let problem = Problem::from_seeds::<R>(coarse.surface(), seeds, &coarse_sources, options)?;
         let map = R::solve(&problem, &options.engine)?;
         let pairs = coarse.indices().zip(&map.distances);

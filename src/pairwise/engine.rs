@@ -7,7 +7,7 @@ use super::lanes::LaneEngine;
 use crate::cpu::{Connections, Order, RotatedScan, fast_marching_with};
 use crate::surface::{EdgeLengths, Seed, Surface};
 use crate::vulkan::{PairwiseOnDevice, Solver, SurfaceOnDevice};
-use crate::{Convergence, Engine, Error, Stop, Wavefront};
+use crate::{Convergence, Engine, Error, Stop, UsedEngine, Wavefront};
 
 /// An engine, prepared for a surface.
 pub(super) struct RowEngine<'a> {
@@ -59,11 +59,12 @@ impl<'a> RowEngine<'a> {
         Ok(Self { surface, wavefront, kind })
     }
 
-    pub fn name(&self) -> &'static str {
+    /// Returns the engine for the report.
+    pub fn used(&self) -> UsedEngine {
         match self.kind {
-            Kind::Lanes(_) | Kind::Maps(_) => "cpu",
-            Kind::FastMarching(..) => "fast-marching",
-            Kind::Vulkan(_) => "vulkan",
+            Kind::Lanes(_) | Kind::Maps(_) => UsedEngine::Cpu,
+            Kind::FastMarching(..) => UsedEngine::FastMarching,
+            Kind::Vulkan(_) => UsedEngine::Vulkan,
         }
     }
 

@@ -7,7 +7,7 @@
 //!
 //! // A flat square of 5 x 5 points.
 //! let surface = Surface::from_heights(5, 5, vec![0.0; 25], Spacing::square(1.0))?;
-//! let options = Options { wavefront: Some(Wavefront::Circular), ..Options::default() };
+//! let options = Options::default().with_wavefront(Wavefront::Circular);
 //! let mut pairwise = Pairwise::new(&surface, &options)?;
 //! let (matrix, report) = pairwise.matrix(|_| ())?;
 //! assert!(report.converged());
@@ -197,7 +197,7 @@ impl<'a> Pairwise<'a> {
         solve_time: Duration,
     ) -> PairwiseReport {
         PairwiseReport {
-            engine: self.engine.name(),
+            engine: self.engine.used(),
             device: self.engine.device().map(Into::into),
             wavefront: self.engine.wavefront(),
             rows,

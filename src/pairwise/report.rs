@@ -2,13 +2,14 @@
 
 use std::time::Duration;
 
-use crate::Wavefront;
+use crate::{UsedEngine, Wavefront};
 
 /// A report on the computation of rows of a distance matrix.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PairwiseReport {
-    /// The engine: `vulkan`, `cpu` or `fast-marching`.
-    pub engine: &'static str,
+    /// Engine that computed the rows.
+    pub engine: UsedEngine,
     /// The name of the Vulkan device, if one was used.
     pub device: Option<String>,
     /// The shape of the wavefront assumed inside a triangle.

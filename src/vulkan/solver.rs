@@ -26,8 +26,8 @@ const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
 /// let surface = Surface::from_heights(2, 2, vec![0.0; 4], Spacing::square(1.0))?;
 /// let mut solver = Solver::new(&DeviceChoice::Any)?;
 /// let mut on_device = solver.upload(&surface)?;
-/// let stop = Stop { tolerance: 1e-6, iterations: 100 };
-/// let method = Method { wavefront: Wavefront::Circular, schedule: None, stop };
+/// let stop = Stop::within(1e-6).or_after(100);
+/// let method = Method::new(Wavefront::Circular, stop);
 /// for row in 0..2 {
 ///     let seeds = Sources::point(row as f64, 0.0).seeds(&surface)?;
 ///     let solution = solver.solve(&mut on_device, &seeds, method)?;
@@ -179,7 +179,7 @@ mod tests {
     use crate::vulkan::barrier::{Access, PASS};
     use crate::vulkan::{Method, Schedule};
 
-    const STOP: Stop = Stop { tolerance: 1e-6, iterations: 100 };
+    const STOP: Stop = Stop::within(1e-6).or_after(100);
 
     fn solver() -> Solver {
         let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
@@ -192,7 +192,7 @@ mod tests {
     }
 
     fn method(wavefront: Wavefront, schedule: Schedule) -> Method {
-        Method { wavefront, schedule: Some(schedule), stop: STOP }
+        Method::new(wavefront, STOP).with_schedule(schedule)
     }
 
     fn seeds(surface: &Surface) -> Vec<Seed> {

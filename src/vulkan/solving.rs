@@ -18,6 +18,7 @@ use crate::update::Wavefront;
 
 /// Parameters of solving a map on a device.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Method {
     /// Front assumed inside a triangle. [`Wavefront::Anchored`] requires a floor plan
     /// ([`crate::Surface::is_floor_plan`]) of at most 33 million points, and at most 4096 sources inside
@@ -29,8 +30,31 @@ pub struct Method {
     pub stop: Stop,
 }
 
+impl Method {
+    /// Returns the method that solves with `wavefront` until `stop`, in the best order for the device.
+    pub fn new(wavefront: Wavefront, stop: Stop) -> Self {
+        Self { wavefront, schedule: None, stop }
+    }
+
+    /// Sets [`Method::wavefront`].
+    pub fn with_wavefront(self, wavefront: Wavefront) -> Self {
+        Self { wavefront, ..self }
+    }
+
+    /// Sets [`Method::schedule`].
+    pub fn with_schedule(self, schedule: impl Into<Option<Schedule>>) -> Self {
+        Self { schedule: schedule.into(), ..self }
+    }
+
+    /// Sets [`Method::stop`].
+    pub fn with_stop(self, stop: Stop) -> Self {
+        Self { stop, ..self }
+    }
+}
+
 /// Distance map computed by the Vulkan engine.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Solution {
     /// Distances in row-major order; +infinity where no source reaches.
     pub distances: Vec<f32>,
@@ -92,7 +116,7 @@ impl Solver {
             && seeds.iter().any(|seed| is_lost(seed, &solution.distances))
         {
             let left = method.stop.iterations - solution.iterations;
-            let method = Method { stop: Stop { iterations: left, ..method.stop }, ..method };
+            let method = method.with_stop(method.stop.or_after(left));
             let further =
                 self.solve_watched(surface, seeds, method, Start::FromLast, &mut Unwatched)?;
             solution = Solution {

@@ -76,10 +76,10 @@ fn embedded() -> Vec<Vec<f32>> {
     let heights = host.buffer_of(&heights());
     let kind = PointKind::Heights(Spacing::square(SPACING));
     let points = [Points { kind, ..Points::positions(heights.handle, 4) }];
-    let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&points);
     let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
-    let stop = Stop { tolerance: 1e-6, iterations: 100 };
-    let method = Method { wavefront: Wavefront::Curved, schedule: None, stop };
+    let stop = Stop::within(1e-6).or_after(100);
+    let method = Method::new(Wavefront::Curved, stop);
     let plan = solver.plan(CHART, method, 12).unwrap();
     let mut contours = solver.contours(&device, host.allocator(), &surface, ROOM).unwrap();
     let mut paths = solver.paths(&device, host.allocator(), &surface, PATHS).unwrap();
@@ -95,22 +95,14 @@ fn embedded() -> Vec<Vec<f32>> {
     host.run(|commands| {
         let recording = solver.record(&device, commands, &surface);
         recording.prepare();
-        let frame = Frame {
-            before: Access::NONE,
-            points: Some(0),
-            sources,
-            plan: &plan,
-            slot: 0,
-            reader: Reader::COPY,
-            unreached: f32::INFINITY,
-        };
+        let frame = Frame::new(&plan, sources, Reader::COPY).with_points(0);
         recording.frame(&frame).unwrap();
         let reader = Access::TRANSFER_READ;
         let levels = LevelInput::Spacing { step: 11.5, count: 7 };
-        let frame = ContourFrame { levels, start: 0.0, points: 0, reader };
+        let frame = ContourFrame::new(levels, reader);
         recording.contours(&contours, &frame).unwrap();
         let starts = StartInput::Inline(&[[20.25, 81.5], [0.0, 159.0], [-3.0, 5.0]]);
-        let frame = PathFrame { before: Access::NONE, starts, sources, points: 0, reader };
+        let frame = PathFrame::new(starts, sources, reader);
         recording.paths(&paths, &frame).unwrap();
         for (k, copy) in copies.iter().enumerate() {
             let all = [vk::BufferCopy::default().size(bytes[k])];

@@ -12,7 +12,7 @@ use geosweep::{EdgeRule, Sources, Spacing, Surface, Wavefront};
 use super::Random;
 
 /// Iterations within which fronts must converge. Otherwise the map must report that it has not converged.
-pub const SETTLED: Stop = Stop { tolerance: 1e-6, iterations: 500 };
+pub const SETTLED: Stop = Stop::within(1e-6).or_after(500);
 
 /// Difference, relative to the largest distance, above which two maps have converged to different results.
 pub const APART: f64 = 1e-4;

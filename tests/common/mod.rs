@@ -21,9 +21,9 @@ pub use cases::cases;
 pub use devices::{Lent, Pool, device_choice, vulkan_solver};
 
 /// Stops when nothing changes beyond rounding, and never earlier.
-pub const CONVERGED: Stop = Stop { tolerance: 1e-6, iterations: 10_000 };
+pub const CONVERGED: Stop = Stop::within(1e-6).or_after(10_000);
 /// Counterpart of [`CONVERGED`] for double precision.
-pub const CONVERGED_F64: Stop = Stop { tolerance: 1e-13, iterations: 10_000 };
+pub const CONVERGED_F64: Stop = Stop::within(1e-13).or_after(10_000);
 
 /// Computes a map with the CPU engine.
 pub fn rotated<R: Real>(
@@ -68,7 +68,7 @@ pub fn on_vulkan(
     stop: Stop,
 ) -> Vec<f32> {
     let mut on_device = solver.upload(surface).unwrap();
-    let method = Method { wavefront, schedule: None, stop };
+    let method = Method::new(wavefront, stop);
     solver.solve(&mut on_device, seeds, method).unwrap().distances
 }
 

@@ -152,7 +152,7 @@ fn surface(position: impl Fn(f64, f64) -> DVec3) -> Surface {
 }
 
 fn form_of(surface: &Surface) -> Vec<f64> {
-    let options = Options { wavefront: Some(Wavefront::Curved), ..Options::default() };
+    let options = Options::default().with_wavefront(Wavefront::Curved);
     let (matrix, _) = Pairwise::new(surface, &options).unwrap().matrix(|_| ()).unwrap();
     let distances = Distances::new(surface.chart().points(), matrix).unwrap();
     let options = FormOptions { tolerance: 1e-7, ..FormOptions::default() };

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use crate::common::cases;
 
 fn solve(surface: &Surface, sources: &Sources) -> DistanceMap {
-    let options = Options { engine: Engine::Cpu, ..Options::default() };
+    let options = Options::default().with_engine(Engine::Cpu);
     distance_map(surface, sources, &options).unwrap()
 }
 
@@ -89,7 +89,7 @@ proptest! {
         }
         // Straight fronts are exact here.
         let wavefront = Some(Wavefront::Planar);
-        let options = Options { engine: Engine::Cpu, wavefront, ..Options::default() };
+        let options = Options::default().with_engine(Engine::Cpu).with_wavefront(wavefront);
         let map = distance_map(&surface, &sources, &options).unwrap();
         let far = if both { 0.5 * last_col } else { last_col - near };
         let exact = start + (far - near).abs() * dx;

@@ -3,12 +3,12 @@
 use geosweep::accuracy::Errors;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{
-    DEFAULT_TOLERANCE_F64, DeviceChoice, Engine, Error, Options, Sources, Wavefront, distance_map,
-    distance_map_f64, estimate_error_f64, vulkan,
+    DEFAULT_TOLERANCE_F64, DeviceChoice, Engine, Error, Options, Sources, UsedEngine, Wavefront,
+    distance_map, distance_map_f64, estimate_error_f64, vulkan,
 };
 
 fn options(wavefront: Wavefront) -> Options {
-    Options { engine: Engine::Cpu, wavefront: Some(wavefront), ..Options::default() }
+    Options::default().with_engine(Engine::Cpu).with_wavefront(wavefront)
 }
 
 /// Returns the mean relative errors in double and in single precision.
@@ -108,8 +108,8 @@ fn devices_and_schedules_are_refused_with_advice() {
     let surface = Builtin::Plane.surface(5, 5).unwrap();
     let (source, auto) = (Sources::point(0.0, 0.0), Options::default());
     for (what, options) in [
-        ("a Vulkan device", Options { engine: Engine::Vulkan(DeviceChoice::Any), ..auto.clone() }),
-        ("a schedule", Options { schedule: Some(vulkan::Schedule::Tiles), ..auto.clone() }),
+        ("a Vulkan device", auto.clone().with_engine(Engine::Vulkan(DeviceChoice::Any))),
+        ("a schedule", auto.clone().with_schedule(vulkan::Schedule::Tiles)),
     ] {
         let error = distance_map_f64(&surface, &source, &options).unwrap_err();
         let text = error.to_string();
@@ -117,12 +117,14 @@ fn devices_and_schedules_are_refused_with_advice() {
         assert!(text.contains("the CPU"), "{text}");
         assert!(estimate_error_f64(&surface, &source, &options).is_err());
     }
-    for (engine, name) in
-        [(Engine::Auto, "cpu"), (Engine::Cpu, "cpu"), (Engine::FastMarching, "fast-marching")]
-    {
+    for (engine, used) in [
+        (Engine::Auto, UsedEngine::Cpu),
+        (Engine::Cpu, UsedEngine::Cpu),
+        (Engine::FastMarching, UsedEngine::FastMarching),
+    ] {
         let is_chosen = engine == Engine::Auto;
-        let map = distance_map_f64(&surface, &source, &Options { engine, ..auto.clone() }).unwrap();
-        assert_eq!((map.report.engine, map.report.fallback), (name, None));
+        let map = distance_map_f64(&surface, &source, &auto.clone().with_engine(engine)).unwrap();
+        assert_eq!((map.report.engine, map.report.fallback), (used, None));
         assert_eq!(map.report.reason.is_some_and(|why| why.contains("double")), is_chosen);
     }
 }

@@ -373,7 +373,7 @@ fn scans_of_blocks_that_are_due_are_whole_scans() {
         let seeds = seeds.or_else(|_| Sources::point(0.0, 0.0).seeds(&surface)).unwrap();
         for wavefront in Wavefront::FOR_ANY_SURFACE {
             for lines in [1, 4, 7, 100] {
-                let stop = Stop { tolerance: 1e-6, iterations: 60 };
+                let stop = Stop::within(1e-6).or_after(60);
                 let whole = twins::scan_in_turn(&edges, &seeds, wavefront, stop);
                 let (due, visits) = twins::scan_due(&edges, &seeds, wavefront, stop, lines);
                 let what = format!("{name}, {wavefront}, {lines} lines");

@@ -13,7 +13,7 @@ const WAVEFRONTS: [Wavefront; 3] = [Wavefront::Planar, Wavefront::Circular, Wave
 const SMOOTH: [Builtin; 3] = [Builtin::Sphere, Builtin::Cylinder, Builtin::Cone];
 
 fn options(wavefront: Wavefront) -> Options {
-    Options { engine: Engine::Cpu, wavefront: Some(wavefront), ..Options::default() }
+    Options::default().with_engine(Engine::Cpu).with_wavefront(wavefront)
 }
 
 fn estimate(surface: &Surface, sources: &Sources, wavefront: Wavefront) -> ErrorEstimate {
@@ -352,7 +352,7 @@ fn every_engine_estimates_the_same() {
     for wavefront in WAVEFRONTS {
         let expected = estimate(&surface, &sources, wavefront);
         for engine in [Engine::Vulkan(device_choice()), Engine::FastMarching] {
-            let options = Options { engine, ..options(wavefront) };
+            let options = options(wavefront).with_engine(engine);
             let found = estimate_error(&surface, &sources, &options).unwrap();
             // Fast marching updates each point once, so that it rounds differently.
             let (a, b) = (expected.relative().0, found.relative().0);

@@ -8,7 +8,7 @@ use geosweep::surface::builtin::Builtin;
 use geosweep::{DistanceMap, Engine, Options, Sources, Spacing, Surface, distance_map};
 
 fn solve(surface: &Surface, sources: &Sources) -> DistanceMap {
-    let options = Options { engine: Engine::Cpu, ..Options::default() };
+    let options = Options::default().with_engine(Engine::Cpu);
     distance_map(surface, sources, &options).unwrap()
 }
 

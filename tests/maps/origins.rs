@@ -8,7 +8,7 @@ use geosweep::{Options, Sources, Spacing, Stop, Surface, Wavefront, cpu, distanc
 use crate::common::bounds::cases;
 use crate::common::sheets::{Kind, Sheet};
 
-const STOP: Stop = Stop { tolerance: 1e-6, iterations: 500 };
+const STOP: Stop = Stop::within(1e-6).or_after(500);
 
 /// Returns how much a map is early and late at most, relative to the longer side of a cell.
 fn errors<R: Real>(sheet: &Sheet) -> [f64; 2] {
@@ -84,7 +84,7 @@ fn rows_of_sources_are_lines_whatever_the_relief() {
 /// Compares the map of several point sources with the minimum of each source's own map. Returns the largest
 /// amounts by which it is early and late, and the mean of both, relative to the largest distance.
 fn from_single_maps(surface: &Surface, places: &[[f64; 2]]) -> [f64; 3] {
-    let options = Options { wavefront: Some(Wavefront::Curved), ..Options::default() };
+    let options = Options::default().with_wavefront(Wavefront::Curved);
     let map = |sources: &Sources| distance_map_f64(surface, sources, &options).unwrap().distances;
     let all = places.iter().fold(Sources::default(), |all, at| all.and_point(at[0], at[1], 0.0));
     let together = map(&all);

@@ -31,13 +31,11 @@ fn matrix(solver: &PairwiseScan, surface: &Surface, stop: Stop) -> Vec<f32> {
 
 /// Returns rows of some sources, computed as in use.
 fn rows(surface: &Surface, wavefront: Wavefront, sources: &[usize]) -> Vec<f32> {
-    let options = Options {
-        engine: Engine::Cpu,
-        wavefront: Some(wavefront),
-        tolerance: Some(CONVERGED.tolerance),
-        iterations: Some(CONVERGED.iterations),
-        ..Options::default()
-    };
+    let options = Options::default()
+        .with_engine(Engine::Cpu)
+        .with_wavefront(wavefront)
+        .with_tolerance(CONVERGED.tolerance)
+        .with_iterations(CONVERGED.iterations);
     let (mut pairwise, mut all) = (Pairwise::new(surface, &options).unwrap(), Vec::new());
     let report = pairwise.rows(sources, |rows| {
         all.extend_from_slice(rows.distances);

@@ -11,7 +11,7 @@ use crate::common::{CONVERGED, device_choice, difference, on_cpu};
 const STRAIGHT: [Wavefront; 2] = [Wavefront::Planar, Wavefront::Circular];
 
 fn options(engine: Engine, wavefront: Wavefront) -> Options {
-    Options { engine, wavefront: Some(wavefront), ..Options::default() }
+    Options::default().with_engine(engine).with_wavefront(wavefront)
 }
 
 fn on_lanes(wavefront: Wavefront) -> Options {
@@ -161,7 +161,7 @@ fn the_report_names_the_wavefront_of_all_rows() {
     let plan = Builtin::Plane.surface(5, 6).unwrap();
     let slow = plan.clone().with_slowness(vec![1.5; 30]).unwrap();
     let of = |surface: &Surface, engine: Engine, wavefront| {
-        let options = Options { engine, wavefront, ..Options::default() };
+        let options = Options::default().with_engine(engine).with_wavefront(wavefront);
         let mut pairwise = Pairwise::new(surface, &options)?;
         pairwise.rows(&[3], |_| Ok::<_, Error>(())).map(|report| report.wavefront)
     };

@@ -169,7 +169,7 @@ fn adding_to_a_stopped_map_goes_on_with_it() {
     let seeds = source("maze", &surface).seeds(&surface).unwrap();
     for wavefront in [Wavefront::Planar, Wavefront::Curved] {
         let mut solver = RotatedScan::in_order(&edges, wavefront, PATCHES);
-        let stopped = solver.solve(&seeds, Stop { iterations: 1, ..CONVERGED_F64 });
+        let stopped = solver.solve(&seeds, CONVERGED_F64.or_after(1));
         assert!(stopped.residual > CONVERGED_F64.tolerance, "{wavefront}: {stopped:?}");
         let added = solver.add(&seeds, CONVERGED_F64);
         assert!(added.residual <= CONVERGED_F64.tolerance, "{wavefront}: {added:?}");
@@ -185,7 +185,7 @@ fn no_map_is_called_converged_without_an_iteration() {
     let surface = Builtin::Maze.surface(150, 110).unwrap();
     let edges = EdgeLengths::<f32>::new(&surface).unwrap();
     let seeds = source("maze", &surface).seeds(&surface).unwrap();
-    let none = Stop { iterations: 0, ..CONVERGED };
+    let none = CONVERGED.or_after(0);
     let (_, convergence, _) = solved(&edges, &seeds, Wavefront::Planar, PATCHES, none);
     assert!(convergence.residual > CONVERGED.tolerance, "{convergence:?}");
 }
@@ -212,7 +212,7 @@ fn maps_that_have_not_converged_say_so() {
     let seeds = at([0.0, 0.0]).seeds(&surface).unwrap();
     for wavefront in Wavefront::ALL {
         let limit = |iterations| {
-            let stop = Stop { iterations, ..CONVERGED };
+            let stop = CONVERGED.or_after(iterations);
             solved(&edges, &seeds, wavefront, PATCHES, stop).1
         };
         let settled = limit(10_000);

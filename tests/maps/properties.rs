@@ -333,7 +333,7 @@ proptest! {
         let (a, b) = (point(&surface, a), point(&surface, b));
         let map = |sources: &Sources, wavefront| {
             let options =
-                Options { engine: Engine::Cpu, wavefront: Some(wavefront), ..Options::default() };
+                Options::default().with_engine(Engine::Cpu).with_wavefront(wavefront);
             distance_map(&surface, sources, &options).unwrap()
         };
         for wavefront in Wavefront::FOR_ANY_SURFACE {

@@ -6,7 +6,7 @@ use geosweep::surface::builtin::Builtin;
 use geosweep::{Engine, Options, Sources, Spacing, Surface, Wavefront, distance_map};
 
 fn of(surface: &Surface, sources: &Sources) -> Vec<Ridge> {
-    let options = Options { engine: Engine::Cpu, ..Options::default() };
+    let options = Options::default().with_engine(Engine::Cpu);
     let map = distance_map(surface, sources, &options).unwrap();
     ridges(&EdgeLengths::new(surface).unwrap(), &map.distances, 30.0).unwrap()
 }
@@ -75,8 +75,7 @@ fn fronts_meet_behind_a_wall() {
         let surface = flat(side, side).with_mask(&mask).unwrap();
         for wavefront in Wavefront::ALL {
             let sources = Sources::point(from, middle as f64);
-            let options =
-                Options { engine: Engine::Cpu, wavefront: Some(wavefront), ..Options::default() };
+            let options = Options::default().with_engine(Engine::Cpu).with_wavefront(wavefront);
             let map = distance_map(&surface, &sources, &options).unwrap();
             let edges = EdgeLengths::new(&surface).unwrap();
             let found = ridges(&edges, &map.distances, 30.0).unwrap();

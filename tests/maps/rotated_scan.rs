@@ -108,7 +108,7 @@ fn a_solver_forgets_the_map_before() {
 fn a_map_without_sources_is_empty_and_ends() {
     let edges = EdgeLengths::<f32>::new(&Builtin::Plane.surface(20, 20).unwrap()).unwrap();
     let mut solver = RotatedScan::new(&edges, Wavefront::Planar);
-    let convergence = solver.solve(&[], Stop { tolerance: 0.0, iterations: 100 });
+    let convergence = solver.solve(&[], Stop::within(0.0).or_after(100));
     assert_eq!((convergence.iterations, convergence.residual), (1, 0.0));
     assert!(solver.distances().iter().all(|distance| *distance == f32::INFINITY));
 }

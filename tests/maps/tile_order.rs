@@ -49,7 +49,7 @@ fn tiles_in_order_are_visited_some_six_times() {
     ] {
         let edges = EdgeLengths::<f32>::new(surface).unwrap();
         let seeds = Sources::point(row, col).seeds(surface).unwrap();
-        let stop = Stop { tolerance: 1e-6, iterations: 20_000 };
+        let stop = Stop::within(1e-6).or_after(20_000);
         for (tile, inner) in [(32, 1), (16, 4)] {
             let [(any, of_any), (ordered, of_ordered)] = [None, Some(0)].map(|few| {
                 let rounds = Rounds { tile, inner, recorded: 20_000, few };

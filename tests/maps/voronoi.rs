@@ -10,7 +10,7 @@ use geosweep::{
 use crate::common::Random;
 
 fn solve(surface: &Surface, sources: &Sources) -> DistanceMap {
-    let options = Options { engine: Engine::Cpu, ..Options::default() };
+    let options = Options::default().with_engine(Engine::Cpu);
     distance_map(surface, sources, &options).unwrap()
 }
 
@@ -165,11 +165,7 @@ fn the_map_of_any_engine_will_do() {
     let exact = |from, at| Builtin::Cylinder.exact_distance(129, 129, from, at).unwrap();
     for engine in [Engine::Vulkan(DeviceChoice::Any), Engine::Cpu, Engine::FastMarching] {
         for wavefront in Wavefront::FOR_ANY_SURFACE {
-            let options = Options {
-                engine: engine.clone(),
-                wavefront: Some(wavefront),
-                ..Options::default()
-            };
+            let options = Options::default().with_engine(engine.clone()).with_wavefront(wavefront);
             let map = distance_map(&surface, &sources, &options).unwrap();
             let regions = Voronoi::new(&surface, &edges, &sources, &map.distances).unwrap();
             let mut worst = 0.0f64;

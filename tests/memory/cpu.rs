@@ -17,7 +17,7 @@ fn further_maps_allocate_nothing() {
         let surface = Builtin::Maze.surface(150, 110).unwrap();
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
         let at = |row, col| Sources::point(row, col).seeds(&surface).unwrap();
-        let stop = Stop { tolerance: 1e-6, iterations: 1000 };
+        let stop = Stop::within(1e-6).or_after(1000);
         for wavefront in Wavefront::ALL {
             let before = allocations();
             let mut solver = RotatedScan::new(&edges, wavefront);

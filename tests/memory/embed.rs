@@ -51,13 +51,14 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
     let passes = Schedule::ALL.map(|schedule| (schedule, Wavefront::Curved));
     let solver = embed::Solver::new(&host.instance, host.physical_device, &device, &passes);
     let mut solver = solver.unwrap();
-    let info = SurfaceInfo {
-        slots: 2,
-        points: &[Points::positions(points.handle, 12)],
-        sources: &[SourceBuffer { buffer: sources.handle, offset: 0, count: 300 }],
-        lookups: &[lookup],
-        ..SurfaceInfo::new(chart)
-    };
+    let lookup_buffers = [lookup];
+    let source_buffers = [SourceBuffer { buffer: sources.handle, offset: 0, count: 300 }];
+    let inputs = [Points::positions(points.handle, 12)];
+    let info = SurfaceInfo::new(chart)
+        .with_slots(2)
+        .with_points(&inputs)
+        .with_sources(&source_buffers)
+        .with_lookups(&lookup_buffers);
     let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
     let allocator = host.allocator();
     let mut contours = solver.contours(&device, allocator, &surface, 1000).unwrap();
@@ -72,8 +73,8 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
         host.device_with(|name| (!name.to_bytes().starts_with(b"vkCmd")).then_some(counted as _));
     let inline: Vec<_> = (0..100).map(|i| PointSource::at(i as f32 / 3.0, 7.0)).collect();
     for (schedule, wavefront) in passes {
-        let stop = Stop { tolerance: 1e-4, iterations: 100 };
-        let method = Method { wavefront, schedule: Some(schedule), stop };
+        let stop = Stop::within(1e-4).or_after(100);
+        let method = Method::new(wavefront, stop).with_schedule(schedule);
         let plan = solver.plan(chart, method, 4).unwrap();
         let profile = Profile::new(1000, Grain::Blocks, Slots::default());
         for number in 0..50 {
@@ -85,26 +86,19 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
             let watched = number % 5 == 0;
             let recording = if watched { recording.profiled(&profile) } else { recording };
             recording
-                .frame(&Frame {
-                    before: Access::COMPUTE_WRITE,
-                    points: Some(0),
-                    sources: inputs[number % 2],
-                    plan: &plan,
-                    slot: number % 2,
-                    reader: Reader::COMPUTE,
-                    unreached: -1.0,
-                })
+                .frame(
+                    &Frame::new(&plan, inputs[number % 2], Reader::COMPUTE)
+                        .with_before(Access::COMPUTE_WRITE)
+                        .with_points(0)
+                        .with_slot(number % 2)
+                        .with_unreached(-1.0),
+                )
                 .unwrap();
-            let frame = Frame {
-                before: Access::NONE,
-                points: Some(0),
-                sources: inputs[number % 2],
-                plan: &plan,
-                slot: number % 2,
-                reader: Reader::COMPUTE,
-                unreached: -1.0,
-            };
-            let frames = [SurfaceFrame { surface: &surface, frame, points_at: 0 }];
+            let frame = Frame::new(&plan, inputs[number % 2], Reader::COMPUTE)
+                .with_points(0)
+                .with_slot(number % 2)
+                .with_unreached(-1.0);
+            let frames = [SurfaceFrame::new(&surface, frame)];
             solver.record_frames(&recording_device, commands, &frames).unwrap();
             recording.resume(&plan).unwrap();
             recording.add(inputs[1 - number % 2], &plan).unwrap();
@@ -115,21 +109,15 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
                 LevelInput::Spacing { step: 0.5, count: 1000 },
             ];
             let levels = levels[number % 2];
-            let frame = ContourFrame { levels, start: 0.0, points: 0, reader: Access::DRAW };
+            let frame = ContourFrame::new(levels, Access::DRAW);
             recording.contours(&contours, &frame).unwrap();
-            let frame = PathFrame {
-                before: Access::NONE,
-                starts: StartInput::Inline(&[[1.0, 2.0], [30.0, 20.5]]),
-                sources: inputs[1 - number % 2],
-                points: 0,
-                reader: Access::DRAW,
-            };
+            let frame = PathFrame::new(
+                StartInput::Inline(&[[1.0, 2.0], [30.0, 20.5]]),
+                inputs[1 - number % 2],
+                Access::DRAW,
+            );
             recording.paths(&paths, &frame).unwrap();
-            let frame = RegionFrame {
-                before: Access::NONE,
-                sources: inputs[1 - number % 2],
-                reader: Access::VERTEX_READ,
-            };
+            let frame = RegionFrame::new(inputs[1 - number % 2], Access::VERTEX_READ);
             recording.regions(&regions, &frame).unwrap();
             recording.end(Access::TRANSFER_READ);
             assert_eq!(allocations() - before, 0, "{schedule}, frame {number}");

@@ -9,7 +9,7 @@ use geosweep::{DeviceChoice, Sources, Surface, Wavefront};
 
 use crate::ALONE;
 
-const STOP: Stop = Stop { tolerance: 1e-6, iterations: 100 };
+const STOP: Stop = Stop::within(1e-6).or_after(100);
 
 /// Returns the bytes in memory, at present (`VmRSS`) or at most so far (`VmHWM`).
 fn resident(field: &str) -> f64 {
@@ -68,7 +68,7 @@ fn a_device_takes_at_most_forty_eight_bytes_a_point() {
     let mut solver = Solver::new(&DeviceChoice::Name(device)).unwrap();
     let mut map = |surface: &Surface| {
         let seeds = Sources::point(0.0, 0.0).seeds(surface).unwrap();
-        let method = Method { wavefront: Wavefront::Curved, schedule: None, stop: STOP };
+        let method = Method::new(Wavefront::Curved, STOP);
         growth(surface.chart().points(), || {
             let mut on_device = solver.upload(surface).unwrap();
             solver.solve(&mut on_device, &seeds, method).unwrap()

@@ -16,7 +16,7 @@ use crate::common::*;
 const AGREEMENT: f64 = 2e-6;
 
 fn anchored(schedule: Schedule) -> Method {
-    Method { wavefront: Wavefront::Anchored, schedule: Some(schedule), stop: CONVERGED }
+    Method::new(Wavefront::Anchored, CONVERGED).with_schedule(schedule)
 }
 
 /// Returns a plane without some boxes and walls, and some of its points.
@@ -184,7 +184,7 @@ fn sources_inside_cells_are_as_many_as_there_is_room_for() {
     let error = solver.add(&mut on_device, &more[more.len() - 4..], method);
     assert!(matches!(error, Err(VulkanError::TooManyAnchors { most: 4096 })), "{error:?}");
     let map = solver.solve(&mut on_device, &more, method).unwrap();
-    let curved = Method { wavefront: Wavefront::Curved, ..method };
+    let curved = method.with_wavefront(Wavefront::Curved);
     assert_eq!(map.distances, solver.solve(&mut on_device, &more, curved).unwrap().distances);
     // A map continues with the wavefront with which it started.
     let alone = Sources::point(68.5, 3.25).seeds(&surface).unwrap();
@@ -210,11 +210,9 @@ fn many_maps_at_once_have_curved_fronts() {
         rows
     });
     assert!(anchored == curved && anchored.iter().any(|d| *d > 0.0));
-    let options = Options {
-        engine: Engine::Vulkan(DeviceChoice::Any),
-        wavefront: Some(Wavefront::Anchored),
-        ..Options::default()
-    };
+    let options = Options::default()
+        .with_engine(Engine::Vulkan(DeviceChoice::Any))
+        .with_wavefront(Wavefront::Anchored);
     let refused = Pairwise::new(&surface, &options).err().unwrap().to_string();
     assert!(refused.contains("on the CPU"), "{refused}");
 }
@@ -246,7 +244,7 @@ fn rooms_are_the_same_in_every_schedule() {
     for number in 0..10 {
         let (surface, source) = rooms(number, 97, 73);
         let map = |engine, schedule| {
-            let options = Options { engine, schedule, ..Options::default() };
+            let options = Options::default().with_engine(engine).with_schedule(schedule);
             let map = geosweep::distance_map(&surface, &source, &options).unwrap();
             assert_eq!(map.report.wavefront, Wavefront::Anchored);
             map.distances

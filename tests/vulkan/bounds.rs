@@ -22,7 +22,7 @@ fn solve(solver: &mut Solver, case: &Case) -> (Vec<String>, Vec<String>) {
         let of_cpu = of_cpu.distances();
         for schedule in Schedule::ALL {
             let what = format!("{}, {wavefront}, {schedule}", case.name);
-            let method = Method { wavefront, schedule: Some(schedule), stop: SETTLED };
+            let method = Method::new(wavefront, SETTLED).with_schedule(schedule);
             let found = solver.solve(&mut on_device, &seeds, method).unwrap();
             if let Err(error) = bounds.check(&found.distances) {
                 failures.push(format!("{what}: {error}"));

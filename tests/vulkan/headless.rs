@@ -8,7 +8,8 @@ use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::plan::Step;
 use geosweep::vulkan::{Method, Schedule, Solver, TexelChart, Tuning, VulkanError, devices};
 use geosweep::{
-    DeviceChoice, Engine, MetricTensor, Options, Sources, Surface, Wavefront, distance_map,
+    DeviceChoice, Engine, MetricTensor, Options, Sources, Surface, UsedEngine, Wavefront,
+    distance_map,
 };
 
 use crate::common::*;
@@ -142,7 +143,7 @@ fn schedules_agree() {
         for wavefront in WAVEFRONTS {
             let cpu = on_cpu(&surface, &seeds, wavefront, CONVERGED);
             for schedule in Schedule::ALL {
-                let method = Method { wavefront, schedule: Some(schedule), stop: CONVERGED };
+                let method = Method::new(wavefront, CONVERGED).with_schedule(schedule);
                 let solution = solver.solve(&mut on_device, &seeds, method).unwrap();
                 let difference = difference(&cpu, &solution.distances);
                 let what = format!("{what}, {wavefront}, {schedule}");
@@ -169,7 +170,7 @@ fn sources_can_be_added_to_a_map() {
     for wavefront in WAVEFRONTS {
         let cpu = on_cpu(&surface, &all, wavefront, CONVERGED);
         for schedule in Schedule::ALL {
-            let method = Method { wavefront, schedule: Some(schedule), stop: CONVERGED };
+            let method = Method::new(wavefront, CONVERGED).with_schedule(schedule);
             let one = solver.solve(&mut on_device, &first, method).unwrap();
             let both = solver.add(&mut on_device, &second, method).unwrap();
             assert_ne!(one.distances, both.distances);
@@ -245,7 +246,7 @@ pub fn assert_schedule_twins(
         for wavefront in WAVEFRONTS {
             let twin =
                 twin(&edges, &seeds, wavefront, schedule, (solver.tuning(), on_processor), stop);
-            let method = Method { wavefront, schedule: Some(schedule), stop };
+            let method = Method::new(wavefront, stop).with_schedule(schedule);
             let vulkan = solver.solve(&mut on_device, &seeds, method).unwrap();
             let difference = difference(&twin.distances(), &vulkan.distances);
             let what = format!("{iterations} iterations, {schedule}, {wavefront}");
@@ -299,7 +300,7 @@ fn a_surface_on_the_device_serves_many_maps_and_repeats_them_to_the_bit() {
     let mut on_device = solver.upload(&surface).unwrap();
     let seeds = seeds_at(&surface, some_point(&surface));
     let mut solve = |seeds: &[_], wavefront| {
-        let method = Method { wavefront, schedule: None, stop: CONVERGED };
+        let method = Method::new(wavefront, CONVERGED);
         solver.solve(&mut on_device, seeds, method).unwrap()
     };
     let first = solve(&seeds, Wavefront::Circular);
@@ -318,7 +319,7 @@ fn iterations_stop_at_the_given_count() {
     let seeds = seeds_at(&surface, (0, 0));
     let mut on_device = solver.upload(&surface).unwrap();
     let mut solve = |stop| {
-        let method = Method { wavefront: Wavefront::Planar, schedule: None, stop };
+        let method = Method::new(Wavefront::Planar, stop);
         solver.solve(&mut on_device, &seeds, method).unwrap()
     };
     let one = solve(Stop::after(1));
@@ -334,20 +335,23 @@ fn the_one_call_says_what_it_used() {
     let surface = rough(20, 30, 0);
     let sources = Sources::point(3.0, 4.0).and_point(15.0, 20.0, -2.0);
     let map = |engine| {
-        let options = Options { engine, ..Options::default() };
+        let options = Options::default().with_engine(engine);
         distance_map(&surface, &sources, &options).unwrap()
     };
     let vulkan = map(Engine::Vulkan(device_choice()));
-    assert_eq!((vulkan.report.engine, &vulkan.report.reason), ("vulkan", &None));
+    assert_eq!((vulkan.report.engine, &vulkan.report.reason), (UsedEngine::Vulkan, &None));
     assert!(vulkan.report.device.is_some() && vulkan.report.converged);
     assert_eq!((vulkan.report.points, vulkan.report.reached), (600, 600));
     let cpu = map(Engine::Cpu);
-    assert_eq!((cpu.report.engine, &cpu.report.device, &cpu.report.reason), ("cpu", &None, &None));
+    assert_eq!(
+        (cpu.report.engine, &cpu.report.device, &cpu.report.reason),
+        (UsedEngine::Cpu, &None, &None)
+    );
     assert!(difference(&vulkan.distances, &cpu.distances) < AGREEMENT);
     assert_eq!(vulkan.distance(15, 20), -2.0);
     // A grid of this size is too small for a GPU.
     let auto = map(Engine::Auto);
-    assert_eq!((auto.report.engine, &auto.report.fallback), ("cpu", &None));
+    assert_eq!((auto.report.engine, &auto.report.fallback), (UsedEngine::Cpu, &None));
     assert!(auto.report.reason.is_some_and(|why| why.contains("600 points")));
     assert_eq!(auto.distances, cpu.distances);
 }
@@ -356,7 +360,7 @@ fn the_one_call_says_what_it_used() {
 fn a_choice_that_cannot_be_met_is_an_error() {
     let surface = rough(5, 5, 0);
     for choice in [DeviceChoice::Name("no such device".into()), DeviceChoice::Index(99)] {
-        let options = Options { engine: Engine::Vulkan(choice), ..Options::default() };
+        let options = Options::default().with_engine(Engine::Vulkan(choice));
         let error = distance_map(&surface, &Sources::point(1.0, 1.0), &options).unwrap_err();
         assert!(error.to_string().contains("available: 0: \""), "{error}");
     }

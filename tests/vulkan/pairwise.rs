@@ -42,13 +42,11 @@ fn solve(
 
 /// Returns the rows of the sources that are not `None`, as the CPU computes them.
 fn rows_on_cpu(surface: &Surface, wavefront: Wavefront, sources: &[Option<usize>]) -> Vec<f32> {
-    let options = Options {
-        engine: Engine::Cpu,
-        wavefront: Some(wavefront),
-        tolerance: Some(CONVERGED.tolerance),
-        iterations: Some(CONVERGED.iterations),
-        ..Options::default()
-    };
+    let options = Options::default()
+        .with_engine(Engine::Cpu)
+        .with_wavefront(wavefront)
+        .with_tolerance(CONVERGED.tolerance)
+        .with_iterations(CONVERGED.iterations);
     let sources: Vec<_> = sources.iter().flatten().copied().collect();
     let (mut pairwise, mut all) = (Pairwise::new(surface, &options).unwrap(), Vec::new());
     let report = pairwise.rows(&sources, |rows| {

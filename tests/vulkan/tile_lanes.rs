@@ -74,7 +74,7 @@ fn problems() -> Vec<Problem> {
 
 fn solved(solver: &mut Solver, problem: &Problem, wavefront: Wavefront, stop: Stop) -> Solution {
     let mut on_device = solver.upload(&problem.surface).unwrap();
-    let method = Method { wavefront, schedule: Some(Schedule::Tiles), stop };
+    let method = Method::new(wavefront, stop).with_schedule(Schedule::Tiles);
     solver.solve(&mut on_device, &problem.seeds, method).unwrap()
 }
 

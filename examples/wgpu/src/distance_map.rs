@@ -121,11 +121,7 @@ impl DistanceMap {
         chart: Chart,
     ) -> Result<Self, Box<dyn Error>> {
         let MapDevice { solver, raw, device, .. } = &**on;
-        let method = Method {
-            wavefront: Wavefront::Curved,
-            schedule: None,
-            stop: Stop { tolerance: 1e-5, iterations: 100 },
-        };
+        let method = Method::new(Wavefront::Curved, Stop::within(1e-5).or_after(100));
         let plan = solver.plan(chart, method, 8)?;
         let buffer = {
             // SAFETY: the buffer is not destroyed.
@@ -134,7 +130,7 @@ impl DistanceMap {
         };
         let points = [Points::positions(buffer, stride)];
         // wgpu submits to one queue, on which frames wait for one another, so that one image is enough.
-        let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(chart) };
+        let info = SurfaceInfo::new(chart).with_points(&points);
         let surface = solver.surface(raw, &mut on.allocator(), &info)?;
         let images = Arc::new(Images { surface, on: Arc::clone(on), _vertices: vertices.clone() });
 
@@ -225,17 +221,11 @@ impl DistanceMap {
         sources: &[PointSource],
     ) -> Result<(), Box<dyn Error>> {
         let Images { surface, on, .. } = &*self.images;
-        let frame = Frame {
-            // The map waits for writes of wgpu's compute passes and copies in any case.
-            before: Access::NONE,
-            points: Some(0),
-            sources: SourceInput::Inline(sources),
-            plan: &self.plan,
-            slot: 0,
-            reader,
-            // Not infinity, which filters would turn to NaN.
-            unreached: -1.0,
-        };
+        // The map waits for writes of wgpu's compute passes and copies in any case, so `before` stays at
+        // NONE. Unreached points are not at infinity, which filters would turn to NaN.
+        let frame = Frame::new(&self.plan, SourceInput::Inline(sources), reader)
+            .with_points(0)
+            .with_unreached(-1.0);
         with_commands(encoder, |commands| {
             on.solver.record(&on.raw, commands, surface).frame(&frame).map(drop)
         })??;

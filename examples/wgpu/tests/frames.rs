@@ -110,8 +110,8 @@ fn headless(Renderer { device, queue, cloth, .. }: &Renderer, frame: u32) -> Vec
     let name = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
     let mut solver = Solver::new(&DeviceChoice::Name(name)).unwrap();
     let mut on_device = solver.upload(&surface).unwrap();
-    let stop = Stop { tolerance: 1e-6, iterations: 1000 };
-    let method = Method { wavefront: Wavefront::Curved, schedule: None, stop };
+    let stop = Stop::within(1e-6).or_after(1000);
+    let method = Method::new(Wavefront::Curved, stop);
     let solution = solver.solve(&mut on_device, &seeds, method).unwrap();
     solution.distances.into_iter().map(f64::from).collect()
 }

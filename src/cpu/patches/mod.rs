@@ -190,7 +190,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PatchScanner<'a, R, K> {
         self.dues.clear();
         self.unseen = R::Bits::default();
         // As with scans of the whole grid, there is at least one iteration.
-        let stop = Stop { iterations: stop.iterations.max(1), ..stop };
+        let stop = stop.or_after(stop.iterations.max(1));
         self.patches.iter_mut().for_each(|patch| patch.progress = Progress::new(stop));
     }
 

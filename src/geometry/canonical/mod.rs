@@ -19,7 +19,7 @@
 //!
 //! // Three quarters of a cylinder unroll.
 //! let cylinder = Builtin::Cylinder.surface(13, 17)?;
-//! let options = Options { wavefront: Some(Wavefront::Circular), ..Options::default() };
+//! let options = Options::default().with_wavefront(Wavefront::Circular);
 //! let (matrix, _) = Pairwise::new(&cylinder, &options)?.matrix(|_| ())?;
 //! let distances = Distances::new(13 * 17, matrix)?;
 //! let form = canonical_form(&distances, &FormOptions { dimensions: 2, ..FormOptions::default() })?;

@@ -33,7 +33,7 @@ const TRIED: usize = 12;
 /// The offsets, in cells, of further places that are tried beside the best of these.
 const BESIDE: [f64; 6] = [-0.75, -0.5, -0.25, 0.25, 0.5, 0.75];
 /// The solver converges to the rounding of single precision.
-const STOP: Stop = Stop { tolerance: 1e-6, iterations: 100 };
+const STOP: Stop = Stop::within(1e-6).or_after(100);
 
 /// Returns places on the outermost lines of a block beside the point `at`, which lies on such a line. All
 /// places are in the rows and columns of the block.

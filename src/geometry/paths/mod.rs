@@ -143,7 +143,7 @@ const TOGETHER: usize = 64;
 ///
 /// let surface = Builtin::Maze.surface(101, 101)?;
 /// let sources = Sources::point(0.0, 0.0);
-/// let options = Options { engine: Engine::Cpu, ..Options::default() };
+/// let options = Options::default().with_engine(Engine::Cpu);
 /// let map = distance_map(&surface, &sources, &options)?;
 ///
 /// let edges = EdgeLengths::new(&surface)?;

@@ -364,7 +364,7 @@ mod tests {
                 }
                 let sources = Sources::from_iter(sources);
                 let seeds = sources.seeds(&surface).unwrap();
-                let stop = Stop { tolerance: 0.0, iterations: 1000 };
+                let stop = Stop::within(0.0).or_after(1000);
                 let map = raster_scan(&edges, &seeds, Wavefront::Circular, stop).distances();
                 let [few, all] = [false, true].map(|everywhere| {
                     let mut fronts =

@@ -332,7 +332,7 @@ impl Sources {
     /// let sources = Sources::point(4.0, 4.0).and_point(5.0, 4.0, 0.0);
     /// let edges = EdgeLengths::<f32>::new(&surface)?;
     /// let mut solver = RotatedScan::new(&edges, Wavefront::Curved);
-    /// let stop = Stop { tolerance: 1e-6, iterations: 100 };
+    /// let stop = Stop::within(1e-6).or_after(100);
     /// solver.solve(&sources.seeds_with_origins(&surface)?, stop);
     /// assert!((solver.distances()[4 * 9 + 6] - 2.0).abs() < 1e-6);
     /// # Ok::<(), geosweep::Error>(())

@@ -36,12 +36,9 @@ use crate::vulkan::shaders::contour_counts::Push;
 /// let mut contours = solver.contours(device, allocator, surface, 100_000)?;
 ///
 /// // Every frame, after the map:
-/// let lines = solver.record(device, commands, surface).contours(&contours, &ContourFrame {
-///     levels: LevelInput::Spacing { step: 10.0, count: 100 },
-///     start: 0.0,
-///     points: 0,
-///     reader: Access::DRAW,
-/// })?;
+/// let levels = LevelInput::Spacing { step: 10.0, count: 100 };
+/// let frame = ContourFrame::new(levels, Access::DRAW);
+/// let lines = solver.record(device, commands, surface).contours(&contours, &frame)?;
 /// // In the render pass, with a pipeline for a list of lines:
 /// unsafe {
 ///     device.cmd_bind_vertex_buffers(commands, 0, &[lines.buffer], &[lines.vertices_offset]);
@@ -79,6 +76,7 @@ pub enum LevelInput<'a> {
 
 /// Parameters of [`Recording::contours`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ContourFrame<'a> {
     /// Levels of the contours.
     pub levels: LevelInput<'a>,
@@ -91,6 +89,33 @@ pub struct ContourFrame<'a> {
     /// [`Access::DRAW`]. It is [`Access::NONE`] if another queue reads them after a semaphore. Each frame in
     /// flight then needs contours of its own.
     pub reader: Access,
+}
+
+impl<'a> ContourFrame<'a> {
+    /// Returns the parameters of contours on the surface's points 0, of a map that starts at time 0.
+    pub fn new(levels: LevelInput<'a>, reader: Access) -> Self {
+        Self { levels, start: 0.0, points: 0, reader }
+    }
+
+    /// Sets [`ContourFrame::levels`].
+    pub fn with_levels(self, levels: LevelInput<'a>) -> Self {
+        Self { levels, ..self }
+    }
+
+    /// Sets [`ContourFrame::start`].
+    pub fn with_start(self, start: f32) -> Self {
+        Self { start, ..self }
+    }
+
+    /// Sets [`ContourFrame::points`].
+    pub fn with_points(self, points: usize) -> Self {
+        Self { points, ..self }
+    }
+
+    /// Sets [`ContourFrame::reader`].
+    pub fn with_reader(self, reader: Access) -> Self {
+        Self { reader, ..self }
+    }
 }
 
 const MOST_LEVELS: usize = LEVELS_TOGETHER as usize;

@@ -11,6 +11,7 @@ use crate::vulkan::profile::Grain;
 
 /// Parameters of [`Recording::frame`].
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Frame<'a> {
     /// Access by which the host has written points and sources since the previous frame.
     pub before: Access,
@@ -27,6 +28,45 @@ pub struct Frame<'a> {
     /// Value of the image at points that are not reached. It may be +infinity, but bilinear filters turn that
     /// into NaN beside such points. A negative number is easy to test for.
     pub unreached: f32,
+}
+
+impl<'a> Frame<'a> {
+    /// Returns the parameters of a frame without new points. It writes slot 0, has +infinity at points that
+    /// are not reached, and does not wait for writes of the host.
+    pub fn new(plan: &'a Plan, sources: SourceInput<'a>, reader: Reader) -> Self {
+        let (before, points, slot) = (Access::NONE, None, 0);
+        Self { before, points, sources, plan, slot, reader, unreached: f32::INFINITY }
+    }
+
+    /// Sets [`Frame::before`].
+    pub fn with_before(self, before: Access) -> Self {
+        Self { before, ..self }
+    }
+
+    /// Sets [`Frame::points`].
+    pub fn with_points(self, points: impl Into<Option<usize>>) -> Self {
+        Self { points: points.into(), ..self }
+    }
+
+    /// Sets [`Frame::sources`].
+    pub fn with_sources(self, sources: SourceInput<'a>) -> Self {
+        Self { sources, ..self }
+    }
+
+    /// Sets [`Frame::slot`].
+    pub fn with_slot(self, slot: usize) -> Self {
+        Self { slot, ..self }
+    }
+
+    /// Sets [`Frame::reader`].
+    pub fn with_reader(self, reader: Reader) -> Self {
+        Self { reader, ..self }
+    }
+
+    /// Sets [`Frame::unreached`].
+    pub fn with_unreached(self, unreached: f32) -> Self {
+        Self { unreached, ..self }
+    }
 }
 
 impl Recording<'_> {

@@ -27,23 +27,21 @@
 //! let solver = embed::Solver::new(instance, physical_device, device, &passes)?;
 //! let chart = Chart { rows: 256, cols: 256 };
 //! let points = [Points::positions(vertices, 32)];
-//! let info = embed::SurfaceInfo { slots: 2, points: &points, ..embed::SurfaceInfo::new(chart) };
+//! let info = embed::SurfaceInfo::new(chart).with_slots(2).with_points(&points);
 //! let mut surface = solver.surface(device, allocator, &info)?;
-//! let stop = Stop { tolerance: 1e-4, iterations: 100 };
-//! let method = Method { wavefront: Wavefront::Curved, schedule: None, stop };
+//! let stop = Stop::within(1e-4).or_after(100);
+//! let method = Method::new(Wavefront::Curved, stop);
 //! let plan = solver.plan(chart, method, 8)?;
 //! solver.record(device, load_commands, &surface).prepare();
 //!
 //! // Every frame, between the pass that moves the vertices and the one that draws:
-//! let distances = solver.record(device, commands, &surface).frame(&Frame {
-//!     before: Access::COMPUTE_WRITE,
-//!     points: Some(0),
-//!     sources: SourceInput::Inline(&[PointSource::at(120.5, 80.25)]),
-//!     plan: &plan,
-//!     slot: frame_in_flight,
-//!     reader: Reader::FRAGMENT,
-//!     unreached: -1.0,
-//! })?;
+//! let sources = [PointSource::at(120.5, 80.25)];
+//! let frame = Frame::new(&plan, SourceInput::Inline(&sources), Reader::FRAGMENT)
+//!     .with_before(Access::COMPUTE_WRITE)
+//!     .with_points(0)
+//!     .with_slot(frame_in_flight)
+//!     .with_unreached(-1.0);
+//! let distances = solver.record(device, commands, &surface).frame(&frame)?;
 //! // `distances.view` is in `distances.layout`, for fragment shaders to sample.
 //!
 //! // At the end, once no frame is in flight:

@@ -37,13 +37,10 @@ use crate::vulkan::shaders::path_starts::Push;
 /// let mut paths = solver.paths(device, allocator, surface, info)?;
 ///
 /// // Every frame, after the map:
-/// let strips = solver.record(device, commands, surface).paths(&paths, &PathFrame {
-///     before: Access::NONE,
-///     starts: StartInput::Inline(&[[20.5, 31.0], [200.0, 5.25]]),
-///     sources: SourceInput::Inline(&[PointSource::at(120.5, 80.25)]),
-///     points: 0,
-///     reader: Access::DRAW,
-/// })?;
+/// let starts = StartInput::Inline(&[[20.5, 31.0], [200.0, 5.25]]);
+/// let sources = [PointSource::at(120.5, 80.25)];
+/// let frame = PathFrame::new(starts, SourceInput::Inline(&sources), Access::DRAW);
+/// let strips = solver.record(device, commands, surface).paths(&paths, &frame)?;
 /// // In the render pass, with a pipeline for a strip of lines:
 /// unsafe {
 ///     device.cmd_bind_vertex_buffers(commands, 0, &[strips.buffer], &[strips.vertices_offset]);
@@ -95,6 +92,7 @@ pub enum StartInput<'a> {
 
 /// Parameters of [`Recording::paths`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PathFrame<'a> {
     /// Access by which the host has written starts and sources.
     pub before: Access,
@@ -109,6 +107,38 @@ pub struct PathFrame<'a> {
     /// [`Access::DRAW`]. It is [`Access::NONE`] if another queue reads them after a semaphore. Each frame in
     /// flight then needs paths of its own.
     pub reader: Access,
+}
+
+impl<'a> PathFrame<'a> {
+    /// Returns the parameters of paths on the surface's points 0. They do not wait for writes of the host.
+    pub fn new(starts: StartInput<'a>, sources: SourceInput<'a>, reader: Access) -> Self {
+        Self { before: Access::NONE, starts, sources, points: 0, reader }
+    }
+
+    /// Sets [`PathFrame::before`].
+    pub fn with_before(self, before: Access) -> Self {
+        Self { before, ..self }
+    }
+
+    /// Sets [`PathFrame::starts`].
+    pub fn with_starts(self, starts: StartInput<'a>) -> Self {
+        Self { starts, ..self }
+    }
+
+    /// Sets [`PathFrame::sources`].
+    pub fn with_sources(self, sources: SourceInput<'a>) -> Self {
+        Self { sources, ..self }
+    }
+
+    /// Sets [`PathFrame::points`].
+    pub fn with_points(self, points: usize) -> Self {
+        Self { points, ..self }
+    }
+
+    /// Sets [`PathFrame::reader`].
+    pub fn with_reader(self, reader: Access) -> Self {
+        Self { reader, ..self }
+    }
 }
 
 /// Largest number of starts that one command can copy into a command buffer.

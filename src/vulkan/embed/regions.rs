@@ -45,11 +45,8 @@ use crate::vulkan::shaders::region_starts::Push;
 ///
 /// // Every frame, after the map of the same sources:
 /// let sources = [PointSource::at(120.5, 80.25), PointSource::at(30.0, 200.0)];
-/// solver.record(device, commands, surface).regions(&regions, &RegionFrame {
-///     before: Access::NONE,
-///     sources: SourceInput::Inline(&sources),
-///     reader: Access::FRAGMENT_READ,
-/// })?;
+/// let frame = RegionFrame::new(SourceInput::Inline(&sources), Access::FRAGMENT_READ);
+/// solver.record(device, commands, surface).regions(&regions, &frame)?;
 /// // A fragment shader at row r and column c finds 0 or 1 in labels[r * N + c].
 ///
 /// // At the end, once no frame is in flight:
@@ -87,6 +84,7 @@ pub struct RegionBuffer {
 
 /// Parameters of [`Recording::regions`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RegionFrame<'a> {
     /// Access by which the host has written the sources.
     pub before: Access,
@@ -96,6 +94,28 @@ pub struct RegionFrame<'a> {
     /// [`Access::NONE`] if another queue reads them after a semaphore. Each frame in flight then needs
     /// regions of its own.
     pub reader: Access,
+}
+
+impl<'a> RegionFrame<'a> {
+    /// Returns the parameters of regions that do not wait for writes of the host.
+    pub fn new(sources: SourceInput<'a>, reader: Access) -> Self {
+        Self { before: Access::NONE, sources, reader }
+    }
+
+    /// Sets [`RegionFrame::before`].
+    pub fn with_before(self, before: Access) -> Self {
+        Self { before, ..self }
+    }
+
+    /// Sets [`RegionFrame::sources`].
+    pub fn with_sources(self, sources: SourceInput<'a>) -> Self {
+        Self { sources, ..self }
+    }
+
+    /// Sets [`RegionFrame::reader`].
+    pub fn with_reader(self, reader: Access) -> Self {
+        Self { reader, ..self }
+    }
 }
 
 /// Number of words per grid point: two links of one word each, and two places of two words each.

@@ -239,7 +239,7 @@ impl Solver {
     /// # Errors
     /// If the solver was not made for the method's schedule and wavefront, or the grid is too large.
     pub fn plan(&self, chart: Chart, method: Method, iterations: u32) -> Result<Plan, VulkanError> {
-        let method = Method { wavefront: over_any(method.wavefront), ..method };
+        let method = method.with_wavefront(over_any(method.wavefront));
         let best = Schedule::best_on(self.limits.kind, chart);
         let made = |schedule: &Schedule| self.has_passes(*schedule, method.wavefront);
         let or_else = || [best].into_iter().chain(Schedule::ALL).find(made).unwrap_or(best);

@@ -24,6 +24,7 @@ use crate::vulkan::progress::{Record, offset};
 /// Parameters of a surface. The host's images and buffers still belong to the host. They must be alive
 /// whenever a recording that uses them runs. Their contents may change from frame to frame.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct SurfaceInfo<'a> {
     /// Size of the grid.
     pub chart: Chart,
@@ -50,7 +51,7 @@ pub struct SurfaceInfo<'a> {
     pub lookups: &'a [Lookup],
 }
 
-impl SurfaceInfo<'_> {
+impl<'a> SurfaceInfo<'a> {
     /// Returns the parameters of a grid with one slot, and with no memory of the host.
     pub fn new(chart: Chart) -> Self {
         Self {
@@ -65,6 +66,41 @@ impl SurfaceInfo<'_> {
         }
     }
 
+    /// Sets [`SurfaceInfo::edge_rule`].
+    pub fn with_edge_rule(self, edge_rule: EdgeRule) -> Self {
+        Self { edge_rule, ..self }
+    }
+
+    /// Sets [`SurfaceInfo::slots`].
+    pub fn with_slots(self, slots: usize) -> Self {
+        Self { slots, ..self }
+    }
+
+    /// Sets [`SurfaceInfo::queue_families`].
+    pub fn with_queue_families(self, queue_families: &'a [u32]) -> Self {
+        Self { queue_families, ..self }
+    }
+
+    /// Sets [`SurfaceInfo::results`].
+    pub fn with_results(self, results: &'a [HostImage]) -> Self {
+        Self { results, ..self }
+    }
+
+    /// Sets [`SurfaceInfo::points`].
+    pub fn with_points(self, points: &'a [Points]) -> Self {
+        Self { points, ..self }
+    }
+
+    /// Sets [`SurfaceInfo::sources`].
+    pub fn with_sources(self, sources: &'a [SourceBuffer]) -> Self {
+        Self { sources, ..self }
+    }
+
+    /// Sets [`SurfaceInfo::lookups`].
+    pub fn with_lookups(self, lookups: &'a [Lookup]) -> Self {
+        Self { lookups, ..self }
+    }
+
     /// Returns each queue family once.
     fn families(&self) -> Vec<u32> {
         let mut families = self.queue_families.to_vec();
@@ -73,7 +109,7 @@ impl SurfaceInfo<'_> {
         families
     }
 
-    fn purpose<'a>(&self, families: &'a [u32]) -> Purpose<'a> {
+    fn purpose<'f>(&self, families: &'f [u32]) -> Purpose<'f> {
         let slowed = self.points.iter().any(|points| points.slowness.is_some());
         let slots = self.slots.max(1);
         let results = if self.results.is_empty() { slots } else { 0 };

@@ -13,6 +13,7 @@ use crate::vulkan::record::{Commands, MOST_TOGETHER, Recorder, Turn};
 
 /// Frame of one of several surfaces that [`Solver::record_frames`] records together.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct SurfaceFrame<'a> {
     /// Surface of the frame.
     pub surface: &'a Surface,
@@ -20,6 +21,28 @@ pub struct SurfaceFrame<'a> {
     pub frame: Frame<'a>,
     /// Offset of the points in bytes from where the surface has them, as in [`Recording::points_at`].
     pub points_at: u64,
+}
+
+impl<'a> SurfaceFrame<'a> {
+    /// Returns a frame of `surface`, with its points where the surface has them.
+    pub fn new(surface: &'a Surface, frame: Frame<'a>) -> Self {
+        Self { surface, frame, points_at: 0 }
+    }
+
+    /// Sets [`SurfaceFrame::surface`].
+    pub fn with_surface(self, surface: &'a Surface) -> Self {
+        Self { surface, ..self }
+    }
+
+    /// Sets [`SurfaceFrame::frame`].
+    pub fn with_frame(self, frame: Frame<'a>) -> Self {
+        Self { frame, ..self }
+    }
+
+    /// Sets [`SurfaceFrame::points_at`].
+    pub fn with_points_at(self, points_at: u64) -> Self {
+        Self { points_at, ..self }
+    }
 }
 
 impl Solver {

@@ -49,7 +49,7 @@ use tally::Tally;
 /// let mut pairwise = solver.pairwise(&on_device, Wavefront::Circular, None)?;
 /// let sources: Vec<_> = (0..1024).map(Some).collect();
 /// let mut distances = vec![0.0; 1024 * 1024];
-/// pairwise.solve(&solver, &on_device, &sources, Stop { tolerance: 1e-6, iterations: 100 }, &mut distances)?;
+/// pairwise.solve(&solver, &on_device, &sources, Stop::within(1e-6).or_after(100), &mut distances)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct PairwiseOnDevice {
@@ -380,7 +380,7 @@ mod tests {
     use crate::vulkan::barrier::tests::{number as barrier_number, without};
     use crate::vulkan::barrier::{Access, PASS};
 
-    const STOP: Stop = Stop { tolerance: 1e-6, iterations: 100 };
+    const STOP: Stop = Stop::within(1e-6).or_after(100);
 
     fn solver() -> Solver {
         let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();

@@ -332,9 +332,9 @@ mod tests {
             let mut solver = Solver::with(context).unwrap();
             let mut on_device = solver.upload(&surface).unwrap();
             for schedule in Schedule::ALL {
-                let stop = Stop { tolerance: 1e-6, iterations: 300 };
+                let stop = Stop::within(1e-6).or_after(300);
                 let wavefront = Wavefront::Curved;
-                let method = Method { wavefront, schedule: Some(schedule), stop };
+                let method = Method::new(wavefront, stop).with_schedule(schedule);
                 let plain = solver.solve(&mut on_device, &seeds, method).unwrap();
                 let all =
                     Detail { invocations: true, tiles: true, whole: true, ..Detail::default() };

@@ -136,7 +136,7 @@ fn solved(surface: &Surface) {
         surface.present().iter().position(|present| *present).expect("a surface has a point");
     let (row, col) = surface.chart().position(first);
     let sources = Sources::point(row as f64, col as f64);
-    let options = Options { engine: Engine::Cpu, ..Options::default() };
+    let options = Options::default().with_engine(Engine::Cpu);
     if let Ok(map) = distance_map(surface, &sources, &options) {
         assert!(map.distances.iter().all(|distance| !distance.is_nan()));
     }

@@ -99,11 +99,8 @@ impl Case {
     }
 
     fn solved(&self) -> Result<Solved, Error> {
-        let options = Options {
-            engine: self.engine.clone(),
-            wavefront: self.wavefront,
-            ..Options::default()
-        };
+        let options =
+            Options::default().with_engine(self.engine.clone()).with_wavefront(self.wavefront);
         if self.double {
             return distance_map_f64(&self.surface, &self.sources, &options).map(Solved::of);
         }

@@ -7,7 +7,7 @@ use std::sync::{Mutex, OnceLock};
 use geosweep::ash::{self, vk};
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, Frame, PointSource, Points, Reader, SourceInput, SurfaceInfo, Tools,
+    self, Frame, PointSource, Points, Reader, SourceInput, SurfaceInfo, Tools,
 };
 use geosweep::vulkan::{Method, Schedule};
 use geosweep::{Stop, Wavefront};
@@ -233,10 +233,10 @@ fn a_capture_of_a_frame_is_as_the_guide_lists_it() {
     let mut solver =
         embed::Solver::with_tools(&instance, physical_device, &device, &passes, tools).unwrap();
     let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(chart) };
+    let info = SurfaceInfo::new(chart).with_points(&inputs);
     let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
-    let stop = Stop { tolerance: 1e-4, iterations: 100 };
-    let method = Method { wavefront: Wavefront::Curved, schedule: None, stop };
+    let stop = Stop::within(1e-4).or_after(100);
+    let method = Method::new(Wavefront::Curved, stop);
     let plan = solver.plan(chart, method, 4).unwrap();
     host.run(|commands| solver.record(&device, commands, &surface).prepare());
     let prepared = std::mem::take(&mut *PASSES.lock().unwrap());
@@ -244,15 +244,15 @@ fn a_capture_of_a_frame_is_as_the_guide_lists_it() {
     host.run(|commands| {
         solver
             .record(&device, commands, &surface)
-            .frame(&Frame {
-                before: Access::NONE,
-                points: Some(0),
-                sources: SourceInput::Inline(&[PointSource::at(20.5, 31.25)]),
-                plan: &plan,
-                slot: 0,
-                reader: Reader::FRAGMENT,
-                unreached: -1.0,
-            })
+            .frame(
+                &Frame::new(
+                    &plan,
+                    SourceInput::Inline(&[PointSource::at(20.5, 31.25)]),
+                    Reader::FRAGMENT,
+                )
+                .with_points(0)
+                .with_unreached(-1.0),
+            )
             .unwrap();
     });
     let found = listing();

@@ -20,15 +20,7 @@ const PART: u64 = STRIDE * (CHART.rows * CHART.cols) as u64;
 const PHASES: [f32; 3] = [0.0, 0.9, 2.0];
 
 fn frame<'a>(plan: &'a embed::Plan, sources: SourceInput<'a>) -> Frame<'a> {
-    Frame {
-        before: Access::NONE,
-        points: Some(0),
-        sources,
-        plan,
-        slot: 0,
-        reader: Reader::COPY,
-        unreached: f32::INFINITY,
-    }
+    Frame::new(plan, sources, Reader::COPY).with_points(0)
 }
 
 impl Stage {
@@ -57,7 +49,7 @@ fn maps_of_phases(sources: &[PointSource], wavefront: Wavefront) -> Vec<Vec<f32>
     let mut host = Kept::watched();
     let buffers = PHASES.map(|phase| host.buffer_of(&vertices(CHART, phase)));
     let points = buffers.each_ref().map(|buffer| Points::positions(buffer.handle, STRIDE));
-    let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&points);
     let stage = Stage::new(host, &RASTER, &info);
     let plan = stage.plan(Schedule::Raster, wavefront, 12);
     let map = |number| stage.map(number, SourceInput::Inline(sources), &plan);
@@ -82,7 +74,7 @@ fn each_frame_reads_its_part_of_a_ring() {
     let memory = PointMemory::Buffer { buffer: points.handle, offset: 48, stride: STRIDE };
     let inputs = [Points { memory, ..Points::positions(points.handle, STRIDE) }];
     let sources = [SourceBuffer { buffer: ring.handle, offset: 0, count: 1 }];
-    let info = SurfaceInfo { points: &inputs, sources: &sources, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&inputs).with_sources(&sources);
     let stage = Stage::new(host, &RASTER, &info);
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 12);
     for turn in [0, 2, 1, 0] {
@@ -135,7 +127,7 @@ fn points_are_replaced_while_frames_are_in_flight() {
     let of_image = Points { memory, kind: PointKind::Positions, slowness: None };
     let [first, second] = buffers.each_ref().map(|of| Points::positions(of.handle, STRIDE));
     let all = [first, second, of_image];
-    let info = SurfaceInfo { slots: 2, points: &all[..1], ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_slots(2).with_points(&all[..1]);
     let mut stage = Stage::new(host, &RASTER[..1], &info);
     let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 12);
     let bytes = 4 * CHART.points() as u64;
@@ -154,7 +146,7 @@ fn points_are_replaced_while_frames_are_in_flight() {
         let commands = stage.host.commands();
         stage.host.begin(commands);
         let recording = stage.solver.record(&device, commands, &stage.surface);
-        let frame = Frame { slot: turn % 2, ..frame(&plan, SourceInput::Inline(&place)) };
+        let frame = frame(&plan, SourceInput::Inline(&place)).with_slot(turn % 2);
         let map = recording.frame(&frame).unwrap();
         let copy = vk::BufferImageCopy::default()
             .image_subresource(layers)
@@ -180,7 +172,7 @@ fn points_are_replaced_while_frames_are_in_flight() {
         let commands = stage.host.commands();
         stage.host.begin(commands);
         let recording = stage.solver.record(&device, commands, &stage.surface);
-        let frame = Frame { slot: turn % 2, ..frame(&plan, SourceInput::Inline(&place)) };
+        let frame = frame(&plan, SourceInput::Inline(&place)).with_slot(turn % 2);
         recording.frame(&frame).unwrap();
         stage.host.end(commands);
         assert!(stage.surface.points_in_flight(0).unwrap());
@@ -227,7 +219,7 @@ fn curves_and_regions_follow_points_and_sources() {
     let entries = host.buffer_of(&[2.0, 3.0, 0.0, 0.0, 18.0, 30.0, 0.0, 0.0]);
     let inputs = [Points::positions(ring.handle, STRIDE)];
     let sources = [SourceBuffer { buffer: entries.handle, offset: 0, count: 1 }];
-    let info = SurfaceInfo { points: &inputs, sources: &sources, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&inputs).with_sources(&sources);
     let mut stage = Stage::new(host, &RASTER, &info);
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 12);
     let (solver, surface) = (&stage.solver, &stage.surface);
@@ -245,11 +237,11 @@ fn curves_and_regions_follow_points_and_sources() {
             recording.frame(&frame(&plan, sources)).unwrap();
             let reader = Access::TRANSFER_READ;
             let levels = LevelInput::Spacing { step: 2.0, count: 20 };
-            let lines = ContourFrame { levels, start: 0.0, points: 0, reader };
+            let lines = ContourFrame::new(levels, reader);
             let lines = recording.contours(contours, &lines)?;
             let starts = StartInput::Inline(&[[10.0, 16.5]]);
             let before = Access::NONE;
-            let way = PathFrame { before, starts, sources, points: 0, reader };
+            let way = PathFrame::new(starts, sources, reader).with_before(before);
             let way = recording.paths(paths, &way)?;
             for (from, to) in [lines, way].into_iter().zip(&to) {
                 let size = from.vertices_offset
@@ -305,7 +297,7 @@ fn curves_and_regions_follow_points_and_sources() {
     let sources = SourceBuffer { offset: 16, ..sources[0] };
     stage.surface.set_sources(&device, &stage.solver, 0, &sources).unwrap();
     old(draw(&stage, &contours, &paths, 0, here).unwrap_err(), "sources");
-    let label = RegionFrame { before: Access::NONE, sources: here, reader: Access::HOST_READ };
+    let label = RegionFrame::new(here, Access::HOST_READ);
     old(stage.refused(|r| r.regions(&regions, &label)), "sources");
     paths.rebind(&device, &stage.solver, &stage.surface).unwrap();
     regions.rebind(&device, &stage.solver, &stage.surface).unwrap();
@@ -315,7 +307,7 @@ fn curves_and_regions_follow_points_and_sources() {
     let labels = regions.labels();
     stage.host.run(|commands| {
         let recording = stage.solver.record(&device, commands, &stage.surface);
-        let label = RegionFrame { reader: Access::TRANSFER_READ, ..label };
+        let label = label.with_reader(Access::TRANSFER_READ);
         recording.regions(&regions, &label).unwrap();
         let copy = vk::BufferCopy::default().size(labels.bytes);
         unsafe { device.cmd_copy_buffer(commands, labels.buffer, to[0].handle, &[copy]) };
@@ -357,7 +349,7 @@ fn edges_without_length_are_counted() {
         let mut host = Kept::watched();
         let buffer = host.buffer_of(&points);
         let inputs = [Points::positions(buffer.handle, STRIDE)];
-        let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+        let info = SurfaceInfo::new(CHART).with_points(&inputs);
         let stage = Stage::new(host, &RASTER[..1], &info);
         let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 8);
         stage.map(0, SourceInput::Inline(&source(12.0, 4.0)), &plan);

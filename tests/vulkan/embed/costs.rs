@@ -8,8 +8,7 @@ use std::sync::{Mutex, PoisonError};
 use geosweep::ash::{self, vk};
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, Frame, PointSource, Points, Reader, Recording, SourceInput, SurfaceFrame,
-    SurfaceInfo,
+    self, Frame, PointSource, Points, Reader, Recording, SourceInput, SurfaceFrame, SurfaceInfo,
 };
 use geosweep::vulkan::profile::{Decided, Grain, Profile, Slots};
 use geosweep::vulkan::{Method, Schedule, VulkanError};
@@ -87,24 +86,20 @@ fn row(host: &mut Host, solver: &embed::Solver, schedule: Schedule, side: usize)
     let chart = Chart { rows: side, cols: side };
     let points = host.buffer_of(&vertices(chart, 0.4));
     let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(chart) };
+    let info = SurfaceInfo::new(chart).with_points(&inputs);
     let memory = solver.bytes_for(&device, &info).unwrap();
     let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
-    let stop = Stop { tolerance: 1e-4, iterations: 1000 };
-    let method = Method { wavefront: Wavefront::Curved, schedule: Some(schedule), stop };
+    let stop = Stop::within(1e-4).or_after(1000);
+    let method = Method::new(Wavefront::Curved, stop).with_schedule(schedule);
     let asked = if schedule == Schedule::Tiles { 64 } else { 4 };
     let plan = solver.plan(chart, method, asked).unwrap();
     let source = [PointSource::at(0.32 * side as f32, 0.48 * side as f32)];
     let frame = |recording: Recording<'_>| -> Result<(), VulkanError> {
-        recording.frame(&Frame {
-            before: Access::NONE,
-            points: Some(0),
-            sources: SourceInput::Inline(&source),
-            plan: &plan,
-            slot: 0,
-            reader: Reader::FRAGMENT,
-            unreached: -1.0,
-        })?;
+        recording.frame(
+            &Frame::new(&plan, SourceInput::Inline(&source), Reader::FRAGMENT)
+                .with_points(0)
+                .with_unreached(-1.0),
+        )?;
         Ok(())
     };
     host.run(|commands| solver.record(&device, commands, &surface).prepare());
@@ -188,7 +183,7 @@ fn frames_recorded_together_share_their_barriers() {
         let chart = Chart { rows: side, cols: side };
         let points = host.buffer_of(&vertices(chart, 0.4));
         let inputs = [Points::positions(points.handle, 32)];
-        let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(chart) };
+        let info = SurfaceInfo::new(chart).with_points(&inputs);
         let most = counts.iter().copied().max().unwrap();
         let mut surfaces: Vec<_> =
             (0..most).map(|_| solver.surface(&device, host.allocator(), &info).unwrap()).collect();
@@ -197,18 +192,12 @@ fn frames_recorded_together_share_their_barriers() {
         }
         let source = [PointSource::at(0.32 * side as f32, 0.48 * side as f32)];
         for schedule in schedules {
-            let stop = Stop { tolerance: 1e-4, iterations: 1000 };
-            let method = Method { wavefront: Wavefront::Curved, schedule: Some(schedule), stop };
+            let stop = Stop::within(1e-4).or_after(1000);
+            let method = Method::new(Wavefront::Curved, stop).with_schedule(schedule);
             let plan = solver.plan(chart, method, 4).unwrap();
-            let frame = Frame {
-                before: Access::NONE,
-                points: Some(0),
-                sources: SourceInput::Inline(&source),
-                plan: &plan,
-                slot: 0,
-                reader: Reader::FRAGMENT,
-                unreached: -1.0,
-            };
+            let frame = Frame::new(&plan, SourceInput::Inline(&source), Reader::FRAGMENT)
+                .with_points(0)
+                .with_unreached(-1.0);
             let none = vk::CommandBuffer::null();
             let [dispatches, barriers, others] = counted(&host, |device| {
                 solver.record(device, none, &surfaces[0]).frame(&frame).unwrap();
@@ -216,7 +205,7 @@ fn frames_recorded_together_share_their_barriers() {
             for &count in counts {
                 let frames: Vec<_> = surfaces[..count]
                     .iter()
-                    .map(|surface| SurfaceFrame { surface, frame, points_at: 0 })
+                    .map(|surface| SurfaceFrame::new(surface, frame))
                     .collect();
                 let together = counted(&host, |device| {
                     solver.record_frames(device, none, &frames).unwrap();

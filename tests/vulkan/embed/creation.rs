@@ -148,7 +148,7 @@ fn a_second_solver_makes_nothing_that_the_cache_does_not_hold() {
     });
     let points = host.buffer_of(&vertices(CHART, 0.3));
     let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&inputs);
     let cache_info = vk::PipelineCacheCreateInfo::default();
     let cache = unsafe { device.create_pipeline_cache(&cache_info, None) }.unwrap();
     let (instance, physical_device) = (host.instance.clone(), host.physical_device);
@@ -192,7 +192,7 @@ fn a_solver_is_made_on_another_thread_while_frames_go_on() {
     let mut host = Host::new();
     let points = host.buffer_of(&vertices(CHART, 0.3));
     let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&inputs);
     let device = host.device.clone();
     let cache_info = vk::PipelineCacheCreateInfo::default();
     let cache = unsafe { device.create_pipeline_cache(&cache_info, None) }.unwrap();

@@ -43,11 +43,11 @@ fn both_rules_for_edges_are_those_of_the_twin() {
             let stride = 4 * (numbers.len() / chart.points()) as u64;
             let memory = PointMemory::Buffer { buffer: buffer.handle, offset: 0, stride };
             let points = [Points { memory, kind, slowness: None }];
-            let info = SurfaceInfo { points: &points, edge_rule, ..SurfaceInfo::new(chart) };
+            let info = SurfaceInfo::new(chart).with_points(&points).with_edge_rule(edge_rule);
             let stage = Stage::new(host, &RASTER, &info);
             for wavefront in Wavefront::FOR_ANY_SURFACE {
                 let (stop, schedule) = (Stop::after(1), Some(Schedule::Raster));
-                let method = Method { wavefront, schedule, stop };
+                let method = Method::new(wavefront, stop).with_schedule(schedule);
                 let mut on_device =
                     solver.upload(&surface.clone().with_edge_rule(edge_rule)).unwrap();
                 let seeds = sources.seeds(&surface).unwrap();
@@ -87,11 +87,11 @@ fn all_rows_of_a_large_surface_are_measured() {
     let memory = PointMemory::Buffer { buffer: points.handle, offset: 0, stride: 4 };
     let kind = PointKind::Heights(spacing);
     let inputs = [Points { memory, kind, slowness: None }];
-    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(chart) };
+    let info = SurfaceInfo::new(chart).with_points(&inputs);
     let stage = Stage::new(host, &[(Schedule::Raster, Wavefront::Circular)], &info);
     let stop = Stop::after(1);
     let schedule = Some(Schedule::Raster);
-    let method = Method { wavefront: Wavefront::Circular, schedule, stop };
+    let method = Method::new(Wavefront::Circular, stop).with_schedule(schedule);
     let plan = stage.solver.plan(chart, method, 1).unwrap();
     stage.run(|recording| {
         recording.begin(Access::NONE);

@@ -99,7 +99,7 @@ fn calls_that_fail_are_errors_and_leave_nothing_behind() {
     let mut host = Host::without_validation();
     let points = host.buffer_of(&vertices(CHART, 0.0));
     let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo { slots: 2, points: &inputs, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_slots(2).with_points(&inputs);
     let held = host.allocations();
     let device = host.device.clone();
     let new = |device: &ash::Device| {
@@ -211,7 +211,7 @@ fn memory_is_as_stated_and_shows_until_it_is_freed() {
     let family = host::family(&host.instance, host.physical_device);
     for (slots, chart) in [(1, CHART), (3, Chart { rows: 301, cols: 257 })] {
         let queue_families = &[family; 2];
-        let info = SurfaceInfo { slots, queue_families, ..SurfaceInfo::new(chart) };
+        let info = SurfaceInfo::new(chart).with_slots(slots).with_queue_families(queue_families);
         let stated = solver.bytes_for(&device, &info).unwrap();
         let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
         let report = host.allocator().generate_report();
@@ -261,12 +261,12 @@ fn bad_input_is_an_error_before_anything_is_recorded() {
     let points = host.buffer_of(&vertices(CHART, 0.0));
     let handle = points.handle;
     let inputs = [Points::positions(handle, 32)];
-    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&inputs);
     let mut stage = Stage::new(host, &RASTER, &info);
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 4);
 
     // Plans.
-    let method = |schedule, wavefront| Method { wavefront, schedule: Some(schedule), stop: STOP };
+    let method = |schedule, wavefront| Method::new(wavefront, STOP).with_schedule(schedule);
     let tiles = stage.solver.plan(CHART, method(Schedule::Tiles, Wavefront::Curved), 4);
     assert!(tiles.unwrap_err().to_string().contains("tiles with curved fronts"));
     let raster = method(Schedule::Raster, Wavefront::Curved);
@@ -275,15 +275,9 @@ fn bad_input_is_an_error_before_anything_is_recorded() {
     assert!(matches!(large, Err(VulkanError::TooLarge { .. })));
 
     // Recordings.
-    let frame = Frame {
-        before: Access::NONE,
-        points: Some(0),
-        sources: SourceInput::Inline(&[]),
-        plan: &plan,
-        slot: 0,
-        reader: Reader::COPY,
-        unreached: -1.0,
-    };
+    let frame = Frame::new(&plan, SourceInput::Inline(&[]), Reader::COPY)
+        .with_points(0)
+        .with_unreached(-1.0);
     let error = |attempt: &dyn Fn(Recording) -> Result<(), VulkanError>| {
         let device = &stage.host.device;
         let record = |commands| attempt(stage.solver.record(device, commands, &stage.surface));
@@ -293,15 +287,15 @@ fn bad_input_is_an_error_before_anything_is_recorded() {
         assert!(matches!(error, VulkanError::NoSuch { .. }), "{error}");
         assert!(error.to_string().contains(what), "{error}");
     };
-    no_such(error(&|r| r.frame(&Frame { points: Some(1), ..frame }).map(drop)), "1 point inputs");
-    no_such(error(&|r| r.frame(&Frame { slot: 1, ..frame }).map(drop)), "1 slots");
-    let from_buffer = Frame { sources: SourceInput::Buffer(0), ..frame };
+    no_such(error(&|r| r.frame(&frame.with_points(1)).map(drop)), "1 point inputs");
+    no_such(error(&|r| r.frame(&frame.with_slot(1)).map(drop)), "1 slots");
+    let from_buffer = frame.with_sources(SourceInput::Buffer(0));
     no_such(error(&|r| r.frame(&from_buffer).map(drop)), "0 source buffers");
     no_such(error(&|r| r.lookup(0, 0.0, Access::NONE, Access::NONE)), "0 lookups");
     no_such(error(&|r| r.outcome(7)), "number 7");
     assert!(matches!(error(&|r| r.resume(&other)), VulkanError::OtherGrid));
     let many = vec![PointSource::at(1.0, 1.0); 1025];
-    let many = Frame { sources: SourceInput::Inline(&many), ..frame };
+    let many = frame.with_sources(SourceInput::Inline(&many));
     let refused = error(&|r| r.frame(&many).map(drop));
     assert!(matches!(refused, VulkanError::TooManySources { given: 1025, most: 1024 }));
     for (row, col, time) in [
@@ -312,7 +306,7 @@ fn bad_input_is_an_error_before_anything_is_recorded() {
         (0.0, 0.0, 1e30),
     ] {
         let bad = [PointSource { time, ..PointSource::at(row, col) }];
-        let frame = Frame { sources: SourceInput::Inline(&bad), ..frame };
+        let frame = frame.with_sources(SourceInput::Inline(&bad));
         let refused = error(&|r| r.frame(&frame).map(drop));
         let expected = match refused {
             VulkanError::Source(SourceError::Initial { .. }) => time.is_nan() || time >= 1e30,
@@ -340,7 +334,7 @@ fn bad_input_is_an_error_before_anything_is_recorded() {
         (Points { kind: heights, slowness: Some(4), ..of(image) }, "beyond"),
     ] {
         let points = [points];
-        let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(CHART) };
+        let info = SurfaceInfo::new(CHART).with_points(&points);
         let error = stage.solver.surface(&device, stage.host.allocator(), &info).unwrap_err();
         assert!(matches!(error, VulkanError::HostBuffer { what: "points", .. }), "{error}");
         assert!(error.to_string().contains(reason), "{error}");
@@ -355,9 +349,9 @@ fn bad_input_is_an_error_before_anything_is_recorded() {
     }];
     let many = [SourceBuffer { buffer: handle, offset: 0, count: u32::MAX }];
     for (info, reason) in [
-        (SurfaceInfo { sources: &sources, ..SurfaceInfo::new(CHART) }, "holds nothing"),
-        (SurfaceInfo { sources: &many, ..SurfaceInfo::new(CHART) }, "4294967295 are more"),
-        (SurfaceInfo { lookups: &lookups, ..SurfaceInfo::new(CHART) }, "offset 3"),
+        (SurfaceInfo::new(CHART).with_sources(&sources), "holds nothing"),
+        (SurfaceInfo::new(CHART).with_sources(&many), "4294967295 are more"),
+        (SurfaceInfo::new(CHART).with_lookups(&lookups), "offset 3"),
         (SurfaceInfo::new(Chart { rows: 0, cols: 3 }), "empty"),
         (SurfaceInfo::new(Chart { rows: 1, cols: 1 << 20 }), "too large"),
     ] {
@@ -385,10 +379,10 @@ fn threads_record_at_once_for_surfaces_of_their_own() {
     let mut solver = solver.unwrap();
     let mut surfaces = [0, 1].map(|index: usize| {
         let points = [Points::positions(buffers[index].handle, 32)];
-        let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(CHART) };
+        let info = SurfaceInfo::new(CHART).with_points(&points);
         solver.surface(&device, host.allocator(), &info).unwrap()
     });
-    let method = Method { wavefront: Wavefront::Circular, schedule: None, stop: STOP };
+    let method = Method::new(Wavefront::Circular, STOP);
     let plan = solver.plan(CHART, method, 4).unwrap();
     // A command pool belongs to one thread at a time.
     let family = host::family(&host.instance, host.physical_device);
@@ -410,15 +404,11 @@ fn threads_record_at_once_for_surfaces_of_their_own() {
                     let recording = solver.record(device, commands, surface);
                     recording.prepare();
                     recording
-                        .frame(&Frame {
-                            before: Access::NONE,
-                            points: Some(0),
-                            sources: SourceInput::Inline(&source(4.0, 4.0)),
-                            plan,
-                            slot: 0,
-                            reader: Reader::COPY,
-                            unreached: -1.0,
-                        })
+                        .frame(
+                            &Frame::new(plan, SourceInput::Inline(&source(4.0, 4.0)), Reader::COPY)
+                                .with_points(0)
+                                .with_unreached(-1.0),
+                        )
                         .unwrap();
                     commands
                 };

@@ -77,9 +77,9 @@ impl Renderer {
         let solver = embed::Solver::new(&host.instance, host.physical_device, &device, &PASSES);
         let solver = solver.unwrap();
         let points = [Points::positions(vertices.handle, 4 * STRIDE as u64)];
-        let info = SurfaceInfo { slots: IN_FLIGHT, points: &points, ..SurfaceInfo::new(CHART) };
+        let info = SurfaceInfo::new(CHART).with_slots(IN_FLIGHT).with_points(&points);
         let surface = solver.surface(&device, host.allocator(), &info).unwrap();
-        let method = Method { wavefront: Wavefront::Curved, schedule: None, stop: STOP };
+        let method = Method::new(Wavefront::Curved, STOP);
         let plan = solver.plan(CHART, method, 8).unwrap();
         let frames = (0..IN_FLIGHT)
             .map(|slot| {
@@ -111,15 +111,12 @@ impl Renderer {
         let (row, col) = place(number);
         self.solver
             .record(&host.device, commands, &self.surface)
-            .frame(&Frame {
-                before: Access::COMPUTE_WRITE,
-                points: Some(0),
-                sources: SourceInput::Inline(&[PointSource::at(row, col)]),
-                plan: &self.plan,
-                slot,
-                reader,
-                unreached: f32::INFINITY,
-            })
+            .frame(
+                &Frame::new(&self.plan, SourceInput::Inline(&[PointSource::at(row, col)]), reader)
+                    .with_before(Access::COMPUTE_WRITE)
+                    .with_points(0)
+                    .with_slot(slot),
+            )
             .unwrap();
 
         host.dispatch(commands, draw, groups);
@@ -209,7 +206,7 @@ pub fn assert_same(headless: &mut Solver, vertices: &[f32], number: usize, pictu
     let surface = Surface::from_positions(CHART.rows, CHART.cols, positions).unwrap();
     let (row, col) = place(number);
     let seeds = Sources::point(row.into(), col.into()).seeds(&surface).unwrap();
-    let method = Method { wavefront: Wavefront::Curved, schedule: None, stop: STOP };
+    let method = Method::new(Wavefront::Curved, STOP);
     let mut on_device = headless.upload(&surface).unwrap();
     let map = headless.solve(&mut on_device, &seeds, method).unwrap();
     let difference = difference(&map.distances, picture);

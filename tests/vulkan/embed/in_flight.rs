@@ -3,8 +3,8 @@
 use geosweep::Wavefront;
 use geosweep::ash::vk;
 use geosweep::vulkan::embed::{
-    self, Access, ContourFrame, Frame, LevelInput, Lookup, Outcome, PathFrame, PathsInfo, Points,
-    Reader, Recording, RegionFrame, SourceInput, StartInput, SurfaceInfo, Tools,
+    self, Access, ContourFrame, LevelInput, Lookup, Outcome, PathFrame, PathsInfo, Points, Reader,
+    Recording, RegionFrame, SourceInput, StartInput, SurfaceInfo, Tools,
 };
 use geosweep::vulkan::{Schedule, VulkanError};
 
@@ -40,7 +40,7 @@ fn an_outcome_before_the_fence_is_absent() {
         assert_eq!((outcome.holes, outcome.passed_over), (0, 0));
     }
     // A recording that is discarded.
-    stage.attempt(|r| r.frame(&Frame { slot: 1, ..frame(&plan, &sources) }).map(drop)).unwrap();
+    stage.attempt(|r| r.frame(&frame(&plan, &sources).with_slot(1)).map(drop)).unwrap();
     assert_eq!(stage.surface.in_flight(), Some(1));
     stage.surface.discard(1).unwrap();
     assert_eq!(stage.surface.in_flight(), None);
@@ -60,13 +60,9 @@ fn a_slot_in_flight_is_not_recorded_again() {
         let tools = Tools { checks, ..Tools::default() };
         let mut solver =
             embed::Solver::with_tools(&instance, physical, &device, &RASTER[..1], tools).unwrap();
-        let info = SurfaceInfo { slots, points: &inputs, ..SurfaceInfo::new(CHART) };
+        let info = SurfaceInfo::new(CHART).with_slots(slots).with_points(&inputs);
         let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
-        let method = geosweep::vulkan::Method {
-            wavefront: Wavefront::Planar,
-            schedule: None,
-            stop: crate::embed::stage::STOP,
-        };
+        let method = geosweep::vulkan::Method::new(Wavefront::Planar, crate::embed::stage::STOP);
         let plan = solver.plan(CHART, method, 4).unwrap();
         let sources = source(3.0, 4.0);
         let frame = frame(&plan, &sources);
@@ -98,7 +94,7 @@ fn a_slot_in_flight_is_not_recorded_again() {
             false => again.unwrap(),
         }
         if slots > 1 {
-            record(buffers[1], &|r| r.frame(&Frame { slot: 1, ..frame }).map(drop)).unwrap();
+            record(buffers[1], &|r| r.frame(&frame.with_slot(1)).map(drop)).unwrap();
         }
         surface.destroy(&device, host.allocator());
         solver.destroy(&device);
@@ -115,7 +111,7 @@ fn a_preparation_that_never_ran_shows() {
         let mut host = Kept::unwatched();
         let points = host.buffer_of(&vertices(CHART, 0.3));
         let inputs = [Points::positions(points.handle, 32)];
-        let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+        let info = SurfaceInfo::new(CHART).with_points(&inputs);
         (Stage::new(host, &RASTER[..1], &info), points)
     };
     let device = stage.host.device.clone();
@@ -149,7 +145,7 @@ fn a_preparation_that_never_ran_shows() {
     // Another surface at the same place in memory.
     stage.surface.destroy(&device, stage.host.allocator());
     let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&inputs);
     stage.surface = stage.solver.surface(&device, stage.host.allocator(), &info).unwrap();
     stage.attempt(|r| r.prepare());
     whole(&stage);
@@ -181,8 +177,9 @@ fn every_recording_is_followed_with_checks() {
         distances_offset: 0,
         count: 1,
     };
+    let lookup_buffers = [lookup];
     let info =
-        SurfaceInfo { slots: 2, points: &inputs, lookups: &[lookup], ..SurfaceInfo::new(CHART) };
+        SurfaceInfo::new(CHART).with_slots(2).with_points(&inputs).with_lookups(&lookup_buffers);
     let tools = Tools { checks: true, ..Tools::default() };
     let (instance, physical) = (host.instance.clone(), host.physical_device);
     let passes = &RASTER[2..];
@@ -195,17 +192,16 @@ fn every_recording_is_followed_with_checks() {
     let curved = Wavefront::Curved;
     let mut regions = solver.regions(&device, host.allocator(), &surface, curved).unwrap();
     let stop = crate::embed::stage::STOP;
-    let plan =
-        solver.plan(CHART, geosweep::vulkan::Method { wavefront: curved, schedule: None, stop }, 4);
+    let plan = solver.plan(CHART, geosweep::vulkan::Method::new(curved, stop), 4);
     let plan = plan.unwrap();
     let sources = source(3.0, 4.0);
     let inline = SourceInput::Inline(&sources);
     let (none, read) = (Access::NONE, Access::TRANSFER_READ);
     let levels = LevelInput::Spacing { step: 1.0, count: 3 };
-    let contour_frame = ContourFrame { levels, start: 0.0, points: 0, reader: read };
+    let contour_frame = ContourFrame::new(levels, read);
     let starts = StartInput::Inline(&[[9.0, 9.0]]);
-    let path_frame = PathFrame { before: none, starts, sources: inline, points: 0, reader: read };
-    let region_frame = RegionFrame { before: none, sources: inline, reader: read };
+    let path_frame = PathFrame::new(starts, inline, read).with_before(none);
+    let region_frame = RegionFrame::new(inline, read).with_before(none);
     type Step<'a> = (&'a str, &'a dyn Fn(Recording) -> Result<(), VulkanError>);
     let steps: [Step; 12] = [
         ("prepare", &|r| {

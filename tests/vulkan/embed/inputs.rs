@@ -34,7 +34,7 @@ fn headless(
 ) -> Vec<f32> {
     let mut on_device = solver.upload(surface).unwrap();
     let seeds = sources.seeds(surface).unwrap();
-    let method = Method { wavefront, schedule: None, stop: STOP };
+    let method = Method::new(wavefront, STOP);
     solver.solve(&mut on_device, &seeds, method).unwrap().distances
 }
 
@@ -43,7 +43,7 @@ fn headless_alone(solver: &mut Solver, surface: &Surface, sources: &Sources) -> 
     let mut on_device = solver.upload(surface).unwrap();
     let wavefront = Wavefront::Curved;
     let seeds = wavefront.seeds(surface, sources.seeds_with_origins(surface).unwrap());
-    let method = Method { wavefront, schedule: None, stop: STOP };
+    let method = Method::new(wavefront, STOP);
     solver.solve(&mut on_device, &seeds, method).unwrap().distances
 }
 
@@ -75,7 +75,7 @@ fn positions_in_a_buffer_or_an_image_give_the_headless_map() {
         let texture = PointMemory::Image { view: image.view, layout: vk::ImageLayout::GENERAL };
         let points =
             [Points { memory, kind, slowness }, Points { memory: texture, kind, slowness }];
-        let info = SurfaceInfo { points: &points, edge_rule, ..SurfaceInfo::new(CHART) };
+        let info = SurfaceInfo::new(CHART).with_points(&points).with_edge_rule(edge_rule);
         let mut stage = Stage::new(host, &RASTER, &info);
         let surface = surface.clone().with_edge_rule(edge_rule);
         for wavefront in Wavefront::FOR_ANY_SURFACE {
@@ -141,7 +141,7 @@ fn heights_with_slowness(unit: f32) {
         Points { memory, kind, slowness: Some(1) },
         Points { memory: texture, kind, slowness: Some(2) },
     ];
-    let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&points);
     let mut stage = Stage::new(host, &RASTER, &info);
     for wavefront in Wavefront::FOR_ANY_SURFACE {
         let plan = stage.plan(Schedule::Raster, wavefront, 6);
@@ -182,7 +182,7 @@ fn a_metric_gives_the_headless_map() {
     let buffer = host.buffer_of(tensors.as_flattened());
     let memory = PointMemory::Buffer { buffer: buffer.handle, offset: 0, stride: 12 };
     let points = [Points { memory, kind: PointKind::Metric, slowness: None }];
-    let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&points);
     let stage = Stage::new(host, &RASTER, &info);
     for wavefront in Wavefront::FOR_ANY_SURFACE {
         let plan = stage.plan(Schedule::Raster, wavefront, 6);
@@ -239,12 +239,11 @@ fn sources_from_the_program_or_a_buffer_give_the_headless_map() {
         .iter()
         .map(|(buffer, count)| SourceBuffer { buffer: buffer.handle, offset: 0, count: *count })
         .collect();
-    let info = SurfaceInfo {
-        edge_rule: EdgeRule::Chord,
-        points: &[Points::positions(points.handle, 32)],
-        sources: &sources,
-        ..SurfaceInfo::new(CHART)
-    };
+    let inputs = [Points::positions(points.handle, 32)];
+    let info = SurfaceInfo::new(CHART)
+        .with_edge_rule(EdgeRule::Chord)
+        .with_points(&inputs)
+        .with_sources(&sources);
     let passes = [(Schedule::Raster, Wavefront::Curved), (Schedule::Tiles, Wavefront::Circular)];
     let stage = Stage::new(host, &passes, &info);
     for (schedule, wavefront) in passes {
@@ -287,8 +286,8 @@ fn every_schedule_can_be_split_and_added_to() {
     let surface = positions(&vertices);
     let mut host = Kept::watched();
     let points = host.buffer_of(&vertices);
-    let info =
-        SurfaceInfo { points: &[Points::positions(points.handle, 32)], ..SurfaceInfo::new(CHART) };
+    let inputs = [Points::positions(points.handle, 32)];
+    let info = SurfaceInfo::new(CHART).with_points(&inputs);
     let passes = Schedule::ALL.map(|schedule| (schedule, Wavefront::Curved));
     let stage = Stage::new(host, &passes, &info);
     let both = Sources::point(5.0, 7.0).and_point(28.0, 40.0, 0.0);
@@ -369,25 +368,15 @@ fn a_recording_can_be_submitted_again() {
     let mut host = Kept::watched();
     let mut points = host.buffer_of(&vertices(CHART, 0.0));
     let mut sources = host.buffer_of(&[0.0; 4]);
-    let info = SurfaceInfo {
-        points: &[Points::positions(points.handle, 32)],
-        sources: &[SourceBuffer { buffer: sources.handle, offset: 0, count: 1 }],
-        ..SurfaceInfo::new(CHART)
-    };
+    let source_buffers = [SourceBuffer { buffer: sources.handle, offset: 0, count: 1 }];
+    let inputs = [Points::positions(points.handle, 32)];
+    let info = SurfaceInfo::new(CHART).with_points(&inputs).with_sources(&source_buffers);
     let stage = Stage::new(host, &RASTER, &info);
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 10);
     let commands = stage.host.commands();
     stage.host.begin(commands);
     let recording = stage.solver.record(&stage.host.device, commands, &stage.surface);
-    let frame = Frame {
-        before: Access::NONE,
-        points: Some(0),
-        sources: SourceInput::Buffer(0),
-        plan: &plan,
-        slot: 0,
-        reader: Reader::COPY,
-        unreached: f32::INFINITY,
-    };
+    let frame = Frame::new(&plan, SourceInput::Buffer(0), Reader::COPY).with_points(0);
     recording.frame(&frame).unwrap();
     stage.host.end(commands);
     for (phase, row, col) in [(0.5, 3.0, 40.0), (2.5, 20.0, 8.0)] {
@@ -411,13 +400,13 @@ fn a_recording_can_be_submitted_again() {
 fn iterations_run_out_without_convergence() {
     let mut host = Kept::watched();
     let points = host.buffer_of(&vertices(CHART, 0.0));
-    let info =
-        SurfaceInfo { points: &[Points::positions(points.handle, 32)], ..SurfaceInfo::new(CHART) };
+    let inputs = [Points::positions(points.handle, 32)];
+    let info = SurfaceInfo::new(CHART).with_points(&inputs);
     let passes = Schedule::ALL.map(|schedule| (schedule, Wavefront::Planar));
     let stage = Stage::new(host, &passes, &info);
     for (schedule, wavefront) in passes {
-        let stop = Stop { tolerance: 1e-6, iterations: 3 };
-        let method = Method { wavefront, schedule: Some(schedule), stop };
+        let stop = Stop::within(1e-6).or_after(3);
+        let method = Method::new(wavefront, stop).with_schedule(schedule);
         let plan = stage.solver.plan(CHART, method, 2).unwrap();
         stage.run(|recording| {
             recording.begin(Access::NONE);
@@ -476,23 +465,17 @@ fn the_map_can_be_read_in_other_ways() {
         distances_offset: 8,
         count: asked.len() as u32,
     };
-    let info = SurfaceInfo {
-        points: &[Points::positions(points.handle, 32)],
-        lookups: &[lookup],
-        ..SurfaceInfo::new(CHART)
-    };
+    let lookup_buffers = [lookup];
+    let inputs = [Points::positions(points.handle, 32)];
+    let info = SurfaceInfo::new(CHART).with_points(&inputs).with_lookups(&lookup_buffers);
     let stage = Stage::new(host, &RASTER, &info);
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 20);
     stage.run(|recording| {
-        let result = recording.frame(&Frame {
-            before: Access::NONE,
-            points: Some(0),
-            sources: SourceInput::Inline(&source(16.0, 11.0)),
-            plan: &plan,
-            slot: 0,
-            reader: Reader::COPY,
-            unreached: -5.0,
-        });
+        let result = recording.frame(
+            &Frame::new(&plan, SourceInput::Inline(&source(16.0, 11.0)), Reader::COPY)
+                .with_points(0)
+                .with_unreached(-5.0),
+        );
         recording.lookup(0, -7.0, Access::NONE, Access::HOST_READ).unwrap();
         recording.outcome_to(record.handle, 16, Access::HOST_READ).unwrap();
         result
@@ -555,22 +538,18 @@ fn a_writer_that_is_not_named_is_reported() {
             kind: PointKind::Heights(Spacing::square(1.0)),
             slowness: None,
         }];
-        let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(Chart { rows: 8, cols: 8 }) };
+        let info = SurfaceInfo::new(Chart { rows: 8, cols: 8 }).with_points(&points);
         let mut stage = Stage::new(host, &RASTER, &info);
         let plan = stage.plan(Schedule::Raster, Wavefront::Circular, 4);
         stage.host.run(|commands| {
             stage.host.clear(commands, &target, 3.0);
             let recording = stage.solver.record(&stage.host.device, commands, &stage.surface);
             recording
-                .frame(&Frame {
-                    before,
-                    points: Some(0),
-                    sources: SourceInput::Inline(&source(0.0, 0.0)),
-                    plan: &plan,
-                    slot: 0,
-                    reader: Reader::COPY,
-                    unreached: f32::INFINITY,
-                })
+                .frame(
+                    &Frame::new(&plan, SourceInput::Inline(&source(0.0, 0.0)), Reader::COPY)
+                        .with_before(before)
+                        .with_points(0),
+                )
                 .unwrap();
         });
         let messages = stage.host.messages();

@@ -18,15 +18,7 @@ pub const CHART: Chart = Chart { rows: 17, cols: 21 };
 
 /// Returns a frame of this plan for slot 0, from points 0.
 pub fn frame<'a>(plan: &'a embed::Plan, sources: &'a [PointSource]) -> Frame<'a> {
-    Frame {
-        before: Access::NONE,
-        points: Some(0),
-        sources: SourceInput::Inline(sources),
-        plan,
-        slot: 0,
-        reader: Reader::COPY,
-        unreached: f32::INFINITY,
-    }
+    Frame::new(plan, SourceInput::Inline(sources), Reader::COPY).with_points(0)
 }
 
 /// Returns a stage with a surface of vertices and `slots` slots.
@@ -34,7 +26,7 @@ pub fn stage(slots: usize) -> (Stage, HostBuffer) {
     let mut host = Kept::watched();
     let points = host.buffer_of(&vertices(CHART, 0.3));
     let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo { slots, points: &inputs, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_slots(slots).with_points(&inputs);
     (Stage::new(host, &RASTER, &info), points)
 }
 
@@ -69,7 +61,7 @@ fn an_unprepared_surface_takes_nothing() {
     let (mut stage, points) = stage(1);
     let device = stage.host.device.clone();
     let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&inputs);
     let new = stage.solver.surface(&device, stage.host.allocator(), &info).unwrap();
     let prepared = std::mem::replace(&mut stage.surface, new);
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 4);
@@ -78,7 +70,7 @@ fn an_unprepared_surface_takes_nothing() {
         assert_all!(
             VulkanError::NotPrepared,
             r.frame(&frame(&plan, &sources)),
-            r.frame(&Frame { points: None, ..frame(&plan, &sources) }),
+            r.frame(&frame(&plan, &sources).with_points(None)),
             r.measure(0),
             r.solve(SourceInput::Inline(&sources), &plan),
             r.result(0, Reader::COPY, 1.0),
@@ -102,11 +94,11 @@ fn maps_need_measured_edges() {
     let mut host = Host::new();
     let points = host.buffer_of(&vertices(CHART, 0.3));
     let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&inputs);
     let mut stage = Stage::new(host, &RASTER[..1], &info);
     let planar = stage.plan(Schedule::Raster, Wavefront::Planar, 4);
     let sources = source(3.0, 4.0);
-    let unchanged = |plan| Frame { points: None, ..frame(plan, &sources) };
+    let unchanged = |plan| frame(plan, &sources).with_points(None);
     stage.attempt(|r| {
         assert_all!(
             VulkanError::NotMeasured,
@@ -144,7 +136,8 @@ fn missing_and_other_maps_are_not_read() {
         distances_offset: 0,
         count: 1,
     };
-    let info = SurfaceInfo { points: &inputs, lookups: &[lookup], ..SurfaceInfo::new(CHART) };
+    let lookup_buffers = [lookup];
+    let info = SurfaceInfo::new(CHART).with_points(&inputs).with_lookups(&lookup_buffers);
     let mut stage = Stage::new(host, &RASTER, &info);
     let device = stage.host.device.clone();
     stage.solver.add_passes(&device, Schedule::Tiles, Wavefront::Planar).unwrap();
@@ -161,10 +154,10 @@ fn missing_and_other_maps_are_not_read() {
     let inline = SourceInput::Inline(&sources);
     let (none, read) = (Access::NONE, Access::DRAW);
     let levels = LevelInput::Spacing { step: 1.0, count: 3 };
-    let contour_frame = ContourFrame { levels, start: 0.0, points: 0, reader: read };
+    let contour_frame = ContourFrame::new(levels, read);
     let starts = StartInput::Inline(&[[9.0, 9.0]]);
-    let path_frame = PathFrame { before: none, starts, sources: inline, points: 0, reader: read };
-    let region_frame = RegionFrame { before: none, sources: inline, reader: read };
+    let path_frame = PathFrame::new(starts, inline, read).with_before(none);
+    let region_frame = RegionFrame::new(inline, read).with_before(none);
     stage.attempt(|r| {
         for _ in 0..2 {
             assert_all!(
@@ -230,14 +223,14 @@ fn ranges_beyond_a_buffer_are_refused() {
     let none = SurfaceInfo::new(CHART);
     let mut surface =
         |info: &SurfaceInfo| stage.solver.surface(&device, stage.host.allocator(), info).map(drop);
-    beyond(surface(&SurfaceInfo { points: &positions, ..none }), "points");
-    beyond(surface(&SurfaceInfo { points: &behind, ..none }), "points");
-    beyond(surface(&SurfaceInfo { sources: &sources, ..none }), "sources");
-    beyond(surface(&SurfaceInfo { lookups: &[lookup], ..none }), "places");
+    beyond(surface(&none.with_points(&positions)), "points");
+    beyond(surface(&none.with_points(&behind)), "points");
+    beyond(surface(&none.with_sources(&sources)), "sources");
+    beyond(surface(&none.with_lookups(&[lookup])), "places");
     lookup.places = points.handle;
     lookup.count = 1000;
     lookup.distances_offset = 65_536;
-    beyond(surface(&SurfaceInfo { lookups: &[lookup], ..none }), "distances");
+    beyond(surface(&none.with_lookups(&[lookup])), "distances");
 
     let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 2);
     let room = PathsInfo { paths: 10_000, vertices: 2 };
@@ -252,7 +245,7 @@ fn ranges_beyond_a_buffer_are_refused() {
         let starts = StartInput::Buffer { buffer: handle, offset: 0, count: 10_000 };
         let sources = SourceInput::Inline(&sources);
         let (before, reader) = (Access::NONE, Access::DRAW);
-        let traced = PathFrame { before, starts, sources, points: 0, reader };
+        let traced = PathFrame::new(starts, sources, reader).with_before(before);
         beyond(r.paths(&paths, &traced).map(drop), "starts");
     });
     paths.destroy(&device, stage.host.allocator());
@@ -308,7 +301,7 @@ fn an_invalid_curvature_does_not_change_the_map() {
     let inputs = [Points::positions(points.handle, 32)];
     let each = |at: u64| SourceBuffer { buffer: entries.handle, offset: 16 * at, count: 1 };
     let sources: Vec<_> = (0..3 + bad.len() as u64).map(each).collect();
-    let info = SurfaceInfo { points: &inputs, sources: &sources, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&inputs).with_sources(&sources);
     let stage = Stage::new(host, &RASTER, &info);
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 8);
     let right = stage.map(0, SourceInput::Inline(&source(8.0, 9.0)), &plan);
@@ -364,7 +357,7 @@ fn facts_that_only_the_device_knows_are_in_the_outcome() {
     let kind = PointKind::Heights(Spacing::square(1.0));
     let inputs = [Points::positions(points.handle, 32), Points { memory, kind, slowness: None }];
     let sources = [SourceBuffer { buffer: entries.handle, offset: 0, count: 8 }];
-    let info = SurfaceInfo { points: &inputs, sources: &sources, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&inputs).with_sources(&sources);
     let mut stage = Stage::new(host, &RASTER, &info);
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 12);
     stage.map(0, SourceInput::Buffer(0), &plan);
@@ -403,7 +396,7 @@ fn holes_of_bands_count_once() {
     let memory = PointMemory::Buffer { buffer: points.handle, offset: 0, stride: 4 };
     let kind = PointKind::Heights(Spacing::square(1.0));
     let inputs = [Points { memory, kind, slowness: None }];
-    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(chart) };
+    let info = SurfaceInfo::new(chart).with_points(&inputs);
     let stage = Stage::new(host, &RASTER[..1], &info);
     let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 1);
     let sources = source(3.0, 4.0);
@@ -422,7 +415,7 @@ fn edges_that_were_never_measured_on_the_device_show() {
     let sources = source(3.0, 4.0);
     stage.attempt(|r| r.measure(0)).unwrap();
     stage.submit(|r| {
-        r.frame(&Frame { points: None, ..frame(&plan, &sources) }).unwrap();
+        r.frame(&frame(&plan, &sources).with_points(None)).unwrap();
     });
     let outcome = stage.surface.outcome(0).unwrap();
     assert!(!outcome.measured && !outcome.converged, "{outcome:?}");
@@ -442,7 +435,7 @@ fn a_recording_at_the_wrong_place_is_reported_by_the_layers() {
     let target = host.target(&image, 8, 8);
     let points = host.buffer_of(&vertices(CHART, 0.3));
     let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&inputs);
     let mut stage = Stage::new(host, &RASTER[..1], &info);
     let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 2);
     let sources = source(3.0, 4.0);

@@ -127,18 +127,14 @@ fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
     let part = 32 * CHART.points() as u64;
     let ring = host.buffer_of(&phases.map(|phase| vertices(CHART, phase)).concat());
     let inputs = [Points::positions(ring.handle, 32)];
-    let alone = SurfaceInfo { slots: SLOTS, points: &inputs, ..SurfaceInfo::new(CHART) };
+    let alone = SurfaceInfo::new(CHART).with_slots(SLOTS).with_points(&inputs);
     let mut stage = Stage::new(host, &RASTER[2..], &alone);
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 12);
     let places = [source(7.25, 20.5), source(19.0, 3.0)];
-    let frame = |who: usize, slot| Frame {
-        before: Access::NONE,
-        points: Some(0),
-        sources: SourceInput::Inline(&places[who]),
-        plan: &plan,
-        slot,
-        reader: Reader::COPY,
-        unreached: f32::INFINITY,
+    let frame = |who: usize, slot| {
+        Frame::new(&plan, SourceInput::Inline(&places[who]), Reader::COPY)
+            .with_points(0)
+            .with_slot(slot)
     };
     // The expected maps come from a surface with its own images, frame by frame.
     let mut expected: [Vec<Vec<f32>>; 2] = [Vec::new(), Vec::new()];
@@ -152,7 +148,7 @@ fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
 
     let aliases = Aliases::new(&stage.host, 4);
     let given = [aliases.images[0], aliases.images[1]];
-    let info = SurfaceInfo { results: &given, ..alone };
+    let info = alone.with_results(&given);
     assert!(
         stage.solver.bytes_for(&device, &info).unwrap()
             < stage.solver.bytes_for(&device, &alone).unwrap()
@@ -189,10 +185,9 @@ fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
         let commands = stage.host.commands();
         stage.host.begin(commands);
         aliases.take_over(&stage.host, commands, 3);
-        let frames = [(&stage.surface, 0), (&second, 1)].map(|(surface, who)| SurfaceFrame {
-            surface,
-            frame: Frame { before: Access::TRANSFER_WRITE, ..frame(who, slot) },
-            points_at: part * ((turn + who) % 3) as u64,
+        let frames = [(&stage.surface, 0), (&second, 1)].map(|(surface, who)| {
+            SurfaceFrame::new(surface, frame(who, slot).with_before(Access::TRANSFER_WRITE))
+                .with_points_at(part * ((turn + who) % 3) as u64)
         });
         stage.solver.record_frames(&device, commands, &frames).unwrap();
         for (SurfaceFrame { surface, .. }, to) in frames.iter().zip(&to[slot]) {
@@ -216,10 +211,11 @@ fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
     let null = HostImage { view: vk::ImageView::null(), ..given[0] };
     let refused = second.set_result(&device, 0, null).unwrap_err();
     assert!(refused.to_string().contains("the view is the null handle"), "{refused}");
-    let none = SurfaceInfo { results: &[null, null], ..alone };
+    let images = [null, null];
+    let none = alone.with_results(&images);
     let refused = stage.solver.surface(&device, stage.host.allocator(), &none).unwrap_err();
     assert!(refused.to_string().contains("the view is the null handle"), "{refused}");
-    let few = SurfaceInfo { results: &given[..1], ..alone };
+    let few = alone.with_results(&given[..1]);
     let refused = stage.solver.surface(&device, stage.host.allocator(), &few).unwrap_err();
     assert!(refused.to_string().contains("1 results are given for 2 slots"), "{refused}");
     // Recordings that are not submitted: each of the slot's descriptor sets waits.
@@ -247,7 +243,7 @@ fn curves_and_labels_go_to_buffers_of_the_hosts() {
     let device = host.device.clone();
     let points = host.buffer_of(&vertices(CHART, 0.4));
     let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+    let info = SurfaceInfo::new(CHART).with_points(&inputs);
     let mut stage = Stage::new(host, &RASTER[2..], &info);
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 12);
     let room = PathsInfo { paths: 2, vertices: 200 };
@@ -289,24 +285,18 @@ fn curves_and_labels_go_to_buffers_of_the_hosts() {
         stage.host.run(|commands| {
             let recording = stage.solver.record(&device, commands, &stage.surface);
             recording
-                .frame(&Frame {
-                    before: Access::NONE,
-                    points: Some(0),
-                    sources,
-                    plan: &plan,
-                    slot: 0,
-                    reader: Reader::COPY,
-                    unreached: -1.0,
-                })
+                .frame(
+                    &Frame::new(&plan, sources, Reader::COPY).with_points(0).with_unreached(-1.0),
+                )
                 .unwrap();
             let (reader, before) = (Access::TRANSFER_READ, Access::NONE);
             let levels = LevelInput::Spacing { step: 3.0, count: 20 };
-            let lines = ContourFrame { levels, start: 0.0, points: 0, reader };
+            let lines = ContourFrame::new(levels, reader);
             let lines = recording.contours(&of.0, &lines).unwrap();
             let starts = StartInput::Inline(&[[1.0, 2.0], [20.0, 30.5]]);
-            let ways = PathFrame { before, starts, sources, points: 0, reader };
+            let ways = PathFrame::new(starts, sources, reader).with_before(before);
             let ways = recording.paths(&of.1, &ways).unwrap();
-            let labels = RegionFrame { before, sources, reader };
+            let labels = RegionFrame::new(sources, reader).with_before(before);
             let labels = recording.regions(&of.2, &labels).unwrap();
             let found = [
                 (lines.buffer, u64::from(CurveRecord::BYTES)),

@@ -62,7 +62,7 @@ fn pipelines_are_made_once_and_by_the_hosts_cache() {
     let memory = PointMemory::Buffer { buffer: points.handle, offset: 0, stride: 4 };
     let kind = PointKind::Heights(geosweep::Spacing::square(1.0));
     let points_of = [Points { memory, kind, slowness: None }];
-    let surface_info = SurfaceInfo { points: &points_of, ..SurfaceInfo::new(chart) };
+    let surface_info = SurfaceInfo::new(chart).with_points(&points_of);
 
     let passes = [(Schedule::Raster, Wavefront::Curved)];
     let (instance, physical_device) = (host.instance.clone(), host.physical_device);
@@ -123,11 +123,11 @@ fn plans_name_the_wavefront_of_their_maps() {
     let passes = [(Schedule::Raster, Wavefront::Anchored), (Schedule::Raster, Wavefront::Planar)];
     let (instance, physical_device) = (&host.instance, host.physical_device);
     let mut solver = Solver::new(instance, physical_device, &host.device, &passes).unwrap();
-    let stop = geosweep::Stop { tolerance: 1e-6, iterations: 10 };
+    let stop = geosweep::Stop::within(1e-6).or_after(10);
     for (asked, resolved) in
         [(Wavefront::Anchored, Wavefront::Curved), (Wavefront::Planar, Wavefront::Planar)]
     {
-        let method = geosweep::vulkan::Method { wavefront: asked, schedule: None, stop };
+        let method = geosweep::vulkan::Method::new(asked, stop);
         let plan = solver.plan(Chart { rows: 5, cols: 5 }, method, 2).unwrap();
         assert_eq!((plan.wavefront(), plan.schedule()), (resolved, Schedule::Raster));
     }

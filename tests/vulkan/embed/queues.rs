@@ -81,14 +81,12 @@ impl Renderer {
             [0, 1].map(|k: usize| Points::positions(vertices[k].handle, 4 * STRIDE as u64));
         let solver = embed::Solver::new(&host.instance, host.physical_device, &device, &PASSES);
         let solver = solver.unwrap();
-        let info = SurfaceInfo {
-            slots: IN_FLIGHT,
-            points: &points,
-            queue_families: shared,
-            ..SurfaceInfo::new(CHART)
-        };
+        let info = SurfaceInfo::new(CHART)
+            .with_slots(IN_FLIGHT)
+            .with_points(&points)
+            .with_queue_families(shared);
         let surface = solver.surface(&device, host.allocator(), &info).unwrap();
-        let method = Method { wavefront: Wavefront::Curved, schedule: None, stop: STOP };
+        let method = Method::new(Wavefront::Curved, STOP);
         let plan = solver.plan(CHART, method, 8).unwrap();
         let frames = vertices.into_iter().enumerate().map(|(slot, vertices)| {
             let phase = host.buffer_of(&[0.0]);
@@ -154,15 +152,10 @@ impl Renderer {
             handover::hand_over(device, commands, false, read, families, [], buffers);
         }
         let (row, col) = place(number);
-        let frame = Frame {
-            before: Access::NONE,
-            points: Some(slot),
-            sources: SourceInput::Inline(&[PointSource::at(row, col)]),
-            plan,
-            slot,
-            reader: Reader::OTHER_QUEUE,
-            unreached: f32::INFINITY,
-        };
+        let places = [PointSource::at(row, col)];
+        let frame = Frame::new(plan, SourceInput::Inline(&places), Reader::OTHER_QUEUE)
+            .with_points(slot)
+            .with_slot(slot);
         let distances = recording.frame(&frame).unwrap();
         assert_eq!(distances, self.distances(slot));
     }
@@ -174,7 +167,7 @@ impl Renderer {
         let InFlight { vertices, contours, .. } = &self.frames[slot];
         let (device, [main, other]) = (&host.device, self.families);
         let levels = LevelInput::List(&LEVELS);
-        let frame = ContourFrame { levels, start: 0.0, points: slot, reader: Access::NONE };
+        let frame = ContourFrame::new(levels, Access::NONE).with_points(slot);
         let recording = solver.record(device, commands, surface);
         let lines = recording.contours(contours, &frame).unwrap().buffer;
         let (written, families) = (Access::COMPUTE_WRITE, [other, main]);

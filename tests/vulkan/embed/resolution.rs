@@ -51,7 +51,7 @@ fn outcomes_tell_whether_the_grid_resolves_the_surface() {
         let memory = PointMemory::Buffer { buffer: buffer.handle, offset: 0, stride };
         let points = [Points { memory, kind, slowness: None }];
         let edge_rule = EdgeRule::Chord;
-        let info = SurfaceInfo { points: &points, edge_rule, ..SurfaceInfo::new(chart) };
+        let info = SurfaceInfo::new(chart).with_points(&points).with_edge_rule(edge_rule);
         let stage = Stage::new(host, &RASTER[..1], &info);
         let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 1);
         // A second measurement counts anew.

@@ -7,13 +7,13 @@ pub fn host(instance: &ash::Instance, physical_device: vk::PhysicalDevice, devic
 let passes = [(Schedule::Raster, Wavefront::Curved)];
 let solver = Solver::new(instance, physical_device, device, &passes)?;
 let (chart, points) = (Chart { rows: 256, cols: 256 }, [Points::positions(vertices, 32)]);
-let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(chart) };
+let info = SurfaceInfo::new(chart).with_points(&points);
 let surface = solver.surface(device, allocator, &info)?;
-let method = Method { wavefront: Wavefront::Curved, schedule: None, stop };
+let method = Method::new(Wavefront::Curved, stop);
 let plan = solver.plan(chart, method, 8)?;
 solver.record(device, load_commands, &surface).prepare();
-let distances = solver.record(device, commands, &surface).frame(&Frame { // every frame
-    before: Access::COMPUTE_WRITE, points: Some(0), plan: &plan, slot: 0, unreached: -1.0,
-    sources: SourceInput::Inline(&[PointSource::at(120.5, 80.25)]), reader: Reader::FRAGMENT,
-})?; // its view is for fragment shaders to sample
+let sources = [PointSource::at(120.5, 80.25)]; // every frame
+let frame = Frame::new(&plan, SourceInput::Inline(&sources), Reader::FRAGMENT)
+    .with_before(Access::COMPUTE_WRITE).with_points(0).with_unreached(-1.0);
+let distances = solver.record(device, commands, &surface).frame(&frame)?; // fragment shaders sample its view
 Ok((solver, surface, distances)) }

@@ -84,7 +84,7 @@ impl Drop for Kept {
     }
 }
 
-pub const STOP: Stop = Stop { tolerance: 1e-6, iterations: 400 };
+pub const STOP: Stop = Stop::within(1e-6).or_after(400);
 
 /// All wavefronts with raster scans.
 pub const RASTER: [(Schedule, Wavefront); 3] = [
@@ -122,22 +122,14 @@ impl Stage {
     }
 
     pub fn plan(&self, schedule: Schedule, wavefront: Wavefront, iterations: u32) -> embed::Plan {
-        let method = Method { wavefront, schedule: Some(schedule), stop: STOP };
+        let method = Method::new(wavefront, STOP).with_schedule(schedule);
         self.solver.plan(self.surface.chart(), method, iterations).unwrap()
     }
 
     /// Runs a frame, then recordings until the map has converged.
     pub fn map(&self, points: usize, sources: SourceInput, plan: &embed::Plan) -> Vec<f32> {
         self.run(|recording| {
-            recording.frame(&Frame {
-                before: Access::NONE,
-                points: Some(points),
-                sources,
-                plan,
-                slot: 0,
-                reader: Reader::COPY,
-                unreached: f32::INFINITY,
-            })
+            recording.frame(&Frame::new(plan, sources, Reader::COPY).with_points(points))
         });
         self.finish(plan);
         self.read()

@@ -47,7 +47,7 @@ fn stage_of(
     let buffer = host.buffer_of(&numbers);
     let points = [Points::positions(buffer.handle, 12)];
     let edge_rule = surface.edge_rule();
-    let info = SurfaceInfo { points: &points, edge_rule, ..SurfaceInfo::new(chart) };
+    let info = SurfaceInfo::new(chart).with_points(&points).with_edge_rule(edge_rule);
     (Stage::new(host, passes, &info), buffer)
 }
 
@@ -67,7 +67,7 @@ fn map(stage: &Stage, sources: &[PointSource], method: Method) -> (Vec<f32>, Out
 }
 
 fn raster(wavefront: Wavefront, stop: Stop) -> Method {
-    Method { wavefront, schedule: Some(Schedule::Raster), stop }
+    Method::new(wavefront, stop).with_schedule(Schedule::Raster)
 }
 
 /// The surfaces are as small as the surroundings of sources, so that the following iteration changes nothing.
@@ -212,7 +212,7 @@ fn sources_side_by_side_are_solved_alone_at_first() {
     for (early, places) in cases {
         let sources: Vec<_> = places.iter().map(|&[row, col]| PointSource::at(row, col)).collect();
         for schedule in Schedule::ALL {
-            let method = Method { schedule: Some(schedule), ..raster(Wavefront::Curved, STOP) };
+            let method = raster(Wavefront::Curved, STOP).with_schedule(schedule);
             let single: Vec<_> = sources.iter().map(|&one| map(&stage, &[one], method).0).collect();
             let (together, outcome) = map(&stage, &sources, method);
             assert!(outcome.converged, "{schedule} {places:?}");

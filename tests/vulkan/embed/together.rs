@@ -26,18 +26,17 @@ struct Part {
 
 impl Part {
     fn frame(&self, slot: usize, measures: bool) -> Frame<'_> {
-        Frame {
-            before: Access::NONE,
-            points: measures.then_some(0),
-            sources: match self.from_buffer {
+        Frame::new(
+            &self.plan,
+            match self.from_buffer {
                 true => SourceInput::Buffer(0),
                 false => SourceInput::Inline(&self.sources),
             },
-            plan: &self.plan,
-            slot,
-            reader: self.reader,
-            unreached: -1.0,
-        }
+            self.reader,
+        )
+        .with_points(measures.then_some(0))
+        .with_slot(slot)
+        .with_unreached(-1.0)
     }
 
     /// Copies the image of a slot, and reads the copy.
@@ -89,10 +88,10 @@ fn maps_recorded_together_are_those_recorded_alone() {
         let count = sources.len() as u32;
         let buffers = [SourceBuffer { buffer: entries.handle, offset: 0, count }];
         let info =
-            SurfaceInfo { slots: 2, points: &inputs, sources: &buffers, ..SurfaceInfo::new(chart) };
+            SurfaceInfo::new(chart).with_slots(2).with_points(&inputs).with_sources(&buffers);
         let surface = stage.solver.surface(&device, stage.host.allocator(), &info).unwrap();
         stage.host.run(|commands| stage.solver.record(&device, commands, &surface).prepare());
-        let method = Method { wavefront, schedule: Some(schedule), stop: STOP };
+        let method = Method::new(wavefront, STOP).with_schedule(schedule);
         let plan = stage.solver.plan(chart, method, 12).unwrap();
         let to = stage.host.buffer(4 * chart.points() as u64, true);
         let sources = sources.clone();
@@ -114,10 +113,9 @@ fn maps_recorded_together_are_those_recorded_alone() {
             .collect();
         let frames: Vec<_> = parts
             .iter()
-            .map(|part| SurfaceFrame {
-                surface: &part.surface,
-                frame: part.frame(1, measures),
-                points_at: part.points_at,
+            .map(|part| {
+                SurfaceFrame::new(&part.surface, part.frame(1, measures))
+                    .with_points_at(part.points_at)
             })
             .collect();
         stage.host.run(|commands| {
@@ -143,22 +141,16 @@ fn a_frame_among_several_that_cannot_be_recorded_is_named() {
     let chart = Chart { rows: 9, cols: 12 };
     let points = host.buffer_of(&vertices(chart, 0.4));
     let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(chart) };
+    let info = SurfaceInfo::new(chart).with_points(&inputs);
     let mut stage = Stage::new(host, &[(Schedule::Raster, Wavefront::Planar)], &info);
     let mut other = stage.solver.surface(&device, stage.host.allocator(), &info).unwrap();
     let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 4);
     let place = source(3.0, 4.0);
-    let frame = Frame {
-        before: Access::NONE,
-        points: Some(0),
-        sources: SourceInput::Inline(&place),
-        plan: &plan,
-        slot: 0,
-        reader: Reader::COPY,
-        unreached: -1.0,
-    };
-    let first = SurfaceFrame { surface: &stage.surface, frame, points_at: 0 };
-    let second = SurfaceFrame { surface: &other, ..first };
+    let frame = Frame::new(&plan, SourceInput::Inline(&place), Reader::COPY)
+        .with_points(0)
+        .with_unreached(-1.0);
+    let first = SurfaceFrame::new(&stage.surface, frame);
+    let second = first.with_surface(&other);
     // Panics in place of each command, so that none can be recorded.
     extern "system" fn recorded() -> vk::Result {
         panic!("a frame that was refused has recorded something")
@@ -175,9 +167,9 @@ fn a_frame_among_several_that_cannot_be_recorded_is_named() {
     assert!(matches!(refused(&[first, second]), (1, VulkanError::NotPrepared)));
     assert!(matches!(refused(&[second, first]), (0, VulkanError::NotPrepared)));
     assert!(matches!(refused(&[first, first]), (1, VulkanError::TwiceTogether)));
-    let beyond = SurfaceFrame { points_at: 1 << 20, ..first };
+    let beyond = first.with_points_at(1 << 20);
     assert!(matches!(refused(&[beyond]), (0, VulkanError::HostBuffer { .. })));
-    let no_slot = SurfaceFrame { frame: Frame { slot: 1, ..frame }, ..first };
+    let no_slot = first.with_frame(frame.with_slot(1));
     assert!(matches!(refused(&[no_slot]), (0, VulkanError::NoSuch { .. })));
     stage.solver.record_frames(&strict, vk::CommandBuffer::null(), &[]).unwrap();
     assert!(!stage.surface.is_in_flight());

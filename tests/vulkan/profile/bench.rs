@@ -9,7 +9,7 @@ use geosweep::{Surface, Wavefront};
 use crate::common::{CONVERGED, device_choice, rough, seeds_at, some_point};
 
 pub fn method(wavefront: Wavefront, schedule: Schedule) -> Method {
-    Method { wavefront, schedule: Some(schedule), stop: CONVERGED }
+    Method::new(wavefront, CONVERGED).with_schedule(schedule)
 }
 
 /// A surface on a device that is profiled.

@@ -34,16 +34,10 @@ fn a_host_can_size_its_queries_for_contours_and_paths() {
             recording.measure(0).unwrap();
             recording.solve(SourceInput::Inline(sources), &renderer.plan).unwrap();
             let levels = LevelInput::Spacing { step: 10.0, count: 20 };
-            let frame = ContourFrame { levels, start: 0.0, points: 0, reader: Access::DRAW };
+            let frame = ContourFrame::new(levels, Access::DRAW);
             recording.contours(&contours, &frame).unwrap();
             let starts = StartInput::Inline(&[[200.5, 250.0], [100.0, 4.0], [250.0, 20.0]]);
-            let frame = PathFrame {
-                before: Access::NONE,
-                starts,
-                sources: SourceInput::Inline(sources),
-                points: 0,
-                reader: Access::DRAW,
-            };
+            let frame = PathFrame::new(starts, SourceInput::Inline(sources), Access::DRAW);
             recording.paths(&paths, &frame).unwrap();
         });
         let found = profile.resolve(&device, Some(renderer.clock), None).unwrap().unwrap();

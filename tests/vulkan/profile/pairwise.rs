@@ -116,7 +116,7 @@ fn maps_in_shared_memory_agree_with_a_count_by_hand() {
     let chart = surface.chart();
     let shared = Some(PairwiseSchedule::SharedMemory);
     let mut pairwise = solver.pairwise(on_device, Wavefront::Planar, shared).unwrap();
-    let once = Stop { tolerance: 0.0, iterations: 1 };
+    let once = Stop::within(0.0).or_after(1);
     let detail = Detail { invocations: true, ..Detail::default() };
     let mut workgroups = |sources: &[Option<usize>], stop| {
         let mut rows = vec![0.0; sources.len() * 28];

@@ -28,7 +28,7 @@ fn a_host_can_size_its_queries_for_regions() {
         recording.measure(0).unwrap();
         recording.solve(SourceInput::Inline(&sources), &renderer.plan).unwrap();
         let sources = SourceInput::Inline(&sources);
-        let frame = RegionFrame { before: Access::NONE, sources, reader: Access::VERTEX_READ };
+        let frame = RegionFrame::new(sources, Access::VERTEX_READ);
         recording.regions(&regions, &frame).unwrap();
     });
     let found = profile.resolve(&device, Some(renderer.clock), None).unwrap().unwrap();

@@ -5,8 +5,7 @@ use geosweep::Wavefront;
 use geosweep::ash::vk;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, Frame, Plan, PointKind, PointSource, Points, Reader, SourceInput, SurfaceInfo,
-    Tools,
+    self, Frame, Plan, PointKind, PointSource, Points, Reader, SourceInput, SurfaceInfo, Tools,
 };
 use geosweep::vulkan::profile::{Clock, Decided, Grain, PassRecord, Profile, QueryRange, Slots};
 use geosweep::vulkan::{Method, Schedule};
@@ -14,7 +13,7 @@ use geosweep::vulkan::{Method, Schedule};
 use crate::host::{Host, HostBuffer};
 
 pub const CHART: Chart = Chart { rows: 260, cols: 300 };
-pub const STOP: Stop = Stop { tolerance: 1e-6, iterations: 200 };
+pub const STOP: Stop = Stop::within(1e-6).or_after(200);
 
 /// A renderer with one surface and the resources of its profile.
 pub struct Renderer {
@@ -49,9 +48,9 @@ impl Renderer {
             embed::Solver::with_tools(instance, physical_device, &device, &passes, tools).unwrap();
         let kind = PointKind::Heights(geosweep::Spacing::square(1.0));
         let inputs = [Points { kind, ..Points::positions(points.handle, 4) }];
-        let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+        let info = SurfaceInfo::new(CHART).with_points(&inputs);
         let surface = solver.surface(&device, host.allocator(), &info).unwrap();
-        let method = Method { wavefront, schedule: None, stop: STOP };
+        let method = Method::new(wavefront, STOP);
         let plan = solver.plan(CHART, method, 6).unwrap();
         let grain = Grain::Blocks;
         let count = solver.passes_of_frame(&surface, &plan, grain);
@@ -92,15 +91,14 @@ impl Renderer {
         let recording = self.solver.record(device, commands, &self.surface);
         let recording = if watched { recording.profiled(&self.profile) } else { recording };
         recording
-            .frame(&Frame {
-                before: Access::NONE,
-                points: Some(0),
-                sources: SourceInput::Inline(&[PointSource::at(20.0, 31.5)]),
-                plan: &self.plan,
-                slot: 0,
-                reader: Reader::COPY,
-                unreached: f32::INFINITY,
-            })
+            .frame(
+                &Frame::new(
+                    &self.plan,
+                    SourceInput::Inline(&[PointSource::at(20.0, 31.5)]),
+                    Reader::COPY,
+                )
+                .with_points(0),
+            )
             .unwrap();
     }
 

@@ -122,7 +122,7 @@ fn maps_in_small_submissions_are_those_of_large_ones() {
             let method = method(wavefront, schedule);
             // The last recording of a map has fewer iterations than the others, so that it has another plan.
             for stop in [Stop::after(3), method.stop] {
-                let method = Method { stop, ..method };
+                let method = method.with_stop(stop);
                 let maps = [&mut *whole, &mut cut].into_iter().zip(&mut on_device).map(
                     |(solver, on_device)| {
                         let map = solver.solve(on_device, &seeds, method).unwrap();

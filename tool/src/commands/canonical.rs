@@ -222,7 +222,7 @@ impl Pairs {
                 ),
             );
         }
-        let options = Options { wavefront: Some(args.wavefront), ..Options::default() };
+        let options = Options::default().with_wavefront(args.wavefront);
         let mut pairwise = Pairwise::new(surface, &options)?;
         let bar = progress(points.len()).with_message("computing distances");
         let (matrix, report) = pairwise.among(&points, |rows| bar.inc(rows as u64))?;

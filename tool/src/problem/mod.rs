@@ -15,7 +15,7 @@ use std::time::Duration;
 use geosweep::shown::{exact, seven_digits};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{Direction, EdgeLengths, Real};
-use geosweep::{DistanceMap, Options, Report, Sources, Surface};
+use geosweep::{DistanceMap, Options, Report, Sources, Surface, UsedEngine};
 
 pub use args::{Problem, ProblemArgs};
 pub use curve_files::CurveFiles;
@@ -89,8 +89,8 @@ pub fn done_with(
     let Report { points, reached, max_distance, .. } = report;
     let engine = match (report.engine, &report.device) {
         (_, Some(device)) => format!("Vulkan on {device}"),
-        ("cpu", None) => "CPU".into(),
-        (other, None) => other.replace('-', " "),
+        (UsedEngine::Cpu, None) => "CPU".into(),
+        (other, None) => other.name().replace('-', " "),
     };
     let engine = match report.fallback {
         Some(_) => format!("{engine}, since the GPU failed"),
@@ -104,7 +104,7 @@ pub fn done_with(
         unreached => format!("{points} points, {unreached} of them not reached yet"),
     };
     let iterations = match report.engine {
-        "fast-marching" => "one pass".into(),
+        UsedEngine::FastMarching => "one pass".into(),
         _ => convergence(report.iterations, report.converged),
     };
     let time = seconds(report.solve_time);

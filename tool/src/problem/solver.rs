@@ -97,12 +97,11 @@ impl SolverArgs {
             }
         }
         let device = self.device.clone().map(Engine::Vulkan);
-        Ok(Options {
-            engine: device.unwrap_or_else(|| self.engine.clone()),
-            schedule: self.schedule,
-            wavefront: self.wavefront,
-            tolerance: self.tolerance,
-            iterations: self.iterations,
-        })
+        Ok(Options::default()
+            .with_engine(device.unwrap_or_else(|| self.engine.clone()))
+            .with_schedule(self.schedule)
+            .with_wavefront(self.wavefront)
+            .with_tolerance(self.tolerance)
+            .with_iterations(self.iterations))
     }
 }

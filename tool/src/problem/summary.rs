@@ -59,7 +59,7 @@ impl<'a, R: Number> MapSummary<'a, R> {
         let report = &map.report;
         Self {
             precision: R::PRECISION,
-            engine: report.engine,
+            engine: report.engine.name(),
             device: report.device.as_deref(),
             reason: report.reason.as_deref(),
             fallback: report.fallback.as_deref(),

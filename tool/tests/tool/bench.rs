@@ -34,11 +34,9 @@ fn a_schedule_is_for_vulkan_alone() {
     }
     let wrong = "distance builtin:plane:9x9 -s 1,1 --schedule spiral -o map.npy";
     bench.refuses(&run(&bench, wrong), &["spiral", "all-points"]);
-    let options = geosweep::Options {
-        engine: geosweep::Engine::Cpu,
-        schedule: Some(geosweep::vulkan::Schedule::Tiles),
-        ..Default::default()
-    };
+    let options = geosweep::Options::default()
+        .with_engine(geosweep::Engine::Cpu)
+        .with_schedule(geosweep::vulkan::Schedule::Tiles);
     let surface = geosweep::surface::builtin::Builtin::Plane.surface(9, 9).unwrap();
     let source = geosweep::Sources::point(1.0, 1.0);
     let error = geosweep::distance_map(&surface, &source, &options).unwrap_err();

@@ -36,7 +36,7 @@ fn solve(
 ) -> (DistanceMap, Errors) {
     let surface = builtin.surface(points, points).unwrap();
     let exact = builtin.reference_distances(points, points, source);
-    let options = Options { engine: Engine::Cpu, wavefront: Some(wavefront), ..Options::default() };
+    let options = Options::default().with_engine(Engine::Cpu).with_wavefront(wavefront);
     let map = distance_map(&surface, &Sources::point(source[0], source[1]), &options).unwrap();
     let errors = Errors::of(&map.distances, &exact);
     (map, errors)
@@ -116,7 +116,7 @@ fn the_maze_is_shown_iteration_by_iteration() {
     let stages = stages["stages"].as_array().unwrap();
     assert_eq!(stages.len(), 4);
     for (stage, iterations) in stages.iter().zip([1, 2, 3, 100]) {
-        let stop = Stop { tolerance: 1e-6, iterations };
+        let stop = Stop::within(1e-6).or_after(iterations);
         let solution = scan_in_turn(&edges, &seeds, Wavefront::Circular, stop);
         let reached = solution.distances().iter().filter(|d| d.is_finite()).count();
         assert_eq!(stage["iterations"], solution.iterations);
@@ -145,7 +145,7 @@ fn table_2_has_an_iteration_and_a_converged_map_beside_the_papers() {
         assert_eq!((&row["rows"], &row["cols"]), (&side.into(), &side.into()));
         let surface = Builtin::Maze.surface(side, side).unwrap();
         let wavefront = Some(Wavefront::Curved);
-        let options = Options { engine: Engine::Cpu, wavefront, ..Options::default() };
+        let options = Options::default().with_engine(Engine::Cpu).with_wavefront(wavefront);
         let report = distance_map(&surface, &Sources::point(0.0, 0.0), &options).unwrap().report;
         assert_eq!(row["converged_iterations"], report.iterations);
         assert_eq!(row["points"], surface.points());

@@ -86,7 +86,7 @@ fn record(
     levels: LevelInput,
     start: f32,
 ) -> (CurveRecord, Vec<CurveVertex>) {
-    let frame = ContourFrame { levels, start, points: 0, reader: Access::TRANSFER_READ };
+    let frame = ContourFrame::new(levels, Access::TRANSFER_READ).with_start(start);
     let (records, vertices) = scene.read(contours.curves(), |recording| {
         recording.contours(contours, &frame).unwrap();
     });
@@ -215,12 +215,7 @@ fn contours_that_make_no_sense_are_errors_before_anything_is_recorded() {
     let mut scene = Scene::new(Host::new(), &surface, &[PointSource::at(1.0, 2.0)]);
     let other = Scene::new(Kept::watched(), &surface, &[PointSource::at(1.0, 2.0)]);
     let mut contours = new_contours(&mut scene, 100);
-    let frame = ContourFrame {
-        levels: LevelInput::List(&[1.0]),
-        start: 0.0,
-        points: 0,
-        reader: Access::DRAW,
-    };
+    let frame = ContourFrame::new(LevelInput::List(&[1.0]), Access::DRAW);
     let attempt = |scene: &Scene, frame: &ContourFrame| {
         let stage = &scene.stage;
         stage.host.run(|commands| {
@@ -229,9 +224,9 @@ fn contours_that_make_no_sense_are_errors_before_anything_is_recorded() {
         })
     };
     assert!(matches!(attempt(&other, &frame), VulkanError::OtherSurface));
-    let absent = ContourFrame { points: 1, ..frame };
+    let absent = frame.with_points(1);
     assert!(matches!(attempt(&scene, &absent), VulkanError::NoSuch { .. }));
-    let unordered = ContourFrame { levels: LevelInput::List(&[2.0, 1.0]), ..frame };
+    let unordered = frame.with_levels(LevelInput::List(&[2.0, 1.0]));
     assert!(attempt(&scene, &unordered).to_string().contains("level 2 stands before 1"));
     let stage = &mut scene.stage;
     let device = stage.host.device.clone();

@@ -75,11 +75,9 @@ fn draw(reader: Access) -> Drawn {
 
     let memory = PointMemory::Buffer { buffer: heights.handle, offset: 0, stride: 4 };
     let kind = PointKind::Heights(Spacing::square(1.0));
-    let info = SurfaceInfo {
-        points: &[Points { memory, kind, slowness: None }],
-        sources: &[SourceBuffer { buffer: sources.handle, offset: 0, count: 1 }],
-        ..SurfaceInfo::new(CHART)
-    };
+    let source_buffers = [SourceBuffer { buffer: sources.handle, offset: 0, count: 1 }];
+    let inputs = [Points { memory, kind, slowness: None }];
+    let info = SurfaceInfo::new(CHART).with_points(&inputs).with_sources(&source_buffers);
     let mut stage = Stage::new(host, &RASTER, &info);
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 6);
     let (solver, surface) = (&stage.solver, &stage.surface);
@@ -99,27 +97,21 @@ fn draw(reader: Access) -> Drawn {
                 Access::COMPUTE_WRITE,
             );
             host.dispatch(commands, &write, CHART.points().div_ceil(64) as u32);
-            let frame = Frame {
-                before: Access::COMPUTE_WRITE,
-                points: Some(0),
-                sources: SourceInput::Buffer(0),
-                plan: &plan,
-                slot: 0,
-                reader: Reader::FRAGMENT,
-                unreached: -1.0,
-            };
+            let frame = Frame::new(&plan, SourceInput::Buffer(0), Reader::FRAGMENT)
+                .with_before(Access::COMPUTE_WRITE)
+                .with_points(0)
+                .with_unreached(-1.0);
             recording.frame(&frame).unwrap();
             let levels = LevelInput::List(&[10.0, 30.0]);
-            let frame = ContourFrame { levels, start: 0.0, points: 0, reader };
+            let frame = ContourFrame::new(levels, reader);
             let found = recording.contours(&contours, &frame).unwrap();
             host.draw_curves(commands, &list, &canvases[0], found);
-            let frame = PathFrame {
-                before: Access::COMPUTE_WRITE,
-                starts: StartInput::Buffer { buffer: starts.handle, offset: 0, count: 2 },
-                sources: SourceInput::Buffer(0),
-                points: 0,
+            let frame = PathFrame::new(
+                StartInput::Buffer { buffer: starts.handle, offset: 0, count: 2 },
+                SourceInput::Buffer(0),
                 reader,
-            };
+            )
+            .with_before(Access::COMPUTE_WRITE);
             let found = recording.paths(&paths, &frame).unwrap();
             host.draw_curves(commands, &strip, &canvases[1], found);
         }

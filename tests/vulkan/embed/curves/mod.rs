@@ -12,7 +12,7 @@ use geosweep::vulkan::embed::{
     Access, CurveBuffer, CurveRecord, CurveVertex, PointSource, Points, Recording, SourceInput,
     SurfaceInfo,
 };
-use geosweep::{DistanceMap, Report, Surface, Wavefront};
+use geosweep::{DistanceMap, Report, Surface, UsedEngine, Wavefront};
 
 use crate::common::Lent;
 use crate::embed::stage::{Kept, RASTER, Stage};
@@ -32,7 +32,7 @@ impl Scene {
         let points = host.buffer_of(&positions(surface));
         let inputs = [Points::positions(points.handle, 12)];
         let edge_rule = surface.edge_rule();
-        let info = SurfaceInfo { points: &inputs, edge_rule, ..SurfaceInfo::new(chart) };
+        let info = SurfaceInfo::new(chart).with_points(&inputs).with_edge_rule(edge_rule);
         let stage = Stage::new(host, &RASTER, &info);
         let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 6);
         let map = map_of(chart, stage.map(0, SourceInput::Inline(sources), &plan));
@@ -89,26 +89,7 @@ pub fn positions(surface: &Surface) -> Vec<f32> {
 
 /// Returns a map as if the engine had returned it.
 pub fn map_of(chart: Chart, distances: Vec<f32>) -> DistanceMap {
-    let reached = || distances.iter().copied().filter(|distance| distance.is_finite());
-    let report = Report {
-        engine: "vulkan",
-        device: None,
-        reason: None,
-        fallback: None,
-        schedule: "raster",
-        wavefront: Wavefront::Curved,
-        iterations: 0,
-        residual: 0.0,
-        tolerance: 0.0,
-        converged: true,
-        solve_time: Default::default(),
-        points: chart.points(),
-        reached: reached().count(),
-        max_distance: reached().fold(0.0, f32::max).into(),
-        seams: Vec::new(),
-        resolution: None,
-    };
-    DistanceMap { chart, distances, report }
+    DistanceMap::new(chart, distances, Report::new(UsedEngine::Vulkan, Wavefront::Curved))
 }
 
 /// Returns the vertices of a curve.

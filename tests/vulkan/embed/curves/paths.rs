@@ -42,7 +42,7 @@ fn read(
     sources: SourceInput,
 ) -> (Vec<CurveRecord>, Vec<CurveVertex>) {
     let reader = Access::TRANSFER_READ;
-    let frame = PathFrame { before: Access::NONE, starts, sources, points: 0, reader };
+    let frame = PathFrame::new(starts, sources, reader);
     scene.read(paths.curves(), |recording| {
         recording.paths(paths, &frame).unwrap();
     })
@@ -258,17 +258,16 @@ fn paths_that_make_no_sense_are_errors_before_anything_is_recorded() {
             recording.paths(&paths, frame).unwrap_err()
         })
     };
-    let frame = PathFrame {
-        before: Access::NONE,
-        starts: StartInput::Inline(&[[0.0; 2]; 2]),
-        sources: SourceInput::Inline(&[source]),
-        points: 0,
-        reader: Access::DRAW,
-    };
+    let places = [source];
+    let frame = PathFrame::new(
+        StartInput::Inline(&[[0.0; 2]; 2]),
+        SourceInput::Inline(&places),
+        Access::DRAW,
+    );
     assert!(matches!(attempt(&other, &frame), VulkanError::OtherSurface));
-    let absent = PathFrame { points: 1, ..frame };
+    let absent = frame.with_points(1);
     assert!(matches!(attempt(&scene, &absent), VulkanError::NoSuch { .. }));
-    let absent = PathFrame { sources: SourceInput::Buffer(0), ..frame };
+    let absent = frame.with_sources(SourceInput::Buffer(0));
     assert!(matches!(attempt(&scene, &absent), VulkanError::NoSuch { .. }));
     let buffer = |buffer, offset| StartInput::Buffer { buffer, offset, count: 1 };
     for (starts, reason) in [
@@ -276,7 +275,7 @@ fn paths_that_make_no_sense_are_errors_before_anything_is_recorded() {
         (buffer(vk::Buffer::null(), 0), "null handle"),
         (buffer(scene.points.handle, 2), "offset 2"),
     ] {
-        let error = attempt(&scene, &PathFrame { starts, ..frame }).to_string();
+        let error = attempt(&scene, &frame.with_starts(starts)).to_string();
         assert!(error.contains(reason), "{error}");
     }
     let stage = &mut scene.stage;

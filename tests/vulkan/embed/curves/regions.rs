@@ -55,12 +55,10 @@ impl Atlas {
         let source_buffers =
             [SourceBuffer { buffer: listed.handle, offset: 0, count: sources.max(1) }];
         let edge_rule = surface.edge_rule();
-        let info = SurfaceInfo {
-            points: &inputs,
-            sources: &source_buffers,
-            edge_rule,
-            ..SurfaceInfo::new(surface.chart())
-        };
+        let info = SurfaceInfo::new(surface.chart())
+            .with_points(&inputs)
+            .with_sources(&source_buffers)
+            .with_edge_rule(edge_rule);
         let mut stage = Stage::new(host, &RASTER, &info);
         let device = stage.host.device.clone();
         let Stage { host, solver, surface, .. } = &mut stage;
@@ -84,8 +82,7 @@ impl Atlas {
         host.run(|commands| {
             let recording = solver.record(&device, commands, surface);
             recording.begin(Access::NONE);
-            let frame =
-                RegionFrame { before: Access::NONE, sources, reader: Access::TRANSFER_READ };
+            let frame = RegionFrame::new(sources, Access::TRANSFER_READ);
             let labels = recording.regions(&self.regions, &frame).unwrap();
             assert_eq!(labels, self.regions.labels());
             let all = [vk::BufferCopy::default().size(bytes)];
@@ -404,7 +401,7 @@ fn regions_that_make_no_sense_are_errors_before_anything_is_recorded() {
         let stage = &atlas.stage;
         stage.host.run(|commands| {
             let recording = stage.solver.record(&stage.host.device, commands, &stage.surface);
-            let frame = RegionFrame { before: Access::NONE, sources, reader: Access::NONE };
+            let frame = RegionFrame::new(sources, Access::NONE);
             recording.regions(regions, &frame).unwrap_err()
         })
     };

@@ -14,7 +14,7 @@ use geosweep::io::{
 use geosweep::pairwise::{Pairwise, PairwiseReport, Rows};
 use geosweep::shown::excerpt;
 use geosweep::surface::{Chart, EdgeLengths};
-use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Surface};
+use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Surface, UsedEngine};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
@@ -218,8 +218,8 @@ pub fn run(args: &Args) -> Outcome {
     }
     let engine = match (&report.device, report.engine) {
         (Some(device), _) => format!("Vulkan on {device}"),
-        (None, "cpu") => "CPU".into(),
-        (None, other) => other.replace('-', " "),
+        (None, UsedEngine::Cpu) => "CPU".into(),
+        (None, other) => other.name().replace('-', " "),
     };
     let how = convergence(report.iterations, report.converged());
     let time = seconds(report.solve_time);
@@ -447,7 +447,7 @@ impl<'a> Summary<'a> {
             points: surface.points(),
             matrix_rows: resumed_rows + report.rows,
             matrix_cols: report.points,
-            engine: report.engine,
+            engine: report.engine.name(),
             device: report.device.as_deref(),
             wavefront: report.wavefront.name(),
             iterations: report.iterations,

@@ -87,8 +87,7 @@ impl Measurement {
         engine: &Engine,
         precision: Precision,
     ) -> Result<Self, Error> {
-        let options =
-            Options { engine: engine.clone(), wavefront: Some(wavefront), ..Options::default() };
+        let options = Options::default().with_engine(engine.clone()).with_wavefront(wavefront);
         let sources = reference.point_source();
         let solve = || reference.solve(&sources, &options, precision);
         let (report, errors) = solve()?;

@@ -233,7 +233,7 @@ impl Bench<'_> {
             name,
             surface: &surface,
             seeds: &seeds,
-            stop: Stop { tolerance: DEFAULT_TOLERANCE, iterations },
+            stop: Stop::within(DEFAULT_TOLERANCE).or_after(iterations),
         };
         self.on_cpu(&task)?;
         self.on_device(&task)
@@ -320,7 +320,7 @@ impl Bench<'_> {
                 if !self.is_wanted(wavefront, method) {
                     continue;
                 }
-                let how = |stop| vulkan::Method { wavefront, schedule: Some(schedule), stop };
+                let how = |stop| vulkan::Method::new(wavefront, stop).with_schedule(schedule);
                 let is_timed = self.time(task, wavefront, method, set_up, bytes, |task| {
                     let Solution { iterations, residual, time, .. } =
                         solver.solve(surface, task.seeds, how(task.stop))?;
@@ -421,7 +421,7 @@ fn warm_up(
 ) -> Result<Warmed, Box<dyn Error>> {
     let mut iterations = 1;
     loop {
-        let stop = Stop { iterations: iterations.min(task.stop.iterations), ..task.stop };
+        let stop = task.stop.or_after(iterations.min(task.stop.iterations));
         let last = run(&Task { stop, ..*task })?;
         if last.residual <= stop.tolerance || stop.iterations == task.stop.iterations {
             return Ok(Warmed { last, is_whole: true });

@@ -139,7 +139,7 @@ impl Study {
                 surface.position(row, col).unwrap_or(DVec3::NAN)
             })
             .collect();
-        let options = Options { wavefront: Some(Wavefront::Curved), ..Options::default() };
+        let options = Options::default().with_wavefront(Wavefront::Curved);
         let (matrix, _) = Pairwise::new(&surface, &options)?.matrix(|_| ())?;
         let (distances, kept) = Distances::of_largest_piece(all.len(), matrix)?;
         let options = FormOptions { tolerance: 1e-6, ..FormOptions::default() };

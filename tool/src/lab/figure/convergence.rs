@@ -203,8 +203,7 @@ impl Study {
             let solution = raster_scan(&edges, &seeds, self.wavefront, Stop::after(1));
             return Ok((1, Errors::of(&solution.distances(), &reference.distances)));
         }
-        let options =
-            Options { engine: Engine::Cpu, wavefront: Some(self.wavefront), ..Options::default() };
+        let options = Options::default().with_engine(Engine::Cpu).with_wavefront(self.wavefront);
         let (report, errors) = reference.solve(sources, &options, Precision::Single)?;
         Ok((report.iterations, errors))
     }

@@ -85,7 +85,7 @@ impl Face {
     }
 
     fn solve(&self, sources: &Sources) -> Result<DistanceMap, geosweep::Error> {
-        let options = Options { engine: Engine::Cpu, ..Options::default() };
+        let options = Options::default().with_engine(Engine::Cpu);
         distance_map(&self.surface, sources, &options)
     }
 

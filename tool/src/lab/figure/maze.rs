@@ -92,7 +92,7 @@ fn stages(surface: &Surface, sources: &Sources) -> Result<Vec<Stage>, geosweep::
 
 impl Stage {
     fn after(iterations: u32, surface: &Surface, edges: &EdgeLengths<f32>, seeds: &[Seed]) -> Self {
-        let stop = Stop { tolerance: DEFAULT_TOLERANCE, iterations };
+        let stop = Stop::within(DEFAULT_TOLERANCE).or_after(iterations);
         let solution = scan_in_turn(edges, seeds, Wavefront::Circular, stop);
         let distances = solution.distances();
         Self {

@@ -115,11 +115,11 @@ pub fn run(args: &Args) -> Outcome {
 impl Row {
     fn measure(builtin: Builtin, side: usize, runs: usize) -> Result<Self, Box<dyn Error>> {
         let surface = builtin.surface(side, side)?;
-        let options = |engine, wavefront, iterations| Options {
-            engine,
-            wavefront: Some(wavefront),
-            iterations,
-            ..Options::default()
+        let options = |engine, wavefront, iterations| {
+            Options::default()
+                .with_engine(engine)
+                .with_wavefront(wavefront)
+                .with_iterations(iterations)
         };
         let planar = options(Engine::Cpu, Wavefront::Planar, Some(1));
         let (planar_seconds, planar_spread) = median(&surface, &planar, runs)?;

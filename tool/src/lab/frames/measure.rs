@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, Frame, PointSource, Points, Reader, SourceInput, Surface, SurfaceInfo,
+    self, Frame, PointSource, Points, Reader, SourceInput, Surface, SurfaceInfo,
 };
 use geosweep::vulkan::{self, Method, Schedule};
 use geosweep::{DeviceChoice, Stop, Wavefront};
@@ -99,7 +99,7 @@ fn of_size(
     }
     let points: Vec<_> =
         buffers.iter().map(|buffer| Points::positions(buffer.handle, STRIDE as u64)).collect();
-    let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(chart) };
+    let info = SurfaceInfo::new(chart).with_points(&points);
     let mut surface = solver.surface(&device, host.allocator(), &info)?;
     host.run(|commands| {
         solver.record(&device, commands, &surface).prepare();
@@ -124,8 +124,8 @@ fn of_schedule(
     schedule: Schedule,
 ) -> Result<Option<Timing>, Box<dyn Error>> {
     let chart = surface.chart();
-    let stop = Stop { tolerance: 1e-4, iterations: 10_000 };
-    let method = Method { wavefront: plan.wavefront, schedule: Some(schedule), stop };
+    let stop = Stop::within(1e-4).or_after(10_000);
+    let method = Method::new(plan.wavefront, stop).with_schedule(schedule);
     let iterations = match schedule {
         // In a round, a wavefront crosses one tile or one point.
         Schedule::Tiles => u32::MAX,
@@ -154,15 +154,11 @@ fn of_schedule(
         }
         let source = PointSource::at(source(number, chart.rows), source(number / 2, chart.cols));
         let took = host.run(|commands| {
-            solver.record(&host.device, commands, surface).frame(&Frame {
-                before: Access::NONE,
-                points: Some(number % PHASES),
-                sources: SourceInput::Inline(&[source]),
-                plan: &of_frame,
-                slot: 0,
-                reader: Reader::FRAGMENT,
-                unreached: -1.0,
-            })?;
+            solver.record(&host.device, commands, surface).frame(
+                &Frame::new(&of_frame, SourceInput::Inline(&[source]), Reader::FRAGMENT)
+                    .with_points(number % PHASES)
+                    .with_unreached(-1.0),
+            )?;
             Ok(())
         })?;
         number += 1;

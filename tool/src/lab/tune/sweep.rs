@@ -380,8 +380,8 @@ impl<'a> Run<'a> {
     }
 
     fn solve(&mut self, iterations: u32) -> Result<Solution, VulkanError> {
-        let stop = Stop { tolerance: DEFAULT_TOLERANCE, iterations };
-        let method = Method { wavefront: self.wavefront, schedule: Some(self.schedule), stop };
+        let stop = Stop::within(DEFAULT_TOLERANCE).or_after(iterations);
+        let method = Method::new(self.wavefront, stop).with_schedule(self.schedule);
         self.solver.solve(&mut self.on_device, self.seeds, method)
     }
 }
