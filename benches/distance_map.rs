@@ -9,13 +9,13 @@ use geosweep::Stop;
 use geosweep::cpu;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::vulkan::{Method, Solver};
+use geosweep::vulkan::{HeadlessSolver, Method};
 use geosweep::{DeviceChoice, Sources, Wavefront};
 
 const STOP: Stop = Stop::within(1e-6).or_after(1000);
 
 fn distance_map(c: &mut Criterion) {
-    let mut solver = Solver::new(&DeviceChoice::Any)
+    let mut solver = HeadlessSolver::new(&DeviceChoice::Any)
         .inspect_err(|error| eprintln!("without Vulkan: {error}"))
         .ok();
     for builtin in [Builtin::Sphere, Builtin::Peaks, Builtin::Maze] {

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use geosweep::Stop;
 use geosweep::cpu::RotatedScan;
 use geosweep::geometry::{
-    FarthestPoints, Levels, Paths, Side, Voronoi, contours, offset_curves, ridges,
+    FarthestPoints, Levels, PathTracer, Side, Voronoi, contours, offset_curves, ridges,
 };
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
@@ -167,7 +167,7 @@ fn main() {
                 contours(map, sources, &levels)
             });
             cases.add(name, format!("{PATHS} paths"), move || {
-                let paths = Paths::new(surface, edges, sources, &map.distances);
+                let paths = PathTracer::new(surface, edges, sources, &map.distances);
                 paths.expect("they lie on the surface").trace_all(starts)
             });
             cases.add(name, "ridges", move || ridges(edges, &map.distances, 30.0));

@@ -99,7 +99,7 @@ fn regions(
     group: &mut BenchmarkGroup<WallTime>,
     host: &mut Host,
     solver: &embed::Solver,
-    surface: &embed::Surface,
+    surface: &embed::FrameSurface,
 ) {
     let device = host.device.clone();
     let (chart, wavefront) = (surface.chart(), Wavefront::Curved);
@@ -146,7 +146,7 @@ fn curves(
     group: &mut BenchmarkGroup<WallTime>,
     host: &mut Host,
     solver: &embed::Solver,
-    surface: &embed::Surface,
+    surface: &embed::FrameSurface,
 ) {
     let device = host.device.clone();
     let side = surface.chart().rows;

@@ -6,14 +6,15 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use geosweep::Stop;
 use geosweep::pairwise::Pairwise;
 use geosweep::surface::builtin::Builtin;
-use geosweep::vulkan::{PairwiseSchedule, Solver};
+use geosweep::vulkan::{HeadlessSolver, PairwiseSchedule};
 use geosweep::{DeviceChoice, Engine, Error, Options, Wavefront};
 
 const CONVERGED: Stop = Stop::within(1e-6).or_after(1000);
 
 fn vulkan_pairwise(c: &mut Criterion) {
     let device = std::env::var("GEOSWEEP_BENCH_DEVICE").unwrap_or_default();
-    let solver = Solver::new(&DeviceChoice::Name(device)).expect("a Vulkan device to measure");
+    let solver =
+        HeadlessSolver::new(&DeviceChoice::Name(device)).expect("a Vulkan device to measure");
     println!("{}", solver.device_name());
     for side in [32, 64] {
         let points = side * side;

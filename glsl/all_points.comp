@@ -98,10 +98,10 @@ void main() {
     for (int scan = 0; scan < 4; scan++) {
         ivec2 ahead = ahead_of(scan);
         ivec2 along = along_of(scan);
-        Sight sight;
+        NeighboursBehind sight;
         for (int i = 0; i < 3; i++) {
             ivec2 step = -ahead + (i - 1) * along;
-            sight.ends[i] = Ends(at_step(times, step), vec4(0.0), vec4(0.0), vec4(0.0));
+            sight.ends[i] = EndFronts(at_step(times, step), vec4(0.0), vec4(0.0), vec4(0.0));
             if (SLOWED != 0) sight.ends[i].slowness = at_step(slowness_around, step);
             if (CARRIES) {
                 sight.ends[i].carried = at_step(carried_around, step);

@@ -272,7 +272,7 @@ vec4 start_of(float known, vec4 time, vec4 straight) {
 // Each step is written once, in a loop over what is left to examine. lavapipe runs all lanes through every
 // branch, so that written code costs time, and loops over bits are not unrolled. No loop is tested at its
 // end: lavapipe would then overwrite the results of lanes that leave the loop earlier than others.
-Way reach(ivec2 point, Sight sight, Places places, int i) {
+Way reach(ivec2 point, NeighboursBehind sight, Places places, int i) {
     vec2 x0 = vec2(point);
     vec2 ahead = vec2(places.ahead);
     vec2 along = vec2(places.along);
@@ -374,7 +374,7 @@ uint bits_of(bvec4 which) {
 // Returns the paths that a scan brings to the points whose bits are set in `points`, given their present
 // fronts. `scan` is counted from 1. There is no path to a point whose neighbours are all reached later,
 // unless the scan is to renew the front that it brought earlier.
-Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, vec4 time, vec4 held) {
+Fronts ways_to(NeighboursBehind sight, Places places, uint points, uint scan, bool renews, vec4 time, vec4 held) {
     Fronts found = Fronts(vec4(FAR), vec4(0.0), bvec4(false));
     vec4 reached[3];
     bvec4 bends[3];

@@ -21,12 +21,12 @@ void main() {
     ivec2 inner = ivec2(gl_GlobalInvocationID.xy);
     if (is_beyond(inner, texels)) return;
     vec4 surface = vec4(0.01);
-    Ends front = Ends(1.0 + vec4(0.0, 0.3, 0.6, 0.9) + 1e-4 * inner.x, vec4(0.5), surface, vec4(1.0));
+    EndFronts front = EndFronts(1.0 + vec4(0.0, 0.3, 0.6, 0.9) + 1e-4 * inner.x, vec4(0.5), surface, vec4(1.0));
     vec4 lengths = vec4(1.0, 1.1, 1.2, 1.3);
     for (uint i = 0u; i < repeats; i++) {
-        Ends beside = Ends(front.time.yzwx, front.carried.yzwx, surface, vec4(1.0));
+        EndFronts beside = EndFronts(front.time.yzwx, front.carried.yzwx, surface, vec4(1.0));
         Fronts found = update(front, beside, surface, vec4(1.0), lengths, lengths.yzwx, lengths.zwxy, bvec4(false));
-        front = Ends(found.time, found.carried, surface, vec4(1.0));
+        front = EndFronts(found.time, found.carried, surface, vec4(1.0));
         // Changes the lengths, so that a compiler cannot compute the shapes of triangles before the loop.
         lengths += 1e-9 * found.time;
     }

@@ -12,7 +12,7 @@ vec4 bent(vec4 curvature, vec4 gaussian, vec4 ray) {
 // where only one of x1 and x2 is present, across the grid's diagonal. `causal` tells where x0 must not depend
 // on neighbours that arrive later. The shape is seen from the end at which the front arrives later. `h` is its
 // height, and `upright` tells whether no angle is obtuse by more than a few degrees.
-Fronts curved_in(Shape shape, vec4 h, bvec4 upright, Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c,
+Fronts curved_in(Shape shape, vec4 h, bvec4 upright, EndFronts end1, EndFronts end2, vec4 g0, vec4 l1, vec4 l2, vec4 c,
                  bvec4 alone, bvec4 causal) {
     bvec4 swap = lessThan(end1.time, end2.time);
     vec4 t = mix(end1.time, end2.time, swap);
@@ -81,7 +81,7 @@ Fronts curved_in(Shape shape, vec4 h, bvec4 upright, Ends end1, Ends end2, vec4 
     return Fronts(mix(mix(by_near, by_far, from_far), time, inside), curvature, shape.whole);
 }
 
-Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone, bvec4 causal) {
+Fronts curved(EndFronts end1, EndFronts end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone, bvec4 causal) {
     bvec4 swap = lessThan(end1.time, end2.time);
     Shape shape = shape_of(mix(l1, l2, swap), mix(l2, l1, swap), c);
     return curved_in(shape, sqrt(max(shape.height_squared, 0.0)), are_upright(shape), end1, end2, g0, l1, l2, c, alone,

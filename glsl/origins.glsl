@@ -125,7 +125,7 @@ const float SIGHT_ROUNDING = 16.0;
 
 // Returns what the origin tells about the fronts at one end of the bases. `here` and `there` are the parts of
 // this end and of the other.
-FromOrigin from_origin(Plane plane, vec4 base, Site site, Sighted sighted, Ends end, vec2 here, vec2 there) {
+FromOrigin from_origin(Plane plane, vec4 base, Site site, Sighted sighted, EndFronts end, vec2 here, vec2 there) {
     FromOrigin from;
     from.is_known = lessThan(sighted.start, vec4(FAR));
     from.start = mix(vec4(0.0), sighted.start, from.is_known);
@@ -175,7 +175,7 @@ void take_first(inout Fronts arrival, bvec4 comes, vec4 time, vec4 carried) {
 }
 
 // Returns the fronts at x0 from fronts at x1 and x2 that may have different origins.
-Fronts curved_from_origins(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone, Site site) {
+Fronts curved_from_origins(EndFronts end1, EndFronts end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone, Site site) {
     Sighted sighted1 = sighted_from(end1.carried, site);
     Sighted sighted2 = sighted_from(end2.carried, site);
     bvec4 exists = lessThan(max(max(l1, l2), c), vec4(FAR));
@@ -210,8 +210,8 @@ Fronts curved_from_origins(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4
                         both(may_come, not(exact)));
     // Where each front continues by itself, no common front crosses the face. Only the edges count.
     bvec4 faceless = either(either(apart, either(comes1, comes2)), either(exact, obtuse));
-    Fronts arrival = curved(Ends(end1.time, first.curvature, end1.surface, vec4(0.0)),
-                            Ends(end2.time, second.curvature, end2.surface, vec4(0.0)), g0, l1, l2,
+    Fronts arrival = curved(EndFronts(end1.time, first.curvature, end1.surface, vec4(0.0)),
+                            EndFronts(end2.time, second.curvature, end2.surface, vec4(0.0)), g0, l1, l2,
                             without_faces(faceless, c), alone, both(bvec4(causal), not(of_one)));
     bvec4 keeps_name = both(both(inexact, first.crosses), lessThan(arrival.time, vec4(FAR)));
     vec4 named = carried_on(first, arrival.time, end1.carried, g0, base);
@@ -226,7 +226,7 @@ Fronts curved_from_origins(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4
 }
 
 // Returns the fronts at x0 as update() does, given the bases of obtuse triangles too.
-Fronts update_at(Ends end1, Ends end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l2, vec4 c, bvec4 alone, Site site) {
+Fronts update_at(EndFronts end1, EndFronts end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l2, vec4 c, bvec4 alone, Site site) {
     // Over an uneven slowness, fronts do not run along straight lines.
     bool named = NAMED != 0 && HAS_CURVATURE && SLOWED == 0 && any(either(are_numbers(end1.carried), are_numbers(end2.carried)));
     if (named) return curved_from_origins(end1, end2, surface, l1, l2, c, alone, site);
@@ -236,7 +236,7 @@ Fronts update_at(Ends end1, Ends end2, vec4 surface, vec4 slowness, vec4 l1, vec
 
 // Returns the fronts as update_four() and update_pair() in wavefront.glsl do, given also the places from
 // which origins are seen.
-Fronts update_four(Sight sight, vec4 surface, vec4 slowness, vec4 base_left, vec4 base_right, Places places) {
+Fronts update_four(NeighboursBehind sight, vec4 surface, vec4 slowness, vec4 base_left, vec4 base_right, Places places) {
     bvec4 alone = are_alone(sight.edges[1]);
     ivec2 back = -places.ahead;
     Site left = site_at(places, back - places.along, back);
@@ -247,9 +247,9 @@ Fronts update_four(Sight sight, vec4 surface, vec4 slowness, vec4 base_left, vec
                              alone, right));
 }
 
-Fronts update_pair(Ends behind, vec2 surface, vec2 slowness, vec4 l1, vec4 l2, vec4 base, Places places) {
-    Ends near = Ends(behind.time.xyyz, behind.carried.xyyz, behind.surface.xyyz, behind.slowness.xyyz);
-    Ends far = Ends(behind.time.yzzw, behind.carried.yzzw, behind.surface.yzzw, behind.slowness.yzzw);
+Fronts update_pair(EndFronts behind, vec2 surface, vec2 slowness, vec4 l1, vec4 l2, vec4 base, Places places) {
+    EndFronts near = EndFronts(behind.time.xyyz, behind.carried.xyyz, behind.surface.xyyz, behind.slowness.xyyz);
+    EndFronts far = EndFronts(behind.time.yzzw, behind.carried.yzzw, behind.surface.yzzw, behind.slowness.yzzw);
     ivec2 back = -places.ahead;
     Site left = site_at(places, back - places.along, back);
     Site right = site_at(places, back, back + places.along);

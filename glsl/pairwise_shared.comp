@@ -92,7 +92,7 @@ uint pass_pair(int scan, int line, int behind, int pair, int points, bool may_re
     bool has_b = 2 * pair + 1 < points;
     int b = has_b ? a + step : a;
 
-    Ends ends = Ends(at_four(places, 0), vec4(0.0), vec4(0.0), vec4(0.0));
+    EndFronts ends = EndFronts(at_four(places, 0), vec4(0.0), vec4(0.0), vec4(0.0));
     vec4 old_carried = vec4(0.0);
     vec2 surface = vec2(0.0);
     if (CARRIES) {

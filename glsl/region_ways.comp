@@ -60,10 +60,10 @@ void main() {
         float earliest = FAR;
         int first = 0;
         for (int i = 0; i < 8; i += 4) {
-            Ends end1 = Ends(vec4(times[i], times[i + 1], times[i + 2], times[i + 3]),
+            EndFronts end1 = EndFronts(vec4(times[i], times[i + 1], times[i + 2], times[i + 3]),
                              vec4(carried[i], carried[i + 1], carried[i + 2], carried[i + 3]),
                              vec4(surface[i], surface[i + 1], surface[i + 2], surface[i + 3]), vec4(0.0));
-            Ends end2 = Ends(vec4(end1.time.yzw, times[i + 4]),
+            EndFronts end2 = EndFronts(vec4(end1.time.yzw, times[i + 4]),
                              vec4(end1.carried.yzw, carried[i + 4]),
                              vec4(end1.surface.yzw, surface[i + 4]), vec4(0.0));
             vec4 l1 = vec4(sides[i], sides[i + 1], sides[i + 2], sides[i + 3]);

@@ -108,7 +108,7 @@ Behind slowness_behind(ivec2 texel) {
 
 // The two lines of points that a scan updates in a texel.
 struct Lines {
-    Ends first; // points -1 to 2
+    EndFronts first; // points -1 to 2
     vec4 second; // points 0 and 1, repeated
     vec4 second_carried;
 };
@@ -158,12 +158,12 @@ vec2 front_at(ivec2 point) {
 
 // Updates both lines of a texel by paths to anchors. `behind` is what its first line sees. `l1` and `l2` are
 // the edges from its second line to the first.
-void follow_ways(ivec2 point, Sight behind, vec4 l1, vec4 l2, bool may_renew, inout Lines own) {
+void follow_ways(ivec2 point, NeighboursBehind behind, vec4 l1, vec4 l2, bool may_renew, inout Lines own) {
     // This is a loop, since drivers are slow to compile the same code twice.
     for (int half_of = 0; half_of < 2; half_of++) {
         ivec2 at = half_of == 0 ? point : point + ahead;
         if (!passes(at, ahead)) continue;
-        Sight sight = behind;
+        NeighboursBehind sight = behind;
         Places places = Places(point - along, along, 2 * along, ahead, along);
         vec4 time = own.first.time;
         vec4 carried = own.first.carried;
@@ -188,7 +188,7 @@ void follow_ways(ivec2 point, Sight behind, vec4 l1, vec4 l2, bool may_renew, in
 
 // Updates both lines of a texel through triangles, given also the bases of those of the first line. Returns
 // whether any of them is obtuse.
-bool pass_triangles(ivec2 point, Sight behind, vec4 base_left, vec4 base_right, vec4 l1, vec4 l2,
+bool pass_triangles(ivec2 point, NeighboursBehind behind, vec4 base_left, vec4 base_right, vec4 l1, vec4 l2,
                     vec2 surface, vec2 slowness, bool may_renew, inout Lines own) {
     bool any_obtuse = false;
     if (passes(point, ahead)) {
@@ -269,14 +269,14 @@ void scan_block() {
         if (CARRIES) surface = surface_behind(texel);
         if (SLOWED != 0) slowness = slowness_behind(texel);
         ivec2 point = first_point_of_line(texel, ahead);
-        Sight behind;
-        behind.ends[0] = Ends(vec4(times.left, times.middle), vec4(carried.left, carried.middle),
+        NeighboursBehind behind;
+        behind.ends[0] = EndFronts(vec4(times.left, times.middle), vec4(carried.left, carried.middle),
                               vec4(surface.left, surface.middle), vec4(slowness.left, slowness.middle));
-        behind.ends[1] = Ends(vec4(times.left.y, times.middle, times.right.x),
+        behind.ends[1] = EndFronts(vec4(times.left.y, times.middle, times.right.x),
                               vec4(carried.left.y, carried.middle, carried.right.x),
                               vec4(surface.left.y, surface.middle, surface.right.x),
                               vec4(slowness.left.y, slowness.middle, slowness.right.x));
-        behind.ends[2] = Ends(vec4(times.middle, times.right), vec4(carried.middle, carried.right),
+        behind.ends[2] = EndFronts(vec4(times.middle, times.right), vec4(carried.middle, carried.right),
                               vec4(surface.middle, surface.right), vec4(slowness.middle, slowness.right));
         behind.edges[0] = edge_lengths(point, -ahead - along);
         behind.edges[1] = edge_lengths(point, -ahead);
@@ -284,7 +284,7 @@ void scan_block() {
         vec4 base_left = edge_lengths(point - ahead - along, along);
         vec4 base_right = edge_lengths(point - ahead, along);
 
-        Lines own = Lines(Ends(first_line_old(texel, TIME), vec4(0.0), vec4(0.0), vec4(0.0)), vec4(0.0), vec4(0.0));
+        Lines own = Lines(EndFronts(first_line_old(texel, TIME), vec4(0.0), vec4(0.0), vec4(0.0)), vec4(0.0), vec4(0.0));
         vec2 second_slowness = vec2(0.0);
         if (SLOWED != 0) {
             vec4 own_slowness = slowness_of(texel);

@@ -68,7 +68,7 @@ Crossing crossing_of(Slope front, Rays rays, vec4 guess) {
 }
 
 // Returns the arrival times at x0 of straight fronts, given the slowness at x0.
-vec4 planar_slowed(Ends end1, Ends end2, vec4 s0, vec4 l1, vec4 l2, vec4 c) {
+vec4 planar_slowed(EndFronts end1, EndFronts end2, vec4 s0, vec4 l1, vec4 l2, vec4 c) {
     vec4 along_edge = edge_step(end1.time, end2.time, l1, l2);
     bvec4 swap = lessThan(end1.time, end2.time);
     vec4 t = mix(end1.time, end2.time, swap);
@@ -92,7 +92,7 @@ vec4 planar_slowed(Ends end1, Ends end2, vec4 s0, vec4 l1, vec4 l2, vec4 c) {
 }
 
 // Returns the curved fronts at x0, given its Gaussian curvature and slowness.
-Fronts curved_slowed(Ends end1, Ends end2, vec4 g0, vec4 s0, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
+Fronts curved_slowed(EndFronts end1, EndFronts end2, vec4 g0, vec4 s0, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
     bvec4 swap = lessThan(end1.time, end2.time);
     vec4 t = mix(end1.time, end2.time, swap);
     vec4 near_t = mix(end2.time, end1.time, swap);

@@ -152,9 +152,9 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
         vec2 to_right = apex.place - right.place;
         vec2 to_left = left.place - apex.place;
         vec2 bases = sqrt(vec2(dot(to_right, to_right), dot(to_left, to_left)));
-        Ends end1 = Ends(max(vec2(right.front.x, apex.front.x).xyxy, far), vec2(right.front.y, apex.front.y).xyxy,
+        EndFronts end1 = EndFronts(max(vec2(right.front.x, apex.front.x).xyxy, far), vec2(right.front.y, apex.front.y).xyxy,
                          vec2(right.front.z, apex.front.z).xyxy, vec4(0.0));
-        Ends end2 = Ends(max(vec2(apex.front.x, left.front.x).xyxy, far), vec2(apex.front.y, left.front.y).xyxy,
+        EndFronts end2 = EndFronts(max(vec2(apex.front.x, left.front.x).xyxy, far), vec2(apex.front.y, left.front.y).xyxy,
                          vec2(apex.front.z, left.front.z).xyxy, vec4(0.0));
         vec4 slowness = vec4(0.0);
         if (SLOWED != 0) {

@@ -59,9 +59,9 @@ ivec4 spots(ivec2 at) {
 
 // Returns the fronts, surface values and slowness at the four points of the texel whose first point is at
 // `at`.
-Ends ends_at(ivec2 at) {
+EndFronts ends_at(ivec2 at) {
     ivec4 s = spots(at);
-    Ends ends = Ends(vec4(times[s.x], times[s.y], times[s.z], times[s.w]), vec4(0.0), vec4(0.0), vec4(0.0));
+    EndFronts ends = EndFronts(vec4(times[s.x], times[s.y], times[s.z], times[s.w]), vec4(0.0), vec4(0.0), vec4(0.0));
     if (SLOWED != 0) ends.slowness = vec4(slowness[s.x], slowness[s.y], slowness[s.z], slowness[s.w]);
     if (CARRIES) {
         ends.carried = vec4(carried[s.x], carried[s.y], carried[s.z], carried[s.w]);
@@ -108,8 +108,8 @@ void update_texel(ivec2 at, inout vec4 time, inout vec4 held) {
         vec4 l1 = edge_lengths(at, first);
         vec4 l2 = edge_lengths(at, second);
         vec4 base = edge_lengths(at + first, along);
-        Ends end1 = ends_at(at + first);
-        Ends end2 = ends_at(at + second);
+        EndFronts end1 = ends_at(at + first);
+        EndFronts end2 = ends_at(at + second);
         bvec4 obtuse = are_split(end1, end2, own_slowness, l1, l2, base);
         Fronts through = update(end1, end2, own, own_slowness, l1, l2, without_faces(obtuse, base), alone);
         bvec4 none = bvec4(false);

@@ -6,7 +6,7 @@
 void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
     ivec2 behind = at - ahead;
     ivec2 next = at + along;
-    Ends ends;
+    EndFronts ends;
     ends.carried = vec4(0.0);
     ends.surface = vec4(0.0);
     ends.slowness = vec4(0.0);

@@ -72,9 +72,9 @@ Prepared prepare(Stored stored) {
 
 // Returns the fronts at a point, in all components, given the three points behind.
 Fronts update_point(Prepared now, Seen before, Seen behind, Seen after, Places places) {
-    Ends near = Ends(sided(before.time, behind.time, 0.0), sided(before.carried, behind.carried, 0.0),
+    EndFronts near = EndFronts(sided(before.time, behind.time, 0.0), sided(before.carried, behind.carried, 0.0),
                      sided(before.surface, behind.surface, 0.0), sided(before.slowness, behind.slowness, NO_EDGE));
-    Ends far = Ends(sided(behind.time, after.time, 0.0), sided(behind.carried, after.carried, 0.0),
+    EndFronts far = EndFronts(sided(behind.time, after.time, 0.0), sided(behind.carried, after.carried, 0.0),
                     sided(behind.surface, after.surface, 0.0), sided(behind.slowness, after.slowness, NO_EDGE));
     vec4 own = sided(now.stored.own.surface, now.stored.own.surface, 0.0);
     vec4 slow = sided(now.stored.own.slowness, now.stored.own.slowness, NO_EDGE);
@@ -102,7 +102,7 @@ Fronts update_point(Prepared now, Seen before, Seen behind, Seen after, Places p
 
 // Returns the paths to a point.
 Fronts ways_to_point(Prepared now, Seen before, Seen behind, Seen after, Places places, uint scan, bool renews) {
-    Ends ends = Ends(vec4(before.time, behind.time, after.time, FAR),
+    EndFronts ends = EndFronts(vec4(before.time, behind.time, after.time, FAR),
                      vec4(before.carried, behind.carried, after.carried, 0.0),
                      vec4(before.surface, behind.surface, after.surface, 0.0), vec4(0.0));
     return ways_to(sight_of_pair(ends, now.l1, now.l2), places, 1u, scan, renews, vec4(now.stored.own.time),

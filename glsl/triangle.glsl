@@ -6,7 +6,7 @@
 const float PRECISION = 1.1920929e-7;
 
 // Fronts at x1 or x2 of four triangles.
-struct Ends {
+struct EndFronts {
     vec4 time;
     vec4 carried; // value carried beside the time, depending on the kind of front
     vec4 surface; // surface value there, depending on the kind of front
@@ -22,19 +22,19 @@ struct Fronts {
 
 // The three neighbours that a scan has just visited, as each of four points sees them: the one before the
 // point, beside it and after it.
-struct Sight {
-    Ends ends[3];
+struct NeighboursBehind {
+    EndFronts ends[3];
     vec4 edges[3]; // lengths of the edges to them
 };
 
 // Returns what a pair of points of a line sees, with each point repeated. It is given the fronts at the four
 // points behind, and the edges to the first and to the second end of each triangle. Left triangles are in xy,
 // right ones in zw.
-Sight sight_of_pair(Ends behind, vec4 l1, vec4 l2) {
-    Sight sight;
-    sight.ends[0] = Ends(behind.time.xyxy, behind.carried.xyxy, behind.surface.xyxy, behind.slowness.xyxy);
-    sight.ends[1] = Ends(behind.time.yzyz, behind.carried.yzyz, behind.surface.yzyz, behind.slowness.yzyz);
-    sight.ends[2] = Ends(behind.time.zwzw, behind.carried.zwzw, behind.surface.zwzw, behind.slowness.zwzw);
+NeighboursBehind sight_of_pair(EndFronts behind, vec4 l1, vec4 l2) {
+    NeighboursBehind sight;
+    sight.ends[0] = EndFronts(behind.time.xyxy, behind.carried.xyxy, behind.surface.xyxy, behind.slowness.xyxy);
+    sight.ends[1] = EndFronts(behind.time.yzyz, behind.carried.yzyz, behind.surface.yzyz, behind.slowness.yzyz);
+    sight.ends[2] = EndFronts(behind.time.zwzw, behind.carried.zwzw, behind.surface.zwzw, behind.slowness.zwzw);
     sight.edges[0] = l1.xyxy;
     sight.edges[1] = l1.zwzw;
     sight.edges[2] = l2.zwzw;

@@ -32,7 +32,7 @@ const bool CARRIES = HAS_CURVATURE || HAS_ANCHORS;
 
 // Returns the fronts at x0, given the surface value and the slowness there. Their times are FAR or later if
 // neither x1 nor x2 is reached. Within a triangle, a front with an anchor is a circular one.
-Fronts update(Ends end1, Ends end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
+Fronts update(EndFronts end1, EndFronts end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
     if (SLOWED != 0) {
         if (HAS_CURVATURE) return curved_slowed(end1, end2, surface, slowness, l1, l2, c, alone);
         return Fronts(planar_slowed(end1, end2, slowness, l1, l2, c), vec4(0.0), bvec4(false));
@@ -45,7 +45,7 @@ Fronts update(Ends end1, Ends end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l
 
 // Returns the fronts at x0 as update() does, through triangles whose shapes were found before the fronts at x1
 // and x2 arrived. The slowness is 1.
-Fronts update_on(Face face, Ends end1, Ends end2, vec4 surface, bvec4 alone) {
+Fronts update_on(Face face, EndFronts end1, EndFronts end2, vec4 surface, bvec4 alone) {
     bvec4 swap = lessThan(end1.time, end2.time);
     Shape shape = seen_from(face, swap);
     vec4 height = mix(face.height_x1, face.height_x2, swap);
@@ -77,14 +77,14 @@ Fronts earlier(Fronts a, Fronts b) {
 }
 
 // Returns whether triangles are obtuse at x0, given the slowness there.
-bvec4 are_split(Ends end1, Ends end2, vec4 slowness, vec4 l1, vec4 l2, vec4 c) {
+bvec4 are_split(EndFronts end1, EndFronts end2, vec4 slowness, vec4 l1, vec4 l2, vec4 c) {
     if (SLOWED != 0) return are_obtuse_on_surface(l1, l2, c, slowness, end1.slowness, end2.slowness);
     return are_obtuse(l1, l2, c);
 }
 
 // Returns whether the triangles between a pair of points of a line and the four points behind are obtuse; see
 // update_pair().
-bvec4 are_split_of_pair(Ends behind, vec2 slowness, vec4 l1, vec4 l2, vec4 c) {
+bvec4 are_split_of_pair(EndFronts behind, vec2 slowness, vec4 l1, vec4 l2, vec4 c) {
     if (SLOWED != 0) return are_obtuse_on_surface(l1, l2, c, slowness.xyxy, behind.slowness.xyyz, behind.slowness.yzzw);
     return are_obtuse(l1, l2, c);
 }
@@ -96,7 +96,7 @@ vec4 without_faces(bvec4 obtuse, vec4 c) {
 
 // Returns the fronts at four points through the two triangles that each sees behind it, given the bases of
 // these triangles.
-Fronts update_four(Sight sight, vec4 surface, vec4 slowness, vec4 base_left, vec4 base_right) {
+Fronts update_four(NeighboursBehind sight, vec4 surface, vec4 slowness, vec4 base_left, vec4 base_right) {
     bvec4 alone = are_alone(sight.edges[1]);
     bvec4 left = are_split(sight.ends[0], sight.ends[1], slowness, sight.edges[0], sight.edges[1], base_left);
     bvec4 right = are_split(sight.ends[1], sight.ends[2], slowness, sight.edges[1], sight.edges[2], base_right);
@@ -108,9 +108,9 @@ Fronts update_four(Sight sight, vec4 surface, vec4 slowness, vec4 base_left, vec
 
 // Returns the fronts at a pair of points of a line, each repeated, from the four points behind. Left
 // triangles are in xy, right ones in zw.
-Fronts update_pair(Ends behind, vec2 surface, vec2 slowness, vec4 l1, vec4 l2, vec4 base) {
-    Ends near = Ends(behind.time.xyyz, behind.carried.xyyz, behind.surface.xyyz, behind.slowness.xyyz);
-    Ends far = Ends(behind.time.yzzw, behind.carried.yzzw, behind.surface.yzzw, behind.slowness.yzzw);
+Fronts update_pair(EndFronts behind, vec2 surface, vec2 slowness, vec4 l1, vec4 l2, vec4 base) {
+    EndFronts near = EndFronts(behind.time.xyyz, behind.carried.xyyz, behind.surface.xyyz, behind.slowness.xyyz);
+    EndFronts far = EndFronts(behind.time.yzzw, behind.carried.yzzw, behind.surface.yzzw, behind.slowness.yzzw);
     base = without_faces(are_split_of_pair(behind, slowness, l1, l2, base), base);
     Fronts sided = update(near, far, surface.xyxy, slowness.xyxy, l1, l2, base, are_alone(l1.zwzw));
     return earlier(Fronts(sided.time.xyxy, sided.carried.xyxy, sided.whole.xyxy),

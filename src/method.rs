@@ -4,7 +4,7 @@ use crate::surface::{Sources, Surface};
 use crate::{Error, Options, vulkan};
 
 impl Options {
-    /// Returns the method with which [`vulkan::Solver`] computes the same map as [`crate::distance_map`] on a
+    /// Returns the method with which [`vulkan::HeadlessSolver`] computes the same map as [`crate::distance_map`] on a
     /// device: the wavefront for these sources, the schedule and the stop criterion.
     ///
     /// # Errors

@@ -19,7 +19,7 @@ pub enum Engine {
     /// The CPU, or a GPU for large grids. A GPU is used from 2^22 points on, if there is one, since only then
     /// its set-up should pay off; this threshold is an estimate, not a measurement. The report names the
     /// engine and the reason. A Vulkan device that is a CPU is used only on request. A [`Options::schedule`]
-    /// requires Vulkan. A program that keeps a [`vulkan::Solver`] sets the device up only once, and may gain
+    /// requires Vulkan. A program that keeps a [`vulkan::HeadlessSolver`] sets the device up only once, and may gain
     /// on smaller grids.
     #[default]
     Auto,
@@ -393,7 +393,7 @@ impl<'a> Problem<'a> {
     }
 
     fn solve_on_vulkan(&self, choice: &DeviceChoice) -> Result<DistanceMap, VulkanError> {
-        let mut solver = vulkan::Solver::new(choice)?;
+        let mut solver = vulkan::HeadlessSolver::new(choice)?;
         let mut surface = solver.upload(self.surface)?;
         let method = vulkan::Method::new(self.wavefront, self.stop).with_schedule(self.schedule);
         let solution = solver.solve(&mut surface, &self.seeds, method)?;

@@ -3,8 +3,8 @@
 
 use geosweep::ash::vk;
 use geosweep::vulkan::embed::{
-    Access, ContourFrame, Contours, CurveBuffer, LevelInput, PathFrame, Paths, PathsInfo, Solver,
-    SourceInput, StartInput, Surface,
+    Access, ContourFrame, Contours, CurveBuffer, FrameSurface, LevelInput, PathFrame, Paths,
+    PathsInfo, Solver, SourceInput, StartInput,
 };
 
 use crate::Result;
@@ -41,7 +41,7 @@ impl Lines {
         &mut self,
         gpu: &mut Gpu,
         solver: &Solver,
-        surface: &Surface,
+        surface: &FrameSurface,
         show: bool,
     ) -> Result<()> {
         if show && self.contours.is_none() {
@@ -54,7 +54,12 @@ impl Lines {
     }
 
     /// Shows the path from the start's place in the next frame.
-    pub fn show_path(&mut self, gpu: &mut Gpu, solver: &Solver, surface: &Surface) -> Result<()> {
+    pub fn show_path(
+        &mut self,
+        gpu: &mut Gpu,
+        solver: &Solver,
+        surface: &FrameSurface,
+    ) -> Result<()> {
         if self.path.is_none() {
             let device = gpu.device.clone();
             self.path = Some(solver.paths(&device, gpu.allocator(), surface, PATH)?);
@@ -70,7 +75,7 @@ impl Lines {
         gpu: &Gpu,
         solver: &Solver,
         commands: vk::CommandBuffer,
-        (surface, changed): (&Surface, bool),
+        (surface, changed): (&FrameSurface, bool),
         spacing: f32,
     ) -> Result<()> {
         let due = std::mem::replace(&mut self.due, false);

@@ -6,8 +6,8 @@ use geosweep::Wavefront;
 use geosweep::ash::vk;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    Access, Frame, Lookup, Outcome, Plan, PointSource, Points, Reader, ResultImage, Solver,
-    SourceBuffer, SourceInput, Surface, SurfaceInfo,
+    Access, Frame, FrameSurface, Lookup, Outcome, Plan, PointSource, Points, Reader, ResultImage,
+    Solver, SourceBuffer, SourceInput, SurfaceInfo,
 };
 use geosweep::vulkan::{Method, Schedule};
 
@@ -31,7 +31,7 @@ pub struct Memory {
 }
 
 pub struct Map {
-    surface: Surface,
+    surface: FrameSurface,
     plan: Plan,
     due: Due,
     /// Slot of the image that is drawn.
@@ -95,7 +95,7 @@ impl Map {
     }
 
     /// Returns the surface on which contours and paths are found.
-    pub fn surface(&self) -> &Surface {
+    pub fn surface(&self) -> &FrameSurface {
         &self.surface
     }
 

@@ -19,7 +19,7 @@ use crate::vulkan::embed;
 /// each slot.
 pub struct GeosweepSurface {
     pub(super) shared: Arc<Shared>,
-    pub(super) surface: embed::Surface,
+    pub(super) surface: embed::FrameSurface,
     edge_rule: EdgeRule,
     /// Points that were copied from the program's memory, indexed by the number of the points.
     copied: Vec<Option<Copied>>,

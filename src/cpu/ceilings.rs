@@ -8,7 +8,7 @@ use super::Instructions;
 use super::behind::Behind;
 use super::fronts::{FrontKind, TriangleKind, for_triangle_kind};
 use super::line::{GridLines, LinesInGrid};
-use super::line_update::How;
+use super::line_update::UpdateOptions;
 use super::scan::Scan;
 use super::tiles::TILE;
 use crate::surface::{EdgeLengths, Real, Spacing, Surface};
@@ -16,7 +16,7 @@ use crate::update::Wavefront;
 
 /// The best rates of some threads in single precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ceilings {
+pub struct CpuCeilings {
     /// Number of threads that run in parallel.
     pub threads: usize,
     /// Bytes per second, read plus written, of copies of 32 MiB for each thread. Copies of this size may fit
@@ -37,7 +37,7 @@ const LONG_ENOUGH: Duration = Duration::from_millis(20);
 /// Number of repeated measurements. The shortest counts, since other work only adds time.
 const TRIES: usize = 3;
 
-impl Ceilings {
+impl CpuCeilings {
     /// Measures the ceilings of `threads` threads, in about half a second.
     pub fn measure(threads: usize) -> Self {
         let copied = (2 * COPIED * size_of::<f32>()) as f64;
@@ -93,7 +93,7 @@ fn rate<W: FnMut()>(threads: usize, work: impl Fn() -> W + Sync) -> f64 {
 struct WarmLine<'a, K: FrontKind<'a, f32>> {
     edges: &'a EdgeLengths<f32>,
     kind: K,
-    ground: Vec<K::Ground>,
+    surface_data: Vec<K::SurfaceData>,
     times: Vec<f32>,
     carried: Vec<K::Carried>,
     changed: [bool; POINTS / TILE],
@@ -115,8 +115,8 @@ impl<'a, K: TriangleKind<'a, f32>> WarmLine<'a, K> {
             let (point, radius) = (chart.bordered(0, col), (col as f32).hypot(300.0));
             (times[point], carried[point]) = (radius, K::circle(radius));
         }
-        let ground = kind.ground(chart).into_owned();
-        Self { edges, kind, ground, times, carried, changed: [false; POINTS / TILE] }
+        let surface_data = kind.surface_data(chart).into_owned();
+        Self { edges, kind, surface_data, times, carried, changed: [false; POINTS / TILE] }
     }
 
     /// Updates all points and returns their number. They are reset to unreached first, since reached ones
@@ -129,13 +129,13 @@ impl<'a, K: TriangleKind<'a, f32>> WarmLine<'a, K> {
             behind: Behind::of(chart, scan),
             times: &mut self.times,
             carried: &mut self.carried,
-            ground: &self.ground,
+            surface_data: &self.surface_data,
             edges: self.edges.planes(),
             surface: (chart.stride(), 0),
             place: LinesInGrid { edges: self.edges, first: 0, before: 0, beyond: None },
         };
-        let how = How { scan, renews: true, instructions: Instructions::best() };
-        let updated = self.kind.update(&mut lines, 2, &(0..POINTS), how, &mut self.changed);
+        let options = UpdateOptions { scan, renews: true, instructions: Instructions::best() };
+        let updated = self.kind.update(&mut lines, 2, &(0..POINTS), options, &mut self.changed);
         std::hint::black_box(updated).points
     }
 }
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn ceilings_are_those_of_some_machine() {
-        let Ceilings { threads, copy, triangles } = Ceilings::measure(1);
+        let CpuCeilings { threads, copy, triangles } = CpuCeilings::measure(1);
         assert_eq!(threads, 1);
         // Wide enough for any machine, and narrow enough to detect a wrong unit.
         for rate in [copy, triangles[0], triangles[1], triangles[2]] {

@@ -12,9 +12,9 @@ use rayon::prelude::*;
 
 use super::behind::Behind;
 use super::fronts::FrontKind;
-use super::line_update::How;
+use super::line_update::UpdateOptions;
 use super::scan::Scan;
-use super::stretch::{Before, Stretch, prefetch_next_row};
+use super::span::{Before, Span, prefetch_next_row};
 use super::tiles::{TILE, Tiles};
 use crate::lanes::Loop;
 use crate::surface::{Direction, Real};
@@ -24,33 +24,33 @@ use crate::surface::{Direction, Real};
 /// those of the whole grid.
 pub(super) fn find_due<'a, R: Real, K: FrontKind<'a, R>>(
     kind: &K,
-    before: Before<R, K::Carried, K::Ground>,
+    before: Before<R, K::Carried, K::SurfaceData>,
     tiles: &mut Tiles,
-    scans: &[How],
+    scans: &[UpdateOptions],
 ) -> u64 {
     let (chart, window, place) = (before.edges.chart(), before.fronts.window, tiles.place());
     let strides = [window.own(), chart].map(|chart| chart.offset(Direction::South));
     let seen: [Option<_>; 4] = std::array::from_fn(|scan| {
-        let how = *scans.get(scan)?;
-        Some((how, Behind::of(chart, how.scan), window.behind(how.scan)))
+        let options = *scans.get(scan)?;
+        Some((options, Behind::of(chart, options.scan), window.behind(options.scan)))
     });
     let in_band = |(band, (beside, due)): (usize, (&[u8], &mut [u8]))| {
         let mut looked = 0;
         for row in place.rows(band..band + 1) {
-            for &(how, ref behind, in_window) in seen.iter().flatten() {
-                for run in runs(beside, how.scan) {
+            for &(options, ref behind, in_window) in seen.iter().flatten() {
+                for run in runs(beside, options.scan) {
                     let due = &mut due[run.clone()];
                     let cols = place.cols(run);
                     looked += cols.len() as u64;
                     let first = chart.bordered(row, cols.start);
                     let behinds = (behind, in_window);
-                    let stretch = before.stretch(behinds, [row, cols.start], cols.len());
+                    let span = before.span(behinds, [row, cols.start], cols.len());
                     let before = &before;
                     let obtuse = before.edges.obtuse_triangles().filter(|_| K::NEEDS_EDGES);
                     let obtuse = obtuse.map(|bits| (&bits[first..][..cols.len()], behind.bits()));
                     let look =
-                        Look::<R, K> { kind, before, first, stretch, obtuse, strides, how, due };
-                    how.instructions.run(look);
+                        Look::<R, K> { kind, before, first, span, obtuse, strides, options, due };
+                    options.instructions.run(look);
                 }
             }
         }
@@ -75,15 +75,15 @@ fn runs(beside: &[u8], scan: Scan) -> impl Iterator<Item = Range<usize>> {
 /// tiles.
 struct Look<'l, 'a, R: Real, K: FrontKind<'a, R>> {
     kind: &'l K,
-    before: &'l Before<'l, R, K::Carried, K::Ground>,
+    before: &'l Before<'l, R, K::Carried, K::SurfaceData>,
     /// The first point, as an index into bordered arrays of the grid.
     first: usize,
-    stretch: Stretch<'l, R, K::Carried, K::Ground>,
+    span: Span<'l, R, K::Carried, K::SurfaceData>,
     /// The obtuse triangles of the points, if the surface has any, and the bits of those that the scan uses.
     obtuse: Option<(&'l [u8], u8)>,
     /// Offsets from a row to the next, of the fronts and of the surface's data.
     strides: [isize; 2],
-    how: How,
+    options: UpdateOptions,
     due: &'l mut [u8],
 }
 
@@ -92,11 +92,11 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Loop for Look<'_, 'a, R, K> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { kind, before, first, stretch, obtuse, strides, how, due } = self;
-        let points = stretch.times.len();
+        let Self { kind, before, first, span, obtuse, strides, options, due } = self;
+        let points = span.times.len();
         for (tile, due) in due.iter_mut().enumerate() {
-            prefetch_next_row(&stretch, strides, tile * TILE, K::NEEDS_EDGES);
-            if *due & how.scan.bit() != 0 {
+            prefetch_next_row(&span, strides, tile * TILE, K::NEEDS_EDGES);
+            if *due & options.scan.bit() != 0 {
                 continue;
             }
             // Fronts from points beyond the neighbours are not examined here.
@@ -105,20 +105,20 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Loop for Look<'_, 'a, R, K> {
                     obtuse[start..][..points].iter().any(|bits| bits & of_scan != 0)
                 })
             };
-            // As updates do it: the last stretch overlaps the one before.
+            // As updates do it: the last span overlaps the one before.
             let leaves = match points.checked_sub(TILE) {
                 Some(last) => {
                     let start = (tile * TILE).min(last);
                     !is_split(start, TILE)
-                        && kind.leaves(before, first + start, stretch.part(start, TILE), TILE, how)
+                        && kind.leaves(before, first + start, span.part(start, TILE), TILE, options)
                 }
                 None => {
                     !is_split(0, points)
-                        && kind.leaves(before, first, stretch.part(0, points), points, how)
+                        && kind.leaves(before, first, span.part(0, points), points, options)
                 }
             };
             if !leaves {
-                *due |= how.scan.bit();
+                *due |= options.scan.bit();
             }
         }
     }
@@ -151,16 +151,16 @@ mod tests {
             array[chart.bordered(row, col)] = times(row, col);
         }
         let carried = vec![carried.unwrap_or_default(); array.len()];
-        let ground = kind.ground(chart);
+        let surface_data = kind.surface_data(chart);
         let window = Window::whole(chart);
         let fronts = Fronts { window, times: &array, carried: &carried };
-        let before = Before { edges, fronts, far: None, ground: &ground };
+        let before = Before { edges, fronts, far: None, surface_data: &surface_data };
         let mut tiles = Tiles::new(window, &window.block());
         tiles.touch(MIDDLE[0], MIDDLE[1]);
         let mut found = Vec::new();
         for scans in [DOWN_UP, RIGHT_LEFT] {
-            let how = |scan| How { scan, renews: true, instructions };
-            assert!(find_due(kind, before, &mut tiles, &scans.map(how)) > 0);
+            let options = |scan| UpdateOptions { scan, renews: true, instructions };
+            assert!(find_due(kind, before, &mut tiles, &scans.map(options)) > 0);
             let quiet = vec![false; tiles.len()];
             for scan in scans {
                 let mut runs = Vec::new();

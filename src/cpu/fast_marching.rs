@@ -46,7 +46,7 @@ pub fn fast_marching_with<R: Real>(
 
 /// Returns the edges from a fixed point to its neighbours, and the triangles at the fixed point as each
 /// neighbour sees them.
-fn spokes(chart: Chart) -> [(isize, EdgeSlot, Behind); 8] {
+fn neighbours(chart: Chart) -> [(isize, EdgeSlot, Behind); 8] {
     Direction::ALL.map(|to| {
         let back = to.opposite();
         let behind = Behind::new(chart, [back.previous(), back, back.next()]);
@@ -60,10 +60,10 @@ fn by_triangles<'a, R: Real, K: TriangleKind<'a, R>>(
     seeds: &[Seed],
     kind: K,
 ) -> Solution<R> {
-    let spokes = spokes(edges.chart());
+    let neighbours = neighbours(edges.chart());
     let mut march = March::start(PointFronts::start(edges, kind, seeds), seeds);
     while let Some(point) = march.next() {
-        for (offset, edge, behind) in &spokes {
+        for (offset, edge, behind) in &neighbours {
             let x0 = point.wrapping_add_signed(*offset);
             if march.is_fixed(x0) || edges.at(point, *edge) >= R::FAR {
                 continue;
@@ -93,10 +93,10 @@ fn by_triangles<'a, R: Real, K: TriangleKind<'a, R>>(
 /// Solves over a floor plan, which is exact. A fixed point has been reached on its shortest path and has
 /// passed its anchor on to its neighbours. See `update/anchored.rs`.
 fn by_anchors<R: Real>(edges: &EdgeLengths<R>, seeds: &[Seed], kind: Anchored<R>) -> Solution<R> {
-    let spokes = spokes(edges.chart());
+    let neighbours = neighbours(edges.chart());
     let mut march = March::start(PointFronts::start(edges, kind, seeds), seeds);
     while let Some(point) = march.next() {
-        for (offset, edge, behind) in &spokes {
+        for (offset, edge, behind) in &neighbours {
             let x0 = point.wrapping_add_signed(*offset);
             if march.is_fixed(x0) || edges.at(point, *edge) >= R::FAR {
                 continue;

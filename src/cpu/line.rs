@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::behind::Behind;
 use super::scan::Scan;
-use super::stretch::{Stretch, part};
+use super::span::{Span, part};
 use super::window::Fronts;
 use crate::lanes::prefetch;
 use crate::surface::{EdgeLengths, Real};
@@ -21,7 +21,7 @@ pub(super) struct GridLines<'a, R, C, G> {
     pub times: &'a mut [R],
     /// The data that fronts carry, and the data of the surface.
     pub carried: &'a mut [C],
-    pub ground: &'a [G],
+    pub surface_data: &'a [G],
     /// Lengths of the edges to the next point, to the point on the line before, and on that line to the next
     /// and to the previous point. Empty where edges are not needed.
     pub edges: [&'a [R]; 4],
@@ -77,10 +77,10 @@ impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
         ScanLine {
             times,
             carried,
-            ground: &self.ground[on_surface..][..count],
+            surface_data: &self.surface_data[on_surface..][..count],
             times_behind,
             carried_behind,
-            ground_behind: &self.ground[surface_there],
+            ground_behind: &self.surface_data[surface_there],
             edges: self.behind.edges().map(|slot| slot.row(self.edges, on_surface, count)),
             bases: self.behind.bases()[0].row(self.edges, on_surface, count + 1),
             next: if scan.is_forward() { next } else { next.map(|stride| -stride) },
@@ -148,7 +148,7 @@ pub(super) struct ScanLine<'a, R, C, G> {
     /// Arrival times, data carried by fronts, and data of the surface, n of each.
     pub times: &'a mut [R],
     pub carried: &'a mut [C],
-    pub ground: &'a [G],
+    pub surface_data: &'a [G],
     /// Data of the line that the scan has just passed, from the point before the first to the one after the
     /// last: n + 2 of each.
     pub times_behind: &'a [R],
@@ -163,14 +163,14 @@ pub(super) struct ScanLine<'a, R, C, G> {
 }
 
 impl<R: Real, C: Carried, G> ScanLine<'_, R, C, G> {
-    /// Returns the stretch of `points` points from `start` on.
+    /// Returns the span of `points` points from `start` on.
     #[inline(always)]
-    pub(super) fn stretch(&self, start: usize, points: usize) -> Stretch<'_, R, C, G> {
+    pub(super) fn span(&self, start: usize, points: usize) -> Span<'_, R, C, G> {
         let bases = &self.bases[start..][..points + 1];
-        Stretch {
+        Span {
             times: part(self.times, start, points),
             carried: part(self.carried, start, points),
-            ground: part(self.ground, start, points),
+            surface_data: part(self.surface_data, start, points),
             times_behind: threefold(self.times_behind, start, points),
             carried_behind: threefold(self.carried_behind, start, points),
             edges: [
@@ -197,7 +197,7 @@ impl<R: Real, C: Carried, G> ScanLine<'_, R, C, G> {
         self.edges.iter().for_each(|edges| prefetch(edges, on_surface));
         prefetch(self.bases, on_surface);
         prefetch(self.carried, place);
-        prefetch(self.ground, on_surface);
+        prefetch(self.surface_data, on_surface);
     }
 }
 

@@ -11,7 +11,7 @@ use crate::lanes::Loop;
 /// Options of a line update. `renews`: whether a scan may replace a front that the same scan direction
 /// brought earlier.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct How {
+pub(super) struct UpdateOptions {
     pub scan: Scan,
     pub renews: bool,
     pub instructions: Instructions,
@@ -32,9 +32,9 @@ impl<B: Ord> Updated<B> {
     }
 }
 
-/// A line whose points are updated stretch by stretch. All methods must be inlined into [`Loop::run`].
-pub(super) trait Stretches {
-    /// The largest changes so far. They may be kept apart by their place in the stretch, for the sake of SIMD
+/// A line whose points are updated span by span. All methods must be inlined into [`Loop::run`].
+pub(super) trait Spans {
+    /// The largest changes so far. They may be kept apart by their place in the span, for the sake of SIMD
     /// lanes.
     type Changes: Default;
     type Bits: Ord + Default;
@@ -51,36 +51,36 @@ pub(super) trait Stretches {
         &mut self,
         start: usize,
         points: usize,
-        how: How,
+        options: UpdateOptions,
         changes: &mut Self::Changes,
     ) -> Option<bool>;
 
     fn largest(changes: Self::Changes) -> Self::Bits;
 }
 
-/// The update of a line by a scan. `changed` marks the stretches of [`TILE`] points that the update changes.
+/// The update of a line by a scan. `changed` marks the spans of [`TILE`] points that the update changes.
 pub(super) struct LineUpdate<'a, L> {
     pub line: L,
-    pub how: How,
+    pub options: UpdateOptions,
     pub changed: &'a mut [bool],
 }
 
-/// Updates each stretch of [`TILE`] points. If the line has a remainder, the last stretch overlaps the one
+/// Updates each span of [`TILE`] points. If the line has a remainder, the last span overlaps the one
 /// before. This does no harm: updated points stay as they are.
-impl<L: Stretches> Loop for LineUpdate<'_, L> {
+impl<L: Spans> Loop for LineUpdate<'_, L> {
     type Output = Updated<L::Bits>;
 
     #[inline(always)]
     fn run(self) -> Updated<L::Bits> {
-        let Self { mut line, how, changed } = self;
+        let Self { mut line, options, changed } = self;
         let points = line.points();
         let (mut changes, mut updated) = (L::Changes::default(), 0);
         for (tile, changed) in changed.iter_mut().enumerate() {
             line.prefetch_next(tile * TILE);
             // Two calls, since a number of points that is known at compile time needs no loop.
             let any = match points.checked_sub(TILE) {
-                Some(last) => line.update((tile * TILE).min(last), TILE, how, &mut changes),
-                None => line.update(0, points, how, &mut changes),
+                Some(last) => line.update((tile * TILE).min(last), TILE, options, &mut changes),
+                None => line.update(0, points, options, &mut changes),
             };
             let Some(any) = any else { continue };
             *changed |= any;

@@ -40,8 +40,8 @@ mod scans;
 pub(crate) mod settled;
 mod sight_lines;
 mod solution;
+mod span;
 mod stream;
-mod stretch;
 mod surroundings;
 mod tiles;
 mod transpose;
@@ -52,7 +52,7 @@ mod typical_edge;
 mod window;
 
 pub use crate::lanes::Instructions;
-pub use ceilings::Ceilings;
+pub use ceilings::CpuCeilings;
 pub use connections::Connections;
 pub use fast_marching::{fast_marching, fast_marching_with};
 pub use order::Order;

@@ -21,7 +21,7 @@ pub(super) struct Panel<R, C, G> {
     stride: usize,
     times: Vec<R>,
     carried: Vec<C>,
-    ground: Vec<G>,
+    surface_data: Vec<G>,
     /// Edge lengths; empty where they are not needed.
     edges: [Vec<R>; 4],
     /// The first column, counted from the border, and the number of lines.
@@ -35,7 +35,7 @@ pub(super) struct Grid<'a, R, G> {
     pub edges: &'a EdgeLengths<R>,
     /// Transposed edges from columns to those before them, if they are kept.
     pub transposed: Option<&'a TransposedEdges<R>>,
-    pub ground: &'a [G],
+    pub surface_data: &'a [G],
 }
 
 impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
@@ -47,7 +47,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
             stride,
             times: vec![R::FAR; points],
             carried: vec![C::default(); points],
-            ground: vec![G::zeroed(); points],
+            surface_data: vec![G::zeroed(); points],
             edges: [(); 4].map(|_| vec![R::FAR; if needs_edges { points } else { 0 }]),
             first: 0,
             lines: 0,
@@ -65,7 +65,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         let edges = self.edges.iter().map(|array| std::mem::size_of_val(array.as_slice()));
         std::mem::size_of_val(self.times.as_slice())
             + std::mem::size_of_val(self.carried.as_slice())
-            + std::mem::size_of_val(self.ground.as_slice())
+            + std::mem::size_of_val(self.surface_data.as_slice())
             + edges.sum::<usize>()
     }
 
@@ -88,7 +88,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         let around = rows.start..rows.end + 2;
         fronts.transpose(times, &mut self.times, 0, around.clone(), [0, 0]);
         fronts.transpose(carried, &mut self.carried, 0, around.clone(), [0, 0]);
-        lines.transpose(grid.ground, &mut self.ground, 0, around, [0, 0]);
+        lines.transpose(grid.surface_data, &mut self.surface_data, 0, around, [0, 0]);
         if self.edges[0].is_empty() {
             return;
         }
@@ -122,7 +122,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
             behind: Behind::of(turned, scan.over_lines()),
             times: &mut self.times[held],
             carried: &mut self.carried[held],
-            ground: &self.ground[held],
+            surface_data: &self.surface_data[held],
             edges: [next, up, up_next, up_previous],
             surface: (self.stride, 0),
             place: LinesInGrid {

@@ -15,7 +15,7 @@ pub(super) struct Prepared<'a, R: Real, K: FrontKind<'a, R>> {
     pub edges: &'a EdgeLengths<R>,
     pub kind: K,
     /// Data of each surface point that the front needs.
-    ground: Cow<'a, [K::Ground]>,
+    surface_data: Cow<'a, [K::SurfaceData]>,
     pub instructions: Instructions,
     /// Transposed edges, for straight fronts on large grids. The second map fills them. Other fronts have
     /// more data per point to keep.
@@ -39,7 +39,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Prepared<'a, R, K> {
         let keeps_edges = carries_nothing && chart.points() >= TRANSPOSED_FROM;
         Self {
             edges,
-            ground: kind.ground(chart),
+            surface_data: kind.surface_data(chart),
             kind,
             instructions: Instructions::best(),
             transposed: keeps_edges.then(|| TransposedEdges::new(chart)),
@@ -53,13 +53,13 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Prepared<'a, R, K> {
     }
 
     /// Returns the surface's data.
-    pub(super) fn grid(&self) -> Grid<'_, R, K::Ground> {
+    pub(super) fn grid(&self) -> Grid<'_, R, K::SurfaceData> {
         let transposed = self.transposed.as_ref().and_then(TransposedEdges::filled);
-        Grid { edges: self.edges, transposed, ground: &self.ground }
+        Grid { edges: self.edges, transposed, surface_data: &self.surface_data }
     }
 
     /// Returns a panel for scans of this surface.
-    pub(super) fn panel(&self) -> Panel<R, K::Carried, K::Ground> {
+    pub(super) fn panel(&self) -> Panel<R, K::Carried, K::SurfaceData> {
         let mut panel = Panel::new(self.chart(), K::NEEDS_EDGES);
         if self.grid().transposed.is_some() {
             panel.free_edges_back();
@@ -91,10 +91,12 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Prepared<'a, R, K> {
 
     /// Returns the number of bytes held, without the edge lengths and the data stored with them.
     pub(super) fn bytes(&self) -> usize {
-        let ground = match &self.ground {
+        let surface_data = match &self.surface_data {
             Cow::Borrowed(_) => 0,
-            Cow::Owned(ground) => std::mem::size_of_val(ground.as_slice()),
+            Cow::Owned(surface_data) => std::mem::size_of_val(surface_data.as_slice()),
         };
-        ground + self.transposed.as_ref().map_or(0, TransposedEdges::bytes) + self.kind.bytes()
+        surface_data
+            + self.transposed.as_ref().map_or(0, TransposedEdges::bytes)
+            + self.kind.bytes()
     }
 }

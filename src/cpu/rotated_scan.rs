@@ -92,7 +92,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
         self.scanner.solve(seeds, stop)
     }
 
-    /// Adds sources to the last map, as [`crate::vulkan::Solver::add`] does on a device. Only tiles that the
+    /// Adds sources to the last map, as [`crate::vulkan::HeadlessSolver::add`] does on a device. Only tiles that the
     /// new fronts reach first are visited. So a source among many costs only as much as its own region.
     ///
     /// If the last map has converged, the result is the converged map of all sources. With the planar

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::behind::Behind;
 use super::fronts::FrontKind;
 use super::line::{Beyond, GridLines, LinesInGrid};
-use super::line_update::{How, Updated};
+use super::line_update::{UpdateOptions, Updated};
 use super::panel::{Grid, Panel};
 use super::scan::Scan;
 use super::tiles::Tiles;
@@ -22,7 +22,7 @@ pub(super) struct ScanCopy<R, C> {
     pub carried: Vec<C>,
     /// Flags of the tiles that the scan has changed.
     pub changed: Vec<bool>,
-    /// The stretches of a band to visit, and flags of the tiles of one stretch that have changed.
+    /// The spans of a band to visit, and flags of the tiles of one span that have changed.
     runs: Vec<Range<usize>>,
     marks: Vec<bool>,
     /// Number of visits and updates of a point since the start of the map.
@@ -93,17 +93,17 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
     pub(super) fn scan<'a, K: FrontKind<'a, R, Carried = C>>(
         &mut self,
         kind: &K,
-        on: On<'_, R, C, K::Ground>,
+        on: On<'_, R, C, K::SurfaceData>,
         tiles: &Tiles,
-        how: How,
+        options: UpdateOptions,
     ) -> R::Bits {
         let mut on = on;
         let mut updated = Updated::<R::Bits>::default();
         let mut runs = std::mem::take(&mut self.runs);
-        for band in tiles.bands(how.scan) {
-            tiles.runs(how.scan, band, &self.changed, &mut runs);
+        for band in tiles.bands(options.scan) {
+            tiles.runs(options.scan, band, &self.changed, &mut runs);
             for run in &runs {
-                updated = updated.and(self.scan_run(kind, &mut on, tiles, how, (band, run)));
+                updated = updated.and(self.scan_run(kind, &mut on, tiles, options, (band, run)));
             }
         }
         self.runs = runs;
@@ -111,24 +111,24 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
         updated.largest
     }
 
-    /// Scans a stretch of a band.
+    /// Scans a span of a band.
     fn scan_run<'a, K: FrontKind<'a, R, Carried = C>>(
         &mut self,
         kind: &K,
-        On { grid, panel, far }: &mut On<'_, R, C, K::Ground>,
+        On { grid, panel, far }: &mut On<'_, R, C, K::SurfaceData>,
         tiles: &Tiles,
-        how: How,
+        options: UpdateOptions,
         (band, run): (usize, &Range<usize>),
     ) -> Updated<R::Bits> {
-        let (grid, far, scan, window) = (*grid, *far, how.scan, self.window);
+        let (grid, far, scan, window) = (*grid, *far, options.scan, self.window);
         let points = |run| tiles.lines(scan, band, run);
         let Block { rows: lines, cols: along } = points(run.clone());
         self.visits += (lines.len() * along.len()) as u64;
         self.marks.clear();
         self.marks.resize(run.len(), false);
         let marks = &mut self.marks;
-        let mut update = |here: &mut GridLines<R, C, K::Ground>| {
-            let update = |line| kind.update(here, here.number(line), &along, how, marks);
+        let mut update = |here: &mut GridLines<R, C, K::SurfaceData>| {
+            let update = |line| kind.update(here, here.number(line), &along, options, marks);
             scan.in_order(lines.clone()).map(update).fold(Updated::default(), Updated::and)
         };
         let changed = |place| tiles.index(scan, band, place);
@@ -139,13 +139,13 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
             return updated;
         }
         let fronts = Fronts { window, times: &self.times, carried: &self.carried };
-        panel.load(grid, fronts, &points(run.clone()).by(scan.lines()), scan, how.instructions);
+        panel.load(grid, fronts, &points(run.clone()).by(scan.lines()), scan, options.instructions);
         let updated = update(&mut panel.lines(grid, [Some(fronts), far], &along, scan));
         for place in marked(run, &self.marks) {
             self.changed[changed(place)] = true;
             let fronts = (self.times.as_mut_slice(), self.carried.as_mut_slice());
             let points = points(place..place + 1).by(scan.lines());
-            panel.store(fronts, window, points, how.instructions);
+            panel.store(fronts, window, points, options.instructions);
         }
         updated
     }
@@ -176,7 +176,7 @@ where
         behind: Behind::of(chart, scan),
         times,
         carried,
-        ground: grid.ground,
+        surface_data: grid.surface_data,
         edges: grid.edges.planes(),
         surface: (chart.stride(), first),
         place: LinesInGrid { edges: grid.edges, first, before, beyond },

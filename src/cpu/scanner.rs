@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::Instructions;
 use super::due::find_due;
 use super::fronts::{FrontKind, KeptBy};
-use super::line_update::How;
+use super::line_update::UpdateOptions;
 use super::merge::merge;
 use super::panel::Panel;
 use super::prepared::Prepared;
@@ -13,7 +13,7 @@ use super::progress::Progress;
 use super::scan::Scan;
 use super::scan_copy::{On, ScanCopy};
 use super::scans::Scans;
-use super::stretch::Before;
+use super::span::Before;
 use super::tiles::Tiles;
 use super::window::Window;
 use crate::surface::{EdgeLengths, Real, Seed};
@@ -27,7 +27,7 @@ pub(super) struct Scanner<'a, R: Real, K: FrontKind<'a, R>> {
     tiles: Tiles,
     /// The fronts as two opposite scans see them. Between pairs of scans both copies are equal.
     copies: [ScanCopy<R, K::Carried>; 2],
-    panels: [Panel<R, K::Carried, K::Ground>; 2],
+    panels: [Panel<R, K::Carried, K::SurfaceData>; 2],
     /// Number of points that were examined before scans started.
     looked: u64,
 }
@@ -109,15 +109,15 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
     fn scan(&mut self, scans: [Scan; 2], renews: bool) -> R::Bits {
         let Prepared { edges, ref kind, instructions, .. } = self.on;
         let grid = self.on.grid();
-        let how = scans.map(|scan| How { scan, renews, instructions });
+        let options = scans.map(|scan| UpdateOptions { scan, renews, instructions });
         let fronts = self.copies[0].fronts();
-        let before = Before { edges, fronts, far: None, ground: grid.ground };
-        self.looked += find_due(kind, before, &mut self.tiles, &how);
+        let before = Before { edges, fronts, far: None, surface_data: grid.surface_data };
+        self.looked += find_due(kind, before, &mut self.tiles, &options);
         let (tiles, [first, second]) = (&self.tiles, &mut self.copies);
         let [a, b] = self.panels.each_mut().map(|panel| On { grid, panel, far: None });
         let (a, b) = rayon::join(
-            || first.scan(kind, a, tiles, how[0]),
-            || second.scan(kind, b, tiles, how[1]),
+            || first.scan(kind, a, tiles, options[0]),
+            || second.scan(kind, b, tiles, options[1]),
         );
         merge::<R, K>(edges.chart(), tiles, [first, second], scans, instructions);
         self.tiles.passed(scans, [&self.copies[0].changed, &self.copies[1].changed]);

@@ -97,7 +97,7 @@ pub(super) fn from_curved<R: Real>(triangle: Triangle<R>, curvatures: [R; 2], no
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::update::{Bends, circular, curved, planar};
+    use crate::update::{Curvatures, circular, curved, planar};
     use glam::DVec2;
 
     /// Calls `check` with triangles of all shapes, obtuse and acute, and the arrival times of fronts from all
@@ -164,7 +164,7 @@ mod tests {
             [[0.3, 0.2], [0.01, 0.7], [0.0; 2], [-0.2, 0.05], [-0.5, -1.0], [1e18, 2.0]]
         {
             let bends =
-                Bends { fronts: curvatures, surface: [0.0; 3], alone: false, causal: false };
+                Curvatures { fronts: curvatures, surface: [0.0; 3], alone: false, causal: false };
             let share = if curvatures[0] > 1.0 { -1.0 } else { 0.15 };
             assert_settles(
                 share,

@@ -31,12 +31,13 @@ pub(super) fn along_sight_lines(surface: &Surface, seeds: &[Seed]) -> Vec<Seed> 
         for at in origin.ends {
             let near: Vec<_> =
                 origins.iter().filter(|other| nearest(other, at).1 <= REACH as f64).collect();
-            let Some(ground) = Ground::around(surface, at).filter(|_| near.len() > 1) else {
+            let Some(surface_data) = SurfaceData::around(surface, at).filter(|_| near.len() > 1)
+            else {
                 continue;
             };
-            for place in ground.places(surface) {
+            for place in surface_data.places(surface) {
                 let first = near.iter().filter_map(|origin| {
-                    let (foot, seed) = ground.seed(origin, place);
+                    let (foot, seed) = surface_data.seed(origin, place);
                     let is_free = is_whole || has_no_hole(surface, place, foot);
                     is_free.then_some(seed)
                 });
@@ -77,13 +78,13 @@ fn has_no_hole(surface: &Surface, (row, col): (usize, usize), to: DVec2) -> bool
 }
 
 /// The surface around a place.
-struct Ground {
+struct SurfaceData {
     at: DVec2,
     /// The first fundamental form, including slowness: of rows, mixed, of columns.
     metric: [f64; 3],
 }
 
-impl Ground {
+impl SurfaceData {
     fn around(surface: &Surface, at: DVec2) -> Option<Self> {
         let around = Surroundings::new(surface, at, 1);
         let metric = metric(around.edges()?);

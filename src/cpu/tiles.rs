@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::line_update::How;
+use super::line_update::UpdateOptions;
 use super::scan::Scan;
 use super::window::Window;
 use crate::surface::{Block, Chart, Direction, Tiling};
@@ -145,7 +145,7 @@ impl Tiles {
         self.chart.index(row, col)
     }
 
-    /// Returns the points of a stretch of a band, as a block whose rows are the scan's lines.
+    /// Returns the points of a span of a band, as a block whose rows are the scan's lines.
     pub(super) fn lines(&self, scan: Scan, band: usize, run: Range<usize>) -> Block {
         let tiles = Block { rows: band..band + 1, cols: run }.by(scan.lines());
         let points = Block { rows: self.place.rows(tiles.rows), cols: self.place.cols(tiles.cols) };
@@ -168,14 +168,14 @@ impl Tiles {
     /// a changed tile. The second slice of each row takes the scans that have work there. It is cleared first.
     pub(super) fn rows_beside_changes(
         &mut self,
-        scans: &[How],
+        scans: &[UpdateOptions],
     ) -> impl IndexedParallelIterator<Item = (&[u8], &mut [u8])> {
         self.beside.fill(0);
         self.due.fill(0);
-        let all = scans.iter().fold(0, |all, how| all | how.scan.bit());
+        let all = scans.iter().fold(0, |all, options| all | options.scan.bit());
         let changed = self.pending.iter().enumerate().filter(|(_, pending)| *pending & all != 0);
         for (tile, pending) in changed {
-            let scans = scans.iter().map(|how| how.scan);
+            let scans = scans.iter().map(|options| options.scan);
             for scan in scans.filter(|scan| pending & scan.bit() != 0) {
                 for tile in self.followed(scan, tile) {
                     self.beside[tile] |= scan.bit();
@@ -186,7 +186,7 @@ impl Tiles {
         self.beside.par_chunks(cols).zip(self.due.par_chunks_mut(cols))
     }
 
-    /// Finds the stretches of a band that a scan has to visit: those beside tiles that are due, and those
+    /// Finds the spans of a band that a scan has to visit: those beside tiles that are due, and those
     /// ahead of tiles that the scan has changed.
     pub(super) fn runs(
         &self,
@@ -243,8 +243,12 @@ mod tests {
         Tiles::new(window, &window.block())
     }
 
-    fn hows(scans: [Scan; 2]) -> [How; 2] {
-        scans.map(|scan| How { scan, renews: true, instructions: crate::cpu::Instructions::best() })
+    fn hows(scans: [Scan; 2]) -> [UpdateOptions; 2] {
+        scans.map(|scan| UpdateOptions {
+            scan,
+            renews: true,
+            instructions: crate::cpu::Instructions::best(),
+        })
     }
 
     /// Marks all tiles that a scan has to examine as due.

@@ -7,8 +7,8 @@ use glam::{DMat2, DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::chains::ways;
+use super::neighbourhood::Neighbourhood;
 use super::order::bordered;
-use super::spokes::Spokes;
 use super::{Curve, MapError};
 use crate::surface::{Chart, Direction, Edge, EdgeLengths, Real, ring, triangles};
 
@@ -223,7 +223,7 @@ const ALONG: f64 = 0.1;
 
 /// A map and the directions in which its wavefronts arrive, in bordered arrays.
 struct ArrivingRays<'a> {
-    spokes: Spokes<'a>,
+    neighbourhood: Neighbourhood<'a>,
     times: Vec<f32>,
     start: f64,
     arrivals: Vec<Ray>,
@@ -245,9 +245,9 @@ impl Point {
 
 impl<'a> ArrivingRays<'a> {
     fn new(edges: &'a EdgeLengths<f32>, times: Vec<f32>) -> Self {
-        let spokes = Spokes::new(edges);
+        let neighbourhood = Neighbourhood::new(edges);
         let start = f64::from(times.par_iter().copied().reduce(|| f32::FAR, f32::min));
-        let mut rays = Self { spokes, times, start, arrivals: Vec::new() };
+        let mut rays = Self { neighbourhood, times, start, arrivals: Vec::new() };
         let points = (0..rays.times.len()).into_par_iter().with_min_len(4096);
         rays.arrivals = points.map(|point| rays.ray(point)).collect();
         rays
@@ -263,15 +263,15 @@ impl<'a> ArrivingRays<'a> {
             return Ray::default();
         }
         let since = std::array::from_fn(|to| {
-            let time = self.times[self.spokes.neighbour(point, to)];
+            let time = self.times[self.neighbourhood.neighbour(point, to)];
             if time < self.times[point] { f64::from(time) - self.start } else { f64::FAR }
         });
-        let Some((_, to, share)) = self.spokes.first_ray(point, &since) else {
+        let Some((_, to, share)) = self.neighbourhood.first_ray(point, &since) else {
             return Ray::default();
         };
         let [step, next] = [to, ring::next(to)].map(|to| Direction::ALL[to].vector());
         let direction = -step.lerp(next, share);
-        let metric = self.spokes.metric(point);
+        let metric = self.neighbourhood.metric(point);
         let length = direction.dot(metric * direction).sqrt();
         let direction = if length > 0.0 { direction / length } else { DVec2::ZERO };
         let [rr, rc, _, cc] = metric.to_cols_array();
@@ -307,7 +307,7 @@ impl<'a> ArrivingRays<'a> {
             share if share > 1.0 - AT_POINT => 1.0,
             share => share,
         };
-        let chart = self.spokes.chart();
+        let chart = self.neighbourhood.chart();
         let [first, last] = [from, to].map(|end| end.number(chart));
         let node = match share {
             0.0 => Edge::end(chart) + 3 * first as u64,
@@ -320,7 +320,7 @@ impl<'a> ArrivingRays<'a> {
 
     /// Returns the ridge segments in a row of cells: their nodes and the kinks there.
     fn march(&self, row: usize, cosine: f64) -> Vec<([u64; 2], [Kink; 2])> {
-        let chart = self.spokes.chart();
+        let chart = self.neighbourhood.chart();
         let mut found = Vec::new();
         for cell in chart.cells_of_row(row) {
             let points = cell.corners().map(|(row, col)| Point {
@@ -348,8 +348,8 @@ impl<'a> ArrivingRays<'a> {
                         };
                         let of_triangle = 3 * points[0].number(chart) + 1 + number;
                         let node = Edge::end(chart) + of_triangle as u64;
-                        let spoke = |(edge, kink)| ([edge, node], [kink, middle]);
-                        found.extend([a, b, c].map(spoke));
+                        let neighbour = |(edge, kink)| ([edge, node], [kink, middle]);
+                        found.extend([a, b, c].map(neighbour));
                     }
                     [Some(a), Some(b), None]
                     | [Some(a), None, Some(b)]

@@ -6,7 +6,7 @@ use super::batches::without_holes;
 use super::lanes::LaneEngine;
 use crate::cpu::{Connections, Order, RotatedScan, fast_marching_with};
 use crate::surface::{EdgeLengths, Seed, Surface};
-use crate::vulkan::{PairwiseOnDevice, Solver, SurfaceOnDevice};
+use crate::vulkan::{HeadlessSolver, PairwiseOnDevice, SurfaceOnDevice};
 use crate::{Convergence, Engine, Error, Stop, UsedEngine, Wavefront};
 
 /// An engine, prepared for a surface.
@@ -30,7 +30,7 @@ enum Kind<'a> {
 struct OnDevice {
     pairwise: PairwiseOnDevice,
     surface: SurfaceOnDevice,
-    solver: Solver,
+    solver: HeadlessSolver,
 }
 
 /// The convergence of a map from fast marching, which takes a single pass.
@@ -50,7 +50,7 @@ impl<'a> RowEngine<'a> {
                 Kind::FastMarching(EdgeLengths::new(surface)?, Connections::split(surface)?)
             }
             Engine::Vulkan(choice) => {
-                let solver = Solver::new(choice)?;
+                let solver = HeadlessSolver::new(choice)?;
                 let on_device = solver.upload(surface)?;
                 let pairwise = solver.pairwise(&on_device, wavefront, None)?;
                 Kind::Vulkan(Box::new(OnDevice { pairwise, surface: on_device, solver }))
@@ -172,13 +172,13 @@ impl<'a> RowEngine<'a> {
 }
 
 /// Fills each row with a map of its own, one map per thread at a time. The row of a hole is +infinity.
-fn map_by_map<Solver>(
+fn map_by_map<HeadlessSolver>(
     surface: &Surface,
     sources: &[usize],
     into: &mut [f32],
     done: &(dyn Fn(usize) + Sync),
-    new: impl Fn() -> Solver + Sync + Send,
-    map: impl Fn(&mut Solver, Seed) -> (Convergence, Vec<f32>) + Sync + Send,
+    new: impl Fn() -> HeadlessSolver + Sync + Send,
+    map: impl Fn(&mut HeadlessSolver, Seed) -> (Convergence, Vec<f32>) + Sync + Send,
 ) -> Convergence {
     let rows = into.par_chunks_exact_mut(surface.chart().points()).zip(sources);
     let maps = rows.map_init(new, |solver, (into, &source)| {

@@ -21,7 +21,7 @@ const HERE: usize = 2;
 
 /// Number of points that are measured together. They are in local arrays, which the compiler knows not to
 /// overlap.
-const STRETCH: usize = 32;
+const SPAN: usize = 32;
 
 /// The bends of a surface at the points of a row, with an additional point at each end.
 pub(super) struct RowBends<R> {
@@ -115,12 +115,12 @@ fn is_usual<R: Real>(length: R) -> bool {
     (length > R::of(SHORTEST_EDGE)) & (length < R::of(LONGEST_EDGE))
 }
 
-/// Returns the first point of each stretch of a row. If the row has a remainder, the last stretch overlaps
+/// Returns the first point of each span of a row. If the row has a remainder, the last span overlaps
 /// the one before it.
 #[inline(always)]
-fn stretches(points: usize) -> impl Iterator<Item = usize> {
-    let last = points.saturating_sub(STRETCH);
-    (0..points.div_ceil(STRETCH)).map(move |k| (k * STRETCH).min(last))
+fn spans(points: usize) -> impl Iterator<Item = usize> {
+    let last = points.saturating_sub(SPAN);
+    (0..points.div_ceil(SPAN)).map(move |k| (k * SPAN).min(last))
 }
 
 /// The loop that computes the bends at a row of points.
@@ -136,11 +136,11 @@ impl<R: Real, S: Space<R>> Loop for Bend<'_, R, S> {
     #[inline(always)]
     fn run(mut self) {
         let points = self.rows[1].len();
-        for start in stretches(points) {
-            if points < STRETCH {
-                self.stretch(start, points);
+        for start in spans(points) {
+            if points < SPAN {
+                self.span(start, points);
             } else {
-                self.stretch(start, STRETCH);
+                self.span(start, SPAN);
             }
         }
     }
@@ -148,15 +148,15 @@ impl<R: Real, S: Space<R>> Loop for Bend<'_, R, S> {
 
 impl<R: Real, S: Space<R>> Bend<'_, R, S> {
     #[inline(always)]
-    fn stretch(&mut self, start: usize, points: usize) {
+    fn span(&mut self, start: usize, points: usize) {
         let rows = [
             self.rows[0].window(start, points),
             self.rows[1].window(start, points),
             self.rows[2].window(start, points),
         ];
-        let mut found = [[R::zero(); STRETCH]; 4];
-        let mut normals = [[R::zero(); STRETCH]; 3];
-        for i in 0..points.min(STRETCH) {
+        let mut found = [[R::zero(); SPAN]; 4];
+        let mut normals = [[R::zero(); SPAN]; 3];
+        for i in 0..points.min(SPAN) {
             let here = rows[1].at(i + 1);
             let mut ways = [[R::zero(); 3]; 8];
             let mut there = [false; 8];
@@ -205,12 +205,9 @@ impl<R: Real, S: Space<R>> Loop for Measure<'_, R, S> {
     fn run(mut self) -> bool {
         let points = self.rows[1].len();
         let mut suspicious = false;
-        for start in stretches(points) {
-            suspicious |= if points < STRETCH {
-                self.stretch(start, points)
-            } else {
-                self.stretch(start, STRETCH)
-            };
+        for start in spans(points) {
+            suspicious |=
+                if points < SPAN { self.span(start, points) } else { self.span(start, SPAN) };
         }
         suspicious
     }
@@ -218,8 +215,8 @@ impl<R: Real, S: Space<R>> Loop for Measure<'_, R, S> {
 
 impl<R: Real, S: Space<R>> Measure<'_, R, S> {
     #[inline(always)]
-    fn stretch(&mut self, start: usize, points: usize) -> bool {
-        let mut found = [[R::FAR; STRETCH]; 4];
+    fn span(&mut self, start: usize, points: usize) -> bool {
+        let mut found = [[R::FAR; SPAN]; 4];
         // Each direction is a constant: with steps unknown at compile time, the compiler does not vectorize
         // the loop.
         let mut suspicious = self.line::<0>(start, points, &mut found[0]);
@@ -232,16 +229,11 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
         suspicious
     }
 
-    /// Measures the edges of a stretch along one of the lines of [`STORED`]. Returns whether a length may be
+    /// Measures the edges of a span along one of the lines of [`STORED`]. Returns whether a length may be
     /// too short or too long.
     #[inline(always)]
-    fn line<const LINE: usize>(
-        &self,
-        start: usize,
-        points: usize,
-        found: &mut [R; STRETCH],
-    ) -> bool {
-        let (step, points) = (STORED[LINE].step(), points.min(STRETCH));
+    fn line<const LINE: usize>(&self, start: usize, points: usize, found: &mut [R; SPAN]) -> bool {
+        let (step, points) = (STORED[LINE].step(), points.min(SPAN));
         let ((down, right), diagonal) = (step, STORED[LINE].is_diagonal());
         // Indices count from the point before the row's first one.
         let (here, there) = (start + 1, (start + 1).wrapping_add_signed(right));
@@ -275,7 +267,7 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
         self.rows[1usize.wrapping_add_signed(down)]
     }
 
-    /// Measures the edges of a stretch that lie at an end of their grid line again, one by one, since they
+    /// Measures the edges of a span that lie at an end of their grid line again, one by one, since they
     /// are few. Returns whether a length may be too short or too long.
     #[inline(never)]
     fn measure_ends(&self, k: usize, start: usize, found: &mut [R]) -> bool {

@@ -367,19 +367,19 @@ mod tests {
             rows in 9usize..30,
             cols in 9usize..40,
             kind in 0usize..3,
-            stretch in 0.3..3.0f64,
+            span in 0.3..3.0f64,
             hole in 0usize..4,
         ) {
             let at = |v: f64, u: f64| {
                 let (sin, cos) = (TAU * u).sin_cos();
                 match kind {
-                    0 => DVec3::new((PI * v).sin() * cos, (PI * v).sin() * sin, stretch * (PI * v).cos()),
+                    0 => DVec3::new((PI * v).sin() * cos, (PI * v).sin() * sin, span * (PI * v).cos()),
                     1 => {
-                        let radius = 2.0 + stretch * 0.5 * (TAU * v).cos();
+                        let radius = 2.0 + span * 0.5 * (TAU * v).cos();
                         DVec3::new(radius * cos, radius * sin, (TAU * v).sin())
                     }
                     _ => {
-                        let (across, half) = (stretch * (v - 0.5), PI * u);
+                        let (across, half) = (span * (v - 0.5), PI * u);
                         let radius = 4.0 + across * half.cos();
                         DVec3::new(radius * cos, radius * sin, across * half.sin())
                     }

@@ -74,7 +74,7 @@ impl<R: Real> Front<R> {
 
 /// The inputs of the curved update at x0, x1 and x2 beside their triangle.
 #[derive(Clone, Copy, Debug)]
-pub struct Bends<R> {
+pub struct Curvatures<R> {
     /// Curvatures of the front at x1 and x2.
     pub fronts: [R; 2],
     /// Gaussian curvatures of the surface at x0, x1 and x2. Their four lowest binary digits mark points
@@ -98,9 +98,9 @@ pub struct Bends<R> {
 /// (`bent`). A front that turns around the end of an edge beside a hole or the border is diffracted: it
 /// starts there again as from a point source.
 #[inline(always)]
-pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
+pub fn curved<R: Real>(triangle: Triangle<R>, curvatures: Curvatures<R>) -> Front<R> {
     let Triangle { t1, t2, l1, l2, c } = triangle;
-    let Bends { fronts: [k1, k2], surface: [g0, g1, g2], alone, causal } = bends;
+    let Curvatures { fronts: [k1, k2], surface: [g0, g1, g2], alone, causal } = curvatures;
     let (zero, one, half, focus) = (R::zero(), R::one(), R::of(0.5), R::of(FOCUS));
     let at_source = R::of(Seed::AT_SOURCE);
 
@@ -193,8 +193,8 @@ mod tests {
     use super::*;
     use glam::DVec2;
 
-    fn flat(k1: f64, k2: f64) -> Bends<f64> {
-        Bends { fronts: [k1, k2], surface: [0.0; 3], alone: false, causal: false }
+    fn flat(k1: f64, k2: f64) -> Curvatures<f64> {
+        Curvatures { fronts: [k1, k2], surface: [0.0; 3], alone: false, causal: false }
     }
 
     #[test]
@@ -221,8 +221,11 @@ mod tests {
         let (r, s) = (0.7f64, 0.01);
         let edge = Triangle { t1: r, t2: f64::FAR, l1: s, l2: f64::FAR, c: f64::FAR };
         let after = |k| {
-            curved(edge, Bends { fronts: [k, 0.0], surface: [1.0; 3], alone: false, causal: false })
-                .curvature
+            curved(
+                edge,
+                Curvatures { fronts: [k, 0.0], surface: [1.0; 3], alone: false, causal: false },
+            )
+            .curvature
         };
         approx::assert_abs_diff_eq!(after(1.0 / r.tan()), 1.0 / (r + s).tan(), epsilon = 1e-6);
         approx::assert_abs_diff_eq!(after(Seed::AT_SOURCE), 1.0 / s.tan(), epsilon = 1e-5);
@@ -233,7 +236,7 @@ mod tests {
         // The ray comes from the far left and turns around x1 by a right angle.
         let triangle = Triangle { t1: 5.0, t2: 5.0 + 0.98, l1: 1.0, l2: 2f64.sqrt(), c: 1.0 };
         let beside_a_hole = 0.0.with_tag(LACKING);
-        let bends = |g1| Bends { surface: [0.0, g1, 0.0], ..flat(0.2, 0.2) };
+        let bends = |g1| Curvatures { surface: [0.0, g1, 0.0], ..flat(0.2, 0.2) };
         let at = |g1| curved(triangle, bends(g1));
         assert_eq!((at(0.0).time, at(beside_a_hole).time), (6.0, 6.0));
         approx::assert_relative_eq!(at(0.0).curvature, 0.2 / 1.2, max_relative = 1e-12);
@@ -245,7 +248,7 @@ mod tests {
         let far = f64::FAR;
         let edge = Triangle { t1: 5.0, t2: far, l1: 1.4, l2: far, c: far };
         let at = |g1: f64, alone| {
-            curved(edge, Bends { surface: [0.0, g1, 0.0], alone, ..flat(0.2, 0.0) }).curvature
+            curved(edge, Curvatures { surface: [0.0, g1, 0.0], alone, ..flat(0.2, 0.0) }).curvature
         };
         let beside_a_hole = 0.0.with_tag(LACKING);
         approx::assert_relative_eq!(at(beside_a_hole, true), 1.0 / 1.4, max_relative = 1e-12);
@@ -286,12 +289,13 @@ mod tests {
     #[test]
     fn a_missing_edge_or_time_leaves_the_other() {
         let far = f32::FAR;
-        let bends = Bends { fronts: [1.0, 0.0], surface: [0.0; 3], alone: false, causal: false };
+        let curvatures =
+            Curvatures { fronts: [1.0, 0.0], surface: [0.0; 3], alone: false, causal: false };
         let whole = Triangle { t1: 1.0, t2: 1.2, l1: 1.0, l2: 1.0, c: 1.0f32 };
-        assert_eq!(curved(Triangle { t2: far, ..whole }, bends).time, 2.0);
-        assert_eq!(curved(Triangle { l2: far, c: far, ..whole }, bends).time, 2.0);
-        assert!(curved(Triangle { t1: far, t2: far, ..whole }, bends).time >= far);
-        let front = curved(Triangle { t2: far, ..whole }, bends);
+        assert_eq!(curved(Triangle { t2: far, ..whole }, curvatures).time, 2.0);
+        assert_eq!(curved(Triangle { l2: far, c: far, ..whole }, curvatures).time, 2.0);
+        assert!(curved(Triangle { t1: far, t2: far, ..whole }, curvatures).time >= far);
+        let front = curved(Triangle { t2: far, ..whole }, curvatures);
         assert!(front.curvature.is_finite() && front.whole);
     }
 }

@@ -25,7 +25,7 @@ pub use circular::circular;
 #[cfg(feature = "twins")]
 pub(crate) use crossing::base_crossing;
 pub(crate) use curvature::Curvature;
-pub use curved::{Bends, Front, curved};
+pub use curved::{Curvatures, Front, curved};
 pub(crate) use inside::InsideSources;
 pub use planar::planar;
 pub(crate) use sight::{Sighted, Steps, curved_from_origins, line_to};
@@ -185,9 +185,9 @@ mod tests {
             for (t1, t2) in [(2.0, 2.0), (2.0, 3.5), (4.5, 2.0)] {
                 let triangle = Triangle { t1, t2, l1, l2, c };
                 let edge_step = f64::min(t1 + l1, t2 + l2);
-                let bends =
-                    Bends { fronts: [0.5; 2], surface: [0.0; 3], alone: false, causal: false };
-                let curved = curved(triangle, bends).time;
+                let curvatures =
+                    Curvatures { fronts: [0.5; 2], surface: [0.0; 3], alone: false, causal: false };
+                let curved = curved(triangle, curvatures).time;
                 for time in [planar(triangle), circular(triangle, false), curved] {
                     assert_eq!(time, edge_step, "{triangle:?}");
                 }

@@ -12,7 +12,7 @@
 //! cells, and in long or sheared cells their squares are small differences of large numbers.
 
 use super::Triangle;
-use super::curved::{Bends, Front, curved};
+use super::curved::{Curvatures, Front, curved};
 use crate::constants::{BENDS_MOST, CLEARLY_LATER, IN_SIGHT, ON_LINE, PAST_EDGE, UNBLOCKED};
 use crate::surface::{Origin, Real, Seed, max, min};
 
@@ -250,18 +250,18 @@ fn curvature(away: f64, is_beside: bool, gaussian: f64) -> f64 {
     if is_beside { -bend } else { round }
 }
 
-/// Returns the front at x0 from fronts at x1 and x2 that may have different origins. `bends.fronts` holds the
+/// Returns the front at x0 from fronts at x1 and x2 that may have different origins. `curvatures.fronts` holds the
 /// values that points carry: curvatures or numbers of origins, which `sighted` describes. If the triangle is
 /// obtuse, only fronts on a straight line from their origin come through its face.
 #[inline(always)]
 pub(crate) fn curved_from_origins<R: Real>(
     triangle: Triangle<R>,
-    bends: Bends<R>,
+    curvatures: Curvatures<R>,
     steps: &Steps,
     sighted: [Sighted<R>; 2],
 ) -> Front<R> {
     let Triangle { t1, t2, l1, l2, c } = triangle;
-    let Bends { fronts, surface: [g0, g1, g2], causal, .. } = bends;
+    let Curvatures { fronts, surface: [g0, g1, g2], causal, .. } = curvatures;
     let exists = max(max(l1, l2), c) < R::FAR;
     let lengths = [l1, l2, c].map(|length| if exists { length.wide() } else { 1.0 });
     let (plane, base) = (Plane::of(lengths), lengths[2]);
@@ -295,10 +295,10 @@ pub(crate) fn curved_from_origins<R: Real>(
     let faceless = apart | comes_1 | comes_2 | exact | obtuse;
     let of_both = curved(
         Triangle { c: if faceless { R::FAR } else { c }, ..triangle },
-        Bends {
+        Curvatures {
             fronts: [first.curvature, second.curvature].map(R::of),
             causal: causal & !of_one,
-            ..bends
+            ..curvatures
         },
     );
     let keeps_name = of_one & !exact & first.crosses & (of_both.time < R::FAR);

@@ -12,7 +12,7 @@
 //! method converges. Any place gives an upper bound, and the error of the time is quadratic in that of the
 //! place.
 
-use super::curved::{Bends, bent};
+use super::curved::{Curvatures, bent};
 use super::{Front, Shape, Triangle};
 use crate::constants::{
     ABOUT_STRAIGHT, ALONG_BASE, CLEARLY_LATER, CROSSING_STEPS, FOCUS, FROM_SOURCE, GRAZING,
@@ -158,11 +158,11 @@ pub(crate) fn planar_slowed<R: Real>(triangle: Triangle<R>, slowness: [R; 3]) ->
 #[inline(always)]
 pub(crate) fn curved_slowed<R: Real>(
     triangle: Triangle<R>,
-    bends: Bends<R>,
+    curvatures: Curvatures<R>,
     slowness: [R; 3],
 ) -> Front<R> {
     let Triangle { t1, t2, l1, l2, c } = triangle;
-    let Bends { fronts: [k1, k2], surface: [g0, g1, g2], alone, causal } = bends;
+    let Curvatures { fronts: [k1, k2], surface: [g0, g1, g2], alone, causal } = curvatures;
     let [s0, s1, s2] = slowness;
     let (zero, one, half, focus) = (R::zero(), R::one(), R::of(0.5), R::of(FOCUS));
     let at_source = R::of(Seed::AT_SOURCE);

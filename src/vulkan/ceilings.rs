@@ -23,7 +23,7 @@ use crate::vulkan::DeviceChoice;
 
 /// Best performance of a device, by the host's clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ceilings {
+pub struct DeviceCeilings {
     /// Bytes a second, read plus written, of a pass that copies one image to another. It moves 64 MiB, which
     /// may fit a large cache.
     pub copy: f64,
@@ -67,7 +67,7 @@ const ONE_GROUP: u64 = 64;
 /// it.
 const TRIES: usize = 5;
 
-impl Ceilings {
+impl DeviceCeilings {
     /// Measures a device, in about a second.
     ///
     /// # Errors
@@ -149,7 +149,7 @@ impl<'a> Probe<'a> {
         Ok(new)
     }
 
-    fn measure(&mut self) -> Result<Ceilings, VulkanError> {
+    fn measure(&mut self) -> Result<DeviceCeilings, VulkanError> {
         self.prepare()?;
         let texels = [SIDE as u32 / 2; 2];
         let copied = 2 * texels[0] * texels[1] * LAYERS * 16;
@@ -171,7 +171,7 @@ impl<'a> Probe<'a> {
             probe.barrier(commands);
         };
         let dispatch = self.each(one_group)?;
-        Ok(Ceilings {
+        Ok(DeviceCeilings {
             copy: f64::from(copied) / copy.as_secs_f64(),
             triangles,
             dispatch,
@@ -374,8 +374,8 @@ mod tests {
         for rate in [&ceilings.triangles[..], &[ceilings.copy, ceilings.read_back]].concat() {
             assert!((1e6..1e14).contains(&rate), "{ceilings:?}");
         }
-        let Ceilings { dispatch, indirect_dispatch, skipped_dispatch, .. } = ceilings;
-        let Ceilings { barrier, timestamp, submission, .. } = ceilings;
+        let DeviceCeilings { dispatch, indirect_dispatch, skipped_dispatch, .. } = ceilings;
+        let DeviceCeilings { barrier, timestamp, submission, .. } = ceilings;
         let times = [dispatch, indirect_dispatch, skipped_dispatch, barrier, submission];
         for time in times.into_iter().chain(timestamp) {
             assert!(time < Duration::from_millis(100), "{ceilings:?}");

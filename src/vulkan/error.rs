@@ -118,7 +118,7 @@ pub enum VulkanError {
     Validation(Vec<String>),
     /// A plan was requested without the pipelines that it needs.
     #[error(
-        "the solver was not made for {schedule} with {wavefront} fronts: name both to Solver::new or add_passes"
+        "the solver was not made for {schedule} with {wavefront} fronts: name both to HeadlessSolver::new or add_passes"
     )]
     NoPasses {
         /// Requested schedule.
@@ -148,7 +148,7 @@ pub enum VulkanError {
         count: usize,
     },
     /// A profile was requested from a solver that was not made for profiling.
-    #[error("the solver was not made for profiling: make it with Solver::for_profiling")]
+    #[error("the solver was not made for profiling: make it with HeadlessSolver::for_profiling")]
     NotForProfiling,
     /// The plan was made for a grid of another size.
     #[error("the plan was made for a grid of another size than the surface's")]

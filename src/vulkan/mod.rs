@@ -9,7 +9,7 @@
 //! nothing.
 //!
 //! A [`plan`] is a list of plain values. [`embed`] records it into a renderer's own command buffer, on the
-//! renderer's device and with its allocator. [`Solver`] brings its own device, command buffers and allocator.
+//! renderer's device and with its allocator. [`HeadlessSolver`] brings its own device, command buffers and allocator.
 //! [`requirements`] lists what a device must offer: Vulkan 1.1, and no extension or feature.
 
 mod anchors;
@@ -49,15 +49,15 @@ pub(crate) mod upload;
 mod upload_surface;
 mod validation;
 
-pub use ceilings::Ceilings;
+pub use ceilings::DeviceCeilings;
 pub use devices::{DeviceChoice, DeviceInfo, devices};
 pub use error::VulkanError;
 pub use pairwise::{PairwiseOnDevice, PairwiseSchedule};
 pub use pipeline_store::{PipelineStore, keep_pipelines_in};
 pub use schedule::{Schedule, Tuning};
 pub use schedules::planned;
-pub use solver::Solver;
-pub use solving::{Method, Solution};
+pub use solver::HeadlessSolver;
+pub use solving::{HeadlessSolution, Method};
 pub use surface_on_device::SurfaceOnDevice;
 pub use texel_chart::TexelChart;
 pub use tile_lanes::TileLanes;

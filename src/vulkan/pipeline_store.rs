@@ -30,7 +30,7 @@ const VARIABLE: &str = "GEOSWEEP_PIPELINES";
 static FOLDER: RwLock<Option<PathBuf>> = RwLock::new(None);
 
 /// Sets the folder in which headless solvers of this process keep their pipelines. It applies to every solver
-/// that is opened afterwards ([`super::Solver::new`]). The folder is created if necessary. With `None`, as at
+/// that is opened afterwards ([`super::HeadlessSolver::new`]). The folder is created if necessary. With `None`, as at
 /// the start, nothing is kept. The environment variable `GEOSWEEP_PIPELINES` takes precedence: it names another
 /// folder, or none if it is 0 or empty.
 ///
@@ -39,7 +39,7 @@ static FOLDER: RwLock<Option<PathBuf>> = RwLock::new(None);
 /// ```no_run
 /// use geosweep::{DeviceChoice, vulkan};
 /// vulkan::keep_pipelines_in(Some("/home/me/.cache/geosweep".into()));
-/// let solver = vulkan::Solver::new(&DeviceChoice::Any)?;
+/// let solver = vulkan::HeadlessSolver::new(&DeviceChoice::Any)?;
 /// # Ok::<(), vulkan::VulkanError>(())
 /// ```
 pub fn keep_pipelines_in(folder: Option<PathBuf>) {

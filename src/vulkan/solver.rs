@@ -13,7 +13,7 @@ use super::{Tuning, ValidationLog, VulkanError, embed, tile_lanes};
 use crate::update::Wavefront;
 use crate::vulkan::DeviceChoice;
 
-/// Name of the environment variable that turns the validation layers on in every [`Solver`], if its value is
+/// Name of the environment variable that turns the validation layers on in every [`HeadlessSolver`], if its value is
 /// not 0.
 const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
 
@@ -21,10 +21,10 @@ const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
 ///
 /// ```no_run
 /// use geosweep::Stop;
-/// use geosweep::vulkan::{Method, Solver};
+/// use geosweep::vulkan::{Method, HeadlessSolver};
 /// use geosweep::{DeviceChoice, Sources, Spacing, Surface, Wavefront};
 /// let surface = Surface::from_heights(2, 2, vec![0.0; 4], Spacing::square(1.0))?;
-/// let mut solver = Solver::new(&DeviceChoice::Any)?;
+/// let mut solver = HeadlessSolver::new(&DeviceChoice::Any)?;
 /// let mut on_device = solver.upload(&surface)?;
 /// let stop = Stop::within(1e-6).or_after(100);
 /// let method = Method::new(Wavefront::Circular, stop);
@@ -35,17 +35,17 @@ const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct Solver {
-    /// Solver on the device, with the passes of the schedules and wavefronts used so far.
+pub struct HeadlessSolver {
+    /// HeadlessSolver on the device, with the passes of the schedules and wavefronts used so far.
     pub(super) for_device: embed::Solver,
     pub(super) context: Arc<Context>,
     /// Store that keeps pipelines between processes, if there is one.
     store: Option<PipelineStore>,
 }
 
-impl Solver {
+impl HeadlessSolver {
     /// Opens a device. If the environment variable `GEOSWEEP_VALIDATION` is set to anything but 0, the
-    /// validation layers are on, as with [`Solver::with_validation`].
+    /// validation layers are on, as with [`HeadlessSolver::with_validation`].
     pub fn new(choice: &DeviceChoice) -> Result<Self, VulkanError> {
         Self::open(choice, is_validation_wanted())
     }
@@ -56,12 +56,12 @@ impl Solver {
         Self::open(choice, true)
     }
 
-    /// Opens a device and enables everything that it offers for [`Solver::profile`], except for the
+    /// Opens a device and enables everything that it offers for [`HeadlessSolver::profile`], except for the
     /// capabilities in `left_out`. Those behave as on a device that lacks them. The variable
-    /// `GEOSWEEP_VALIDATION` counts as in [`Solver::new`].
+    /// `GEOSWEEP_VALIDATION` counts as in [`HeadlessSolver::new`].
     ///
     /// # Errors
-    /// As [`Solver::new`]. A capability that the device lacks is not an error.
+    /// As [`HeadlessSolver::new`]. A capability that the device lacks is not an error.
     pub fn for_profiling(
         choice: &DeviceChoice,
         left_out: &[Capability],
@@ -133,7 +133,7 @@ impl Solver {
     }
 
     /// Returns what the device offers for profiling; `None` unless the solver was made by
-    /// [`Solver::for_profiling`].
+    /// [`HeadlessSolver::for_profiling`].
     pub fn capabilities(&self) -> Option<&Capabilities> {
         self.context.capabilities.as_ref()
     }
@@ -154,7 +154,7 @@ fn is_validation_wanted() -> bool {
     std::env::var_os(VALIDATION_VARIABLE).is_some_and(|value| value != "0")
 }
 
-impl Drop for Solver {
+impl Drop for HeadlessSolver {
     fn drop(&mut self) {
         let device = &self.context.device;
         self.for_device.destroy(device);
@@ -181,9 +181,9 @@ mod tests {
 
     const STOP: Stop = Stop::within(1e-6).or_after(100);
 
-    fn solver() -> Solver {
+    fn solver() -> HeadlessSolver {
         let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
-        Solver::with_validation(&DeviceChoice::Name(device)).unwrap()
+        HeadlessSolver::with_validation(&DeviceChoice::Name(device)).unwrap()
     }
 
     fn hill() -> Surface {
@@ -224,7 +224,7 @@ mod tests {
     fn pipelines_have_names_while_profiling() {
         let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());
         let context = Context::open(&device, true, Some(&[])).unwrap();
-        let mut solver = Solver::with(context).unwrap();
+        let mut solver = HeadlessSolver::with(context).unwrap();
         let surface = hill();
         let mut on_device = solver.upload(&surface).unwrap();
         let (method, seeds) = (method(Wavefront::Planar, Schedule::Raster), seeds(&surface));
@@ -251,9 +251,12 @@ mod tests {
     }
 
     /// Returns a solver with one function of the device replaced by one that fails.
-    fn with_failing(name: &'static CStr, result: extern "system" fn() -> vk::Result) -> Solver {
+    fn with_failing(
+        name: &'static CStr,
+        result: extern "system" fn() -> vk::Result,
+    ) -> HeadlessSolver {
         // Validation is off, since the layers would rightly report what the fault leaves behind.
-        let mut solver = Solver::open(&DeviceChoice::Any, false).unwrap();
+        let mut solver = HeadlessSolver::open(&DeviceChoice::Any, false).unwrap();
         let context = Arc::get_mut(&mut solver.context).unwrap();
         let (instance, handle) = (&context.instance.handle, context.device.handle());
         // SAFETY: the replacement takes no arguments, which this calling convention allows, and

@@ -11,7 +11,7 @@ use super::record::{Commands, Recorder};
 use super::schedules;
 use super::surface_on_device::{Start, SurfaceOnDevice};
 use super::upload::{SeedTexel, seed_texels};
-use super::{Schedule, Solver, VulkanError};
+use super::{HeadlessSolver, Schedule, VulkanError};
 use crate::Stop;
 use crate::surface::Seed;
 use crate::update::Wavefront;
@@ -55,7 +55,7 @@ impl Method {
 /// Distance map computed by the Vulkan engine.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
-pub struct Solution {
+pub struct HeadlessSolution {
     /// Distances in row-major order; +infinity where no source reaches.
     pub distances: Vec<f32>,
     /// Front assumed. It is [`Wavefront::Anchored`] only where that was possible, see [`Method::wavefront`].
@@ -70,14 +70,14 @@ pub struct Solution {
     pub time: Duration,
 }
 
-impl Solver {
+impl HeadlessSolver {
     /// Computes a map from `seeds`, which must lie on the surface.
     pub fn solve(
         &mut self,
         surface: &mut SurfaceOnDevice,
         seeds: &[Seed],
         method: Method,
-    ) -> Result<Solution, VulkanError> {
+    ) -> Result<HeadlessSolution, VulkanError> {
         let solution = self.solve_watched(surface, seeds, method, Start::Fresh, &mut Unwatched)?;
         self.restore(surface, seeds, method, solution)
     }
@@ -85,14 +85,14 @@ impl Solver {
     /// Adds seeds to the last map of the surface, which must have converged with the same wavefront.
     ///
     /// # Errors
-    /// As [`Solver::solve`], and [`VulkanError::TooManyAnchors`] if a map of anchored fronts has no room for
+    /// As [`HeadlessSolver::solve`], and [`VulkanError::TooManyAnchors`] if a map of anchored fronts has no room for
     /// more sources inside cells.
     pub fn add(
         &mut self,
         surface: &mut SurfaceOnDevice,
         seeds: &[Seed],
         method: Method,
-    ) -> Result<Solution, VulkanError> {
+    ) -> Result<HeadlessSolution, VulkanError> {
         let solution =
             self.solve_watched(surface, seeds, method, Start::FromLast, &mut Unwatched)?;
         self.restore(surface, seeds, method, solution)
@@ -104,8 +104,8 @@ impl Solver {
         surface: &mut SurfaceOnDevice,
         seeds: &[Seed],
         method: Method,
-        mut solution: Solution,
-    ) -> Result<Solution, VulkanError> {
+        mut solution: HeadlessSolution,
+    ) -> Result<HeadlessSolution, VulkanError> {
         let chart = surface.images.chart;
         let is_lost = |seed: &Seed, distances: &[f32]| {
             seed.is_lost(distances[chart.index(seed.row, seed.col)])
@@ -119,7 +119,7 @@ impl Solver {
             let method = method.with_stop(method.stop.or_after(left));
             let further =
                 self.solve_watched(surface, seeds, method, Start::FromLast, &mut Unwatched)?;
-            solution = Solution {
+            solution = HeadlessSolution {
                 iterations: solution.iterations + further.iterations,
                 time: solution.time + further.time,
                 ..further
@@ -128,18 +128,18 @@ impl Solver {
         Ok(solution)
     }
 
-    /// Computes the same map as [`Solver::solve`] and returns a record of every pass.
+    /// Computes the same map as [`HeadlessSolver::solve`] and returns a record of every pass.
     ///
     /// # Errors
-    /// As [`Solver::solve`], and [`VulkanError::NotForProfiling`] unless the solver was made by
-    /// [`Solver::for_profiling`].
+    /// As [`HeadlessSolver::solve`], and [`VulkanError::NotForProfiling`] unless the solver was made by
+    /// [`HeadlessSolver::for_profiling`].
     pub fn profile(
         &mut self,
         surface: &mut SurfaceOnDevice,
         seeds: &[Seed],
         method: Method,
         detail: Detail,
-    ) -> Result<(Solution, SolveProfile), VulkanError> {
+    ) -> Result<(HeadlessSolution, SolveProfile), VulkanError> {
         let capabilities = self.capabilities().ok_or(VulkanError::NotForProfiling)?;
         let schedule = self.schedule(&surface.images, method);
         let (texels, tuning) = (surface.images.texels, self.tuning());
@@ -172,7 +172,7 @@ impl Solver {
         method: Method,
         start: Start,
         submitter: &mut impl Submitter,
-    ) -> Result<Solution, VulkanError> {
+    ) -> Result<HeadlessSolution, VulkanError> {
         let stop = method.stop;
         let (wavefront, carried) = surface.begin(method.wavefront, seeds, start)?;
         let schedule = self.schedule(&surface.images, method);
@@ -256,7 +256,7 @@ impl Solver {
         let distances = self.read_back(submitter, images)?;
         self.context.check_validation()?;
         let (iterations, residual) = (outcome.iterations, outcome.residual());
-        Ok(Solution { distances, wavefront, schedule, iterations, residual, time })
+        Ok(HeadlessSolution { distances, wavefront, schedule, iterations, residual, time })
     }
 
     /// Makes the passes of a schedule and a variant, unless they exist.

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use super::grid_images::{GridImages, POINT_BYTES, bands, transfer_bytes};
 use super::headless::Unwatched;
-use super::{Solver, SurfaceOnDevice, VulkanError};
+use super::{HeadlessSolver, SurfaceOnDevice, VulkanError};
 use crate::surface::{Chart, EdgeLengths, Surface};
 
-impl Solver {
+impl HeadlessSolver {
     /// Measures the edges of a surface and uploads them. The processor checks them in any case, and measures
     /// them in SIMD lanes.
     ///

@@ -7,20 +7,20 @@ use std::ops::{Deref, DerefMut};
 use std::sync::Mutex;
 
 use geosweep::DeviceChoice;
-use geosweep::vulkan::Solver;
+use geosweep::vulkan::HeadlessSolver;
 
 /// Returns the device that `GEOSWEEP_TEST_DEVICE` names, or any.
 pub fn device_choice() -> DeviceChoice {
     DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default())
 }
 
-static SOLVERS: Pool<Solver> = Pool::new();
+static SOLVERS: Pool<HeadlessSolver> = Pool::new();
 
 /// Lends a headless solver on [`device_choice`], under the validation layers. A call that causes a validation
 /// message fails. A missing device is a failure too, not a reason to skip the test.
-pub fn vulkan_solver() -> Lent<Solver> {
+pub fn vulkan_solver() -> Lent<HeadlessSolver> {
     let open = || {
-        Solver::with_validation(&device_choice()).expect(
+        HeadlessSolver::with_validation(&device_choice()).expect(
             "the tests need a Vulkan device and the validation layers; ci/setup installs them",
         )
     };

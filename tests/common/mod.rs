@@ -12,7 +12,7 @@ use geosweep::Stop;
 use geosweep::accuracy::Errors;
 use geosweep::cpu::{self, Solution};
 use geosweep::surface::{EdgeLengths, Real, Seed};
-use geosweep::vulkan::{Method, Solver};
+use geosweep::vulkan::{HeadlessSolver, Method};
 use geosweep::{Sources, Spacing, Surface, Wavefront};
 
 #[allow(unused_imports, reason = "each binary uses its part")]
@@ -61,7 +61,7 @@ pub fn on_cpu(surface: &Surface, seeds: &[Seed], wavefront: Wavefront, stop: Sto
 
 /// Returns the map of the Vulkan engine.
 pub fn on_vulkan(
-    solver: &mut Solver,
+    solver: &mut HeadlessSolver,
     surface: &Surface,
     seeds: &[Seed],
     wavefront: Wavefront,

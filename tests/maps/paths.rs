@@ -1,6 +1,6 @@
 //! Geodesic paths compared with the truth, at degenerate places, and on random surfaces.
 
-use geosweep::geometry::{Path, PathError, Paths};
+use geosweep::geometry::{Path, PathError, PathTracer};
 use geosweep::glam::DVec2;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
@@ -20,7 +20,7 @@ fn try_paths(
 ) -> Vec<Result<Path, PathError>> {
     let map = rotated::<f32>(surface, sources, wavefront, CONVERGED).distances();
     let edges = EdgeLengths::new(surface).unwrap();
-    Paths::new(surface, &edges, sources, &map).unwrap().trace_all(starts)
+    PathTracer::new(surface, &edges, sources, &map).unwrap().trace_all(starts)
 }
 
 fn paths(surface: &Surface, sources: &Sources, starts: &[[f64; 2]]) -> Vec<Path> {
@@ -94,7 +94,7 @@ fn paths_traced_together_equal_paths_traced_alone() {
         let surface = builtin.surface(POINTS, POINTS).unwrap();
         let edges = EdgeLengths::new(&surface).unwrap();
         let map = rotated::<f32>(&surface, sources, Wavefront::Curved, CONVERGED).distances();
-        let new = || Paths::new(&surface, &edges, sources, &map).unwrap();
+        let new = || PathTracer::new(&surface, &edges, sources, &map).unwrap();
         let paths = new();
         let mut random = Random::new(4);
         let last = (POINTS - 1) as f64;
@@ -430,15 +430,15 @@ fn maps_of_other_surfaces_are_errors() {
     let edges = EdgeLengths::new(&surface).unwrap();
     let sources = at([1.0, 1.0]);
     let other = rotated::<f32>(&surface, &at([7.0, 7.0]), Wavefront::Curved, CONVERGED).distances();
-    let lost = Paths::new(&surface, &edges, &sources, &other).unwrap().trace([4.0, 6.0]);
+    let lost = PathTracer::new(&surface, &edges, &sources, &other).unwrap().trace([4.0, 6.0]);
     assert!(matches!(lost, Err(PathError::Lost { .. })), "{lost:?}");
-    let short = Paths::new(&surface, &edges, &sources, &other[1..]);
+    let short = PathTracer::new(&surface, &edges, &sources, &other[1..]);
     assert!(matches!(short, Err(PathError::Shape { .. })));
-    let outside = Paths::new(&surface, &edges, &at([9.0, 0.0]), &other);
+    let outside = PathTracer::new(&surface, &edges, &at([9.0, 0.0]), &other);
     assert!(matches!(outside, Err(PathError::Source(_))));
     // A constant map leads nowhere.
     let level = vec![1.0; 81];
-    let lost = Paths::new(&surface, &edges, &sources, &level).unwrap().trace([4.5, 6.0]);
+    let lost = PathTracer::new(&surface, &edges, &sources, &level).unwrap().trace([4.5, 6.0]);
     assert!(matches!(lost, Err(PathError::Lost { .. })), "{lost:?}");
 }
 
@@ -483,7 +483,7 @@ fn paths_over_a_corner_that_are_straight_already_stay() {
     let sources = at([0.0, 0.0]);
     let map = rotated::<f32>(&surface, &sources, Wavefront::Circular, CONVERGED).distances();
     let edges = EdgeLengths::new(&surface).unwrap();
-    let paths = Paths::new(&surface, &edges, &sources, &map).unwrap();
+    let paths = PathTracer::new(&surface, &edges, &sources, &map).unwrap();
     let along = paths.clone().along_the_map();
     for index in (0..33).filter(|&index| map[index].is_finite()) {
         let (row, col) = surface.chart().position(index);
@@ -510,7 +510,7 @@ proptest! {
         let chart = surface.chart();
         let map = rotated::<f32>(&surface, &sources, wavefront, CONVERGED).distances();
         let edges = EdgeLengths::new(&surface).unwrap();
-        let paths = Paths::new(&surface, &edges, &sources, &map).unwrap();
+        let paths = PathTracer::new(&surface, &edges, &sources, &map).unwrap();
         let along = paths.clone().along_the_map();
         for index in 0..chart.points() {
             let (row, col) = chart.position(index);

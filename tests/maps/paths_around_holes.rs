@@ -1,6 +1,6 @@
 //! Geodesic paths around holes, compared with exact polygons.
 
-use geosweep::geometry::{Curve, Path, Paths};
+use geosweep::geometry::{Curve, Path, PathTracer};
 use geosweep::glam::DVec2;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
@@ -11,7 +11,7 @@ use crate::common::{CONVERGED, Random, at, off_centre, rotated};
 /// Returns the paths led around corners, and those along the map alone.
 fn both(surface: &Surface, sources: &Sources, map: &[f32], starts: &[[f64; 2]]) -> [Vec<Path>; 2] {
     let edges = EdgeLengths::new(surface).unwrap();
-    let paths = Paths::new(surface, &edges, sources, map).unwrap();
+    let paths = PathTracer::new(surface, &edges, sources, map).unwrap();
     [paths.clone(), paths.along_the_map()]
         .map(|paths| paths.trace_all(starts).into_iter().map(Result::unwrap).collect())
 }

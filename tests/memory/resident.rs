@@ -4,7 +4,7 @@ use geosweep::Stop;
 use geosweep::cpu::RotatedScan;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::vulkan::{Method, Solver};
+use geosweep::vulkan::{HeadlessSolver, Method};
 use geosweep::{DeviceChoice, Sources, Surface, Wavefront};
 
 use crate::ALONE;
@@ -65,7 +65,7 @@ fn a_device_takes_at_most_forty_eight_bytes_a_point() {
     const POINTS: usize = 1800;
     let _alone = ALONE.lock();
     let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
-    let mut solver = Solver::new(&DeviceChoice::Name(device)).unwrap();
+    let mut solver = HeadlessSolver::new(&DeviceChoice::Name(device)).unwrap();
     let mut map = |surface: &Surface| {
         let seeds = Sources::point(0.0, 0.0).seeds(surface).unwrap();
         let method = Method::new(Wavefront::Curved, STOP);

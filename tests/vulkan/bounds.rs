@@ -4,13 +4,13 @@
 use geosweep::Wavefront;
 use geosweep::cpu;
 use geosweep::surface::EdgeLengths;
-use geosweep::vulkan::{Method, Schedule, Solver};
+use geosweep::vulkan::{HeadlessSolver, Method, Schedule};
 
 use crate::common::bounds::{APART, Case, SETTLED, cases};
 use crate::common::vulkan_solver;
 
 /// Returns the failures, and the wavefronts that have converged to another result than the CPU's.
-fn solve(solver: &mut Solver, case: &Case) -> (Vec<String>, Vec<String>) {
+fn solve(solver: &mut HeadlessSolver, case: &Case) -> (Vec<String>, Vec<String>) {
     let bounds = case.bounds();
     let edges = EdgeLengths::<f32>::new(&case.surface).unwrap();
     let mut on_device = solver.upload(&case.surface).unwrap();

@@ -6,7 +6,9 @@ use geosweep::cpu::twins::{self, Rounds};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::plan::Step;
-use geosweep::vulkan::{Method, Schedule, Solver, TexelChart, Tuning, VulkanError, devices};
+use geosweep::vulkan::{
+    HeadlessSolver, Method, Schedule, TexelChart, Tuning, VulkanError, devices,
+};
 use geosweep::{
     DeviceChoice, Engine, MetricTensor, Options, Sources, Surface, UsedEngine, Wavefront,
     distance_map,
@@ -26,11 +28,16 @@ const FEW_TILES: usize = 64;
 const WAVEFRONTS: [Wavefront; 3] = Wavefront::FOR_ANY_SURFACE;
 
 /// Returns whether a device computes on the processor's cores, with the arithmetic of the twins.
-pub fn is_processor(solver: &Solver) -> bool {
+pub fn is_processor(solver: &HeadlessSolver) -> bool {
     devices().unwrap().iter().any(|info| info.name == solver.device_name() && info.kind == "CPU")
 }
 
-fn assert_engines_agree(solver: &mut Solver, surface: &Surface, sources: &Sources, what: &str) {
+fn assert_engines_agree(
+    solver: &mut HeadlessSolver,
+    surface: &Surface,
+    sources: &Sources,
+    what: &str,
+) {
     let seeds = sources.seeds(surface).unwrap();
     for wavefront in WAVEFRONTS {
         let cpu = on_cpu(surface, &seeds, wavefront, CONVERGED);
@@ -194,7 +201,12 @@ fn a_surface_takes_little_memory() {
 }
 
 /// Compares scans with those of the twin iteration by iteration, not only in the limit.
-fn assert_twins(solver: &mut Solver, surface: &Surface, source: (usize, usize), iterations: u32) {
+fn assert_twins(
+    solver: &mut HeadlessSolver,
+    surface: &Surface,
+    source: (usize, usize),
+    iterations: u32,
+) {
     assert_schedule_twins(solver, surface, source, Schedule::Raster, 1..=iterations);
 }
 
@@ -227,7 +239,7 @@ fn twin(
 }
 
 pub fn assert_schedule_twins(
-    solver: &mut Solver,
+    solver: &mut HeadlessSolver,
     surface: &Surface,
     source: (usize, usize),
     schedule: Schedule,

@@ -7,7 +7,9 @@ use geosweep::glam::DVec3;
 use geosweep::pairwise::Pairwise;
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
-use geosweep::vulkan::{PairwiseOnDevice, PairwiseSchedule, Solver, SurfaceOnDevice, VulkanError};
+use geosweep::vulkan::{
+    HeadlessSolver, PairwiseOnDevice, PairwiseSchedule, SurfaceOnDevice, VulkanError,
+};
 use geosweep::{Engine, Error, MetricTensor, Options, Spacing, Surface, Wavefront};
 
 use crate::common::*;
@@ -28,7 +30,7 @@ fn sources(surface: &Surface, count: usize) -> Vec<Option<usize>> {
 /// Computes the rows of some sources. Asserts that they have converged or used all iterations.
 fn solve(
     pairwise: &mut PairwiseOnDevice,
-    (solver, uploaded, points): (&Solver, &SurfaceOnDevice, usize),
+    (solver, uploaded, points): (&HeadlessSolver, &SurfaceOnDevice, usize),
     sources: &[Option<usize>],
     stop: Stop,
 ) -> Vec<f32> {
@@ -80,7 +82,7 @@ fn assert_rows_agree(
 }
 
 /// Compares engines for every wavefront. Both schedules alternate; the twins compare them with one another.
-fn assert_engines_agree(solver: &Solver, surface: &Surface, number: usize, what: &str) {
+fn assert_engines_agree(solver: &HeadlessSolver, surface: &Surface, number: usize, what: &str) {
     let points = surface.chart().points();
     let sources = sources(surface, 5);
     let uploaded = solver.upload(surface).unwrap();

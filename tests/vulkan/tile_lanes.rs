@@ -3,7 +3,7 @@
 
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{Seed, Surface};
-use geosweep::vulkan::{Method, Schedule, Solution, Solver, TileLanes, Tuning};
+use geosweep::vulkan::{HeadlessSolution, HeadlessSolver, Method, Schedule, TileLanes, Tuning};
 use geosweep::{Sources, Spacing, Stop, Wavefront};
 
 use crate::common::*;
@@ -18,13 +18,13 @@ const FORMS: [(TileLanes, u32, bool, u32); 4] = [
     (TileLanes::Points, 24, false, 1),
 ];
 
-fn solver(tile_lanes: TileLanes, tile: u32, tile_edges: bool, inner: u32) -> Solver {
-    let solver = Solver::with_validation(&device_choice()).unwrap();
+fn solver(tile_lanes: TileLanes, tile: u32, tile_edges: bool, inner: u32) -> HeadlessSolver {
+    let solver = HeadlessSolver::with_validation(&device_choice()).unwrap();
     let tuning = Tuning { tile_lanes, tile, tile_edges, inner, ..solver.tuning() };
     solver.with_tuning(tuning).unwrap()
 }
 
-fn assert_nothing_said(solver: &Solver) {
+fn assert_nothing_said(solver: &HeadlessSolver) {
     let said = solver.validation_log().expect("validation is on").messages();
     assert!(said.is_empty(), "{said:?}");
 }
@@ -72,7 +72,12 @@ fn problems() -> Vec<Problem> {
     ]
 }
 
-fn solved(solver: &mut Solver, problem: &Problem, wavefront: Wavefront, stop: Stop) -> Solution {
+fn solved(
+    solver: &mut HeadlessSolver,
+    problem: &Problem,
+    wavefront: Wavefront,
+    stop: Stop,
+) -> HeadlessSolution {
     let mut on_device = solver.upload(&problem.surface).unwrap();
     let method = Method::new(wavefront, stop).with_schedule(Schedule::Tiles);
     solver.solve(&mut on_device, &problem.seeds, method).unwrap()

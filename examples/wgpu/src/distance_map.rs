@@ -8,7 +8,7 @@ use geosweep::ash::{self, ext, vk};
 use geosweep::gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    Access, Frame, Outcome, Plan, PointSource, Points, Reader, Solver, SourceInput, Surface,
+    Access, Frame, FrameSurface, Outcome, Plan, PointSource, Points, Reader, Solver, SourceInput,
     SurfaceInfo, Tools,
 };
 use geosweep::vulkan::{Method, Schedule, requirements};
@@ -95,7 +95,7 @@ pub struct DistanceMap {
 /// Resources that are freed when neither the map nor wgpu, which may draw a last frame, uses the image any
 /// more.
 struct Images {
-    surface: Surface,
+    surface: FrameSurface,
     on: Arc<MapDevice>,
     /// Vertices that geosweep's passes read, of which wgpu knows nothing.
     _vertices: wgpu::Buffer,

@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use geosweep::accuracy::Errors;
 use geosweep::glam::DVec3;
 use geosweep::vulkan::embed::{Access, Reader};
-use geosweep::vulkan::{Method, Solver};
+use geosweep::vulkan::{HeadlessSolver, Method};
 use geosweep::{DeviceChoice, Sources, Stop, Surface, Wavefront};
 use log::{Level, LevelFilter, Log, Metadata, Record};
 use wgpu_example::cloth::{self, CHART, STRIDE};
@@ -108,7 +108,7 @@ fn headless(Renderer { device, queue, cloth, .. }: &Renderer, frame: u32) -> Vec
     let from = source(frame);
     let seeds = Sources::point(from.row.into(), from.col.into()).seeds(&surface).unwrap();
     let name = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
-    let mut solver = Solver::new(&DeviceChoice::Name(name)).unwrap();
+    let mut solver = HeadlessSolver::new(&DeviceChoice::Name(name)).unwrap();
     let mut on_device = solver.upload(&surface).unwrap();
     let stop = Stop::within(1e-6).or_after(1000);
     let method = Method::new(Wavefront::Curved, stop);

@@ -1,6 +1,6 @@
 //! Implements fronts over a floor plan that carry the number of their anchor.
 //!
-//! Nearly everywhere all points behind a stretch have the same anchor, and there is no hole beside them. Then
+//! Nearly everywhere all points behind a span have the same anchor, and there is no hole beside them. Then
 //! the anchor reaches a point if the straight line to it runs between its neighbours behind. That takes one
 //! square root per point, in SIMD lanes. Elsewhere points are updated one after another, as in
 //! `update/anchored.rs`.
@@ -11,11 +11,11 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
-use super::kind::{BeforeOf, FrontKind, LinesOf, StretchOf};
+use super::kind::{BeforeOf, FrontKind, LinesOf, SpanOf};
 use crate::constants::ANCHOR_COUNTS;
 use crate::cpu::behind::Behind;
 use crate::cpu::line::GridLines;
-use crate::cpu::line_update::{How, LineUpdate, Stretches, Updated};
+use crate::cpu::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::scan::Scan;
 use crate::cpu::tiles::TILE;
 use crate::lanes::prefetch;
@@ -63,7 +63,7 @@ impl<R: Real> Anchored<R> {
 impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
     type Carried = Anchor<R>;
     type Arrival = KeptAnchored<R>;
-    type Ground = HolesBehind<R>;
+    type SurfaceData = HolesBehind<R>;
 
     const NEEDS_EDGES: bool = false;
 
@@ -127,7 +127,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
         before.time.units_between(after.time).max(turn)
     }
 
-    fn ground(&self, chart: Chart) -> Cow<'a, [HolesBehind<R>]> {
+    fn surface_data(&self, chart: Chart) -> Cow<'a, [HolesBehind<R>]> {
         let mut holes = vec![HolesBehind(R::one().with_tag(TAG)); chart.bordered_points()];
         chart.rows_mut(&mut holes).enumerate().for_each(|(row, holes)| {
             for (col, hole) in holes.iter_mut().enumerate() {
@@ -148,11 +148,11 @@ impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
         lines: &mut LinesOf<'_, 'a, R, Self>,
         line: usize,
         points: &Range<usize>,
-        how: How,
+        options: UpdateOptions,
         changed: &mut [bool],
     ) -> Updated<R::Bits> {
-        let line = AnchoredLine { floor: &self.floor, lines, line, points, scan: how.scan };
-        how.instructions.run(LineUpdate { line, how, changed })
+        let line = AnchoredLine { floor: &self.floor, lines, line, points, scan: options.scan };
+        options.instructions.run(LineUpdate { line, options, changed })
     }
 
     /// Decides this only where one anchor serves all points behind. Where there are several, there is work to
@@ -162,31 +162,31 @@ impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
         &self,
         before: &BeforeOf<'_, 'a, R, Self>,
         first: usize,
-        stretch: StretchOf<'_, 'a, R, Self>,
+        span: SpanOf<'_, 'a, R, Self>,
         points: usize,
-        how: How,
+        options: UpdateOptions,
     ) -> bool {
-        if stretch.is_renewed(points, how.scan.0, how.renews) {
+        if span.is_renewed(points, options.scan.0, options.renews) {
             return false;
         }
-        if stretch.leads(points) {
+        if span.leads(points) {
             return true;
         }
-        let [behind, beside, after] = stretch.carried_behind;
+        let [behind, beside, after] = span.carried_behind;
         let anchor = beside[0];
-        let mut is_one = stretch.times_behind[1][0] < R::FAR;
+        let mut is_one = span.times_behind[1][0] < R::FAR;
         for i in 0..points {
             let anchors = [behind[i], beside[i], after[i]];
-            is_one &= is_of_one(anchor, anchors, stretch.ground[i], how.scan);
+            is_one &= is_of_one(anchor, anchors, span.surface_data[i], options.scan);
         }
         if !is_one {
             return false;
         }
         let at = before.edges.chart().entry(first).into();
-        let rays = self.floor.rays(at, how.scan.ahead(), [0, 1], |x| before.front(x));
+        let rays = self.floor.rays(at, options.scan.ahead(), [0, 1], |x| before.front(x));
         let mut settled = true;
-        for (i, &time) in stretch.times[..points].iter().enumerate() {
-            settled &= !is_shorter(rays.time(i, stretch.times_behind[1][i]), time);
+        for (i, &time) in span.times[..points].iter().enumerate() {
+            settled &= !is_shorter(rays.time(i, span.times_behind[1][i]), time);
         }
         settled
     }
@@ -212,7 +212,7 @@ struct AnchoredLine<'l, 'g, R> {
     scan: Scan,
 }
 
-impl<R: Real> Stretches for AnchoredLine<'_, '_, R> {
+impl<R: Real> Spans for AnchoredLine<'_, '_, R> {
     type Changes = R::Bits;
     type Bits = R::Bits;
 
@@ -230,7 +230,7 @@ impl<R: Real> Stretches for AnchoredLine<'_, '_, R> {
         prefetch(lines.times, place);
         prefetch(lines.carried, place);
         let on_surface = lines.on_surface(self.line, start) as isize;
-        prefetch(lines.ground, on_surface + ahead(lines.surface.0));
+        prefetch(lines.surface_data, on_surface + ahead(lines.surface.0));
     }
 
     #[inline(always)]
@@ -238,21 +238,21 @@ impl<R: Real> Stretches for AnchoredLine<'_, '_, R> {
         &mut self,
         start: usize,
         points: usize,
-        how: How,
+        options: UpdateOptions,
         largest: &mut R::Bits,
     ) -> Option<bool> {
         let (lines, start) = (&*self.lines, self.points.start + start);
-        let line_behind = lines.line_behind(self.line, how.scan);
+        let line_behind = lines.line_behind(self.line, options.scan);
         let (here, there) = (lines.at(self.line, start), lines.at(line_behind, start) - 1);
         let (times, anchors) = (&lines.times[here..][..points], &lines.carried[here..][..points]);
         let behind = LineBehind {
             times: &lines.times[there..][..points + 2],
             anchors: &lines.carried[there..][..points + 2],
-            holes: &lines.ground[lines.on_surface(self.line, start)..][..points],
+            holes: &lines.surface_data[lines.on_surface(self.line, start)..][..points],
         };
         let (mut renewed, mut leads) = (false, true);
         for i in 0..points {
-            renewed |= how.renews & anchors[i].is_from(how.scan.0);
+            renewed |= options.renews & anchors[i].is_from(options.scan.0);
             leads &= behind.first(i) >= times[i];
         }
         if leads & !renewed {
@@ -260,18 +260,25 @@ impl<R: Real> Stretches for AnchoredLine<'_, '_, R> {
         }
         let mut is_one = behind.times[0] < R::FAR;
         for i in 0..points {
-            is_one &= behind.has(i, behind.anchors[0], how.scan);
+            is_one &= behind.has(i, behind.anchors[0], options.scan);
         }
-        let first = lines.position(self.line, start, how.scan);
+        let first = lines.position(self.line, start, options.scan);
         let mut brought = Brought { times: [R::FAR; TILE], anchors: [Anchor::default(); TILE] };
         if is_one {
-            brought.bring_from_one(self.floor, lines, &behind, first, 0..points, how.scan);
+            brought.bring_from_one(self.floor, lines, &behind, first, 0..points, options.scan);
         } else {
             let may_come = |i: usize| {
-                behind.first(i) < times[i] || how.renews && anchors[i].is_from(how.scan.0)
+                behind.first(i) < times[i] || options.renews && anchors[i].is_from(options.scan.0)
             };
-            brought
-                .bring_from_several(self.floor, lines, &behind, first, points, how.scan, may_come);
+            brought.bring_from_several(
+                self.floor,
+                lines,
+                &behind,
+                first,
+                points,
+                options.scan,
+                may_come,
+            );
         }
         let (mut new_times, mut new_anchors) = ([R::zero(); TILE], [Anchor::default(); TILE]);
         let mut changes = [R::Bits::default(); TILE];
@@ -279,7 +286,7 @@ impl<R: Real> Stretches for AnchoredLine<'_, '_, R> {
         for i in 0..points {
             let before = Kept { time: times[i], carried: anchors[i] };
             let arrival = Kept { time: brought.times[i], carried: brought.anchors[i] };
-            let after = Anchored::accept(before, arrival, how.scan.0, how.renews);
+            let after = Anchored::accept(before, arrival, options.scan.0, options.renews);
             changes[i] = Anchored::change(before, after);
             any |= (before.time.units_between(after.time) > R::Bits::default())
                 | before.carried.differs(after.carried);
@@ -299,11 +306,11 @@ impl<R: Real> Stretches for AnchoredLine<'_, '_, R> {
     }
 }
 
-/// The points behind a stretch, from the one before its first point to the one after its last.
+/// The points behind a span, from the one before its first point to the one after its last.
 struct LineBehind<'a, R> {
     times: &'a [R],
     anchors: &'a [Anchor<R>],
-    /// Holes behind the points of the stretch.
+    /// Holes behind the points of the span.
     holes: &'a [HolesBehind<R>],
 }
 
@@ -322,7 +329,7 @@ impl<R: Real> LineBehind<'_, R> {
     }
 }
 
-/// The fronts that a scan brings to the points of a stretch.
+/// The fronts that a scan brings to the points of a span.
 struct Brought<R> {
     times: [R; TILE],
     anchors: [Anchor<R>; TILE],

@@ -3,19 +3,19 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, StretchOf, TriangleKind, in_stretch};
-use super::origins::{LineOrigins, OriginTable, StretchOrigins};
+use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, SpanOf, TriangleKind, in_span};
+use super::origins::{LineOrigins, OriginTable, SpanOrigins};
 use crate::constants::IN_SIGHT;
 use crate::cpu::behind::{Behind, TriangleSlots};
 use crate::cpu::bend_units;
 use crate::cpu::line::ScanLine;
-use crate::cpu::line_update::{How, LineUpdate, Stretches, Updated};
+use crate::cpu::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::settled::{Visited, from_curved};
-use crate::cpu::stretch::Stretch;
+use crate::cpu::span::Span;
 use crate::cpu::tiles::TILE;
 use crate::surface::{Chart, Direction, EdgeLengths, Origins, Real, Seed, max, min};
 use crate::update::{
-    Bends, Carried, Curvature, EXACT, Front, Kept, Sighted, Steps, Triangle, curved,
+    Carried, Curvature, Curvatures, EXACT, Front, Kept, Sighted, Steps, Triangle, curved,
     curved_from_origins, line_to,
 };
 
@@ -77,7 +77,7 @@ impl<'a, R: Real> Curved<'a, R> {
 impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
     type Carried = Curvature<R>;
     type Arrival = Front<R>;
-    type Ground = R;
+    type SurfaceData = R;
     const TAKES_BACK: bool = true;
 
     fn expect(&mut self, seeds: &[Seed]) {
@@ -132,7 +132,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
         before.time.units_between(after.time).max(bend_units(bend))
     }
 
-    fn ground(&self, _: Chart) -> Cow<'a, [R]> {
+    fn surface_data(&self, _: Chart) -> Cow<'a, [R]> {
         self.gaussian.into()
     }
 
@@ -141,22 +141,23 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
         lines: &mut LinesOf<'_, 'a, R, Self>,
         line: usize,
         points: &Range<usize>,
-        how: How,
+        options: UpdateOptions,
         changed: &mut [bool],
     ) -> Updated<R::Bits> {
-        let splits = self.splits_of_line(lines, line, points, how.scan);
-        let first = lines.position(line, points.start, how.scan);
-        let origins = self.has_numbers().then(|| LineOrigins::new(&self.table, first, how.scan));
-        let line = lines.line(line, points, how.scan);
+        let splits = self.splits_of_line(lines, line, points, options.scan);
+        let first = lines.position(line, points.start, options.scan);
+        let origins =
+            self.has_numbers().then(|| LineOrigins::new(&self.table, first, options.scan));
+        let line = lines.line(line, points, options.scan);
         let causal = self.origins.are_causal();
         match &splits {
             None => {
                 let line = CurvedLine::<_, false> { line, parts: &[], causal, origins };
-                how.instructions.run(LineUpdate { line, how, changed })
+                options.instructions.run(LineUpdate { line, options, changed })
             }
             Some(parts) => {
                 let line = CurvedLine::<_, true> { line, parts, causal, origins };
-                how.instructions.run(LineUpdate { line, how, changed })
+                options.instructions.run(LineUpdate { line, options, changed })
             }
         }
     }
@@ -166,11 +167,11 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
         &self,
         _: &BeforeOf<'_, 'a, R, Self>,
         _: usize,
-        stretch: StretchOf<'_, 'a, R, Self>,
+        span: SpanOf<'_, 'a, R, Self>,
         points: usize,
-        how: How,
+        options: UpdateOptions,
     ) -> bool {
-        leaves::<_, false>(&stretch, points, how, self.has_numbers())
+        leaves::<_, false>(&span, points, options, self.has_numbers())
     }
 }
 
@@ -185,7 +186,7 @@ impl<'a, R: Real> TriangleKind<'a, R> for Curved<'a, R> {
     ) -> Front<R> {
         let fronts = carried.map(Curvature::value);
         let surface = corners.map(|corner| self.gaussian[corner]);
-        let bends = Bends { fronts, surface, alone, causal: self.origins.are_causal() };
+        let bends = Curvatures { fronts, surface, alone, causal: self.origins.are_causal() };
         if !carried.iter().any(|carried| carried.origin().is_some()) {
             return curved(triangle, bends);
         }
@@ -276,29 +277,29 @@ pub(super) fn accept<R: Real>(
     }
 }
 
-/// Returns whether a scan leaves a stretch of points unchanged. `SPLIT` tells whether some of their triangles
+/// Returns whether a scan leaves a span of points unchanged. `SPLIT` tells whether some of their triangles
 /// may be obtuse.
 #[inline(always)]
 fn leaves<R: Real, const SPLIT: bool>(
-    stretch: &Stretch<R, Curvature<R>, R>,
+    span: &Span<R, Curvature<R>, R>,
     points: usize,
-    how: How,
+    options: UpdateOptions,
     has_numbers: bool,
 ) -> bool {
-    if stretch.is_renewed(points, how.scan.0, how.renews) {
+    if span.is_renewed(points, options.scan.0, options.renews) {
         return false;
     }
-    if stretch.leads(points) {
+    if span.leads(points) {
         return true;
     }
     // The test needs curvatures, not numbers of origins.
     if has_numbers {
         return false;
     }
-    let [before, beside, after] = stretch.carried_behind;
+    let [before, beside, after] = span.carried_behind;
     let mut settled = true;
     for i in 0..points {
-        let visited: Visited<R> = stretch.visited::<SPLIT>(i);
+        let visited: Visited<R> = span.visited::<SPLIT>(i);
         let [left, right] = visited.triangles;
         let [k_before, k_beside, k_after] =
             [before[i].value(), beside[i].value(), after[i].value()];
@@ -316,13 +317,13 @@ struct CurvedLine<'a, R, const SPLIT: bool> {
     line: ScanLine<'a, R, Curvature<R>, R>,
     /// The points with obtuse triangles, and the fronts that arrive through parts of these.
     parts: &'a [(usize, Option<Front<R>>)],
-    /// See [`Bends::causal`].
+    /// See [`Curvatures::causal`].
     causal: bool,
     /// The origins, if fronts carry their numbers.
     origins: Option<LineOrigins<'a, R>>,
 }
 
-/// The largest changes, by their place in the stretch.
+/// The largest changes, by their place in the span.
 struct BentChanges<R: Real> {
     /// Changes of arrival times ([`Real::units_between`]).
     times: [R::Bits; TILE],
@@ -338,7 +339,7 @@ impl<R: Real> Default for BentChanges<R> {
     }
 }
 
-impl<R: Real, const SPLIT: bool> Stretches for CurvedLine<'_, R, SPLIT> {
+impl<R: Real, const SPLIT: bool> Spans for CurvedLine<'_, R, SPLIT> {
     type Changes = BentChanges<R>;
     type Bits = R::Bits;
 
@@ -357,23 +358,23 @@ impl<R: Real, const SPLIT: bool> Stretches for CurvedLine<'_, R, SPLIT> {
         &mut self,
         start: usize,
         points: usize,
-        how: How,
+        options: UpdateOptions,
         changes: &mut BentChanges<R>,
     ) -> Option<bool> {
-        let stretch = self.line.stretch(start, points);
-        let parts = if SPLIT { in_stretch(self.parts, start, points) } else { &[] };
+        let span = self.line.span(start, points);
+        let parts = if SPLIT { in_span(self.parts, start, points) } else { &[] };
         let has_numbers = self.origins.is_some();
         let first = if parts.is_empty() {
-            if leaves::<_, false>(&stretch, points, how, has_numbers) {
+            if leaves::<_, false>(&span, points, options, has_numbers) {
                 return None;
             }
-            self.first_fronts::<false>(start, stretch, points, how)
+            self.first_fronts::<false>(start, span, points, options)
         } else {
             let is_alone = parts.iter().all(|(_, front)| front.is_none());
-            if is_alone && leaves::<_, true>(&stretch, points, how, has_numbers) {
+            if is_alone && leaves::<_, true>(&span, points, options, has_numbers) {
                 return None;
             }
-            let mut first = self.first_fronts::<true>(start, stretch, points, how);
+            let mut first = self.first_fronts::<true>(start, span, points, options);
             for &(point, front) in parts {
                 if let Some(front) = front {
                     let i = point - start;
@@ -385,8 +386,8 @@ impl<R: Real, const SPLIT: bool> Stretches for CurvedLine<'_, R, SPLIT> {
         let (mut times, mut curvatures) = ([R::zero(); TILE], [Curvature::default(); TILE]);
         let mut any = false;
         for i in 0..points {
-            let before = Kept { time: stretch.times[i], carried: stretch.carried[i] };
-            let after = accept(before, first.get(i), how.scan.0, how.renews);
+            let before = Kept { time: span.times[i], carried: span.carried[i] };
+            let after = accept(before, first.get(i), options.scan.0, options.renews);
             (times[i], curvatures[i]) = (after.time, after.carried);
             let [bent_before, bent] = [before.carried.value(), after.carried.value()];
             let change = before.time.units_between(after.time);
@@ -412,33 +413,33 @@ impl<R: Real, const SPLIT: bool> Stretches for CurvedLine<'_, R, SPLIT> {
 }
 
 impl<R: Real, const SPLIT: bool> CurvedLine<'_, R, SPLIT> {
-    /// Returns the first fronts to reach a stretch of points. `OBTUSE` tells whether some of their triangles
+    /// Returns the first fronts to reach a span of points. `OBTUSE` tells whether some of their triangles
     /// are obtuse.
     #[inline(always)]
     fn first_fronts<const OBTUSE: bool>(
         &self,
         start: usize,
-        stretch: Stretch<'_, R, Curvature<R>, R>,
+        span: Span<'_, R, Curvature<R>, R>,
         points: usize,
-        how: How,
+        options: UpdateOptions,
     ) -> FirstFronts<R> {
         let gaussian_behind = self.line.ground_behind(start, points);
-        let bent = Bent::<_, OBTUSE> { stretch, gaussian_behind, causal: self.causal };
+        let bent = Bent::<_, OBTUSE> { span, gaussian_behind, causal: self.causal };
         let origins =
-            self.origins.as_ref().and_then(|origins| origins.behind(start, &stretch, points));
+            self.origins.as_ref().and_then(|origins| origins.behind(start, &span, points));
         if let Some(origins) = &origins {
             fronts_of_origins(&bent, origins, points)
-        } else if stretch.comes_from_left(points) {
-            first_fronts::<R, true, false, OBTUSE>(&bent, points, how)
+        } else if span.comes_from_left(points) {
+            first_fronts::<R, true, false, OBTUSE>(&bent, points, options)
         } else {
-            first_fronts::<R, false, true, OBTUSE>(&bent, points, how)
+            first_fronts::<R, false, true, OBTUSE>(&bent, points, options)
         }
     }
 }
 
-/// A stretch of points, and the Gaussian curvature behind them.
+/// A span of points, and the Gaussian curvature behind them.
 struct Bent<'a, R, const SPLIT: bool> {
-    stretch: Stretch<'a, R, Curvature<R>, R>,
+    span: Span<'a, R, Curvature<R>, R>,
     gaussian_behind: [&'a [R]; 3],
     causal: bool,
 }
@@ -447,24 +448,24 @@ impl<R: Real, const SPLIT: bool> Bent<'_, R, SPLIT> {
     /// Returns the curvatures of the fronts at x1 and x2 of one of the two triangles of point `i`.
     #[inline(always)]
     fn fronts<const LEFT: bool>(&self, i: usize) -> [R; 2] {
-        let behind = &self.stretch.carried_behind;
+        let behind = &self.span.carried_behind;
         let x1 = if LEFT { 0 } else { 1 };
         [behind[x1][i].value(), behind[x1 + 1][i].value()]
     }
 
     #[inline(always)]
-    fn bends<const LEFT: bool>(&self, i: usize) -> Bends<R> {
-        let (stretch, x1) = (&self.stretch, if LEFT { 0 } else { 1 });
+    fn bends<const LEFT: bool>(&self, i: usize) -> Curvatures<R> {
+        let (span, x1) = (&self.span, if LEFT { 0 } else { 1 });
         let gaussian = &self.gaussian_behind;
-        let surface = [stretch.ground[i], gaussian[x1][i], gaussian[x1 + 1][i]];
-        let (fronts, alone) = (self.fronts::<LEFT>(i), stretch.is_alone(i));
-        Bends { fronts, surface, alone, causal: self.causal }
+        let surface = [span.surface_data[i], gaussian[x1][i], gaussian[x1 + 1][i]];
+        let (fronts, alone) = (self.fronts::<LEFT>(i), span.is_alone(i));
+        Curvatures { fronts, surface, alone, causal: self.causal }
     }
 
     /// Returns the front through that triangle.
     #[inline(always)]
     fn front<const LEFT: bool>(&self, i: usize) -> Front<R> {
-        curved(self.stretch.triangle::<LEFT, SPLIT>(i), self.bends::<LEFT>(i))
+        curved(self.span.triangle::<LEFT, SPLIT>(i), self.bends::<LEFT>(i))
     }
 }
 
@@ -472,16 +473,16 @@ impl<R: Real, const SPLIT: bool> Bent<'_, R, SPLIT> {
 #[inline(always)]
 fn fronts_of_origins<R: Real, const SPLIT: bool>(
     bent: &Bent<R, SPLIT>,
-    origins: &StretchOrigins<R>,
+    origins: &SpanOrigins<R>,
     points: usize,
 ) -> FirstFronts<R> {
-    let stretch = &bent.stretch;
+    let span = &bent.span;
     let mut first = FirstFronts::default();
     for i in 0..points {
-        first.set(i, origins.front::<_, true>(stretch, bent.bends::<true>(i), i));
+        first.set(i, origins.front::<_, true>(span, bent.bends::<true>(i), i));
     }
     for i in 0..points {
-        let other = origins.front::<_, false>(stretch, bent.bends::<false>(i), i);
+        let other = origins.front::<_, false>(span, bent.bends::<false>(i), i);
         first.set(i, Front::first(first.get(i), other));
     }
     first
@@ -493,9 +494,9 @@ fn fronts_of_origins<R: Real, const SPLIT: bool>(
 fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool, const SPLIT: bool>(
     bent: &Bent<R, SPLIT>,
     points: usize,
-    how: How,
+    options: UpdateOptions,
 ) -> FirstFronts<R> {
-    let stretch = &bent.stretch;
+    let span = &bent.span;
     let mut first = FirstFronts::default();
     for i in 0..points {
         first.set(i, bent.front::<FIRST_LEFT>(i));
@@ -503,9 +504,9 @@ fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool, const 
     let mut settled = true;
     for i in 0..points {
         // A renewed front may come later than before.
-        let renewed = how.renews & stretch.carried[i].is_from(how.scan.0);
-        let now = if renewed { first.times[i] } else { min(stretch.times[i], first.times[i]) };
-        let other = stretch.seen_from_beside::<SECOND_LEFT, SPLIT>(i);
+        let renewed = options.renews & span.carried[i].is_from(options.scan.0);
+        let now = if renewed { first.times[i] } else { min(span.times[i], first.times[i]) };
+        let other = span.seen_from_beside::<SECOND_LEFT, SPLIT>(i);
         settled &= from_curved(other, bent.fronts::<SECOND_LEFT>(i), now);
     }
     if !settled {
@@ -516,7 +517,7 @@ fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool, const 
     first
 }
 
-/// The first front to reach each point of a stretch.
+/// The first front to reach each point of a span.
 pub(super) struct FirstFronts<R> {
     times: [R; TILE],
     curvatures: [R; TILE],

@@ -7,9 +7,9 @@ use bytemuck::Pod;
 
 use crate::cpu::behind::{Behind, TriangleSlots};
 use crate::cpu::line::GridLines;
-use crate::cpu::line_update::{How, Updated};
+use crate::cpu::line_update::{UpdateOptions, Updated};
 use crate::cpu::scan::Scan;
-use crate::cpu::stretch::{Before, Stretch};
+use crate::cpu::span::{Before, Span};
 use crate::surface::{Chart, Direction, EdgeLengths, Part, Real, Seed};
 use crate::update::{Carried, Kept, Triangle};
 
@@ -17,13 +17,13 @@ use crate::update::{Carried, Kept, Triangle};
 pub(in crate::cpu) type KeptBy<'a, R, K> = Kept<R, <K as FrontKind<'a, R>>::Carried>;
 /// [`GridLines`] for a kind of front.
 pub(in crate::cpu) type LinesOf<'l, 'a, R, K> =
-    GridLines<'l, R, <K as FrontKind<'a, R>>::Carried, <K as FrontKind<'a, R>>::Ground>;
-/// [`Stretch`] for a kind of front.
-pub(in crate::cpu) type StretchOf<'l, 'a, R, K> =
-    Stretch<'l, R, <K as FrontKind<'a, R>>::Carried, <K as FrontKind<'a, R>>::Ground>;
+    GridLines<'l, R, <K as FrontKind<'a, R>>::Carried, <K as FrontKind<'a, R>>::SurfaceData>;
+/// [`Span`] for a kind of front.
+pub(in crate::cpu) type SpanOf<'l, 'a, R, K> =
+    Span<'l, R, <K as FrontKind<'a, R>>::Carried, <K as FrontKind<'a, R>>::SurfaceData>;
 /// [`Before`] for a kind of front.
 pub(in crate::cpu) type BeforeOf<'l, 'a, R, K> =
-    Before<'l, R, <K as FrontKind<'a, R>>::Carried, <K as FrontKind<'a, R>>::Ground>;
+    Before<'l, R, <K as FrontKind<'a, R>>::Carried, <K as FrontKind<'a, R>>::SurfaceData>;
 
 /// A kind of front over a surface whose edges live for `'a`. It defines what points carry, what is needed of
 /// the surface, and how fronts start, continue and are compared. The first half is for solvers that update
@@ -82,27 +82,27 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
     fn change(before: KeptBy<'a, R, Self>, after: KeptBy<'a, R, Self>) -> R::Bits;
 
     /// Data that is needed of each point of the surface.
-    type Ground: Pod + Send + Sync + std::fmt::Debug;
+    type SurfaceData: Pod + Send + Sync + std::fmt::Debug;
 
     /// Whether updates in SIMD lanes need edge lengths.
     const NEEDS_EDGES: bool = true;
 
     /// Returns the data of the surface, as a bordered array.
-    fn ground(&self, chart: Chart) -> Cow<'a, [Self::Ground]>;
+    fn surface_data(&self, chart: Chart) -> Cow<'a, [Self::SurfaceData]>;
 
     /// Returns the number of bytes held, without the data of the surface.
     fn bytes(&self) -> usize {
         0
     }
 
-    /// Updates points of a line from the line behind, and marks the stretches of
+    /// Updates points of a line from the line behind, and marks the spans of
     /// [`TILE`](crate::cpu::tiles::TILE) points that have changed.
     fn update(
         &self,
         lines: &mut LinesOf<'_, 'a, R, Self>,
         line: usize,
         points: &Range<usize>,
-        how: How,
+        options: UpdateOptions,
         changed: &mut [bool],
     ) -> Updated<R::Bits>;
 
@@ -112,16 +112,16 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
         &self,
         before: &BeforeOf<'_, 'a, R, Self>,
         first: usize,
-        stretch: StretchOf<'_, 'a, R, Self>,
+        span: SpanOf<'_, 'a, R, Self>,
         points: usize,
-        how: How,
+        options: UpdateOptions,
     ) -> bool;
 }
 
 /// A kind of front that can be updated from a single triangle.
 pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
     /// Returns the front that reaches x0 through the triangle with x1 and x2. `carried` is the data of the
-    /// fronts there. See [`crate::update::Bends`] for `alone`.
+    /// fronts there. See [`crate::update::Curvatures`] for `alone`.
     fn arrival(
         &self,
         corners: [usize; 3],
@@ -298,7 +298,7 @@ pub(super) type Splits<A> = Vec<(usize, Option<A>)>;
 
 /// Returns the entries for `points` points from `start` on, out of entries for points of a line in order.
 #[inline(always)]
-pub(super) fn in_stretch<A>(found: &[(usize, A)], start: usize, points: usize) -> &[(usize, A)] {
+pub(super) fn in_span<A>(found: &[(usize, A)], start: usize, points: usize) -> &[(usize, A)] {
     let before = |end: usize| found.partition_point(|&(place, _)| place < end);
     if found.is_empty() { found } else { &found[before(start)..before(start + points)] }
 }

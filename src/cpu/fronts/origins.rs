@@ -5,10 +5,10 @@ use std::collections::HashMap;
 
 use crate::constants::MOST_ORIGINS;
 use crate::cpu::scan::Scan;
-use crate::cpu::stretch::Stretch;
+use crate::cpu::span::Span;
 use crate::cpu::tiles::TILE;
 use crate::surface::{Origin, Real};
-use crate::update::{Bends, Curvature, Front, Sighted, Steps, curved_from_origins};
+use crate::update::{Curvature, Curvatures, Front, Sighted, Steps, curved_from_origins};
 
 /// The origins of a map, numbered in the order in which they are added.
 #[derive(Clone, Debug, Default)]
@@ -76,15 +76,15 @@ impl<'a, R: Real> LineOrigins<'a, R> {
         }
     }
 
-    /// Returns the origins of the fronts behind a stretch, or `None` if no origin is known.
+    /// Returns the origins of the fronts behind a span, or `None` if no origin is known.
     #[inline(always)]
     pub(super) fn behind<C>(
         &self,
         start: usize,
-        stretch: &Stretch<R, Curvature<R>, C>,
+        span: &Span<R, Curvature<R>, C>,
         points: usize,
-    ) -> Option<StretchOrigins<'_, R>> {
-        let [before, beside, after] = stretch.carried_behind;
+    ) -> Option<SpanOrigins<'_, R>> {
+        let [before, beside, after] = span.carried_behind;
         let mut sighted = [Sighted::unknown(); TILE + 2];
         let mut any = false;
         for (place, slot) in sighted[..points + 2].iter_mut().enumerate() {
@@ -96,26 +96,26 @@ impl<'a, R: Real> LineOrigins<'a, R> {
             any |= carried.origin().is_some();
             *slot = self.table.of(carried);
         }
-        any.then(|| StretchOrigins { line: self, start: R::of(start as f64), sighted })
+        any.then(|| SpanOrigins { line: self, start: R::of(start as f64), sighted })
     }
 }
 
-/// The origins of the fronts behind a stretch of points, from the one before its first point to the one after
+/// The origins of the fronts behind a span of points, from the one before its first point to the one after
 /// its last.
-pub(super) struct StretchOrigins<'a, R> {
+pub(super) struct SpanOrigins<'a, R> {
     line: &'a LineOrigins<'a, R>,
     /// Place of the first point in the line.
     start: R,
     sighted: [Sighted<R>; TILE + 2],
 }
 
-impl<R: Real> StretchOrigins<'_, R> {
+impl<R: Real> SpanOrigins<'_, R> {
     /// Returns the front through one of the two triangles of point `i`.
     #[inline(always)]
     pub(super) fn front<C, const LEFT: bool>(
         &self,
-        stretch: &Stretch<R, Curvature<R>, C>,
-        bends: Bends<R>,
+        span: &Span<R, Curvature<R>, C>,
+        bends: Curvatures<R>,
         i: usize,
     ) -> Front<R> {
         let LineOrigins { first, along, steps, .. } = self.line;
@@ -124,6 +124,6 @@ impl<R: Real> StretchOrigins<'_, R> {
         let x1 = if LEFT { i } else { i + 1 };
         let sighted = [self.sighted[x1].from(at), self.sighted[x1 + 1].from(at)];
         let steps = &steps[usize::from(!LEFT)];
-        curved_from_origins(stretch.weighted_triangle::<LEFT>(i), bends, steps, sighted)
+        curved_from_origins(span.weighted_triangle::<LEFT>(i), bends, steps, sighted)
     }
 }

@@ -1,13 +1,13 @@
-//! Provides what fronts over an uneven slowness need of a stretch of points.
+//! Provides what fronts over an uneven slowness need of a span of points.
 
-use crate::cpu::stretch::Stretch;
+use crate::cpu::span::Span;
 use crate::cpu::tiles::TILE;
 use crate::surface::Real;
 use crate::update::{Carried, Triangle};
 
-/// A stretch of points, with the slowness at each point and at the neighbours behind.
+/// A span of points, with the slowness at each point and at the neighbours behind.
 pub(super) struct Seen<'s, R, C, G, O, B> {
-    pub stretch: &'s Stretch<'s, R, C, G>,
+    pub span: &'s Span<'s, R, C, G>,
     /// Slowness at point `i`.
     pub own: O,
     /// Slowness at the neighbour `k` behind point `i`.
@@ -21,7 +21,7 @@ impl<R: Real, C: Carried, G, O: Fn(usize) -> R, B: Fn(usize, usize) -> R> Seen<'
     pub(super) fn triangle<const LEFT: bool>(&self, i: usize) -> (Triangle<R>, [R; 3]) {
         let x1 = if LEFT { 0 } else { 1 };
         let slowness = [(self.own)(i), (self.behind)(x1, i), (self.behind)(x1 + 1, i)];
-        let triangle = self.stretch.weighted_triangle::<LEFT>(i);
+        let triangle = self.span.weighted_triangle::<LEFT>(i);
         (triangle.without_obtuse_face_on_surface(slowness), slowness)
     }
 
@@ -34,7 +34,7 @@ impl<R: Real, C: Carried, G, O: Fn(usize) -> R, B: Fn(usize, usize) -> R> Seen<'
     }
 }
 
-/// The largest changes of arrival times, by their place in the stretch.
+/// The largest changes of arrival times, by their place in the span.
 pub(super) struct TimeChanges<R: Real>([R::Bits; TILE]);
 
 impl<R: Real> Default for TimeChanges<R> {
@@ -45,7 +45,7 @@ impl<R: Real> Default for TimeChanges<R> {
 }
 
 impl<R: Real> TimeChanges<R> {
-    /// Notes the changes of a stretch. Returns whether any time has changed.
+    /// Notes the changes of a span. Returns whether any time has changed.
     #[inline(always)]
     pub(super) fn note(&mut self, before: &[R], after: &[R]) -> bool {
         let mut any = false;

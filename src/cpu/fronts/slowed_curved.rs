@@ -4,15 +4,17 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use super::curved::{FirstFronts, KeptCurved, accept, first};
-use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, StretchOf, TriangleKind, in_stretch};
+use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, SpanOf, TriangleKind, in_span};
 use super::slowed::Seen;
 use crate::cpu::behind::Behind;
 use crate::cpu::bend_units;
 use crate::cpu::line::ScanLine;
-use crate::cpu::line_update::{How, LineUpdate, Stretches, Updated};
+use crate::cpu::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::tiles::TILE;
 use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed};
-use crate::update::{Bends, Curvature, Front, Kept, Triangle, curved_slowed, is_settled_slowed};
+use crate::update::{
+    Curvature, Curvatures, Front, Kept, Triangle, curved_slowed, is_settled_slowed,
+};
 
 /// The front of [`crate::Wavefront::Curved`] over a surface with an uneven slowness.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +27,7 @@ pub(in crate::cpu) struct SlowedCurved<'a, R> {
 }
 
 /// Surface data of a point: [`GAUSSIAN`] and [`SLOWNESS`].
-type Ground<R> = [R; 2];
+type SurfaceData<R> = [R; 2];
 const GAUSSIAN: usize = 0;
 const SLOWNESS: usize = 1;
 
@@ -40,7 +42,7 @@ impl<'a, R: Real> SlowedCurved<'a, R> {
 impl<'a, R: Real> FrontKind<'a, R> for SlowedCurved<'a, R> {
     type Carried = Curvature<R>;
     type Arrival = Front<R>;
-    type Ground = Ground<R>;
+    type SurfaceData = SurfaceData<R>;
     const TAKES_BACK: bool = true;
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> Front<R> {
@@ -85,7 +87,7 @@ impl<'a, R: Real> FrontKind<'a, R> for SlowedCurved<'a, R> {
         before.time.units_between(after.time).max(bend_units(bend))
     }
 
-    fn ground(&self, _: Chart) -> Cow<'a, [Ground<R>]> {
+    fn surface_data(&self, _: Chart) -> Cow<'a, [SurfaceData<R>]> {
         let points = self.gaussian.iter().zip(self.slowness);
         points.map(|(&gaussian, &slowness)| [gaussian, slowness]).collect()
     }
@@ -95,14 +97,14 @@ impl<'a, R: Real> FrontKind<'a, R> for SlowedCurved<'a, R> {
         lines: &mut LinesOf<'_, 'a, R, Self>,
         line: usize,
         points: &Range<usize>,
-        how: How,
+        options: UpdateOptions,
         changed: &mut [bool],
     ) -> Updated<R::Bits> {
-        let splits = self.splits_of_line(lines, line, points, how.scan).unwrap_or_default();
+        let splits = self.splits_of_line(lines, line, points, options.scan).unwrap_or_default();
         let parts: Vec<_> = splits.into_iter().filter_map(|(at, some)| Some((at, some?))).collect();
-        let line = lines.line(line, points, how.scan);
+        let line = lines.line(line, points, options.scan);
         let line = CurvedLine { line, parts: &parts, causal: self.origins.are_causal() };
-        how.instructions.run(LineUpdate { line, how, changed })
+        options.instructions.run(LineUpdate { line, options, changed })
     }
 
     #[inline(always)]
@@ -110,27 +112,27 @@ impl<'a, R: Real> FrontKind<'a, R> for SlowedCurved<'a, R> {
         &self,
         before: &BeforeOf<'_, 'a, R, Self>,
         first: usize,
-        stretch: StretchOf<'_, 'a, R, Self>,
+        span: SpanOf<'_, 'a, R, Self>,
         points: usize,
-        how: How,
+        options: UpdateOptions,
     ) -> bool {
-        let behind = Behind::of(before.edges.chart(), how.scan);
+        let behind = Behind::of(before.edges.chart(), options.scan);
         let at = behind.points().map(|offset| first.wrapping_add_signed(offset));
-        let ground = at.map(|at| &before.ground[at..][..points]);
+        let surface_data = at.map(|at| &before.surface_data[at..][..points]);
         let seen = Seen {
-            stretch: &stretch,
-            own: |i: usize| stretch.ground[i][SLOWNESS],
-            behind: |k: usize, i: usize| ground[k][i][SLOWNESS],
+            span: &span,
+            own: |i: usize| span.surface_data[i][SLOWNESS],
+            behind: |k: usize, i: usize| surface_data[k][i][SLOWNESS],
         };
-        leaves(&seen, points, how)
+        leaves(&seen, points, options)
     }
 }
 
 impl<'a, R: Real> SlowedCurved<'a, R> {
-    fn bends(&self, corners: [usize; 3], carried: [Curvature<R>; 2], alone: bool) -> Bends<R> {
+    fn bends(&self, corners: [usize; 3], carried: [Curvature<R>; 2], alone: bool) -> Curvatures<R> {
         let fronts = carried.map(Curvature::value);
         let surface = corners.map(|corner| self.gaussian[corner]);
-        Bends { fronts, surface, alone, causal: self.origins.are_causal() }
+        Curvatures { fronts, surface, alone, causal: self.origins.are_causal() }
     }
 }
 
@@ -179,24 +181,24 @@ impl<'a, R: Real> TriangleKind<'a, R> for SlowedCurved<'a, R> {
     }
 }
 
-/// Returns whether a scan leaves a stretch of points unchanged.
+/// Returns whether a scan leaves a span of points unchanged.
 #[inline(always)]
 fn leaves<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
-    seen: &Seen<'_, R, Curvature<R>, Ground<R>, O, B>,
+    seen: &Seen<'_, R, Curvature<R>, SurfaceData<R>, O, B>,
     points: usize,
-    how: How,
+    options: UpdateOptions,
 ) -> bool {
-    let stretch = seen.stretch;
-    if stretch.is_renewed(points, how.scan.0, how.renews) {
+    let span = seen.span;
+    if span.is_renewed(points, options.scan.0, options.renews) {
         return false;
     }
-    if stretch.leads(points) {
+    if span.leads(points) {
         return true;
     }
-    let [before, beside, after] = stretch.carried_behind;
+    let [before, beside, after] = span.carried_behind;
     let mut settled = true;
     for i in 0..points {
-        let now = stretch.times[i];
+        let now = span.times[i];
         let beside = beside[i].value();
         let (left, left_slowness) = seen.seen_from_beside::<true>(i);
         let (right, right_slowness) = seen.seen_from_beside::<false>(i);
@@ -207,7 +209,7 @@ fn leaves<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
     settled
 }
 
-/// The largest changes, by their place in the stretch: of arrival times, and of curvatures times the arrival
+/// The largest changes, by their place in the span: of arrival times, and of curvatures times the arrival
 /// time.
 struct Changes<R: Real> {
     times: [R::Bits; TILE],
@@ -238,14 +240,14 @@ impl<R: Real> Changes<R> {
 
 /// A line while a scan updates it.
 struct CurvedLine<'a, R> {
-    line: ScanLine<'a, R, Curvature<R>, Ground<R>>,
+    line: ScanLine<'a, R, Curvature<R>, SurfaceData<R>>,
     /// Fronts that arrive through parts of obtuse triangles, by the point's place in the line.
     parts: &'a [(usize, Front<R>)],
-    /// See [`Bends::causal`].
+    /// See [`Curvatures::causal`].
     causal: bool,
 }
 
-impl<R: Real> Stretches for CurvedLine<'_, R> {
+impl<R: Real> Spans for CurvedLine<'_, R> {
     type Changes = Changes<R>;
     type Bits = R::Bits;
 
@@ -264,31 +266,33 @@ impl<R: Real> Stretches for CurvedLine<'_, R> {
         &mut self,
         start: usize,
         points: usize,
-        how: How,
+        options: UpdateOptions,
         changes: &mut Changes<R>,
     ) -> Option<bool> {
-        let stretch = self.line.stretch(start, points);
-        let ground = self.line.ground_behind(start, points);
+        let span = self.line.span(start, points);
+        let surface_data = self.line.ground_behind(start, points);
         let seen = Seen {
-            stretch: &stretch,
-            own: |i: usize| stretch.ground[i][SLOWNESS],
-            behind: |k: usize, i: usize| ground[k][i][SLOWNESS],
+            span: &span,
+            own: |i: usize| span.surface_data[i][SLOWNESS],
+            behind: |k: usize, i: usize| surface_data[k][i][SLOWNESS],
         };
-        let parts = in_stretch(self.parts, start, points);
-        if parts.is_empty() && leaves(&seen, points, how) {
+        let parts = in_span(self.parts, start, points);
+        if parts.is_empty() && leaves(&seen, points, options) {
             return None;
         }
         let mut first = FirstFronts::default();
-        for (i, own) in stretch.ground[..points].iter().enumerate() {
-            let k = [0, 1, 2].map(|at| stretch.carried_behind[at][i].value());
-            let g = [0, 1, 2].map(|at| ground[at][i][GAUSSIAN]);
+        for (i, own) in span.surface_data[..points].iter().enumerate() {
+            let k = [0, 1, 2].map(|at| span.carried_behind[at][i].value());
+            let g = [0, 1, 2].map(|at| surface_data[at][i][GAUSSIAN]);
             let own = own[GAUSSIAN];
-            let (alone, causal) = (stretch.is_alone(i), self.causal);
+            let (alone, causal) = (span.is_alone(i), self.causal);
             let (triangle, slowness) = seen.triangle::<true>(i);
-            let bends = Bends { fronts: [k[0], k[1]], surface: [own, g[0], g[1]], alone, causal };
+            let bends =
+                Curvatures { fronts: [k[0], k[1]], surface: [own, g[0], g[1]], alone, causal };
             let left = curved_slowed(triangle, bends, slowness);
             let (triangle, slowness) = seen.triangle::<false>(i);
-            let bends = Bends { fronts: [k[1], k[2]], surface: [own, g[1], g[2]], alone, causal };
+            let bends =
+                Curvatures { fronts: [k[1], k[2]], surface: [own, g[1], g[2]], alone, causal };
             first.set(i, Front::first(left, curved_slowed(triangle, bends, slowness)));
         }
         for &(point, front) in parts {
@@ -298,8 +302,8 @@ impl<R: Real> Stretches for CurvedLine<'_, R> {
         let (mut times, mut curvatures) = ([R::zero(); TILE], [Curvature::default(); TILE]);
         let mut any = false;
         for i in 0..points {
-            let before = Kept { time: stretch.times[i], carried: stretch.carried[i] };
-            let after = accept(before, first.get(i), how.scan.0, how.renews);
+            let before = Kept { time: span.times[i], carried: span.carried[i] };
+            let after = accept(before, first.get(i), options.scan.0, options.renews);
             (times[i], curvatures[i]) = (after.time, after.carried);
             any |= changes.note(i, before, after);
         }

@@ -3,11 +3,11 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, StretchOf, TriangleKind, in_stretch};
+use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, SpanOf, TriangleKind, in_span};
 use super::slowed::{Seen, TimeChanges};
 use crate::cpu::behind::Behind;
 use crate::cpu::line::ScanLine;
-use crate::cpu::line_update::{How, LineUpdate, Stretches, Updated};
+use crate::cpu::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::tiles::TILE;
 use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
 use crate::update::{Kept, Triangle, is_settled_slowed, planar_slowed};
@@ -29,7 +29,7 @@ impl<'a, R: Real> SlowedPlanar<'a, R> {
 impl<'a, R: Real> FrontKind<'a, R> for SlowedPlanar<'a, R> {
     type Carried = ();
     type Arrival = R;
-    type Ground = R;
+    type SurfaceData = R;
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> R {
         R::of(seed.time)
@@ -63,7 +63,7 @@ impl<'a, R: Real> FrontKind<'a, R> for SlowedPlanar<'a, R> {
         before.time.units_between(after.time)
     }
 
-    fn ground(&self, _: Chart) -> Cow<'a, [R]> {
+    fn surface_data(&self, _: Chart) -> Cow<'a, [R]> {
         self.slowness.into()
     }
 
@@ -72,13 +72,13 @@ impl<'a, R: Real> FrontKind<'a, R> for SlowedPlanar<'a, R> {
         lines: &mut LinesOf<'_, 'a, R, Self>,
         line: usize,
         points: &Range<usize>,
-        how: How,
+        options: UpdateOptions,
         changed: &mut [bool],
     ) -> Updated<R::Bits> {
-        let splits = self.splits_of_line(lines, line, points, how.scan).unwrap_or_default();
+        let splits = self.splits_of_line(lines, line, points, options.scan).unwrap_or_default();
         let parts: Vec<_> = splits.into_iter().filter_map(|(at, some)| Some((at, some?))).collect();
-        let line = PlanarLine { line: lines.line(line, points, how.scan), parts: &parts };
-        how.instructions.run(LineUpdate { line, how, changed })
+        let line = PlanarLine { line: lines.line(line, points, options.scan), parts: &parts };
+        options.instructions.run(LineUpdate { line, options, changed })
     }
 
     #[inline(always)]
@@ -86,20 +86,20 @@ impl<'a, R: Real> FrontKind<'a, R> for SlowedPlanar<'a, R> {
         &self,
         before: &BeforeOf<'_, 'a, R, Self>,
         first: usize,
-        stretch: StretchOf<'_, 'a, R, Self>,
+        span: SpanOf<'_, 'a, R, Self>,
         points: usize,
-        how: How,
+        options: UpdateOptions,
     ) -> bool {
-        if stretch.leads(points) {
+        if span.leads(points) {
             return true;
         }
-        let behind = Behind::of(before.edges.chart(), how.scan);
+        let behind = Behind::of(before.edges.chart(), options.scan);
         let at = behind.points().map(|offset| first.wrapping_add_signed(offset));
-        let slowness_behind = at.map(|at| &before.ground[at..][..points]);
+        let slowness_behind = at.map(|at| &before.surface_data[at..][..points]);
         stays(
             &Seen {
-                stretch: &stretch,
-                own: |i: usize| stretch.ground[i],
+                span: &span,
+                own: |i: usize| span.surface_data[i],
                 behind: |k: usize, i: usize| slowness_behind[k][i],
             },
             points,
@@ -150,7 +150,7 @@ fn stays<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
 ) -> bool {
     let mut settled = true;
     for i in 0..points {
-        let now = seen.stretch.times[i];
+        let now = seen.span.times[i];
         let (left, left_slowness) = seen.seen_from_beside::<true>(i);
         let (right, right_slowness) = seen.seen_from_beside::<false>(i);
         settled &= is_settled_slowed(left, None, left_slowness, now)
@@ -166,7 +166,7 @@ struct PlanarLine<'a, R> {
     parts: &'a [(usize, R)],
 }
 
-impl<R: Real> Stretches for PlanarLine<'_, R> {
+impl<R: Real> Spans for PlanarLine<'_, R> {
     type Changes = TimeChanges<R>;
     type Bits = R::Bits;
 
@@ -185,18 +185,18 @@ impl<R: Real> Stretches for PlanarLine<'_, R> {
         &mut self,
         start: usize,
         points: usize,
-        _: How,
+        _: UpdateOptions,
         changes: &mut TimeChanges<R>,
     ) -> Option<bool> {
-        let stretch = self.line.stretch(start, points);
+        let span = self.line.span(start, points);
         let behind = self.line.ground_behind(start, points);
         let seen = Seen {
-            stretch: &stretch,
-            own: |i: usize| stretch.ground[i],
+            span: &span,
+            own: |i: usize| span.surface_data[i],
             behind: |k: usize, i: usize| behind[k][i],
         };
-        let parts = in_stretch(self.parts, start, points);
-        if parts.is_empty() && (stretch.leads(points) || stays(&seen, points)) {
+        let parts = in_span(self.parts, start, points);
+        if parts.is_empty() && (span.leads(points) || stays(&seen, points)) {
             return None;
         }
         let mut after = [R::zero(); TILE];
@@ -205,12 +205,12 @@ impl<R: Real> Stretches for PlanarLine<'_, R> {
             let (right, right_slowness) = seen.triangle::<false>(i);
             let time =
                 min(planar_slowed(left, left_slowness), planar_slowed(right, right_slowness));
-            *after = min(stretch.times[i], time);
+            *after = min(span.times[i], time);
         }
         for &(point, time) in parts {
             after[point - start] = min(after[point - start], time);
         }
-        let any = changes.note(stretch.times, &after[..points]);
+        let any = changes.note(span.times, &after[..points]);
         self.line.times[start..][..points].copy_from_slice(&after[..points]);
         Some(any)
     }

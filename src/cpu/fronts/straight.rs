@@ -3,12 +3,12 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, StretchOf, TriangleKind, in_stretch};
+use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, SpanOf, TriangleKind, in_span};
 use crate::cpu::behind::Behind;
 use crate::cpu::line::ScanLine;
-use crate::cpu::line_update::{How, LineUpdate, Stretches, Updated};
+use crate::cpu::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::settled::Visited;
-use crate::cpu::stretch::Stretch;
+use crate::cpu::span::Span;
 use crate::cpu::tiles::TILE;
 use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed, min};
 use crate::update::{Kept, Triangle};
@@ -44,7 +44,7 @@ fn at<R>(time: R) -> Kept<R, ()> {
 impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
     type Carried = ();
     type Arrival = R;
-    type Ground = ();
+    type SurfaceData = ();
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> R {
         if let Some(origins) = self.origins() {
@@ -87,7 +87,7 @@ impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
         before.time.units_between(after.time)
     }
 
-    fn ground(&self, chart: Chart) -> Cow<'a, [()]> {
+    fn surface_data(&self, chart: Chart) -> Cow<'a, [()]> {
         vec![(); chart.bordered_points()].into()
     }
 
@@ -96,19 +96,19 @@ impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
         lines: &mut LinesOf<'_, 'a, R, Self>,
         line: usize,
         points: &Range<usize>,
-        how: How,
+        options: UpdateOptions,
         changed: &mut [bool],
     ) -> Updated<R::Bits> {
-        let splits = self.splits_of_line(lines, line, points, how.scan);
-        let line = lines.line(line, points, how.scan);
+        let splits = self.splits_of_line(lines, line, points, options.scan);
+        let line = lines.line(line, points, options.scan);
         match &splits {
             None => {
                 let line = StraightLine::<_, _, false> { line, parts: &[], kind: *self };
-                how.instructions.run(LineUpdate { line, how, changed })
+                options.instructions.run(LineUpdate { line, options, changed })
             }
             Some(parts) => {
                 let line = StraightLine::<_, _, true> { line, parts, kind: *self };
-                how.instructions.run(LineUpdate { line, how, changed })
+                options.instructions.run(LineUpdate { line, options, changed })
             }
         }
     }
@@ -118,11 +118,11 @@ impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
         &self,
         _: &BeforeOf<'_, 'a, R, Self>,
         _: usize,
-        stretch: StretchOf<'_, 'a, R, Self>,
+        span: SpanOf<'_, 'a, R, Self>,
         points: usize,
-        _: How,
+        _: UpdateOptions,
     ) -> bool {
-        stretch.leads(points) || stays::<R, S, false>(&stretch, points)
+        span.leads(points) || stays::<R, S, false>(&span, points)
     }
 }
 
@@ -149,13 +149,10 @@ impl<'a, R: Real, S: Straight> TriangleKind<'a, R> for S {
 
 /// Returns whether no front arrives earlier at any of the points.
 #[inline(always)]
-fn stays<R: Real, S: Straight, const SPLIT: bool>(
-    stretch: &Stretch<R, (), ()>,
-    points: usize,
-) -> bool {
+fn stays<R: Real, S: Straight, const SPLIT: bool>(span: &Span<R, (), ()>, points: usize) -> bool {
     let mut settled = true;
     for i in 0..points {
-        let visited: Visited<R> = stretch.visited::<SPLIT>(i);
+        let visited: Visited<R> = span.visited::<SPLIT>(i);
         let [left, right] = visited.triangles;
         let of = [S::is_settled(left, visited.now), S::is_settled(right, visited.now)];
         settled &= visited.stays(of);
@@ -171,7 +168,7 @@ struct StraightLine<'a, R, S, const SPLIT: bool> {
     kind: S,
 }
 
-/// The largest changes of arrival times, by their place in the stretch.
+/// The largest changes of arrival times, by their place in the span.
 struct TimeChanges<R: Real>([R::Bits; TILE]);
 
 impl<R: Real> Default for TimeChanges<R> {
@@ -181,7 +178,7 @@ impl<R: Real> Default for TimeChanges<R> {
     }
 }
 
-impl<R: Real, S: Straight, const SPLIT: bool> Stretches for StraightLine<'_, R, S, SPLIT> {
+impl<R: Real, S: Straight, const SPLIT: bool> Spans for StraightLine<'_, R, S, SPLIT> {
     type Changes = TimeChanges<R>;
     type Bits = R::Bits;
 
@@ -200,25 +197,25 @@ impl<R: Real, S: Straight, const SPLIT: bool> Stretches for StraightLine<'_, R, 
         &mut self,
         start: usize,
         points: usize,
-        _: How,
+        _: UpdateOptions,
         changes: &mut TimeChanges<R>,
     ) -> Option<bool> {
-        let stretch = self.line.stretch(start, points);
-        let parts = if SPLIT { in_stretch(self.parts, start, points) } else { &[] };
+        let span = self.line.span(start, points);
+        let parts = if SPLIT { in_span(self.parts, start, points) } else { &[] };
         let mut before = [R::zero(); TILE];
-        before[..points].copy_from_slice(stretch.times);
+        before[..points].copy_from_slice(span.times);
         let after = if parts.is_empty() {
-            if stretch.leads(points) {
+            if span.leads(points) {
                 return None;
             }
             // If no point has been reached, all of them are about to be, and the test would be wasted.
-            if !stretch.is_unreached(points) && stays::<R, S, false>(&stretch, points) {
+            if !span.is_unreached(points) && stays::<R, S, false>(&span, points) {
                 return None;
             }
-            through_both::<R, S, false>(self.kind, &stretch, &before, points)
+            through_both::<R, S, false>(self.kind, &span, &before, points)
         } else {
             let is_alone = parts.iter().all(|(_, time)| time.is_none());
-            if is_alone && (stretch.leads(points) || stays::<R, S, true>(&stretch, points)) {
+            if is_alone && (span.leads(points) || stays::<R, S, true>(&span, points)) {
                 return None;
             }
             let mut now = before;
@@ -227,7 +224,7 @@ impl<R: Real, S: Straight, const SPLIT: bool> Stretches for StraightLine<'_, R, 
                     now[point - start] = S::first(now[point - start], time);
                 }
             }
-            through_both::<R, S, true>(self.kind, &stretch, &now, points)
+            through_both::<R, S, true>(self.kind, &span, &now, points)
         };
         let mut any = false;
         for (i, largest) in changes.0[..points].iter_mut().enumerate() {
@@ -251,13 +248,13 @@ impl<R: Real, S: Straight, const SPLIT: bool> Stretches for StraightLine<'_, R, 
 #[inline(always)]
 fn earlier<R: Real, S: Straight, const LEFT: bool, const SPLIT: bool>(
     kind: S,
-    stretch: &Stretch<R, (), ()>,
+    span: &Span<R, (), ()>,
     now: &[R; TILE],
     points: usize,
 ) -> [R; TILE] {
     let mut times = [R::zero(); TILE];
     for i in 0..points {
-        times[i] = kind.earlier(now[i], stretch.triangle::<LEFT, SPLIT>(i));
+        times[i] = kind.earlier(now[i], span.triangle::<LEFT, SPLIT>(i));
     }
     times
 }
@@ -266,14 +263,14 @@ fn earlier<R: Real, S: Straight, const LEFT: bool, const SPLIT: bool>(
 #[inline(always)]
 fn through_both<R: Real, S: Straight, const SPLIT: bool>(
     kind: S,
-    stretch: &Stretch<R, (), ()>,
+    span: &Span<R, (), ()>,
     now: &[R; TILE],
     points: usize,
 ) -> [R; TILE] {
-    if stretch.comes_from_left(points) {
-        updated::<R, S, true, false, SPLIT>(kind, stretch, now, points)
+    if span.comes_from_left(points) {
+        updated::<R, S, true, false, SPLIT>(kind, span, now, points)
     } else {
-        updated::<R, S, false, true, SPLIT>(kind, stretch, now, points)
+        updated::<R, S, false, true, SPLIT>(kind, span, now, points)
     }
 }
 
@@ -288,14 +285,14 @@ fn updated<
     const SPLIT: bool,
 >(
     kind: S,
-    stretch: &Stretch<R, (), ()>,
+    span: &Span<R, (), ()>,
     now: &[R; TILE],
     points: usize,
 ) -> [R; TILE] {
-    let first = earlier::<R, S, FIRST_LEFT, SPLIT>(kind, stretch, now, points);
+    let first = earlier::<R, S, FIRST_LEFT, SPLIT>(kind, span, now, points);
     let mut settled = true;
     for (i, &time) in first[..points].iter().enumerate() {
-        settled &= S::is_settled(stretch.seen_from_beside::<SECOND_LEFT, SPLIT>(i), time);
+        settled &= S::is_settled(span.seen_from_beside::<SECOND_LEFT, SPLIT>(i), time);
     }
-    if settled { first } else { earlier::<R, S, SECOND_LEFT, SPLIT>(kind, stretch, &first, points) }
+    if settled { first } else { earlier::<R, S, SECOND_LEFT, SPLIT>(kind, span, &first, points) }
 }

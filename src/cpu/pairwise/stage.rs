@@ -9,7 +9,7 @@ use crate::surface::Chart;
 
 /// A buffer in which rows of the grid become parts of the matrix's rows on their way to memory.
 pub(super) struct Stage {
-    /// A stretch of each row of the matrix. Stretches are a stride apart.
+    /// A span of each row of the matrix. Spans are a stride apart.
     rows: Vec<Lanes>,
     /// Number of grid rows that the buffer holds at once.
     band: usize,
@@ -61,7 +61,7 @@ impl Stage {
     }
 }
 
-/// Returns the number of rows in a band. Long stretches are written to memory at once, so that few have
+/// Returns the number of rows in a band. Long spans are written to memory at once, so that few have
 /// partial ends, and a band still fits a cache.
 fn band(chart: Chart) -> usize {
     (2048 / chart.cols).clamp(1, chart.rows)

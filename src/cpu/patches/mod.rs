@@ -118,7 +118,7 @@ pub(super) struct PatchScanner<'a, R: Real, K: FrontKind<'a, R>> {
     times: Vec<R>,
     carried: Vec<K::Carried>,
     rooms: Vec<Room<R, K::Carried>>,
-    panels: Pool<R, K::Carried, K::Ground>,
+    panels: Pool<R, K::Carried, K::SurfaceData>,
     counts: PatchCounts,
     /// The time of the earliest front that the last round has changed along the border of each patch.
     woken: Vec<Option<R>>,

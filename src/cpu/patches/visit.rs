@@ -4,12 +4,12 @@ use super::room::{Pool, Room};
 use super::{News, Patch, Woken};
 use crate::cpu::due::find_due;
 use crate::cpu::fronts::{FrontKind, KeptBy};
-use crate::cpu::line_update::How;
+use crate::cpu::line_update::UpdateOptions;
 use crate::cpu::panel::Panel;
 use crate::cpu::prepared::Prepared;
 use crate::cpu::scan::Scan;
 use crate::cpu::scan_copy::On;
-use crate::cpu::stretch::Before;
+use crate::cpu::span::Before;
 use crate::cpu::tiles::TILE;
 use crate::cpu::window::Fronts;
 use crate::surface::{Block, Real, Tiling, min};
@@ -20,7 +20,7 @@ pub(super) struct Visits<'v, 'a, R: Real, K: FrontKind<'a, R>> {
     pub on: &'v Prepared<'a, R, K>,
     /// The fronts of the whole grid before the round.
     pub far: Fronts<'v, R, K::Carried>,
-    pub panels: &'v Pool<R, K::Carried, K::Ground>,
+    pub panels: &'v Pool<R, K::Carried, K::SurfaceData>,
     pub tiling: Tiling,
     /// Distance from which points may see a point.
     pub reach: usize,
@@ -32,10 +32,15 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Visits<'_, 'a, R, K> {
     /// Finds out whether a scan has work in a patch, after changes around it. If none has, all have seen them.
     pub(super) fn look(&self, Woken { patch, looked, is_due, .. }: &mut Woken<R>) {
         let renews = patch.progress.renews();
-        let how = |scan| How { scan, renews, instructions: self.on.instructions };
+        let options = |scan| UpdateOptions { scan, renews, instructions: self.on.instructions };
         let grid = self.on.grid();
-        let before = Before { edges: grid.edges, fronts: self.far, far: None, ground: grid.ground };
-        *looked = find_due(&self.on.kind, before, &mut patch.tiles, &Scan::ALL.map(how));
+        let before = Before {
+            edges: grid.edges,
+            fronts: self.far,
+            far: None,
+            surface_data: grid.surface_data,
+        };
+        *looked = find_due(&self.on.kind, before, &mut patch.tiles, &Scan::ALL.map(options));
         *is_due = patch.tiles.any_is_due();
         if !*is_due {
             patch.tiles.passed(Scan::ALL, [&[]; 4]);
@@ -59,7 +64,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Visits<'_, 'a, R, K> {
         &self,
         patch: &mut Patch,
         room: &mut Room<R, K::Carried>,
-        panel: &mut Panel<R, K::Carried, K::Ground>,
+        panel: &mut Panel<R, K::Carried, K::SurfaceData>,
     ) {
         (room.iterations, room.settled) = (0, false);
         let scans = in_order(room.copy.fronts(), &patch.block);
@@ -88,7 +93,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Visits<'_, 'a, R, K> {
         &self,
         patch: &mut Patch,
         room: &mut Room<R, K::Carried>,
-        panel: &mut Panel<R, K::Carried, K::Ground>,
+        panel: &mut Panel<R, K::Carried, K::SurfaceData>,
         scan: Scan,
         renews: bool,
     ) -> R::Bits {
@@ -97,11 +102,11 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Visits<'_, 'a, R, K> {
             return R::Bits::default();
         }
         let (grid, far) = (self.on.grid(), Some(self.far));
-        let how = How { scan, renews, instructions: self.on.instructions };
+        let options = UpdateOptions { scan, renews, instructions: self.on.instructions };
         let fronts = room.copy.fronts();
-        let before = Before { edges: grid.edges, fronts, far, ground: grid.ground };
-        room.looked += find_due(&self.on.kind, before, tiles, &[how]);
-        let change = room.copy.scan(&self.on.kind, On { grid, panel, far }, tiles, how);
+        let before = Before { edges: grid.edges, fronts, far, surface_data: grid.surface_data };
+        room.looked += find_due(&self.on.kind, before, tiles, &[options]);
+        let change = room.copy.scan(&self.on.kind, On { grid, panel, far }, tiles, options);
         tiles.passed([scan], [&room.copy.changed]);
         change
     }

@@ -13,7 +13,7 @@ pub use all_points::all_points;
 pub use regions::regions;
 pub use scan_due::{Visits, scan_due};
 pub use scan_in_turn::{scan_in_turn, scan_outward};
-pub use surroundings::{PointSource, surroundings};
+pub use surroundings::{CentralSource, surroundings};
 pub use tile_rounds::{Rounds, tile_rounds, tile_rounds_counted};
 
 use super::behind::Behind;

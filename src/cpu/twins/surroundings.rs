@@ -15,7 +15,7 @@ use crate::update::Wavefront;
 
 /// A point source, as a renderer gives it.
 #[derive(Clone, Debug)]
-pub struct PointSource {
+pub struct CentralSource {
     /// Row and column.
     pub at: DVec2,
     /// Arrival time at the source.
@@ -29,7 +29,7 @@ pub struct PointSource {
 /// is no larger than the surroundings.
 pub fn surroundings<R: Real>(
     edges: &EdgeLengths<R>,
-    sources: &[PointSource],
+    sources: &[CentralSource],
     wavefront: Wavefront,
 ) -> Solution<R> {
     for_kind!(edges, wavefront, kind => solve(edges, kind, sources, wavefront.is_curved()))
@@ -38,7 +38,7 @@ pub fn surroundings<R: Real>(
 fn solve<'a, R: Real, K: FrontKind<'a, R>>(
     edges: &'a EdgeLengths<R>,
     kind: K,
-    sources: &[PointSource],
+    sources: &[CentralSource],
     is_curved: bool,
 ) -> Solution<R> {
     let unreached = PointFronts::start(edges, kind.clone(), &[]);
@@ -51,7 +51,7 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
     let mut merged = unreached.clone();
     let mut is_exact = vec![false; chart.bordered_points()];
     for source in sources {
-        let is_near = |other: &PointSource| {
+        let is_near = |other: &CentralSource| {
             let apart = (other.at - source.at).abs().max_element();
             apart > 0.0 && apart <= f64::from(SURROUNDINGS_TEXELS)
         };

@@ -48,5 +48,5 @@ pub use distances::{ASYMMETRY, Distances, EXTENT};
 pub use error::CanonicalError;
 pub use form::CanonicalForm;
 pub use smacof::{
-    DEFAULT_TOLERANCE, FormOptions, Start, Step, canonical_form, canonical_form_with,
+    DEFAULT_TOLERANCE, FormOptions, FormStep, Start, canonical_form, canonical_form_with,
 };

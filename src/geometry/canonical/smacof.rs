@@ -60,7 +60,7 @@ pub enum Start {
 
 /// The state after an iteration, for a progress bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
+pub struct FormStep {
     /// The number of iterations so far.
     pub iteration: usize,
     /// The raw stress.
@@ -90,7 +90,7 @@ pub fn canonical_form(
 pub fn canonical_form_with(
     distances: &Distances,
     options: &FormOptions,
-    mut after: impl FnMut(Step),
+    mut after: impl FnMut(FormStep),
 ) -> Result<CanonicalForm, CanonicalError> {
     options.check(distances.points())?;
     let &FormOptions { dimensions, tolerance, iterations, .. } = options;
@@ -134,7 +134,7 @@ pub fn canonical_form_with(
         extrapolation.note(&here, &there);
         (place, here, stress) = (next.as_slice().to_vec(), there, less);
         stresses.push(stress);
-        after(Step { iteration: stresses.len() - 1, stress, change });
+        after(FormStep { iteration: stresses.len() - 1, stress, change });
         calm = if change < tolerance { calm + 1 } else { 0 };
         converged = calm >= CALM || stress <= floor;
     }

@@ -14,13 +14,13 @@ use glam::{DMat2, DVec2, Vec2};
 use rayon::prelude::*;
 
 use crate::geometry::MapError;
+use crate::geometry::neighbourhood::Neighbourhood;
 use crate::geometry::order::{bordered, by_arrival, rank};
-use crate::geometry::spokes::Spokes;
 use crate::surface::{EdgeLengths, Real, Source, Sources, Surface, ring};
 
 /// The angle at each point.
 pub(super) struct Sides<'a> {
-    spokes: Spokes<'a>,
+    neighbourhood: Neighbourhood<'a>,
     times: Vec<f32>,
     start: f64,
     /// The cosine and sine of each angle; NaN at points that have not been visited.
@@ -49,14 +49,19 @@ impl<'a> Sides<'a> {
         let times = bordered(edges.chart(), distances)?;
         let order = by_arrival(&times);
         let angles = vec![Vec2::NAN; times.len()];
-        let mut sides = Self { spokes: Spokes::new(edges), times, start: sources.start(), angles };
+        let mut sides = Self {
+            neighbourhood: Neighbourhood::new(edges),
+            times,
+            start: sources.start(),
+            angles,
+        };
         let mut seen = HashMap::new();
         for source in sources.iter() {
             let Source::Curve { vertices, initial } = source else { continue };
             for ((row, col), is_seed) in beside(surface, source)? {
-                let point = sides.spokes.chart().bordered(row, col);
+                let point = sides.neighbourhood.chart().bordered(row, col);
                 let at = DVec2::new(row as f64, col as f64);
-                let Some(nearest) = nearest(vertices, at, sides.spokes.metric(point)) else {
+                let Some(nearest) = nearest(vertices, at, sides.neighbourhood.metric(point)) else {
                     continue;
                 };
                 // If several curves are near, the curve whose wavefront reaches this point first is taken.
@@ -101,10 +106,10 @@ impl<'a> Sides<'a> {
     /// Returns the first ray that arrives at a point from those neighbours for which `counts` is true.
     fn ray(&self, point: usize, counts: impl Fn(usize) -> bool) -> Option<Ray> {
         let since = std::array::from_fn(|to| {
-            let neighbour = self.spokes.neighbour(point, to);
+            let neighbour = self.neighbourhood.neighbour(point, to);
             if counts(neighbour) { self.since(neighbour) } else { f64::FAR }
         });
-        self.spokes
+        self.neighbourhood
             .first_ray(point, &since)
             .map(|(_, base, share)| Ray { base: base as u8, share: share as f32 })
     }
@@ -125,8 +130,8 @@ impl<'a> Sides<'a> {
 
     /// Returns the angle that a ray carries to a point.
     fn along(&self, point: usize, Ray { base, share }: Ray) -> Vec2 {
-        let ends =
-            [usize::from(base), ring::next(base.into())].map(|to| self.spokes.neighbour(point, to));
+        let ends = [usize::from(base), ring::next(base.into())]
+            .map(|to| self.neighbourhood.neighbour(point, to));
         let [a, b] = ends.map(|end| self.angles[end]);
         let arm = |end: usize| self.since(end) * self.angles[end].as_dvec2();
         match share {
@@ -139,11 +144,11 @@ impl<'a> Sides<'a> {
 
     /// Returns the side at a place on the edge between two grid points, as an angle.
     pub(super) fn on_edge(&self, ends: [(usize, usize); 2], share: f64) -> f64 {
-        let points = ends.map(|(row, col)| self.spokes.chart().bordered(row, col));
+        let points = ends.map(|(row, col)| self.neighbourhood.chart().bordered(row, col));
         let [a, b] = points.map(|point| self.angles[point].as_dvec2().to_angle());
         let [since_a, since_b] = points.map(|point| f64::from(self.times[point]) - self.start);
-        let to = |to: &usize| self.spokes.neighbour(points[0], *to) == points[1];
-        let length = (0..8).find(to).map_or(0.0, |to| self.spokes.length(points[0], to));
+        let to = |to: &usize| self.neighbourhood.neighbour(points[0], *to) == points[1];
+        let length = (0..8).find(to).map_or(0.0, |to| self.neighbourhood.length(points[0], to));
         // The curve itself lies between the two points. The map decreases towards it from the later point.
         if since_a + since_b <= 1.01 * length {
             return if since_a > since_b { a } else { b };

@@ -14,8 +14,8 @@ use std::iter::once;
 use glam::DVec2;
 
 use super::corners::Corners;
-use super::course::{Rests, Trace};
 use super::goals::Goals;
+use super::linked_path::{SharedParts, Trace};
 use super::place::Place;
 use super::tracer::Tracer;
 use crate::Stop;
@@ -122,8 +122,8 @@ impl Tracer<'_> {
 
     /// Returns the shortest path through one of several places in a window.
     fn over(&self, near: &Tracer, origin: DVec2, places: &[DVec2]) -> Option<Way> {
-        let rests: Vec<_> = places.iter().map(|&at| at + origin).collect();
-        let ways = near.traces(places).into_iter().zip(self.traces(&rests)).zip(places);
+        let starts: Vec<_> = places.iter().map(|&at| at + origin).collect();
+        let ways = near.traces(places).into_iter().zip(self.traces(&starts)).zip(places);
         ways.filter_map(|((first, rest), &at)| {
             Some(Way { at, first: first.ok()?, rest: rest.ok()? })
         })
@@ -159,15 +159,15 @@ impl Tracer<'_> {
         let times = chart.with_border(&solver.distances(), f32::INFINITY);
         let there = |point: usize| times[point] < f32::INFINITY;
         let goals = Goals::new(chart, &Sources::point(at.x, at.y), there);
-        let (corners, rests) = (Corners::default(), Rests::default());
-        Some(Tracer { edges, times, start: 0.0, goals, corners, shortens: false, rests })
+        let (corners, shared_parts) = (Corners::default(), SharedParts::default());
+        Some(Tracer { edges, times, start: 0.0, goals, corners, shortens: false, shared_parts })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Paths;
+    use crate::geometry::PathTracer;
     use crate::surface::builtin::Builtin;
 
     /// A path with a detour is replaced by the straight one, and a straight path stays.
@@ -180,7 +180,7 @@ mod tests {
         let sources = Sources::point(source.x, source.y);
         let map = Builtin::Plane.exact_distances(POINTS, POINTS, source.to_array()).unwrap();
         let map: Vec<_> = map.into_iter().map(|distance| distance as f32).collect();
-        let paths = Paths::new(&surface, &edges, &sources, &map).unwrap();
+        let paths = PathTracer::new(&surface, &edges, &sources, &map).unwrap();
         let exact = start.distance(source) / (POINTS - 1) as f64;
         let trace = |length| Trace {
             vertices: vec![start, source],

@@ -20,13 +20,13 @@ mod ahead;
 mod around;
 mod cell;
 mod corners;
-mod course;
 mod edge_times;
 mod entry;
 mod goals;
+mod linked_path;
 mod place;
-mod rests;
 mod search;
+mod shared_parts;
 mod taut;
 mod tracer;
 mod walk;
@@ -38,8 +38,8 @@ use super::Curve;
 use crate::shown::exact;
 use crate::surface::{Chart, EdgeLengths, Source, SourceError, Sources, Surface};
 use corners::Corners;
-use course::{Rests, Trace};
 use goals::Goals;
+use linked_path::{SharedParts, Trace};
 use place::Stuck;
 use tracer::Tracer;
 
@@ -137,7 +137,7 @@ const TOGETHER: usize = 64;
 /// the next corner.
 ///
 /// ```
-/// use geosweep::geometry::Paths;
+/// use geosweep::geometry::PathTracer;
 /// use geosweep::surface::{EdgeLengths, builtin::Builtin};
 /// use geosweep::{Engine, Options, Sources, distance_map};
 ///
@@ -147,7 +147,7 @@ const TOGETHER: usize = 64;
 /// let map = distance_map(&surface, &sources, &options)?;
 ///
 /// let edges = EdgeLengths::new(&surface)?;
-/// let paths = Paths::new(&surface, &edges, &sources, &map.distances)?;
+/// let paths = PathTracer::new(&surface, &edges, &sources, &map.distances)?;
 /// let path = paths.trace([50.5, 48.25])?;
 /// assert_eq!(path.curve.vertices.last(), Some(&[0.0, 0.0]));
 /// let exact = Builtin::Maze.exact_distance(101, 101, [50.5, 48.25], [0.0, 0.0]).unwrap();
@@ -155,14 +155,14 @@ const TOGETHER: usize = 64;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Paths<'a> {
+pub struct PathTracer<'a> {
     surface: &'a Surface,
     tracer: Tracer<'a>,
     /// A place on the first source.
     around: DVec2,
 }
 
-impl<'a> Paths<'a> {
+impl<'a> PathTracer<'a> {
     /// Prepares a map for tracing. `distances` is the map of these sources on this surface, row-major, as in
     /// [`crate::DistanceMap::distances`]. `edges` are the edge lengths of `surface`.
     ///
@@ -190,8 +190,8 @@ impl<'a> Paths<'a> {
         };
         let around = sources.iter().find_map(place).unwrap_or_default();
         let corners = Corners::new(chart, &times);
-        let (start, rests) = (sources.start(), Rests::default());
-        let tracer = Tracer { edges, times, start, goals, corners, shortens: true, rests };
+        let (start, shared_parts) = (sources.start(), SharedParts::default());
+        let tracer = Tracer { edges, times, start, goals, corners, shortens: true, shared_parts };
         Ok(Self { surface, tracer, around })
     }
 
@@ -209,7 +209,7 @@ impl<'a> Paths<'a> {
     pub fn along_the_map(mut self) -> Self {
         self.tracer.shortens = false;
         // The paths kept so far are taut.
-        self.tracer.rests = Rests::default();
+        self.tracer.shared_parts = SharedParts::default();
         self
     }
 

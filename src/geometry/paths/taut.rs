@@ -16,7 +16,7 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use super::cell::CellLengths;
-use super::course::Course;
+use super::linked_path::LinkedPath;
 use super::tracer::Tracer;
 use crate::surface::{corner_weights, grid_crossings};
 
@@ -56,7 +56,7 @@ struct Shortcut {
 
 /// A shared path that has been appended to another path.
 struct Shared {
-    rest: Arc<Course>,
+    rest: Arc<LinkedPath>,
     /// The number of vertices at the end that still belong to the shared path.
     left: usize,
 }
@@ -178,25 +178,25 @@ fn extent(vertices: &[DVec2]) -> f64 {
 
 impl Tracer<'_> {
     /// Pulls a path taut: leads it straight to and from the corners at which it bends.
-    pub(super) fn taut(&self, mut course: Course) -> Course {
+    pub(super) fn taut(&self, mut linked: LinkedPath) -> LinkedPath {
         if self.corners.is_none() {
-            return course;
+            return linked;
         }
         // The last corner through which the path has been led.
         let mut fixed = 0;
         let mut at = 0;
         let mut shared = None;
-        while at < course.vertices.len() {
-            shared = self.join(&mut course, at).or(shared);
-            if let Some(shortcut) = self.shortcut(&course.vertices, fixed, at) {
+        while at < linked.vertices.len() {
+            shared = self.join(&mut linked, at).or(shared);
+            if let Some(shortcut) = self.shortcut(&linked.vertices, fixed, at) {
                 if let Some(Shared { left, .. }) = &mut shared {
-                    *left = (*left).min(course.vertices.len() - shortcut.ends[1]);
+                    *left = (*left).min(linked.vertices.len() - shortcut.ends[1]);
                 }
-                let (bend, end) = self.take(&mut course, &shortcut);
+                let (bend, end) = self.take(&mut linked, &shortcut);
                 fixed = bend.unwrap_or(fixed);
                 at = bend.map_or(end, |bend| bend + 1);
             } else {
-                let vertex = course.vertices[at];
+                let vertex = linked.vertices[at];
                 if self.corners_beside(vertex).any(|corner| corner == vertex) {
                     fixed = at;
                 }
@@ -204,16 +204,16 @@ impl Tracer<'_> {
             }
             // The remaining vertices come from a shared path, which is taut already.
             if let Some(Shared { left, rest }) = &shared
-                && fixed + left >= course.vertices.len()
+                && fixed + left >= linked.vertices.len()
             {
-                if *left == rest.vertices.len() && fixed + left == course.vertices.len() {
-                    course.vertices.truncate(fixed + 1);
-                    course.rest = Some(rest.clone());
+                if *left == rest.vertices.len() && fixed + left == linked.vertices.len() {
+                    linked.vertices.truncate(fixed + 1);
+                    linked.rest = Some(rest.clone());
                 }
                 break;
             }
         }
-        course
+        linked
     }
 
     /// Returns a shortcut at a corner that the path passes from the vertex `at` on. The path is fixed up to
@@ -229,9 +229,9 @@ impl Tracer<'_> {
 
     /// Replaces a part of a path by a shortcut. Returns the index of the vertex at which the shortcut bends,
     /// if it does, and the index of its end.
-    fn take(&self, course: &mut Course, shortcut: &Shortcut) -> (Option<usize>, usize) {
+    fn take(&self, linked: &mut LinkedPath, shortcut: &Shortcut) -> (Option<usize>, usize) {
         let &Shortcut { ends: [first, last], corner, saves } = shortcut;
-        let (from, to) = (course.vertices[first], course.vertices[last]);
+        let (from, to) = (linked.vertices[first], linked.vertices[last]);
         let mut way = self.cuts(from, corner.unwrap_or(to));
         let bend = corner.map(|corner| {
             let bend = if from == corner { first } else { first + 1 + way.len() };
@@ -242,21 +242,21 @@ impl Tracer<'_> {
             bend
         });
         let end = first + 1 + way.len();
-        course.vertices.splice(first + 1..last, way);
-        course.length -= saves;
+        linked.vertices.splice(first + 1..last, way);
+        linked.length -= saves;
         (bend, end)
     }
 
     /// Appends the shared rest of a path if that begins at a corner beside the vertex `at`, so that the path
     /// can be pulled taut there.
-    fn join(&self, course: &mut Course, at: usize) -> Option<Shared> {
-        let end = *course.vertices.last()?;
-        if self.corners_beside(course.vertices[at]).all(|corner| corner != end) {
+    fn join(&self, linked: &mut LinkedPath, at: usize) -> Option<Shared> {
+        let end = *linked.vertices.last()?;
+        if self.corners_beside(linked.vertices[at]).all(|corner| corner != end) {
             return None;
         }
-        let rest = course.rest.take()?;
-        course.vertices.extend_from_slice(&rest.vertices[1..]);
-        course.rest = rest.rest.clone();
+        let rest = linked.rest.take()?;
+        linked.vertices.extend_from_slice(&rest.vertices[1..]);
+        linked.rest = rest.rest.clone();
         Some(Shared { left: rest.vertices.len(), rest })
     }
 

@@ -5,8 +5,8 @@ use glam::DVec2;
 
 use super::cell::{CellLengths, NO_EDGE};
 use super::corners::Corners;
-use super::course::Rests;
 use super::goals::Goals;
+use super::linked_path::SharedParts;
 use super::place::Place;
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, corner_weights};
 
@@ -22,7 +22,7 @@ pub(super) struct Tracer<'a> {
     pub corners: Corners,
     /// Whether paths are shortened beyond what the map alone gives.
     pub shortens: bool,
-    pub rests: Rests,
+    pub shared_parts: SharedParts,
 }
 
 impl Tracer<'_> {

@@ -2,7 +2,7 @@
 //! from its arrival times at the neighbours.
 
 use crate::cpu::{Visited, settled};
-use crate::geometry::spokes::Spokes;
+use crate::geometry::neighbourhood::Neighbourhood;
 use crate::surface::{Real, Source, Sources, max, min, ring};
 use crate::update::{Triangle, Wavefront, circular, planar};
 
@@ -15,17 +15,17 @@ struct Origin {
 
 /// The updates of the sources' wavefronts, indexed by label.
 pub(super) struct Continuation<'a> {
-    spokes: Spokes<'a>,
+    neighbourhood: Neighbourhood<'a>,
     origins: Vec<Origin>,
 }
 
 impl<'a> Continuation<'a> {
-    pub(super) fn new(spokes: Spokes<'a>, sources: &Sources) -> Self {
-        Self { spokes, origins: sources.iter().map(Origin::of).collect() }
+    pub(super) fn new(neighbourhood: Neighbourhood<'a>, sources: &Sources) -> Self {
+        Self { neighbourhood, origins: sources.iter().map(Origin::of).collect() }
     }
 
-    pub(super) fn spokes(&self) -> &Spokes<'a> {
-        &self.spokes
+    pub(super) fn neighbourhood(&self) -> &Neighbourhood<'a> {
+        &self.neighbourhood
     }
 
     /// Returns the time between the start of a wavefront and its arrival at the time `time`.
@@ -85,7 +85,7 @@ impl<'a> Continuation<'a> {
         since: &[f64; 8],
         now: f64,
     ) -> Option<f64> {
-        let length = |to: usize| self.spokes.length(point, to);
+        let length = |to: usize| self.neighbourhood.length(point, to);
         let triangles = [ring::previous(edge), ring::next(edge)].map(|side| {
             let ends = [edge, side];
             self.triangle(point, ends, since, ends.map(length))
@@ -115,7 +115,7 @@ impl<'a> Continuation<'a> {
     ) -> Triangle<f64> {
         let [t1, t2] = ends.map(|to| since[to]);
         let first = if ring::next(ends[0]) == ends[1] { ends[0] } else { ends[1] };
-        Triangle { t1, t2, l1, l2, c: self.spokes.base(point, first) }
+        Triangle { t1, t2, l1, l2, c: self.neighbourhood.base(point, first) }
     }
 
     /// Returns the time since a wavefront's start at which it arrives through a triangle.

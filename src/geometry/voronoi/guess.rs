@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use rayon::prelude::*;
 
 use super::NO_REGION;
+use crate::geometry::neighbourhood::Neighbourhood;
 use crate::geometry::order::rank;
-use crate::geometry::spokes::Spokes;
 use crate::lanes::{Instructions, Loop};
 use crate::surface::{Direction, Real};
 
@@ -31,8 +31,12 @@ const LINK: u32 = 1 << 31;
 impl Guess {
     /// Guesses all labels. `seeds` are the points that sources seed, each with the label of its first
     /// wavefront.
-    pub(super) fn new(spokes: &Spokes, times: &[f32], seeds: &[(usize, u32)]) -> Self {
-        let chart = spokes.chart();
+    pub(super) fn new(
+        neighbourhood: &Neighbourhood,
+        times: &[f32],
+        seeds: &[(usize, u32)],
+    ) -> Self {
+        let chart = neighbourhood.chart();
         let mut labels: Vec<AtomicU32> = times.iter().map(|_| AtomicU32::new(NO_REGION)).collect();
         let rows = || (0..chart.rows).into_par_iter();
         let instructions = Instructions::best();
@@ -53,7 +57,8 @@ impl Guess {
         let is_reached = |point: &usize| times[*point] < f32::FAR;
         let in_doubt = |point: &usize| {
             let label = labels[*point];
-            let (here, mut neighbours) = (rank(times[*point], *point), spokes.neighbours(*point));
+            let (here, mut neighbours) =
+                (rank(times[*point], *point), neighbourhood.neighbours(*point));
             let before = |other| rank(times[other], other) < here;
             label == NO_REGION || neighbours.any(|other| labels[other] != label && before(other))
         };
@@ -68,7 +73,7 @@ impl Guess {
         };
         let found: Vec<Vec<u32>> = rows().map_init(Vec::new, of_row).collect();
         let mut doubtful = found.concat();
-        let around = |&(point, _): &(usize, u32)| spokes.neighbours(point).chain([point]);
+        let around = |&(point, _): &(usize, u32)| neighbourhood.neighbours(point).chain([point]);
         let beside_seeds = seeds.iter().flat_map(around).filter(is_reached);
         doubtful.extend(beside_seeds.map(|point| point as u32));
         Self { labels, doubtful }

@@ -20,8 +20,8 @@ use super::guess::Guess;
 use super::known::{KnownFronts, NONE, has_several};
 use super::starts::{first_labels, starts};
 use crate::geometry::MapError;
+use crate::geometry::neighbourhood::Neighbourhood;
 use crate::geometry::order::bordered;
-use crate::geometry::spokes::Spokes;
 use crate::surface::{Chart, EdgeLengths, Real, Sources, Surface, max, min, ring};
 
 /// A wavefront that may reach a point.
@@ -74,9 +74,9 @@ impl<'a> SourceFronts<'a> {
         distances: &[f32],
     ) -> Result<Self, MapError> {
         let times = bordered(edges.chart(), distances)?;
-        let spokes = Spokes::new(edges);
+        let neighbourhood = Neighbourhood::new(edges);
         let starts = starts(edges.chart(), surface, sources)?;
-        let guess = Guess::new(&spokes, &times, &first_labels(&starts));
+        let guess = Guess::new(&neighbourhood, &times, &first_labels(&starts));
         let mut known = KnownFronts::guessed(times, guess.labels);
         starts.iter().for_each(|start| known.set_label(start.point, NONE));
         starts.iter().for_each(|start| known.insert(start.point, start.label, start.time));
@@ -87,7 +87,7 @@ impl<'a> SourceFronts<'a> {
         let mut is_queued = vec![false; edges.chart().bordered_points()];
         guess.doubtful.into_iter().for_each(|point| is_queued[point as usize] = true);
         Ok(Self {
-            continuation: Continuation::new(spokes, sources),
+            continuation: Continuation::new(neighbourhood, sources),
             start: sources.start(),
             known,
             ahead,
@@ -125,8 +125,8 @@ impl<'a> SourceFronts<'a> {
         }
     }
 
-    fn spokes(&self) -> &Spokes<'a> {
-        self.continuation.spokes()
+    fn neighbourhood(&self) -> &Neighbourhood<'a> {
+        self.continuation.neighbourhood()
     }
 
     fn enqueue(&mut self, point: usize) {
@@ -139,7 +139,7 @@ impl<'a> SourceFronts<'a> {
     /// Queues the later neighbours of a point whose guessed label was wrong.
     fn enqueue_after(&mut self, point: usize) {
         for to in 0..8 {
-            let neighbour = self.spokes().neighbour(point, to);
+            let neighbour = self.neighbourhood().neighbour(point, to);
             if self.known.is_ahead(neighbour) && self.known.is_reached(neighbour) {
                 self.enqueue(neighbour);
             }
@@ -148,7 +148,7 @@ impl<'a> SourceFronts<'a> {
 
     /// Labels a point whose earlier neighbours have all been visited.
     fn visit(&mut self, point: usize) {
-        let lengths = std::array::from_fn(|to| self.spokes().length(point, to));
+        let lengths = std::array::from_fn(|to| self.neighbourhood().length(point, to));
         let (mut found, visited, is_alone) = self.candidates(point, &lengths);
         if let [single] = &found[..]
             && is_alone
@@ -201,7 +201,7 @@ impl<'a> SourceFronts<'a> {
         found.extend(self.known.at(point).map(fresh));
         let (mut visited, mut is_alone) = (0, found.is_empty());
         for (to, &length) in lengths.iter().enumerate() {
-            let neighbour = self.spokes().neighbour(point, to);
+            let neighbour = self.neighbourhood().neighbour(point, to);
             let label = self.known.label(neighbour);
             if label == NONE || length >= f64::FAR {
                 continue;
@@ -228,8 +228,10 @@ impl<'a> SourceFronts<'a> {
     fn tell(&mut self, point: usize, label: u32) {
         let time = self.known.time(point, label);
         for to in 0..8 {
-            let neighbour = self.spokes().neighbour(point, to);
-            if !self.known.is_visited(neighbour) || self.spokes().length(point, to) >= f64::FAR {
+            let neighbour = self.neighbourhood().neighbour(point, to);
+            if !self.known.is_visited(neighbour)
+                || self.neighbourhood().length(point, to) >= f64::FAR
+            {
                 continue;
             }
             let before = self.known.time(neighbour, label);
@@ -237,7 +239,7 @@ impl<'a> SourceFronts<'a> {
                 continue;
             }
             let (_, first) = self.known.first(neighbour);
-            let latest = latest(first, f64::from(self.spokes().longest(neighbour)));
+            let latest = latest(first, f64::from(self.neighbourhood().longest(neighbour)));
             if time >= latest {
                 continue;
             }
@@ -246,7 +248,7 @@ impl<'a> SourceFronts<'a> {
             let back = ring::opposite(to);
             let mut since = [f64::FAR; 8];
             for to in [ring::previous(back), back, ring::next(back)] {
-                let time = self.known.time(self.spokes().neighbour(neighbour, to), label);
+                let time = self.known.time(self.neighbourhood().neighbour(neighbour, to), label);
                 since[to] = self.continuation.since(label, time);
             }
             let now = min(latest, before);
@@ -275,7 +277,7 @@ impl<'a> SourceFronts<'a> {
     }
 
     pub(super) fn chart(&self) -> Chart {
-        self.spokes().chart()
+        self.neighbourhood().chart()
     }
 
     /// Returns the squared time at which a wavefront arrives at a grid point, counted from the earliest

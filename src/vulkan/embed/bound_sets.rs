@@ -9,7 +9,7 @@ use super::flight::Flight;
 use super::host_sets::{self, Content, HostSet};
 use super::input_sets::{InputSet, versions};
 use super::inputs::SourceInput;
-use super::surface::Surface;
+use super::surface::FrameSurface;
 use crate::vulkan::VulkanError;
 use crate::vulkan::pipelines::Pipelines;
 
@@ -40,7 +40,7 @@ impl BoundSets {
     pub(super) fn new(
         device: &ash::Device,
         pipelines: &Pipelines,
-        surface: &Surface,
+        surface: &FrameSurface,
         contents: &[Content],
     ) -> Result<Self, VulkanError> {
         let count = versions(surface.slots());
@@ -66,7 +66,7 @@ impl BoundSets {
     pub(super) fn rebind(
         &mut self,
         device: &ash::Device,
-        surface: &Surface,
+        surface: &FrameSurface,
         contents: &[Content],
     ) -> Result<(), VulkanError> {
         self.check_surface(surface)?;
@@ -88,7 +88,7 @@ impl BoundSets {
     }
 
     /// Returns an error unless `surface` is the one that the sets were made for.
-    pub(super) fn check_surface(&self, surface: &Surface) -> Result<(), VulkanError> {
+    pub(super) fn check_surface(&self, surface: &FrameSurface) -> Result<(), VulkanError> {
         match surface.sets.pool == self.surface {
             true => Ok(()),
             false => Err(VulkanError::OtherSurface),
@@ -97,7 +97,11 @@ impl BoundSets {
 
     /// Returns an error if the points with this number were replaced after the last binding. The surface must
     /// have such points.
-    pub(super) fn check_points(&self, surface: &Surface, number: usize) -> Result<(), VulkanError> {
+    pub(super) fn check_points(
+        &self,
+        surface: &FrameSurface,
+        number: usize,
+    ) -> Result<(), VulkanError> {
         match self.points[number] == surface.sets.points[number].changes {
             true => Ok(()),
             false => Err(VulkanError::OldInput { what: "points", number }),
@@ -107,7 +111,7 @@ impl BoundSets {
     /// Returns an error if the source buffer was replaced after the last binding.
     pub(super) fn check_sources(
         &self,
-        surface: &Surface,
+        surface: &FrameSurface,
         sources: SourceInput,
     ) -> Result<(), VulkanError> {
         match sources.buffer() {

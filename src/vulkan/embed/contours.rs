@@ -8,7 +8,7 @@ use super::access::Access;
 use super::curves::{self, CurveBuffer, CurveLayout, Curves, CurvesInfo, Reads};
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
-use super::surface::Surface;
+use super::surface::FrameSurface;
 use crate::constants::{LEVELS_TOGETHER, WORKGROUP};
 use crate::surface::Chart;
 use crate::update::Wavefront;
@@ -29,7 +29,7 @@ use crate::vulkan::shaders::contour_counts::Push;
 /// # use geosweep::gpu_allocator::vulkan::Allocator;
 /// # use geosweep::vulkan::{VulkanError, embed::*};
 /// # fn host(
-/// #     device: &ash::Device, allocator: &mut Allocator, solver: &Solver, surface: &Surface,
+/// #     device: &ash::Device, allocator: &mut Allocator, solver: &Solver, surface: &FrameSurface,
 /// #     commands: vk::CommandBuffer,
 /// # ) -> Result<(), VulkanError> {
 /// // Once: room for 100 000 vertices.
@@ -126,7 +126,7 @@ impl Contours {
     pub(super) fn new(
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
-        (solver, surface): (&Solver, &Surface),
+        (solver, surface): (&Solver, &FrameSurface),
         vertices: u32,
         hosts: Option<vk::Buffer>,
     ) -> Result<Self, VulkanError> {
@@ -167,7 +167,7 @@ impl Contours {
         self.curves.bytes()
     }
 
-    /// Binds the surface's current points, after [`Surface::set_points`] has replaced some of them.
+    /// Binds the surface's current points, after [`FrameSurface::set_points`] has replaced some of them.
     /// Recordings in flight still read the old points, which the host keeps alive until these recordings have
     /// run.
     ///
@@ -178,7 +178,7 @@ impl Contours {
         &mut self,
         device: &ash::Device,
         solver: &Solver,
-        surface: &Surface,
+        surface: &FrameSurface,
     ) -> Result<(), VulkanError> {
         self.curves.rebind(device, solver, surface)
     }
@@ -198,7 +198,7 @@ impl Contours {
         &mut self,
         device: &ash::Device,
         solver: &Solver,
-        surface: &Surface,
+        surface: &FrameSurface,
         buffer: vk::Buffer,
     ) -> Result<(), VulkanError> {
         self.curves.set_buffer(device, solver, surface, buffer)
@@ -243,7 +243,7 @@ impl Solver {
         &self,
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
-        surface: &Surface,
+        surface: &FrameSurface,
         vertices: u32,
     ) -> Result<Contours, VulkanError> {
         Contours::new(device, allocator, (self, surface), vertices, None)
@@ -263,7 +263,7 @@ impl Solver {
         &self,
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
-        surface: &Surface,
+        surface: &FrameSurface,
         vertices: u32,
         buffer: vk::Buffer,
     ) -> Result<Contours, VulkanError> {

@@ -11,7 +11,7 @@ use super::host_sets::{self, Content, Part};
 use super::inputs::{PointMemory, Points};
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
-use super::surface::Surface;
+use super::surface::FrameSurface;
 use crate::constants::{self, CURVE_WORDS, VERTEX_WORDS, WORKGROUP};
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
@@ -228,7 +228,7 @@ impl Curves {
     pub(super) fn new(
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
-        (solver, surface): (&Solver, &Surface),
+        (solver, surface): (&Solver, &FrameSurface),
         CurvesInfo { layout, reads, buffers, hosts }: CurvesInfo,
     ) -> Result<Self, VulkanError> {
         let (made, lifting) = (Vec::new(), Vec::new());
@@ -265,7 +265,7 @@ impl Curves {
         &mut self,
         device: &ash::Device,
         solver: &Solver,
-        surface: &Surface,
+        surface: &FrameSurface,
     ) -> Result<(), VulkanError> {
         let contents = self.contents((device, &solver.limits), surface, self.output())?;
         self.sets = Some(BoundSets::new(device, &solver.pipelines, surface, &contents)?);
@@ -277,7 +277,7 @@ impl Curves {
     fn contents(
         &self,
         on: (&ash::Device, &Limits),
-        surface: &Surface,
+        surface: &FrameSurface,
         output: vk::Buffer,
     ) -> Result<Vec<Content>, VulkanError> {
         let output = whole(on, output, self.layout.bytes())?;
@@ -296,7 +296,7 @@ impl Curves {
         &mut self,
         device: &ash::Device,
         solver: &Solver,
-        surface: &Surface,
+        surface: &FrameSurface,
         buffer: vk::Buffer,
     ) -> Result<(), VulkanError> {
         if self.hosts.is_none() {
@@ -312,7 +312,7 @@ impl Curves {
         &mut self,
         device: &ash::Device,
         solver: &Solver,
-        surface: &Surface,
+        surface: &FrameSurface,
     ) -> Result<(), VulkanError> {
         self.bind(device, solver, surface, self.output())
     }
@@ -321,7 +321,7 @@ impl Curves {
         &mut self,
         device: &ash::Device,
         solver: &Solver,
-        surface: &Surface,
+        surface: &FrameSurface,
         output: vk::Buffer,
     ) -> Result<(), VulkanError> {
         self.sets()?.check_surface(surface)?;
@@ -425,7 +425,7 @@ pub(super) fn own_buffer(what: &'static str) -> VulkanError {
 fn lifting(
     device: &ash::Device,
     solver: &Solver,
-    surface: &Surface,
+    surface: &FrameSurface,
 ) -> Result<Vec<Pipeline<Lift>>, VulkanError> {
     let pass = |points: &Points| match points.memory {
         PointMemory::Buffer { .. } => LIFT_FROM_BUFFER,

@@ -5,7 +5,7 @@ use super::inputs::SourceInput;
 use super::plan::Plan;
 use super::recording::Recording;
 use super::solver::Solver;
-use super::surface::{ResultImage, Surface};
+use super::surface::{FrameSurface, ResultImage};
 use crate::vulkan::VulkanError;
 use crate::vulkan::profile::Grain;
 
@@ -114,7 +114,7 @@ impl Solver {
     /// [`Recording::resume`] with the same plan. A [`crate::vulkan::profile::Profile`] needs room for that many. Other calls add to
     /// it: [`super::Contours::passes`], [`super::Paths::passes`], [`super::Regions::passes`], and one record
     /// for each lookup.
-    pub fn passes_of_frame(&self, surface: &Surface, plan: &Plan, grain: Grain) -> u32 {
+    pub fn passes_of_frame(&self, surface: &FrameSurface, plan: &Plan, grain: Grain) -> u32 {
         surface.passes_around() + plan.records(grain)
     }
 }

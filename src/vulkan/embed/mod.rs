@@ -1,7 +1,7 @@
 //! Records distance maps into the command buffers of a renderer. The result stays on the device.
 //!
 //! The host is the program that embeds geosweep. It owns the instance, the device, the queues, the frames in
-//! flight and all synchronization. A [`Solver`] holds the pipelines of a device, and a [`Surface`] holds the
+//! flight and all synchronization. A [`Solver`] holds the pipelines of a device, and a [`FrameSurface`] holds the
 //! images of one grid. The host creates both before the first frame. A [`Recording`] appends passes and
 //! barriers to a command buffer of the host and does nothing else. The device decides by itself when a map
 //! has converged. `docs/embedding.md` describes the barriers, frames in flight, deforming surfaces and costs.
@@ -85,5 +85,5 @@ pub use plan::Plan;
 pub use recording::Recording;
 pub use regions::{RegionBuffer, RegionFrame, Regions};
 pub use solver::{Solver, Tools};
-pub use surface::{Outcome, PackedTimes, ResultImage, Surface, SurfaceInfo};
+pub use surface::{FrameSurface, Outcome, PackedTimes, ResultImage, SurfaceInfo};
 pub use together::SurfaceFrame;

@@ -4,7 +4,7 @@ use ash::vk;
 
 use super::host_sets::Content;
 use super::recording::nth;
-use super::surface::Surface;
+use super::surface::FrameSurface;
 use crate::vulkan::VulkanError;
 
 /// Image of the host for the distances of a slot, in place of one that the surface allocates. A render graph
@@ -42,7 +42,7 @@ impl HostImage {
     }
 }
 
-impl Surface {
+impl FrameSurface {
     /// Replaces the host's image for the distances of a slot in all later recordings. Render graphs need this
     /// if their transient images change from frame to frame.
     ///

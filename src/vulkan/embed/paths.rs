@@ -9,7 +9,7 @@ use super::host_sets;
 use super::inputs::{PointSource, SourceInput};
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
-use super::surface::Surface;
+use super::surface::FrameSurface;
 use crate::constants::{CURVE_WORDS, PATH_WORDS, STEPS_TOGETHER};
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
@@ -29,7 +29,7 @@ use crate::vulkan::shaders::path_starts::Push;
 /// # use geosweep::gpu_allocator::vulkan::Allocator;
 /// # use geosweep::vulkan::{VulkanError, embed::*};
 /// # fn host(
-/// #     device: &ash::Device, allocator: &mut Allocator, solver: &Solver, surface: &Surface,
+/// #     device: &ash::Device, allocator: &mut Allocator, solver: &Solver, surface: &FrameSurface,
 /// #     commands: vk::CommandBuffer,
 /// # ) -> Result<(), VulkanError> {
 /// // Once: room for two paths.
@@ -159,7 +159,7 @@ impl Paths {
     pub(super) fn new(
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
-        (solver, surface): (&Solver, &Surface),
+        (solver, surface): (&Solver, &FrameSurface),
         info: PathsInfo,
         hosts: Option<vk::Buffer>,
     ) -> Result<Self, VulkanError> {
@@ -197,8 +197,8 @@ impl Paths {
         self.curves.bytes()
     }
 
-    /// Binds the surface's current points and sources, after [`Surface::set_points`] or
-    /// [`Surface::set_sources`] has replaced some of them. Recordings in flight still read the old ones,
+    /// Binds the surface's current points and sources, after [`FrameSurface::set_points`] or
+    /// [`FrameSurface::set_sources`] has replaced some of them. Recordings in flight still read the old ones,
     /// which the host keeps alive until these recordings have run.
     ///
     /// # Errors
@@ -208,7 +208,7 @@ impl Paths {
         &mut self,
         device: &ash::Device,
         solver: &Solver,
-        surface: &Surface,
+        surface: &FrameSurface,
     ) -> Result<(), VulkanError> {
         self.curves.rebind(device, solver, surface)
     }
@@ -227,7 +227,7 @@ impl Paths {
         &mut self,
         device: &ash::Device,
         solver: &Solver,
-        surface: &Surface,
+        surface: &FrameSurface,
         buffer: vk::Buffer,
     ) -> Result<(), VulkanError> {
         self.curves.set_buffer(device, solver, surface, buffer)
@@ -270,7 +270,7 @@ impl Solver {
         &self,
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
-        surface: &Surface,
+        surface: &FrameSurface,
         info: PathsInfo,
     ) -> Result<Paths, VulkanError> {
         Paths::new(device, allocator, (self, surface), info, None)
@@ -290,7 +290,7 @@ impl Solver {
         &self,
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
-        surface: &Surface,
+        surface: &FrameSurface,
         info: PathsInfo,
         buffer: vk::Buffer,
     ) -> Result<Paths, VulkanError> {
@@ -327,7 +327,7 @@ impl Recording<'_> {
     /// reader wait for the commands. `paths`, and the buffers of starts and sources, must stay alive until
     /// the commands have run.
     ///
-    /// The paths are those of [`crate::geometry::Paths`], in single precision. A path has at least one vertex
+    /// The paths are those of [`crate::geometry::PathTracer`], in single precision. A path has at least one vertex
     /// at each grid line that it crosses, and ends at a source exactly. If there is no path to draw, its
     /// record says why ([`super::CurveRecord::status`]). Each path examines every source once, and again in
     /// cells where one may lie.

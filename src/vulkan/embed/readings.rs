@@ -16,7 +16,7 @@ use crate::vulkan::shaders::{lookup, result};
 const RECORD_BYTES: u64 = Outcome::BYTES as u64;
 
 impl Recording<'_> {
-    /// Records a copy of the iterations' outcome to the record of `slot`. [`super::Surface::outcome`] reads it
+    /// Records a copy of the iterations' outcome to the record of `slot`. [`super::FrameSurface::outcome`] reads it
     /// after the fence of the submission.
     ///
     /// # Errors
@@ -43,7 +43,7 @@ impl Recording<'_> {
     }
 
     /// Records a copy of the iterations' outcome into a buffer of the host, for
-    /// [`super::Surface::outcome_from`]. It takes [`super::Outcome::BYTES`] bytes at `offset`, which is a
+    /// [`super::FrameSurface::outcome_from`]. It takes [`super::Outcome::BYTES`] bytes at `offset`, which is a
     /// multiple of 4. The buffer has the usage `TRANSFER_DST`, and must stay alive until the commands have
     /// run. Shaders find the number of iterations in the third 32-bit word. The accesses in `after` wait for
     /// the copy.

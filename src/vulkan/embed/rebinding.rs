@@ -4,10 +4,10 @@ use super::host_sets::{points_content, sources_content};
 use super::inputs::{Points, SourceBuffer};
 use super::recording::nth;
 use super::solver::Solver;
-use super::surface::Surface;
+use super::surface::FrameSurface;
 use crate::vulkan::VulkanError;
 
-impl Surface {
+impl FrameSurface {
     /// Replaces the surface's points with this `number` in all later recordings. The new points may be of
     /// another kind and in another type of memory. They may have a slowness only if some points of the
     /// surface had one when it was made.
@@ -45,11 +45,11 @@ impl Surface {
     }
 
     /// Replaces the surface's source buffer with this `number`, under the same rules as
-    /// [`Surface::set_points`]. Paths and regions read the new buffer after [`super::Paths::rebind`] and
+    /// [`FrameSurface::set_points`]. Paths and regions read the new buffer after [`super::Paths::rebind`] and
     /// [`super::Regions::rebind`].
     ///
     /// # Errors
-    /// As for [`Surface::set_points`].
+    /// As for [`FrameSurface::set_points`].
     pub fn set_sources(
         &mut self,
         device: &ash::Device,

@@ -8,7 +8,7 @@ use super::inputs::{PointMemory, PointSource, SourceInput};
 use super::plan::Plan;
 use super::solver::Solver;
 use super::state::number_of_preparation;
-use super::surface::Surface;
+use super::surface::FrameSurface;
 use crate::constants::{NEVER_MEASURED, SOURCES_TOGETHER, SURROUNDINGS_TEXELS, WORKGROUP};
 use crate::surface::{Chart, EdgeRule};
 use crate::vulkan::VulkanError;
@@ -39,7 +39,7 @@ use crate::vulkan::upload::SEED_BYTES;
 pub struct Recording<'a> {
     pub(super) recorder: Recorder<'a>,
     pub(super) solver: &'a Solver,
-    pub(super) surface: &'a Surface,
+    pub(super) surface: &'a FrameSurface,
     /// Offset of the points in bytes from where the surface has them.
     points_at: u64,
 }
@@ -56,7 +56,7 @@ impl<'a> Recording<'a> {
         device: &'a ash::Device,
         commands: vk::CommandBuffer,
         solver: &'a Solver,
-        surface: &'a Surface,
+        surface: &'a FrameSurface,
     ) -> Self {
         let commands = Commands::new(device, commands, &solver.pipelines);
         let recorder = Recorder { commands, grid: &surface.grid };
@@ -401,7 +401,7 @@ impl Solver {
         &'a self,
         device: &'a ash::Device,
         commands: vk::CommandBuffer,
-        surface: &'a Surface,
+        surface: &'a FrameSurface,
     ) -> Recording<'a> {
         Recording::new(device, commands, self, surface)
     }

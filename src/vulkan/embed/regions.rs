@@ -11,7 +11,7 @@ use super::host_sets::{self, Content, Part};
 use super::inputs::{PointSource, SourceInput};
 use super::recording::{Recording, grid_size};
 use super::solver::{Solver, over_any};
-use super::surface::Surface;
+use super::surface::FrameSurface;
 use crate::constants::{FLOW_JUMPS, PARENT_JUMPS};
 use crate::surface::Chart;
 use crate::update::Wavefront;
@@ -34,7 +34,7 @@ use crate::vulkan::shaders::region_starts::Push;
 /// # use geosweep::vulkan::{VulkanError, embed::*};
 /// # use geosweep::Wavefront;
 /// # fn host(
-/// #     device: &ash::Device, allocator: &mut Allocator, solver: &Solver, surface: &Surface,
+/// #     device: &ash::Device, allocator: &mut Allocator, solver: &Solver, surface: &FrameSurface,
 /// #     commands: vk::CommandBuffer,
 /// # ) -> Result<(), VulkanError> {
 /// // Once, for maps with the curved wavefront:
@@ -126,7 +126,7 @@ impl Regions {
     pub(super) fn new(
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
-        (solver, surface): (&Solver, &Surface),
+        (solver, surface): (&Solver, &FrameSurface),
         wavefront: Wavefront,
         hosts: Option<vk::Buffer>,
     ) -> Result<Self, VulkanError> {
@@ -168,7 +168,7 @@ impl Regions {
     fn contents(
         &self,
         on: (&ash::Device, &Limits),
-        surface: &Surface,
+        surface: &FrameSurface,
         output: vk::Buffer,
     ) -> Result<Vec<Content>, VulkanError> {
         let bytes = info(on.1, self.chart)?.size;
@@ -207,7 +207,7 @@ impl Regions {
         self.buffer.as_ref().map_or(0, Buffer::bytes)
     }
 
-    /// Binds the surface's current sources, after [`Surface::set_sources`] has replaced some of them.
+    /// Binds the surface's current sources, after [`FrameSurface::set_sources`] has replaced some of them.
     /// Recordings in flight still read the old ones, which the host keeps alive until these recordings have
     /// run.
     ///
@@ -218,7 +218,7 @@ impl Regions {
         &mut self,
         device: &ash::Device,
         solver: &Solver,
-        surface: &Surface,
+        surface: &FrameSurface,
     ) -> Result<(), VulkanError> {
         self.bind(device, solver, surface, self.labels().buffer)
     }
@@ -227,7 +227,7 @@ impl Regions {
         &mut self,
         device: &ash::Device,
         solver: &Solver,
-        surface: &Surface,
+        surface: &FrameSurface,
         output: vk::Buffer,
     ) -> Result<(), VulkanError> {
         self.sets.as_ref().ok_or(VulkanError::Destroyed)?.check_surface(surface)?;
@@ -251,7 +251,7 @@ impl Regions {
         &mut self,
         device: &ash::Device,
         solver: &Solver,
-        surface: &Surface,
+        surface: &FrameSurface,
         buffer: vk::Buffer,
     ) -> Result<(), VulkanError> {
         if self.hosts.is_none() {
@@ -303,7 +303,7 @@ impl Solver {
         &self,
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
-        surface: &Surface,
+        surface: &FrameSurface,
         wavefront: Wavefront,
     ) -> Result<Regions, VulkanError> {
         Regions::new(device, allocator, (self, surface), over_any(wavefront), None)
@@ -323,7 +323,7 @@ impl Solver {
         &self,
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
-        surface: &Surface,
+        surface: &FrameSurface,
         wavefront: Wavefront,
         buffer: vk::Buffer,
     ) -> Result<Regions, VulkanError> {

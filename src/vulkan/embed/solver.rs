@@ -36,8 +36,8 @@ pub struct Tools {
     /// Check recordings for mistakes that cost a read of mapped memory to find; for use during development.
     /// With several slots, it is then an error to record a slot whose last recording has not run. A recording
     /// that was discarded also counts as not run, unless its command buffer is recorded anew or
-    /// [`super::Surface::discard`] is called. Recordings without an outcome are tracked too
-    /// ([`super::Surface::is_in_flight`]), at the cost of one fill and two barriers each.
+    /// [`super::FrameSurface::discard`] is called. Recordings without an outcome are tracked too
+    /// ([`super::FrameSurface::is_in_flight`]), at the cost of one fill and two barriers each.
     pub checks: bool,
 }
 

@@ -133,9 +133,9 @@ impl<'a> SurfaceInfo<'a> {
 /// Surface on the host's device. It has the edge lengths, curvature and fronts, which all recordings share,
 /// and an image of distances for each slot.
 ///
-/// Dropping a surface frees nothing. The host calls [`Surface::destroy`] once no submitted work uses it.
+/// Dropping a surface frees nothing. The host calls [`FrameSurface::destroy`] once no submitted work uses it.
 #[derive(Debug)]
-pub struct Surface {
+pub struct FrameSurface {
     pub(super) grid: GridImages,
     pub(super) sets: HostSets,
     /// Images of the host for the distances; empty if the surface has its own.
@@ -208,7 +208,7 @@ pub struct Outcome {
     pub resolution: Option<Resolution>,
 }
 
-impl Surface {
+impl FrameSurface {
     pub(super) fn new(
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
@@ -411,7 +411,7 @@ impl Solver {
     /// If the grid is empty or too large for the device, the images in [`SurfaceInfo::results`] cannot be
     /// used, or a Vulkan call fails.
     pub fn bytes_for(&self, device: &ash::Device, info: &SurfaceInfo) -> Result<u64, VulkanError> {
-        Surface::bytes_for(device, self, info)
+        FrameSurface::bytes_for(device, self, info)
     }
 
     /// Creates a surface. This is the only call that allocates for a surface. The first recording for it must
@@ -425,8 +425,8 @@ impl Solver {
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
         info: &SurfaceInfo,
-    ) -> Result<Surface, VulkanError> {
-        Surface::new(device, allocator, self, info)
+    ) -> Result<FrameSurface, VulkanError> {
+        FrameSurface::new(device, allocator, self, info)
     }
 }
 

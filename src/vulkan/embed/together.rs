@@ -7,7 +7,7 @@ use ash::vk;
 use super::frame::Frame;
 use super::recording::Recording;
 use super::solver::Solver;
-use super::surface::Surface;
+use super::surface::FrameSurface;
 use crate::vulkan::VulkanError;
 use crate::vulkan::record::{Commands, MOST_TOGETHER, Recorder, Turn};
 
@@ -16,7 +16,7 @@ use crate::vulkan::record::{Commands, MOST_TOGETHER, Recorder, Turn};
 #[non_exhaustive]
 pub struct SurfaceFrame<'a> {
     /// Surface of the frame.
-    pub surface: &'a Surface,
+    pub surface: &'a FrameSurface,
     /// Frame to record.
     pub frame: Frame<'a>,
     /// Offset of the points in bytes from where the surface has them, as in [`Recording::points_at`].
@@ -25,12 +25,12 @@ pub struct SurfaceFrame<'a> {
 
 impl<'a> SurfaceFrame<'a> {
     /// Returns a frame of `surface`, with its points where the surface has them.
-    pub fn new(surface: &'a Surface, frame: Frame<'a>) -> Self {
+    pub fn new(surface: &'a FrameSurface, frame: Frame<'a>) -> Self {
         Self { surface, frame, points_at: 0 }
     }
 
     /// Sets [`SurfaceFrame::surface`].
-    pub fn with_surface(self, surface: &'a Surface) -> Self {
+    pub fn with_surface(self, surface: &'a FrameSurface) -> Self {
         Self { surface, ..self }
     }
 
@@ -57,7 +57,7 @@ impl Solver {
     /// groups of 64.
     ///
     /// The command buffer must be in the state that [`Solver::record`] requires. Profiles do not record these
-    /// frames, and all of them have one debug label. [`Surface::result`] returns the image of distances of
+    /// frames, and all of them have one debug label. [`FrameSurface::result`] returns the image of distances of
     /// each surface. Surfaces, sources and slots are checked as for single frames.
     ///
     /// # Errors

@@ -25,7 +25,9 @@ use super::passes::Variant;
 use super::plan::{self, Portions, Reached};
 use super::profile::{Detail, Grain, Session, SolveProfile};
 use super::record::Commands;
-use super::{Schedule, Solver, SurfaceOnDevice, TexelChart, Tuning, VulkanError, schedules};
+use super::{
+    HeadlessSolver, Schedule, SurfaceOnDevice, TexelChart, Tuning, VulkanError, schedules,
+};
 use crate::update::{Setting, Wavefront};
 use crate::{Convergence, Stop};
 use layout::{BatchLayout, BatchLimits};
@@ -41,10 +43,10 @@ use tally::Tally;
 ///
 /// ```no_run
 /// use geosweep::Stop;
-/// use geosweep::vulkan::Solver;
+/// use geosweep::vulkan::HeadlessSolver;
 /// use geosweep::{DeviceChoice, Spacing, Surface, Wavefront};
 /// let surface = Surface::from_heights(32, 32, vec![0.0; 1024], Spacing::square(1.0))?;
-/// let solver = Solver::new(&DeviceChoice::Any)?;
+/// let solver = HeadlessSolver::new(&DeviceChoice::Any)?;
 /// let on_device = solver.upload(&surface)?;
 /// let mut pairwise = solver.pairwise(&on_device, Wavefront::Circular, None)?;
 /// let sources: Vec<_> = (0..1024).map(Some).collect();
@@ -64,7 +66,7 @@ pub struct PairwiseOnDevice {
     commands: CommandBuffer,
 }
 
-impl Solver {
+impl HeadlessSolver {
     /// Allocates resources for the maps of many sources of a surface. A batch has as many maps as suit the
     /// device and the grid. Curved fronts replace anchored ones. If the slowness is not the same everywhere,
     /// they replace circular ones too. `schedule` is for measurements. By default maps lie in shared memory
@@ -192,7 +194,7 @@ impl PairwiseOnDevice {
     /// rows as sources and as many values a row as points, or if a source is not a grid point.
     pub fn solve(
         &mut self,
-        solver: &Solver,
+        solver: &HeadlessSolver,
         surface: &SurfaceOnDevice,
         sources: &[Option<usize>],
         stop: Stop,
@@ -208,13 +210,13 @@ impl PairwiseOnDevice {
     ///
     /// # Errors
     /// As [`PairwiseOnDevice::solve`], and [`VulkanError::NotForProfiling`] unless the solver was made by
-    /// [`Solver::for_profiling`].
+    /// [`HeadlessSolver::for_profiling`].
     ///
     /// # Panics
     /// As [`PairwiseOnDevice::solve`].
     pub fn profile(
         &mut self,
-        solver: &Solver,
+        solver: &HeadlessSolver,
         surface: &SurfaceOnDevice,
         sources: &[Option<usize>],
         stop: Stop,
@@ -239,14 +241,14 @@ impl PairwiseOnDevice {
         Ok((convergence, session.finish(time)))
     }
 
-    fn check(&self, solver: &Solver, surface: &SurfaceOnDevice) {
+    fn check(&self, solver: &HeadlessSolver, surface: &SurfaceOnDevice) {
         assert!(Arc::ptr_eq(&self.context, &solver.context), "another solver");
         assert_eq!(self.edges, surface.images.edges.image, "another surface");
     }
 
     fn solve_watched(
         &mut self,
-        solver: &Solver,
+        solver: &HeadlessSolver,
         sources: &[Option<usize>],
         stop: Stop,
         into: &mut [f32],
@@ -267,7 +269,7 @@ impl PairwiseOnDevice {
 
     fn solve_batch(
         &mut self,
-        solver: &Solver,
+        solver: &HeadlessSolver,
         sources: &[Option<usize>],
         stop: Stop,
         into: &mut [f32],
@@ -340,7 +342,7 @@ impl PairwiseOnDevice {
     /// Records commands for `maps` maps, submits them and waits for their end.
     fn submit(
         &self,
-        solver: &Solver,
+        solver: &HeadlessSolver,
         maps: usize,
         submitter: &mut impl Submitter,
         append: impl FnOnce(BatchRecorder),
@@ -382,9 +384,9 @@ mod tests {
 
     const STOP: Stop = Stop::within(1e-6).or_after(100);
 
-    fn solver() -> Solver {
+    fn solver() -> HeadlessSolver {
         let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
-        Solver::with_validation(&DeviceChoice::Name(device)).unwrap()
+        HeadlessSolver::with_validation(&DeviceChoice::Name(device)).unwrap()
     }
 
     fn hill() -> Surface {
@@ -472,7 +474,7 @@ mod tests {
     fn passes_and_images_have_names_while_profiling() {
         let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());
         let context = Context::open(&device, true, Some(&[])).unwrap();
-        let solver = Solver::with(context).unwrap();
+        let solver = HeadlessSolver::with(context).unwrap();
         let on_device = solver.upload(&hill()).unwrap();
         let images = Some(PairwiseSchedule::Images);
         let mut pairwise = solver.pairwise(&on_device, Wavefront::Planar, images).unwrap();
@@ -492,7 +494,7 @@ mod tests {
     fn profiles_leave_no_message_to_the_end() {
         let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());
         let context = Context::open(&device, true, Some(&[])).unwrap();
-        let solver = Solver::with(context).unwrap();
+        let solver = HeadlessSolver::with(context).unwrap();
         let log = solver.validation_log().unwrap().clone();
         let on_device = solver.upload(&hill()).unwrap();
         for schedule in PairwiseSchedule::ALL {

@@ -71,7 +71,7 @@ mod tests {
     use crate::surface::{Spacing, Surface};
     use crate::update::Wavefront;
     use crate::vulkan::headless::Context;
-    use crate::vulkan::{DeviceChoice, PairwiseSchedule, Solver};
+    use crate::vulkan::{DeviceChoice, HeadlessSolver, PairwiseSchedule};
 
     static REAL: OnceLock<vk::PFN_vkCreateComputePipelines> = OnceLock::new();
     static MADE: AtomicU32 = AtomicU32::new(0);
@@ -92,7 +92,7 @@ mod tests {
     }
 
     /// Returns a solver whose pipelines are counted.
-    fn counted() -> Solver {
+    fn counted() -> HeadlessSolver {
         let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());
         let mut context = Context::new(&device, true).unwrap();
         REAL.get_or_init(|| context.device.fp_v1_0().create_compute_pipelines);
@@ -112,7 +112,7 @@ mod tests {
         };
         // SAFETY: all functions are the device's, or do what these do.
         context.device = unsafe { ash::Device::load_with(load, handle) };
-        Solver::with(context).unwrap()
+        HeadlessSolver::with(context).unwrap()
     }
 
     /// Checks that a second matrix of the same size creates no pipelines, and that one of another size

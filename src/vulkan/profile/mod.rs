@@ -3,7 +3,7 @@
 //! Nothing is recorded for profiling unless it is requested. A host gives a [`Profile`] a range of its own
 //! query pools ([`Slots`]), records with [`Recording::profiled`], and requests the records with
 //! [`Profile::resolve`] frames later. No call waits. [`planned`] counts the work of a plan without a device.
-//! [`Solver::for_profiling`] does all of this by itself.
+//! [`HeadlessSolver::for_profiling`] does all of this by itself.
 //!
 //! A [`PassRecord`] is plain values, which a program can forward to any viewer. With the feature `tracing`,
 //! `emit` turns records into spans. [`Capabilities`] states what a device does not offer. `docs/profiling.md`
@@ -13,7 +13,7 @@
 //! # use geosweep::ash::{self, vk};
 //! # use geosweep::vulkan::{VulkanError, embed};
 //! # fn host(device: &ash::Device, commands: vk::CommandBuffer, timestamps: vk::QueryPool,
-//! #     solver: &embed::Solver, surface: &embed::Surface, plan: &embed::Plan,
+//! #     solver: &embed::Solver, surface: &embed::FrameSurface, plan: &embed::Plan,
 //! #     frame: &embed::Frame, clock: geosweep::vulkan::profile::Clock,
 //! # ) -> Result<(), VulkanError> {
 //! use geosweep::vulkan::profile::{Grain, Profile, QueryRange, Slots};
@@ -38,7 +38,7 @@
 //!
 //! [`Recording::profiled`]: super::embed::Recording::profiled
 //! [`planned`]: super::planned
-//! [`Solver::for_profiling`]: super::Solver::for_profiling
+//! [`HeadlessSolver::for_profiling`]: super::HeadlessSolver::for_profiling
 
 mod blocks;
 mod calibration;

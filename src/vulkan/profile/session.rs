@@ -314,7 +314,7 @@ mod tests {
     use crate::update::Wavefront;
     use crate::vulkan::DeviceChoice;
     use crate::vulkan::profile::Capability;
-    use crate::vulkan::{Method, Schedule, Solver};
+    use crate::vulkan::{HeadlessSolver, Method, Schedule};
 
     /// Checks that queries, copies of decisions and lists, labels and names leave no message under the
     /// validation layers, with synchronization validation. Whatever is left out, the map is the same to the
@@ -329,7 +329,7 @@ mod tests {
         let left_out: [&[Capability]; 3] = [&[], &[Capability::Labels], &Capability::ALL];
         for left_out in left_out {
             let context = Context::open(&choice, true, Some(left_out)).unwrap();
-            let mut solver = Solver::with(context).unwrap();
+            let mut solver = HeadlessSolver::with(context).unwrap();
             let mut on_device = solver.upload(&surface).unwrap();
             for schedule in Schedule::ALL {
                 let stop = Stop::within(1e-6).or_after(300);

@@ -367,7 +367,7 @@ fn bad_input_is_an_error_before_anything_is_recorded() {
 fn threads_record_at_once_for_surfaces_of_their_own() {
     fn shared<T: Send + Sync>() {}
     shared::<embed::Solver>();
-    shared::<embed::Surface>();
+    shared::<embed::FrameSurface>();
     shared::<embed::Plan>();
     shared::<Recording>();
 

@@ -6,7 +6,7 @@ use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
     self, Access, Frame, PointSource, Points, Reader, SourceInput, SurfaceInfo,
 };
-use geosweep::vulkan::{Method, Schedule, Solver};
+use geosweep::vulkan::{HeadlessSolver, Method, Schedule};
 use geosweep::{DeviceChoice, Sources, Surface, Wavefront};
 
 use crate::common::difference;
@@ -50,7 +50,7 @@ pub const DRAW: &str = "
 struct Renderer {
     host: Host,
     solver: embed::Solver,
-    surface: embed::Surface,
+    surface: embed::FrameSurface,
     plan: embed::Plan,
     vertices: HostBuffer,
     frames: Vec<InFlight>,
@@ -167,7 +167,7 @@ pub fn place(number: usize) -> (f32, f32) {
 fn a_deforming_surface_is_drawn_for_200_frames_without_a_message() {
     let mut renderer = Renderer::new();
     let device = renderer.host.device.clone();
-    let mut headless = Solver::new(&DeviceChoice::Any).unwrap();
+    let mut headless = HeadlessSolver::new(&DeviceChoice::Any).unwrap();
     let mut drawn = [None; IN_FLIGHT];
     let mut compared = 0;
     for number in 0..200 {
@@ -197,7 +197,12 @@ fn a_deforming_surface_is_drawn_for_200_frames_without_a_message() {
 
 /// Asserts that the map is the same within 1e-5 of the largest distance, from grid points and from places
 /// between them.
-pub fn assert_same(headless: &mut Solver, vertices: &[f32], number: usize, picture: &[f32]) {
+pub fn assert_same(
+    headless: &mut HeadlessSolver,
+    vertices: &[f32],
+    number: usize,
+    picture: &[f32],
+) {
     let position = |index: usize| {
         let vertex = &vertices[STRIDE * index..];
         DVec3::new(vertex[0].into(), vertex[1].into(), vertex[2].into())

@@ -8,7 +8,7 @@ use geosweep::vulkan::embed::{
     Access, Frame, Lookup, Outcome, PackedTimes, PointKind, PointMemory, PointSource, Points,
     Reader, SourceBuffer, SourceInput, SurfaceInfo,
 };
-use geosweep::vulkan::{Method, Schedule, Solver};
+use geosweep::vulkan::{HeadlessSolver, Method, Schedule};
 use geosweep::{MetricTensor, Sources, Spacing, Surface, Wavefront};
 
 use crate::common::{difference, vulkan_solver};
@@ -27,7 +27,7 @@ fn positions(vertices: &[f32]) -> Surface {
 }
 
 fn headless(
-    solver: &mut Solver,
+    solver: &mut HeadlessSolver,
     surface: &Surface,
     sources: &Sources,
     wavefront: Wavefront,
@@ -39,7 +39,7 @@ fn headless(
 }
 
 /// Returns the map of the headless solver, where sources close to one another are first solved alone.
-fn headless_alone(solver: &mut Solver, surface: &Surface, sources: &Sources) -> Vec<f32> {
+fn headless_alone(solver: &mut HeadlessSolver, surface: &Surface, sources: &Sources) -> Vec<f32> {
     let mut on_device = solver.upload(surface).unwrap();
     let wavefront = Wavefront::Curved;
     let seeds = wavefront.seeds(surface, sources.seeds_with_origins(surface).unwrap());

@@ -158,7 +158,7 @@ fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
     let bytes = 4 * CHART.points() as u64;
     let to = [(); SLOTS].map(|()| [(); 2].map(|()| stage.host.buffer(bytes, true)));
     let mut in_flight: [Option<(vk::Fence, usize)>; SLOTS] = [None; SLOTS];
-    let check = |stage: &Stage, second: &embed::Surface, slot: usize, fence, turn: usize| {
+    let check = |stage: &Stage, second: &embed::FrameSurface, slot: usize, fence, turn: usize| {
         unsafe {
             device.wait_for_fences(&[fence], true, u64::MAX).unwrap();
             device.destroy_fence(fence, None);

@@ -9,7 +9,7 @@ use geosweep::vulkan::embed::{
     self, Access, ContourFrame, Contours, CurveRecord, CurveStatus, CurveVertex, Frame, LevelInput,
     PointSource, Points, Reader, ResultImage, SourceInput, SurfaceInfo,
 };
-use geosweep::vulkan::{Method, Solver};
+use geosweep::vulkan::{HeadlessSolver, Method};
 use geosweep::{DeviceChoice, Sources, Wavefront};
 
 use crate::embed::curves::contours::{SAME, difference};
@@ -46,7 +46,7 @@ pub struct Renderer {
     families: [u32; 2],
     pub host: Host,
     solver: embed::Solver,
-    surface: embed::Surface,
+    surface: embed::FrameSurface,
     plan: embed::Plan,
     frames: Vec<InFlight>,
 }
@@ -224,7 +224,7 @@ impl Renderer {
     }
 
     /// Compares the map with the headless solver's and the contours with the CPU's, after the fence.
-    fn check(&self, headless: &mut Solver, number: usize, slot: usize) {
+    fn check(&self, headless: &mut HeadlessSolver, number: usize, slot: usize) {
         let InFlight { contours, picture, copy, lines, .. } = &self.frames[slot];
         let outcome = self.surface.outcome(slot).unwrap();
         assert!(outcome.converged && outcome.iterations <= 8, "{outcome:?}");
@@ -287,7 +287,7 @@ fn draw_frames(way: Way) {
     println!("{way:?}: main queue and the other of families {families:?}, one and the same: {one}");
     let mut renderer = Renderer::new(host, way, families);
     let device = renderer.host.device.clone();
-    let mut headless = Solver::new(&DeviceChoice::Any).unwrap();
+    let mut headless = HeadlessSolver::new(&DeviceChoice::Any).unwrap();
     for number in 0..FRAMES + IN_FLIGHT {
         let slot = number % IN_FLIGHT;
         let fences = [renderer.frames[slot].fence];

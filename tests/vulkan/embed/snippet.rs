@@ -3,7 +3,7 @@ use geosweep::vulkan::{Method, Schedule, VulkanError, embed::*};
 pub fn host(instance: &ash::Instance, physical_device: vk::PhysicalDevice, device: &ash::Device,
     allocator: &mut geosweep::gpu_allocator::vulkan::Allocator, vertices: vk::Buffer, stop: Stop,
     load_commands: vk::CommandBuffer, commands: vk::CommandBuffer)
-    -> Result<(Solver, Surface, ResultImage), VulkanError> {
+    -> Result<(Solver, FrameSurface, ResultImage), VulkanError> {
 let passes = [(Schedule::Raster, Wavefront::Curved)];
 let solver = Solver::new(instance, physical_device, device, &passes)?;
 let (chart, points) = (Chart { rows: 256, cols: 256 }, [Points::positions(vertices, 32)]);

@@ -97,7 +97,7 @@ pub const RASTER: [(Schedule, Wavefront); 3] = [
 pub struct Stage {
     pub host: Lent<Kept>,
     pub solver: embed::Solver,
-    pub surface: embed::Surface,
+    pub surface: embed::FrameSurface,
     download: HostBuffer,
 }
 

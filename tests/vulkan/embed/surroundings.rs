@@ -95,7 +95,7 @@ fn surroundings_are_those_of_the_twin() {
             let residual = if are_alone { outcome.residual } else { 0.0 };
             assert_eq!((outcome.iterations, outcome.residual), (1, residual), "{places:?}");
             let edges = EdgeLengths::<f32>::new(&surface).unwrap();
-            let own = |&[row, col]: &[f64; 2]| twins::PointSource {
+            let own = |&[row, col]: &[f64; 2]| twins::CentralSource {
                 at: DVec2::new(row, col),
                 start: 0.0,
                 seeds: Sources::point(row, col).seeds(&surface).unwrap(),

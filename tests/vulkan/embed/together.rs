@@ -4,7 +4,7 @@ use geosweep::Wavefront;
 use geosweep::ash::vk;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, Frame, PointSource, Points, Reader, SourceBuffer, SourceInput, Surface,
+    self, Access, Frame, FrameSurface, PointSource, Points, Reader, SourceBuffer, SourceInput,
     SurfaceFrame, SurfaceInfo,
 };
 use geosweep::vulkan::{Method, Schedule, VulkanError};
@@ -14,7 +14,7 @@ use crate::host::{Host, HostBuffer};
 
 /// A surface with its plan and the inputs of its frames.
 struct Part {
-    surface: Surface,
+    surface: FrameSurface,
     plan: embed::Plan,
     /// Points, sources, and a copy of the distances.
     buffers: [HostBuffer; 3],

@@ -3,7 +3,7 @@
 use geosweep::surface::Seed;
 use geosweep::vulkan::plan::{Reached, Step};
 use geosweep::vulkan::profile::{Capability, Detail, PassKind, PassRecord, SolveProfile};
-use geosweep::vulkan::{Method, Schedule, Solver, SurfaceOnDevice, TexelChart};
+use geosweep::vulkan::{HeadlessSolver, Method, Schedule, SurfaceOnDevice, TexelChart};
 use geosweep::{Surface, Wavefront};
 
 use crate::common::{CONVERGED, device_choice, rough, seeds_at, some_point};
@@ -16,7 +16,7 @@ pub fn method(wavefront: Wavefront, schedule: Schedule) -> Method {
 pub struct Bench {
     pub surface: Surface,
     pub seeds: Vec<Seed>,
-    pub solver: Solver,
+    pub solver: HeadlessSolver,
     pub on_device: SurfaceOnDevice,
 }
 
@@ -24,7 +24,7 @@ impl Bench {
     pub fn new(rows: usize, cols: usize, left_out: &[Capability]) -> Self {
         let surface = rough(rows, cols, 0);
         let seeds = seeds_at(&surface, some_point(&surface));
-        let solver = Solver::for_profiling(&device_choice(), left_out).unwrap();
+        let solver = HeadlessSolver::for_profiling(&device_choice(), left_out).unwrap();
         let on_device = solver.upload(&surface).unwrap();
         Self { surface, seeds, solver, on_device }
     }

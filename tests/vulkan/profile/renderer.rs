@@ -19,7 +19,7 @@ pub const STOP: Stop = Stop::within(1e-6).or_after(200);
 pub struct Renderer {
     pub host: Host,
     pub solver: embed::Solver,
-    pub surface: embed::Surface,
+    pub surface: embed::FrameSurface,
     pub plan: Plan,
     pub points: HostBuffer,
     pub decisions: HostBuffer,

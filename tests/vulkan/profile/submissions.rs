@@ -1,7 +1,9 @@
 //! Parts of a map in one submission, limited by the number of visited texels.
 
 use geosweep::vulkan::profile::{Detail, Grain, PassKind, SolveProfile, SubmissionRecord};
-use geosweep::vulkan::{Method, Schedule, Solution, Solver, TexelChart, Tuning, plan};
+use geosweep::vulkan::{
+    HeadlessSolution, HeadlessSolver, Method, Schedule, TexelChart, Tuning, plan,
+};
 use geosweep::{Stop, Wavefront};
 
 use crate::common::{device_choice, rough, seeds_at, some_point, vulkan_solver};
@@ -13,13 +15,13 @@ const VISITS: u64 = 1600;
 /// Size of 65 x 75 texels, so that no line fits a workgroup.
 const SIZE: (usize, usize) = (130, 150);
 
-fn in_parts(solver: Solver) -> Solver {
+fn in_parts(solver: HeadlessSolver) -> HeadlessSolver {
     let tuning = Tuning { visits: Some(VISITS), ..whole(&solver) };
     solver.with_tuning(tuning).unwrap()
 }
 
 /// Returns a tuning that is the same on every device.
-fn whole(solver: &Solver) -> Tuning {
+fn whole(solver: &HeadlessSolver) -> Tuning {
     Tuning { scan_width: 64, scan_lines: 4, ..solver.tuning() }
 }
 
@@ -44,7 +46,7 @@ fn scans(profile: &SolveProfile) -> Vec<(u32, PassKind, u64, u64, u64)> {
     scans
 }
 
-fn profiled(bench: &mut Bench, method: Method, grain: Grain) -> (Solution, SolveProfile) {
+fn profiled(bench: &mut Bench, method: Method, grain: Grain) -> (HeadlessSolution, SolveProfile) {
     let Bench { seeds, solver, on_device, .. } = bench;
     solver.profile(on_device, seeds, method, Detail { grain, ..Detail::default() }).unwrap()
 }
@@ -115,7 +117,7 @@ fn maps_in_small_submissions_are_those_of_large_ones() {
     let seeds = seeds_at(&surface, some_point(&surface));
     let more = seeds_at(&surface, (0, 0));
     let mut whole = vulkan_solver();
-    let mut cut = in_parts(Solver::with_validation(&device_choice()).unwrap());
+    let mut cut = in_parts(HeadlessSolver::with_validation(&device_choice()).unwrap());
     let mut on_device = [whole.upload(&surface).unwrap(), cut.upload(&surface).unwrap()];
     for wavefront in Wavefront::FOR_ANY_SURFACE {
         for schedule in [Schedule::Raster, Schedule::AllPoints] {

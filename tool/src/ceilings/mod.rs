@@ -44,8 +44,8 @@ impl From<[f64; 3]> for Triangles {
     }
 }
 
-impl From<vulkan::Ceilings> for DeviceCeilings {
-    fn from(ceilings: vulkan::Ceilings) -> Self {
+impl From<vulkan::DeviceCeilings> for DeviceCeilings {
+    fn from(ceilings: vulkan::DeviceCeilings) -> Self {
         Self {
             copy: ceilings.copy,
             triangles: ceilings.triangles.into(),
@@ -60,9 +60,9 @@ impl From<vulkan::Ceilings> for DeviceCeilings {
     }
 }
 
-impl From<cpu::Ceilings> for CpuCeilings {
-    fn from(ceilings: cpu::Ceilings) -> Self {
-        let cpu::Ceilings { threads, copy, triangles } = ceilings;
+impl From<cpu::CpuCeilings> for CpuCeilings {
+    fn from(ceilings: cpu::CpuCeilings) -> Self {
+        let cpu::CpuCeilings { threads, copy, triangles } = ceilings;
         Self { threads, copy, triangles: triangles.into() }
     }
 }

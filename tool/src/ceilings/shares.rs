@@ -78,7 +78,7 @@ impl Shares {
         work: Work,
         seconds: f64,
         wavefront: Wavefront,
-        ceilings: &cpu::Ceilings,
+        ceilings: &cpu::CpuCeilings,
     ) -> Self {
         let triangles = rate_of(wavefront, ceilings.triangles);
         Self { dispatches: None, ..Self::at(work, seconds, ceilings.copy, triangles) }
@@ -88,9 +88,9 @@ impl Shares {
         work: Work,
         seconds: f64,
         wavefront: Wavefront,
-        ceilings: &vulkan::Ceilings,
+        ceilings: &vulkan::DeviceCeilings,
     ) -> Self {
-        let vulkan::Ceilings { dispatch, skipped_dispatch, submission, .. } = *ceilings;
+        let vulkan::DeviceCeilings { dispatch, skipped_dispatch, submission, .. } = *ceilings;
         let commands = work.dispatches as f64 * dispatch.as_secs_f64()
             + work.skipped_dispatches as f64 * skipped_dispatch.as_secs_f64()
             + work.submissions as f64 * submission.as_secs_f64();
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn shares_are_times_at_the_ceiling() {
         let work = Work::on_cpu((1000, 250), Wavefront::Planar);
-        let ceilings = cpu::Ceilings { threads: 1, copy: 24e3, triangles: [1e3, 1.0, 1.0] };
+        let ceilings = cpu::CpuCeilings { threads: 1, copy: 24e3, triangles: [1e3, 1.0, 1.0] };
         let shares = Shares::on_cpu(work, 4.0, Wavefront::Planar, &ceilings);
         assert_eq!((shares.data, shares.arithmetic), (Some(0.25), Some(0.125)));
         let work = Work::on_cpu((1200, 250), Wavefront::Anchored);

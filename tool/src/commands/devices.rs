@@ -87,9 +87,9 @@ pub fn run(args: &Args) -> Outcome {
         let _spinner = Spinner::new("measuring");
         for device in devices.iter_mut().filter(|device| device.unmet.is_empty()) {
             let choice = DeviceChoice::Index(device.index);
-            device.ceilings = Some(vulkan::Ceilings::measure(&choice)?.into());
+            device.ceilings = Some(vulkan::DeviceCeilings::measure(&choice)?.into());
         }
-        thread_counts().map(cpu::Ceilings::measure).map(CpuCeilings::from).collect()
+        thread_counts().map(cpu::CpuCeilings::measure).map(CpuCeilings::from).collect()
     };
     let measured = Measured { devices, cpu };
     if args.json {

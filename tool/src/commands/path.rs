@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use geosweep::geometry::{CurveError, Path, PathError, Paths};
+use geosweep::geometry::{CurveError, Path, PathError, PathTracer};
 use geosweep::io::{Attribute, GridFrame, PlaceFile, Polyline};
 use geosweep::shown::seven_digits;
 use geosweep::surface::EdgeLengths;
@@ -80,7 +80,7 @@ pub fn run(args: &Args) -> Outcome {
     let paths: Vec<Path> = {
         let _spinner = Spinner::new("tracing paths");
         let edges = EdgeLengths::new(&scene.surface)?;
-        let paths = Paths::new(&scene.surface, &edges, sources, &map.distances)?;
+        let paths = PathTracer::new(&scene.surface, &edges, sources, &map.distances)?;
         paths.trace_all(&starts).into_iter().collect::<Result<_, PathError>>()?
     };
     let row = |(from, path)| Row::new(from, path, &problem);

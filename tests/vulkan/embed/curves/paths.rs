@@ -1,7 +1,7 @@
 //! Paths in the host's frames.
 
 use geosweep::ash::vk;
-use geosweep::geometry::Paths;
+use geosweep::geometry::PathTracer;
 use geosweep::glam::{DVec3, Vec3};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
@@ -78,7 +78,8 @@ fn compare(
     let at = sources
         .iter()
         .fold(Sources::default(), |at, s| at.and_point(s.row.into(), s.col.into(), s.time.into()));
-    let on_cpu = Paths::new(surface, &edges, &at, &scene.map.distances).unwrap().along_the_map();
+    let on_cpu =
+        PathTracer::new(surface, &edges, &at, &scene.map.distances).unwrap().along_the_map();
     let [mut from_map, mut from_exact, mut off] = [0.0f64; 3];
     let mut from_cpu = Vec::new();
     for (number, (record, start)) in records.iter().zip(&starts).enumerate() {

@@ -7,7 +7,7 @@ use geosweep::surface::Chart;
 use geosweep::vulkan::profile::{
     Capabilities, Capability, Detail, Executable, Grain, SolveProfile,
 };
-use geosweep::vulkan::{self, Solver, Tuning};
+use geosweep::vulkan::{self, HeadlessSolver, Tuning};
 use geosweep::{DeviceChoice, Engine, Options, Surface, Wavefront};
 
 use super::renderdoc::Capture;
@@ -32,7 +32,7 @@ pub struct Measured {
     pub device: String,
     pub driver: String,
     pub capabilities: Capabilities,
-    pub ceilings: vulkan::Ceilings,
+    pub ceilings: vulkan::DeviceCeilings,
     pub chart: Chart,
     pub tuning: Tuning,
     pub solved: Solved,
@@ -72,11 +72,11 @@ pub fn measure(wanted: &Wanted, capture: Option<Capture>) -> Result<Measured, Bo
     bar.set_message("ceilings");
     // RenderDoc would capture the device of the peak-rate measurement instead of the solver's.
     let captured = capture.is_some();
-    let ceilings = |choice: &DeviceChoice| vulkan::Ceilings::measure(choice);
+    let ceilings = |choice: &DeviceChoice| vulkan::DeviceCeilings::measure(choice);
     let before = if captured { None } else { Some(ceilings(choice)?) };
     bar.inc(1);
     bar.set_message("warming up");
-    let mut solver = Solver::for_profiling(choice, wanted.without)?;
+    let mut solver = HeadlessSolver::for_profiling(choice, wanted.without)?;
     let mut subject = Subject::new(&solver, surface, &wanted.of, options)?;
     let method = subject.method();
     subject.solve(&mut solver)?;
@@ -138,7 +138,7 @@ pub fn measure(wanted: &Wanted, capture: Option<Capture>) -> Result<Measured, Bo
 /// than scans, also returns what timestamps of scans would add.
 fn grain_for(
     subject: &mut Subject,
-    solver: &mut Solver,
+    solver: &mut HeadlessSolver,
     timestamp: Option<Duration>,
 ) -> Result<(Grain, Option<f64>), Box<dyn Error>> {
     let Some(timestamp) = timestamp else { return Ok((Grain::default(), None)) };

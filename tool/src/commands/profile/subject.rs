@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 use geosweep::surface::Seed;
 use geosweep::vulkan::profile::{Detail, SolveProfile};
 use geosweep::vulkan::{
-    Method, PairwiseOnDevice, PairwiseSchedule, Schedule, Solver, SurfaceOnDevice, VulkanError,
+    HeadlessSolver, Method, PairwiseOnDevice, PairwiseSchedule, Schedule, SurfaceOnDevice,
+    VulkanError,
 };
 use geosweep::{Options, Sources, Surface};
 
@@ -73,7 +74,7 @@ impl Subject {
     /// Prepares the subject with the method that the options select. A batch uses the method for a map from
     /// one of its sources.
     pub fn new(
-        solver: &Solver,
+        solver: &HeadlessSolver,
         surface: &Surface,
         of: &Of,
         options: &Options,
@@ -111,7 +112,7 @@ impl Subject {
     }
 
     /// Computes the subject without profiling. Returns the time that it took.
-    pub fn solve(&mut self, solver: &mut Solver) -> Result<Duration, VulkanError> {
+    pub fn solve(&mut self, solver: &mut HeadlessSolver) -> Result<Duration, VulkanError> {
         let Self { on_device, method, maps } = self;
         match maps {
             Maps::One(seeds) => Ok(solver.solve(on_device, seeds, *method)?.time),
@@ -127,7 +128,7 @@ impl Subject {
     /// Computes the subject with profiling.
     pub fn profile(
         &mut self,
-        solver: &mut Solver,
+        solver: &mut HeadlessSolver,
         detail: Detail,
     ) -> Result<(Ended, SolveProfile), VulkanError> {
         let Self { on_device, method, maps } = self;

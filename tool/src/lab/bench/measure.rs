@@ -7,7 +7,9 @@ use geosweep::Stop;
 use geosweep::cpu::{self, RotatedScan};
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::profile::{Capability, Detail, Grain};
-use geosweep::vulkan::{self, Schedule, Solution, Solver, SurfaceOnDevice, Tuning, VulkanError};
+use geosweep::vulkan::{
+    self, HeadlessSolution, HeadlessSolver, Schedule, SurfaceOnDevice, Tuning, VulkanError,
+};
 use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Sources, Surface, Wavefront};
 use indicatif::ProgressBar;
 
@@ -109,8 +111,8 @@ impl Timing {
 pub struct Measurements {
     /// The timings, sorted by surface, wavefront, size and method.
     pub timings: Vec<Timing>,
-    pub cpu: Option<cpu::Ceilings>,
-    pub device: Option<(String, vulkan::Ceilings)>,
+    pub cpu: Option<cpu::CpuCeilings>,
+    pub device: Option<(String, vulkan::DeviceCeilings)>,
 }
 
 /// The largest number of threads: the CPU engine runs two scans at a time.
@@ -132,7 +134,7 @@ pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
         // device.
         solver: on_device
             .then(|| {
-                let solver = Solver::for_profiling(&plan.device, &Capability::ALL)?;
+                let solver = HeadlessSolver::for_profiling(&plan.device, &Capability::ALL)?;
                 match plan.tuning {
                     Some(tuning) => {
                         let Tuning { tile_lanes, tile_edges, .. } = solver.tuning();
@@ -142,8 +144,8 @@ pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
                 }
             })
             .transpose()?,
-        cpu: cpu::Ceilings::measure(rayon::current_num_threads().min(MOST_THREADS)),
-        device: if on_device { Some(vulkan::Ceilings::measure(&plan.device)?) } else { None },
+        cpu: cpu::CpuCeilings::measure(rayon::current_num_threads().min(MOST_THREADS)),
+        device: if on_device { Some(vulkan::DeviceCeilings::measure(&plan.device)?) } else { None },
         too_slow: Vec::new(),
         begin: Instant::now(),
         timings: Vec::new(),
@@ -176,9 +178,9 @@ pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
 struct Bench<'a> {
     plan: &'a Plan,
     bar: ProgressBar,
-    solver: Option<Solver>,
-    cpu: cpu::Ceilings,
-    device: Option<vulkan::Ceilings>,
+    solver: Option<HeadlessSolver>,
+    cpu: cpu::CpuCeilings,
+    device: Option<vulkan::DeviceCeilings>,
     /// The combinations that were too slow on the current surface.
     too_slow: Vec<(Wavefront, Method)>,
     begin: Instant,
@@ -309,7 +311,7 @@ impl Bench<'_> {
     fn schedules(
         &mut self,
         task: &Task,
-        solver: &mut Solver,
+        solver: &mut HeadlessSolver,
         surface: &mut SurfaceOnDevice,
         set_up: Duration,
     ) -> Result<(), Box<dyn Error>> {
@@ -322,7 +324,7 @@ impl Bench<'_> {
                 }
                 let how = |stop| vulkan::Method::new(wavefront, stop).with_schedule(schedule);
                 let is_timed = self.time(task, wavefront, method, set_up, bytes, |task| {
-                    let Solution { iterations, residual, time, .. } =
+                    let HeadlessSolution { iterations, residual, time, .. } =
                         solver.solve(surface, task.seeds, how(task.stop))?;
                     Ok(Run { time, iterations, residual, visits_and_updates: None })
                 })?;

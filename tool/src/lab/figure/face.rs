@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use geosweep::geometry::{Levels, PathError, Paths, Voronoi, contours};
+use geosweep::geometry::{Levels, PathError, PathTracer, Voronoi, contours};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{DistanceMap, Engine, Options, Sources, Surface, distance_map};
@@ -108,7 +108,7 @@ impl Face {
         };
         let starts: Vec<_> = (0..PATHS).map(start).collect();
         self.with_levels(&sources, CONTOUR_STEP, false, |map| {
-            let paths = Paths::new(&self.surface, &self.edges, &sources, &map.distances)?;
+            let paths = PathTracer::new(&self.surface, &self.edges, &sources, &map.distances)?;
             let paths = paths.trace_all(&starts).into_iter();
             let paths: Vec<_> = paths.collect::<Result<_, PathError>>()?;
             Ok(paths.iter().map(path_line).unzip())

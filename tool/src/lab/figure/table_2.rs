@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use geosweep::vulkan::{Schedule, Solver};
+use geosweep::vulkan::{HeadlessSolver, Schedule};
 use geosweep::{DeviceChoice, Wavefront};
 use serde::Serialize;
 
@@ -83,7 +83,7 @@ pub fn run(args: &Args) -> Outcome {
     let output = wanted_file(args.output.as_ref(), "a table is", "md")?;
     let device = args.device.clone().unwrap_or_default();
     let mut methods = vec![Method::Cpu];
-    match Solver::new(&device) {
+    match HeadlessSolver::new(&device) {
         Ok(_) => methods.push(Method::Vulkan(Schedule::Raster)),
         Err(error) if args.device.is_some() => return Err(error.into()),
         Err(error) => say("note", format_args!("the table has the CPU alone: {error}")),

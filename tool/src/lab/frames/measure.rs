@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Frame, PointSource, Points, Reader, SourceInput, Surface, SurfaceInfo,
+    self, Frame, FrameSurface, PointSource, Points, Reader, SourceInput, SurfaceInfo,
 };
 use geosweep::vulkan::{self, Method, Schedule};
 use geosweep::{DeviceChoice, Stop, Wavefront};
@@ -60,7 +60,7 @@ const STRIDE: usize = 12;
 /// Performs the planned measurements.
 pub fn measure(plan: &Plan) -> Result<Measured, Box<dyn Error>> {
     // The library decides which device is used, and checks that it is suitable.
-    let name = vulkan::Solver::new(&plan.device)?.device_name().to_owned();
+    let name = vulkan::HeadlessSolver::new(&plan.device)?.device_name().to_owned();
     let index = match plan.device {
         DeviceChoice::Index(index) => index,
         _ => {
@@ -120,7 +120,7 @@ fn of_schedule(
     plan: &Plan,
     host: &Host,
     solver: &embed::Solver,
-    surface: &mut Surface,
+    surface: &mut FrameSurface,
     schedule: Schedule,
 ) -> Result<Option<Timing>, Box<dyn Error>> {
     let chart = surface.chart();

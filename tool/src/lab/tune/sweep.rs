@@ -4,7 +4,9 @@ use std::error::Error;
 use std::time::{Duration, Instant};
 
 use geosweep::surface::Seed;
-use geosweep::vulkan::{Method, Schedule, Solution, Solver, SurfaceOnDevice, Tuning, VulkanError};
+use geosweep::vulkan::{
+    HeadlessSolution, HeadlessSolver, Method, Schedule, SurfaceOnDevice, Tuning, VulkanError,
+};
 use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Sources, Stop, Surface, Wavefront};
 use indicatif::ProgressBar;
 
@@ -173,7 +175,7 @@ pub fn sweep(plan: &Plan) -> Result<Swept, Box<dyn Error>> {
         left_out: Vec::new(),
         references: SCHEDULES.map(|_| Vec::new()),
     };
-    let mut plain = Solver::new(&plan.device)?;
+    let mut plain = HeadlessSolver::new(&plan.device)?;
     let (device, untuned) = (plain.device_name().to_owned(), plain.tuning());
     let mut rows = Vec::new();
     for schedule in SCHEDULES {
@@ -240,7 +242,11 @@ impl Tuner<'_> {
     }
 
     /// Measures the untuned maps, with which the others are compared.
-    fn untuned(&mut self, plain: &mut Solver, schedule: Schedule) -> Result<Row, Box<dyn Error>> {
+    fn untuned(
+        &mut self,
+        plain: &mut HeadlessSolver,
+        schedule: Schedule,
+    ) -> Result<Row, Box<dyn Error>> {
         self.bar.set_message(format!("{schedule}, untuned"));
         self.references[place(schedule)] = vec![None; self.tasks.len()];
         let mut maps = Vec::new();
@@ -270,7 +276,7 @@ impl Tuner<'_> {
     /// Measures maps with other portions. Returns `None` if there is no time left.
     fn row(
         &mut self,
-        plain: &mut Solver,
+        plain: &mut HeadlessSolver,
         (schedule, knob, value): (Schedule, Knob, u32),
         tuning: Tuning,
         untuned: &Row,
@@ -283,7 +289,7 @@ impl Tuner<'_> {
             return Ok(None);
         }
         let mut row = Row { schedule, knob, value, maps: Vec::new(), refused: None, ratio: None };
-        let mut solver = match Solver::new(&self.plan.device)?.with_tuning(tuning) {
+        let mut solver = match HeadlessSolver::new(&self.plan.device)?.with_tuning(tuning) {
             Err(VulkanError::Tuning(reason)) => {
                 row.refused = Some(reason);
                 return Ok(Some(row));
@@ -306,7 +312,7 @@ impl Tuner<'_> {
     /// Measures the untuned map of a task. Returns `None` if it takes longer than the limit.
     fn untuned_map(
         &self,
-        solver: &mut Solver,
+        solver: &mut HeadlessSolver,
         schedule: Schedule,
         task: usize,
     ) -> Result<Option<(Map, Vec<f32>)>, VulkanError> {
@@ -333,8 +339,8 @@ impl Tuner<'_> {
     /// Measures a map with two solvers in turn.
     fn map(
         &self,
-        solver: &mut Solver,
-        plain: &mut Solver,
+        solver: &mut HeadlessSolver,
+        plain: &mut HeadlessSolver,
         schedule: Schedule,
         task: usize,
     ) -> Result<Map, VulkanError> {
@@ -356,7 +362,7 @@ impl Tuner<'_> {
 
 /// A surface on the device of a solver.
 struct Run<'a> {
-    solver: &'a mut Solver,
+    solver: &'a mut HeadlessSolver,
     on_device: SurfaceOnDevice,
     seeds: &'a [Seed],
     wavefront: Wavefront,
@@ -368,7 +374,7 @@ struct Run<'a> {
 impl<'a> Run<'a> {
     fn new(
         tuner: &'a Tuner,
-        solver: &'a mut Solver,
+        solver: &'a mut HeadlessSolver,
         schedule: Schedule,
         task: usize,
     ) -> Result<Self, VulkanError> {
@@ -379,7 +385,7 @@ impl<'a> Run<'a> {
         Ok(Self { solver, on_device, seeds, wavefront, schedule, most })
     }
 
-    fn solve(&mut self, iterations: u32) -> Result<Solution, VulkanError> {
+    fn solve(&mut self, iterations: u32) -> Result<HeadlessSolution, VulkanError> {
         let stop = Stop::within(DEFAULT_TOLERANCE).or_after(iterations);
         let method = Method::new(self.wavefront, stop).with_schedule(self.schedule);
         self.solver.solve(&mut self.on_device, self.seeds, method)

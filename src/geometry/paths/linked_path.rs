@@ -20,7 +20,7 @@ pub(super) struct Trace {
 
 /// A path to its source. Its last part may be shared with other paths.
 #[derive(Clone, Debug)]
-pub(super) struct Course {
+pub(super) struct LinkedPath {
     /// The vertices from the start to the source, or to the corner at which the shared part begins.
     pub vertices: Vec<DVec2>,
     /// The arrival time at the start.
@@ -30,7 +30,7 @@ pub(super) struct Course {
     pub source: usize,
     /// The initial value of the source.
     pub initial: f64,
-    pub rest: Option<Arc<Course>>,
+    pub rest: Option<Arc<LinkedPath>>,
 }
 
 /// The key of a shared part: the place and time from which it starts.
@@ -42,18 +42,18 @@ pub(super) struct Key {
     moment: u64,
 }
 
-pub(super) type Rest = Result<Arc<Course>, Stuck>;
+pub(super) type SharedPart = Result<Arc<LinkedPath>, Stuck>;
 
 /// The paths from corners of holes that have been traced so far.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Rests(Arc<RwLock<HashMap<Key, Rest>>>);
+pub(super) struct SharedParts(Arc<RwLock<HashMap<Key, SharedPart>>>);
 
-impl Rests {
-    pub(super) fn get(&self, key: Key) -> Option<Rest> {
+impl SharedParts {
+    pub(super) fn get(&self, key: Key) -> Option<SharedPart> {
         self.0.read().unwrap_or_else(PoisonError::into_inner).get(&key).cloned()
     }
 
-    pub(super) fn keep(&self, key: Key, rest: Rest) {
+    pub(super) fn keep(&self, key: Key, rest: SharedPart) {
         self.0.write().unwrap_or_else(PoisonError::into_inner).insert(key, rest);
     }
 }
@@ -68,20 +68,20 @@ impl Key {
     }
 }
 
-impl Course {
+impl LinkedPath {
     /// Returns the path with the vertices of its shared parts appended.
     pub(super) fn trace(self) -> Trace {
         let Self { mut vertices, time, length, source, initial, rest } = self;
-        let rests = || std::iter::successors(rest.as_deref(), |rest| rest.rest.as_deref());
-        vertices.reserve_exact(rests().map(|rest| rest.vertices.len() - 1).sum());
-        for rest in rests() {
+        let shared_parts = || std::iter::successors(rest.as_deref(), |rest| rest.rest.as_deref());
+        vertices.reserve_exact(shared_parts().map(|rest| rest.vertices.len() - 1).sum());
+        for rest in shared_parts() {
             vertices.extend_from_slice(&rest.vertices[1..]);
         }
         Trace { vertices, time, length, source, initial }
     }
 }
 
-impl From<Trace> for Course {
+impl From<Trace> for LinkedPath {
     fn from(Trace { vertices, time, length, source, initial }: Trace) -> Self {
         Self { vertices, time, length, source, initial, rest: None }
     }

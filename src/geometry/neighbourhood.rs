@@ -6,7 +6,7 @@ use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, ring};
 
 /// One neighbour: its index offset, the edge to it, and the edge from it to the next neighbour.
 #[derive(Clone, Copy, Debug)]
-struct Spoke {
+struct Neighbour {
     offset: isize,
     edge: EdgeSlot,
     base: EdgeSlot,
@@ -14,20 +14,20 @@ struct Spoke {
 
 /// The eight neighbours of a point, in the order of [`Direction::ALL`].
 #[derive(Clone, Debug)]
-pub(super) struct Spokes<'a> {
+pub(super) struct Neighbourhood<'a> {
     edges: &'a EdgeLengths<f32>,
-    spokes: [Spoke; 8],
+    neighbourhood: [Neighbour; 8],
 }
 
-impl<'a> Spokes<'a> {
+impl<'a> Neighbourhood<'a> {
     pub(super) fn new(edges: &'a EdgeLengths<f32>) -> Self {
         let chart = edges.chart();
-        let spokes = Direction::ALL.map(|to| {
+        let neighbourhood = Direction::ALL.map(|to| {
             let offset = chart.offset(to);
             let base = EdgeSlot::new(chart, offset, to.base());
-            Spoke { offset, edge: EdgeSlot::new(chart, 0, to), base }
+            Neighbour { offset, edge: EdgeSlot::new(chart, 0, to), base }
         });
-        Self { edges, spokes }
+        Self { edges, neighbourhood }
     }
 
     pub(super) fn chart(&self) -> Chart {
@@ -37,25 +37,25 @@ impl<'a> Spokes<'a> {
     /// Returns the index of the neighbour in direction `to`.
     #[inline]
     pub(super) fn neighbour(&self, point: usize, to: usize) -> usize {
-        point.wrapping_add_signed(self.spokes[to].offset)
+        point.wrapping_add_signed(self.neighbourhood[to].offset)
     }
 
     /// Returns the indices of all eight neighbours.
     #[inline]
     pub(super) fn neighbours(&self, point: usize) -> impl Iterator<Item = usize> {
-        self.spokes.iter().map(move |spoke| point.wrapping_add_signed(spoke.offset))
+        self.neighbourhood.iter().map(move |neighbour| point.wrapping_add_signed(neighbour.offset))
     }
 
     /// Returns the length of the edge to a neighbour, or [`Real::FAR`] if there is no such edge.
     #[inline]
     pub(super) fn length(&self, point: usize, to: usize) -> f64 {
-        wide(self.edges.at(point, self.spokes[to].edge))
+        wide(self.edges.at(point, self.neighbourhood[to].edge))
     }
 
     /// Returns the length of the edge from a neighbour to the next neighbour.
     #[inline]
     pub(super) fn base(&self, point: usize, to: usize) -> f64 {
-        wide(self.edges.at(point, self.spokes[to].base))
+        wide(self.edges.at(point, self.neighbourhood[to].base))
     }
 
     /// Returns when the ray of a circular wavefront arrives at a point across the base between a neighbour
@@ -144,7 +144,8 @@ impl<'a> Spokes<'a> {
     /// Returns the length of the longest edge of a point.
     #[inline]
     pub(super) fn longest(&self, point: usize) -> f32 {
-        let lengths = self.spokes.iter().map(|spoke| self.edges.at(point, spoke.edge));
+        let lengths =
+            self.neighbourhood.iter().map(|neighbour| self.edges.at(point, neighbour.edge));
         lengths.filter(|&length| length < f32::FAR).fold(0.0, f32::max)
     }
 }

@@ -7,16 +7,16 @@ use crate::lanes::prefetch;
 use crate::surface::{EdgeLengths, Real, min};
 use crate::update::{Carried, Kept, Triangle};
 
-/// A stretch of points in a row or column, the neighbours behind each of them, and the triangles between.
+/// A span of adjacent points of a row or column, the neighbours behind each of them, and the triangles between.
 ///
 /// All slices have as many entries as there are points, or have entries without data, so that the compiler
 /// sees that indices are within bounds. `C` is the data that fronts carry beside their arrival times, `G` the
 /// data of the surface.
 #[derive(Clone, Copy)]
-pub(super) struct Stretch<'a, R, C, G> {
+pub(super) struct Span<'a, R, C, G> {
     pub times: &'a [R],
     pub carried: &'a [C],
-    pub ground: &'a [G],
+    pub surface_data: &'a [G],
     /// Data at the neighbours behind: the one before, the one beside, the one after.
     pub times_behind: [&'a [R]; 3],
     pub carried_behind: [&'a [C]; 3],
@@ -25,14 +25,14 @@ pub(super) struct Stretch<'a, R, C, G> {
     pub bases: [&'a [R]; 2],
 }
 
-impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
-    /// Returns part of the stretch.
+impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
+    /// Returns part of the span.
     #[inline(always)]
     pub(super) fn part(&self, start: usize, points: usize) -> Self {
         Self {
             times: part(self.times, start, points),
             carried: part(self.carried, start, points),
-            ground: part(self.ground, start, points),
+            surface_data: part(self.surface_data, start, points),
             times_behind: parts(self.times_behind, start, points),
             carried_behind: parts(self.carried_behind, start, points),
             edges: parts(self.edges, start, points),
@@ -40,14 +40,14 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
         }
     }
 
-    /// Returns whether point `i` has no neighbour beside it on the line behind; see [`crate::update::Bends`].
+    /// Returns whether point `i` has no neighbour beside it on the line behind; see [`crate::update::Curvatures`].
     #[inline(always)]
     pub(super) fn is_alone(&self, i: usize) -> bool {
         self.edges[1][i] >= R::FAR
     }
 
     /// Returns one of the two triangles of point `i`: the left one, with the points behind that are before
-    /// and beside it, or the right one, with those beside and after it. If the stretch may have obtuse
+    /// and beside it, or the right one, with those beside and after it. If the span may have obtuse
     /// triangles (`SPLIT`), an obtuse one is reduced to its edges.
     #[inline(always)]
     pub(super) fn triangle<const LEFT: bool, const SPLIT: bool>(&self, i: usize) -> Triangle<R> {
@@ -142,25 +142,25 @@ pub(super) struct Before<'a, R, C, G> {
     pub fronts: Fronts<'a, R, C>,
     /// The fronts of the whole grid, if the window is smaller.
     pub far: Option<Fronts<'a, R, C>>,
-    pub ground: &'a [G],
+    pub surface_data: &'a [G],
 }
 
 impl<'a, R: Real, C: Carried, G> Before<'a, R, C, G> {
-    /// Returns the stretch of `points` points of a row from a column on. The neighbours behind are given for
+    /// Returns the span of `points` points of a row from a column on. The neighbours behind are given for
     /// the grid, and as offsets in the window ([`super::window::Window::behind`]).
-    pub(super) fn stretch(
+    pub(super) fn span(
         &self,
         (behind, in_window): (&Behind, [isize; 3]),
         [row, col]: [usize; 2],
         points: usize,
-    ) -> Stretch<'a, R, C, G> {
+    ) -> Span<'a, R, C, G> {
         let Fronts { window, times, carried } = self.fronts;
         let (here, first) = (window.index(row, col), window.grid().bordered(row, col));
         let at = in_window.map(|offset| here.wrapping_add_signed(offset));
-        Stretch {
+        Span {
             times: part(times, here, points),
             carried: part(carried, here, points),
-            ground: part(self.ground, first, points),
+            surface_data: part(self.surface_data, first, points),
             times_behind: at.map(|at| part(times, at, points)),
             carried_behind: at.map(|at| part(carried, at, points)),
             edges: behind.edges().map(|slot| self.edges.row(first, slot, points)),
@@ -179,23 +179,23 @@ impl<'a, R: Real, C: Carried, G> Before<'a, R, C, G> {
     }
 }
 
-/// Prefetches the data that the check of a stretch's next row needs, from the point `start` on. For times
+/// Prefetches the data that the check of a span's next row needs, from the point `start` on. For times
 /// this is the row after the next, since the next one has been read for this row. `strides` are the offsets
 /// to the next row of the fronts and of the surface's data.
 #[inline(always)]
 pub(super) fn prefetch_next_row<R: Real, C: Carried, G>(
-    stretch: &Stretch<R, C, G>,
+    span: &Span<R, C, G>,
     [stride, on_surface]: [isize; 2],
     start: usize,
     looks_at_edges: bool,
 ) {
     let place = on_surface + start as isize;
-    prefetch(stretch.times, 2 * stride + start as isize);
-    prefetch(stretch.carried, 2 * stride + start as isize);
+    prefetch(span.times, 2 * stride + start as isize);
+    prefetch(span.carried, 2 * stride + start as isize);
     if looks_at_edges {
-        stretch.edges.iter().for_each(|edges| prefetch(edges, place));
-        prefetch(stretch.bases[1], place);
+        span.edges.iter().for_each(|edges| prefetch(edges, place));
+        prefetch(span.bases[1], place);
     } else {
-        prefetch(stretch.ground, place);
+        prefetch(span.surface_data, place);
     }
 }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::course::{Course, Key, Trace};
+use super::linked_path::{Key, LinkedPath, Trace};
 use super::place::{Place, Stuck};
 use super::tracer::Tracer;
 use super::walk::{Head, HeadEnd};
@@ -29,36 +29,36 @@ impl Tracer<'_> {
     /// result is the same as if the path were traced alone.
     pub(super) fn traces(&self, starts: &[DVec2]) -> Vec<Result<Trace, Stuck>> {
         let walks: Vec<_> = starts.iter().map(|&start| (start, self.start)).collect();
-        let mut courses = self.courses(&walks);
+        let mut linked_paths = self.linked_paths(&walks);
         // Squared times are smooth at a source if they are counted from its own initial value. That value is
         // known once the path has found the source, so such paths are traced again.
-        let later = |(number, course): (usize, &Result<Course, Stuck>)| {
-            let Course { source, initial, .. } = course.as_ref().ok()?;
+        let later = |(number, linked): (usize, &Result<LinkedPath, Stuck>)| {
+            let LinkedPath { source, initial, .. } = linked.as_ref().ok()?;
             (*initial != self.start).then_some((number, *source, (starts[number], *initial)))
         };
-        let later: Vec<_> = courses.iter().enumerate().filter_map(later).collect();
+        let later: Vec<_> = linked_paths.iter().enumerate().filter_map(later).collect();
         let walks: Vec<_> = later.iter().map(|&(.., walk)| walk).collect();
-        for ((number, source, _), again) in later.into_iter().zip(self.courses(&walks)) {
+        for ((number, source, _), again) in later.into_iter().zip(self.linked_paths(&walks)) {
             if again.as_ref().is_ok_and(|again| again.source == source) {
-                courses[number] = again;
+                linked_paths[number] = again;
             }
         }
-        courses.into_iter().map(|course| course.map(Course::trace)).collect()
+        linked_paths.into_iter().map(|linked| linked.map(LinkedPath::trace)).collect()
     }
 
     /// Traces the paths from some places. Each walk has the time from which its squared times are counted.
-    fn courses(&self, walks: &[(DVec2, f64)]) -> Vec<Result<Course, Stuck>> {
+    fn linked_paths(&self, walks: &[(DVec2, f64)]) -> Vec<Result<LinkedPath, Stuck>> {
         let heads = self.heads(walks);
         let moments = walks.iter().map(|&(_, moment)| moment);
-        self.trace_rests(heads.iter().zip(moments.clone()).filter_map(corner).collect());
-        heads.into_iter().zip(moments).map(|(head, moment)| self.course(head?, moment)).collect()
+        self.trace_shared_parts(heads.iter().zip(moments.clone()).filter_map(corner).collect());
+        heads.into_iter().zip(moments).map(|(head, moment)| self.link(head?, moment)).collect()
     }
 
     /// Traces and keeps the paths from the given corners.
-    fn trace_rests(&self, mut keys: BTreeSet<Key>) {
+    fn trace_shared_parts(&self, mut keys: BTreeSet<Key>) {
         let mut heads = HashMap::new();
         loop {
-            keys.retain(|key| !heads.contains_key(key) && self.rests.get(*key).is_none());
+            keys.retain(|key| !heads.contains_key(key) && self.shared_parts.get(*key).is_none());
             if keys.is_empty() {
                 break;
             }
@@ -71,25 +71,25 @@ impl Tracer<'_> {
         // Arrival times decrease from corner to corner, so each path's rest is kept before the path needs it.
         heads.sort_by(|(a, _), (b, _)| self.time(a.corner).total_cmp(&self.time(b.corner)));
         for (key, head) in heads {
-            let course = head.and_then(|head| self.course(head, key.moment()));
-            self.rests.keep(key, course.map(Arc::new));
+            let linked = head.and_then(|head| self.link(head, key.moment()));
+            self.shared_parts.keep(key, linked.map(Arc::new));
         }
     }
 
     /// Completes a path from its head. The path from the corner at which the head ends must have been kept.
-    fn course(&self, head: Head, moment: f64) -> Result<Course, Stuck> {
+    fn link(&self, head: Head, moment: f64) -> Result<LinkedPath, Stuck> {
         let Head { vertices, time, length, end } = head;
-        let course = match end {
+        let linked = match end {
             HeadEnd::Source { source, initial } => {
-                Course { vertices, time, length, source, initial, rest: None }
+                LinkedPath { vertices, time, length, source, initial, rest: None }
             }
             HeadEnd::Corner(point) => {
                 let stuck = Stuck(self.at(Place::Point(point)));
-                let rest = self.rests.get(Key::new(point, moment)).ok_or(stuck)??;
+                let rest = self.shared_parts.get(Key::new(point, moment)).ok_or(stuck)??;
                 let (length, source, initial) = (length + rest.length, rest.source, rest.initial);
-                Course { vertices, time, length, source, initial, rest: Some(rest) }
+                LinkedPath { vertices, time, length, source, initial, rest: Some(rest) }
             }
         };
-        Ok(if self.shortens { self.taut(course) } else { course })
+        Ok(if self.shortens { self.taut(linked) } else { linked })
     }
 }
