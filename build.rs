@@ -20,6 +20,8 @@ use std::{env, fs};
 use interface::Interface;
 
 const GLSL: &str = "glsl";
+/// Folders of shader sources in it: passes, the update of a triangle, and what several passes share.
+const FOLDERS: [&str; 3] = ["passes", "shared", "update"];
 const COMMITTED: &str = "glsl/spirv";
 /// File with the fingerprint of the sources of the committed SPIR-V, and of the way in which it was compiled.
 const OF_SOURCES: &str = "glsl/spirv/sources.fnv";
@@ -32,7 +34,10 @@ fn main() {
     println!("cargo:rerun-if-env-changed=GEOSWEEP_UPDATE_SPIRV");
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     let sources = sources();
-    write(&out.join("constants.rs"), constants(&read(Path::new("glsl/constants.glsl"))).as_bytes());
+    write(
+        &out.join("constants.rs"),
+        constants(&read(Path::new("glsl/shared/constants.glsl"))).as_bytes(),
+    );
 
     let of_sources = fingerprint(compiled_from(&sources));
     if !cfg!(feature = "shaderc") {
@@ -67,13 +72,15 @@ fn main() {
     }
 }
 
-/// Returns the shader sources, sorted so that nothing depends on the order of the folder's entries.
+/// Returns the shader sources, sorted so that nothing depends on the order of the folders' entries.
 fn sources() -> Vec<PathBuf> {
-    let mut sources: Vec<_> = fs::read_dir(GLSL)
-        .unwrap_or_else(|error| panic!("cannot read the folder {GLSL}: {error}"))
-        .map(|entry| entry.expect("the folder can be listed").path())
-        .filter(|path| path.is_file())
-        .collect();
+    let folder = |name: &&str| {
+        let path = Path::new(GLSL).join(name);
+        let entries = fs::read_dir(&path)
+            .unwrap_or_else(|error| panic!("cannot read the folder {}: {error}", path.display()));
+        entries.map(|entry| entry.expect("the folder can be listed").path())
+    };
+    let mut sources: Vec<_> = FOLDERS.iter().flat_map(folder).collect();
     sources.sort();
     sources
 }

@@ -1,4 +1,4 @@
-//! Constants shared with the shaders, generated from `glsl/constants.glsl`.
+//! Constants shared with the shaders, generated from `glsl/shared/constants.glsl`.
 
 // Some constants are used only by the shaders' twins, or only with an optional feature.
 #![allow(dead_code)]

@@ -14,8 +14,8 @@ use super::status::Failure;
 use crate::surface::{
     Chart, EdgeRule, Geometry, LONGEST_EDGE, MetricTensor, Spacing, Surface, SurfaceError,
 };
+use crate::vulkan::device::memory::{Buffer, BufferInfo};
 use crate::vulkan::embed;
-use crate::vulkan::memory::{Buffer, BufferInfo};
 
 /// Meaning of the floats of a grid point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

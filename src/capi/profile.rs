@@ -15,7 +15,7 @@ use super::solver::Shared;
 use super::status::{Failure, GeosweepStatus, guard};
 use super::surface::GeosweepSurface;
 use crate::vulkan::VulkanError;
-use crate::vulkan::memory::{Buffer, BufferInfo};
+use crate::vulkan::device::memory::{Buffer, BufferInfo};
 use crate::vulkan::profile::{
     Clock, Decided, Grain, PassRecord, Profile, QueryRange, Resolved, Slots,
 };

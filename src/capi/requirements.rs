@@ -10,7 +10,8 @@ use super::choices::{ScheduleNumber, schedule_number};
 use super::loader::{self, GetInstanceProcAddr};
 use super::plan::chart;
 use super::status::{Failure, GeosweepStatus, guard};
-use crate::vulkan::{Schedule, requirements};
+use crate::vulkan::Schedule;
+use crate::vulkan::device::requirements;
 
 /// Requirements for the instance and the device, to be merged with those of the program.
 #[derive(Clone, Copy, Debug)]

@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 use super::Instructions;
 use super::behind::Behind;
 use super::fronts::{FrontKind, TriangleKind, for_triangle_kind};
-use super::line::{GridLines, LinesInGrid};
-use super::line_update::UpdateOptions;
+use super::rotated::line::{GridLines, LinesInGrid};
+use super::rotated::line_update::UpdateOptions;
+use super::rotated::tiles::TILE;
 use super::scan::Scan;
-use super::tiles::TILE;
 use crate::surface::{EdgeLengths, Real, Spacing, Surface};
 use crate::update::Wavefront;
 

@@ -14,52 +14,25 @@
 
 mod behind;
 mod ceilings;
-mod clusters;
-mod connections;
-mod due;
 mod fast_marching;
-#[cfg(test)]
-mod floor_plans;
 mod fronts;
-mod line;
-mod line_update;
-mod merge;
-mod order;
 mod pairwise;
-mod panel;
-mod patches;
 mod point_fronts;
-mod prepared;
 mod progress;
 mod raster_scan;
-mod rotated_scan;
+pub(crate) mod rotated;
 mod scan;
-mod scan_copy;
-mod scanner;
-mod scans;
-pub(crate) mod settled;
-mod sight_lines;
 mod solution;
-mod span;
-mod stream;
 mod surroundings;
-mod tiles;
-mod transpose;
-mod transposed;
 #[cfg(any(test, feature = "twins"))]
 pub mod twins;
-mod typical_edge;
-mod window;
 
 pub use crate::lanes::Instructions;
 pub use ceilings::CpuCeilings;
-pub use connections::Connections;
-pub use fast_marching::{fast_marching, fast_marching_with};
-pub use order::Order;
+pub use fast_marching::{Connections, fast_marching, fast_marching_with};
 pub use pairwise::PairwiseScan;
-pub use patches::PatchCounts;
 pub(crate) use progress::{Progress, bend_units};
 pub use raster_scan::raster_scan;
-pub use rotated_scan::{RotatedScan, rotated_scan};
-pub(crate) use settled::Visited;
+pub(crate) use rotated::Visited;
+pub use rotated::{Order, PatchCounts, RotatedScan, rotated_scan};
 pub use solution::Solution;

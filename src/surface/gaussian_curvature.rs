@@ -1,4 +1,4 @@
-//! Computes the Gaussian curvature from edge lengths. The twin of `glsl/gaussian_curvature.comp`.
+//! Computes the Gaussian curvature from edge lengths. The twin of `glsl/passes/gaussian_curvature.comp`.
 
 use rayon::prelude::*;
 

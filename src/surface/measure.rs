@@ -1,4 +1,4 @@
-//! Measures the edges of a row of points in SIMD lanes. The twin of `glsl/edges.glsl`.
+//! Measures the edges of a row of points in SIMD lanes. The twin of `glsl/passes/edges.glsl`.
 //!
 //! The loops have no branches, so that the compiler vectorizes them; see [`Loop`].
 

@@ -20,7 +20,7 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    /// Computes the resolution from the counts of a device (`glsl/turns.glsl`). Returns `None` if nothing was
+    /// Computes the resolution from the counts of a device (`glsl/passes/turns.glsl`). Returns `None` if nothing was
     /// counted.
     pub(crate) fn counted(
         sharp: u32,

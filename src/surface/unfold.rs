@@ -1,5 +1,5 @@
 //! Splits obtuse triangles by grid points beyond their bases (paper, end of section 3, after Kimmel and
-//! Sethian). The twin of `glsl/splits.glsl`.
+//! Sethian). The twin of `glsl/update/splits.glsl`.
 //!
 //! A front that runs through a triangle with an obtuse angle at x0 may reach x0 before it reaches one end of
 //! the base. Then points depend on one another in a cycle. The result depends on the order of updates, and

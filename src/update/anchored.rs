@@ -1,5 +1,5 @@
 //! Implements fronts that know their anchor. They are exact over floor plans. The twin of
-//! `glsl/anchored.glsl`.
+//! `glsl/update/anchored.glsl`.
 //!
 //! A shortest path over a flat grid with holes is a chain of straight lines that bends only at corners of
 //! holes. Its last bend, or its source, is the *anchor* of the points that follow (the pseudo-source of exact

@@ -8,7 +8,7 @@ use crate::surface::{Real, Seed, max, min};
 /// x2. The result is 0 or 1 if the front runs along an edge, or if one end of the base has not been reached.
 /// The curvatures of the fronts at x1 and x2 are used by the curved wavefront only.
 ///
-/// The twin of `glsl/base_crossing.glsl`. The shape of the front is computed as in the updates.
+/// The twin of `glsl/update/base_crossing.glsl`. The shape of the front is computed as in the updates.
 pub(crate) fn base_crossing<R: Real>(
     wavefront: Wavefront,
     triangle: Triangle<R>,

@@ -8,7 +8,7 @@ use crate::name::{UnknownName, by_name};
 use crate::surface::{Sources, Surface};
 
 /// The shape of the front that an update assumes inside a triangle. The numbers are those of `WAVEFRONT` in
-/// `glsl/wavefront.glsl`.
+/// `glsl/update/wavefront.glsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(i32)]
 pub enum Wavefront {

@@ -2,16 +2,17 @@
 
 use std::ops::Range;
 
-use crate::vulkan::device_memory::DeviceMemory;
+use super::device::device_memory::DeviceMemory;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 
 use super::anchors::ANCHOR_BYTES;
-use super::descriptors::{Contents, GridSets};
-use super::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo, RESULT_FORMAT};
-use super::pipelines::Pipelines;
-use super::plan::Scan;
-use super::progress::{self, Record};
+use super::device::descriptors::{Contents, GridSets};
+use super::device::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo, RESULT_FORMAT};
+use super::device::pipelines::Pipelines;
+use super::schedules::plan::Scan;
+use super::schedules::progress;
+use super::schedules::progress::Record;
 use super::upload::SOURCE_BYTES;
 use super::{TexelChart, Tuning, VulkanError};
 use crate::constants::LAYERS;

@@ -1,4 +1,4 @@
-//! Numbers the origins of curved fronts for shaders. The twin of `glsl/anchors.glsl`.
+//! Numbers the origins of curved fronts for shaders. The twin of `glsl/update/anchors.glsl`.
 
 use std::collections::HashMap;
 

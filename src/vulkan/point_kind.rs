@@ -1,7 +1,9 @@
 //! Defines what the floats of a grid point mean, and what depends on that on a device.
 
-use super::passes::{CommonPass, EDGES_FROM_HEIGHTS, EDGES_FROM_METRIC, EDGES_FROM_POSITIONS};
-use super::shaders::edges_from_heights;
+use super::device::passes::{
+    CommonPass, EDGES_FROM_HEIGHTS, EDGES_FROM_METRIC, EDGES_FROM_POSITIONS,
+};
+use super::device::shaders::edges_from_heights;
 use crate::surface::Spacing;
 
 /// Meaning of the floats of a point.

@@ -1,4 +1,4 @@
-//! Maps grid points to texels of the images. The twin of `glsl/chart.glsl`.
+//! Maps grid points to texels of the images. The twin of `glsl/shared/chart.glsl`.
 
 use std::ops::Range;
 

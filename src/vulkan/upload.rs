@@ -1,12 +1,12 @@
 //! Converts sources to the form in which shaders read them.
 
 use super::TexelChart;
-pub(crate) use super::shaders::seed::SeedTexel;
+pub(crate) use super::device::shaders::seed::SeedTexel;
 use crate::constants::WHOLE;
 use crate::surface::{FAR, Seed, Tagged};
 use crate::update::{Curvature, Wavefront, tag_of};
 
-/// Bytes of a source as `glsl/sources.comp` reads it.
+/// Bytes of a source as `glsl/passes/sources.comp` reads it.
 pub(crate) const SOURCE_BYTES: usize = 16;
 
 /// Bytes of a texel with sources that shaders read and write.

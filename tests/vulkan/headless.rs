@@ -22,7 +22,7 @@ const AGREEMENT: f64 = 1e-5;
 /// Largest difference after the same number of iterations. Only rounding remains: a few units of the last
 /// digit for each point that a front passes, with both signs.
 const TWINS: f64 = 2e-6;
-/// `FEW_TILES` in `glsl/constants.glsl`.
+/// `FEW_TILES` in `glsl/shared/constants.glsl`.
 const FEW_TILES: usize = 64;
 
 const WAVEFRONTS: [Wavefront; 3] = Wavefront::FOR_ANY_SURFACE;

@@ -8,11 +8,11 @@ use super::origins::{LineOrigins, OriginTable, SpanOrigins};
 use crate::constants::IN_SIGHT;
 use crate::cpu::behind::{Behind, TriangleSlots};
 use crate::cpu::bend_units;
-use crate::cpu::line::ScanLine;
-use crate::cpu::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
-use crate::cpu::settled::{Visited, from_curved};
-use crate::cpu::span::Span;
-use crate::cpu::tiles::TILE;
+use crate::cpu::rotated::line::ScanLine;
+use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
+use crate::cpu::rotated::settled::{Visited, from_curved};
+use crate::cpu::rotated::span::Span;
+use crate::cpu::rotated::tiles::TILE;
 use crate::surface::{Chart, Direction, EdgeLengths, Origins, Real, Seed, max, min};
 use crate::update::{
     Carried, Curvature, Curvatures, EXACT, Front, Kept, Sighted, Steps, Triangle, curved,

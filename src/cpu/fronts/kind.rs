@@ -6,10 +6,10 @@ use std::ops::Range;
 use bytemuck::Pod;
 
 use crate::cpu::behind::{Behind, TriangleSlots};
-use crate::cpu::line::GridLines;
-use crate::cpu::line_update::{UpdateOptions, Updated};
+use crate::cpu::rotated::line::GridLines;
+use crate::cpu::rotated::line_update::{UpdateOptions, Updated};
+use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::scan::Scan;
-use crate::cpu::span::{Before, Span};
 use crate::surface::{Chart, Direction, EdgeLengths, Part, Real, Seed};
 use crate::update::{Carried, Kept, Triangle};
 
@@ -96,7 +96,7 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
     }
 
     /// Updates points of a line from the line behind, and marks the spans of
-    /// [`TILE`](crate::cpu::tiles::TILE) points that have changed.
+    /// [`TILE`](crate::cpu::rotated::tiles::TILE) points that have changed.
     fn update(
         &self,
         lines: &mut LinesOf<'_, 'a, R, Self>,

@@ -4,9 +4,9 @@
 use std::collections::HashMap;
 
 use crate::constants::MOST_ORIGINS;
+use crate::cpu::rotated::span::Span;
+use crate::cpu::rotated::tiles::TILE;
 use crate::cpu::scan::Scan;
-use crate::cpu::span::Span;
-use crate::cpu::tiles::TILE;
 use crate::surface::{Origin, Real};
 use crate::update::{Curvature, Curvatures, Front, Sighted, Steps, curved_from_origins};
 

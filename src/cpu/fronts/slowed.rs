@@ -1,7 +1,7 @@
 //! Provides what fronts over an uneven slowness need of a span of points.
 
-use crate::cpu::span::Span;
-use crate::cpu::tiles::TILE;
+use crate::cpu::rotated::span::Span;
+use crate::cpu::rotated::tiles::TILE;
 use crate::surface::Real;
 use crate::update::{Carried, Triangle};
 

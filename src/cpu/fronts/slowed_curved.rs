@@ -8,9 +8,9 @@ use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, SpanOf, TriangleKind, in
 use super::slowed::Seen;
 use crate::cpu::behind::Behind;
 use crate::cpu::bend_units;
-use crate::cpu::line::ScanLine;
-use crate::cpu::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
-use crate::cpu::tiles::TILE;
+use crate::cpu::rotated::line::ScanLine;
+use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
+use crate::cpu::rotated::tiles::TILE;
 use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed};
 use crate::update::{
     Curvature, Curvatures, Front, Kept, Triangle, curved_slowed, is_settled_slowed,

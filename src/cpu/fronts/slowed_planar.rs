@@ -6,9 +6,9 @@ use std::ops::Range;
 use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, SpanOf, TriangleKind, in_span};
 use super::slowed::{Seen, TimeChanges};
 use crate::cpu::behind::Behind;
-use crate::cpu::line::ScanLine;
-use crate::cpu::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
-use crate::cpu::tiles::TILE;
+use crate::cpu::rotated::line::ScanLine;
+use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
+use crate::cpu::rotated::tiles::TILE;
 use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
 use crate::update::{Kept, Triangle, is_settled_slowed, planar_slowed};
 

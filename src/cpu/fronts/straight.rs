@@ -5,11 +5,11 @@ use std::ops::Range;
 
 use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, SpanOf, TriangleKind, in_span};
 use crate::cpu::behind::Behind;
-use crate::cpu::line::ScanLine;
-use crate::cpu::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
-use crate::cpu::settled::Visited;
-use crate::cpu::span::Span;
-use crate::cpu::tiles::TILE;
+use crate::cpu::rotated::line::ScanLine;
+use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
+use crate::cpu::rotated::settled::Visited;
+use crate::cpu::rotated::span::Span;
+use crate::cpu::rotated::tiles::TILE;
 use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed, min};
 use crate::update::{Kept, Triangle};
 

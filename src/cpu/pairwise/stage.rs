@@ -2,8 +2,8 @@
 
 use super::kernel::{LANES, Lanes};
 use crate::cpu::Instructions;
-use crate::cpu::stream::stream;
-use crate::cpu::transpose::{Turned, transpose};
+use crate::cpu::rotated::stream::stream;
+use crate::cpu::rotated::transpose::{Turned, transpose};
 use crate::lanes::Loop;
 use crate::surface::Chart;
 

@@ -3,18 +3,20 @@
 //! covered by the crate's promises of compatibility.
 
 mod all_points;
+mod blocks;
+#[cfg(test)]
+mod floor_plans;
 mod regions;
-mod scan_due;
-mod scan_in_turn;
+mod scan;
 mod surroundings;
-mod tile_rounds;
+mod tile_round;
 
 pub use all_points::all_points;
+pub use blocks::{Visits, scan_due};
 pub use regions::regions;
-pub use scan_due::{Visits, scan_due};
-pub use scan_in_turn::{scan_in_turn, scan_outward};
+pub use scan::{scan_in_turn, scan_outward};
 pub use surroundings::{CentralSource, surroundings};
-pub use tile_rounds::{Rounds, tile_rounds, tile_rounds_counted};
+pub use tile_round::{Rounds, tile_rounds, tile_rounds_counted};
 
 use super::behind::Behind;
 use super::scan::Scan;

@@ -1,6 +1,6 @@
 //! Labels points by the nearest source. The twin of `glsl/region_*.comp`.
 
-use super::scan_in_turn::scan;
+use super::scan::scan;
 use crate::Stop;
 use crate::constants::{FLOW_JUMPS, NEAR_PLACES, PARENT_JUMPS};
 use crate::cpu::behind::TriangleSlots;

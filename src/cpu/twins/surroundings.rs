@@ -1,5 +1,5 @@
 //! Solves the surroundings of sources inside cells, and of sources that have others near them, before the
-//! whole grid. The twin of `glsl/surroundings.comp` and `glsl/merge_surroundings.comp`.
+//! whole grid. The twin of `glsl/passes/surroundings.comp` and `glsl/passes/merge_surroundings.comp`.
 
 use std::ops::Range;
 

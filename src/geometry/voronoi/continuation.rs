@@ -1,7 +1,8 @@
 //! Propagates the wavefronts of sources from point to point: computes when a wavefront arrives at a point
 //! from its arrival times at the neighbours.
 
-use crate::cpu::{Visited, settled};
+use crate::cpu::Visited;
+use crate::cpu::rotated::settled;
 use crate::geometry::neighbourhood::Neighbourhood;
 use crate::surface::{Real, Source, Sources, max, min, ring};
 use crate::update::{Triangle, Wavefront, circular, planar};

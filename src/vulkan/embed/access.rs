@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use crate::vulkan::barrier;
+use crate::vulkan::device::barrier;
 
 /// Pipeline stages, and the kinds of memory access in them.
 ///

@@ -11,7 +11,7 @@ use super::input_sets::{InputSet, versions};
 use super::inputs::SourceInput;
 use super::surface::FrameSurface;
 use crate::vulkan::VulkanError;
-use crate::vulkan::pipelines::Pipelines;
+use crate::vulkan::device::pipelines::Pipelines;
 
 /// Descriptor sets in several versions, as many as a replaceable input of the surface has. Each rebinding
 /// takes the next free version.

@@ -1,6 +1,6 @@
 //! Finds contours on the device, for drawing in the same frame.
 
-use crate::vulkan::device_memory::DeviceMemory;
+use crate::vulkan::device::device_memory::DeviceMemory;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 
@@ -13,14 +13,14 @@ use crate::constants::{LEVELS_TOGETHER, WORKGROUP};
 use crate::surface::Chart;
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
-use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE};
-use crate::vulkan::limits::Limits;
-use crate::vulkan::memory::BufferInfo;
-use crate::vulkan::passes::{CONTOUR_COUNTS, CONTOUR_OFFSETS, CONTOUR_SEGMENTS};
-use crate::vulkan::pipelines::Pipeline;
+use crate::vulkan::device::barrier::{CLEAR, SHADER, SHADER_WRITE};
+use crate::vulkan::device::limits::Limits;
+use crate::vulkan::device::memory::BufferInfo;
+use crate::vulkan::device::passes::{CONTOUR_COUNTS, CONTOUR_OFFSETS, CONTOUR_SEGMENTS};
+use crate::vulkan::device::pipelines::Pipeline;
+use crate::vulkan::device::shaders::contour_counts::Push;
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::record::dispatched;
-use crate::vulkan::shaders::contour_counts::Push;
 
 /// Buffer for the contours of a surface, and the passes that find them: [`Recording::contours`].
 ///

@@ -1,6 +1,6 @@
 //! Defines the buffer of curves on the device, its layout, and the passes that lift curves to the surface.
 
-use crate::vulkan::device_memory::DeviceMemory;
+use crate::vulkan::device::device_memory::DeviceMemory;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
 use gpu_allocator::MemoryLocation;
@@ -15,14 +15,14 @@ use super::surface::FrameSurface;
 use crate::constants::{self, CURVE_WORDS, VERTEX_WORDS, WORKGROUP};
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
-use crate::vulkan::barrier::SHADER_WRITE;
-use crate::vulkan::limits::Limits;
-use crate::vulkan::memory::{Buffer, BufferInfo};
-use crate::vulkan::passes::{LIFT_FROM_BUFFER, LIFT_FROM_IMAGE};
-use crate::vulkan::pipelines::{Pipeline, Pipelines};
+use crate::vulkan::device::barrier::SHADER_WRITE;
+use crate::vulkan::device::limits::Limits;
+use crate::vulkan::device::memory::{Buffer, BufferInfo};
+use crate::vulkan::device::passes::{LIFT_FROM_BUFFER, LIFT_FROM_IMAGE};
+use crate::vulkan::device::pipelines::{Pipeline, Pipelines};
+use crate::vulkan::device::shaders::lift_from_buffer::Push as Lift;
 use crate::vulkan::profile::PassKind;
 use crate::vulkan::record::dispatched;
-use crate::vulkan::shaders::lift_from_buffer::Push as Lift;
 
 /// Vertex of a contour or path. Graphics pipelines can read it as it is: [`CurveVertex::attributes`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

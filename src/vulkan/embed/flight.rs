@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use ash::vk::{self, Handle};
 
-use crate::vulkan::progress::Record;
+use crate::vulkan::schedules::progress::Record;
 
 /// Recordings of a surface. They run in the order in which they were recorded.
 ///

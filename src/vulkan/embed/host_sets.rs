@@ -8,10 +8,10 @@ use super::outputs::HostImage;
 use crate::constants::WORKGROUP;
 use crate::surface::Chart;
 use crate::vulkan::VulkanError;
+use crate::vulkan::device::limits::Limits;
+use crate::vulkan::device::pipelines::Pipelines;
+use crate::vulkan::device::shaders::set_1;
 use crate::vulkan::grid_images::{GridImages, INLINE_SOURCES};
-use crate::vulkan::limits::Limits;
-use crate::vulkan::pipelines::Pipelines;
-use crate::vulkan::shaders::set_1;
 use crate::vulkan::upload::SOURCE_BYTES;
 
 /// Alignment of storage buffer offsets in bytes that satisfies every device.

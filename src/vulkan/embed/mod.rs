@@ -72,7 +72,7 @@ mod state;
 mod surface;
 mod together;
 
-pub use super::device_memory::{DeviceMemory, MemoryBlock, MemoryRequest};
+pub use super::device::device_memory::{DeviceMemory, MemoryBlock, MemoryRequest};
 pub use super::point_kind::PointKind;
 pub use access::{Access, Reader};
 pub use contours::{ContourFrame, Contours, LevelInput};

@@ -1,6 +1,6 @@
 //! Traces geodesic paths on the device, for drawing in the same frame.
 
-use crate::vulkan::device_memory::DeviceMemory;
+use crate::vulkan::device::device_memory::DeviceMemory;
 use ash::vk;
 
 use super::access::Access;
@@ -13,14 +13,14 @@ use super::surface::FrameSurface;
 use crate::constants::{CURVE_WORDS, PATH_WORDS, STEPS_TOGETHER};
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
-use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE, TRANSFER};
-use crate::vulkan::limits::Limits;
-use crate::vulkan::memory::BufferInfo;
-use crate::vulkan::passes::{PATH_STARTS, PATHS};
-use crate::vulkan::pipelines::Pipeline;
+use crate::vulkan::device::barrier::{CLEAR, SHADER, SHADER_WRITE, TRANSFER};
+use crate::vulkan::device::limits::Limits;
+use crate::vulkan::device::memory::BufferInfo;
+use crate::vulkan::device::passes::{PATH_STARTS, PATHS};
+use crate::vulkan::device::pipelines::Pipeline;
+use crate::vulkan::device::shaders::path_starts::Push;
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::record::dispatched;
-use crate::vulkan::shaders::path_starts::Push;
 
 /// Buffer for the paths on a surface, and the passes that trace them: [`Recording::paths`].
 ///

@@ -2,8 +2,9 @@
 
 use crate::Stop;
 use crate::update::Wavefront;
-use crate::vulkan::plan::{self, Portions, Step};
 use crate::vulkan::profile::Grain;
+use crate::vulkan::schedules::plan;
+use crate::vulkan::schedules::plan::{Portions, Step};
 use crate::vulkan::{Method, Schedule, TexelChart, schedules};
 
 /// List of the passes of a recording. It fits every surface whose grid has the same size in texels of 2 x 2

@@ -7,11 +7,11 @@ use super::host_sets;
 use super::recording::{Recording, grid_size, nth};
 use super::surface::{Outcome, ResultImage};
 use crate::vulkan::VulkanError;
-use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE};
-use crate::vulkan::passes::{LOOKUP, RESULT};
+use crate::vulkan::device::barrier::{CLEAR, SHADER, SHADER_WRITE};
+use crate::vulkan::device::passes::{LOOKUP, RESULT};
+use crate::vulkan::device::shaders::{lookup, result};
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::record::dispatched;
-use crate::vulkan::shaders::{lookup, result};
 
 const RECORD_BYTES: u64 = Outcome::BYTES as u64;
 

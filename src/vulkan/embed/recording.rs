@@ -12,15 +12,17 @@ use super::surface::FrameSurface;
 use crate::constants::{NEVER_MEASURED, SOURCES_TOGETHER, SURROUNDINGS_TEXELS, WORKGROUP};
 use crate::surface::{Chart, EdgeRule};
 use crate::vulkan::VulkanError;
-use crate::vulkan::barrier::{PASS, SHADER, SHADER_WRITE, TRANSFER};
-use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands, frame_bytes, rows_around};
-use crate::vulkan::passes::{
+use crate::vulkan::device::barrier::{PASS, SHADER, SHADER_WRITE, TRANSFER};
+use crate::vulkan::device::passes::{
     CommonPass, MERGE_SURROUNDINGS, POINTS_FROM_BUFFER, POINTS_FROM_IMAGE, SOURCES, Variant,
 };
+use crate::vulkan::device::shaders::{
+    merge_surroundings, points_from_buffer, sources, surroundings,
+};
+use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands, frame_bytes, rows_around};
 use crate::vulkan::profile::{PassKind, PassRecord, Profile, Work};
-use crate::vulkan::progress::offset;
 use crate::vulkan::record::{Commands, Recorder};
-use crate::vulkan::shaders::{merge_surroundings, points_from_buffer, sources, surroundings};
+use crate::vulkan::schedules::progress::offset;
 use crate::vulkan::upload::SEED_BYTES;
 
 /// Recorder that appends commands for a surface to a command buffer of the host.

@@ -1,6 +1,6 @@
 //! Finds on the device the regions of the points nearest to each source.
 
-use crate::vulkan::device_memory::DeviceMemory;
+use crate::vulkan::device::device_memory::DeviceMemory;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 
@@ -16,14 +16,14 @@ use crate::constants::{FLOW_JUMPS, PARENT_JUMPS};
 use crate::surface::Chart;
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
-use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE};
-use crate::vulkan::limits::Limits;
-use crate::vulkan::memory::{Buffer, BufferInfo};
-use crate::vulkan::passes::{REGION_FLOW, REGION_LABELS, REGION_STARTS, REGION_WAYS};
-use crate::vulkan::pipelines::Pipeline;
+use crate::vulkan::device::barrier::{CLEAR, SHADER, SHADER_WRITE};
+use crate::vulkan::device::limits::Limits;
+use crate::vulkan::device::memory::{Buffer, BufferInfo};
+use crate::vulkan::device::passes::{REGION_FLOW, REGION_LABELS, REGION_STARTS, REGION_WAYS};
+use crate::vulkan::device::pipelines::Pipeline;
+use crate::vulkan::device::shaders::region_starts::Push;
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::record::dispatched;
-use crate::vulkan::shaders::region_starts::Push;
 
 /// Buffer for the regions of the points nearest to each source, and the passes that find them:
 /// [`Recording::regions`].

@@ -1,6 +1,6 @@
 //! Defines the surface of a renderer: its images, and the host's memory that it reads.
 
-use crate::vulkan::device_memory::DeviceMemory;
+use crate::vulkan::device::device_memory::DeviceMemory;
 use std::sync::Arc;
 
 use ash::vk;
@@ -15,11 +15,11 @@ use super::state::State;
 use crate::constants::{BORDER, NEVER_MEASURED, SOURCES_TOGETHER, TIME};
 use crate::surface::{Chart, EdgeRule, Resolution, SurfaceError};
 use crate::vulkan::VulkanError;
+use crate::vulkan::device::memory::{FORMAT, RESULT_FORMAT};
 use crate::vulkan::grid_images::{
     GridImages, INLINE_SOURCES, POINT_BYTES, Purpose, bands, frame_bytes,
 };
-use crate::vulkan::memory::{FORMAT, RESULT_FORMAT};
-use crate::vulkan::progress::{Record, offset};
+use crate::vulkan::schedules::progress::{Record, offset};
 
 /// Parameters of a surface. The host's images and buffers still belong to the host. They must be alive
 /// whenever a recording that uses them runs. Their contents may change from frame to frame.

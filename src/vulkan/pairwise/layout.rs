@@ -110,7 +110,7 @@ pub(super) fn numbers(wavefront: Wavefront) -> u32 {
     if wavefront.is_curved() { LAYERS } else { 1 }
 }
 
-/// Returns the numbers in the fan of a pair of points, as in `glsl/pairwise_fans.glsl`.
+/// Returns the numbers in the fan of a pair of points, as in `glsl/passes/pairwise_fans.glsl`.
 pub(super) fn fan_numbers(wavefront: Wavefront) -> u64 {
     if wavefront.is_curved() { 15 } else { 9 }
 }
@@ -184,7 +184,7 @@ impl BatchLayout {
         (self.maps * numbers(self.wavefront)).max(2)
     }
 
-    /// Returns the bytes of the surface's fans, as `glsl/pairwise_fans.glsl` places them.
+    /// Returns the bytes of the surface's fans, as `glsl/passes/pairwise_fans.glsl` places them.
     pub(super) fn fans(&self) -> u64 {
         let Chart { rows, cols } = self.chart;
         let pairs = 2 * (rows * cols.div_ceil(2) + cols * rows.div_ceil(2)) as u64;

@@ -20,11 +20,12 @@ use std::time::Instant;
 
 use ash::vk;
 
-use super::headless::{CommandBuffer, Context, Submitter, Unwatched};
-use super::passes::Variant;
-use super::plan::{self, Portions, Reached};
+use super::device::passes::Variant;
+use super::headless::context::{CommandBuffer, Context, Submitter, Unwatched};
 use super::profile::{Detail, Grain, Session, SolveProfile};
 use super::record::Commands;
+use super::schedules::plan;
+use super::schedules::plan::{Portions, Reached};
 use super::{
     HeadlessSolver, Schedule, SurfaceOnDevice, TexelChart, Tuning, VulkanError, schedules,
 };
@@ -379,8 +380,8 @@ mod tests {
     use super::*;
     use crate::surface::{Spacing, Surface};
     use crate::vulkan::DeviceChoice;
-    use crate::vulkan::barrier::tests::{number as barrier_number, without};
-    use crate::vulkan::barrier::{Access, PASS};
+    use crate::vulkan::device::barrier::tests::{number as barrier_number, without};
+    use crate::vulkan::device::barrier::{Access, PASS};
 
     const STOP: Stop = Stop::within(1e-6).or_after(100);
 

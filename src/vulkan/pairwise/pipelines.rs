@@ -2,12 +2,12 @@
 
 use super::layout::{BatchLayout, Workgroup};
 use crate::vulkan::VulkanError;
-use crate::vulkan::passes::{
+use crate::vulkan::device::passes::{
     KnownSize, MapSize, PAIRWISE_COUNT, PAIRWISE_FANS, PAIRWISE_SCANS, PAIRWISE_SHARED,
     PAIRWISE_START, Variant,
 };
-use crate::vulkan::pipelines::{InUse, Pipeline, Pipelines};
-use crate::vulkan::shaders::{
+use crate::vulkan::device::pipelines::{InUse, Pipeline, Pipelines};
+use crate::vulkan::device::shaders::{
     pairwise_count, pairwise_fans, pairwise_scan, pairwise_shared, pairwise_start,
 };
 
@@ -70,7 +70,7 @@ mod tests {
 
     use crate::surface::{Spacing, Surface};
     use crate::update::Wavefront;
-    use crate::vulkan::headless::Context;
+    use crate::vulkan::headless::context::Context;
     use crate::vulkan::{DeviceChoice, HeadlessSolver, PairwiseSchedule};
 
     static REAL: OnceLock<vk::PFN_vkCreateComputePipelines> = OnceLock::new();

@@ -1,11 +1,11 @@
-//! Stores the progress of a batch's maps. The twin of `glsl/pairwise_progress.glsl`.
+//! Stores the progress of a batch's maps. The twin of `glsl/passes/pairwise_progress.glsl`.
 
 use std::mem::offset_of;
 
 use bytemuck::{Zeroable, bytes_of};
 
 use crate::surface::{Chart, relative_change};
-use crate::vulkan::shaders::pairwise_count::{Map, Progress};
+use crate::vulkan::device::shaders::pairwise_count::{Map, Progress};
 use crate::{Convergence, Stop};
 
 /// Offsets of the parts, in bytes.

@@ -12,18 +12,19 @@ use super::resources::Resources;
 use super::steps::Step;
 use crate::constants::WORKGROUP;
 use crate::vulkan::TexelChart;
-use crate::vulkan::barrier::{NOTHING, PASS, SHADER, SHADER_WRITE};
-use crate::vulkan::descriptors::Sets;
-use crate::vulkan::memory::Buffer;
-use crate::vulkan::passes::UNPACK;
-use crate::vulkan::pipelines::Pipeline;
-use crate::vulkan::plan::{self, Scan, ScanPass};
-use crate::vulkan::profile::{PassKind, PassRecord, Presence, Scope, StepCounter, Work};
-use crate::vulkan::record::{Commands, Groups};
-use crate::vulkan::schedules::{account, block_of};
-use crate::vulkan::shaders::{
+use crate::vulkan::device::barrier::{NOTHING, PASS, SHADER, SHADER_WRITE};
+use crate::vulkan::device::descriptors::Sets;
+use crate::vulkan::device::memory::Buffer;
+use crate::vulkan::device::passes::UNPACK;
+use crate::vulkan::device::pipelines::Pipeline;
+use crate::vulkan::device::shaders::{
     pairwise_count, pairwise_fans, pairwise_scan, pairwise_shared, pairwise_start, unpack,
 };
+use crate::vulkan::profile::{PassKind, PassRecord, Presence, Scope, StepCounter, Work};
+use crate::vulkan::record::{Commands, Groups};
+use crate::vulkan::schedules::plan;
+use crate::vulkan::schedules::plan::{Scan, ScanPass};
+use crate::vulkan::schedules::{account, block_of};
 
 /// Recorder of one batch.
 #[derive(Clone, Copy)]

@@ -1,15 +1,15 @@
 //! Allocates the images and buffers of a batch on the device.
 
-use crate::vulkan::device_memory::DeviceMemory;
+use crate::vulkan::device::device_memory::DeviceMemory;
 use gpu_allocator::MemoryLocation;
 
 use super::layout::BatchLayout;
 use super::progress;
 use crate::vulkan::VulkanError;
-use crate::vulkan::descriptors::{Contents, GridSets};
+use crate::vulkan::device::descriptors::{Contents, GridSets};
+use crate::vulkan::device::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo};
+use crate::vulkan::device::pipelines::Pipelines;
 use crate::vulkan::grid_images::GridImages;
-use crate::vulkan::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo};
-use crate::vulkan::pipelines::Pipelines;
 
 /// Images and buffers of a batch, with those that the host writes and reads.
 #[derive(Debug, Default)]

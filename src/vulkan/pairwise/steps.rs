@@ -1,8 +1,8 @@
 //! Lists the passes over a batch as plain values that need no device.
 
 use super::schedule::PairwiseSchedule;
-use crate::vulkan::barrier::{Access, CLEAR, COPY, HOST_READ, PASS, SHADER_WRITE};
-use crate::vulkan::plan;
+use crate::vulkan::device::barrier::{Access, CLEAR, COPY, HOST_READ, PASS, SHADER_WRITE};
+use crate::vulkan::schedules::plan;
 
 /// Step of a recording.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,8 +2,8 @@
 
 use super::pass::{PassKind, PassRecord};
 use super::work::Work;
-use crate::vulkan::plan::Scan;
-use crate::vulkan::progress::VISITS;
+use crate::vulkan::schedules::plan::Scan;
+use crate::vulkan::schedules::progress::VISITS;
 use crate::vulkan::{TexelChart, Tuning};
 
 /// Consecutive blocks of lines in the scans of one iteration. The device decides which of them are due.

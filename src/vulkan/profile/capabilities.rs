@@ -76,7 +76,7 @@ pub struct Capabilities {
 }
 
 impl Capabilities {
-    /// Queries a device that meets the [requirements](crate::vulkan::requirements), and its queue family.
+    /// Queries a device that meets the [requirements](crate::vulkan::device::requirements), and its queue family.
     /// `debug_utils` says whether the instance has `VK_EXT_debug_utils` enabled.
     pub fn of(
         instance: &ash::Instance,

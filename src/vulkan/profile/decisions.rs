@@ -2,7 +2,8 @@
 
 use super::presence::Decisions;
 use crate::constants::{ROUNDS, VISIT_WORDS};
-use crate::vulkan::progress::{self, Outcome, offset};
+use crate::vulkan::schedules::progress;
+use crate::vulkan::schedules::progress::{Outcome, offset};
 
 /// Bytes of the copies for a portion of steps: the outcome of the iterations before the portion, then the
 /// whole progress after it.

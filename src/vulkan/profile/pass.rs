@@ -4,7 +4,7 @@ use std::ffi::CStr;
 use std::ops::Range;
 
 use super::work::Work;
-use crate::vulkan::plan::Scan;
+use crate::vulkan::schedules::plan::Scan;
 
 /// Kind of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -5,12 +5,12 @@ use super::blocks::Blocks;
 use super::pass::{Area, PassKind, PassRecord};
 use super::work::Work;
 use crate::constants::LAYERS;
-use crate::vulkan::plan::Scan;
+use crate::vulkan::schedules::plan::Scan;
 use crate::vulkan::{TexelChart, Tuning};
 
 /// Bytes of a texel of four 32-bit numbers.
 const TEXEL: u64 = 16;
-/// Work of the count of an iteration: what it reads and writes of the progress (`glsl/progress.comp`). It
+/// Work of the count of an iteration: what it reads and writes of the progress (`glsl/passes/progress.comp`). It
 /// reads whether the map is done, the change, its tolerance, the iterations and their limit, the iterations
 /// since a point was first reached, and whether fronts may be renewed. It writes the change, the iterations,
 /// the iterations since a point was first reached, whether fronts may be renewed, and the last iteration's

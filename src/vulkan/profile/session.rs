@@ -13,8 +13,8 @@ use super::pass::{Grain, PassKind, PassRecord};
 use super::slots::{Decided, Profile, QueryRange, Resolved, Slots, results};
 use crate::constants::{HAS_WAITED, ROUNDS};
 use crate::vulkan::VulkanError;
-use crate::vulkan::headless::{CommandBuffer, Context, Submitter};
-use crate::vulkan::memory::{Buffer, BufferInfo};
+use crate::vulkan::device::memory::{Buffer, BufferInfo};
+use crate::vulkan::headless::context::{CommandBuffer, Context, Submitter};
 
 /// Choice of what is observed while a map is computed, in addition to times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

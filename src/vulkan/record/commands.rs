@@ -7,10 +7,10 @@ use bytemuck::{Pod, bytes_of};
 
 use super::turn::Turn;
 use crate::constants::{MOST_GROUPS, WORKGROUP};
-use crate::vulkan::barrier;
-use crate::vulkan::descriptors::Sets;
-use crate::vulkan::passes::PUSH_CONSTANT_BYTES;
-use crate::vulkan::pipelines::{Pipeline, Pipelines};
+use crate::vulkan::device::barrier;
+use crate::vulkan::device::descriptors::Sets;
+use crate::vulkan::device::passes::PUSH_CONSTANT_BYTES;
+use crate::vulkan::device::pipelines::{Pipeline, Pipelines};
 use crate::vulkan::profile::{Group, PassKind, PassRecord, Presence, Profile, Scope, Watch, Work};
 
 /// Command buffer that is being recorded.
@@ -51,7 +51,7 @@ impl Groups {
     }
 
     /// Returns `count` workgroups in all, or slightly more, for any count. Shaders find the place of a
-    /// workgroup by `place_in_dispatch` in `glsl/tiles.glsl`.
+    /// workgroup by `place_in_dispatch` in `glsl/passes/tiles.glsl`.
     pub(crate) fn in_columns(count: u32) -> Self {
         let column = column_of(count);
         Self::These([count.div_ceil(column), column, 1])

@@ -6,11 +6,13 @@ use ash::vk;
 
 use super::recorder::{Recorder, dispatched};
 use crate::constants::{CARRIED, FAR, LAYERS, TIME};
-use crate::vulkan::barrier::{CLEAR, COPY, HOST_READ, PASS, SHADER, SHADER_WRITE, TRANSFER};
-use crate::vulkan::passes::{SEED, UNPACK};
+use crate::vulkan::device::barrier::{
+    CLEAR, COPY, HOST_READ, PASS, SHADER, SHADER_WRITE, TRANSFER,
+};
+use crate::vulkan::device::passes::{SEED, UNPACK};
+use crate::vulkan::device::shaders::{seed, unpack};
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
-use crate::vulkan::progress::{Outcome, Record, offset};
-use crate::vulkan::shaders::{seed, unpack};
+use crate::vulkan::schedules::progress::{Outcome, Record, offset};
 use crate::vulkan::upload::SEED_BYTES;
 
 fn record_offset(number: usize) -> u64 {

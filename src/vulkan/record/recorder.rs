@@ -7,9 +7,9 @@ use bytemuck::Pod;
 
 use super::commands::{Commands, Groups};
 use crate::constants::WORKGROUP;
-use crate::vulkan::descriptors::Sets;
+use crate::vulkan::device::descriptors::Sets;
+use crate::vulkan::device::pipelines::Pipeline;
 use crate::vulkan::grid_images::GridImages;
-use crate::vulkan::pipelines::Pipeline;
 use crate::vulkan::profile::{PassKind, PassRecord, Scope, Work};
 
 /// Recorder of one surface.

@@ -8,12 +8,14 @@ use super::recorder::{Recorder, dispatched};
 use crate::constants::{FAR, LAYERS};
 use crate::surface::{EdgeRule, Spacing};
 use crate::vulkan::TexelChart;
-use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE};
+use crate::vulkan::device::barrier::{CLEAR, SHADER, SHADER_WRITE};
+use crate::vulkan::device::passes::{FAN_CURVATURE, GAUSSIAN_CURVATURE, TYPICAL_EDGE};
+use crate::vulkan::device::shaders::{
+    edges_from_heights, fan_curvature, gaussian_curvature, typical_edge,
+};
 use crate::vulkan::grid_images::rows_around;
-use crate::vulkan::passes::{FAN_CURVATURE, GAUSSIAN_CURVATURE, TYPICAL_EDGE};
 use crate::vulkan::point_kind::PointKind;
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
-use crate::vulkan::shaders::{edges_from_heights, fan_curvature, gaussian_curvature, typical_edge};
 
 impl Recorder<'_> {
     /// Transitions new images into their layout, and clears them: no edge, and no point reached.

@@ -10,7 +10,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use ash::vk;
 
 use super::commands::Commands;
-use crate::vulkan::barrier::{self, Access, ImageBarrier};
+use crate::vulkan::device::barrier;
+use crate::vulkan::device::barrier::{Access, ImageBarrier};
 
 /// Largest number of recordings that share barriers. Each brings at most one image to a barrier.
 pub(crate) const MOST_TOGETHER: usize = 64;

@@ -1,14 +1,14 @@
 //! Plans and records the schedule that updates all points at once, repeatedly.
 
 use super::order::{Order, Steps};
+use super::plan::{Portions, Reached, Step};
+use super::progress::offset;
 use crate::constants::{NOTHING_FOLLOWS, WORKGROUP};
 use crate::vulkan::TexelChart;
-use crate::vulkan::passes::ALL_POINTS;
-use crate::vulkan::plan::{Portions, Reached, Step};
+use crate::vulkan::device::passes::ALL_POINTS;
+use crate::vulkan::device::shaders::all_points::Push;
 use crate::vulkan::profile::{PassKind, PassRecord, Presence, StepCounter, Work};
-use crate::vulkan::progress::offset;
 use crate::vulkan::record::Groups;
-use crate::vulkan::shaders::all_points::Push;
 
 pub(super) struct AllPoints;
 

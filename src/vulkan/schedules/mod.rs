@@ -4,24 +4,27 @@
 
 mod all_points;
 mod order;
+pub mod plan;
+pub(in crate::vulkan) mod progress;
 mod raster;
+pub(in crate::vulkan) mod schedule;
 mod tiles;
 
 use ash::vk;
 
-use super::barrier::{CLEAR, COPY, PASS, PASS_AND_HOST, TRANSFER};
+use super::device::barrier::{CLEAR, COPY, PASS, PASS_AND_HOST, TRANSFER};
+use super::device::passes::{COUNT, SEED, SETTLE, Variant};
 use super::grid_images::TILE_WORDS;
-use super::passes::{COUNT, SEED, SETTLE, Variant};
-use super::plan::{Portions, Reached, Step};
 use super::profile::{
     self, Grain, PassKind, PassRecord, Presence, Profile, Scope, StepCounter, Work,
 };
-use super::progress::{self, VISITS, offset};
 use super::record::{Groups, MOST_TOGETHER, Recorder};
 use super::{Schedule, TexelChart, Tuning};
 use crate::Stop;
 use crate::constants::{FRONTS_ARE_ADDED, FRONTS_MEET, WORKGROUP};
 use crate::update::Wavefront;
+use plan::{Portions, Reached, Step};
+use progress::{VISITS, offset};
 
 use order::{Order, Steps};
 pub(super) use raster::block_of;

@@ -3,14 +3,14 @@
 use ash::vk;
 use bytemuck::{Pod, bytes_of};
 
-use crate::vulkan::TexelChart;
-use crate::vulkan::barrier::{COPY, PASS, PASS_AND_HOST, TRANSFER};
-use crate::vulkan::passes::{Pass, Variant};
 #[cfg(doc)]
-use crate::vulkan::plan;
-use crate::vulkan::plan::{Portions, Reached, Step};
+use super::plan;
+use super::plan::{Portions, Reached, Step};
+use super::progress::{Progress, offset};
+use crate::vulkan::TexelChart;
+use crate::vulkan::device::barrier::{COPY, PASS, PASS_AND_HOST, TRANSFER};
+use crate::vulkan::device::passes::{Pass, Variant};
 use crate::vulkan::profile::{PassRecord, Presence, StepCounter};
-use crate::vulkan::progress::{Progress, offset};
 use crate::vulkan::record::{Groups, Recorder};
 
 /// Schedule: its passes, plan, recording and work.
@@ -19,7 +19,7 @@ pub(super) trait Order: Sync {
     /// pipelines of its own for them.
     fn passes(&self) -> &'static [usize];
 
-    /// Returns what `glsl/seed.comp` does for the schedule, in addition to setting the sources' texels.
+    /// Returns what `glsl/passes/seed.comp` does for the schedule, in addition to setting the sources' texels.
     fn follows(&self) -> u32;
 
     /// Returns the steps of a recording; see [`crate::vulkan::Schedule::plan`].

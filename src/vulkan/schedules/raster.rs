@@ -3,13 +3,13 @@
 use std::ops::Range;
 
 use super::order::{Order, Steps};
+use super::plan::{Portions, Reached, Scan, ScanPass, Step};
 use crate::constants::{BORDER, SCANS_FOLLOW};
 use crate::vulkan::TexelChart;
-use crate::vulkan::passes::SCANS;
-use crate::vulkan::plan::{Portions, Reached, Scan, ScanPass, Step};
+use crate::vulkan::device::passes::SCANS;
+use crate::vulkan::device::shaders::scan::Push;
 use crate::vulkan::profile::{Area, Blocks, PassKind, PassRecord, Presence, StepCounter, Work};
 use crate::vulkan::record::{Groups, Recorder};
-use crate::vulkan::shaders::scan::Push;
 
 pub(super) struct Raster;
 
@@ -251,7 +251,7 @@ fn scan_passes(texels: TexelChart, scan: Scan, block: u32, reached: &mut Reached
 mod tests {
     use super::*;
     use crate::surface::Chart;
-    use crate::vulkan::plan::texels_scanned;
+    use crate::vulkan::schedules::plan::texels_scanned;
 
     fn texels(rows: usize, cols: usize) -> TexelChart {
         TexelChart::new(Chart { rows, cols }).unwrap()

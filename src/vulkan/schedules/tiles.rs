@@ -2,15 +2,16 @@
 //! changed.
 
 use super::order::{Order, Steps};
+use super::plan::{Portions, Reached, Step};
+use super::progress;
+use super::progress::offset;
 use crate::constants::{ROUNDS, TILES_FOLLOW};
 use crate::vulkan::TexelChart;
-use crate::vulkan::barrier::{CLEAR, COPY, PASS, TRANSFER};
-use crate::vulkan::passes::{SETTLE, TILES};
-use crate::vulkan::plan::{Portions, Reached, Step};
+use crate::vulkan::device::barrier::{CLEAR, COPY, PASS, TRANSFER};
+use crate::vulkan::device::passes::{SETTLE, TILES};
+use crate::vulkan::device::shaders::{settle, tiles};
 use crate::vulkan::profile::{PassKind, PassRecord, Presence, Profile, StepCounter, Work};
-use crate::vulkan::progress::{self, offset};
 use crate::vulkan::record::{Groups, Recorder};
-use crate::vulkan::shaders::{settle, tiles};
 
 pub(super) struct Tiles;
 

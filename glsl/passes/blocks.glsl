@@ -1,0 +1,77 @@
+// Tracks which blocks are due in each scan. A block is LINES rows of texels (scans down and up) or columns
+// (scans right and left), counted from the first of the grid. It is due if a texel in it, or on the line
+// behind it, has changed since the scan last visited the block. A visit to any other block would change
+// nothing: what a scan brings to a block depends on that line and the block alone, and the scan has brought
+// it already.
+//
+// With anchors, a scan also reads corners further behind. In obtuse triangles it also reads points beyond
+// them. Some of these points lie in the block, and are read as they were before. If one of them has changed,
+// the block is due again in the next iteration.
+//
+// A skipped block leaves both images of fronts as they are, and they are equal there. A scan that changes a
+// texel writes one image. The next scan reads that image and writes the other, and the texel's block is due
+// in it. So after each scan, the image that it writes holds the whole map.
+//
+// Include after progress.glsl.
+// Twin: src/cpu/twins/blocks.rs.
+
+// Largest number of lines of texels in a block.
+layout(constant_id = 4) const int LINES = 1;
+
+layout(set = 2, binding = 2) restrict buffer Blocks {
+    // Three words for each block of each scan, in the order of an iteration. They are the group counts of its
+    // indirect dispatch: the groups of a line, 1 if the block is due or 0, and 1. For a block that is due
+    // again, the second word is 2 or 4, or a sum of these marks. The surplus groups do nothing. Each scan has
+    // one more block on each side of the grid, so that no access needs a bounds test.
+    uint blocks[];
+};
+
+const int DOWN = 0;
+const int UP = 1;
+const int RIGHT = 2;
+const int LEFT = 3;
+
+// Returns the number of blocks of a scan on a grid of this size in texels.
+int pitch_of(ivec2 texels) {
+    return (max(texels.x, texels.y) + LINES - 1) / LINES + 2;
+}
+
+// Returns the index of the word that says whether a block is due in a scan.
+int due_at(int scan, int block, int pitch) {
+    return 3 * (scan * pitch + 1 + block) + 1;
+}
+
+void make_due(int scan, int block, int pitch) {
+    atomicOr(blocks[due_at(scan, block, pitch)], 1u);
+}
+
+// Returns the mark that makes a block due again in the iteration after this one. It alternates between 2 and
+// 4, so that the mark of this iteration can be cleared while others set the next one.
+uint due_again(uint iteration) {
+    return 2u << (iteration & 1u);
+}
+
+// Makes the blocks due that see a changed line of a block behind them, in the scan `forth` and in the
+// opposite one. Points see REACH lines of texels behind them.
+void make_seen_due(int forth, int block, int in_block, int pitch) {
+    const int REACH = (SPLIT_REACH + 1) / 2;
+    // There is one more block on each side of the grid.
+    int after = LINES - 1 - in_block;
+    for (int next = block + 1; after < REACH && next < pitch - 1; next++) {
+        make_due(forth, next, pitch);
+        after += LINES;
+    }
+    for (int next = block - 1; in_block < REACH && next >= -1; next--) {
+        make_due(forth + 1, next, pitch);
+        in_block += LINES;
+    }
+}
+
+// Makes the block of a changed line due in both scans along such lines, as well as the blocks that see the
+// line.
+void make_both_due(int forth, int line, int pitch) {
+    int block = line / LINES;
+    make_due(forth, block, pitch);
+    make_due(forth + 1, block, pitch);
+    make_seen_due(forth, block, line - block * LINES, pitch);
+}

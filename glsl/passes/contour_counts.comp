@@ -1,0 +1,32 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Counts the segments of contours in each row of cells, and in a row the segments before each strip. One
+// workgroup is one row of cells. One invocation is one strip of cells in it.
+// Twin: src/geometry/contours.rs.
+
+#include "shared/constants.glsl"
+#include "shared/chart.glsl"
+#include "shared/times.glsl"
+#include "passes/contours.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+#include "shared/prefix.glsl"
+
+void main() {
+    int row = int(gl_WorkGroupID.y);
+    ivec2 columns = strip_columns();
+    uint own = 0u;
+    Corners cell;
+    for (int col = columns.x; col < columns.y; col++) {
+        cell = corners_at(ivec2(col, row), col > columns.x, cell);
+        ivec2 range = triangles(cell);
+        for (int i = range.x; i < range.y; i++) {
+            uvec2 through = levels_through(cell, TRIANGLES[i]);
+            own += through.y - through.x;
+        }
+    }
+    uint sum = sum_up_to_here(own);
+    counts[strip_index(row, gl_LocalInvocationID.x)] = sum - own;
+    if (gl_LocalInvocationID.x == WORKGROUP - 1) counts[row_index(row)] = sum;
+}

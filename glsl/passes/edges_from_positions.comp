@@ -1,0 +1,33 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Computes the edge lengths of a surface given by 3D points. One invocation is one grid point.
+// Twin: src/surface/measure.rs.
+
+#include "shared/constants.glsl"
+#include "shared/chart.glsl"
+#include "passes/band.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+struct Point {
+    vec3 position;
+    float slowness;
+};
+
+layout(set = 0, binding = 3) readonly restrict buffer Points {
+    vec4 points[]; // position and slowness, row-major
+};
+
+Point load(ivec2 at) {
+    vec4 point = points[buffer_index(at)];
+    return Point(point.xyz, point.w);
+}
+
+#include "passes/edges.glsl"
+
+vec3 difference(Point a, Point b, ivec2 step) {
+    return b.position - a.position;
+}
+
+#include "update/arc.glsl"
+#include "passes/turns.glsl"

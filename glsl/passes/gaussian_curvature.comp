@@ -1,0 +1,82 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Computes the surface value of each point: its Gaussian curvature, which is that of its fan as far as
+// neighbours agree. At the holes of floor plans it holds corners instead; see corner.glsl. One invocation is
+// one texel.
+// Twin: settled() in src/surface/gaussian_curvature.rs, where the formula is explained.
+
+#include "shared/constants.glsl"
+#include "shared/chart.glsl"
+#include "update/tag.glsl"
+#include "shared/edge_image.glsl"
+#include "update/corner.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+layout(set = 0, binding = 1, rgba32f) uniform writeonly restrict image2D gaussians;
+layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts_1;
+
+layout(push_constant) uniform Size {
+    ivec2 texels;       // columns and rows of texels, without the border
+    float share_of_fan; // see fan_curvature.comp
+    uint is_floor;      // whether the surface is a floor plan
+};
+
+float fan_curvature(ivec2 point) {
+    return imageLoad(fronts_1, ivec3(texel_of(point), CARRIED))[component_of(point)];
+}
+
+bool is_whole(float curvature) {
+    return tag_of(curvature) == 0u;
+}
+
+// Returns the neighbours to which a point has edges, one bit each.
+uint neighbours_of(ivec2 point) {
+    uint there = 0u;
+    for (int i = 0; i < 8; i++) there |= edge_length(point, NEIGHBOURS[i]) < FAR ? 1u << i : 0u;
+    return there;
+}
+
+// Returns the surface value of a point.
+float settled(ivec2 point) {
+    float own = fan_curvature(point);
+    if (is_floor != 0u && !is_whole(own)) return with_corner(neighbours_of(point), tag_of(own));
+    float curvatures[9];
+    curvatures[8] = own;
+    float largest = is_whole(own) ? abs(own) : 0.0;
+    for (int i = 0; i < 8; i++) {
+        bool exists = edge_length(point, NEIGHBOURS[i]) < FAR;
+        // Neighbours in the border are not read: the border of the image is not written, and no edge leads
+        // there.
+        curvatures[i] = exists ? fan_curvature(point + NEIGHBOURS[i]) : with_tag(0.0, LACKING);
+        if (is_whole(curvatures[i])) largest = max(largest, abs(curvatures[i]));
+    }
+    if (largest <= 0.0) return with_tag(0.0, tag_of(own));
+    float sum = 0.0;
+    float squares = 0.0;
+    float count = 0.0;
+    for (int i = 0; i < 9; i++) {
+        float curvature = curvatures[(i + 8) % 9];
+        if (!is_whole(curvature)) continue;
+        float relative = curvature / largest;
+        sum += relative;
+        squares += relative * relative;
+        count += 1.0;
+    }
+    float mean = sum / count;
+    float mean_square = squares / count;
+    float agreement = max(2.0 * (mean * mean) - mean_square, 0.0) / mean_square;
+    float curvature = is_whole(own) ? own : largest * mean;
+    return with_tag(curvature * agreement, tag_of(own));
+}
+
+void main() {
+    ivec2 inner = ivec2(gl_GlobalInvocationID.xy);
+    if (is_beyond(inner, texels)) return;
+    ivec2 texel = with_border(inner);
+    vec4 curvature;
+    for (int i = 0; i < 4; i++) {
+        curvature[i] = settled(first_point(texel) + to_corner(i));
+    }
+    imageStore(gaussians, texel, curvature);
+}

@@ -1,0 +1,46 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Scans a block of lines on all maps of a batch that are not done; see scan.glsl. The third dimension of the
+// dispatch is the map. In its first iteration, a scan visits only lines ahead of the source.
+// Twin: scan_outward in src/cpu/twins/scan.rs.
+
+#include "shared/constants.glsl"
+#include "shared/chart.glsl"
+#include "update/wavefront.glsl"
+#include "passes/pairwise_progress.glsl"
+#include "passes/pairwise_layers.glsl"
+
+layout(local_size_x_id = 3) in;
+
+// Largest number of lines of texels in a block.
+layout(constant_id = 4) const int LINES = 1;
+
+ivec3 place_of(ivec2 texel, int layer) {
+    return ivec3(texel, layer_of(gl_WorkGroupID.z, layer));
+}
+
+bool renews_fronts() {
+    return maps[gl_WorkGroupID.z].renews != 0u;
+}
+
+void note_change(uint change) {
+    atomicMax(maps[gl_WorkGroupID.z].residual, change);
+}
+
+void note_moved(uint moved, uint further, ivec2 texel) {}
+
+bool passes(ivec2 point, ivec2 ahead) {
+    if (maps[gl_WorkGroupID.z].iterations > 0u) return true;
+    return lines_ahead(point - point_at(source_of(gl_WorkGroupID.z)), ahead) > 0;
+}
+
+#include "passes/scan.glsl"
+
+void main() {
+    block_line = line;
+    block_lines = lines;
+    // As on a single map, a front that is bent by a varying slowness may meet itself, and one that comes
+    // through the parts of obtuse triangles must not depend on what arrives later.
+    causal = SLOWED != 0 || SPLITS != 0;
+    if (maps[gl_WorkGroupID.z].done == 0u) scan_block();
+}

@@ -1,0 +1,94 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Computes the beginning of the way to each point. A point that a source's own front reaches first gets its
+// label instead. One invocation is one point.
+// Twin: src/cpu/twins/regions.rs.
+
+#include "shared/constants.glsl"
+#include "shared/chart.glsl"
+#include "update/wavefront.glsl"
+#include "shared/edge_image.glsl"
+#include "shared/surface_image.glsl"
+#include "shared/times.glsl"
+#include "update/base_crossing.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+#include "passes/regions.glsl"
+#include "shared/start.glsl"
+
+float carried_at(ivec2 point) {
+    return imageLoad(fronts, ivec3(texel_of(point), CARRIED))[component_of(point)];
+}
+
+void main() {
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    if (is_beyond(at, grid)) return;
+    int index = index_of(at);
+    uint start = regions[link_word(1, index)];
+    uint label = ~regions[link_word(0, index)];
+    float here = time_at(at);
+    uint link = NO_REGION;
+    vec2 place = vec2(at);
+    if (is_reached(here)) {
+        // The neighbours counter-clockwise from east, with the first repeated at the end. Ways lead only to
+        // earlier points, so that none leads in a circle.
+        float times[9];
+        float carried[9];
+        float surface[9];
+        float sides[9];
+        float bases[8];
+        for (int i = 0; i < 8; i++) {
+            ivec2 other = at + NEIGHBOURS[i];
+            float time = time_at(other);
+            bool is_before = time < here || (time == here && index_of(other) < index);
+            times[i] = is_before ? time : FAR;
+            carried[i] = 0.0;
+            surface[i] = 0.0;
+            if (CARRIES) {
+                carried[i] = carried_at(point_at(other));
+                surface[i] = surface_at(point_at(other));
+            }
+            sides[i] = edge_length(point_at(at), NEIGHBOURS[i]);
+            bases[i] = edge_length(point_at(other), NEIGHBOURS[(i + 1) % 8] - NEIGHBOURS[i]);
+        }
+        times[8] = times[0];
+        carried[8] = carried[0];
+        surface[8] = surface[0];
+        sides[8] = sides[0];
+        vec4 own = vec4(CARRIES ? surface_at(point_at(at)) : 0.0);
+        float earliest = FAR;
+        int first = 0;
+        for (int i = 0; i < 8; i += 4) {
+            EndFronts end1 = EndFronts(vec4(times[i], times[i + 1], times[i + 2], times[i + 3]),
+                             vec4(carried[i], carried[i + 1], carried[i + 2], carried[i + 3]),
+                             vec4(surface[i], surface[i + 1], surface[i + 2], surface[i + 3]), vec4(0.0));
+            EndFronts end2 = EndFronts(vec4(end1.time.yzw, times[i + 4]),
+                             vec4(end1.carried.yzw, carried[i + 4]),
+                             vec4(end1.surface.yzw, surface[i + 4]), vec4(0.0));
+            vec4 l1 = vec4(sides[i], sides[i + 1], sides[i + 2], sides[i + 3]);
+            vec4 l2 = vec4(l1.yzw, sides[i + 4]);
+            vec4 base = vec4(bases[i], bases[i + 1], bases[i + 2], bases[i + 3]);
+            Fronts found = update(end1, end2, own, vec4(0.0), l1, l2, base, bvec4(false));
+            for (int j = 0; j < 4; j++) {
+                if (found.time[j] < earliest) {
+                    earliest = found.time[j];
+                    first = i + j;
+                }
+            }
+        }
+        if (start != 0u && time_of(~start) <= earliest) {
+            link = KNOWN | label;
+        } else if (earliest < FAR) {
+            ivec2 step = NEIGHBOURS[first];
+            ivec2 next = NEIGHBOURS[(first + 1) % 8];
+            float share = base_crossing(vec2(times[first], times[first + 1]),
+                                        vec2(carried[first], carried[first + 1]),
+                                        vec2(sides[first], sides[first + 1]), bases[first]);
+            place = vec2(at) + (vec2(step) + share * vec2(next - step));
+            link = uint(index_of(at + (share > 0.5 ? next : step)));
+        }
+    }
+    regions[link_word(0, index)] = link;
+    write_place(0, index, place);
+}

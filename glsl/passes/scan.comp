@@ -1,0 +1,87 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Scans blocks of lines of one map; see scan.glsl. A dispatch covers one block, or many in turn if a line
+// fits into a workgroup.
+// Twin: src/cpu/twins/scan.rs.
+
+#include "shared/constants.glsl"
+#include "shared/chart.glsl"
+#define WITH_ORIGINS
+#include "update/wavefront.glsl"
+#include "shared/progress.glsl"
+#include "passes/blocks.glsl"
+
+layout(local_size_x_id = 3) in;
+
+ivec3 place_of(ivec2 texel, int layer) {
+    return ivec3(texel, layer);
+}
+
+bool renews_fronts() {
+    return renews != 0u;
+}
+
+void note_change(uint change) {
+    atomicMax(residual, change);
+}
+
+void note_moved(uint moved, uint further, ivec2 texel);
+
+bool passes(ivec2 point, ivec2 ahead) {
+    return true;
+}
+
+#include "passes/scan.glsl"
+
+void note_moved(uint moved, uint further, ivec2 texel) {
+    bool by_rows = AHEAD_Y != 0;
+    int forth = by_rows ? DOWN : RIGHT;
+    int way = AHEAD_X + AHEAD_Y;
+    ivec2 inner = without_border(texel);
+    int first_line = by_rows ? inner.y : inner.x;
+    int block = first_line / LINES;
+    int in_block = first_line - block * LINES;
+    make_due(way > 0 ? forth + 1 : forth, block, pitch);
+    for (int k = 0; k < LINES; k++) {
+        if ((moved >> k & 1u) != 0u) make_seen_due(forth, block, in_block + k * way, pitch);
+    }
+    if (further != 0u) {
+        atomicOr(blocks[due_at(int(SCAN) - 1, block, pitch)], due_again(iterations));
+    }
+    make_both_due(by_rows ? RIGHT : DOWN, by_rows ? inner.x : inner.y, pitch);
+}
+
+shared uint is_due;
+
+void main() {
+    if (gl_WorkGroupID.y > 0u) return;
+    causal = fronts_meet != 0u;
+    holds = fronts_meet != FRONTS_ARE_ADDED;
+    int way = AHEAD_X + AHEAD_Y;
+    int passed_lines = 0;
+    for (int number = 0; passed_lines < lines; number++) {
+        block_line = line + passed_lines * way;
+        int first_line = without_border(block_line);
+        int in_block = first_line % LINES;
+        block_lines = min(way > 0 ? LINES - in_block : in_block + 1, lines - passed_lines);
+        passed_lines += block_lines;
+        int at = due_at(int(SCAN) - 1, first_line / LINES, pitch);
+        if (in_turn != 0) {
+            // Makes visible what the previous block has written: the line behind this block, and which blocks
+            // are due.
+            memoryBarrierImage();
+            memoryBarrierBuffer();
+            barrier();
+            if (gl_LocalInvocationID.x == 0u) is_due = atomicOr(blocks[at], 0u);
+            barrier();
+            if (is_due == 0u) continue;
+        }
+        // The mark that made the block due has been read. Only a mark for the next iteration is kept.
+        if (gl_GlobalInvocationID.x == 0u) {
+            atomicAnd(blocks[at], due_again(iterations));
+            int bit = note + number;
+            if (note >= 0) visits[bit / 32] |= 1u << (bit & 31);
+        }
+        scan_block();
+    }
+}

@@ -1,0 +1,60 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Writes the initial values of sources where they are earlier than the present ones. One invocation is one
+// texel with sources in it. It does nothing if the column of the texel is negative. If tiles follow, the
+// tiles around the texel are put on the first list. If scans follow, the blocks with the texel become due in
+// all scans.
+// Twin: the start of a map in src/cpu.
+
+#include "shared/constants.glsl"
+#include "shared/chart.glsl"
+#include "update/tag.glsl"
+#include "shared/progress.glsl"
+#include "passes/tiles.glsl"
+#include "passes/blocks.glsl"
+#include "shared/seed_texel.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray new_fronts;
+layout(set = 0, binding = 3) readonly restrict buffer Seeds {
+    SeedTexel seeds[];
+};
+
+layout(push_constant) uniform Count {
+    ivec2 texels; // columns and rows of texels, without the border
+    int count;
+    uint follows; // SCANS_FOLLOW, TILES_FOLLOW or NOTHING_FOLLOWS
+};
+
+void main() {
+    int index = int(gl_GlobalInvocationID.x);
+    if (index >= count) return;
+    ivec2 texel = seeds[index].texel;
+    if (texel.x < 0) return;
+    vec4 time = imageLoad(new_fronts, ivec3(texel, TIME));
+    vec4 carried = imageLoad(new_fronts, ivec3(texel, CARRIED));
+    vec4 times = seeds[index].times;
+    // An exact seed replaces a front that arrives at the same time.
+    bvec4 exact = equal(floatBitsToUint(seeds[index].curvatures) & SCAN_OF_TAG, uvec4(EXACT));
+    bvec4 first = mix(lessThan(times, time), lessThanEqual(times, time), exact);
+    imageStore(new_fronts, ivec3(texel, TIME), mix(time, times, first));
+    imageStore(new_fronts, ivec3(texel, CARRIED), mix(carried, seeds[index].curvatures, first));
+    ivec2 inner = without_border(texel);
+    if (follows == uint(SCANS_FOLLOW)) {
+        int pitch = pitch_of(texels);
+        make_both_due(DOWN, inner.y, pitch);
+        make_both_due(RIGHT, inner.x, pitch);
+    }
+    if (follows != uint(TILES_FOLLOW)) return;
+    uint urgency = urgency_of(min(min(times.x, times.y), min(times.z, times.w)));
+    ivec2 tile_grid = tiles_of(texels);
+    ivec2 low = tile_with(texel - 1, tile_grid);
+    ivec2 high = tile_with(texel + 1, tile_grid);
+    for (int row = low.y; row <= high.y; row++) {
+        for (int col = low.x; col <= high.x; col++) {
+            uint tile = uint(row_major(ivec2(col, row), tile_grid.x));
+            enlist(tile, urgency, 0u, uint(tile_grid.x * tile_grid.y));
+        }
+    }
+}

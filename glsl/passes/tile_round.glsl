@@ -1,0 +1,319 @@
+// Runs one round of the tiles on its list. It iterates four rotated scans inside each tile in shared memory,
+// while the points around the tile stay fixed. Then it puts the tiles beside each side that has changed on
+// the list of the next round. Tiles that are due much later than the first are put on that list without a
+// visit.
+//
+// One workgroup is one tile. Four scans run at once on separate copies of its fronts. The invocations of a
+// scan share the points of a line: each has two neighbouring points (tile_pairs.glsl), or with WITH_POINTS one
+// (tile_points.glsl). The fronts of a tile lie in one of the two images and are written to the other, so that
+// a round does not depend on the order of its workgroups.
+//
+// The including shader may define WITH_POINTS, and with it WITH_SHUFFLES. These are no specialization
+// constants, since drivers would take time to read code that is then left out.
+// Twin: src/cpu/twins/tile_round.rs.
+
+#include "shared/constants.glsl"
+#include "shared/chart.glsl"
+#define WITH_ORIGINS
+#include "update/wavefront.glsl"
+#include "shared/edge_image.glsl"
+#include "shared/surface_image.glsl"
+#include "shared/progress.glsl"
+#include "passes/tiles.glsl"
+
+layout(local_size_x_id = 3, local_size_y = 4) in;
+
+// Largest number of iterations inside a tile.
+layout(constant_id = 4) const int INNER = 4;
+
+layout(set = 0, binding = 2, rgba32f) uniform restrict image2DArray fronts_1;
+layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray fronts_0;
+
+layout(push_constant) uniform Round {
+    ivec2 texels; // columns and rows of texels, without the border
+    uint round;
+};
+
+#include "passes/window.glsl"
+
+#ifdef WITH_POINTS
+const int INVOCATIONS = 4 * TILE;
+#else
+const int INVOCATIONS = 2 * TILE;
+#endif
+// Number of texels of the tile for each invocation.
+const int SHARE = (OWN_TEXELS + INVOCATIONS - 1) / INVOCATIONS;
+
+#include "passes/tile_edges.glsl"
+
+shared float surface[CARRIES ? AREA : 1];
+shared float slowness[SLOWED != 0 ? AREA : 1];
+// Four copies, one for each scan.
+shared float times[4 * AREA];
+shared float carried[CARRIES ? 4 * AREA : 1];
+shared uint tile_number;
+shared uint tile_urgency;
+shared uint change;
+shared uint border_change;
+shared uint woken; // tiles that the next round visits, as bits of 3 x 3 tiles
+shared uint urgencies[9]; // urgencies of these tiles
+
+// Context of front_at(): the copy that it reads.
+int copy_here;
+
+// Returns the front at a point. In and around the tile it comes from the copy; elsewhere it is the one from
+// before the round.
+vec2 front_at(ivec2 point) {
+    ivec2 at = point - window;
+    if (in_grid(at, ivec2(SIDE))) {
+        int from = copy_here * AREA + spot(at);
+        return vec2(times[from], carried[CARRIES ? from : 0]);
+    }
+    ivec2 texel = texel_of(point);
+    ivec2 tile_grid = tiles_of(texels);
+    uint state = atomicOr(tiles[row_major(tile_with(texel, tile_grid), tile_grid.x)], 0u);
+    vec4 time;
+    vec4 held;
+    if (image_before(state, round) == 1u) {
+        time = imageLoad(fronts_1, ivec3(texel, TIME));
+        held = imageLoad(fronts_1, ivec3(texel, CARRIED));
+    } else {
+        time = imageLoad(fronts_0, ivec3(texel, TIME));
+        held = imageLoad(fronts_0, ivec3(texel, CARRIED));
+    }
+    return vec2(time[component_of(point)], held[component_of(point)]);
+}
+
+#include "update/splits.glsl"
+#include "update/anchored_ways.glsl"
+
+// Loads a tile and the points around it into shared memory.
+void load(ivec2 tile, ivec2 tile_grid) {
+    ivec2 first = first_texel_of(tile);
+    uint state_of_own = atomicOr(tiles[row_major(tile, tile_grid.x)], 0u);
+    for (uint i = gl_LocalInvocationIndex; i < (TEXELS + 2) * (TEXELS + 2); i += INVOCATIONS) {
+        // Counts from the texel before the tile's first.
+        ivec2 in_tile = from_row_major(int(i), TEXELS + 2) - 1;
+        ivec2 texel = min(first + in_tile, last_texel(texels));
+        ivec2 owner = tile_with(texel, tile_grid);
+        uint state = owner == tile ? state_of_own
+                                   : atomicOr(tiles[row_major(owner, tile_grid.x)], 0u);
+        vec4 time;
+        vec4 held = vec4(0.0);
+        if (image_before(state, round) == 1u) {
+            time = imageLoad(fronts_1, ivec3(texel, TIME));
+            if (CARRIES) held = imageLoad(fronts_1, ivec3(texel, CARRIED));
+        } else {
+            time = imageLoad(fronts_0, ivec3(texel, TIME));
+            if (CARRIES) held = imageLoad(fronts_0, ivec3(texel, CARRIED));
+        }
+        vec4 brought = vec4(0.0);
+        if (CARRIES) brought = surface_of(texel);
+        vec4 slow = vec4(0.0);
+        if (SLOWED != 0) slow = slowness_of(texel);
+        for (int j = 0; j < 4; j++) {
+            ivec2 at = first_in_window(in_tile) + to_corner(j);
+            if (!in_grid(at, ivec2(SIDE))) continue;
+            for (int copy = 0; copy < 4; copy++) times[copy * AREA + spot(at)] = time[j];
+            if (CARRIES) {
+                for (int copy = 0; copy < 4; copy++) carried[copy * AREA + spot(at)] = held[j];
+                surface[spot(at)] = brought[j];
+            }
+            if (SLOWED != 0) slowness[spot(at)] = slow[j];
+        }
+    }
+    load_edges();
+}
+
+// Returns the place across the lines at which a scan begins.
+ivec2 first_line_of_tile(ivec2 ahead) {
+    return (ahead.x + ahead.y > 0 ? 1 : TILE) * abs(ahead);
+}
+
+#ifdef WITH_POINTS
+#include "passes/tile_points.glsl"
+#else
+#include "passes/tile_pairs.glsl"
+#endif
+
+// Makes the four copies equal again, with the first front to arrive at each point.
+void merge(ivec2 in_tile, inout vec4 time, inout vec4 held) {
+    for (int j = 0; j < 4; j++) {
+        int at = spot(first_in_window(in_tile) + to_corner(j));
+        if (CARRIES) {
+            bool found = false;
+            for (int copy = 0; copy < 4; copy++) {
+                float other = times[copy * AREA + at];
+                float other_held = carried[copy * AREA + at];
+                // A front that the copy's own scan has not brought is the old one and does not count. If the
+                // old one has been withdrawn, no front is left.
+                if (other >= FAR && !found) {
+                    time[j] = other;
+                    held[j] = other_held;
+                }
+                if (scan_of(other_held) != uint(copy) + 1u || other >= FAR) continue;
+                bool second = !found || is_first(other, other_held, time[j], held[j]);
+                if (second) held[j] = other_held;
+                bool keeps = KEEPS_EARLIER_TIME ? found && !(other < time[j]) : !second;
+                if (!keeps) time[j] = other;
+                found = true;
+            }
+            for (int copy = 0; copy < 4; copy++) carried[copy * AREA + at] = held[j];
+        } else {
+            time[j] = min(min(times[at], times[AREA + at]),
+                          min(times[2 * AREA + at], times[3 * AREA + at]));
+        }
+        for (int copy = 0; copy < 4; copy++) times[copy * AREA + at] = time[j];
+    }
+}
+
+// Returns the tiles that may see a point of this tile, as bits of 3 x 3 tiles.
+uint sides_of(ivec2 at) {
+    const int REACH = SPLITS != 0 ? SPLIT_REACH : 1;
+    uint bits = 0u;
+    bool west = at.x < REACH;
+    bool east = at.x >= TILE - REACH;
+    // In a small tile a point may be close to opposite sides.
+    if (at.y < REACH) bits |= 0x2u | (west ? 0x1u : 0u) | (east ? 0x4u : 0u);
+    if (at.y >= TILE - REACH) bits |= 0x80u | (west ? 0x40u : 0u) | (east ? 0x100u : 0u);
+    if (west) bits |= 0x8u;
+    if (east) bits |= 0x20u;
+    return bits;
+}
+
+// Returns the step to one of the 3 x 3 tiles around a tile.
+ivec2 neighbour(uint bit) {
+    return from_row_major(int(bit), 3) - 1;
+}
+
+void main() {
+    ivec2 tile_grid = tiles_of(texels);
+    uint count = uint(tile_grid.x * tile_grid.y);
+    uint place = place_in_dispatch(count);
+    if (place >= rounds[ROUND_WORDS * round + 3u]) return;
+    // One invocation reads what it changes, since a barrier does not order the others' reads of buffers.
+    if (gl_LocalInvocationIndex == 0u) {
+        tile_number = tiles[(2u + (round & 1u)) * count + place];
+        tile_urgency = atomicExchange(tiles[urgency_at(tile_number, round, count)], 0u);
+    }
+    barrier();
+    uint number = tile_number;
+    uint urgency = tile_urgency;
+    if (waits(urgency, round)) {
+        if (gl_LocalInvocationIndex == 0u) {
+            tiles[(2u + (round & 1u)) * count + place] = number | uint(HAS_WAITED);
+            enlist(number, urgency, round + 1u, count);
+            atomicAdd(rounds[ROUND_WORDS * round + 4u], 1u);
+            // A tile that waits means that the map has not converged.
+            atomicMax(unsettled[round], tolerance + 1u);
+        }
+        return;
+    }
+    ivec2 tile = from_row_major(int(number), tile_grid.x);
+    uint state = atomicOr(tiles[number], 0u);
+    bool may_renew = renews != 0u;
+    causal = fronts_meet != 0u;
+    holds = fronts_meet != FRONTS_ARE_ADDED;
+    if (gl_LocalInvocationIndex == 0u) {
+        woken = 0u;
+        forget_subgroups();
+        border_change = 0u;
+        for (int i = 0; i < 9; i++) urgencies[i] = 0u;
+    }
+    window = window_at(first_texel_of(tile));
+    load(tile, tile_grid);
+    barrier();
+    note_subgroups();
+
+    vec4 time_before[SHARE];
+    vec4 held_before[SHARE];
+    vec4 time[SHARE];
+    vec4 held[SHARE];
+    for (int k = 0; k < SHARE; k++) {
+        int i = int(gl_LocalInvocationIndex) + k * INVOCATIONS;
+        if (i >= OWN_TEXELS) break;
+        for (int j = 0; j < 4; j++) {
+            int at = spot(first_in_window(from_row_major(i, TEXELS)) + to_corner(j));
+            time_before[k][j] = times[at];
+            held_before[k][j] = CARRIES ? carried[at] : 0.0;
+        }
+        time[k] = time_before[k];
+        held[k] = held_before[k];
+    }
+    // The first line of a scan may be written by another subgroup, so all invocations read before that.
+    barrier();
+    know_subgroups();
+
+    int copy = int(gl_LocalInvocationID.y);
+    for (int inner = 0; inner < INNER; inner++) {
+        if (gl_LocalInvocationIndex == 0u) change = 0u;
+        run_scan(copy, may_renew);
+        uint own_change = 0u;
+        for (int k = 0; k < SHARE; k++) {
+            int i = int(gl_LocalInvocationIndex) + k * INVOCATIONS;
+            if (i >= OWN_TEXELS) break;
+            vec4 old = time[k];
+            vec4 old_held = held[k];
+            merge(from_row_major(i, TEXELS), time[k], held[k]);
+            own_change = max(own_change, change_of(old, time[k], old_held, held[k]));
+        }
+        if (own_change > 0u) atomicMax(change, own_change);
+        barrier();
+        uint all_change = change;
+        barrier();
+        if (all_change <= tolerance) break;
+    }
+
+    // The tiles around this one that lie on the grid.
+    uint around = 0u;
+    for (uint i = 0u; i < 9u; i++) {
+        ivec2 other = tile + neighbour(i);
+        around |= in_grid(other, tile_grid) ? 1u << i : 0u;
+    }
+    bool has_reached = false;
+    for (int k = 0; k < SHARE; k++) {
+        int i = int(gl_LocalInvocationIndex) + k * INVOCATIONS;
+        if (i >= OWN_TEXELS) break;
+        ivec2 in_tile = from_row_major(i, TEXELS);
+        ivec2 texel = first_texel_of(tile) + in_tile;
+        if (is_beyond(without_border(texel), texels)) continue;
+        if ((state & 1u) == 0u) {
+            imageStore(fronts_1, ivec3(texel, TIME), time[k]);
+            if (CARRIES) imageStore(fronts_1, ivec3(texel, CARRIED), held[k]);
+        } else {
+            imageStore(fronts_0, ivec3(texel, TIME), time[k]);
+            if (CARRIES) imageStore(fronts_0, ivec3(texel, CARRIED), held[k]);
+        }
+        for (int j = 0; j < 4; j++) {
+            has_reached = has_reached || (time_before[k][j] >= FAR && time[k][j] < FAR);
+            uint by = change_of(vec4(time_before[k][j]), vec4(time[k][j]),
+                                vec4(held_before[k][j]), vec4(held[k][j]));
+            if (by <= tolerance) continue;
+            uint changed = urgency_of(min(time_before[k][j], time[k][j]));
+            atomicMax(urgencies[4], changed);
+            uint sides = around & sides_of(first_point(in_tile) + to_corner(j));
+            if (sides == 0u) continue;
+            atomicOr(woken, sides);
+            atomicMax(border_change, by);
+            for (int i = 0; i < 9; i++) {
+                if ((sides >> i & 1u) != 0u) atomicMax(urgencies[i], changed);
+            }
+        }
+    }
+    if (has_reached) atomicOr(reached, 1u);
+    barrier();
+
+    uint wakes = woken | (change > tolerance ? 0x10u : 0u);
+    if (gl_LocalInvocationIndex == 0u) {
+        atomicMax(unsettled[round], max(change, border_change));
+        atomicExchange(tiles[number], 2u * (round + 1u) + 1u - (state & 1u));
+    }
+    if (gl_LocalInvocationIndex < 9u && (wakes >> gl_LocalInvocationIndex & 1u) != 0u) {
+        ivec2 other = tile + neighbour(gl_LocalInvocationIndex);
+        uint wanted = uint(row_major(other, tile_grid.x));
+        uint due = urgencies[gl_LocalInvocationIndex];
+        // A tile may return to the fronts from before the round without having settled. Then it has no
+        // urgency of its own.
+        enlist(wanted, due != 0u ? due : urgency, round + 1u, count);
+    }
+}

@@ -1,0 +1,87 @@
+// Manages tiles of TILE x TILE points. A tile is visited if its surroundings have changed, approximately in
+// the order in which fronts arrive, so that early fronts are not replaced later. A tile is due at the
+// earliest time that has changed beside it. It waits while the first tile is due much earlier. The margin
+// decides the order of visits, but not the result. Include after progress.glsl.
+
+#include "shared/start.glsl"
+#include "shared/processor.glsl"
+
+// Number of points on a side of a tile.
+layout(constant_id = 5) const int TILE = 16;
+
+layout(set = 2, binding = 1) restrict buffer Tiles {
+    // For each tile its state, then the number of the round for which it is listed. Then two lists of tiles.
+    // Then the urgency of each tile in even rounds and in odd rounds: a round sets the urgencies that the
+    // next round reads, and none of its own tiles clears them.
+    uint tiles[];
+};
+
+// Number of texels on a side of a tile.
+const int TEXELS = TILE / 2;
+
+// Returns the number of tiles of a grid, in columns and rows, given its size in texels.
+ivec2 tiles_of(ivec2 texels) {
+    return (texels + TEXELS - 1) / TEXELS;
+}
+
+// Returns a tile's first texel.
+ivec2 first_texel_of(ivec2 tile) {
+    return with_border(TEXELS * tile);
+}
+
+// Returns the tile to which a texel belongs. For a texel of the border it is the tile beside it.
+ivec2 tile_with(ivec2 texel, ivec2 tile_grid) {
+    return clamp(without_border(texel) / TEXELS, ivec2(0), tile_grid - 1);
+}
+
+// Returns the image that held a tile's fronts before a round. The state of a tile is twice the number of the
+// last round that visited it, counted from 1, plus one if its fronts are in image 1 after that round. During
+// a round, the old and the new state of a visited tile give the same result.
+uint image_before(uint state, uint round) {
+    uint image = state & 1u;
+    return (state >> 1) == round + 1u ? 1u - image : image;
+}
+
+// Returns the length of the columns in which workgroups of one tile each are dispatched, for up to `count`
+// tiles. Columns are as short as possible while their number is one that every device supports.
+// Twin: column_of in src/vulkan/record/commands.rs.
+uint column_of(uint count) {
+    return (count + MOST_GROUPS - 1u) / MOST_GROUPS;
+}
+
+// Returns the index of a workgroup in such a dispatch. The last column may extend beyond the tiles.
+uint place_in_dispatch(uint count) {
+    return gl_WorkGroupID.x * column_of(count) + gl_WorkGroupID.y;
+}
+
+// Returns the urgency of a time: larger for earlier times. 0 means not due.
+uint urgency_of(float time) {
+    return ~rank_of(time);
+}
+
+float due_at(uint urgency) {
+    return time_of(~urgency);
+}
+
+// Returns where the urgency of a tile in a round is stored. `count` is the number of tiles.
+uint urgency_at(uint tile, uint for_round, uint count) {
+    return (4u + (for_round & 1u)) * count + tile;
+}
+
+// Puts a tile on the list for a round unless it is on it. `count` is the number of tiles.
+void enlist(uint tile, uint urgency, uint for_round, uint count) {
+    atomicMax(tiles[urgency_at(tile, for_round, count)], urgency);
+    uint of_round = ROUND_WORDS * for_round;
+    atomicMax(rounds[of_round + 5u], urgency);
+    if (atomicExchange(tiles[count + tile], for_round + 1u) == for_round + 1u) return;
+    uint place = atomicAdd(rounds[of_round + 3u], 1u);
+    tiles[(2u + (for_round & 1u)) * count + place] = tile;
+    if (place % column_of(count) == 0u) atomicAdd(rounds[of_round], 1u);
+}
+
+// Returns whether a tile must wait for the next round. A GPU takes no longer for a few tiles than for one.
+bool waits(uint urgency, uint round) {
+    if (ON_PROCESSOR == 0 && rounds[ROUND_WORDS * round + 3u] <= uint(FEW_TILES)) return false;
+    float band = BAND_SIDES * float(TILE) * typical_edge;
+    return band > 0.0 && due_at(urgency) > due_at(rounds[ROUND_WORDS * round + 5u]) + band;
+}

@@ -1,0 +1,6 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Runs one round of tiles with one point of a line for each invocation.
+
+#define WITH_POINTS
+#include "passes/tile_round.glsl"

@@ -1,0 +1,10 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle_relative : require
+// Runs one round of tiles with one point of a line for each invocation, on a device that shuffles within
+// subgroups.
+
+#define WITH_POINTS
+#define WITH_SHUFFLES
+#include "passes/tile_round.glsl"

@@ -1,5 +1,0 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
-// Runs one round of tiles with two points of a line for each invocation.
-
-#include "tile_round.glsl"

@@ -1,6 +1,0 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
-// Runs one round of tiles with one point of a line for each invocation.
-
-#define WITH_POINTS
-#include "tile_round.glsl"

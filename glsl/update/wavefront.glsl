@@ -1,0 +1,158 @@
+// Selects the kind of front. This is the only place that asks for the kind. Each kind has a file, which
+// defines what its fronts carry beside their arrival time, and how they are updated, compared and accepted,
+// and their changes measured. A kind adds a line to each function here that it handles in its own way.
+// Include after constants.glsl.
+// Twins: Wavefront in src/update, and its kinds there and in src/cpu.
+
+// Kind of front: PLANAR, CIRCULAR, CURVED or ANCHORED.
+layout(constant_id = 2) const int WAVEFRONT = PLANAR;
+
+// Whether the slowness of the surface varies. Fronts are then straight or carry their curvature.
+layout(constant_id = 12) const int SLOWED = 0;
+
+// Whether fronts depend on nothing that arrives later. This is needed where several may meet. Shaders of maps
+// set it.
+bool causal = false;
+// Whether exact seeds are kept.
+bool holds = true;
+
+#include "update/tag.glsl"
+#include "update/triangle.glsl"
+#include "update/planar.glsl"
+#include "update/circular.glsl"
+#include "update/curved.glsl"
+#include "update/slowed.glsl"
+#include "update/anchored.glsl"
+
+const bool HAS_CURVATURE = WAVEFRONT == CURVED;
+// Whether updates follow paths back to their anchors, beyond the neighbours of a point (anchored_ways.glsl).
+const bool HAS_ANCHORS = WAVEFRONT == ANCHORED;
+// Whether fronts carry anything beside their arrival time, in the layer CARRIED, and read the surface values.
+const bool CARRIES = HAS_CURVATURE || HAS_ANCHORS;
+
+// Returns the fronts at x0, given the surface value and the slowness there. Their times are FAR or later if
+// neither x1 nor x2 is reached. Within a triangle, a front with an anchor is a circular one.
+Fronts update(EndFronts end1, EndFronts end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
+    if (SLOWED != 0) {
+        if (HAS_CURVATURE) return curved_slowed(end1, end2, surface, slowness, l1, l2, c, alone);
+        return Fronts(planar_slowed(end1, end2, slowness, l1, l2, c), vec4(0.0), bvec4(false));
+    }
+    if (HAS_CURVATURE) return curved(end1, end2, surface, l1, l2, c, alone, bvec4(causal));
+    vec4 time = WAVEFRONT == PLANAR ? planar(end1.time, end2.time, l1, l2, c)
+                                    : circular(end1.time, end2.time, l1, l2, c);
+    return Fronts(time, vec4(0.0), bvec4(false));
+}
+
+// Returns the fronts at x0 as update() does, through triangles whose shapes were found before the fronts at x1
+// and x2 arrived. The slowness is 1.
+Fronts update_on(Face face, EndFronts end1, EndFronts end2, vec4 surface, bvec4 alone) {
+    bvec4 swap = lessThan(end1.time, end2.time);
+    Shape shape = seen_from(face, swap);
+    vec4 height = mix(face.height_x1, face.height_x2, swap);
+    if (HAS_CURVATURE) {
+        return curved_in(shape, height, face.upright, end1, end2, surface, face.l1, face.l2, face.base, alone,
+                         bvec4(causal));
+    }
+    vec4 time;
+    if (WAVEFRONT == PLANAR) {
+        time = planar_in(face.from_x1, end1.time, end2.time, face.l1, face.l2, face.base);
+    } else {
+        time = circular_in(shape, height, end1.time, end2.time, face.l1, face.l2, face.base);
+    }
+    return Fronts(time, vec4(0.0), bvec4(false));
+}
+
+// Returns the curvature of a front over the base of a triangle, in units of 1 over the base. `time` is that
+// at the later end, and `carried` is the value there and at the other end. `d` is the time at the other end
+// less that at this one, in units of the base.
+float curvature_over_base(float time, vec2 carried, float d, float base) {
+    if (HAS_CURVATURE) return base_curvature(carried.x, carried.y, d, base);
+    return WAVEFRONT == PLANAR ? 0.0 : circular_curvature(time, base);
+}
+
+// Returns the earlier of two fronts at each point.
+Fronts earlier(Fronts a, Fronts b) {
+    if (CARRIES) return earlier_curved(a, b);
+    return Fronts(min(a.time, b.time), vec4(0.0), bvec4(false));
+}
+
+// Returns whether triangles are obtuse at x0, given the slowness there.
+bvec4 are_split(EndFronts end1, EndFronts end2, vec4 slowness, vec4 l1, vec4 l2, vec4 c) {
+    if (SLOWED != 0) return are_obtuse_on_surface(l1, l2, c, slowness, end1.slowness, end2.slowness);
+    return are_obtuse(l1, l2, c);
+}
+
+// Returns whether the triangles between a pair of points of a line and the four points behind are obtuse; see
+// update_pair().
+bvec4 are_split_of_pair(EndFronts behind, vec2 slowness, vec4 l1, vec4 l2, vec4 c) {
+    if (SLOWED != 0) return are_obtuse_on_surface(l1, l2, c, slowness.xyxy, behind.slowness.xyyz, behind.slowness.yzzw);
+    return are_obtuse(l1, l2, c);
+}
+
+// Returns the bases of triangles, or FAR for obtuse ones, of which only the edges count; see splits.glsl.
+vec4 without_faces(bvec4 obtuse, vec4 c) {
+    return mix(c, vec4(FAR), obtuse);
+}
+
+// Returns the fronts at four points through the two triangles that each sees behind it, given the bases of
+// these triangles.
+Fronts update_four(NeighboursBehind sight, vec4 surface, vec4 slowness, vec4 base_left, vec4 base_right) {
+    bvec4 alone = are_alone(sight.edges[1]);
+    bvec4 left = are_split(sight.ends[0], sight.ends[1], slowness, sight.edges[0], sight.edges[1], base_left);
+    bvec4 right = are_split(sight.ends[1], sight.ends[2], slowness, sight.edges[1], sight.edges[2], base_right);
+    return earlier(update(sight.ends[0], sight.ends[1], surface, slowness, sight.edges[0], sight.edges[1],
+                          without_faces(left, base_left), alone),
+                   update(sight.ends[1], sight.ends[2], surface, slowness, sight.edges[1], sight.edges[2],
+                          without_faces(right, base_right), alone));
+}
+
+// Returns the fronts at a pair of points of a line, each repeated, from the four points behind. Left
+// triangles are in xy, right ones in zw.
+Fronts update_pair(EndFronts behind, vec2 surface, vec2 slowness, vec4 l1, vec4 l2, vec4 base) {
+    EndFronts near = EndFronts(behind.time.xyyz, behind.carried.xyyz, behind.surface.xyyz, behind.slowness.xyyz);
+    EndFronts far = EndFronts(behind.time.yzzw, behind.carried.yzzw, behind.surface.yzzw, behind.slowness.yzzw);
+    base = without_faces(are_split_of_pair(behind, slowness, l1, l2, base), base);
+    Fronts sided = update(near, far, surface.xyxy, slowness.xyxy, l1, l2, base, are_alone(l1.zwzw));
+    return earlier(Fronts(sided.time.xyxy, sided.carried.xyxy, sided.whole.xyxy),
+                   Fronts(sided.time.zwzw, sided.carried.zwzw, sided.whole.zwzw));
+}
+
+// Selects which fronts points keep: the present ones, or those that a scan, numbered from 1, brings. If
+// `renews` is set, fronts that the same scan brought earlier may be renewed.
+void accept(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 carried) {
+    if (HAS_CURVATURE) {
+        accept_curved(fronts, scan, renews, time, carried);
+    } else if (HAS_ANCHORS) {
+        accept_anchored(fronts, scan, renews, time, carried);
+    } else {
+        time = min(time, fronts.time);
+    }
+}
+
+// Returns whether the first of two fronts at one point is kept, where different scans brought them.
+bool is_first(float time, float carried, float other, float other_carried) {
+    bool first = time < other;
+    if (HAS_CURVATURE) first = is_first_curved(time, carried, other, other_carried);
+    if (HAS_ANCHORS) first = is_shorter(time, other);
+    return first;
+}
+
+// Whether the earlier of two times is kept, whichever of the two fronts is. It is not if a time belongs to
+// the carried value.
+const bool KEEPS_EARLIER_TIME = !HAS_ANCHORS;
+
+// Returns how much fronts have changed: the largest difference of arrival times in units of the last place,
+// or the weight of a change of what they carry.
+uint change_of(vec4 old_time, vec4 time, vec4 old_carried, vec4 carried) {
+    uvec4 old_bits = floatBitsToUint(old_time);
+    uvec4 bits = floatBitsToUint(time);
+    uint units = largest(max(old_bits, bits) - min(old_bits, bits));
+    if (HAS_CURVATURE) return max(units, change_of_curvature(old_carried, carried, time));
+    if (HAS_ANCHORS) return max(units, change_of_anchor(old_carried, carried));
+    return units;
+}
+
+#ifdef WITH_ORIGINS
+#include "update/anchors.glsl"
+#include "update/origins.glsl"
+#endif

@@ -1,0 +1,264 @@
+//! Connects points to farther neighbours where the eight nearest ones leave an obtuse angle.
+
+use rayon::prelude::*;
+
+use crate::constants::EVEN_SLOWNESS;
+use crate::surface::{Chart, Direction, EdgeLengths, Real, Surface, SurfaceError};
+use crate::update::Triangle;
+
+/// The triangles that split obtuse ones, for [`crate::cpu::fast_marching_with`] (paper, end of section 3, after
+/// Spira and Kimmel).
+///
+/// An obtuse triangle between the neighbours x0 + a and x0 + b is split by the grid point x0 + a + b. It is
+/// the only grid point that can lie between them with no other in between. The halves are split again until
+/// no angle is obtuse. A triangle is not split where that would reach over a hole or the border, or over a
+/// part that is a quarter slower or longer than what lies beside it. There, the ends of a connection would
+/// not tell what it passes over.
+#[derive(Clone, Debug)]
+pub struct Connections<R> {
+    triangles: Vec<Split<R>>,
+    /// The triangles that have a point of the bordered array as x1 or x2 are
+    /// `lookers[first[point]..first[point + 1]]`.
+    first: Vec<usize>,
+    lookers: Vec<usize>,
+}
+
+/// One half of a split triangle. Points are indices into a bordered array.
+#[derive(Clone, Copy, Debug)]
+struct Split<R> {
+    x0: usize,
+    x1: usize,
+    x2: usize,
+    l1: R,
+    l2: R,
+    c: R,
+    /// The slowness by which the lengths are weighted.
+    slowness: R,
+}
+
+/// A step in rows and columns.
+type Step = (isize, isize);
+
+/// Length of the farthest connection, in rows or columns. Over longer distances a front is not straight.
+const FARTHEST: isize = 8;
+
+impl<R: Real> Connections<R> {
+    /// Returns no connections beyond the eight neighbours.
+    pub fn eight(chart: Chart) -> Self {
+        Self::new(chart, Vec::new())
+    }
+
+    /// Splits the obtuse triangles of a surface.
+    ///
+    /// # Errors
+    /// [`SurfaceError::EdgeLength`], as from [`EdgeLengths::new`].
+    pub fn split(surface: &Surface) -> Result<Self, SurfaceError> {
+        let (chart, edges) = (surface.chart(), EdgeLengths::<f64>::new(surface)?);
+        let in_row = |row: usize| {
+            let mut triangles = Vec::new();
+            for col in 0..chart.cols {
+                let corner = Corner { surface, row, col };
+                for a in Direction::ALL {
+                    let b = a.next();
+                    let longer = edges.length(row, col, a).max(edges.length(row, col, b));
+                    if longer < f64::FAR && corner.is_obtuse(a.step(), b.step()) {
+                        corner.split(a.step(), b.step(), &mut triangles);
+                    }
+                }
+            }
+            triangles
+        };
+        let triangles = (0..chart.rows).into_par_iter().flat_map_iter(in_row).collect();
+        Ok(Self::new(chart, triangles))
+    }
+
+    /// Returns the number of added triangles.
+    pub fn triangles(&self) -> usize {
+        self.triangles.len()
+    }
+
+    fn new(chart: Chart, triangles: Vec<Split<R>>) -> Self {
+        let ends = || {
+            let indexed = triangles.iter().enumerate();
+            indexed.flat_map(|(index, triangle)| [(triangle.x1, index), (triangle.x2, index)])
+        };
+        let mut first = vec![0; chart.bordered_points() + 1];
+        ends().for_each(|(point, _)| first[point + 1] += 1);
+        (1..first.len()).for_each(|point| first[point] += first[point - 1]);
+        let (mut next, mut lookers) = (first.clone(), vec![0; 2 * triangles.len()]);
+        for (point, index) in ends() {
+            lookers[next[point]] = index;
+            next[point] += 1;
+        }
+        Self { triangles, first, lookers }
+    }
+
+    /// Returns the triangles with a point as x1 or x2: their x0, x1 and x2, their lengths, and the slowness
+    /// that weights these.
+    pub(in crate::cpu) fn around(
+        &self,
+        point: usize,
+    ) -> impl Iterator<Item = (usize, [usize; 2], Triangle<R>, R)> {
+        self.lookers[self.first[point]..self.first[point + 1]].iter().map(move |&index| {
+            let Split { x0, x1, x2, l1, l2, c, slowness } = self.triangles[index];
+            (x0, [x1, x2], Triangle { t1: R::FAR, t2: R::FAR, l1, l2, c }, slowness)
+        })
+    }
+}
+
+/// A grid point of a surface.
+#[derive(Clone, Copy)]
+struct Corner<'a> {
+    surface: &'a Surface,
+    row: usize,
+    col: usize,
+}
+
+impl Corner<'_> {
+    fn at(self, step: Step) -> Option<(usize, usize)> {
+        let (row, col) = (self.row as isize + step.0, self.col as isize + step.1);
+        let place = self.surface.chart().at(row, col);
+        place.filter(|&(row, col)| self.surface.has(row, col))
+    }
+
+    /// Returns the length of a step on the surface, without slowness.
+    fn length(self, from: Step, to: Step) -> f64 {
+        match self.at(from).zip(self.at(to)) {
+            Some((from, to)) => self.surface.length_on_surface(from, to),
+            None => f64::INFINITY,
+        }
+    }
+
+    fn is_obtuse(self, a: Step, b: Step) -> bool {
+        let (l1, l2) = (self.length((0, 0), a), self.length((0, 0), b));
+        let c = self.length(a, b);
+        // Excludes right angles that rounding has widened.
+        l1 * l1 + l2 * l2 < c * c * (1.0 - 1e-9)
+    }
+
+    /// Adds the halves of an obtuse triangle. Obtuse halves are split in turn.
+    fn split<R: Real>(self, a: Step, b: Step, triangles: &mut Vec<Split<R>>) {
+        let middle = (a.0 + b.0, a.1 + b.1);
+        if middle.0.abs().max(middle.1.abs()) > FARTHEST {
+            return;
+        }
+        let Some(slowness) = self.slowness_of_box(a, b, middle) else { return };
+        for (a, b) in [(a, middle), (middle, b)] {
+            triangles.push(self.triangle(a, b, slowness));
+            if self.is_obtuse(a, b) {
+                self.split(a, b, triangles);
+            }
+        }
+    }
+
+    fn triangle<R: Real>(self, a: Step, b: Step, slowness: f64) -> Split<R> {
+        let point = |step| {
+            let (row, col) = self.at(step).expect("the caller has looked");
+            self.surface.chart().bordered(row, col)
+        };
+        Split {
+            x0: point((0, 0)),
+            x1: point(a),
+            x2: point(b),
+            l1: R::of(slowness * self.length((0, 0), a)),
+            l2: R::of(slowness * self.length((0, 0), b)),
+            c: R::of(slowness * self.length(a, b)),
+            slowness: R::of(slowness),
+        }
+    }
+
+    /// Returns the largest slowness in the smallest box around the steps and the point itself. Returns `None`
+    /// if a point is missing from the box, or if the slowness or a metric changes by a quarter within it.
+    fn slowness_of_box(self, a: Step, b: Step, middle: Step) -> Option<f64> {
+        let range = |k: fn(Step) -> isize| {
+            let all = [0, k(a), k(b), k(middle)];
+            all.into_iter().min().unwrap()..=all.into_iter().max().unwrap()
+        };
+        let mut slowness = Range::default();
+        let mut lengths = [Range::default(); 2];
+        for row in range(|step| step.0) {
+            for col in range(|step| step.1) {
+                let place = self.at((row, col))?;
+                slowness.add(self.surface.weight(place, place));
+                for (range, step) in lengths.iter_mut().zip([a, b]) {
+                    let step = [step.0 as f64, step.1 as f64];
+                    self.surface.metric_length(place, step).into_iter().for_each(|l| range.add(l));
+                }
+            }
+        }
+        let even = slowness.is_even() && lengths.iter().all(|range| range.is_even());
+        even.then_some(slowness.largest)
+    }
+}
+
+/// The least and the largest of some positive numbers.
+#[derive(Clone, Copy)]
+struct Range {
+    least: f64,
+    largest: f64,
+}
+
+impl Default for Range {
+    fn default() -> Self {
+        Self { least: f64::INFINITY, largest: 0.0 }
+    }
+}
+
+impl Range {
+    fn add(&mut self, value: f64) {
+        (self.least, self.largest) = (self.least.min(value), self.largest.max(value));
+    }
+
+    fn is_even(&self) -> bool {
+        self.largest <= EVEN_SLOWNESS * self.least
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::Block;
+    use crate::surface::builtin::Builtin;
+
+    #[test]
+    fn acute_triangles_are_left_alone() {
+        for builtin in [Builtin::Plane, Builtin::Sphere, Builtin::ShearedPlane { degrees: 45.0 }] {
+            let surface = builtin.surface(9, 9).unwrap();
+            assert_eq!(Connections::<f64>::split(&surface).unwrap().triangles(), 0, "{builtin}");
+        }
+    }
+
+    #[test]
+    fn every_obtuse_triangle_inside_is_split_into_two() {
+        // At 60 degrees two of the eight triangles are split, each into two. The 7 x 5 points are far from
+        // the border.
+        let surface = Builtin::ShearedPlane { degrees: 60.0 }.surface(9, 9).unwrap();
+        let split = Connections::<f64>::split(&surface).unwrap();
+        let chart = surface.chart();
+        let inside = Block { rows: 1..8, cols: 2..7 };
+        for point in inside.places().map(|(row, col)| chart.bordered(row, col)) {
+            let own = split.triangles.iter().filter(|triangle| triangle.x0 == point);
+            assert_eq!(own.count(), 4);
+        }
+    }
+
+    #[test]
+    fn nothing_reaches_over_a_hole() {
+        let surface = Builtin::ShearedPlane { degrees: 75.0 }.surface(7, 9).unwrap();
+        let mut mask = vec![true; 63];
+        mask[3 * 9 + 4] = false;
+        let holed = surface.with_mask(&mask).unwrap();
+        let split = Connections::<f64>::split(&holed).unwrap();
+        let row = |point: usize| point / holed.chart().stride();
+        for triangle in &split.triangles {
+            let col = |point: usize| point % holed.chart().stride();
+            let corners = [triangle.x0, triangle.x1, triangle.x2];
+            let rows = corners.map(row);
+            let cols = corners.map(col);
+            let spans = |at: usize, of: [usize; 3]| {
+                (*of.iter().min().unwrap()..=*of.iter().max().unwrap()).contains(&at)
+            };
+            assert!(!(spans(4, rows) && spans(5, cols)), "{triangle:?}");
+        }
+    }
+}

@@ -1,0 +1,245 @@
+//! Finds the tiles in which two scans have work, before they start.
+//!
+//! A scan has to examine every tile beside a change. In most of them it only confirms that the change has no
+//! effect. Where all points are settled (`settled.rs`) with the fronts that the scan starts from, it changes
+//! nothing unless it brings a change there itself. This module finds such tiles for both scans of a pair at
+//! once. It goes row by row, as points lie in memory, and with any number of threads. Few tiles remain whose
+//! columns have to be transposed.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::line_update::UpdateOptions;
+use super::span::{Before, Span, prefetch_next_row};
+use super::tiles::{TILE, Tiles};
+use crate::cpu::behind::Behind;
+use crate::cpu::fronts::FrontKind;
+use crate::cpu::scan::Scan;
+use crate::lanes::Loop;
+use crate::surface::{Direction, Real};
+
+/// Finds the tiles in which up to four scans have work that start from the same fronts. Returns the number of examined
+/// points. Points examined for two scans count twice. Rows of tiles are examined in parallel if the tiles are
+/// those of the whole grid.
+pub(in crate::cpu) fn find_due<'a, R: Real, K: FrontKind<'a, R>>(
+    kind: &K,
+    before: Before<R, K::Carried, K::SurfaceData>,
+    tiles: &mut Tiles,
+    scans: &[UpdateOptions],
+) -> u64 {
+    let (chart, window, place) = (before.edges.chart(), before.fronts.window, tiles.place());
+    let strides = [window.own(), chart].map(|chart| chart.offset(Direction::South));
+    let seen: [Option<_>; 4] = std::array::from_fn(|scan| {
+        let options = *scans.get(scan)?;
+        Some((options, Behind::of(chart, options.scan), window.behind(options.scan)))
+    });
+    let in_band = |(band, (beside, due)): (usize, (&[u8], &mut [u8]))| {
+        let mut looked = 0;
+        for row in place.rows(band..band + 1) {
+            for &(options, ref behind, in_window) in seen.iter().flatten() {
+                for run in runs(beside, options.scan) {
+                    let due = &mut due[run.clone()];
+                    let cols = place.cols(run);
+                    looked += cols.len() as u64;
+                    let first = chart.bordered(row, cols.start);
+                    let behinds = (behind, in_window);
+                    let span = before.span(behinds, [row, cols.start], cols.len());
+                    let before = &before;
+                    let obtuse = before.edges.obtuse_triangles().filter(|_| K::NEEDS_EDGES);
+                    let obtuse = obtuse.map(|bits| (&bits[first..][..cols.len()], behind.bits()));
+                    let look =
+                        Look::<R, K> { kind, before, first, span, obtuse, strides, options, due };
+                    options.instructions.run(look);
+                }
+            }
+        }
+        looked
+    };
+    let least = if place.chart() == chart { 1 } else { usize::MAX };
+    tiles.rows_beside_changes(scans).enumerate().with_min_len(least).map(in_band).sum()
+}
+
+/// Returns the runs of adjacent tiles that a scan has to examine in a row of tiles.
+fn runs(beside: &[u8], scan: Scan) -> impl Iterator<Item = Range<usize>> {
+    let mut end = 0;
+    std::iter::from_fn(move || {
+        let start = end + beside[end..].iter().position(|scans| scans & scan.bit() != 0)?;
+        let count = beside[start..].iter().take_while(|&scans| scans & scan.bit() != 0).count();
+        end = start + count;
+        Some(start..end)
+    })
+}
+
+/// A check of whether a scan has work in the tiles along a row of points. It adds the scan to `due` of those
+/// tiles.
+struct Look<'l, 'a, R: Real, K: FrontKind<'a, R>> {
+    kind: &'l K,
+    before: &'l Before<'l, R, K::Carried, K::SurfaceData>,
+    /// The first point, as an index into bordered arrays of the grid.
+    first: usize,
+    span: Span<'l, R, K::Carried, K::SurfaceData>,
+    /// The obtuse triangles of the points, if the surface has any, and the bits of those that the scan uses.
+    obtuse: Option<(&'l [u8], u8)>,
+    /// Offsets from a row to the next, of the fronts and of the surface's data.
+    strides: [isize; 2],
+    options: UpdateOptions,
+    due: &'l mut [u8],
+}
+
+impl<'a, R: Real, K: FrontKind<'a, R>> Loop for Look<'_, 'a, R, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { kind, before, first, span, obtuse, strides, options, due } = self;
+        let points = span.times.len();
+        for (tile, due) in due.iter_mut().enumerate() {
+            prefetch_next_row(&span, strides, tile * TILE, K::NEEDS_EDGES);
+            if *due & options.scan.bit() != 0 {
+                continue;
+            }
+            // Fronts from points beyond the neighbours are not examined here.
+            let is_split = |start: usize, points: usize| {
+                obtuse.is_some_and(|(obtuse, of_scan)| {
+                    obtuse[start..][..points].iter().any(|bits| bits & of_scan != 0)
+                })
+            };
+            // As updates do it: the last span overlaps the one before.
+            let leaves = match points.checked_sub(TILE) {
+                Some(last) => {
+                    let start = (tile * TILE).min(last);
+                    !is_split(start, TILE)
+                        && kind.leaves(before, first + start, span.part(start, TILE), TILE, options)
+                }
+                None => {
+                    !is_split(0, points)
+                        && kind.leaves(before, first, span.part(0, points), points, options)
+                }
+            };
+            if !leaves {
+                *due |= options.scan.bit();
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cpu::Instructions;
+    use crate::cpu::fronts::{Curved, for_triangle_kind};
+    use crate::cpu::rotated::window::{Fronts, Window};
+    use crate::surface::{Chart, EdgeLengths};
+    use crate::update::{Curvature, Front, Wavefront};
+
+    const DOWN_UP: [Scan; 2] = [Scan::DOWN, Scan::UP];
+    const RIGHT_LEFT: [Scan; 2] = [Scan::RIGHT, Scan::LEFT];
+
+    /// Returns the scans that have work around a point in the middle, given arrival times and the data that
+    /// fronts carry.
+    fn due<'a, K: FrontKind<'a, f32>>(
+        edges: &EdgeLengths<f32>,
+        kind: &K,
+        instructions: Instructions,
+        times: impl Fn(usize, usize) -> f32,
+        carried: Option<K::Carried>,
+    ) -> Vec<Scan> {
+        let chart = edges.chart();
+        let mut array = vec![f32::FAR; chart.bordered_points()];
+        for (row, col) in (0..chart.points()).map(|index| chart.position(index)) {
+            array[chart.bordered(row, col)] = times(row, col);
+        }
+        let carried = vec![carried.unwrap_or_default(); array.len()];
+        let surface_data = kind.surface_data(chart);
+        let window = Window::whole(chart);
+        let fronts = Fronts { window, times: &array, carried: &carried };
+        let before = Before { edges, fronts, far: None, surface_data: &surface_data };
+        let mut tiles = Tiles::new(window, &window.block());
+        tiles.touch(MIDDLE[0], MIDDLE[1]);
+        let mut found = Vec::new();
+        for scans in [DOWN_UP, RIGHT_LEFT] {
+            let options = |scan| UpdateOptions { scan, renews: true, instructions };
+            assert!(find_due(kind, before, &mut tiles, &scans.map(options)) > 0);
+            let quiet = vec![false; tiles.len()];
+            for scan in scans {
+                let mut runs = Vec::new();
+                let any = tiles.bands(scan).any(|band| {
+                    tiles.runs(scan, band, &quiet, &mut runs);
+                    !runs.is_empty()
+                });
+                found.extend(any.then_some(scan));
+            }
+        }
+        found
+    }
+
+    /// Returns a plane so large that the tiles around the middle one have no border. Along borders nothing is
+    /// settled.
+    fn plane() -> EdgeLengths<f32> {
+        let chart = Chart { rows: 89, cols: 103 };
+        let heights = vec![0.0; chart.points()];
+        let spacing = crate::Spacing::square(1.0);
+        let surface = crate::Surface::from_heights(chart.rows, chart.cols, heights, spacing);
+        EdgeLengths::new(&surface.unwrap()).unwrap()
+    }
+
+    const MIDDLE: [usize; 2] = [40, 55];
+
+    /// Returns the arrival time of a straight front that moves in the direction of a scan.
+    fn along(scan: Scan, row: usize, col: usize) -> f32 {
+        100.0
+            + match scan {
+                Scan::DOWN => row as f32,
+                Scan::UP => -(row as f32),
+                Scan::RIGHT => col as f32,
+                _ => -(col as f32),
+            }
+    }
+
+    /// A front that a scan brings itself is not settled in that scan.
+    #[test]
+    fn scans_have_something_to_do_where_their_fronts_would_come_earlier() {
+        let edges = plane();
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
+            for instructions in Instructions::available() {
+                let found = |scan, late| {
+                    let times = |row, col| {
+                        along(scan, row, col) + if [row, col] == MIDDLE { late } else { 0.0 }
+                    };
+                    for_triangle_kind!(&edges, wavefront, kind => {
+                        due(&edges, &kind, instructions, times, None)
+                    })
+                };
+                let [vertical, horizontal] = [DOWN_UP, RIGHT_LEFT];
+                for (scans, across) in [(vertical, horizontal), (horizontal, vertical)] {
+                    for scan in scans {
+                        assert_eq!(found(scan, 0.0), [scan], "{wavefront} {instructions}");
+                        // Along a diagonal the front arrives 0.4 late.
+                        assert_eq!(found(scan, 0.3), [scan], "{wavefront} {instructions}");
+                        let mut three = found(scan, 0.6);
+                        three.retain(|found| !across.contains(found));
+                        assert_eq!(three, [scan], "{wavefront} {instructions}");
+                        assert_eq!(found(scan, 0.6).len(), 3, "{wavefront} {instructions}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn fronts_that_a_scan_has_brought_are_due_in_it_to_be_renewed() {
+        let edges = plane();
+        let kind = Curved::new(&edges);
+        for scan in [DOWN_UP, RIGHT_LEFT].concat() {
+            let down = |row, col| along(Scan::DOWN, row, col);
+            for whole in [false, true] {
+                let flat = Front { time: 0.0, curvature: 0.0, whole };
+                let brought = Curvature::of(flat, scan.0);
+                let found = due(&edges, &kind, Instructions::best(), down, Some(brought));
+                let expected = 1 + usize::from(scan != Scan::DOWN);
+                assert!(found.contains(&scan) && found.len() == expected, "{scan:?} {whole}");
+            }
+        }
+    }
+}

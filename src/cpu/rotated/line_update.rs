@@ -1,0 +1,91 @@
+//! Updates one line of points from the line behind it. Rotated scans consist of such updates.
+//!
+//! The loops have no branches, so that the compiler maps points to SIMD lanes; see [`Loop`]. The update of a
+//! point depends on the kind of front (`fronts/`).
+
+use super::tiles::TILE;
+use crate::cpu::Instructions;
+use crate::cpu::scan::Scan;
+use crate::lanes::Loop;
+
+/// Options of a line update. `renews`: whether a scan may replace a front that the same scan direction
+/// brought earlier.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::cpu) struct UpdateOptions {
+    pub scan: Scan,
+    pub renews: bool,
+    pub instructions: Instructions,
+}
+
+/// Result of updating one or more lines: the largest change ([`crate::surface::Real::units_between`]) and the
+/// number of updated points. Settled points are skipped and not counted.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::cpu) struct Updated<B> {
+    pub largest: B,
+    pub points: u64,
+}
+
+impl<B: Ord> Updated<B> {
+    #[inline(always)]
+    pub(in crate::cpu) fn and(self, other: Self) -> Self {
+        Self { largest: self.largest.max(other.largest), points: self.points + other.points }
+    }
+}
+
+/// A line whose points are updated span by span. All methods must be inlined into [`Loop::run`].
+pub(in crate::cpu) trait Spans {
+    /// The largest changes so far. They may be kept apart by their place in the span, for the sake of SIMD
+    /// lanes.
+    type Changes: Default;
+    type Bits: Ord + Default;
+
+    /// Returns the number of points.
+    fn points(&self) -> usize;
+
+    /// Prefetches the data that the update of the next line needs, from the point `start` on.
+    fn prefetch_next(&self, start: usize);
+
+    /// Updates `points` points from `start` on. Returns whether anything has changed, tags included, or
+    /// `None` if all of the points are settled.
+    fn update(
+        &mut self,
+        start: usize,
+        points: usize,
+        options: UpdateOptions,
+        changes: &mut Self::Changes,
+    ) -> Option<bool>;
+
+    fn largest(changes: Self::Changes) -> Self::Bits;
+}
+
+/// The update of a line by a scan. `changed` marks the spans of [`TILE`] points that the update changes.
+pub(in crate::cpu) struct LineUpdate<'a, L> {
+    pub line: L,
+    pub options: UpdateOptions,
+    pub changed: &'a mut [bool],
+}
+
+/// Updates each span of [`TILE`] points. If the line has a remainder, the last span overlaps the one
+/// before. This does no harm: updated points stay as they are.
+impl<L: Spans> Loop for LineUpdate<'_, L> {
+    type Output = Updated<L::Bits>;
+
+    #[inline(always)]
+    fn run(self) -> Updated<L::Bits> {
+        let Self { mut line, options, changed } = self;
+        let points = line.points();
+        let (mut changes, mut updated) = (L::Changes::default(), 0);
+        for (tile, changed) in changed.iter_mut().enumerate() {
+            line.prefetch_next(tile * TILE);
+            // Two calls, since a number of points that is known at compile time needs no loop.
+            let any = match points.checked_sub(TILE) {
+                Some(last) => line.update((tile * TILE).min(last), TILE, options, &mut changes),
+                None => line.update(0, points, options, &mut changes),
+            };
+            let Some(any) = any else { continue };
+            *changed |= any;
+            updated += (points - tile * TILE).min(TILE) as u64;
+        }
+        Updated { largest: L::largest(changes), points: updated }
+    }
+}

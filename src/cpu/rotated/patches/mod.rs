@@ -1,0 +1,423 @@
+//! Solves by patches of the grid, in the order in which fronts come to them. Any thread takes any patch.
+//!
+//! A patch is *due* once a front has changed along its border, at the time of the earliest such front. A round
+//! visits the patches that no neighbour is about to change ([`order`]). They are visited side by side: each
+//! sees the fronts from before the round, scans until it has settled ([`visit`]), and tells its neighbours
+//! what has changed. Then the round's results are written to the grid's arrays. So the map is the same for
+//! any number of threads. The order by time is that of heap-cell methods (Chacon and Vladimirsky, "Fast
+//! two-scale methods for eikonal equations", 2012), where cells wait in a heap.
+
+mod order;
+mod room;
+mod visit;
+
+use rayon::prelude::*;
+
+use super::prepared::Prepared;
+use super::scanner::FEW_ITERATIONS;
+use super::scans::Scans;
+use super::tiles::{TILE, Tiles};
+use super::typical_edge::typical_edge;
+use super::window::{Fronts, Window};
+use crate::constants::SPLIT_REACH;
+use crate::cpu::Instructions;
+use crate::cpu::fronts::FrontKind;
+use crate::cpu::progress::Progress;
+use crate::cpu::scan::Scan;
+use crate::surface::{Block, EdgeLengths, Real, Seed, Tiling, relative_change};
+use crate::update::{Kept, tag_of};
+use crate::{Convergence, Stop};
+use order::Dues;
+use room::{Pool, Room};
+use visit::Visits;
+
+/// Borrows what the visits of a round share, and nothing else of the scanner.
+macro_rules! visits {
+    ($scanner:ident, $window:ident, $reach:ident) => {
+        Visits {
+            on: &$scanner.on,
+            far: Fronts { window: $window, times: &$scanner.times, carried: &$scanner.carried },
+            panels: &$scanner.panels,
+            tiling: $scanner.tiling,
+            reach: $reach,
+            inner: $scanner.plan.inner,
+        }
+    };
+}
+
+/// How a map is solved by patches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::cpu) struct Plan {
+    /// Number of points on a side of a patch, a multiple of [`TILE`].
+    pub side: usize,
+    /// A patch waits if it is due later than the first one by more than these sides of a patch.
+    pub band: f64,
+    /// A patch waits if it is due later than a neighbour by more than these sides of a patch.
+    pub lag: f64,
+    /// Largest number of iterations in a visit.
+    pub inner: u32,
+    /// Largest number of patches in a round, which bounds the memory.
+    pub most: usize,
+}
+
+impl Plan {
+    /// Returns the plan for patches of `side` points a side. The map depends on it by rounding only.
+    pub(in crate::cpu) const fn new(side: usize) -> Self {
+        Self { side, band: 8.0, lag: 0.0, inner: 16, most: 64 }
+    }
+}
+
+/// Part of the tolerance from which on a change is passed on to a neighbour.
+const PASSED_ON: u32 = 8;
+
+/// The number of rounds and visits that a map took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PatchCounts {
+    /// Number of patches of the grid.
+    pub patches: u64,
+    /// Number of visits to patches.
+    pub visits: u64,
+    /// Number of rounds. A round's visits do not depend on one another.
+    pub rounds: u64,
+    /// Number of iterations of four scans in all visits.
+    pub iterations: u64,
+}
+
+/// A part of the grid that is visited as one.
+#[derive(Clone, Debug)]
+struct Patch {
+    /// The points of the patch.
+    block: Block,
+    /// The patch and the tiles around it.
+    window: Window,
+    /// The tiles of the window, with the changes that the patch has yet to see.
+    tiles: Tiles,
+    progress: Progress,
+}
+
+/// A patch along whose border something has changed.
+struct Woken<'p, R: Real> {
+    number: usize,
+    patch: &'p mut Patch,
+    /// The time of the earliest front that has changed by more than the tolerance.
+    time: R,
+    /// Number of points that were examined, and whether a scan has work.
+    looked: u64,
+    is_due: bool,
+}
+
+/// A solver by patches for one kind of front.
+#[derive(Clone, Debug)]
+pub(in crate::cpu) struct PatchScanner<'a, R: Real, K: FrontKind<'a, R>> {
+    pub(in crate::cpu) on: Prepared<'a, R, K>,
+    plan: Plan,
+    tiling: Tiling,
+    patches: Vec<Patch>,
+    dues: Dues<R>,
+    /// The fronts of the whole grid, as they were before the round.
+    times: Vec<R>,
+    carried: Vec<K::Carried>,
+    rooms: Vec<Room<R, K::Carried>>,
+    panels: Pool<R, K::Carried, K::SurfaceData>,
+    counts: PatchCounts,
+    /// The time of the earliest front that the last round has changed along the border of each patch.
+    woken: Vec<Option<R>>,
+    /// Number of points that were examined to find patches that are due, since the start of the map.
+    looked: u64,
+    /// Largest change that patches without iterations left have not seen.
+    unseen: R::Bits,
+}
+
+impl<'a, R: Real, K: FrontKind<'a, R>> PatchScanner<'a, R, K> {
+    pub(in crate::cpu) fn new(edges: &'a EdgeLengths<R>, kind: K, plan: Plan) -> Self {
+        assert!(plan.side.is_multiple_of(TILE), "patches consist of tiles");
+        let (chart, on) = (edges.chart(), Prepared::new(edges, kind));
+        let tiling = Tiling::new(chart, plan.side);
+        let side = plan.side as f64 * f64::from(typical_edge(edges));
+        let [band, lag] = [plan.band, plan.lag].map(|sides| R::of(sides * side));
+        let patches: Vec<_> = tiling
+            .tiles()
+            .places()
+            .map(|(row, col)| {
+                let block = tiling.points(tiling.tiles().around((row, col), 0));
+                let [rows, cols] =
+                    [&block.rows, &block.cols].map(|span| [span.start, span.end - 1]);
+                let window = Window::new(chart, &chart.around_span(rows, cols, TILE));
+                let tiles = Tiles::new(window, &block);
+                let progress = Progress::new(Stop::after(0));
+                Patch { block, window, tiles, progress }
+            })
+            .collect();
+        Self {
+            on,
+            plan,
+            tiling,
+            dues: Dues::new(tiling.tiles(), band, lag),
+            patches,
+            times: vec![R::FAR; chart.bordered_points()],
+            carried: vec![K::Carried::default(); chart.bordered_points()],
+            rooms: Vec::new(),
+            panels: Pool::default(),
+            counts: PatchCounts::default(),
+            woken: vec![None; tiling.tiles().points()],
+            looked: 0,
+            unseen: R::Bits::default(),
+        }
+    }
+
+    /// Examines all patches in which a scan has yet to see some change.
+    fn wake_unsettled(&mut self) {
+        for (patch, woken) in self.patches.iter().zip(&mut self.woken) {
+            if Scan::ALL.iter().any(|&scan| patch.tiles.has_pending(scan)) {
+                *woken = Some(R::zero());
+            }
+        }
+        self.wake();
+    }
+
+    /// Resets all points to unreached.
+    fn forget(&mut self) {
+        self.on.kind.forget();
+        self.times.fill(R::FAR);
+        self.carried.fill(K::Carried::default());
+        self.patches.iter_mut().for_each(|patch| patch.tiles.reset());
+        self.counts = PatchCounts::default();
+        self.looked = 0;
+        self.rooms.iter_mut().for_each(Room::forget);
+    }
+
+    fn start(&mut self, stop: Stop) {
+        self.dues.clear();
+        self.unseen = R::Bits::default();
+        // As with scans of the whole grid, there is at least one iteration.
+        let stop = stop.or_after(stop.iterations.max(1));
+        self.patches.iter_mut().for_each(|patch| patch.progress = Progress::new(stop));
+    }
+
+    /// Starts fronts from those seeds that arrive before the map.
+    fn seed(&mut self, seeds: &[Seed]) {
+        let chart = self.on.chart();
+        self.on.kind.expect(seeds);
+        for seed in seeds {
+            let point = chart.bordered(seed.row, seed.col);
+            let arrival = self.on.kind.arrival_of_seed(seed);
+            let kept = Kept { time: self.times[point], carried: self.carried[point] };
+            let front = K::accept(kept, arrival, tag_of(seed), false);
+            (self.times[point], self.carried[point]) = (front.time, front.carried);
+            if R::of(seed.time) >= kept.time {
+                continue;
+            }
+            for (row, col) in chart.around((seed.row, seed.col), self.reach()).places() {
+                let ((row, col), _) = self.tiling.tile_of((row, col));
+                let patch = self.tiling.tiles().index(row, col);
+                self.patches[patch].tiles.touch(seed.row, seed.col);
+                self.dues.enlist(patch, front.time);
+            }
+        }
+    }
+
+    /// Returns the distance from which points may see a point.
+    fn reach(&self) -> usize {
+        let is_split = K::NEEDS_EDGES && self.on.edges.has_obtuse_triangles();
+        if is_split { SPLIT_REACH as usize } else { 1 }
+    }
+
+    fn converge(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        let tolerance = R::of(stop.tolerance).in_units();
+        self.counts.patches = self.patches.len() as u64;
+        let mut many = u64::from(FEW_ITERATIONS) * self.counts.patches;
+        loop {
+            let round = self.dues.next_round(self.plan.most);
+            if round.is_empty() {
+                let chart = self.on.chart();
+                let is_lost =
+                    |seed: &Seed| seed.is_lost(self.times[chart.bordered(seed.row, seed.col)]);
+                let is_last = self.patches.iter().any(|patch| patch.progress.is_last());
+                if !K::TAKES_BACK || is_last || !seeds.iter().any(is_lost) {
+                    return self.convergence();
+                }
+                self.seed(seeds);
+                continue;
+            }
+            self.visit(&round);
+            self.pass_on(&round, tolerance);
+            if self.counts.iterations > many {
+                many = u64::MAX;
+                self.on.store_parts();
+            }
+        }
+    }
+
+    /// Returns the largest number of iterations of a patch, and the largest change that is left.
+    fn convergence(&self) -> Convergence {
+        let visited = self.patches.iter().map(|patch| &patch.progress);
+        let visited = visited.filter(|progress| progress.iterations > 0);
+        let all = visited.fold(Convergence::NONE, |all, progress| {
+            let Progress { iterations, residual, .. } = *progress;
+            all.worse(Convergence { iterations, residual })
+        });
+        let unseen = relative_change::<R>(self.unseen);
+        all.worse(Convergence { iterations: 1, residual: unseen })
+    }
+
+    /// Visits some patches side by side, and writes their fronts to the grid's arrays.
+    fn visit(&mut self, round: &[usize]) {
+        while self.rooms.len() < round.len() {
+            self.rooms.push(Room::new(self.on.chart()));
+        }
+        let (window, reach) = (Window::whole(self.on.chart()), self.reach());
+        let visits = visits!(self, window, reach);
+        let chosen = self.patches.iter_mut().enumerate();
+        let chosen = chosen.filter(|(patch, _)| round.binary_search(patch).is_ok());
+        let mut chosen: Vec<_> = chosen.zip(&mut self.rooms).collect();
+        chosen.par_iter_mut().with_max_len(1).for_each(|((number, patch), room)| {
+            visits.visit(*number, patch, room);
+        });
+        self.write(round);
+    }
+
+    /// Writes the fronts of visited patches to the grid's arrays, in parallel over rows of patches.
+    fn write(&mut self, round: &[usize]) {
+        let (chart, side, tiles) = (self.on.chart(), self.plan.side, self.tiling.tiles());
+        let rooms = &self.rooms;
+        let bands = chart.bands_mut(&mut self.times, side);
+        let bands = bands.zip(chart.bands_mut(&mut self.carried, side));
+        bands.enumerate().for_each(|(band, (times, carried))| {
+            let of_band = round.iter().zip(rooms);
+            let of_band = of_band.filter(|(patch, _)| tiles.position(**patch).0 == band);
+            of_band.for_each(|(_, room)| room.store(chart, band * side, times, carried));
+        });
+    }
+
+    /// Tells the neighbours of visited patches what has changed, and which patches have not settled.
+    fn pass_on(&mut self, round: &[usize], tolerance: R::Bits) {
+        self.counts.rounds += 1;
+        self.counts.visits += round.len() as u64;
+        for (&patch, room) in round.iter().zip(&mut self.rooms) {
+            self.counts.iterations += u64::from(room.iterations);
+            let Patch { progress, .. } = &self.patches[patch];
+            if !room.settled && !progress.is_last() {
+                self.dues.enlist(patch, room.first);
+            }
+            for news in room.news.drain(..) {
+                let Patch { tiles, progress, .. } = &mut self.patches[news.to];
+                tiles.touch(news.at.0, news.at.1);
+                // Changes within the tolerance add up from patch to patch, so a fraction of it is passed on.
+                // A patch that has gone on for long sees larger ones only, so that iterations end.
+                let least =
+                    if progress.renews() { tolerance / PASSED_ON.into() } else { tolerance };
+                if news.change <= least {
+                    continue;
+                }
+                if progress.is_last() {
+                    self.unseen = self.unseen.max(news.change);
+                } else {
+                    let woken = &mut self.woken[news.to];
+                    *woken = Some(woken.map_or(news.time, |time| time.min(news.time)));
+                }
+            }
+        }
+        self.wake();
+    }
+
+    /// Examines, side by side, the patches beside which something has changed. Those in which a scan has work
+    /// are due.
+    fn wake(&mut self) {
+        let (window, reach) = (Window::whole(self.on.chart()), self.reach());
+        let visits = visits!(self, window, reach);
+        let woken = self.patches.iter_mut().zip(&mut self.woken).enumerate();
+        let mut woken: Vec<_> = woken
+            .filter_map(|(number, (patch, woken))| {
+                Some(Woken { number, patch, time: woken.take()?, looked: 0, is_due: false })
+            })
+            .collect();
+        woken.par_iter_mut().with_max_len(1).for_each(|woken| visits.look(woken));
+        for Woken { number, time, looked, is_due, .. } in woken {
+            self.looked += looked;
+            if is_due {
+                self.dues.enlist(number, time);
+            }
+        }
+    }
+}
+
+impl<'a, R: Real, K: FrontKind<'a, R>> Scans<R> for PatchScanner<'a, R, K> {
+    fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        rayon::scope(|_| {
+            if self.on.prepare() {
+                self.panels = Pool::default();
+            }
+            self.forget();
+            self.start(stop);
+            self.seed(seeds);
+            self.converge(seeds, stop)
+        })
+    }
+
+    fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        self.carried.iter_mut().for_each(|carried| *carried = K::released(*carried));
+        let was_stopped = self.patches.iter().any(|patch| patch.progress.is_last());
+        self.start(stop);
+        self.seed(seeds);
+        rayon::scope(|_| {
+            if was_stopped {
+                self.wake_unsettled();
+            }
+            self.converge(seeds, stop)
+        })
+    }
+
+    fn set_instructions(&mut self, instructions: Instructions) {
+        self.on.instructions = instructions;
+    }
+
+    fn times(&self) -> &[R] {
+        &self.times
+    }
+
+    fn into_times(self: Box<Self>) -> Vec<R> {
+        self.times
+    }
+
+    fn visits(&self) -> u64 {
+        self.looked + self.rooms.iter().map(|room| room.looked + room.copy.visits).sum::<u64>()
+    }
+
+    fn updates(&self) -> u64 {
+        self.rooms.iter().map(|room| room.copy.updates).sum()
+    }
+
+    fn bytes(&self) -> usize {
+        let tiles = self.patches.iter().map(|patch| patch.tiles.bytes()).sum::<usize>();
+        let rooms = self.rooms.iter().map(|room| room.copy.bytes()).sum::<usize>();
+        std::mem::size_of_val(self.times.as_slice())
+            + std::mem::size_of_val(self.carried.as_slice())
+            + tiles
+            + rooms
+            + self.panels.bytes()
+            + self.on.bytes()
+    }
+
+    fn patches(&self) -> Option<PatchCounts> {
+        Some(self.counts)
+    }
+
+    fn boxed<'b>(&self) -> Box<dyn Scans<R> + 'b>
+    where
+        Self: 'b,
+    {
+        Box::new(self.clone())
+    }
+}
+
+/// News from a patch for a neighbour: a tile along their border has changed.
+#[derive(Clone, Copy, Debug)]
+struct News<R: Real> {
+    /// The neighbour.
+    to: usize,
+    /// A point of the tile.
+    at: (usize, usize),
+    /// The earliest time that has changed by more than rounding, and the largest change.
+    time: R,
+    change: R::Bits,
+}

@@ -1,0 +1,164 @@
+//! Solves by rotated raster scans in SIMD lanes, in the order that suits the grid.
+
+use super::order::Order;
+use super::patches::{PatchCounts, PatchScanner};
+use super::scanner::Scanner;
+use super::scans::Scans;
+use crate::cpu::Instructions;
+use crate::cpu::fronts::for_kind;
+use crate::cpu::solution::{Solution, distances};
+use crate::surface::{Chart, EdgeLengths, Real, Seed};
+use crate::update::Wavefront;
+use crate::{Convergence, Stop};
+
+/// Solves by the scans rotated by 45 degrees (figure 3, second row): down and up, then right and left. All
+/// points of a row or column are updated at once, in SIMD lanes; see [`RotatedScan`].
+pub fn rotated_scan<R: Real>(
+    edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    stop: Stop,
+) -> Solution<R> {
+    let mut solver = RotatedScan::new(edges, wavefront);
+    let Convergence { iterations, residual } = solver.solve(seeds, stop);
+    Solution::new(edges.chart(), solver.scanner.into_times(), iterations, residual)
+}
+
+/// A solver by rotated scans for many maps of one surface, one after another. It allocates memory once, by
+/// patches during the first map.
+/// For straight fronts on grids of at least 256 x 256 points, the second map fills another 12 bytes per point
+/// (in single precision), and on surfaces with many obtuse triangles it stores their parts with the edges.
+/// Both make the second map and all later ones faster.
+///
+/// Large grids are solved patch by patch, by all threads of the pool that makes the solver ([`Order`]). On
+/// others, opposite scans run in parallel on two copies of the fronts, which are then merged. This loses
+/// nothing: a front that turns back has to pass through the other pair of scans anyway. In either order the
+/// map is bit-identical for any number of threads. [`RotatedScan::new`] chooses the order by that number.
+///
+/// By patches, the number of iterations of a map is that of the patch with most of them, and the same number
+/// limits them ([`Stop::iterations`]). The residual is the largest change of a last iteration, or the largest
+/// one that a patch without iterations left has not seen.
+#[derive(Debug)]
+pub struct RotatedScan<'a, R> {
+    chart: Chart,
+    /// The scanner for one kind of front.
+    scanner: Box<dyn Scans<R> + 'a>,
+}
+
+impl<'a, R: Real> RotatedScan<'a, R> {
+    /// Allocates the memory for maps of a surface. Uses the best instructions that are available.
+    pub fn new(edges: &'a EdgeLengths<R>, wavefront: Wavefront) -> Self {
+        let order = Order::best_for(edges.chart(), rayon::current_num_threads());
+        Self::in_order(edges, wavefront, order)
+    }
+
+    /// Does the same as [`Self::new`], for maps in a given order instead of the best one.
+    ///
+    /// ```
+    /// use geosweep::cpu::{Order, RotatedScan};
+    /// use geosweep::surface::{EdgeLengths, Seed, builtin::Builtin};
+    /// use geosweep::{Stop, Wavefront};
+    ///
+    /// let edges = EdgeLengths::<f32>::new(&Builtin::Plane.surface(200, 200)?)?;
+    /// let order = Order::Patches { side: 64 };
+    /// let mut solver = RotatedScan::in_order(&edges, Wavefront::Planar, order);
+    /// let stop = Stop::within(1e-6).or_after(1000);
+    /// assert!(solver.solve(&[Seed::at_source(0, 0, 0.0)], stop).residual <= 1e-6);
+    /// // Sixteen patches were visited.
+    /// let counts = solver.patches().unwrap();
+    /// assert!(counts.patches == 16 && counts.visits >= 16);
+    /// # Ok::<(), geosweep::surface::SurfaceError>(())
+    /// ```
+    pub fn in_order(edges: &'a EdgeLengths<R>, wavefront: Wavefront, order: Order) -> Self {
+        let scanner: Box<dyn Scans<R> + 'a> = for_kind!(edges, wavefront, kind => match order.plan() {
+            Some(plan) => Box::new(PatchScanner::new(edges, kind, plan)),
+            None => Box::new(Scanner::new(edges, kind)),
+        });
+        Self { chart: edges.chart(), scanner }
+    }
+
+    /// Sets the instructions. The map does not depend on them.
+    ///
+    /// # Panics
+    /// If this machine does not have the instructions; see [`Instructions::available`].
+    pub fn with_instructions(mut self, instructions: Instructions) -> Self {
+        assert!(Instructions::available().contains(&instructions), "no {instructions} here");
+        self.scanner.set_instructions(instructions);
+        self
+    }
+
+    /// Computes the distance map of `seeds`.
+    pub fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        self.scanner.solve(seeds, stop)
+    }
+
+    /// Adds sources to the last map, as [`crate::vulkan::HeadlessSolver::add`] does on a device. Only tiles that the
+    /// new fronts reach first are visited. So a source among many costs only as much as its own region.
+    ///
+    /// If the last map has converged, the result is the converged map of all sources. With the planar
+    /// wavefront it equals the map that [`Self::solve`] finds from all of them, within the tolerance, since
+    /// planar updates have a single fixed point. In theory, the updates of the other wavefronts do not. In
+    /// practice both ways agree to rounding on smooth and on rough surfaces with holes
+    /// (`tests/maps/sampling.rs`), except where curved fronts do not settle. Arrival times only decrease,
+    /// except that a curved front that is renewed may come later by its error. Seeds that start no earlier
+    /// than the map at their points change nothing. On a new solver this is the same as `solve`.
+    ///
+    /// ```
+    /// use geosweep::cpu::RotatedScan;
+    /// use geosweep::Stop;
+    /// use geosweep::surface::{EdgeLengths, Seed, builtin::Builtin};
+    /// use geosweep::Wavefront;
+    ///
+    /// let edges = EdgeLengths::<f32>::new(&Builtin::Plane.surface(101, 101)?)?;
+    /// let stop = Stop::within(1e-6).or_after(1000);
+    /// let mut solver = RotatedScan::new(&edges, Wavefront::Circular);
+    /// solver.solve(&[Seed::at_source(0, 0, 0.0)], stop);
+    /// let before = solver.distances();
+    /// solver.add(&[Seed::at_source(100, 100, 0.0)], stop);
+    /// let after = solver.distances();
+    /// assert!(after[0] == 0.0 && after[101 * 101 - 1] == 0.0);
+    /// assert!(after.iter().zip(&before).all(|(after, before)| after <= before));
+    /// # Ok::<(), geosweep::surface::SurfaceError>(())
+    /// ```
+    pub fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        self.scanner.add(seeds, stop)
+    }
+
+    /// Returns the distances of the last map, row-major. They are +infinity where the sources do not reach.
+    pub fn distances(&self) -> Vec<R> {
+        distances(self.chart, self.scanner.times())
+    }
+
+    /// Returns the rounds and visits of the last map, if it was solved by patches.
+    pub fn patches(&self) -> Option<PatchCounts> {
+        self.scanner.patches()
+    }
+
+    /// Returns the number of point visits of the last map. A visit reads what the point's update needs.
+    /// Points that are examined before a scan, to decide whether to visit them, count as well.
+    pub fn visits(&self) -> u64 {
+        self.scanner.visits()
+    }
+
+    /// Returns the number of point updates of the last map. Each update uses one or two triangles. There are
+    /// fewer updates than visits, since for settled points a simpler test finds that no front comes earlier.
+    pub fn updates(&self) -> u64 {
+        self.scanner.updates()
+    }
+
+    /// Returns the number of bytes held, without the edge lengths.
+    pub fn bytes(&self) -> usize {
+        self.scanner.bytes()
+    }
+
+    /// Returns the arrival times along a row. They are [`Real::FAR`] or later where no source reaches.
+    pub(crate) fn row(&self, row: usize) -> &[R] {
+        self.chart.row_of(self.scanner.times(), row)
+    }
+}
+
+impl<R: Real> Clone for RotatedScan<'_, R> {
+    fn clone(&self) -> Self {
+        Self { chart: self.chart, scanner: self.scanner.boxed() }
+    }
+}

@@ -1,0 +1,189 @@
+//! Holds the fronts of a window as one scan sees them, and runs the scan: band by band, line by line.
+
+use std::ops::Range;
+
+use super::line::{Beyond, GridLines, LinesInGrid};
+use super::line_update::{UpdateOptions, Updated};
+use super::panel::{Grid, Panel};
+use super::tiles::Tiles;
+use super::window::{Fronts, Window};
+use crate::cpu::behind::Behind;
+use crate::cpu::fronts::FrontKind;
+use crate::cpu::scan::Scan;
+use crate::surface::{Block, Chart, Real};
+use crate::update::Carried;
+
+/// The fronts at all points of a window as one scan sees them, and the scan's working memory.
+#[derive(Clone, Debug)]
+pub(in crate::cpu) struct ScanCopy<R, C> {
+    pub window: Window,
+    /// Arrival times and the data that fronts carry, as bordered arrays.
+    pub times: Vec<R>,
+    pub carried: Vec<C>,
+    /// Flags of the tiles that the scan has changed.
+    pub changed: Vec<bool>,
+    /// The spans of a band to visit, and flags of the tiles of one span that have changed.
+    runs: Vec<Range<usize>>,
+    marks: Vec<bool>,
+    /// Number of visits and updates of a point since the start of the map.
+    pub visits: u64,
+    pub updates: u64,
+}
+
+/// What a scan needs beside the fronts of its window: the surface, a panel for columns, and the fronts of the
+/// whole grid if the window is smaller.
+pub(in crate::cpu) struct On<'a, R, C, G> {
+    pub grid: Grid<'a, R, G>,
+    pub panel: &'a mut Panel<R, C, G>,
+    pub far: Option<Fronts<'a, R, C>>,
+}
+
+impl<R: Real, C: Carried> ScanCopy<R, C> {
+    pub(in crate::cpu) fn new(window: Window, tiles: &Tiles) -> Self {
+        let points = window.own().bordered_points();
+        let longest_band = tiles.in_band(Scan::DOWN).max(tiles.in_band(Scan::RIGHT));
+        Self {
+            window,
+            times: vec![R::FAR; points],
+            carried: vec![C::default(); points],
+            changed: vec![false; tiles.len()],
+            runs: Vec::with_capacity(longest_band),
+            marks: Vec::with_capacity(longest_band),
+            visits: 0,
+            updates: 0,
+        }
+    }
+
+    /// Returns a copy without any points.
+    pub(in crate::cpu) fn empty(grid: Chart) -> Self {
+        let window = Window::new(grid, &Block { rows: 0..0, cols: 0..0 });
+        Self {
+            window,
+            times: Vec::new(),
+            carried: Vec::new(),
+            changed: Vec::new(),
+            runs: Vec::new(),
+            marks: Vec::new(),
+            visits: 0,
+            updates: 0,
+        }
+    }
+
+    /// Returns the number of bytes held.
+    pub(in crate::cpu) fn bytes(&self) -> usize {
+        std::mem::size_of_val(self.times.as_slice())
+            + std::mem::size_of_val(self.carried.as_slice())
+            + self.changed.len()
+    }
+
+    /// Returns the fronts.
+    pub(in crate::cpu) fn fronts(&self) -> Fronts<'_, R, C> {
+        Fronts { window: self.window, times: &self.times, carried: &self.carried }
+    }
+
+    /// Resets all points to unreached.
+    pub(in crate::cpu) fn forget(&mut self) {
+        (self.visits, self.updates) = (0, 0);
+        self.times.fill(R::FAR);
+        self.carried.fill(C::default());
+    }
+
+    /// Visits the tiles that are due, and those ahead of the scan's own changes. Returns the largest change.
+    /// `far` has the fronts of the whole grid, if the window is smaller.
+    pub(in crate::cpu) fn scan<'a, K: FrontKind<'a, R, Carried = C>>(
+        &mut self,
+        kind: &K,
+        on: On<'_, R, C, K::SurfaceData>,
+        tiles: &Tiles,
+        options: UpdateOptions,
+    ) -> R::Bits {
+        let mut on = on;
+        let mut updated = Updated::<R::Bits>::default();
+        let mut runs = std::mem::take(&mut self.runs);
+        for band in tiles.bands(options.scan) {
+            tiles.runs(options.scan, band, &self.changed, &mut runs);
+            for run in &runs {
+                updated = updated.and(self.scan_run(kind, &mut on, tiles, options, (band, run)));
+            }
+        }
+        self.runs = runs;
+        self.updates += updated.points;
+        updated.largest
+    }
+
+    /// Scans a span of a band.
+    fn scan_run<'a, K: FrontKind<'a, R, Carried = C>>(
+        &mut self,
+        kind: &K,
+        On { grid, panel, far }: &mut On<'_, R, C, K::SurfaceData>,
+        tiles: &Tiles,
+        options: UpdateOptions,
+        (band, run): (usize, &Range<usize>),
+    ) -> Updated<R::Bits> {
+        let (grid, far, scan, window) = (*grid, *far, options.scan, self.window);
+        let points = |run| tiles.lines(scan, band, run);
+        let Block { rows: lines, cols: along } = points(run.clone());
+        self.visits += (lines.len() * along.len()) as u64;
+        self.marks.clear();
+        self.marks.resize(run.len(), false);
+        let marks = &mut self.marks;
+        let mut update = |here: &mut GridLines<R, C, K::SurfaceData>| {
+            let update = |line| kind.update(here, here.number(line), &along, options, marks);
+            scan.in_order(lines.clone()).map(update).fold(Updated::default(), Updated::and)
+        };
+        let changed = |place| tiles.index(scan, band, place);
+        if scan.by_rows() {
+            let fronts = (self.times.as_mut_slice(), self.carried.as_mut_slice());
+            let updated = update(&mut rows(grid, window, fronts, far, scan));
+            marked(run, &self.marks).for_each(|place| self.changed[changed(place)] = true);
+            return updated;
+        }
+        let fronts = Fronts { window, times: &self.times, carried: &self.carried };
+        panel.load(grid, fronts, &points(run.clone()).by(scan.lines()), scan, options.instructions);
+        let updated = update(&mut panel.lines(grid, [Some(fronts), far], &along, scan));
+        for place in marked(run, &self.marks) {
+            self.changed[changed(place)] = true;
+            let fronts = (self.times.as_mut_slice(), self.carried.as_mut_slice());
+            let points = points(place..place + 1).by(scan.lines());
+            panel.store(fronts, window, points, options.instructions);
+        }
+        updated
+    }
+}
+
+/// Returns the rows of a window as lines.
+fn rows<'a, R, C, G>(
+    grid: Grid<'a, R, G>,
+    window: Window,
+    (times, carried): (&'a mut [R], &'a mut [C]),
+    far: Option<Fronts<'a, R, C>>,
+    scan: Scan,
+) -> GridLines<'a, R, C, G>
+where
+    R: Real,
+{
+    let (chart, (first, before)) = (grid.edges.chart(), window.first());
+    let Block { rows, cols } = window.block();
+    let beyond = far.is_some().then(|| Beyond {
+        scan,
+        points: cols.start + 1..cols.end + 1,
+        lines: rows.start + 1..rows.end + 1,
+        near: None,
+        far,
+    });
+    GridLines {
+        stride: window.own().stride(),
+        behind: Behind::of(chart, scan),
+        times,
+        carried,
+        surface_data: grid.surface_data,
+        edges: grid.edges.planes(),
+        surface: (chart.stride(), first),
+        place: LinesInGrid { edges: grid.edges, first, before, beyond },
+    }
+}
+
+/// Returns those of `tiles` that are marked.
+fn marked<'a>(tiles: &Range<usize>, marks: &'a [bool]) -> impl Iterator<Item = usize> + use<'a> {
+    tiles.clone().zip(marks).filter(|&(_, &marked)| marked).map(|(tile, _)| tile)
+}

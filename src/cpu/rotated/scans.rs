@@ -1,0 +1,42 @@
+//! Defines what solvers of any kind of front offer, in either order of updates.
+
+use super::patches::PatchCounts;
+use crate::cpu::Instructions;
+use crate::surface::Seed;
+use crate::{Convergence, Stop};
+
+/// A solver for the maps of one surface, of any kind of front. Kinds are types, so that scans are compiled
+/// for each of them.
+pub(in crate::cpu) trait Scans<R>: std::fmt::Debug + Send + Sync {
+    /// Computes the distance map of `seeds`.
+    fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence;
+
+    /// Adds sources to the last map, which is a warm start. Only tiles that the new fronts reach first are
+    /// visited. A map that has not converged goes on.
+    fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence;
+
+    fn set_instructions(&mut self, instructions: Instructions);
+
+    /// Returns the arrival times of the last map, as a bordered array.
+    fn times(&self) -> &[R];
+
+    fn into_times(self: Box<Self>) -> Vec<R>;
+
+    /// Returns the number of points that the last map has read.
+    fn visits(&self) -> u64;
+
+    /// Returns the number of points that the last map has updated.
+    fn updates(&self) -> u64;
+
+    /// Returns the number of bytes held, without the edge lengths and the data stored with them.
+    fn bytes(&self) -> usize;
+
+    /// Returns the rounds and visits of the last map, if it was solved by patches.
+    fn patches(&self) -> Option<PatchCounts> {
+        None
+    }
+
+    fn boxed<'b>(&self) -> Box<dyn Scans<R> + 'b>
+    where
+        Self: 'b;
+}

@@ -1,0 +1,204 @@
+//! Describes adjacent points as an update sees them: their own data and the data of the points behind.
+
+use super::settled::Visited;
+use super::window::Fronts;
+use crate::cpu::behind::Behind;
+use crate::lanes::prefetch;
+use crate::surface::{EdgeLengths, Real, min};
+use crate::update::{Carried, Kept, Triangle};
+
+/// A span of adjacent points of a row or column, the neighbours behind each of them, and the triangles between.
+///
+/// All slices have as many entries as there are points, or have entries without data, so that the compiler
+/// sees that indices are within bounds. `C` is the data that fronts carry beside their arrival times, `G` the
+/// data of the surface.
+#[derive(Clone, Copy)]
+pub(in crate::cpu) struct Span<'a, R, C, G> {
+    pub times: &'a [R],
+    pub carried: &'a [C],
+    pub surface_data: &'a [G],
+    /// Data at the neighbours behind: the one before, the one beside, the one after.
+    pub times_behind: [&'a [R]; 3],
+    pub carried_behind: [&'a [C]; 3],
+    /// Lengths of the edges to the neighbours behind, and of the edges between these.
+    pub edges: [&'a [R]; 3],
+    pub bases: [&'a [R]; 2],
+}
+
+impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
+    /// Returns part of the span.
+    #[inline(always)]
+    pub(in crate::cpu) fn part(&self, start: usize, points: usize) -> Self {
+        Self {
+            times: part(self.times, start, points),
+            carried: part(self.carried, start, points),
+            surface_data: part(self.surface_data, start, points),
+            times_behind: parts(self.times_behind, start, points),
+            carried_behind: parts(self.carried_behind, start, points),
+            edges: parts(self.edges, start, points),
+            bases: [part(self.bases[0], start, points), part(self.bases[1], start, points)],
+        }
+    }
+
+    /// Returns whether point `i` has no neighbour beside it on the line behind; see [`crate::update::Curvatures`].
+    #[inline(always)]
+    pub(in crate::cpu) fn is_alone(&self, i: usize) -> bool {
+        self.edges[1][i] >= R::FAR
+    }
+
+    /// Returns one of the two triangles of point `i`: the left one, with the points behind that are before
+    /// and beside it, or the right one, with those beside and after it. If the span may have obtuse
+    /// triangles (`SPLIT`), an obtuse one is reduced to its edges.
+    #[inline(always)]
+    pub(in crate::cpu) fn triangle<const LEFT: bool, const SPLIT: bool>(
+        &self,
+        i: usize,
+    ) -> Triangle<R> {
+        let triangle = self.weighted_triangle::<LEFT>(i);
+        if SPLIT { triangle.without_obtuse_face() } else { triangle }
+    }
+
+    /// Returns the same triangle without reducing an obtuse one to its edges.
+    #[inline(always)]
+    pub(in crate::cpu) fn weighted_triangle<const LEFT: bool>(&self, i: usize) -> Triangle<R> {
+        let x1 = if LEFT { 0 } else { 1 };
+        Triangle {
+            t1: self.times_behind[x1][i],
+            t2: self.times_behind[x1 + 1][i],
+            l1: self.edges[x1][i],
+            l2: self.edges[x1 + 1][i],
+            c: self.bases[x1][i],
+        }
+    }
+
+    /// Returns the same triangle as `triangle`, with the neighbour beside point `i` as x1.
+    #[inline(always)]
+    pub(in crate::cpu) fn seen_from_beside<const LEFT: bool, const SPLIT: bool>(
+        &self,
+        i: usize,
+    ) -> Triangle<R> {
+        let triangle = self.triangle::<LEFT, SPLIT>(i);
+        if LEFT { triangle.mirrored() } else { triangle }
+    }
+
+    /// Returns point `i` before its update.
+    #[inline(always)]
+    pub(in crate::cpu) fn visited<const SPLIT: bool>(&self, i: usize) -> Visited<R> {
+        let triangles =
+            [self.triangle::<true, SPLIT>(i), self.triangle::<false, SPLIT>(i).mirrored()];
+        Visited { now: self.times[i], triangles }
+    }
+
+    /// Returns whether no point is reached later than a neighbour behind it.
+    #[inline(always)]
+    pub(in crate::cpu) fn leads(&self, points: usize) -> bool {
+        let [before, beside, after] = self.times_behind;
+        let mut leads = true;
+        for i in 0..points {
+            leads &= min(before[i], min(beside[i], after[i])) >= self.times[i];
+        }
+        leads
+    }
+
+    /// Returns whether none of the points has been reached.
+    #[inline(always)]
+    pub(in crate::cpu) fn is_unreached(&self, points: usize) -> bool {
+        let mut unreached = true;
+        for i in 0..points {
+            unreached &= self.times[i] >= R::FAR;
+        }
+        unreached
+    }
+
+    /// Returns whether the scan `renews` fronts and has brought one of these.
+    #[inline(always)]
+    pub(in crate::cpu) fn is_renewed(&self, points: usize, scan: u8, renews: bool) -> bool {
+        let mut renewed = false;
+        for i in 0..points {
+            renewed |= renews & self.carried[i].is_from(scan);
+        }
+        renewed
+    }
+
+    /// Returns whether fronts reach the neighbour before the first point no later than the one after the last.
+    #[inline(always)]
+    pub(in crate::cpu) fn comes_from_left(&self, points: usize) -> bool {
+        self.times_behind[0][0] <= self.times_behind[2][points - 1]
+    }
+}
+
+/// Returns part of an array. If its entries have no size, returns all of it, which saves the bounds checks.
+#[inline(always)]
+pub(in crate::cpu) fn part<T>(array: &[T], start: usize, points: usize) -> &[T] {
+    if size_of::<T>() == 0 { array } else { &array[start..][..points] }
+}
+
+#[inline(always)]
+fn parts<T>([a, b, c]: [&[T]; 3], start: usize, points: usize) -> [&[T]; 3] {
+    [part(a, start, points), part(b, start, points), part(c, start, points)]
+}
+
+/// The fronts at all points of a window that scans start from.
+#[derive(Clone, Copy)]
+pub(in crate::cpu) struct Before<'a, R, C, G> {
+    pub edges: &'a EdgeLengths<R>,
+    pub fronts: Fronts<'a, R, C>,
+    /// The fronts of the whole grid, if the window is smaller.
+    pub far: Option<Fronts<'a, R, C>>,
+    pub surface_data: &'a [G],
+}
+
+impl<'a, R: Real, C: Carried, G> Before<'a, R, C, G> {
+    /// Returns the span of `points` points of a row from a column on. The neighbours behind are given for
+    /// the grid, and as offsets in the window ([`super::window::Window::behind`]).
+    pub(in crate::cpu) fn span(
+        &self,
+        (behind, in_window): (&Behind, [isize; 3]),
+        [row, col]: [usize; 2],
+        points: usize,
+    ) -> Span<'a, R, C, G> {
+        let Fronts { window, times, carried } = self.fronts;
+        let (here, first) = (window.index(row, col), window.grid().bordered(row, col));
+        let at = in_window.map(|offset| here.wrapping_add_signed(offset));
+        Span {
+            times: part(times, here, points),
+            carried: part(carried, here, points),
+            surface_data: part(self.surface_data, first, points),
+            times_behind: at.map(|at| part(times, at, points)),
+            carried_behind: at.map(|at| part(carried, at, points)),
+            edges: behind.edges().map(|slot| self.edges.row(first, slot, points)),
+            bases: behind.bases().map(|slot| self.edges.row(first, slot, points)),
+        }
+    }
+
+    /// Returns the front at a point of the grid's bordered array.
+    pub(in crate::cpu) fn front(&self, point: usize) -> Kept<R, C> {
+        let Fronts { times, carried, .. } = self.fronts;
+        let Some(far) = &self.far else {
+            return Kept { time: times[point], carried: carried[point] };
+        };
+        let entry = self.edges.chart().entry(point);
+        self.fronts.at(entry).or_else(|| far.at(entry)).expect("the grid has all fronts")
+    }
+}
+
+/// Prefetches the data that the check of a span's next row needs, from the point `start` on. For times
+/// this is the row after the next, since the next one has been read for this row. `strides` are the offsets
+/// to the next row of the fronts and of the surface's data.
+#[inline(always)]
+pub(in crate::cpu) fn prefetch_next_row<R: Real, C: Carried, G>(
+    span: &Span<R, C, G>,
+    [stride, on_surface]: [isize; 2],
+    start: usize,
+    looks_at_edges: bool,
+) {
+    let place = on_surface + start as isize;
+    prefetch(span.times, 2 * stride + start as isize);
+    prefetch(span.carried, 2 * stride + start as isize);
+    if looks_at_edges {
+        span.edges.iter().for_each(|edges| prefetch(edges, place));
+        prefetch(span.bases[1], place);
+    } else {
+        prefetch(span.surface_data, place);
+    }
+}

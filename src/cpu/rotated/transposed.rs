@@ -1,0 +1,123 @@
+//! Transposes columns of the grid into lines: which entries of an array go where.
+
+use std::ops::Range;
+
+use bytemuck::Pod;
+use rayon::prelude::*;
+
+use super::tiles::TILE;
+use super::transpose::{Turned, transpose};
+use super::window::Window;
+use crate::cpu::Instructions;
+use crate::surface::{Chart, EdgeLengths, Real};
+
+/// The lengths of the edges from each point of a column to the column before: to the same row, the next and
+/// the previous one. They pay off for solvers that scan many times, since a scan to the right or left spends
+/// a third of its time on transposing them.
+#[derive(Clone, Debug)]
+pub(in crate::cpu) struct TransposedEdges<R> {
+    /// Distance in memory from a line to the next.
+    stride: usize,
+    edges: [Vec<R>; 3],
+    is_filled: bool,
+}
+
+impl<R: Real> TransposedEdges<R> {
+    /// Allocates memory for the edges of a surface. Zeroed memory takes no time and no physical memory before
+    /// it is written.
+    pub(in crate::cpu) fn new(chart: Chart) -> Self {
+        let lines = chart.transposed();
+        let edges = [(); 3].map(|_| vec![R::zero(); lines.bordered_points()]);
+        Self { stride: lines.stride(), edges, is_filled: false }
+    }
+
+    /// Transposes all edges, in parallel over columns, unless this has been done.
+    pub(in crate::cpu) fn fill(&mut self, edges: &EdgeLengths<R>, instructions: Instructions) {
+        if std::mem::replace(&mut self.is_filled, true) {
+            return;
+        }
+        let (chart, stride) = (edges.chart(), self.stride);
+        let [up, up_next, up_previous] =
+            self.edges.each_mut().map(|array| array.par_chunks_mut(TILE * stride));
+        (up, up_next, up_previous).into_par_iter().enumerate().for_each(
+            |(band, (up, up_next, up_previous))| {
+                let (first, count) = (band * TILE, up.len() / stride);
+                let window = Window::whole(chart);
+                let lines = ColumnsToLines { window, first, count, instructions };
+                // Nothing lies before the border.
+                let skip = if band == 0 { 1 } else { 0 };
+                let to = [up, up_next, up_previous];
+                lines.transpose_edges_back(edges, to, skip, 0..chart.rows);
+            },
+        );
+    }
+
+    /// Returns these edges once they have been transposed.
+    pub(in crate::cpu) fn filled(&self) -> Option<&Self> {
+        self.is_filled.then_some(self)
+    }
+
+    /// Returns the lines from column `first` on, counted from the border.
+    pub(in crate::cpu) fn lines(&self, first: usize) -> [&[R]; 3] {
+        self.edges.each_ref().map(|edges| &edges[first * self.stride..])
+    }
+
+    /// Returns the number of bytes held.
+    pub(in crate::cpu) fn bytes(&self) -> usize {
+        self.edges.iter().map(|edges| std::mem::size_of_val(edges.as_slice())).sum()
+    }
+}
+
+/// A range of columns of a window's bordered arrays, which become lines of other arrays.
+#[derive(Clone, Copy)]
+pub(in crate::cpu) struct ColumnsToLines {
+    pub window: Window,
+    /// The column of the first line, counted from the border, and the number of lines.
+    pub first: usize,
+    pub count: usize,
+    pub instructions: Instructions,
+}
+
+impl ColumnsToLines {
+    /// Transposes `rows` of an array, counted from the border, and skips the first `skip` lines. Each entry
+    /// is taken from `down` rows below and `left` columns to the left of its place.
+    pub(in crate::cpu) fn transpose<T: Pod>(
+        self,
+        from: &[T],
+        to: &mut [T],
+        skip: usize,
+        rows: Range<usize>,
+        [down, left]: [usize; 2],
+    ) {
+        let from_stride = self.window.own().stride();
+        let to_stride = self.window.grid().transposed().stride();
+        let (row, col) = self.window.first();
+        let block = Turned {
+            from: (rows.start + down - row) * from_stride + self.first + skip - left - col,
+            from_stride,
+            to: skip * to_stride + rows.start,
+            to_stride,
+            rows: rows.len(),
+            cols: self.count - skip,
+        };
+        transpose(from, to, block, self.instructions);
+    }
+
+    /// Transposes the edges to the column before, for some rows.
+    pub(in crate::cpu) fn transpose_edges_back<R: Real>(
+        self,
+        edges: &EdgeLengths<R>,
+        [up, up_next, up_previous]: [&mut [R]; 3],
+        skip: usize,
+        rows: Range<usize>,
+    ) {
+        // In the transposed grid, north is the grid's west, which is stored as the east of the western
+        // neighbour. North-east is the grid's south-west, which is stored as the north-east of that
+        // neighbour. North-west stays.
+        let [east, _, north_east, north_west] = edges.planes();
+        let Range { start, end } = rows;
+        self.transpose(east, up, skip, start + 1..end + 1, [0, 1]);
+        self.transpose(north_east, up_next, skip, start..end + 1, [1, 1]);
+        self.transpose(north_west, up_previous, skip, start + 1..end + 2, [0, 0]);
+    }
+}

@@ -1,0 +1,84 @@
+//! Implements rotated raster scans one after another, point by point. The twin of `glsl/passes/scan.comp`.
+
+use super::behind;
+use crate::Stop;
+use crate::cpu::fronts::{FrontKind, for_kind};
+use crate::cpu::point_fronts::PointFronts;
+use crate::cpu::{Progress, Solution};
+use crate::surface::{EdgeLengths, Real, Seed};
+use crate::update::Wavefront;
+
+/// Solves by scans rotated by 45 degrees (figure 3, second row), down, up, right and left, each after the one
+/// before. Each iteration equals that of the shader. [`crate::cpu::rotated::rotated_scan`] converges to the same map
+/// many times faster.
+pub fn scan_in_turn<R: Real>(
+    edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    stop: Stop,
+) -> Solution<R> {
+    solve(edges, seeds, wavefront, stop, false)
+}
+
+/// Solves as [`scan_in_turn`] does, except that each scan of the first iteration visits only the lines ahead
+/// of the source, or of some source if there are several. The pairwise engines do this: lines behind the
+/// source only hold what the opposite scan has just reached.
+pub fn scan_outward<R: Real>(
+    edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    stop: Stop,
+) -> Solution<R> {
+    solve(edges, seeds, wavefront, stop, true)
+}
+
+fn solve<R: Real>(
+    edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    stop: Stop,
+    outward: bool,
+) -> Solution<R> {
+    for_kind!(edges, wavefront, kind => {
+        let mut fronts = PointFronts::start(edges, kind, seeds);
+        let progress = scan(&mut fronts, seeds, stop, outward);
+        fronts.finish(progress.iterations, progress.residual)
+    })
+}
+
+/// Scans from the fronts at seeds, and returns the progress.
+pub(super) fn scan<'a, R: Real, K: FrontKind<'a, R>>(
+    fronts: &mut PointFronts<'a, R, K>,
+    seeds: &[Seed],
+    stop: Stop,
+    outward: bool,
+) -> Progress {
+    let chart = fronts.edges.chart();
+    let (rows, cols) = (chart.rows, chart.cols);
+    let behind = behind(chart);
+    let mut progress = Progress::new(stop);
+    let ranges = |of: fn(&Seed) -> usize, lines: usize| {
+        let places = || seeds.iter().map(of);
+        let (first, last) = (places().min().unwrap_or(lines), places().max().unwrap_or(0));
+        [first + 1..lines, 0..last]
+    };
+    let away = [ranges(|seed| seed.row, rows), ranges(|seed| seed.col, cols)];
+    let whole = [[0..rows, 0..rows], [0..cols, 0..cols]];
+    loop {
+        let (mut change, renews) = (R::Bits::default(), progress.renews());
+        let mut update = |row: usize, col: usize, scan: u8| {
+            let point = chart.bordered(row, col);
+            let front = fronts.reach(point, &behind[usize::from(scan) - 1]);
+            change = change.max(fronts.accept(point, front, scan, renews));
+        };
+        let is_first = progress.iterations == 0;
+        let [[down, up], [right, left]] = if outward && is_first { &away } else { &whole }.clone();
+        down.for_each(|row| (0..cols).for_each(|col| update(row, col, 1)));
+        up.rev().for_each(|row| (0..cols).for_each(|col| update(row, col, 2)));
+        right.for_each(|col| (0..rows).for_each(|row| update(row, col, 3)));
+        left.rev().for_each(|col| (0..rows).for_each(|row| update(row, col, 4)));
+        if progress.is_done::<R>(change) && (progress.is_last() || !fronts.restore(seeds)) {
+            return progress;
+        }
+    }
+}

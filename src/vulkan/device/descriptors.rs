@@ -1,0 +1,200 @@
+//! Creates the descriptor sets of a surface and of the resources in which its maps are solved.
+//!
+//! Every device can bind four storage images and four storage buffers to a pass. Each pass therefore uses two
+//! sets. The surface's set contains the fronts that the pass reads and the progress of the map. The other is
+//! either that of a map, with the fronts that the pass writes, or one of the host.
+
+use ash::vk;
+
+use super::memory::{Buffer, Image};
+use super::pipelines::Pipelines;
+use super::shaders::{count_of, set_0, set_1, set_2};
+use crate::vulkan::VulkanError;
+
+/// Number of the host's sets. `MAP` is the number of the sets of maps.
+const HOST: u32 = 1;
+const MAP: u32 = 2;
+
+/// Number of sets of a pass, with those that it does not use.
+pub(crate) const SETS: u32 = MAP + 1;
+
+/// Returns the largest number of storage images, or of storage buffers, that a pass uses.
+pub(crate) const fn most_seen(kind: vk::DescriptorType) -> u32 {
+    let (host, map) = (count_of(kind, &set_1::KINDS), count_of(kind, &set_2::KINDS));
+    count_of(kind, &set_0::KINDS) + if host > map { host } else { map }
+}
+
+const _: () = assert!(
+    most_seen(vk::DescriptorType::STORAGE_IMAGE) <= 4
+        && most_seen(vk::DescriptorType::STORAGE_BUFFER) <= 4,
+    "devices need offer no more than four of each"
+);
+
+/// Descriptor sets bound to a pass.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sets {
+    surface: vk::DescriptorSet,
+    /// Number of the other set, and the set.
+    other: (u32, vk::DescriptorSet),
+}
+
+impl Sets {
+    /// Returns the sets of the same surface and fronts, with a set of the host.
+    pub(crate) fn with_host(self, set: vk::DescriptorSet) -> Self {
+        Self { other: (HOST, set), ..self }
+    }
+
+    /// Binds the sets for pipelines with this layout.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded on the device, and the layout is that of passes which use such
+    /// sets.
+    pub(crate) unsafe fn bind(
+        self,
+        device: &ash::Device,
+        commands: vk::CommandBuffer,
+        layout: vk::PipelineLayout,
+    ) {
+        for (number, set) in [(0, self.surface), self.other] {
+            let compute = vk::PipelineBindPoint::COMPUTE;
+            // SAFETY: as the caller has promised.
+            unsafe {
+                device.cmd_bind_descriptor_sets(commands, compute, layout, number, &[set], &[]);
+            }
+        }
+    }
+}
+
+/// Resources of the sets of a grid, or of a batch. Those that no pass uses are `None`.
+#[derive(Clone, Copy)]
+pub(crate) struct Contents<'a> {
+    pub(crate) edges: &'a Image,
+    pub(crate) gaussian: &'a Image,
+    pub(crate) fronts: Option<[&'a Image; 2]>,
+    /// Points, seeds and anchors, or fans.
+    pub(crate) points: Option<&'a Buffer>,
+    pub(crate) progress: &'a Buffer,
+    /// Tiles, or maps that are kept.
+    pub(crate) tiles: Option<&'a Buffer>,
+    /// Blocks of lines, or distances of maps in shared memory.
+    pub(crate) blocks: &'a Buffer,
+    /// Buffer to which [`UNPACK`](super::passes::UNPACK) writes distances.
+    pub(crate) distances: &'a Buffer,
+}
+
+/// Descriptor sets of a grid, or of a batch.
+#[derive(Debug, Default)]
+pub(crate) struct GridSets {
+    /// For each of the two images of fronts, the sets of a pass that writes it and reads the other.
+    pub(crate) writing: [Sets; 2],
+    /// Set of the pass that unpacks distances, in the place of a set of the host.
+    pub(crate) read_back: vk::DescriptorSet,
+    pool: vk::DescriptorPool,
+}
+
+impl GridSets {
+    /// Allocates and fills the sets. [`GridSets::destroy`] must be called before the device is destroyed.
+    pub(crate) fn new(
+        device: &ash::Device,
+        pipelines: &Pipelines,
+        contents: Contents,
+    ) -> Result<Self, VulkanError> {
+        let mut new = Self { pool: pool(device)?, ..Self::default() };
+        let [surface, map] = [pipelines.surface_set_layout, pipelines.map_set_layout];
+        let layouts = [surface, surface, map, map, pipelines.host_set_layout];
+        let info = vk::DescriptorSetAllocateInfo::default()
+            .descriptor_pool(new.pool)
+            .set_layouts(&layouts);
+        // SAFETY: the pool has room for these sets.
+        let sets = match unsafe { device.allocate_descriptor_sets(&info) } {
+            Ok(sets) => sets,
+            Err(result) => {
+                new.destroy(device);
+                return Err(VulkanError::Call { call: "vkAllocateDescriptorSets", result });
+            }
+        };
+        for writes in 0..2 {
+            let (surface, map) = (sets[writes], sets[2 + writes]);
+            new.writing[writes] = Sets { surface, other: (MAP, map) };
+            pipelines.name(["reads fronts 1", "reads fronts 0"][writes], surface);
+            pipelines.name(["writes fronts 0", "writes fronts 1"][writes], map);
+            fill(device, (surface, map), writes, contents);
+        }
+        new.read_back = sets[4];
+        pipelines.name("distances", new.read_back);
+        write_buffer(device, new.read_back, set_1::OUTPUT, contents.distances);
+        Ok(new)
+    }
+
+    /// Frees the sets. No submitted work may still use them.
+    pub(crate) fn destroy(&mut self, device: &ash::Device) {
+        // SAFETY: the caller has made sure that nothing uses the sets; a null handle is allowed.
+        unsafe { device.destroy_descriptor_pool(std::mem::take(&mut self.pool), None) };
+    }
+}
+
+/// Creates a pool with room for the sets of a grid.
+fn pool(device: &ash::Device) -> Result<vk::DescriptorPool, VulkanError> {
+    let kinds = [
+        vk::DescriptorType::STORAGE_IMAGE,
+        vk::DescriptorType::STORAGE_BUFFER,
+        vk::DescriptorType::SAMPLED_IMAGE,
+    ];
+    let sizes = kinds.map(|kind| {
+        let of_pair = count_of(kind, &set_0::KINDS) + count_of(kind, &set_2::KINDS);
+        let count = 2 * of_pair + count_of(kind, &set_1::KINDS);
+        vk::DescriptorPoolSize::default().ty(kind).descriptor_count(count)
+    });
+    let info = vk::DescriptorPoolCreateInfo::default().max_sets(5).pool_sizes(&sizes);
+    // SAFETY: nothing is borrowed beyond the call.
+    unsafe { device.create_descriptor_pool(&info, None) }
+        .map_err(VulkanError::from_call("vkCreateDescriptorPool"))
+}
+
+/// Fills the sets of passes that write one of the images of fronts.
+fn fill(
+    device: &ash::Device,
+    (surface, map): (vk::DescriptorSet, vk::DescriptorSet),
+    writes: usize,
+    contents: Contents,
+) {
+    let Contents { edges, gaussian, fronts, points, progress, tiles, blocks, .. } = contents;
+    write_image(device, surface, set_0::EDGES, edges);
+    write_image(device, surface, set_0::GAUSSIANS, gaussian);
+    write_buffer(device, surface, set_0::PROGRESS, progress);
+    write_buffer(device, map, set_2::BLOCKS, blocks);
+    if let Some(fronts) = fronts {
+        write_image(device, surface, set_0::OLD_FRONTS, fronts[1 - writes]);
+        write_image(device, map, set_2::NEW_FRONTS, fronts[writes]);
+    }
+    if let Some(points) = points {
+        write_buffer(device, surface, set_0::POINTS, points);
+    }
+    if let Some(tiles) = tiles {
+        write_buffer(device, map, set_2::TILES, tiles);
+    }
+}
+
+fn write_image(device: &ash::Device, set: vk::DescriptorSet, index: u32, image: &Image) {
+    let info = [vk::DescriptorImageInfo::default()
+        .image_view(image.view)
+        .image_layout(vk::ImageLayout::GENERAL)];
+    let write = blank(set, index, vk::DescriptorType::STORAGE_IMAGE).image_info(&info);
+    // SAFETY: set and image are alive, and no submitted work uses the set, which is new.
+    unsafe { device.update_descriptor_sets(&[write], &[]) };
+}
+
+fn write_buffer(device: &ash::Device, set: vk::DescriptorSet, index: u32, buffer: &Buffer) {
+    let info = [vk::DescriptorBufferInfo::default().buffer(buffer.buffer).range(vk::WHOLE_SIZE)];
+    let write = blank(set, index, vk::DescriptorType::STORAGE_BUFFER).buffer_info(&info);
+    // SAFETY: as for images.
+    unsafe { device.update_descriptor_sets(&[write], &[]) };
+}
+
+fn blank<'a>(
+    set: vk::DescriptorSet,
+    index: u32,
+    kind: vk::DescriptorType,
+) -> vk::WriteDescriptorSet<'a> {
+    vk::WriteDescriptorSet::default().dst_set(set).dst_binding(index).descriptor_type(kind)
+}

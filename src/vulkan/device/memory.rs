@@ -1,0 +1,242 @@
+//! Creates images and buffers with their memory, from the caller's device and allocator.
+
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+
+use super::barrier;
+use super::device_memory::{DeviceMemory, MemoryBlock, MemoryRequest};
+use crate::vulkan::VulkanError;
+
+/// Format of a grid's images. A texel holds 2 x 2 points, or the four edges of one point.
+pub(crate) const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+/// Format of images of distances.
+pub(crate) const RESULT_FORMAT: vk::Format = vk::Format::R32_SFLOAT;
+/// Usage of both kinds of images. It lets hosts sample them and copy from them.
+pub(crate) const IMAGE_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
+    vk::ImageUsageFlags::STORAGE.as_raw()
+        | vk::ImageUsageFlags::SAMPLED.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_SRC.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
+);
+
+/// Parameters of an image to create.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ImageInfo<'a> {
+    pub(crate) name: &'static str,
+    pub(crate) format: vk::Format,
+    pub(crate) extent: vk::Extent3D,
+    pub(crate) layers: u32,
+    /// Queue families that use the image concurrently, if there is more than one.
+    pub(crate) families: &'a [u32],
+}
+
+/// Parameters of a buffer to create.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BufferInfo {
+    pub(crate) name: &'static str,
+    pub(crate) size: u64,
+    pub(crate) location: MemoryLocation,
+}
+
+/// Storage image in device memory, with its view.
+#[derive(Debug)]
+pub(crate) struct Image {
+    pub(crate) image: vk::Image,
+    pub(crate) view: vk::ImageView,
+    block: Option<MemoryBlock>,
+}
+
+/// Storage buffer with its memory.
+#[derive(Debug)]
+pub(crate) struct Buffer {
+    pub(crate) buffer: vk::Buffer,
+    block: Option<MemoryBlock>,
+}
+
+impl Image {
+    pub(crate) fn new(
+        device: &ash::Device,
+        allocator: &mut dyn DeviceMemory,
+        info: ImageInfo,
+    ) -> Result<Self, VulkanError> {
+        let image = info.create(device)?;
+        let mut new = Self { image, view: vk::ImageView::null(), block: None };
+        match new.back(device, allocator, info) {
+            Ok(()) => Ok(new),
+            Err(error) => {
+                new.destroy(device, allocator);
+                Err(error)
+            }
+        }
+    }
+
+    fn back(
+        &mut self,
+        device: &ash::Device,
+        allocator: &mut dyn DeviceMemory,
+        ImageInfo { name, format, layers, .. }: ImageInfo,
+    ) -> Result<(), VulkanError> {
+        // SAFETY: the image is from this device.
+        let requirements = unsafe { device.get_image_memory_requirements(self.image) };
+        let location = MemoryLocation::GpuOnly;
+        let block = allocate(allocator, name, requirements, location, false)?;
+        let (memory, offset) = block.place();
+        // SAFETY: the block was made for this image's requirements.
+        let bound = unsafe { device.bind_image_memory(self.image, memory, offset) };
+        self.block = Some(block);
+        bound.map_err(VulkanError::from_call("vkBindImageMemory"))?;
+        let kind =
+            if layers > 1 { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D };
+        let info = vk::ImageViewCreateInfo::default()
+            .image(self.image)
+            .view_type(kind)
+            .format(format)
+            .subresource_range(barrier::COLOR);
+        // SAFETY: the image is bound to memory and has this format.
+        self.view = unsafe { device.create_image_view(&info, None) }
+            .map_err(VulkanError::from_call("vkCreateImageView"))?;
+        Ok(())
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        self.block.as_ref().map_or(0, MemoryBlock::size)
+    }
+
+    pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
+        // SAFETY: the caller has made sure that no submitted work uses the image; null handles
+        // are allowed.
+        unsafe {
+            device.destroy_image_view(self.view, None);
+            device.destroy_image(self.image, None);
+        }
+        (self.view, self.image) = (vk::ImageView::null(), vk::Image::null());
+        if let Some(block) = self.block.take() {
+            allocator.free(block);
+        }
+    }
+}
+
+impl ImageInfo<'_> {
+    fn create(&self, device: &ash::Device) -> Result<vk::Image, VulkanError> {
+        let mut info = vk::ImageCreateInfo::default()
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(self.format)
+            .extent(self.extent)
+            .mip_levels(1)
+            .array_layers(self.layers)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .tiling(vk::ImageTiling::OPTIMAL)
+            .usage(IMAGE_USAGE);
+        if self.families.len() > 1 {
+            info =
+                info.sharing_mode(vk::SharingMode::CONCURRENT).queue_family_indices(self.families);
+        }
+        // SAFETY: the extent lies within the device's limits, which the caller has checked.
+        unsafe { device.create_image(&info, None) }.map_err(VulkanError::from_call("vkCreateImage"))
+    }
+
+    /// Returns the number of bytes that the image will take.
+    pub(crate) fn bytes(&self, device: &ash::Device) -> Result<u64, VulkanError> {
+        let image = self.create(device)?;
+        // SAFETY: the image is from this device, and nothing has used it.
+        unsafe {
+            let requirements = device.get_image_memory_requirements(image);
+            device.destroy_image(image, None);
+            Ok(requirements.size)
+        }
+    }
+}
+
+impl BufferInfo {
+    fn create(&self, device: &ash::Device) -> Result<vk::Buffer, VulkanError> {
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::INDIRECT_BUFFER
+            | vk::BufferUsageFlags::VERTEX_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_SRC
+            | vk::BufferUsageFlags::TRANSFER_DST;
+        let info = vk::BufferCreateInfo::default().size(self.size).usage(usage);
+        // SAFETY: the size is positive.
+        unsafe { device.create_buffer(&info, None) }
+            .map_err(VulkanError::from_call("vkCreateBuffer"))
+    }
+
+    /// Returns the number of bytes that the buffer will take.
+    pub(crate) fn bytes(&self, device: &ash::Device) -> Result<u64, VulkanError> {
+        let buffer = self.create(device)?;
+        // SAFETY: the buffer is from this device, and nothing has used it.
+        unsafe {
+            let requirements = device.get_buffer_memory_requirements(buffer);
+            device.destroy_buffer(buffer, None);
+            Ok(requirements.size)
+        }
+    }
+}
+
+impl Buffer {
+    pub(crate) fn new(
+        device: &ash::Device,
+        allocator: &mut dyn DeviceMemory,
+        info: BufferInfo,
+    ) -> Result<Self, VulkanError> {
+        let mut new = Self { buffer: info.create(device)?, block: None };
+        match new.back(device, allocator, info) {
+            Ok(()) => Ok(new),
+            Err(error) => {
+                new.destroy(device, allocator);
+                Err(error)
+            }
+        }
+    }
+
+    fn back(
+        &mut self,
+        device: &ash::Device,
+        allocator: &mut dyn DeviceMemory,
+        BufferInfo { name, location, .. }: BufferInfo,
+    ) -> Result<(), VulkanError> {
+        // SAFETY: the buffer is from this device.
+        let requirements = unsafe { device.get_buffer_memory_requirements(self.buffer) };
+        let block = allocate(allocator, name, requirements, location, true)?;
+        let (memory, offset) = block.place();
+        // SAFETY: the block was made for this buffer's requirements.
+        let bound = unsafe { device.bind_buffer_memory(self.buffer, memory, offset) };
+        self.block = Some(block);
+        bound.map_err(VulkanError::from_call("vkBindBufferMemory"))
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        self.block.as_ref().map_or(0, MemoryBlock::size)
+    }
+
+    /// Returns the buffer's memory for reading. The memory must be host-visible.
+    pub(crate) fn read(&self) -> &[u8] {
+        let bytes = self.block.as_ref().and_then(MemoryBlock::bytes);
+        bytes.expect("only buffers made host-visible are mapped")
+    }
+
+    /// Returns the buffer's memory for writing. The memory must be host-visible.
+    pub(crate) fn mapped(&mut self) -> &mut [u8] {
+        let bytes = self.block.as_mut().and_then(MemoryBlock::bytes_mut);
+        bytes.expect("only buffers made host-visible are mapped")
+    }
+
+    pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
+        // SAFETY: the caller has made sure that no submitted work uses the buffer.
+        unsafe { device.destroy_buffer(self.buffer, None) };
+        self.buffer = vk::Buffer::null();
+        if let Some(block) = self.block.take() {
+            allocator.free(block);
+        }
+    }
+}
+
+fn allocate(
+    allocator: &mut dyn DeviceMemory,
+    name: &'static str,
+    requirements: vk::MemoryRequirements,
+    location: MemoryLocation,
+    is_buffer: bool,
+) -> Result<MemoryBlock, VulkanError> {
+    let wanted = MemoryRequest { name, requirements, location, is_buffer };
+    allocator.allocate(&wanted).map_err(|source| VulkanError::Allocation { what: name, source })
+}

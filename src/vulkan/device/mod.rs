@@ -1,0 +1,18 @@
+//! Access to a device that all solvers share: its choice and limits, memory, barriers, descriptors, shaders and
+//! pipelines. Nothing here knows of maps.
+
+pub(in crate::vulkan) mod barrier;
+pub(in crate::vulkan) mod descriptors;
+pub(in crate::vulkan) mod device_memory;
+pub(in crate::vulkan) mod devices;
+pub(in crate::vulkan) mod driver;
+pub(in crate::vulkan) mod instance;
+pub(in crate::vulkan) mod limits;
+pub(crate) mod memory;
+pub(in crate::vulkan) mod passes;
+pub(in crate::vulkan) mod pipeline_store;
+pub(in crate::vulkan) mod pipelines;
+pub mod requirements;
+pub(in crate::vulkan) mod shaders;
+pub(in crate::vulkan) mod tile_lanes;
+pub(in crate::vulkan) mod validation;

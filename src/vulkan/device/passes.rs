@@ -1,0 +1,390 @@
+//! Contains the table of passes.
+
+use std::marker::PhantomData;
+
+use bytemuck::Pod;
+
+use super::shaders;
+use super::shaders::{Constant, Shader};
+use crate::update::Wavefront;
+use crate::vulkan::profile::PassKind;
+use crate::vulkan::profile::PassKind::*;
+use crate::vulkan::schedules::plan::Scan;
+use crate::vulkan::schedules::plan::Scan::{Down, Left, Right, Up};
+use crate::vulkan::{TileLanes, Tuning};
+
+/// Row of the table.
+#[derive(Debug)]
+pub(crate) struct Row {
+    /// Shader, with its bindings, specialization constants and push constants.
+    pub(crate) shader: &'static Shader,
+    /// Kind of the pass in profiles; `None` if it only measures the device.
+    pub(crate) kind: Option<PassKind>,
+    /// Whether each wavefront has a pipeline of its own.
+    pub(crate) depends_on_wavefront: bool,
+    /// Width of the workgroups, if a constant sets it.
+    width: Option<Width>,
+    /// Shaders in its place with [`TileLanes::Points`] and [`TileLanes::Shuffled`]. Their interfaces are the
+    /// same.
+    pub(crate) of_points: Option<[&'static Shader; 2]>,
+}
+
+/// Width of a workgroup in invocations.
+#[derive(Clone, Copy, Debug)]
+enum Width {
+    /// [`Tuning::scan_width`].
+    Scans,
+    /// One invocation for each texel or point on a side of a tile.
+    Tiles,
+    /// [`MapSize::invocations`].
+    Maps,
+}
+
+impl Row {
+    const fn new(shader: &'static Shader, kind: Option<PassKind>, width: Option<Width>) -> Self {
+        assert!(
+            shader.depends_on(Constant::LocalSizeX) == width.is_some(),
+            "the row of a shader with a constant for the width of its workgroups says the width"
+        );
+        let depends_on_wavefront = shader.depends_on(Constant::Wavefront);
+        Self { shader, kind, depends_on_wavefront, width, of_points: None }
+    }
+
+    const fn of_points(self, points: &'static Shader, shuffled: &'static Shader) -> Self {
+        assert!(
+            points.is_like(self.shader) && shuffled.is_like(self.shader),
+            "one shader can be dispatched in the place of another"
+        );
+        Self { of_points: Some([points, shuffled]), ..self }
+    }
+
+    /// Returns the shader from which a pipeline is made.
+    pub(crate) fn shader_of(&self, tuning: &Tuning) -> &'static Shader {
+        match (self.of_points, tuning.tile_lanes) {
+            (None, _) | (_, TileLanes::Pairs) => self.shader,
+            (Some([points, _]), TileLanes::Points) => points,
+            (Some([_, shuffled]), TileLanes::Shuffled) => shuffled,
+        }
+    }
+}
+
+/// Pass whose push constants are of type `P`.
+#[derive(Debug)]
+pub(crate) struct Pass<P> {
+    number: usize,
+    constants: PhantomData<fn(P)>,
+}
+
+impl<P> Clone for Pass<P> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<P> Copy for Pass<P> {}
+
+impl<P: Pod> Pass<P> {
+    const fn new(number: usize) -> Self {
+        Self { number, constants: PhantomData }
+    }
+
+    /// Returns the number of the pass in the [`TABLE`].
+    pub(crate) const fn number(self) -> usize {
+        self.number
+    }
+
+    pub(crate) fn row(self) -> &'static Row {
+        &TABLE[self.number]
+    }
+}
+
+/// Pass for every surface and wavefront. A solver has its pipeline from the start.
+#[derive(Debug)]
+pub(crate) struct CommonPass<P>(Pass<P>);
+
+impl<P> Clone for CommonPass<P> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<P> Copy for CommonPass<P> {}
+
+impl<P: Pod> CommonPass<P> {
+    /// Returns the pass as one among all.
+    pub(crate) const fn pass(self) -> Pass<P> {
+        self.0
+    }
+
+    pub(crate) const fn number(self) -> usize {
+        self.0.number
+    }
+}
+
+macro_rules! passes {
+    (@width) => { None };
+    (@width $width:ident) => { Some(Width::$width) };
+    (@row $row:expr) => { $row };
+    (@row $row:expr, $points:ident, $shuffled:ident) => {
+        $row.of_points(&shaders::$points::SHADER, &shaders::$shuffled::SHADER)
+    };
+    (
+        common { $($common:ident: $common_shader:ident, $common_kind:expr;)* }
+        others { $($name:ident: $shader:ident $(or $points:ident or $shuffled:ident)?, $kind:expr $(, $width:ident)?;)* }
+    ) => {
+        #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
+        enum Number { $($common,)* $($name),* }
+
+        $(pub(crate) const $common: CommonPass<shaders::$common_shader::Push> = {
+            assert!(!shaders::$common_shader::SHADER.depends_on(Constant::Wavefront));
+            CommonPass(Pass::new(Number::$common as usize))
+        };)*
+        $(pub(crate) const $name: Pass<shaders::$shader::Push> =
+            Pass::new(Number::$name as usize);)*
+
+        /// Numbers of the common passes.
+        pub(crate) const COMMON: &[usize] = &[$($common.number()),*];
+
+        /// All passes.
+        pub(crate) static TABLE: [Row; [$(Number::$common,)* $(Number::$name),*].len()] = [
+            $(Row::new(&shaders::$common_shader::SHADER, $common_kind, None),)*
+            $(passes!(@row Row::new(&shaders::$shader::SHADER, $kind, passes!(@width $($width)?)) $(, $points, $shuffled)?)),*
+        ];
+
+        /// Size of the largest block of push constants, in bytes. Every device offers 128 bytes.
+        pub(crate) const PUSH_CONSTANT_BYTES: u32 = largest(&[
+            $(shaders::$common_shader::SHADER.push_constant_bytes,)*
+            $(shaders::$shader::SHADER.push_constant_bytes),*
+        ]);
+    };
+}
+
+// The columns are the name of a pass, its shader (and those of [`Row::of_points`]), its kind in
+// profiles, and the width of its workgroups if a constant sets it.
+passes! {
+    common {
+        POINTS_FROM_BUFFER: points_from_buffer, Some(Points);
+        POINTS_FROM_IMAGE: points_from_image, Some(Points);
+        EDGES_FROM_POSITIONS: edges_from_positions, Some(Edges);
+        EDGES_FROM_HEIGHTS: edges_from_heights, Some(Edges);
+        EDGES_FROM_METRIC: edges_from_metric, Some(Edges);
+        TYPICAL_EDGE: typical_edge, Some(Edges);
+        FAN_CURVATURE: fan_curvature, Some(Curvature);
+        GAUSSIAN_CURVATURE: gaussian_curvature, Some(Curvature);
+        SOURCES: sources, Some(Sources);
+        SEED: seed, Some(Seed);
+        MERGE_SURROUNDINGS: merge_surroundings, Some(Surroundings);
+        SETTLE: settle, Some(Settle);
+        COUNT: progress, Some(Count);
+        RESULT: result, Some(Distances);
+        UNPACK: unpack, Some(Unpack);
+        LOOKUP: lookup, Some(Lookup);
+    }
+    others {
+        SURROUNDINGS: surroundings, Some(Surroundings);
+        SCAN_DOWN: scan, Some(Scan(Down)), Scans;
+        SCAN_UP: scan, Some(Scan(Up)), Scans;
+        SCAN_RIGHT: scan, Some(Scan(Right)), Scans;
+        SCAN_LEFT: scan, Some(Scan(Left)), Scans;
+        ALL_POINTS: all_points, Some(AllPoints);
+        TILES: tiles or tiles_points or tiles_shuffled, Some(Tiles), Tiles;
+        CONTOUR_COUNTS: contour_counts, Some(Contours);
+        CONTOUR_OFFSETS: contour_offsets, Some(Contours);
+        CONTOUR_SEGMENTS: contour_segments, Some(Contours);
+        PATH_STARTS: path_starts, Some(Paths);
+        PATHS: paths, Some(Paths);
+        LIFT_FROM_BUFFER: lift_from_buffer, Some(Lift);
+        LIFT_FROM_IMAGE: lift_from_image, Some(Lift);
+        REGION_STARTS: region_starts, Some(Regions);
+        REGION_WAYS: region_ways, Some(Regions);
+        REGION_FLOW: region_flow, Some(Regions);
+        REGION_LABELS: region_labels, Some(Regions);
+        PAIRWISE_FANS: pairwise_fans, Some(Fans);
+        PAIRWISE_SHARED: pairwise_shared, Some(Workgroups), Maps;
+        PAIRWISE_START: pairwise_start, Some(Seed);
+        PAIRWISE_SCAN_DOWN: pairwise_scan, Some(Scan(Down)), Scans;
+        PAIRWISE_SCAN_UP: pairwise_scan, Some(Scan(Up)), Scans;
+        PAIRWISE_SCAN_RIGHT: pairwise_scan, Some(Scan(Right)), Scans;
+        PAIRWISE_SCAN_LEFT: pairwise_scan, Some(Scan(Left)), Scans;
+        PAIRWISE_COUNT: pairwise_count, Some(Count);
+        CEILING_COPY: ceiling_copy, None;
+        CEILING_UPDATES: ceiling_updates, None;
+    }
+}
+
+/// Passes of the scans, in the order of [`Scan::ALL`].
+pub(crate) const SCANS: [Pass<shaders::scan::Push>; 4] =
+    [SCAN_DOWN, SCAN_UP, SCAN_RIGHT, SCAN_LEFT];
+/// Passes of the scans over the maps of a batch, in the same order.
+pub(crate) const PAIRWISE_SCANS: [Pass<shaders::pairwise_scan::Push>; 4] =
+    [PAIRWISE_SCAN_DOWN, PAIRWISE_SCAN_UP, PAIRWISE_SCAN_RIGHT, PAIRWISE_SCAN_LEFT];
+
+const fn largest(sizes: &[u32]) -> u32 {
+    let (mut largest, mut place) = (0, 0);
+    while place < sizes.len() {
+        if sizes[place] > largest {
+            largest = sizes[place];
+        }
+        place += 1;
+    }
+    largest
+}
+
+/// Values by which pipelines are specialized.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Specialization {
+    pub(crate) tuning: Tuning,
+    pub(crate) on_processor: bool,
+    pub(crate) variant: Variant,
+    pub(crate) map: MapSize,
+}
+
+/// Properties of a map that determine its pipelines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Variant {
+    pub(crate) wavefront: Wavefront,
+    /// Whether obtuse triangles are split. They are on every surface that is not known to have none.
+    pub(crate) splits: bool,
+    /// Whether the slowness of the surface is not the same everywhere.
+    pub(crate) slowed: bool,
+    /// Whether fronts may carry the numbers of their origins.
+    pub(crate) named: bool,
+}
+
+impl From<Wavefront> for Variant {
+    fn from(wavefront: Wavefront) -> Self {
+        Self { wavefront, splits: true, slowed: false, named: false }
+    }
+}
+
+impl Variant {
+    pub(crate) const COUNT: usize = 8 * Wavefront::ALL.len();
+
+    /// Returns all variants, by their places among a pass's pipelines.
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        (0..8).flat_map(|bits| {
+            let [splits, slowed, named] = [0, 1, 2].map(|bit| bits >> bit & 1 != 0);
+            Wavefront::ALL.map(|wavefront| Self { wavefront, splits, slowed, named })
+        })
+    }
+}
+
+/// Size of maps in the shared memory of workgroups; zeros for other passes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct MapSize {
+    /// Number of points for which there is room.
+    pub(crate) room: u32,
+    pub(crate) invocations: u32,
+    /// Size of the maps, if the pipeline is for one size alone.
+    pub(crate) known: KnownSize,
+}
+
+/// Size of maps as specialization constants; zeros if the size is pushed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct KnownSize {
+    pub(crate) rows: u32,
+    pub(crate) cols: u32,
+    /// Distance in shared memory from a point to the one below it.
+    pub(crate) pitch: u32,
+    /// Largest number of iterations in a dispatch.
+    pub(crate) iterations: u32,
+}
+
+impl Row {
+    /// Returns the place of the pipeline for a variant among all that the pass may have.
+    pub(crate) fn place_of(&self, variant: Variant) -> usize {
+        let splits = self.shader.depends_on(Constant::Splits) && variant.splits;
+        let wavefront = if self.depends_on_wavefront { variant.wavefront as usize } else { 0 };
+        let slowed = self.shader.depends_on(Constant::Slowed) && variant.slowed;
+        let named = self.shader.depends_on(Constant::Named) && variant.named;
+        let bits = [splits, slowed, named].map(usize::from);
+        (bits[0] + 2 * bits[1] + 4 * bits[2]) * Wavefront::ALL.len() + wavefront
+    }
+
+    /// Returns the direction of the scan, if the pass is one.
+    fn scan(&self) -> Option<Scan> {
+        if let Some(Scan(scan)) = self.kind { Some(scan) } else { None }
+    }
+
+    /// Returns the numbers and values of the specialization constants.
+    pub(crate) fn constants(&self, of: &Specialization) -> Vec<(u32, i32)> {
+        let Specialization { tuning, on_processor, variant, map } = *of;
+        let Variant { wavefront, splits, slowed, named } = variant;
+        let ahead = self.scan().map_or((0, 0), Scan::ahead);
+        let width = self.width.map_or(0, |width| match width {
+            Width::Scans => tuning.scan_width,
+            Width::Tiles if tuning.tile_lanes == TileLanes::Pairs => tuning.tile / 2,
+            Width::Tiles => tuning.tile,
+            Width::Maps => map.invocations,
+        });
+        let value = |constant| match constant {
+            Constant::AheadX => ahead.0,
+            Constant::AheadY => ahead.1,
+            Constant::Wavefront => wavefront as i32,
+            Constant::Splits => splits.into(),
+            Constant::Slowed => slowed.into(),
+            Constant::Named => named.into(),
+            Constant::OnProcessor => on_processor.into(),
+            Constant::LocalSizeX => width as i32,
+            Constant::Lines => tuning.scan_lines as i32,
+            Constant::Tile => tuning.tile as i32,
+            Constant::Inner => tuning.inner as i32,
+            Constant::EdgesShared => tuning.tile_edges.into(),
+            Constant::Room => map.room as i32,
+            Constant::Rows => map.known.rows as i32,
+            Constant::Cols => map.known.cols as i32,
+            Constant::Pitch => map.known.pitch as i32,
+            Constant::Iterations => map.known.iterations as i32,
+        };
+        self.shader.constants.iter().map(|&(number, constant)| (number, value(constant))).collect()
+    }
+
+    /// Returns the pipeline's name in debuggers and drivers.
+    pub(crate) fn name(&self, variant: Variant) -> String {
+        let wavefront = variant.wavefront;
+        let scan = self.scan().map_or(String::new(), |scan| format!(" {}", scan.name()));
+        let wavefront = match self.depends_on_wavefront {
+            true => format!(", {wavefront}"),
+            false => String::new(),
+        };
+        format!("{}{scan}{wavefront}", self.shader.name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shaders_of_the_four_scans_differ_in_what_lies_ahead() {
+        let tuning = Tuning::ON_CPU;
+        let (wavefront, map) = (Wavefront::Curved, MapSize::default());
+        let of = Specialization { tuning, on_processor: true, variant: wavefront.into(), map };
+        for (pass, scan) in SCANS.into_iter().zip(Scan::ALL) {
+            let constants = pass.row().constants(&of);
+            let (x, y) = scan.ahead();
+            for wanted in [(0, x), (1, y), (2, Wavefront::Curved as i32), (3, 64), (4, 4)] {
+                assert!(constants.contains(&wanted), "{constants:?}");
+            }
+            assert_eq!(
+                pass.row().name(Wavefront::Curved.into()),
+                format!("scan {}, curved", scan.name())
+            );
+        }
+    }
+
+    #[test]
+    fn every_shader_is_in_the_table() {
+        let is_of = |row: &Row, name: &str| {
+            row.shader.name == name
+                || row.of_points.iter().flatten().any(|shader| shader.name == name)
+        };
+        let listed = |name: &str| TABLE.iter().any(|row| is_of(row, name));
+        for entry in std::fs::read_dir("glsl/spirv").unwrap() {
+            let name = entry.unwrap().file_name().into_string().unwrap();
+            if let Some(name) = name.strip_suffix(".spv") {
+                assert!(listed(name), "{name}");
+            }
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! Creates a device and a queue of this crate's own, for use without a renderer.
+
+use std::mem::ManuallyDrop;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use ash::{khr, vk};
+use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
+
+use crate::vulkan::device::instance::Instance;
+use crate::vulkan::device::validation::ValidationLog;
+use crate::vulkan::device::{devices, requirements};
+use crate::vulkan::profile::{Capabilities, Capability, PassRecord, Profile};
+use crate::vulkan::{DeviceChoice, DeviceInfo, VulkanError};
+
+/// Device with one compute queue, an allocator and a command pool.
+pub(crate) struct Context {
+    pub(crate) device: ash::Device,
+    pub(crate) info: DeviceInfo,
+    pub(crate) physical_device: vk::PhysicalDevice,
+    /// Profiling capabilities, if the device was opened for profiling.
+    pub(crate) capabilities: Option<Capabilities>,
+    queue: vk::Queue,
+    allocator: ManuallyDrop<Mutex<Allocator>>,
+    pool: vk::CommandPool,
+    fence: vk::Fence,
+    // This field comes last because fields are dropped in order.
+    pub(crate) instance: Instance,
+}
+
+impl Context {
+    pub(crate) fn new(choice: &DeviceChoice, validate: bool) -> Result<Self, VulkanError> {
+        Self::open(choice, validate, None)
+    }
+
+    /// Opens a device. If `left_out` is given, everything that profiling uses is enabled, except for these
+    /// capabilities.
+    pub(crate) fn open(
+        choice: &DeviceChoice,
+        validate: bool,
+        left_out: Option<&[Capability]>,
+    ) -> Result<Self, VulkanError> {
+        let labels = left_out.is_some_and(|left_out| !left_out.contains(&Capability::Labels));
+        let instance = Instance::open(validate, labels)?;
+        let (info, physical_device) = devices::choose(&instance, choice)?;
+        let family = requirements::compute_queue_family(&instance.handle, physical_device)
+            .expect("a chosen device meets the requirements");
+        let queues = [vk::DeviceQueueCreateInfo::default()
+            .queue_family_index(family)
+            .queue_priorities(&[1.0])];
+        let capabilities = left_out.map(|left_out| {
+            let debug_utils = instance.debug_utils;
+            Capabilities::of(&instance.handle, physical_device, family, debug_utils)
+                .without(left_out)
+        });
+        let wanted = capabilities.as_ref();
+        let extensions = wanted.map_or(Vec::new(), Capabilities::device_extensions);
+        let mut extensions: Vec<_> = extensions.iter().map(|name| name.as_ptr()).collect();
+        if requirements::is_portable_subset(&instance.handle, physical_device) {
+            extensions.push(khr::portability_subset::NAME.as_ptr());
+        }
+        let features = vk::PhysicalDeviceFeatures::default()
+            .pipeline_statistics_query(wanted.is_some_and(|wanted| wanted.statistics.is_ok()));
+        let mut executables = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default()
+            .pipeline_executable_info(true);
+        let mut create = vk::DeviceCreateInfo::default()
+            .queue_create_infos(&queues)
+            .enabled_extension_names(&extensions)
+            .enabled_features(&features);
+        if wanted.is_some_and(|wanted| wanted.executables.is_ok()) {
+            create = create.push_next(&mut executables);
+        }
+        // SAFETY: the physical device has this queue family.
+        let device = unsafe { instance.handle.create_device(physical_device, &create, None) }
+            .map_err(VulkanError::from_call("vkCreateDevice"))?;
+        let allocator = Allocator::new(&AllocatorCreateDesc {
+            instance: instance.handle.clone(),
+            device: device.clone(),
+            physical_device,
+            debug_settings: Default::default(),
+            buffer_device_address: false,
+            allocation_sizes: Default::default(),
+        });
+        let allocator = match allocator {
+            Ok(allocator) => ManuallyDrop::new(Mutex::new(allocator)),
+            Err(source) => {
+                // SAFETY: nothing was made from the device.
+                unsafe { device.destroy_device(None) };
+                return Err(VulkanError::Allocation { what: "the allocator", source });
+            }
+        };
+        // SAFETY: the family's first queue was created with the device.
+        let queue = unsafe { device.get_device_queue(family, 0) };
+        let mut new = Self {
+            device,
+            info,
+            physical_device,
+            capabilities,
+            queue,
+            allocator,
+            pool: vk::CommandPool::null(),
+            fence: vk::Fence::null(),
+            instance,
+        };
+        let pool = vk::CommandPoolCreateInfo::default()
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER)
+            .queue_family_index(family);
+        // SAFETY: the device was created with this queue family.
+        new.pool = unsafe { new.device.create_command_pool(&pool, None) }
+            .map_err(VulkanError::from_call("vkCreateCommandPool"))?;
+        // SAFETY: nothing is borrowed beyond the call.
+        new.fence = unsafe { new.device.create_fence(&vk::FenceCreateInfo::default(), None) }
+            .map_err(VulkanError::from_call("vkCreateFence"))?;
+        Ok(new)
+    }
+
+    pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {
+        self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Records commands, submits them and waits for their end.
+    pub(crate) fn run(
+        self: &Arc<Self>,
+        append: impl FnOnce(&ash::Device, vk::CommandBuffer),
+    ) -> Result<(), VulkanError> {
+        let commands = CommandBuffer::new(self)?;
+        commands.record(append)?;
+        commands.submit_and_wait()
+    }
+
+    /// Returns an error if the validation layers have reported anything.
+    pub(crate) fn check_validation(&self) -> Result<(), VulkanError> {
+        let messages = self.instance.validation_log().map_or(Vec::new(), ValidationLog::messages);
+        if messages.is_empty() { Ok(()) } else { Err(VulkanError::Validation(messages)) }
+    }
+}
+
+impl Drop for Context {
+    fn drop(&mut self) {
+        // SAFETY: the device is alive; its other children are gone, since they borrow or share
+        // the context. The allocator is not used after it is dropped.
+        unsafe {
+            let _ = self.device.device_wait_idle();
+            self.device.destroy_fence(self.fence, None);
+            self.device.destroy_command_pool(self.pool, None);
+            ManuallyDrop::drop(&mut self.allocator);
+            self.device.destroy_device(None);
+        }
+    }
+}
+
+/// Records and submits command buffers, and waits for them.
+pub(crate) trait Submitter {
+    /// Records a command buffer. Its earlier contents are replaced.
+    fn record(
+        &self,
+        commands: &CommandBuffer,
+        append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&Profile>),
+    ) -> Result<(), VulkanError>;
+
+    /// Submits the recorded commands and waits for their end.
+    fn submit(&mut self, commands: &CommandBuffer) -> Result<(), VulkanError>;
+
+    /// Starts the clock of a map again.
+    fn restart(&mut self) {}
+
+    /// Returns whether the submitter watches passes.
+    fn is_watching(&self) -> bool {
+        false
+    }
+
+    /// Returns the records of the passes submitted last, if the submitter watches passes.
+    fn last(&mut self) -> Option<&mut [PassRecord]> {
+        None
+    }
+}
+
+/// Submitter that does not watch passes.
+pub(crate) struct Unwatched;
+
+impl Submitter for Unwatched {
+    fn record(
+        &self,
+        commands: &CommandBuffer,
+        append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&Profile>),
+    ) -> Result<(), VulkanError> {
+        commands.record(|device, buffer| append(device, buffer, None))
+    }
+
+    fn submit(&mut self, commands: &CommandBuffer) -> Result<(), VulkanError> {
+        commands.submit_and_wait()
+    }
+}
+
+/// Command buffer that can be recorded anew. Each recording is submitted once, or many times one after
+/// another.
+pub(crate) struct CommandBuffer {
+    context: Arc<Context>,
+    buffer: vk::CommandBuffer,
+    usage: vk::CommandBufferUsageFlags,
+}
+
+impl CommandBuffer {
+    /// Allocates a command buffer whose recordings are submitted once.
+    pub(crate) fn new(context: &Arc<Context>) -> Result<Self, VulkanError> {
+        Self::with(context, vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT)
+    }
+
+    /// Allocates a command buffer whose recordings may be submitted any number of times.
+    pub(crate) fn kept(context: &Arc<Context>) -> Result<Self, VulkanError> {
+        Self::with(context, vk::CommandBufferUsageFlags::empty())
+    }
+
+    fn with(
+        context: &Arc<Context>,
+        usage: vk::CommandBufferUsageFlags,
+    ) -> Result<Self, VulkanError> {
+        let info = vk::CommandBufferAllocateInfo::default()
+            .command_pool(context.pool)
+            .level(vk::CommandBufferLevel::PRIMARY)
+            .command_buffer_count(1);
+        // SAFETY: the pool is alive and used by one thread at a time, since it is not shared.
+        let buffers = unsafe { context.device.allocate_command_buffers(&info) }
+            .map_err(VulkanError::from_call("vkAllocateCommandBuffers"))?;
+        Ok(Self { context: Arc::clone(context), buffer: buffers[0], usage })
+    }
+
+    /// Records the command buffer. Its earlier contents are replaced.
+    pub(crate) fn record(
+        &self,
+        append: impl FnOnce(&ash::Device, vk::CommandBuffer),
+    ) -> Result<(), VulkanError> {
+        let device = &self.context.device;
+        let begin = vk::CommandBufferBeginInfo::default().flags(self.usage);
+        // SAFETY: submissions have been waited for, and its pool lets buffers be reset.
+        unsafe { device.begin_command_buffer(self.buffer, &begin) }
+            .map_err(VulkanError::from_call("vkBeginCommandBuffer"))?;
+        append(device, self.buffer);
+        // SAFETY: the buffer is being recorded.
+        unsafe { device.end_command_buffer(self.buffer) }
+            .map_err(VulkanError::from_call("vkEndCommandBuffer"))
+    }
+
+    pub(crate) fn submit_and_wait(&self) -> Result<(), VulkanError> {
+        let Context { device, queue, fence, .. } = &*self.context;
+        let buffers = [self.buffer];
+        let submit = vk::SubmitInfo::default().command_buffers(&buffers);
+        // SAFETY: the buffer is recorded and not pending, and the fence is unsignalled.
+        unsafe { device.queue_submit(*queue, &[submit], *fence) }
+            .map_err(VulkanError::from_call("vkQueueSubmit"))?;
+        // SAFETY: the fence was submitted above.
+        unsafe { device.wait_for_fences(&[*fence], true, u64::MAX) }
+            .map_err(VulkanError::from_call("vkWaitForFences"))?;
+        // SAFETY: the fence is signalled.
+        unsafe { device.reset_fences(&[*fence]) }.map_err(VulkanError::from_call("vkResetFences"))
+    }
+}
+
+impl Drop for CommandBuffer {
+    fn drop(&mut self) {
+        // SAFETY: submissions have been waited for; after a lost device nothing is pending.
+        unsafe { self.context.device.free_command_buffers(self.context.pool, &[self.buffer]) };
+    }
+}

@@ -1,0 +1,13 @@
+//! The solver without a renderer. It brings its own device, command buffers and allocator.
+
+pub(in crate::vulkan) mod ceilings;
+pub(in crate::vulkan) mod context;
+pub(in crate::vulkan) mod solver;
+mod solving;
+pub(in crate::vulkan) mod surface_on_device;
+mod upload_surface;
+
+pub use ceilings::DeviceCeilings;
+pub use solver::HeadlessSolver;
+pub use solving::{HeadlessSolution, Method};
+pub use surface_on_device::SurfaceOnDevice;

@@ -1,0 +1,303 @@
+//! A device with its pipelines, for use without a renderer.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::context::Context;
+use crate::update::Wavefront;
+use crate::vulkan::DeviceChoice;
+use crate::vulkan::device::passes::COMMON;
+use crate::vulkan::device::pipeline_store::PipelineStore;
+use crate::vulkan::device::pipelines::Cache;
+use crate::vulkan::device::tile_lanes;
+use crate::vulkan::profile::{Capabilities, Capability, Executable};
+use crate::vulkan::{Tuning, ValidationLog, VulkanError, embed};
+
+/// Name of the environment variable that turns the validation layers on in every [`HeadlessSolver`], if its value is
+/// not 0.
+const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
+
+/// A Vulkan device with its pipelines, for use without a renderer.
+///
+/// ```no_run
+/// use geosweep::Stop;
+/// use geosweep::vulkan::{Method, HeadlessSolver};
+/// use geosweep::{DeviceChoice, Sources, Spacing, Surface, Wavefront};
+/// let surface = Surface::from_heights(2, 2, vec![0.0; 4], Spacing::square(1.0))?;
+/// let mut solver = HeadlessSolver::new(&DeviceChoice::Any)?;
+/// let mut on_device = solver.upload(&surface)?;
+/// let stop = Stop::within(1e-6).or_after(100);
+/// let method = Method::new(Wavefront::Circular, stop);
+/// for row in 0..2 {
+///     let seeds = Sources::point(row as f64, 0.0).seeds(&surface)?;
+///     let solution = solver.solve(&mut on_device, &seeds, method)?;
+///     println!("{:?} after {:?}", solution.distances, solution.time);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct HeadlessSolver {
+    /// HeadlessSolver on the device, with the passes of the schedules and wavefronts used so far.
+    pub(in crate::vulkan) for_device: embed::Solver,
+    pub(in crate::vulkan) context: Arc<Context>,
+    /// Store that keeps pipelines between processes, if there is one.
+    store: Option<PipelineStore>,
+}
+
+impl HeadlessSolver {
+    /// Opens a device. If the environment variable `GEOSWEEP_VALIDATION` is set to anything but 0, the
+    /// validation layers are on, as with [`HeadlessSolver::with_validation`].
+    pub fn new(choice: &DeviceChoice) -> Result<Self, VulkanError> {
+        Self::open(choice, is_validation_wanted())
+    }
+
+    /// Opens a device under the Khronos validation layers, with synchronization and GPU-assisted validation.
+    /// Every call that leaves a message in the log then fails.
+    pub fn with_validation(choice: &DeviceChoice) -> Result<Self, VulkanError> {
+        Self::open(choice, true)
+    }
+
+    /// Opens a device and enables everything that it offers for [`HeadlessSolver::profile`], except for the
+    /// capabilities in `left_out`. Those behave as on a device that lacks them. The variable
+    /// `GEOSWEEP_VALIDATION` counts as in [`HeadlessSolver::new`].
+    ///
+    /// # Errors
+    /// As [`HeadlessSolver::new`]. A capability that the device lacks is not an error.
+    pub fn for_profiling(
+        choice: &DeviceChoice,
+        left_out: &[Capability],
+    ) -> Result<Self, VulkanError> {
+        Self::with(Context::open(choice, is_validation_wanted(), Some(left_out))?)
+    }
+
+    fn open(choice: &DeviceChoice, validate: bool) -> Result<Self, VulkanError> {
+        Self::with(Context::new(choice, validate)?)
+    }
+
+    pub(in crate::vulkan) fn with(context: Context) -> Result<Self, VulkanError> {
+        let context = Arc::new(context);
+        let has =
+            |found: fn(&Capabilities) -> bool| context.capabilities.as_ref().is_some_and(found);
+        let tools = embed::Tools {
+            labels: has(|found| found.labels.is_ok()),
+            executables: has(|found| found.executables.is_ok()),
+            checks: false,
+        };
+        let (instance, device) = (&context.instance.handle, &context.device);
+        let physical_device = context.physical_device;
+        // SAFETY: the physical device is from this instance.
+        let properties = unsafe { instance.get_physical_device_properties(physical_device) };
+        let mut store = PipelineStore::of_process(&properties, device)?;
+        let cache = store.as_ref().map_or(vk::PipelineCache::null(), PipelineStore::cache);
+        let cache = Cache::shared(cache);
+        match embed::Solver::made_with(instance, physical_device, device, &[], tools, cache) {
+            Ok(for_device) => Ok(Self { for_device, context, store }),
+            Err(error) => {
+                store.iter_mut().for_each(|store| store.destroy(device));
+                Err(error)
+            }
+        }
+    }
+
+    /// Returns the device's name.
+    pub fn device_name(&self) -> &str {
+        &self.context.info.name
+    }
+
+    /// Returns the sizes of the portions in which the solver visits the grid.
+    pub fn tuning(&self) -> Tuning {
+        self.for_device.pipelines.tuning
+    }
+
+    /// Returns this solver with other sizes of portions than [`Tuning::of`] the device, to find out which are
+    /// best. Surfaces that were uploaded before can no longer be used with it.
+    ///
+    /// # Errors
+    /// [`VulkanError::Tuning`] if the device has no room for these sizes, or the error of a Vulkan call that
+    /// fails.
+    pub fn with_tuning(mut self, tuning: Tuning) -> Result<Self, VulkanError> {
+        let (instance, device) = (&self.context.instance.handle, &self.context.device);
+        // SAFETY: the physical device is from this instance.
+        let properties =
+            unsafe { instance.get_physical_device_properties(self.context.physical_device) };
+        let shuffles = tile_lanes::shuffles(instance, self.context.physical_device);
+        tuning.check(&properties.limits, shuffles)?;
+        let pipelines = &mut self.for_device.pipelines;
+        pipelines.set_tuning(device, tuning);
+        pipelines.make_all(device, COMMON, Wavefront::Planar)?;
+        Ok(self)
+    }
+
+    /// Returns the messages of the validation layers; `None` if the layers are off.
+    pub fn validation_log(&self) -> Option<&ValidationLog> {
+        self.context.instance.validation_log()
+    }
+
+    /// Returns what the device offers for profiling; `None` unless the solver was made by
+    /// [`HeadlessSolver::for_profiling`].
+    pub fn capabilities(&self) -> Option<&Capabilities> {
+        self.context.capabilities.as_ref()
+    }
+
+    /// Returns the driver's statistics of the pipelines used so far. The list is empty if the device does not
+    /// provide them.
+    pub fn executables(&self) -> Result<Vec<Executable>, VulkanError> {
+        match self.capabilities().is_some_and(|found| found.executables.is_ok()) {
+            true => {
+                self.for_device.executables(&self.context.instance.handle, &self.context.device)
+            }
+            false => Ok(Vec::new()),
+        }
+    }
+}
+
+fn is_validation_wanted() -> bool {
+    std::env::var_os(VALIDATION_VARIABLE).is_some_and(|value| value != "0")
+}
+
+impl Drop for HeadlessSolver {
+    fn drop(&mut self) {
+        let device = &self.context.device;
+        self.for_device.destroy(device);
+        if let Some(store) = &mut self.store {
+            // A failed save is no error: the next process compiles the pipelines again.
+            let _ = store.save(device);
+            store.destroy(device);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ffi::CStr;
+
+    use ash::vk;
+
+    use super::*;
+    use crate::Stop;
+    use crate::surface::{Seed, Sources, Spacing, Surface};
+    use crate::vulkan::device::barrier::tests::without;
+    use crate::vulkan::device::barrier::{Access, PASS};
+    use crate::vulkan::{Method, Schedule};
+
+    const STOP: Stop = Stop::within(1e-6).or_after(100);
+
+    fn solver() -> HeadlessSolver {
+        let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
+        HeadlessSolver::with_validation(&DeviceChoice::Name(device)).unwrap()
+    }
+
+    fn hill() -> Surface {
+        let heights = (0..40 * 30).map(|i| f64::from(i % 7 + i / 90).sin()).collect();
+        Surface::from_heights(40, 30, heights, Spacing::square(1.0)).unwrap()
+    }
+
+    fn method(wavefront: Wavefront, schedule: Schedule) -> Method {
+        Method::new(wavefront, STOP).with_schedule(schedule)
+    }
+
+    fn seeds(surface: &Surface) -> Vec<Seed> {
+        Sources::point(3.0, 20.5).seeds(surface).unwrap()
+    }
+
+    fn is_between_passes(before: Access, after: Access) -> bool {
+        (before, after) == (PASS, PASS)
+    }
+
+    /// Checks that the validation layers are active. Without this a clean log would prove nothing.
+    #[test]
+    fn a_missing_barrier_is_reported() {
+        let surface = hill();
+        let seeds = seeds(&surface);
+        for schedule in Schedule::ALL {
+            let mut solver = self::solver();
+            let mut on_device = solver.upload(&surface).unwrap();
+            let method = method(Wavefront::Planar, schedule);
+            let result =
+                without(is_between_passes, || solver.solve(&mut on_device, &seeds, method));
+            let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
+            assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-")), "{messages:?}");
+        }
+    }
+
+    /// Names in the layers' messages about a fault are those that a host's tools see.
+    #[test]
+    fn pipelines_have_names_while_profiling() {
+        let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());
+        let context = Context::open(&device, true, Some(&[])).unwrap();
+        let mut solver = HeadlessSolver::with(context).unwrap();
+        let surface = hill();
+        let mut on_device = solver.upload(&surface).unwrap();
+        let (method, seeds) = (method(Wavefront::Planar, Schedule::Raster), seeds(&surface));
+        let result = without(is_between_passes, || solver.solve(&mut on_device, &seeds, method));
+        let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
+        assert!(messages.iter().any(|m| m.contains("[geosweep: scan ")), "{messages:?}");
+    }
+
+    #[test]
+    fn all_barriers_in_place_leave_no_message_to_the_end() {
+        let surface = hill();
+        let mut solver = solver();
+        let mut on_device = solver.upload(&surface).unwrap();
+        let log = solver.validation_log().unwrap().clone();
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
+            for schedule in Schedule::ALL {
+                let method = method(wavefront, schedule);
+                solver.solve(&mut on_device, &seeds(&surface), method).unwrap();
+                solver.add(&mut on_device, &seeds(&surface), method).unwrap();
+            }
+        }
+        drop((on_device, solver));
+        assert_eq!(log.messages(), Vec::<String>::new());
+    }
+
+    /// Returns a solver with one function of the device replaced by one that fails.
+    fn with_failing(
+        name: &'static CStr,
+        result: extern "system" fn() -> vk::Result,
+    ) -> HeadlessSolver {
+        // Validation is off, since the layers would rightly report what the fault leaves behind.
+        let mut solver = HeadlessSolver::open(&DeviceChoice::Any, false).unwrap();
+        let context = Arc::get_mut(&mut solver.context).unwrap();
+        let (instance, handle) = (&context.instance.handle, context.device.handle());
+        // SAFETY: the replacement takes no arguments, which this calling convention allows, and
+        // all other functions are the device's own.
+        context.device = unsafe {
+            let load = |wanted: &CStr| {
+                if wanted == name {
+                    result as *const std::ffi::c_void
+                } else {
+                    std::mem::transmute::<vk::PFN_vkVoidFunction, *const std::ffi::c_void>(
+                        (instance.fp_v1_0().get_device_proc_addr)(handle, wanted.as_ptr()),
+                    )
+                }
+            };
+            ash::Device::load_with(load, handle)
+        };
+        solver
+    }
+
+    extern "system" fn lost() -> vk::Result {
+        vk::Result::ERROR_DEVICE_LOST
+    }
+
+    extern "system" fn out_of_memory() -> vk::Result {
+        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY
+    }
+
+    #[test]
+    fn a_lost_device_is_an_error() {
+        let error = with_failing(c"vkQueueSubmit", lost).upload(&hill()).err().unwrap();
+        assert!(error.to_string().starts_with("vkQueueSubmit failed"), "{error}");
+        assert!(error.to_string().contains("CPU engine"), "{error}");
+    }
+
+    #[test]
+    fn running_out_of_memory_is_an_error() {
+        for call in [c"vkCreateImage", c"vkCreateBuffer", c"vkCreateDescriptorPool"] {
+            let error = with_failing(call, out_of_memory).upload(&hill()).err().unwrap();
+            let call = call.to_str().unwrap();
+            assert!(error.to_string().starts_with(&format!("{call} failed")), "{error}");
+        }
+    }
+}

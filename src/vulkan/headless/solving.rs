@@ -1,0 +1,340 @@
+//! Computes maps on a device without a renderer: starts them, iterates, and reads the distances back.
+
+use std::time::{Duration, Instant};
+
+use super::context::{CommandBuffer, Submitter, Unwatched};
+use super::surface_on_device::{Start, SurfaceOnDevice};
+use crate::Stop;
+use crate::surface::Seed;
+use crate::update::Wavefront;
+use crate::vulkan::device::passes::Variant;
+use crate::vulkan::grid_images::{GridImages, bands, transfer_bytes};
+use crate::vulkan::profile::{Detail, Session, SolveProfile};
+use crate::vulkan::record::{Commands, Recorder};
+use crate::vulkan::schedules;
+use crate::vulkan::schedules::plan;
+use crate::vulkan::schedules::plan::{Reached, Step};
+use crate::vulkan::upload::{SeedTexel, seed_texels};
+use crate::vulkan::{HeadlessSolver, Schedule, VulkanError};
+
+/// Parameters of solving a map on a device.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Method {
+    /// Front assumed inside a triangle. [`Wavefront::Anchored`] requires a floor plan
+    /// ([`crate::Surface::is_floor_plan`]) of at most 33 million points, and at most 4096 sources inside
+    /// cells. All other maps are solved with [`Wavefront::Curved`] in its place.
+    pub wavefront: Wavefront,
+    /// Order of updates. `None` selects [`Schedule::best_on`] the device.
+    pub schedule: Option<Schedule>,
+    /// Stopping criterion. It counts the iterations of the schedule.
+    pub stop: Stop,
+}
+
+impl Method {
+    /// Returns the method that solves with `wavefront` until `stop`, in the best order for the device.
+    pub fn new(wavefront: Wavefront, stop: Stop) -> Self {
+        Self { wavefront, schedule: None, stop }
+    }
+
+    /// Sets [`Method::wavefront`].
+    pub fn with_wavefront(self, wavefront: Wavefront) -> Self {
+        Self { wavefront, ..self }
+    }
+
+    /// Sets [`Method::schedule`].
+    pub fn with_schedule(self, schedule: impl Into<Option<Schedule>>) -> Self {
+        Self { schedule: schedule.into(), ..self }
+    }
+
+    /// Sets [`Method::stop`].
+    pub fn with_stop(self, stop: Stop) -> Self {
+        Self { stop, ..self }
+    }
+}
+
+/// Distance map computed by the Vulkan engine.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct HeadlessSolution {
+    /// Distances in row-major order; +infinity where no source reaches.
+    pub distances: Vec<f32>,
+    /// Front assumed. It is [`Wavefront::Anchored`] only where that was possible, see [`Method::wavefront`].
+    pub wavefront: Wavefront,
+    /// Order of updates that was used.
+    pub schedule: Schedule,
+    /// Number of iterations, each of four scans or of two updates of all points, or number of rounds of tiles.
+    pub iterations: u32,
+    /// Largest relative change of a front in the last iteration.
+    pub residual: f64,
+    /// Time from the first submission, which forgets the previous map, to the end of the last.
+    pub time: Duration,
+}
+
+impl HeadlessSolver {
+    /// Computes a map from `seeds`, which must lie on the surface.
+    pub fn solve(
+        &mut self,
+        surface: &mut SurfaceOnDevice,
+        seeds: &[Seed],
+        method: Method,
+    ) -> Result<HeadlessSolution, VulkanError> {
+        let solution = self.solve_watched(surface, seeds, method, Start::Fresh, &mut Unwatched)?;
+        self.restore(surface, seeds, method, solution)
+    }
+
+    /// Adds seeds to the last map of the surface, which must have converged with the same wavefront.
+    ///
+    /// # Errors
+    /// As [`HeadlessSolver::solve`], and [`VulkanError::TooManyAnchors`] if a map of anchored fronts has no room for
+    /// more sources inside cells.
+    pub fn add(
+        &mut self,
+        surface: &mut SurfaceOnDevice,
+        seeds: &[Seed],
+        method: Method,
+    ) -> Result<HeadlessSolution, VulkanError> {
+        let solution =
+            self.solve_watched(surface, seeds, method, Start::FromLast, &mut Unwatched)?;
+        self.restore(surface, seeds, method, solution)
+    }
+
+    /// Solves again from the seeds that are lost ([`Seed::is_lost`]), until none is.
+    fn restore(
+        &mut self,
+        surface: &mut SurfaceOnDevice,
+        seeds: &[Seed],
+        method: Method,
+        mut solution: HeadlessSolution,
+    ) -> Result<HeadlessSolution, VulkanError> {
+        let chart = surface.images.chart;
+        let is_lost = |seed: &Seed, distances: &[f32]| {
+            seed.is_lost(distances[chart.index(seed.row, seed.col)])
+        };
+        // Only curved fronts are ever withdrawn.
+        while solution.wavefront.is_curved()
+            && solution.iterations < method.stop.iterations
+            && seeds.iter().any(|seed| is_lost(seed, &solution.distances))
+        {
+            let left = method.stop.iterations - solution.iterations;
+            let method = method.with_stop(method.stop.or_after(left));
+            let further =
+                self.solve_watched(surface, seeds, method, Start::FromLast, &mut Unwatched)?;
+            solution = HeadlessSolution {
+                iterations: solution.iterations + further.iterations,
+                time: solution.time + further.time,
+                ..further
+            };
+        }
+        Ok(solution)
+    }
+
+    /// Computes the same map as [`HeadlessSolver::solve`] and returns a record of every pass.
+    ///
+    /// # Errors
+    /// As [`HeadlessSolver::solve`], and [`VulkanError::NotForProfiling`] unless the solver was made by
+    /// [`HeadlessSolver::for_profiling`].
+    pub fn profile(
+        &mut self,
+        surface: &mut SurfaceOnDevice,
+        seeds: &[Seed],
+        method: Method,
+        detail: Detail,
+    ) -> Result<(HeadlessSolution, SolveProfile), VulkanError> {
+        let capabilities = self.capabilities().ok_or(VulkanError::NotForProfiling)?;
+        let schedule = self.schedule(&surface.images, method);
+        let (texels, tuning) = (surface.images.texels, self.tuning());
+        let portions = tuning.portions(method.wavefront, texels);
+        let steps = schedule.plan(texels, portions, None, method.stop.iterations);
+        let passes = schedules::records(&steps, detail.grain);
+        let [cols, rows] = texels.tiles(tuning.tile);
+        let tiles = cols as usize * rows as usize;
+        let detail = Detail { tiles: detail.tiles && schedule.has_rounds(), ..detail };
+        let room = passes + PASSES_AROUND;
+        let mut session = Session::new(&self.context, capabilities, room, tiles, detail)?;
+        // Command buffers that were recorded before contain no queries.
+        surface.goes_on = None;
+        let solved = self.solve_watched(surface, seeds, method, Start::Fresh, &mut session);
+        surface.goes_on = None;
+        let solution = solved?;
+        let profile = session.finish(solution.time);
+        Ok((solution, profile))
+    }
+
+    fn schedule(&self, images: &GridImages, method: Method) -> Schedule {
+        let best = || Schedule::best_on(self.for_device.limits.kind, images.chart);
+        method.schedule.unwrap_or_else(best)
+    }
+
+    fn solve_watched(
+        &mut self,
+        surface: &mut SurfaceOnDevice,
+        seeds: &[Seed],
+        method: Method,
+        start: Start,
+        submitter: &mut impl Submitter,
+    ) -> Result<HeadlessSolution, VulkanError> {
+        let stop = method.stop;
+        let (wavefront, carried) = surface.begin(method.wavefront, seeds, start)?;
+        let schedule = self.schedule(&surface.images, method);
+        let variant = Variant {
+            wavefront,
+            splits: surface.splits,
+            slowed: surface.slowed,
+            named: surface.is_named(),
+        };
+        self.make_passes(&surface.images, schedule, variant)?;
+        let causal = surface.origins.are_causal() || surface.splits;
+        let SurfaceOnDevice { images, first, further, goes_on, .. } = surface;
+        let (texels, portions) = (images.texels, self.tuning().portions(wavefront, images.texels));
+
+        let begin = Instant::now();
+        submitter.restart();
+        let seeds = seed_texels(seeds, &carried, wavefront);
+        let begin_map = |recorder: &Recorder| {
+            if start == Start::Fresh {
+                recorder.forget();
+            }
+            recorder.start(stop, schedule, causal, start == Start::FromLast);
+        };
+        // The upload buffer holds `most` seeds. All but the last part are seeded by submissions of their own.
+        let most = images.staging().len() / size_of::<SeedTexel>();
+        let (ahead, last) = seeds.split_at(seeds.len().saturating_sub(1) / most * most);
+        if !ahead.is_empty() {
+            self.run(submitter, images, |recorder| begin_map(&recorder))?;
+        }
+        for part in ahead.chunks(most) {
+            let count = write_seeds(part, images);
+            self.run(submitter, images, |recorder| recorder.seed(count, schedule.follows()))?;
+        }
+        let count = write_seeds(last, images);
+        let places = seeds.iter().map(|seed| (seed.texel[1] as u32, seed.texel[0] as u32));
+        let reached = Reached::around(places).filter(|_| start == Start::Fresh);
+        let most = |left: u32| left.min(schedule.together(texels, portions));
+        let steps = schedule.plan(texels, portions, reached, most(stop.iterations));
+        let parts = plan::parts(&steps, texels, portions.visits);
+        for number in 0..parts.len() {
+            self.record(submitter, first, images, |recorder| {
+                if number == 0 {
+                    if ahead.is_empty() {
+                        begin_map(&recorder);
+                    }
+                    recorder.seed(count, schedule.follows());
+                }
+                record_part(&recorder, variant, &parts, number);
+            })?;
+            submitter.submit(first)?;
+        }
+        let mut outcome = images.record(0).outcome;
+        while !outcome.is_done() {
+            // One recording serves all iterations but the last ones, of which fewer may be left.
+            let left = stop.iterations - outcome.iterations;
+            let wanted = (variant, schedule.plan(texels, portions, None, most(left)));
+            let parts = plan::parts(&wanted.1, texels, portions.visits);
+            // A submitter that watches passes knows only those of the last recording.
+            let is_kept = parts.len() == 1 || !submitter.is_watching();
+            let is_recorded = is_kept && goes_on.as_ref() == Some(&wanted);
+            while further.len() < parts.len() {
+                further.push(CommandBuffer::kept(&self.context)?);
+            }
+            for (number, commands) in further.iter().enumerate().take(parts.len()) {
+                if !is_recorded {
+                    *goes_on = None;
+                    self.record(submitter, commands, images, |recorder| {
+                        if number == 0 {
+                            recorder.go_on(schedule);
+                        }
+                        record_part(&recorder, variant, &parts, number);
+                    })?;
+                }
+                submitter.submit(commands)?;
+            }
+            *goes_on = Some(wanted);
+            outcome = images.record(0).outcome;
+        }
+        let time = begin.elapsed();
+
+        let distances = self.read_back(submitter, images)?;
+        self.context.check_validation()?;
+        let (iterations, residual) = (outcome.iterations, outcome.residual());
+        Ok(HeadlessSolution { distances, wavefront, schedule, iterations, residual, time })
+    }
+
+    /// Makes the passes of a schedule and a variant, unless they exist.
+    fn make_passes(
+        &mut self,
+        images: &GridImages,
+        schedule: Schedule,
+        variant: Variant,
+    ) -> Result<(), VulkanError> {
+        if self.for_device.has_passes(schedule, variant) {
+            return Ok(());
+        }
+        self.for_device.make_passes(&self.context.device, schedule, variant)?;
+        self.run(&mut Unwatched, images, |recorder| recorder.warm_up_map(schedule, variant))
+    }
+
+    /// Records a command buffer.
+    fn record(
+        &self,
+        submitter: &impl Submitter,
+        commands: &CommandBuffer,
+        grid: &GridImages,
+        append: impl FnOnce(Recorder),
+    ) -> Result<(), VulkanError> {
+        submitter.record(commands, |device, buffer, profile| {
+            let pipelines = &self.for_device.pipelines;
+            let commands = Commands { device, buffer, pipelines, profile, turn: None };
+            append(Recorder { commands, grid });
+        })
+    }
+
+    /// Records commands, submits them and waits for their end.
+    pub(in crate::vulkan) fn run(
+        &self,
+        submitter: &mut impl Submitter,
+        grid: &GridImages,
+        append: impl FnOnce(Recorder),
+    ) -> Result<(), VulkanError> {
+        let commands = CommandBuffer::new(&self.context)?;
+        self.record(submitter, &commands, grid, append)?;
+        submitter.submit(&commands)
+    }
+
+    fn read_back(
+        &self,
+        submitter: &mut impl Submitter,
+        images: &mut GridImages,
+    ) -> Result<Vec<f32>, VulkanError> {
+        let mut distances = vec![0.0f32; images.chart.points()];
+        for rows in bands(images.chart, size_of::<f32>(), transfer_bytes(images.chart)) {
+            self.run(submitter, images, |recorder| recorder.unpack(rows.clone()))?;
+            let part =
+                &mut distances[images.chart.index(rows.start, 0)..images.chart.index(rows.end, 0)];
+            let bytes: &mut [u8] = bytemuck::cast_slice_mut(part);
+            bytes.copy_from_slice(&images.download.mapped()[..bytes.len()]);
+        }
+        Ok(distances)
+    }
+}
+
+/// Records part `number` of a plan's steps. After the last part it records the copy of the outcome.
+fn record_part(recorder: &Recorder, variant: Variant, parts: &[&[Step]], number: usize) {
+    let before = parts[..number].last().and_then(|part| part.last());
+    recorder.steps_after(before, variant, parts[number]);
+    if number + 1 == parts.len() {
+        recorder.outcome(0);
+    }
+    recorder.end_portion();
+}
+
+/// Writes seeds to the buffer that `seed.comp` reads, and returns their number.
+fn write_seeds(seeds: &[SeedTexel], images: &mut GridImages) -> u32 {
+    let bytes = bytemuck::cast_slice(seeds);
+    images.staging()[..bytes.len()].copy_from_slice(bytes);
+    seeds.len() as u32
+}
+
+/// Largest number of passes in a submission beside the steps of a plan: copies of the device's decisions, and
+/// of the outcome of the iterations.
+const PASSES_AROUND: u32 = 8;

@@ -1,0 +1,147 @@
+//! Holds a surface on a device, with what its maps need beside the solver's pipelines.
+
+use std::sync::Arc;
+
+use super::context::{CommandBuffer, Context};
+use crate::constants::SOURCES_INSIDE;
+use crate::surface::{Origins, Seed, Surface};
+use crate::update::{Setting, Wavefront};
+use crate::vulkan::anchors::Anchors;
+use crate::vulkan::device::passes::Variant;
+use crate::vulkan::device::pipelines::Pipelines;
+use crate::vulkan::grid_images::{GridImages, Purpose};
+use crate::vulkan::origins::NumberedOrigins;
+use crate::vulkan::schedules::plan::Step;
+use crate::vulkan::upload::curvatures;
+use crate::vulkan::{TexelChart, VulkanError};
+
+/// Edge lengths of a surface on a device, ready for any number of maps.
+///
+/// Dropping it frees its memory. It must not outlive its solver's last use of it.
+pub struct SurfaceOnDevice {
+    pub(in crate::vulkan) images: GridImages,
+    /// Anchors, if the surface is a floor plan.
+    pub(in crate::vulkan) anchors: Option<Anchors>,
+    /// Whether the surface has obtuse triangles, according to its edges.
+    pub(in crate::vulkan) splits: bool,
+    /// Whether the slowness of the surface is not the same everywhere.
+    pub(in crate::vulkan) slowed: bool,
+    /// Whether the fronts of the last map have anchors.
+    is_anchored: bool,
+    /// Origins of the last map's fronts.
+    pub(in crate::vulkan) origins: Origins,
+    /// Origins whose numbers curved fronts carry.
+    numbered: NumberedOrigins,
+    /// Command buffer that starts a map.
+    pub(in crate::vulkan) first: CommandBuffer,
+    /// Command buffers that continue a map, one for each part of the steps in `goes_on`.
+    pub(in crate::vulkan) further: Vec<CommandBuffer>,
+    pub(in crate::vulkan) goes_on: Option<(Variant, Vec<Step>)>,
+    pub(in crate::vulkan) context: Arc<Context>,
+}
+
+/// State of the map before the seeds.
+#[derive(Clone, Copy, PartialEq)]
+pub(in crate::vulkan) enum Start {
+    /// No point is reached.
+    Fresh,
+    /// The last map is kept.
+    FromLast,
+}
+
+impl SurfaceOnDevice {
+    /// Allocates resources for a surface whose points have these places in texels.
+    pub(in crate::vulkan) fn new(
+        context: &Arc<Context>,
+        pipelines: &Pipelines,
+        surface: &Surface,
+        texels: TexelChart,
+    ) -> Result<Self, VulkanError> {
+        let first = CommandBuffer::new(context)?;
+        let slowed = surface.is_slowed_unevenly();
+        let images = GridImages::new(
+            &context.device,
+            &mut context.allocator(),
+            pipelines,
+            (surface.chart(), texels),
+            Purpose::Headless { slowed },
+        )?;
+        Ok(Self {
+            images,
+            anchors: Anchors::of(surface, texels),
+            splits: false,
+            slowed,
+            is_anchored: false,
+            origins: Origins::none(surface.is_slowed_unevenly()),
+            numbered: NumberedOrigins::default(),
+            first,
+            further: Vec::new(),
+            goes_on: None,
+            context: Arc::clone(context),
+        })
+    }
+
+    /// Returns the wavefront of a map, and what the fronts at its seeds carry in addition to their times.
+    pub(in crate::vulkan) fn begin(
+        &mut self,
+        wavefront: Wavefront,
+        seeds: &[Seed],
+        start: Start,
+    ) -> Result<(Wavefront, Vec<f32>), VulkanError> {
+        let goes_on = start == Start::FromLast;
+        if !goes_on {
+            self.origins.forget();
+            self.numbered.forget();
+        }
+        seeds.iter().for_each(|seed| self.origins.add(seed));
+        // A map is continued with the fronts with which it was started.
+        let has_anchors = self.anchors.is_some() && (!goes_on || self.is_anchored);
+        let wavefront = match wavefront.or_curved(Setting::of_engine(has_anchors)) {
+            // Circles have no centre where rays bend.
+            Wavefront::Circular if self.slowed => Wavefront::Curved,
+            wavefront => wavefront,
+        };
+        let is_anchored = wavefront == Wavefront::Anchored;
+        if let Some(anchors) = self.anchors.as_mut().filter(|_| is_anchored) {
+            if !goes_on {
+                anchors.forget();
+            }
+            if let Some(numbers) = anchors.numbers(seeds) {
+                anchors.write(self.images.anchors());
+                self.is_anchored = true;
+                return Ok((wavefront, numbers));
+            }
+            if goes_on {
+                return Err(VulkanError::TooManyAnchors { most: SOURCES_INSIDE as usize });
+            }
+        }
+        self.is_anchored = false;
+        // There was no room for the sources' numbers.
+        let wavefront = wavefront.or_curved(Setting::of_engine(false));
+        let has_origins = seeds.iter().any(|seed| seed.origin.is_some());
+        let has_numbers =
+            wavefront.is_curved() && self.origins.are_several() && !self.slowed && has_origins;
+        if !has_numbers {
+            return Ok((wavefront, curvatures(seeds)));
+        }
+        let carried = self.numbered.carried(seeds);
+        self.numbered.write(self.images.anchors());
+        Ok((wavefront, carried))
+    }
+
+    /// Returns whether fronts of the map may carry numbers of origins.
+    pub(in crate::vulkan) fn is_named(&self) -> bool {
+        !self.numbered.is_empty()
+    }
+
+    /// Returns the bytes of device and staging memory held.
+    pub fn bytes(&self) -> u64 {
+        self.images.bytes()
+    }
+}
+
+impl Drop for SurfaceOnDevice {
+    fn drop(&mut self) {
+        self.images.destroy(&self.context.device, &mut self.context.allocator());
+    }
+}

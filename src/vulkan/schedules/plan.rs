@@ -1,0 +1,280 @@
+//! Lists the passes of a recording as plain values that need no device: [`crate::vulkan::Schedule::plan`].
+//!
+//! An iteration of the raster schedule is four rotated scans. A scan is one dispatch for each block of lines
+//! (rows or columns) of texels, each followed by a barrier. In the first iteration from sources that the host
+//! knows, bounds take the place of the paper's scissor test. What lies outside the box that the fronts can
+//! have reached is infinite before and after, and is not visited. Scans of further iterations are dispatched
+//! indirectly, with arguments that the device sets, where a dispatch is a block. A scan then visits the blocks in which, or on the line behind which,
+//! something has changed since its last visit (`glsl/passes/blocks.glsl`). It visits nothing once the map has
+//! converged. The host reads nothing for this.
+//!
+//! If a line fits a workgroup, a dispatch takes many blocks in turn, since dispatches that wait for one
+//! another are the main cost of small grids. The workgroup checks for each block whether it is due, and
+//! barriers inside the workgroup replace those between dispatches. Such scans have no bounds, which would
+//! only save workgroups.
+
+use std::ops::Range;
+
+use crate::vulkan::TexelChart;
+
+/// One of the four rotated raster scans (paper, figure 3, second row), in the order of an iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Scan {
+    /// Towards larger rows.
+    Down,
+    /// Towards smaller rows.
+    Up,
+    /// Towards larger columns.
+    Right,
+    /// Towards smaller columns.
+    Left,
+}
+
+impl Scan {
+    /// All four scans, in the order of an iteration.
+    pub const ALL: [Self; 4] = [Self::Down, Self::Up, Self::Right, Self::Left];
+
+    /// Returns the scan's direction as a step in x (columns) and y (rows).
+    pub fn ahead(self) -> (i32, i32) {
+        match self {
+            Self::Down => (0, 1),
+            Self::Up => (0, -1),
+            Self::Right => (1, 0),
+            Self::Left => (-1, 0),
+        }
+    }
+
+    /// Returns the name used in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Down => "down",
+            Self::Up => "up",
+            Self::Right => "right",
+            Self::Left => "left",
+        }
+    }
+}
+
+/// Block of lines of texels of a scan, or its lines within bounds, or several blocks. Blocks follow one
+/// another from the first row, or column, of the grid on, in whichever direction the scan goes. Rows and
+/// columns of texels include the border of the images.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct ScanPass {
+    /// Scan to which the pass belongs.
+    pub scan: Scan,
+    /// First row (down, up) or column (right, left) of texels, in the order of the scan.
+    pub line: u32,
+    /// Number of lines.
+    pub lines: u32,
+    /// Texels visited in each line.
+    pub texels: Range<u32>,
+    /// Number of the image of fronts that the scan writes. It reads the other of the two images.
+    pub writes: usize,
+    /// Whether the pass visits its block in any case, as in the first iteration. Otherwise it does so only if
+    /// something can change in the block and the map has not converged.
+    pub always: bool,
+    /// Whether one workgroup takes several blocks of lines, one after the other. It skips those that are not
+    /// due.
+    pub in_turn: bool,
+}
+
+impl ScanPass {
+    /// Returns the number of blocks of `lines` lines in the pass.
+    pub(in crate::vulkan) fn blocks(&self, lines: u32) -> u32 {
+        if self.in_turn { self.lines.div_ceil(lines) } else { 1 }
+    }
+
+    /// Returns the number of texels that the pass visits, if it is dispatched.
+    fn visits(&self) -> u64 {
+        u64::from(self.lines) * self.texels.len() as u64
+    }
+}
+
+/// Step of a recording. After each step, its writes are visible to the following steps, and what it has read
+/// may be overwritten.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Step {
+    /// Updates a block of lines of a scan.
+    Scan(ScanPass),
+    /// Updates all points at once.
+    AllPoints {
+        /// Number of the image of fronts that is written. The other of the two images is read.
+        writes: usize,
+    },
+    /// Updates the tiles on the list of a round.
+    Tiles {
+        /// Number of the round in the recording, counted from 0.
+        round: u32,
+    },
+    /// Brings all tiles back to image 0, and decides whether more rounds follow.
+    Settle {
+        /// Number of rounds in the recording.
+        rounds: u32,
+    },
+    /// Decides whether another iteration follows.
+    Count,
+}
+
+/// Rectangle of texels outside which no point has been reached.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Reached {
+    /// Rows of texels.
+    pub rows: Range<u32>,
+    /// Columns of texels.
+    pub cols: Range<u32>,
+}
+
+impl Reached {
+    /// Returns the smallest rectangle around texels, given by row and column; `None` if there are no texels.
+    pub fn around(texels: impl IntoIterator<Item = (u32, u32)>) -> Option<Self> {
+        let point = |(row, col): (u32, u32)| Self { rows: row..row + 1, cols: col..col + 1 };
+        texels.into_iter().map(point).reduce(|a, b| Self {
+            rows: a.rows.start.min(b.rows.start)..a.rows.end.max(b.rows.end),
+            cols: a.cols.start.min(b.cols.start)..a.cols.end.max(b.cols.end),
+        })
+    }
+
+    /// Returns the rectangle of the whole grid.
+    pub fn everywhere(texels: TexelChart) -> Self {
+        Self { rows: texels.inner_rows(), cols: texels.inner_cols() }
+    }
+}
+
+/// Sizes of the portions in which the grid is visited; see [`crate::vulkan::Tuning`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Portions {
+    /// Number of lines of texels in a block of a scan.
+    pub lines: u32,
+    /// Largest number of texels of a line for which a dispatch of a scan takes many blocks in turn. With 0 no
+    /// dispatch does.
+    pub across: u32,
+    /// Largest number of iterations of four scans in a recording.
+    pub iterations: u32,
+    /// Number of points on a side of a tile.
+    pub tile: u32,
+    /// Largest number of rounds of tiles in a recording. `None` selects it by the number of tiles.
+    pub rounds: Option<u32>,
+    /// Largest number of texels that a submission visits, as far as single steps allow. It reduces the
+    /// iterations in a recording, but to no fewer than one: [`parts`] cuts that one.
+    pub visits: u64,
+}
+
+impl Portions {
+    /// Returns the number of iterations in a recording, at most `wanted`. An iteration visits the whole grid
+    /// `visits` times.
+    pub(in crate::vulkan) fn iterations_of(
+        &self,
+        visits: u64,
+        texels: TexelChart,
+        wanted: u32,
+    ) -> u32 {
+        (self.visits / (visits * texels.all())).clamp(1, wanted.into()) as u32
+    }
+}
+
+/// Cuts the steps of a recording that visits more than `visits` texels into several parts. Each part visits
+/// at most half as many, unless it is a single step, so that a submission is a small share of the iteration
+/// too. Rounds of tiles are not cut, since only the device knows what they visit. [`Portions::visits`] leaves
+/// fewer of them in a recording.
+///
+/// ```
+/// use geosweep::surface::Chart;
+/// use geosweep::vulkan::{Schedule, TexelChart, plan};
+/// let texels = TexelChart::new(Chart { rows: 8192, cols: 8192 }).unwrap();
+/// let visits = 1 << 22;
+/// let portions = plan::Portions { lines: 8, across: 0, iterations: 4, tile: 16, rounds: None, visits };
+/// let steps = Schedule::Raster.plan(texels, portions, None, 100);
+/// // One iteration, in eighths of scans.
+/// assert_eq!(plan::iterations(&steps), 1);
+/// assert_eq!(plan::parts(&steps, texels, visits).len(), 32);
+/// ```
+pub fn parts(steps: &[Step], texels: TexelChart, visits: u64) -> Vec<&[Step]> {
+    let visits_of = |step: &Step| match step {
+        Step::Scan(pass) => pass.visits(),
+        Step::AllPoints { .. } => texels.all(),
+        Step::Tiles { .. } | Step::Settle { .. } | Step::Count => 0,
+    };
+    if steps.iter().map(visits_of).sum::<u64>() <= visits {
+        return vec![steps];
+    }
+    let mut parts = Vec::new();
+    let (mut start, mut visited) = (0, 0);
+    for (number, step) in steps.iter().enumerate() {
+        let more = visits_of(step);
+        if visited > 0 && more > 0 && visited + more > visits / 2 {
+            parts.push(&steps[start..number]);
+            (start, visited) = (number, 0);
+        }
+        visited += more;
+    }
+    parts.push(&steps[start..]);
+    parts
+}
+
+/// Returns the number of iterations, or of rounds of tiles, in the steps.
+pub fn iterations(steps: &[Step]) -> u32 {
+    let counts = |step: &&Step| matches!(step, Step::Count | Step::Tiles { .. });
+    steps.iter().filter(counts).count() as u32
+}
+
+/// Returns the number of texels that the scans among the steps visit, as far as they are dispatched.
+pub fn texels_scanned(steps: &[Step]) -> u64 {
+    let visited = |step: &Step| match step {
+        Step::Scan(pass) => pass.visits(),
+        _ => 0,
+    };
+    steps.iter().map(visited).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Wavefront;
+    use crate::surface::Chart;
+    use crate::vulkan::{Schedule, Tuning};
+
+    const TUNING: Tuning = Tuning::ON_CPU;
+
+    fn texels(side: usize) -> TexelChart {
+        TexelChart::new(Chart { rows: side, cols: side }).unwrap()
+    }
+
+    /// At 8192 points per side, a submission is a thirty-second of an iteration that visits everything.
+    #[test]
+    fn a_submission_is_a_small_share_of_a_large_map() {
+        for (side, shares) in [(1024, 1), (2048, 1), (4096, 8), (6000, 17), (8192, 32)] {
+            let texels = texels(side);
+            let portions = TUNING.portions(Wavefront::Curved, texels);
+            let corner = Reached::around([(1, 1)]);
+            for reached in [None, corner] {
+                let steps = Schedule::Raster.plan(texels, portions, reached.clone(), 100);
+                assert_eq!(iterations(&steps), if side == 1024 { 4 } else { 1 });
+                let parts = parts(&steps, texels, portions.visits);
+                assert_eq!(parts.concat(), steps);
+                let most = parts.iter().map(|part| texels_scanned(part)).max().unwrap();
+                assert!(
+                    most <= portions.visits
+                        && most * shares <= 4 * texels.all() * u64::from(iterations(&steps))
+                );
+                assert!(reached.is_some() || parts.len() as u64 >= shares, "{}", parts.len());
+            }
+        }
+    }
+
+    #[test]
+    fn steps_are_not_cut() {
+        let texels = texels(64);
+        let tiny = Portions { visits: 1, across: 0, ..TUNING.portions(Wavefront::Planar, texels) };
+        let cut = |schedule: Schedule| {
+            let steps = schedule.plan(texels, tiny, None, 100);
+            let parts: Vec<_> = parts(&steps, texels, 1).iter().map(|part| part.len()).collect();
+            parts
+        };
+        // There are eight blocks in each of four scans, the last with the count, and two updates.
+        let blocks = [vec![1; 31], vec![2]].concat();
+        assert_eq!(cut(Schedule::Raster), blocks);
+        assert_eq!(cut(Schedule::AllPoints), [1, 2]);
+        assert_eq!(cut(Schedule::Tiles).len(), 1);
+        assert_eq!(Schedule::Tiles.together(texels, tiny), 2);
+    }
+}

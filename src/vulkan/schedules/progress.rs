@@ -1,0 +1,148 @@
+//! Describes the progress of a map's iterations as the device stores it. The twin of `glsl/shared/progress.glsl`.
+
+use std::mem::offset_of;
+use std::ops::Range;
+
+use bytemuck::{AnyBitPattern, NoUninit, Zeroable};
+
+use crate::Stop;
+use crate::constants::{ROUND_WORDS, VISIT_WORDS};
+pub(crate) use crate::vulkan::device::shaders::progress::Progress;
+use crate::vulkan::record::column_of;
+
+/// Outcome of a map's iterations: the first part of [`Progress`].
+#[derive(Clone, Copy, Debug, AnyBitPattern, NoUninit)]
+#[repr(C)]
+pub(crate) struct Outcome {
+    residual: u32,
+    renews: u32,
+    /// Number of iterations of four scans or of two updates of all points, or number of rounds of tiles.
+    pub(crate) iterations: u32,
+    /// Largest change in the last iteration, in units of the last place.
+    pub(crate) last_residual: u32,
+    since_reached: u32,
+    done: u32,
+    tolerance: u32,
+    most: u32,
+}
+
+macro_rules! assert_first_part {
+    ($($member:ident),*) => {
+        $(const _: () = assert!(offset_of!(Outcome, $member) == offset_of!(Progress, $member));)*
+    };
+}
+assert_first_part!(
+    residual,
+    renews,
+    iterations,
+    last_residual,
+    since_reached,
+    done,
+    tolerance,
+    most
+);
+
+impl Outcome {
+    pub(crate) fn is_done(&self) -> bool {
+        self.done != 0
+    }
+
+    /// Returns whether the map is done because nothing changes any more.
+    pub(crate) fn has_converged(&self) -> bool {
+        self.is_done() && self.last_residual <= self.tolerance
+    }
+
+    /// Returns the largest relative change in the last iteration.
+    pub(crate) fn residual(&self) -> f64 {
+        crate::surface::relative_change::<f32>(self.last_residual)
+    }
+}
+
+/// Record of a slot, as a renderer reads it.
+#[derive(Clone, Copy, Debug, AnyBitPattern, NoUninit)]
+#[repr(C)]
+pub(crate) struct Record {
+    pub(crate) outcome: Outcome,
+    /// Number of the surface's last preparation that has run.
+    pub(crate) prepared: u32,
+    pub(crate) passed_over: u32,
+    pub(crate) holes: u32,
+    pub(crate) no_length: u32,
+    pub(crate) sharp: u32,
+    pub(crate) compared: u32,
+    pub(crate) continued: u32,
+    pub(crate) turns: [u32; 2],
+    /// Serial of the recording that wrote the record; 0 if none has. It is written last.
+    pub(crate) serial: u32,
+}
+
+/// Number of dispatches of scans in a recording for which profiles learn whether they visited anything.
+pub(crate) const VISITS: u32 = 32 * VISIT_WORDS;
+/// Bytes of the whole progress.
+pub(crate) const BYTES: u64 = size_of::<Progress>() as u64;
+
+/// Offsets of the parts, in bytes.
+pub(crate) mod offset {
+    use super::*;
+
+    pub(crate) const GRID_GROUPS: u64 = offset_of!(Progress, grid_groups) as u64;
+
+    /// Returns the offset of a round: the arguments of its dispatch, then the number of tiles on its list.
+    pub(crate) const fn round(round: u32) -> u64 {
+        (offset_of!(Progress, rounds) + round as usize * ROUND_WORDS as usize * size_of::<u32>())
+            as u64
+    }
+
+    /// Returns the offset of the number of tiles on a round's list.
+    pub(crate) const fn listed(of: u32) -> u64 {
+        round(of) + size_of::<[u32; 3]>() as u64
+    }
+
+    /// Returns the offset of the number of these tiles that waited.
+    pub(crate) const fn waited(of: u32) -> u64 {
+        listed(of) + size_of::<u32>() as u64
+    }
+
+    /// Number of texels that were brought back to one image.
+    pub(crate) const SETTLED: u64 = offset_of!(Progress, settled) as u64;
+
+    /// A bit for each dispatch of a scan. Only profiles use it.
+    pub(crate) const VISITS: u64 = offset_of!(Progress, visits) as u64;
+
+    /// State of a renderer's input. When a map starts, only [`PASSED_OVER`] of this last part is set to zero.
+    pub(crate) const INPUT: u64 = PREPARED.start;
+    pub(crate) const PREPARED: Range<u64> =
+        offset_of!(Progress, prepared) as u64..PASSED_OVER.start;
+    pub(crate) const PASSED_OVER: Range<u64> =
+        offset_of!(Progress, passed_over) as u64..POINTS.start;
+    /// State of the input's points.
+    pub(crate) const POINTS: Range<u64> = offset_of!(Progress, holes) as u64..BYTES;
+    pub(crate) const INPUT_BYTES: u64 = BYTES - INPUT;
+    pub(crate) const INPUT_IN_RECORD: u64 = offset_of!(Record, prepared) as u64;
+    pub(crate) const SERIAL_IN_RECORD: u64 = offset_of!(Record, serial) as u64;
+    const _: () = assert!(INPUT_IN_RECORD + INPUT_BYTES == SERIAL_IN_RECORD);
+}
+
+/// Returns the progress before the first iteration of a map. `fronts_meet` says whether its fronts may meet
+/// ([`crate::surface::Origins`]). The whole grid takes `grid` workgroups, and has `tiles` tiles. Visits need
+/// no initial value.
+pub(crate) fn start(stop: Stop, fronts_meet: u32, grid: [u32; 2], tiles: u32) -> Progress {
+    Progress {
+        renews: 1,
+        fronts_meet,
+        last_residual: u32::MAX,
+        tolerance: (stop.tolerance / f64::from(f32::EPSILON)) as u32,
+        most: stop.iterations,
+        grid_groups: [grid[0], grid[1], 1],
+        ..before_rounds(tiles)
+    }
+}
+
+/// Returns the progress before more rounds of `tiles` tiles, none of which is listed. The caller writes all
+/// slots but the first, and what follows them up to the visits.
+pub(crate) fn before_rounds(tiles: u32) -> Progress {
+    let mut progress = Progress::zeroed();
+    let (rounds, _) = progress.rounds.as_chunks_mut::<{ ROUND_WORDS as usize }>();
+    rounds.fill([0, column_of(tiles), 1, 0, 0, 0]);
+    progress
+}

@@ -1,0 +1,295 @@
+//! Chooses the order in which the points of a grid are updated, and the sizes of the portions.
+
+use std::fmt;
+
+use ash::vk;
+
+use super::plan::Portions;
+use crate::Wavefront;
+use crate::name::{UnknownName, by_name};
+use crate::surface::Chart;
+use crate::vulkan::device::tile_lanes;
+use crate::vulkan::{TexelChart, TileLanes, VulkanError};
+
+/// Order of updates on the device. All orders lead to the same map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Schedule {
+    /// The schedule of the paper: four rotated scans over the whole grid, one after another. A dispatch takes
+    /// several lines of texels.
+    Raster,
+    /// Updates of all points at once from their eight triangles, repeated. A front advances by one point per
+    /// update, so that this schedule suits only tiny grids and comparisons.
+    AllPoints,
+    /// Rounds of scans inside tiles, in shared memory. A round visits the tiles beside which the previous
+    /// round has changed something.
+    Tiles,
+}
+
+impl Schedule {
+    /// All schedules.
+    pub const ALL: [Self; 3] = [Self::Raster, Self::AllPoints, Self::Tiles];
+
+    /// Returns the name used on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Raster => "raster",
+            Self::AllPoints => "all-points",
+            Self::Tiles => "tiles",
+        }
+    }
+
+    /// Returns a description of one line, for help texts.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Raster => "Scans over rows and columns, as in the paper",
+            Self::AllPoints => "All points at once: for tiny grids, and for comparison",
+            Self::Tiles => "Tiles in the device's shared memory, where something has changed",
+        }
+    }
+
+    /// Returns the schedule that measured best for a grid on a device of this kind, as far as it was
+    /// measured.
+    pub fn best_on(kind: vk::PhysicalDeviceType, chart: Chart) -> Self {
+        let side = chart.rows.max(chart.cols);
+        let on_cpu = kind == vk::PhysicalDeviceType::CPU;
+        let choice = CHOICES.iter().find(|choice| choice.on_cpu == on_cpu && side <= choice.side);
+        choice.map_or(Self::Raster, |choice| choice.schedule)
+    }
+}
+
+/// Parses the [`name`](Schedule::name) of a schedule.
+impl std::str::FromStr for Schedule {
+    type Err = UnknownName;
+
+    fn from_str(text: &str) -> Result<Self, UnknownName> {
+        by_name("schedule", text, &Self::ALL, |schedule| schedule.name())
+    }
+}
+
+impl fmt::Display for Schedule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Sizes of portions. Shaders receive them as specialization constants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Tuning {
+    /// Invocations of a workgroup of a raster scan, one for each texel of a line. If a whole line fits a
+    /// workgroup, with one less than [`scan_lines`](Tuning::scan_lines) texels to spare at each end, a
+    /// dispatch takes many blocks of lines in turn.
+    pub scan_width: u32,
+    /// Lines of texels in a block, which one dispatch of a raster scan takes. At each end of a workgroup
+    /// `scan_lines - 1` texels are computed by its neighbour too.
+    pub scan_lines: u32,
+    /// Number of points on a side of a tile; even.
+    pub tile: u32,
+    /// Largest number of iterations of four scans inside a tile in one round.
+    pub inner: u32,
+    /// Division of the points of a tile among invocations.
+    pub tile_lanes: TileLanes,
+    /// Whether the lengths of a tile's edges are copied to shared memory. Otherwise each scan reads them from
+    /// their image, one line ahead.
+    pub tile_edges: bool,
+    /// Largest number of iterations of raster scans, or of rounds of tiles, in a submission. `None` selects
+    /// it by the size of the grid. On large grids a submission has fewer iterations than this.
+    pub together: Option<u32>,
+    /// Largest number of texels that a submission visits, as far as single dispatches allow. `None` selects 4
+    /// million. Systems consider a device that is busy for seconds hung, and nothing else is drawn meanwhile.
+    /// An iteration that visits more texels is cut into several submissions ([`parts`](super::plan::parts)).
+    /// Recordings into a renderer's command buffer are not cut.
+    pub visits: Option<u64>,
+}
+
+impl Tuning {
+    /// Returns the best sizes for a device. The instance must be for Vulkan 1.1 or later.
+    pub fn of(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> Self {
+        // SAFETY: the physical device is from this instance.
+        let properties = unsafe { instance.get_physical_device_properties(physical_device) };
+        let shuffles = tile_lanes::shuffles(instance, physical_device);
+        Self::for_limits(properties.device_type, &properties.limits, shuffles)
+    }
+
+    fn for_limits(
+        kind: vk::PhysicalDeviceType,
+        limits: &vk::PhysicalDeviceLimits,
+        shuffles: bool,
+    ) -> Self {
+        let wanted = match kind {
+            vk::PhysicalDeviceType::CPU => Self::ON_CPU,
+            _ => Self { tile_lanes: TileLanes::of_gpu(shuffles), ..Self::ON_GPU },
+        };
+        let sizes = [wanted.tile, 16].into_iter().flat_map(|tile| [(tile, true), (tile, false)]);
+        let bytes = limits.max_compute_shared_memory_size;
+        let fits = |&(tile, edges): &(u32, bool)| Self::tile_bytes(tile, edges) <= bytes;
+        let (tile, tile_edges) = sizes.into_iter().find(fits).unwrap_or((8, false));
+        let scan_width = wanted.scan_width.min(limits.max_compute_work_group_invocations);
+        Self { scan_width, tile, tile_edges, ..wanted }
+    }
+
+    /// Sizes for devices that are CPUs. Measured on lavapipe (Mesa 22.3, two cores, 1200 x 1200 points):
+    /// blocks of four lines take 0.8 times as long as single lines with planar fronts, and 0.65 times with
+    /// curved ones. Blocks of eight lines take 0.8 and 0.75 times as long. Workgroups of 128 invocations let
+    /// blocks go in turn up to 244 points a side in place of 116. They take 0.4 to 1.1 times as long there,
+    /// and 0.9 to 2.1 times at 320 points.
+    pub const ON_CPU: Self = Self {
+        scan_width: 64,
+        scan_lines: 4,
+        tile: 16,
+        inner: 4,
+        tile_lanes: TileLanes::Pairs,
+        tile_edges: true,
+        together: None,
+        visits: None,
+    };
+    /// Sizes for GPUs. Those of scans are not measured: they save dispatches at the cost of an eighth more
+    /// updates. With one iteration in a tile in place of four, maps by tiles of 16 points take an NVIDIA H200
+    /// 0.55 to 0.65 of the time from 256 to 4096 points a side, and the same time at 64 points. Tiles of 32
+    /// points take half as many rounds. A prototype with them took 0.5 of the time of one with tiles of 16.
+    const ON_GPU: Self = Self {
+        scan_width: 128,
+        scan_lines: 8,
+        tile: 32,
+        inner: 1,
+        tile_lanes: TileLanes::Points,
+        tile_edges: true,
+        together: None,
+        visits: None,
+    };
+
+    /// Checks that a device has room for these sizes.
+    pub(crate) fn check(
+        &self,
+        limits: &vk::PhysicalDeviceLimits,
+        shuffles: bool,
+    ) -> Result<(), VulkanError> {
+        let Self { scan_width, scan_lines, tile, inner, tile_lanes, tile_edges, together, visits } =
+            *self;
+        let refuse = |reason: String| Err(VulkanError::Tuning(reason));
+        let most =
+            limits.max_compute_work_group_invocations.min(limits.max_compute_work_group_size[0]);
+        let bytes = limits.max_compute_shared_memory_size;
+        if scan_lines == 0 || scan_lines > MOST_LINES {
+            return refuse(format!("{scan_lines} lines are not between 1 and {MOST_LINES}"));
+        }
+        if scan_width > most || 32 * scan_width > bytes {
+            return refuse(format!("a workgroup of {scan_width} invocations is too large"));
+        }
+        if scan_width <= 2 * (scan_lines - 1) {
+            return refuse(format!("of {scan_width} texels none is left for {scan_lines} lines"));
+        }
+        if !(8..=64).contains(&tile) || tile % 2 != 0 || tile_lanes.invocations() * tile > most {
+            return refuse(format!("no tile has {tile} points a side"));
+        }
+        if Self::tile_bytes(tile, tile_edges) > bytes {
+            return refuse(format!("a tile of {tile} points a side does not fit {bytes} bytes"));
+        }
+        if tile_lanes == TileLanes::Shuffled && !shuffles {
+            return refuse("the device does not shuffle within subgroups".into());
+        }
+        if inner == 0 {
+            return refuse("no iteration in a tile solves nothing".into());
+        }
+        if together == Some(0) {
+            return refuse("no iteration in a submission solves nothing".into());
+        }
+        if visits == Some(0) {
+            return refuse("no texel visited in a submission solves nothing".into());
+        }
+        Ok(())
+    }
+
+    /// Returns the bytes of shared memory of a tile with curved fronts: edge lengths where wanted, Gaussian
+    /// curvature, slowness and four copies of the fronts, at its points and those around it.
+    fn tile_bytes(tile: u32, edges: bool) -> u32 {
+        let of_edges = if edges { 16 } else { 0 };
+        (tile + 2).pow(2) * (of_edges + 8 + 4 * 8) + 64
+    }
+
+    /// Returns the sizes that a plan for a grid needs.
+    pub fn portions(&self, wavefront: Wavefront, texels: TexelChart) -> Portions {
+        let small = texels.rows.max(texels.cols) <= SMALL_SIDE;
+        let iterations = if small && wavefront != Wavefront::Planar { 5 } else { 4 };
+        Portions {
+            lines: self.scan_lines,
+            across: self.scan_texels(),
+            iterations: self.together.unwrap_or(iterations),
+            tile: self.tile,
+            rounds: self.together,
+            visits: self.visits.unwrap_or(VISITS_TOGETHER),
+        }
+    }
+
+    /// Returns the number of texels of a line that a workgroup of a raster scan writes.
+    pub(crate) fn scan_texels(&self) -> u32 {
+        self.scan_width - 2 * (self.scan_lines - 1)
+    }
+}
+
+/// Largest number of lines in a block. Shaders note in the bits of a word which lines have changed.
+const MOST_LINES: u32 = 32;
+
+/// Default of [`Tuning::visits`]. An update of a texel reads and writes 96 bytes with planar fronts, and 144
+/// with curved ones. A submission thus moves at most 0.6 GB, which takes 12 milliseconds on an integrated GPU
+/// that moves 50 GB a second. A map of 1024 x 1024 points still has four iterations in a submission, and one
+/// of 8192 x 8192 points an eighth of a scan.
+const VISITS_TOGETHER: u64 = 1 << 22;
+
+/// Largest side in texels of a small grid. Up to this size circular and curved fronts on smooth surfaces
+/// settle in five iterations (measured: sphere, peaks, cone and torus of 33 to 129 points). On larger grids,
+/// and with planar fronts on any grid, four iterations suffice. A second submission costs a small map 6 % of
+/// its time on lavapipe.
+const SMALL_SIDE: u32 = 96;
+
+/// Range of devices and grids for which a schedule is the best.
+struct Choice {
+    on_cpu: bool,
+    /// Largest number of rows or columns of the grid.
+    side: usize,
+    schedule: Schedule,
+}
+
+/// Best schedules. The first entry that applies is used.
+const CHOICES: [Choice; 3] = [
+    // Measured on lavapipe (Mesa 22.3, two cores), planar and curved fronts. Tiles take 0.2 to 1.0 of the
+    // time of raster scans at 9 to 25 points a side, and 0.75 to 1.7 at 33 points. A dispatch costs more than
+    // a tile's work there. All points at once did best at 9 points, and took twice as long there.
+    Choice { on_cpu: true, side: 32, schedule: Schedule::Tiles },
+    // Measured as above. From 49 points on tiles take 2 to 20 times as long on a sphere, since barriers
+    // inside shaders are expensive there. In a maze each round visits few tiles. There they took 0.4 to 0.9
+    // of the time at 129 to 257 points while scans visited all blocks of lines. Now that scans skip what
+    // cannot change, tiles take 1.3 to 2.2 times as long (medians of 5 pairs beside other work).
+    Choice { on_cpu: true, side: usize::MAX, schedule: Schedule::Raster },
+    // Measured on an NVIDIA H200 (docs/devices), planar and curved fronts on a sphere: tiles take 0.2 to 0.8
+    // of the time of raster scans from 64 to 4096 points a side.
+    Choice { on_cpu: false, side: usize::MAX, schedule: Schedule::Tiles },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tiles fit the shared memory that devices have, and edges stay in their image where that makes room.
+    #[test]
+    fn tiles_are_as_large_as_shared_memory_allows() {
+        let of = |kind, kilobytes: u32| {
+            let limits = vk::PhysicalDeviceLimits {
+                max_compute_shared_memory_size: kilobytes << 10,
+                max_compute_work_group_invocations: 1024,
+                max_compute_work_group_size: [1024; 3],
+                ..Default::default()
+            };
+            let tuning = Tuning::for_limits(kind, &limits, true);
+            tuning.check(&limits, true).unwrap();
+            let refused = Tuning { tile_lanes: TileLanes::Shuffled, ..tuning };
+            assert!(refused.check(&limits, false).is_err());
+            (tuning.tile, tuning.tile_edges, tuning.tile_lanes)
+        };
+        let gpu = |kilobytes| of(vk::PhysicalDeviceType::DISCRETE_GPU, kilobytes);
+        assert_eq!(gpu(64), (32, true, TileLanes::Shuffled));
+        assert_eq!(gpu(48), (32, false, TileLanes::Shuffled));
+        assert_eq!(gpu(32), (16, true, TileLanes::Shuffled));
+        assert_eq!(gpu(16), (16, false, TileLanes::Shuffled));
+        assert_eq!(of(vk::PhysicalDeviceType::CPU, 32), (16, true, TileLanes::Pairs));
+    }
+}
