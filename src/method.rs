@@ -10,7 +10,10 @@ impl Options {
     /// # Errors
     /// If an option is out of range, or the wavefront does not suit the sources.
     pub fn method(&self, surface: &Surface, sources: &Sources) -> Result<vulkan::Method, Error> {
-        Ok(vulkan::Method::new(self.wavefront(surface, sources)?, self.stop::<f32>(surface)?)
-            .with_schedule(self.schedule))
+        Ok(vulkan::Method::new(
+            self.resolve_wavefront(surface, sources)?,
+            self.stop::<f32>(surface)?,
+        )
+        .with_schedule(self.schedule))
     }
 }

@@ -154,7 +154,7 @@ impl Options {
     }
 
     /// Returns the wavefront of a map.
-    pub(crate) fn wavefront(
+    pub(crate) fn resolve_wavefront(
         &self,
         surface: &Surface,
         sources: &Sources,
@@ -336,7 +336,7 @@ impl<'a> Problem<'a> {
         sources: &Sources,
         options: &Options,
     ) -> Result<Self, Error> {
-        let wavefront = options.wavefront(surface, sources)?;
+        let wavefront = options.resolve_wavefront(surface, sources)?;
         let stop = options.stop::<R>(surface)?;
         check_memory::<R>(surface)?;
         let start = sources.start();

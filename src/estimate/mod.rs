@@ -128,7 +128,7 @@ fn estimate<R: Precision>(
     sources: &Sources,
     options: &Options,
 ) -> Result<ErrorEstimate<R>, Error> {
-    if options.wavefront(surface, sources)? == Wavefront::Anchored
+    if options.resolve_wavefront(surface, sources)? == Wavefront::Anchored
         && let Some(fine) = surface.halved_floor()
     {
         let map = in_precision::<R>(surface, sources, options)?;
