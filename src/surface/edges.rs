@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -15,7 +14,7 @@ use super::measure::{LONGEST_EDGE, RowBends, SHORTEST_EDGE};
 use super::parts::Parts;
 use super::points::Row;
 use super::real::Real;
-use super::unfold::{ObtuseTriangles, RowAbove};
+use super::unfold::{MarkedCells, ObtuseTriangles, RowAbove};
 use super::{Surface, SurfaceError};
 
 /// Number of rows that are measured together, so that each row's points and bends serve the next row.
@@ -68,8 +67,8 @@ impl<R: Real> EdgeLengths<R> {
         lengths.iter_mut().for_each(|plane| chart.fill_border_rows(plane, R::FAR));
         let [east, north, north_east, north_west] = &mut lengths;
         let rows = |plane| chart.bordered_rows_mut(plane);
-        let has_obtuse = AtomicBool::new(false);
-        (rows(east), rows(north), rows(north_east), rows(north_west))
+        let mut cells = MarkedCells::none(chart);
+        (rows(east), rows(north), rows(north_east), rows(north_west), cells.rows_mut())
             .into_par_iter()
             .chunks(BAND)
             .enumerate()
@@ -80,7 +79,8 @@ impl<R: Real> EdgeLengths<R> {
                 surface.measure_rows(band, origin, |row, lengths| {
                     row_above.next(lengths);
                     let Some(row) = row.checked_sub(first) else { return };
-                    let (east, north, north_east, north_west) = &mut lines[row];
+                    let (east, north, north_east, north_west, marks) = &mut lines[row];
+                    marks.copy_from_slice(&row_above.marks);
                     for (line, lengths) in
                         [east, north, north_east, north_west].into_iter().zip(lengths)
                     {
@@ -88,16 +88,15 @@ impl<R: Real> EdgeLengths<R> {
                         (*before, *after) = (R::FAR, R::FAR);
                         line.copy_from_slice(lengths);
                     }
-                })?;
-                has_obtuse.fetch_or(row_above.has_obtuse, Relaxed);
-                Ok(())
+                })
             })?;
         let slowness = surface.bordered_slowness();
         // With a slowness the rows above held weighted edges, which do not show the triangles' shapes on the
         // surface.
-        let obtuse = match has_obtuse.into_inner() || slowness.is_some() {
-            true => ObtuseTriangles::default(),
-            false => ObtuseTriangles::none(),
+        let obtuse = match (slowness.is_some(), cells.any()) {
+            (true, _) => ObtuseTriangles::default(),
+            (false, true) => ObtuseTriangles::within(cells),
+            (false, false) => ObtuseTriangles::none(),
         };
         Ok(Self {
             chart,
@@ -221,24 +220,25 @@ impl<R: Real> EdgeLengths<R> {
         &self.lengths[slot.stored][first.wrapping_add_signed(slot.offset)..][..points]
     }
 
-    /// Returns two sets of eight lengths for each point of a row: the lengths of its edges, and the lengths
+    /// Returns two sets of eight lengths for each of a row's points in `cols`: the lengths of its edges, and the lengths
     /// of the bases, each from the end of one edge to the end of the next.
     #[inline(always)]
-    pub(crate) fn fans(&self, row: usize, points: usize) -> [[&[R]; 8]; 2] {
+    pub(crate) fn fans(&self, row: usize, cols: Range<usize>) -> [[&[R]; 8]; 2] {
         let chart = self.chart();
-        let first = chart.bordered(row, 0);
-        let along = |slot: EdgeSlot| self.row(first, slot, points);
+        let first = chart.bordered(row, cols.start);
+        let along = |slot: EdgeSlot| self.row(first, slot, cols.len());
         [
             Direction::ALL.map(|to| along(EdgeSlot::new(chart, 0, to))),
             Direction::ALL.map(|to| along(EdgeSlot::new(chart, chart.offset(to), to.base()))),
         ]
     }
 
-    /// Returns the slowness at each point of a row and at its eight neighbours, if the slowness is uneven.
+    /// Returns the slowness at each of a row's points in `cols` and at its eight neighbours, if the slowness is
+    /// uneven.
     #[inline(always)]
-    pub(crate) fn fan_slowness(&self, row: usize, points: usize) -> Option<(&[R], [&[R]; 8])> {
-        let (slowness, first) = (self.slowness()?, self.chart.bordered(row, 0));
-        let along = |first: usize| &slowness[first..][..points];
+    pub(crate) fn fan_slowness(&self, row: usize, cols: Range<usize>) -> Option<(&[R], [&[R]; 8])> {
+        let (slowness, first) = (self.slowness()?, self.chart.bordered(row, cols.start));
+        let along = |first: usize| &slowness[first..][..cols.len()];
         Some((along(first), Direction::ALL.map(|to| along(self.chart.beside(first, to)))))
     }
 
@@ -272,9 +272,10 @@ impl Surface {
         let band_of = |(band, texels): (usize, &mut [[f32; 4]])| {
             let first = rows.start + band * BAND;
             let band = first.saturating_sub(1)..first + texels.len() / cols;
-            let mut row_above = RowAbove::none(cols);
+            let (mut row_above, mut has_obtuse) = (RowAbove::none(cols), false);
             self.measure_rows(band, origin, |row, lengths| {
                 row_above.next(lengths);
+                has_obtuse |= row_above.marks.contains(&true);
                 let Some(line) = row.checked_sub(first) else { return };
                 let [east, north, north_east, north_west] = lengths;
                 let texels = &mut texels[line * cols..][..cols];
@@ -282,7 +283,7 @@ impl Surface {
                     *texel = [east[col], north[col], north_east[col], north_west[col]];
                 }
             })?;
-            Ok(row_above.has_obtuse)
+            Ok(has_obtuse)
         };
         let bands = texels.par_chunks_mut(BAND * cols).enumerate().map(band_of);
         bands.try_reduce(|| false, |a, b| Ok(a | b))

@@ -150,7 +150,7 @@ impl<R: Real> Loop for Fans<'_, R> {
     #[inline(always)]
     fn run(self) {
         let Self { edges, row, line } = self;
-        let [fan, bases] = edges.fans(row, line.len());
+        let [fan, bases] = edges.fans(row, 0..line.len());
         let share = R::of(edges.rule().share_of_fan());
         for (col, curvature) in line.iter_mut().enumerate() {
             let (mut edges, mut opposite) = ([R::FAR; 8], [R::FAR; 8]);
@@ -176,8 +176,8 @@ impl<R: Real> Loop for SlowedFans<'_, R> {
     #[inline(always)]
     fn run(self) {
         let Self { edges, row, line } = self;
-        let [fan, bases] = edges.fans(row, line.len());
-        let Some((own, around)) = edges.fan_slowness(row, line.len()) else { return };
+        let [fan, bases] = edges.fans(row, 0..line.len());
+        let Some((own, around)) = edges.fan_slowness(row, 0..line.len()) else { return };
         let share = R::of(edges.rule().share_of_fan());
         for (col, curvature) in line.iter_mut().enumerate() {
             let (mut edges, mut opposite) = ([R::FAR; 8], [R::FAR; 8]);

@@ -15,7 +15,8 @@ use super::real::Real;
 const KEPT: usize = 1 << 23;
 
 /// The parts of all obtuse triangles, by the side of their point on which they lie. They are computed when
-/// several maps, or few triangles, make it worth their memory. `None` inside means that there are none, or too many to store.
+/// several maps, or few triangles, make it worth their memory. `None` inside means that there are none, or too many to
+/// store.
 #[derive(Clone, Debug)]
 pub(super) struct Parts<R>(OnceLock<Option<[SideParts<R>; 4]>>);
 
@@ -38,20 +39,40 @@ impl<R: Real> Parts<R> {
 ///
 /// Triangles are sorted by their points: line by line, and along lines. Lines are rows where that neighbour
 /// lies in another row, else columns. Lines and places in them are counted from the border.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct SideParts<R> {
-    /// Start of each line's triangles.
+    /// [`LINES`] lines each.
+    bands: Vec<Band<R>>,
+}
+
+/// Number of adjacent lines whose parts a thread finds together.
+const LINES: usize = 16;
+
+/// The obtuse triangles of adjacent lines.
+#[derive(Clone, Debug, Default)]
+struct Band<R> {
+    /// Start of each line's triangles, and their end; empty if there are none.
     starts: Vec<u32>,
-    /// Place of each triangle's point in its line.
-    triangles: Vec<u32>,
-    /// End of each triangle's parts. Some triangles have none.
-    ends: Vec<u32>,
-    /// The two other corners of each part, as indices into the bordered array.
-    corners: [Vec<u32>; 2],
-    /// Lengths of x0 x1, x0 x2 and x1 x2.
-    lengths: [Vec<R>; 3],
+    triangles: Vec<Triangle>,
+    parts: Vec<Stored<R>>,
     /// Slowness at x0, x1 and x2, by which the lengths are weighted. Empty if there is none.
-    slowness: [Vec<R>; 3],
+    slowness: Vec<[R; 3]>,
+}
+
+/// An obtuse triangle.
+#[derive(Clone, Copy, Debug)]
+struct Triangle {
+    /// Place of the point in its line.
+    place: u32,
+    /// End of its parts, which begin where those of the triangle before end. There may be none.
+    end: u32,
+}
+
+/// A part as it is stored.
+#[derive(Clone, Copy, Debug)]
+struct Stored<R> {
+    corners: [u32; 2],
+    lengths: [R; 3],
 }
 
 /// A part of an obtuse triangle.
@@ -68,7 +89,7 @@ pub(crate) struct Part<R> {
 /// Successive obtuse triangles of a line.
 #[derive(Clone, Debug)]
 pub(crate) struct SplitTriangles<'a, R> {
-    side: &'a SideParts<R>,
+    band: &'a Band<R>,
     triangles: Range<usize>,
 }
 
@@ -82,14 +103,17 @@ impl<'a, R: Real> SplitTriangles<'a, R> {
         self,
     ) -> impl Iterator<Item = (usize, impl Iterator<Item = Part<R>> + use<'a, R>)> + use<'a, R>
     {
-        let Self { side, triangles } = self;
-        let part = move |part: usize| Part {
-            corners: side.corners.each_ref().map(|of| of[part] as usize),
-            lengths: side.lengths.each_ref().map(|of| of[part]),
-            slowness: side.slowness.each_ref().map(|of| of.get(part).copied().unwrap_or(R::one())),
+        let Self { band, triangles } = self;
+        let part = move |at: usize| {
+            let Stored { corners, lengths } = band.parts[at];
+            Part {
+                corners: corners.map(|corner| corner as usize),
+                lengths,
+                slowness: band.slowness.get(at).copied().unwrap_or([R::one(); 3]),
+            }
         };
-        let place = |triangle: usize| side.triangles[triangle] as usize;
-        triangles.map(move |triangle| (place(triangle), side.parts_of(triangle).map(part)))
+        let place = |triangle: usize| band.triangles[triangle].place as usize;
+        triangles.map(move |triangle| (place(triangle), band.parts_of(triangle).map(part)))
     }
 }
 
@@ -97,76 +121,82 @@ impl<R: Real> SideParts<R> {
     /// Returns the obtuse triangles whose points lie in part of a line.
     #[inline]
     pub(crate) fn within(&self, line: usize, range: Range<usize>) -> SplitTriangles<'_, R> {
-        let of_line = self.starts[line] as usize..self.starts[line + 1] as usize;
-        // Most lines have none.
-        if of_line.is_empty() {
-            return SplitTriangles { side: self, triangles: of_line };
-        }
-        let triangles = &self.triangles[of_line.clone()];
-        let before =
-            |end: usize| of_line.start + triangles.partition_point(|&place| (place as usize) < end);
-        SplitTriangles { side: self, triangles: before(range.start)..before(range.end) }
-    }
-
-    fn parts_of(&self, triangle: usize) -> Range<usize> {
-        let start = triangle.checked_sub(1).map_or(0, |before| self.ends[before]);
-        start as usize..self.ends[triangle] as usize
+        let band = &self.bands[line / LINES];
+        // Most bands and most lines have none.
+        let of_line = match band.starts.get(line % LINES..line % LINES + 2) {
+            Some(&[start, end]) if start < end => start as usize..end as usize,
+            _ => return SplitTriangles { band, triangles: 0..0 },
+        };
+        let triangles = &band.triangles[of_line.clone()];
+        let before = |end: usize| {
+            of_line.start + triangles.partition_point(|triangle| (triangle.place as usize) < end)
+        };
+        SplitTriangles { band, triangles: before(range.start)..before(range.end) }
     }
 
     fn bytes(&self) -> usize {
-        let numbers =
-            self.starts.len() + self.triangles.len() + self.ends.len() + 2 * self.corners[0].len();
-        let lengths = self.lengths.iter().chain(&self.slowness).map(Vec::len).sum::<usize>();
-        numbers * size_of::<u32>() + lengths * size_of::<R>()
+        self.bands.iter().map(|band| size_of_val(band) + band.bytes()).sum()
     }
 
     fn of(edges: &EdgeLengths<R>, side: Direction) -> Self {
         let lines = if side.step().0 == 0 { Lines::Cols } else { Lines::Rows };
-        let turned = edges.chart().by(lines);
-        let found = (0..turned.rows + 2)
-            .into_par_iter()
-            .map(|line| Self::of_line(edges, side, lines, line));
-        let mut all = Self { starts: vec![0], ..Self::default() };
-        for line in found.collect::<Vec<_>>() {
-            let before = all.corners[0].len() as u32;
-            all.triangles.extend(line.triangles);
-            all.ends.extend(line.ends.into_iter().map(|end| before + end));
-            all.starts.push(all.triangles.len() as u32);
-            all.corners.iter_mut().zip(line.corners).for_each(|(to, of)| to.extend(of));
-            all.lengths.iter_mut().zip(line.lengths).for_each(|(to, of)| to.extend(of));
-            all.slowness.iter_mut().zip(line.slowness).for_each(|(to, of)| to.extend(of));
-        }
-        all
+        let count = edges.chart().by(lines).rows + 2;
+        let band = |first: usize| {
+            Band::of(edges, side, lines, first * LINES..count.min((first + 1) * LINES))
+        };
+        Self { bands: (0..count.div_ceil(LINES)).into_par_iter().map(band).collect() }
+    }
+}
+
+impl<R: Real> Band<R> {
+    fn parts_of(&self, triangle: usize) -> Range<usize> {
+        let start = triangle.checked_sub(1).map_or(0, |before| self.triangles[before].end);
+        start as usize..self.triangles[triangle].end as usize
     }
 
-    fn of_line(edges: &EdgeLengths<R>, side: Direction, lines: Lines, line: usize) -> Self {
+    fn bytes(&self) -> usize {
+        size_of_val(self.starts.as_slice())
+            + size_of_val(self.triangles.as_slice())
+            + size_of_val(self.parts.as_slice())
+            + size_of_val(self.slowness.as_slice())
+    }
+
+    fn of(edges: &EdgeLengths<R>, side: Direction, lines: Lines, band: Range<usize>) -> Self {
         let mut found = Self::default();
         let Some(obtuse) = edges.obtuse_triangles() else { return found };
         let is_slowed = edges.slowness().is_some();
         let chart: Chart = edges.chart();
         let length = chart.by(lines).cols + 2;
+        let points = |line| edges.obtuse_points(lines == Lines::Rows, line, 0..length);
+        if band.clone().all(|line| points(line).is_empty()) {
+            return found;
+        }
         // Sorted along the line, by the first of their directions.
         let in_order = match side {
             Direction::North | Direction::East => [side, side.previous()],
             _ => [side.previous(), side],
         };
-        for &place in edges.obtuse_points(lines == Lines::Rows, line, 0..length) {
-            let (row, col) = lines.place(line, place as usize);
-            let point = chart.entry_index(row, col);
-            for first in in_order {
-                if obtuse[point] & 1 << first as u8 == 0 {
-                    continue;
-                }
-                edges.split(point, [first, first.next()], |corners, lengths, slowness| {
-                    found.corners.iter_mut().zip(corners).for_each(|(to, x)| to.push(x as u32));
-                    found.lengths.iter_mut().zip(lengths).for_each(|(to, length)| to.push(length));
-                    if is_slowed {
-                        found.slowness.iter_mut().zip(slowness).for_each(|(to, of)| to.push(of));
+        found.starts.push(0);
+        for line in band {
+            for &place in points(line) {
+                let (row, col) = lines.place(line, place as usize);
+                let point = chart.entry_index(row, col);
+                for first in in_order {
+                    if obtuse[point] & 1 << first as u8 == 0 {
+                        continue;
                     }
-                });
-                found.triangles.push(place);
-                found.ends.push(found.corners[0].len() as u32);
+                    edges.split(point, [first, first.next()], |corners, lengths, slowness| {
+                        let corners = corners.map(|corner| corner as u32);
+                        found.parts.push(Stored { corners, lengths });
+                        if is_slowed {
+                            found.slowness.push(slowness);
+                        }
+                    });
+                    let end = found.parts.len() as u32;
+                    found.triangles.push(Triangle { place, end });
+                }
             }
+            found.starts.push(found.triangles.len() as u32);
         }
         found
     }
@@ -204,9 +234,11 @@ impl<R: Real> EdgeLengths<R> {
     }
 
     fn find_parts(&self) -> Option<[SideParts<R>; 4]> {
-        let bits = self.obtuse_triangles()?;
-        let triangles: usize = bits.par_iter().map(|bits| bits.count_ones() as usize).sum();
-        (triangles <= KEPT).then(|| SIDES.map(|side| SideParts::of(self, side)))
+        self.obtuse_triangles()?;
+        let sides =
+            || SIDES.into_par_iter().map(|side| SideParts::of(self, side)).collect::<Vec<_>>();
+        (self.obtuse_triangles_count() <= KEPT)
+            .then(|| sides().try_into().expect("an element for each side"))
     }
 }
 

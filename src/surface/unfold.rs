@@ -14,7 +14,7 @@ use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
-use super::chart::{Direction, STORED, ring};
+use super::chart::{Chart, Direction, EdgeSlot, STORED, ring};
 use super::edges::EdgeLengths;
 use super::real::{Real, max, min};
 use crate::constants::{EVEN_SLOWNESS, OBTUSE, SPLIT_MARGIN, SPLIT_REACH, SPLIT_STEPS};
@@ -30,7 +30,56 @@ pub(crate) fn is_obtuse<R: Real>(side_squared: R, other_squared: R) -> bool {
 /// The obtuse triangles of a surface. They are computed on first use; `None` inside means that there are
 /// none.
 #[derive(Clone, Debug, Default)]
-pub(super) struct ObtuseTriangles(OnceLock<Option<Found>>);
+pub(super) struct ObtuseTriangles {
+    found: OnceLock<Option<Found>>,
+    /// Where to search, if that is known.
+    marked: Option<MarkedCells>,
+}
+
+/// Number of adjacent cells of a row that are marked together.
+const CELLS: usize = 32;
+
+/// Marks of the cells in which a triangle may be obtuse. They are set while edges are measured, which costs
+/// less than to read all edges again.
+#[derive(Clone, Debug)]
+pub(super) struct MarkedCells {
+    /// Number of marks in a row of cells. Row r of cells lies between the points of rows r - 1 and r.
+    in_row: usize,
+    marks: Vec<bool>,
+}
+
+impl MarkedCells {
+    pub(super) fn none(chart: Chart) -> Self {
+        let in_row = chart.cols.div_ceil(CELLS);
+        Self { in_row, marks: vec![false; chart.rows * in_row] }
+    }
+
+    /// Returns the marks of each row of cells.
+    pub(super) fn rows_mut(&mut self) -> impl IndexedParallelIterator<Item = &mut [bool]> {
+        self.marks.par_chunks_mut(self.in_row)
+    }
+
+    pub(super) fn any(&self) -> bool {
+        self.marks.contains(&true)
+    }
+
+    /// Returns the ranges of a row's `points` points that are corners of marked cells.
+    fn ranges(&self, row: usize, points: usize) -> Vec<Range<usize>> {
+        let of_cells = |row: usize| self.marks.get(row * self.in_row..(row + 1) * self.in_row);
+        let rows = [of_cells(row), of_cells(row + 1)];
+        let is_marked = |at: usize| rows.iter().flatten().any(|marks| marks[at]);
+        let mut ranges: Vec<Range<usize>> = Vec::new();
+        for at in (0..self.in_row).filter(|&at| is_marked(at)) {
+            // The last of these cells has a corner beyond them.
+            let range = at * CELLS..((at + 1) * CELLS + 1).min(points);
+            match ranges.last_mut() {
+                Some(last) if last.end >= range.start => last.end = range.end,
+                _ => ranges.push(range),
+            }
+        }
+        ranges
+    }
+}
 
 #[derive(Clone, Debug)]
 struct Found {
@@ -39,6 +88,7 @@ struct Found {
     bits: Vec<u8>,
     /// Points that have obtuse triangles, by row and by column.
     lines: [Lines; 2],
+    triangles: usize,
 }
 
 /// A list of points, line by line: for each point its place in the line.
@@ -90,16 +140,23 @@ impl Lines {
 
 impl ObtuseTriangles {
     pub(super) fn none() -> Self {
-        Self(OnceLock::from(None))
+        Self { found: OnceLock::from(None), marked: None }
+    }
+
+    /// Returns obtuse triangles that lie in marked cells only.
+    pub(super) fn within(marked: MarkedCells) -> Self {
+        Self { found: OnceLock::new(), marked: Some(marked) }
     }
 
     /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
-        self.0.get().and_then(Option::as_ref).map_or(0, |found| {
-            let numbers: usize =
-                found.lines.iter().map(|lines| lines.starts.len() + lines.places.len()).sum();
-            found.bits.len() + numbers * size_of::<u32>()
-        })
+        let marks = self.marked.as_ref().map_or(0, |cells| cells.marks.len());
+        marks
+            + self.found.get().and_then(Option::as_ref).map_or(0, |found| {
+                let numbers: usize =
+                    found.lines.iter().map(|lines| lines.starts.len() + lines.places.len()).sum();
+                found.bits.len() + numbers * size_of::<u32>()
+            })
     }
 }
 
@@ -112,13 +169,13 @@ impl<R: Real> EdgeLengths<R> {
     }
 
     fn found(&self) -> Option<&Found> {
-        if let Some(found) = self.obtuse.0.get() {
+        if let Some(found) = self.obtuse.found.get() {
             return found.as_ref();
         }
         // Computed outside the lock: a thread that waits for others here may take up work that needs the
         // result too.
         let found = obtuse_triangles(self);
-        self.obtuse.0.get_or_init(|| found).as_ref()
+        self.obtuse.found.get_or_init(|| found).as_ref()
     }
 
     /// Returns the points with obtuse triangles in part of a row or column of the bordered array, by their
@@ -127,9 +184,19 @@ impl<R: Real> EdgeLengths<R> {
         self.found().map_or(&[], |found| found.lines[usize::from(!by_rows)].within(line, range))
     }
 
+    /// Returns whether any of a row's points in `cols` has obtuse triangles.
+    pub(crate) fn has_obtuse_points(&self, row: usize, cols: Range<usize>) -> bool {
+        !self.obtuse_points(true, row + 1, cols.start + 1..cols.end + 1).is_empty()
+    }
+
     /// Returns the number of points with obtuse triangles.
     pub(super) fn obtuse_count(&self) -> usize {
         self.found().map_or(0, |found| found.lines[0].places.len())
+    }
+
+    /// Returns the number of obtuse triangles.
+    pub(super) fn obtuse_triangles_count(&self) -> usize {
+        self.found().map_or(0, |found| found.triangles)
     }
 
     /// Returns whether the surface has triangles that are obtuse at the point that is updated from them.
@@ -148,9 +215,11 @@ impl<R: Real> EdgeLengths<R> {
         let Some((stored, is_of_neighbour)) = STORED_AT[(3 * down + right + 4) as usize] else {
             return R::FAR;
         };
-        let there = point.wrapping_add_signed(down * self.chart().stride() as isize + right);
-        let length = self.planes()[stored][if is_of_neighbour { there } else { point }];
+        let step = down * self.chart().stride() as isize + right;
+        let length =
+            self.at(point, EdgeSlot { stored, offset: if is_of_neighbour { step } else { 0 } });
         let Some(slowness) = self.slowness().filter(|_| length < R::FAR) else { return length };
+        let there = point.wrapping_add_signed(step);
         (length + length) / (slowness[point] + slowness[there])
     }
 
@@ -233,8 +302,11 @@ impl<R: Real> EdgeLengths<R> {
                 let base = a.squared_to(&b);
                 is_obtuse(a.squared() / base, b.squared() / base)
             });
-            for (half, _) in halves.into_iter().zip(obtuse).filter(|(_, obtuse)| !obtuse) {
-                tell(half, range);
+            if !obtuse[0] {
+                tell(halves[0], range);
+            }
+            if !obtuse[1] {
+                tell(halves[1], range);
             }
             match obtuse {
                 [true, _] => (wedge[1], edge[1]) = (apex, apex),
@@ -264,30 +336,32 @@ impl<R: Real> EdgeLengths<R> {
         let second = (along.0 + away.0, along.1 + away.1);
         let base = self.along(point_at(u.step), along);
         let clearly = R::of(1.0 - SPLIT_MARGIN);
-        let mut best: Option<(bool, R, Unfolded<R>)> = None;
-        for step in [first, second].into_iter().take(if is_diagonal { 1 } else { 2 }) {
+        // A candidate, whether it lies within the wedge, and the length of its sides.
+        let candidate = |step: Step| {
             let from_w = (step.0 - along.0, step.1 - along.1);
             let from_x0 = (u.step.0 + step.0, u.step.1 + step.1);
             if from_x0.0.abs().max(from_x0.1.abs()) > SPLIT_REACH as isize {
-                continue;
+                return None;
             }
             let sides = [self.along(point_at(u.step), step), self.along(point_at(w.step), from_w)];
-            let Some(place) = unfolded([u.place, w.place], base, sides) else { continue };
+            let place = unfolded([u.place, w.place], base, sides)?;
             let apex = Unfolded { step: from_x0, place };
-            let inside = apex.follows(&right) && left.follows(&apex);
-            let around = sides[0] + sides[1];
-            let is_better = best.is_none_or(|(was_inside, other_around, other)| {
-                let (squared, other) = (apex.squared(), other.squared());
-                let as_near = (squared >= other * clearly) & (other >= squared * clearly);
-                let nearer =
-                    if as_near { around < other_around * clearly } else { squared < other };
-                if inside == was_inside { nearer } else { inside }
-            });
-            if is_better {
-                best = Some((inside, around, apex));
-            }
+            Some((apex, apex.follows(&right) && left.follows(&apex), sides[0] + sides[1]))
+        };
+        let best = candidate(first);
+        if is_diagonal {
+            return best.map(|(apex, ..)| apex);
         }
-        best.map(|(.., apex)| apex)
+        let Some((apex, inside, around)) = candidate(second) else {
+            return best.map(|(apex, ..)| apex);
+        };
+        let is_better = best.is_none_or(|(other, was_inside, other_around)| {
+            let (squared, other) = (apex.squared(), other.squared());
+            let as_near = (squared >= other * clearly) & (other >= squared * clearly);
+            let nearer = if as_near { around < other_around * clearly } else { squared < other };
+            if inside == was_inside { nearer } else { inside }
+        });
+        if is_better { Some(apex) } else { best.map(|(apex, ..)| apex) }
     }
 }
 
@@ -359,21 +433,20 @@ fn unfolded<R: Real>([u, w]: [[R; 2]; 2], base: R, [to_u, to_w]: [R; 2]) -> Opti
 pub(super) struct RowAbove<R> {
     /// Edges along the row above.
     east: Vec<R>,
-    /// Whether any triangle between the rows so far may be obtuse.
-    pub(super) has_obtuse: bool,
+    /// Marks of the cells between the last two rows, as in [`MarkedCells`].
+    pub(super) marks: Vec<bool>,
 }
 
 impl<R: Real> RowAbove<R> {
     /// Returns the state before the first row.
     pub(super) fn none(cols: usize) -> Self {
-        Self { east: vec![R::FAR; cols], has_obtuse: false }
+        Self { east: vec![R::FAR; cols], marks: vec![false; cols.div_ceil(CELLS)] }
     }
 
     /// Checks the triangles above the next row, given the edges stored at its points.
     pub(super) fn next(&mut self, [east, north, north_east, north_west]: &[Vec<R>; 4]) {
-        let above = &mut self.east;
-        let found = Instructions::best().run(Cells { above, east, north, north_east, north_west });
-        self.has_obtuse |= found;
+        let Self { east: above, marks } = self;
+        Instructions::best().run(Cells { above, east, north, north_east, north_west, marks });
         above.copy_from_slice(east);
     }
 }
@@ -385,32 +458,35 @@ struct Cells<'a, R> {
     north: &'a [R],
     north_east: &'a [R],
     north_west: &'a [R],
+    marks: &'a mut [bool],
 }
 
 impl<R: Real> Loop for Cells<'_, R> {
-    type Output = bool;
+    type Output = ();
 
     #[inline(always)]
-    fn run(self) -> bool {
+    fn run(self) {
         let cells = self.east.len().saturating_sub(1);
         let (above, east) = (&self.above[..cells], &self.east[..cells]);
         let (left, right) = (&self.north[..cells], &self.north[1..][..cells]);
         let (rising, falling) = (&self.north_east[..cells], &self.north_west[1..][..cells]);
         // The limit errs towards too many triangles, since shaders would find a missed one.
         let (limit, missing) = (R::of(1.001 * OBTUSE), R::FAR * R::FAR);
-        let mut found = false;
-        for col in 0..cells {
-            let square = |edges: &[R]| edges[col] * edges[col];
-            let (above, east) = (square(above), square(east));
-            let (left, right) = (square(left), square(right));
-            // The angle at an end of a diagonal: the base joins the other end to another corner.
-            let at_end = |diagonal: R, a: R, b: R| (diagonal + a < limit * b) & (b < missing);
-            let at_ends = |d: R, a: R, b: R| at_end(d, a, b) | at_end(d, b, a);
-            let (rising, falling) = (square(rising), square(falling));
-            found |= at_ends(rising, east, right) | at_ends(rising, left, above);
-            found |= at_ends(falling, east, left) | at_ends(falling, right, above);
+        for (at, mark) in self.marks.iter_mut().enumerate() {
+            let mut found = false;
+            for col in at * CELLS..((at + 1) * CELLS).min(cells) {
+                let square = |edges: &[R]| edges[col] * edges[col];
+                let (above, east) = (square(above), square(east));
+                let (left, right) = (square(left), square(right));
+                // The angle at an end of a diagonal: the base joins the other end to another corner.
+                let at_end = |diagonal: R, a: R, b: R| (diagonal + a < limit * b) & (b < missing);
+                let at_ends = |d: R, a: R, b: R| at_end(d, a, b) | at_end(d, b, a);
+                let (rising, falling) = (square(rising), square(falling));
+                found |= at_ends(rising, east, right) | at_ends(rising, left, above);
+                found |= at_ends(falling, east, left) | at_ends(falling, right, above);
+            }
+            *mark = found;
         }
-        found
     }
 }
 
@@ -419,28 +495,42 @@ fn obtuse_triangles<R: Real>(edges: &EdgeLengths<R>) -> Option<Found> {
     let mut triangles = vec![0; chart.bordered_points()];
     let is_slowed = edges.slowness().is_some();
     let in_row = |(row, line): (usize, &mut [u8])| {
-        match is_slowed {
-            true => Instructions::best().run(SlowedRowOfTriangles { edges, row, line }),
-            false => {
-                Instructions::best().run(RowOfTriangles { edges, row, line });
-                edges.leave_obtuse(row, line);
+        let ranges = match &edges.obtuse.marked {
+            Some(cells) => cells.ranges(row, line.len()),
+            None => vec![0..line.len()],
+        };
+        let mut places = Vec::new();
+        for cols in ranges {
+            let (first, line) = (cols.start, &mut line[cols.clone()]);
+            match is_slowed {
+                true => Instructions::best().run(SlowedRowOfTriangles { edges, row, first, line }),
+                false => {
+                    Instructions::best().run(RowOfTriangles { edges, row, first, line });
+                    edges.leave_obtuse((row, first), line);
+                }
             }
+            places.extend(marked(line).map(|col| (first + col) as u32 + 1));
         }
-        marked(line).map(|col| col as u32 + 1).collect()
+        places
     };
     let rows: Vec<Vec<u32>> = chart.rows_mut(&mut triangles).enumerate().map(in_row).collect();
     rows.iter().any(|row| !row.is_empty()).then(|| {
         let by_row = Lines::of(&rows);
         let by_col = by_row.turned(chart.stride());
-        Found { bits: triangles, lines: [by_row, by_col] }
+        let of_row = |(row, places): (usize, &Vec<u32>)| -> u32 {
+            let bits = |&place: &u32| triangles[chart.entry_index(row + 1, place as usize)];
+            places.iter().map(|place| bits(place).count_ones()).sum()
+        };
+        let count = rows.iter().enumerate().map(|row| of_row(row) as usize).sum();
+        Found { bits: triangles, lines: [by_row, by_col], triangles: count }
     })
 }
 
 impl<R: Real> EdgeLengths<R> {
-    /// Clears the marks of triangles in a row of points that are not obtuse by the computation that updates
-    /// use.
-    fn leave_obtuse(&self, row: usize, line: &mut [u8]) {
-        let [fan, bases] = self.fans(row, line.len());
+    /// Clears the marks of triangles of some points of a row that are not obtuse by the computation that
+    /// updates use.
+    fn leave_obtuse(&self, (row, first): (usize, usize), line: &mut [u8]) {
+        let [fan, bases] = self.fans(row, first..first + line.len());
         for col in marked(line).collect::<Vec<_>>() {
             let bits = &mut line[col];
             for to in 0..8 {
@@ -471,11 +561,12 @@ fn any_bit(of: &[u8]) -> u8 {
     of.iter().fold(0, |all, bits| all | bits)
 }
 
-/// The loop that marks the triangles of a row of points that may be obtuse. Its limit errs towards too many
+/// The loop that marks the triangles of points of a row, from `first` on, that may be obtuse. Its limit errs towards too many
 /// triangles, to allow for rounding.
 struct RowOfTriangles<'a, R> {
     edges: &'a EdgeLengths<R>,
     row: usize,
+    first: usize,
     line: &'a mut [u8],
 }
 
@@ -484,9 +575,9 @@ impl<R: Real> Loop for RowOfTriangles<'_, R> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { edges, row, line } = self;
+        let Self { edges, row, first, line } = self;
         let points = line.len();
-        let [fan, bases] = edges.fans(row, points);
+        let [fan, bases] = edges.fans(row, first..first + points);
         let limit = R::of(1.001 * OBTUSE);
         line.fill(0);
         // One direction after another, so that points become SIMD lanes.
@@ -501,11 +592,12 @@ impl<R: Real> Loop for RowOfTriangles<'_, R> {
     }
 }
 
-/// The loop that finds the obtuse triangles of a row of points where edges are weighted by a slowness. It is
+/// The loop that finds the obtuse triangles of points of a row, from `first` on, where edges are weighted by a slowness. It is
 /// a separate loop so that both are vectorized.
 struct SlowedRowOfTriangles<'a, R> {
     edges: &'a EdgeLengths<R>,
     row: usize,
+    first: usize,
     line: &'a mut [u8],
 }
 
@@ -514,9 +606,10 @@ impl<R: Real> Loop for SlowedRowOfTriangles<'_, R> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { edges, row, line } = self;
-        let [fan, bases] = edges.fans(row, line.len());
-        let Some((own, around)) = edges.fan_slowness(row, line.len()) else { return };
+        let Self { edges, row, first, line } = self;
+        let cols = first..first + line.len();
+        let [fan, bases] = edges.fans(row, cols.clone());
+        let Some((own, around)) = edges.fan_slowness(row, cols) else { return };
         for (col, bits) in line.iter_mut().enumerate() {
             let mut found = 0;
             for to in 0..8 {
@@ -564,6 +657,29 @@ mod tests {
             assert_eq!((edges.has_obtuse_triangles(), told), (expected, expected));
             // The full search agrees with the one during measurement.
             assert_eq!(obtuse_triangles(&edges).is_some(), expected);
+        }
+    }
+
+    #[test]
+    fn marked_cells_have_all_obtuse_triangles() {
+        // A bump that crosses the border between cells that are marked together, and one at the border.
+        for places in [[(5, CELLS), (20, 2 * CELLS - 1)], [(0, 0), (39, 2 * CELLS + 6)]] {
+            let (rows, cols) = (40, 2 * CELLS + 7);
+            let mut heights = vec![0.0; rows * cols];
+            for (row, col) in places {
+                heights[row * cols + col] = 2.0;
+            }
+            let surface = Surface::from_heights(rows, cols, heights, Spacing::square(1.0)).unwrap();
+            let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+            let marked = edges.obtuse.marked.as_ref().unwrap();
+            assert!(marked.marks.contains(&false));
+            let found = edges.found().unwrap();
+            let mut unmarked = edges.clone();
+            unmarked.obtuse = ObtuseTriangles::default();
+            let expected = unmarked.found().unwrap();
+            assert_eq!((&found.bits, found.triangles), (&expected.bits, expected.triangles));
+            let all: u32 = found.bits.iter().map(|bits| bits.count_ones()).sum();
+            assert!(all > 0 && found.triangles == all as usize);
         }
     }
 

@@ -214,15 +214,16 @@ impl<R: Real, S: Straight, const SPLIT: bool> Spans for StraightLine<'_, R, S, S
             }
             through_both::<R, S, false>(self.kind, &span, &before, points)
         } else {
-            let is_alone = parts.iter().all(|(_, time)| time.is_none());
-            if is_alone && (span.leads(points) || stays::<R, S, true>(&span, points)) {
-                return None;
-            }
-            let mut now = before;
+            let (mut now, mut any) = (before, false);
             for &(point, time) in parts {
                 if let Some(time) = time {
-                    now[point - start] = S::first(now[point - start], time);
+                    let i = point - start;
+                    now[i] = S::first(now[i], time);
+                    any |= now[i] < before[i];
                 }
+            }
+            if !any && (span.leads(points) || stays::<R, S, true>(&span, points)) {
+                return None;
             }
             through_both::<R, S, true>(self.kind, &span, &now, points)
         };

@@ -34,6 +34,7 @@ pub(in crate::cpu) fn find_due<'a, R: Real, K: FrontKind<'a, R>>(
         let options = *scans.get(scan)?;
         Some((options, Behind::of(chart, options.scan), window.behind(options.scan)))
     });
+    let obtuse = before.edges.obtuse_triangles().filter(|_| K::NEEDS_EDGES);
     let in_band = |(band, (beside, due)): (usize, (&[u8], &mut [u8]))| {
         let mut looked = 0;
         for row in place.rows(band..band + 1) {
@@ -46,7 +47,8 @@ pub(in crate::cpu) fn find_due<'a, R: Real, K: FrontKind<'a, R>>(
                     let behinds = (behind, in_window);
                     let span = before.span(behinds, [row, cols.start], cols.len());
                     let before = &before;
-                    let obtuse = before.edges.obtuse_triangles().filter(|_| K::NEEDS_EDGES);
+                    let obtuse =
+                        obtuse.filter(|_| before.edges.has_obtuse_points(row, cols.clone()));
                     let obtuse = obtuse.map(|bits| (&bits[first..][..cols.len()], behind.bits()));
                     let look =
                         Look::<R, K> { kind, before, first, span, obtuse, strides, options, due };
@@ -79,7 +81,7 @@ struct Look<'l, 'a, R: Real, K: FrontKind<'a, R>> {
     /// The first point, as an index into bordered arrays of the grid.
     first: usize,
     span: Span<'l, R, K::Carried, K::SurfaceData>,
-    /// The obtuse triangles of the points, if the surface has any, and the bits of those that the scan uses.
+    /// The obtuse triangles of the points, if these have any, and the bits of those that the scan uses.
     obtuse: Option<(&'l [u8], u8)>,
     /// Offsets from a row to the next, of the fronts and of the surface's data.
     strides: [isize; 2],
@@ -102,7 +104,8 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Loop for Look<'_, 'a, R, K> {
             // Fronts from points beyond the neighbours are not examined here.
             let is_split = |start: usize, points: usize| {
                 obtuse.is_some_and(|(obtuse, of_scan)| {
-                    obtuse[start..][..points].iter().any(|bits| bits & of_scan != 0)
+                    let any = |all, bits: &u8| all | bits;
+                    obtuse[start..][..points].iter().fold(0, any) & of_scan != 0
                 })
             };
             // As updates do it: the last span overlaps the one before.

@@ -115,7 +115,11 @@ impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
         let Some(Beyond { scan, points, lines, near, far }) = beyond else {
             return Kept { time: self.times[point], carried: self.carried[point] };
         };
-        let entry = edges.chart().entry(point);
+        let chart = edges.chart();
+        let entry = match u32::try_from(point).map(|point| chart.short_entry(point)) {
+            Ok((row, col)) => (row as usize, col as usize),
+            Err(_) => chart.entry(point),
+        };
         let (line, at) = scan.lines().place(entry.0, entry.1);
         if lines.contains(&line) && points.contains(&at) {
             let place = (line - first) * self.stride + at - before;

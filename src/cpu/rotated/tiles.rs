@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::line_update::UpdateOptions;
 use super::window::Window;
 use crate::cpu::scan::Scan;
-use crate::surface::{Block, Chart, Direction, Tiling};
+use crate::surface::{Block, Chart, Tiling};
 
 /// Number of points on a side of a tile. A front moves at most one point per line. So within a band of `TILE`
 /// lines it moves at most to the neighbouring tile.
@@ -157,14 +157,17 @@ impl Tiles {
 
     /// Returns the tiles in which a scan may have to follow a change of `tile`: the tile itself, and those
     /// beside and ahead of it.
-    fn followed(&self, scan: Scan, tile: usize) -> impl Iterator<Item = usize> + use<> {
-        let (chart, (row, col), behind) = (self.chart, self.chart.position(tile), scan.behind());
-        let inner = self.inner.clone();
-        let to = Direction::ALL.into_iter().filter(move |to| !behind.contains(to));
-        let beside = to.filter_map(move |to| chart.neighbour(row, col, to));
-        let tiles = std::iter::once((row, col)).chain(beside);
-        let tiles = tiles.filter(move |&tile| inner.has(tile));
-        tiles.map(move |(row, col)| chart.index(row, col))
+    fn followed(&self, scan: Scan, tile: usize) -> Block {
+        let (place, lines) = (self.chart.position(tile), scan.lines());
+        let (band, _) = lines.place(place.0, place.1);
+        let Block { rows: bands, cols } = self.chart.around(place, 1).by(lines);
+        let rows = if scan.is_forward() { band..bands.end } else { bands.start..band + 1 };
+        let Block { rows, cols } = Block { rows, cols }.by(lines);
+        let within = |range: Range<usize>, inner: &Range<usize>| {
+            let start = range.start.max(inner.start);
+            start..range.end.min(inner.end).max(start)
+        };
+        Block { rows: within(rows, &self.inner.rows), cols: within(cols, &self.inner.cols) }
     }
 
     /// Returns, for each row of tiles, which of some scans have to examine each tile: those beside or ahead of
@@ -180,8 +183,11 @@ impl Tiles {
         for (tile, pending) in changed {
             let scans = scans.iter().map(|options| options.scan);
             for scan in scans.filter(|scan| pending & scan.bit() != 0) {
-                for tile in self.followed(scan, tile) {
-                    self.beside[tile] |= scan.bit();
+                let Block { rows, cols } = self.followed(scan, tile);
+                for row in rows {
+                    for beside in &mut self.beside[row * self.chart.cols..][cols.clone()] {
+                        *beside |= scan.bit();
+                    }
                 }
             }
         }
