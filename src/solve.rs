@@ -349,10 +349,11 @@ impl<'a> Problem<'a> {
     }
 
     fn solve_on_the_best(&self) -> Result<DistanceMap, Error> {
-        let reason = match Choice::of(self.surface.chart()) {
-            Choice::Cpu(reason) => return Ok(self.solve_on_cpu()?.because(reason)),
-            Choice::Gpu(reason) => reason,
-        };
+        let reason =
+            match Choice::of(self.surface.chart(), self.wavefront, vulkan::are_pipelines_kept()) {
+                Choice::Cpu(reason) => return Ok(self.solve_on_cpu()?.because(reason)),
+                Choice::Gpu(reason) => reason,
+            };
         use VulkanError::{NoDevice, NoLoader, NoUsableDevice, Surface};
         match self.solve_on_vulkan(&DeviceChoice::Gpu) {
             Ok(map) => Ok(map.because(reason)),

@@ -3,6 +3,7 @@
  * devices that the machine does not have.
  *
  *     GUISE_TYPE=discrete        or integrated, virtual, cpu: the kind of device
+ *     GUISE_MEMORY=own           memory of its own, beside the host's: three types of memory in two heaps
  *     GUISE_LIMITS=minimum       the limits that Vulkan 1.1 requires of every device; after it, or without it,
  *                                some by name: storage_images=3,image_side=1024 (the table LIMITS has the names)
  *     GUISE_VERSION=1.0          the version of Vulkan
@@ -36,6 +37,8 @@ typedef struct Instance {
     PFN_vkGetPhysicalDeviceProperties2 properties2;
     PFN_vkGetPhysicalDeviceImageFormatProperties image_format;
     PFN_vkGetPhysicalDeviceFeatures features;
+    PFN_vkGetPhysicalDeviceMemoryProperties memory;
+    PFN_vkGetPhysicalDeviceMemoryProperties2 memory2;
     struct Instance *next;
 } Instance;
 
@@ -48,6 +51,10 @@ typedef struct Device {
     PFN_vkDestroyShaderModule destroy_module;
     PFN_vkCreateComputePipelines create_pipelines;
     PFN_vkAllocateMemory allocate;
+    PFN_vkGetBufferMemoryRequirements of_buffer;
+    PFN_vkGetBufferMemoryRequirements2 of_buffer2;
+    PFN_vkGetImageMemoryRequirements of_image;
+    PFN_vkGetImageMemoryRequirements2 of_image2;
     PFN_vkMapMemory map;
     PFN_vkUnmapMemory unmap;
     struct Device *next;
@@ -193,6 +200,61 @@ static VKAPI_ATTR VkResult VKAPI_CALL get_image_format(VkPhysicalDevice device, 
     return result;
 }
 
+/* ------------------------------------------------------------------ memory of a device's own */
+
+/* The types that a discrete GPU has. All are the driver's first type, which the host can map. */
+static const VkMemoryPropertyFlags TYPES_OF_MEMORY[] = {
+    VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
+    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
+};
+enum { TYPE_COUNT = sizeof TYPES_OF_MEMORY / sizeof *TYPES_OF_MEMORY };
+
+static void divide(VkPhysicalDeviceMemoryProperties *memory) {
+    if (!wish("GUISE_MEMORY")) return;
+    memory->memoryTypeCount = TYPE_COUNT;
+    for (uint32_t i = 0; i < TYPE_COUNT; i++)
+        memory->memoryTypes[i] = (VkMemoryType){.propertyFlags = TYPES_OF_MEMORY[i], .heapIndex = i > 0};
+    memory->memoryHeapCount = 2;
+    memory->memoryHeaps[1] = (VkMemoryHeap){.size = memory->memoryHeaps[0].size};
+}
+
+static VKAPI_ATTR void VKAPI_CALL get_memory(VkPhysicalDevice device, VkPhysicalDeviceMemoryProperties *memory) {
+    instance_of(device)->memory(device, memory);
+    divide(memory);
+}
+
+static VKAPI_ATTR void VKAPI_CALL get_memory2(VkPhysicalDevice device, VkPhysicalDeviceMemoryProperties2 *memory) {
+    instance_of(device)->memory2(device, memory);
+    divide(&memory->memoryProperties);
+}
+
+static void allow_all(VkMemoryRequirements *needed) {
+    if (wish("GUISE_MEMORY")) needed->memoryTypeBits = (1u << TYPE_COUNT) - 1;
+}
+
+static VKAPI_ATTR void VKAPI_CALL of_buffer(VkDevice device, VkBuffer buffer, VkMemoryRequirements *needed) {
+    device_of(device)->of_buffer(device, buffer, needed);
+    allow_all(needed);
+}
+
+static VKAPI_ATTR void VKAPI_CALL of_buffer2(VkDevice device, const VkBufferMemoryRequirementsInfo2 *info,
+                                             VkMemoryRequirements2 *needed) {
+    device_of(device)->of_buffer2(device, info, needed);
+    allow_all(&needed->memoryRequirements);
+}
+
+static VKAPI_ATTR void VKAPI_CALL of_image(VkDevice device, VkImage image, VkMemoryRequirements *needed) {
+    device_of(device)->of_image(device, image, needed);
+    allow_all(needed);
+}
+
+static VKAPI_ATTR void VKAPI_CALL of_image2(VkDevice device, const VkImageMemoryRequirementsInfo2 *info,
+                                            VkMemoryRequirements2 *needed) {
+    device_of(device)->of_image2(device, info, needed);
+    allow_all(&needed->memoryRequirements);
+}
+
 /* ------------------------------------------------------------------ instances and devices */
 
 static VKAPI_ATTR VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo *info,
@@ -216,6 +278,8 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo
         .properties2 = (void *)get(*made, "vkGetPhysicalDeviceProperties2"),
         .image_format = (void *)get(*made, "vkGetPhysicalDeviceImageFormatProperties"),
         .features = (void *)get(*made, "vkGetPhysicalDeviceFeatures"),
+        .memory = (void *)get(*made, "vkGetPhysicalDeviceMemoryProperties"),
+        .memory2 = (void *)get(*made, "vkGetPhysicalDeviceMemoryProperties2"),
     };
     pthread_mutex_lock(&lock);
     new->next = instances;
@@ -269,6 +333,10 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, c
         .destroy_module = (void *)get(*made, "vkDestroyShaderModule"),
         .create_pipelines = (void *)get(*made, "vkCreateComputePipelines"),
         .allocate = (void *)get(*made, "vkAllocateMemory"),
+        .of_buffer = (void *)get(*made, "vkGetBufferMemoryRequirements"),
+        .of_buffer2 = (void *)get(*made, "vkGetBufferMemoryRequirements2"),
+        .of_image = (void *)get(*made, "vkGetImageMemoryRequirements"),
+        .of_image2 = (void *)get(*made, "vkGetImageMemoryRequirements2"),
         .map = (void *)get(*made, "vkMapMemory"),
         .unmap = (void *)get(*made, "vkUnmapMemory"),
     };
@@ -415,7 +483,9 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_pipelines(VkDevice handle, VkPipeli
 static VKAPI_ATTR VkResult VKAPI_CALL allocate_memory(VkDevice handle, const VkMemoryAllocateInfo *info,
                                                       const VkAllocationCallbacks *allocator, VkDeviceMemory *made) {
     Device *device = device_of(handle);
-    VkResult result = device->allocate(handle, info, allocator, made);
+    VkMemoryAllocateInfo of_driver = *info;
+    if (wish("GUISE_MEMORY")) of_driver.memoryTypeIndex = 0;
+    VkResult result = device->allocate(handle, &of_driver, allocator, made);
     const char *poison = wish("GUISE_POISON");
     void *at;
     if (result == VK_SUCCESS && poison &&
@@ -445,6 +515,12 @@ static const Function OF_DEVICES[] = {
     {"vkDestroyShaderModule", destroy_module},
     {"vkCreateComputePipelines", create_pipelines},
     {"vkAllocateMemory", allocate_memory},
+    {"vkGetBufferMemoryRequirements", of_buffer},
+    {"vkGetBufferMemoryRequirements2", of_buffer2},
+    {"vkGetBufferMemoryRequirements2KHR", of_buffer2},
+    {"vkGetImageMemoryRequirements", of_image},
+    {"vkGetImageMemoryRequirements2", of_image2},
+    {"vkGetImageMemoryRequirements2KHR", of_image2},
     {NULL, NULL},
 };
 
@@ -456,6 +532,9 @@ static const Function OF_INSTANCES[] = {
     {"vkGetPhysicalDeviceProperties2", get_properties2},
     {"vkGetPhysicalDeviceProperties2KHR", get_properties2},
     {"vkGetPhysicalDeviceImageFormatProperties", get_image_format},
+    {"vkGetPhysicalDeviceMemoryProperties", get_memory},
+    {"vkGetPhysicalDeviceMemoryProperties2", get_memory2},
+    {"vkGetPhysicalDeviceMemoryProperties2KHR", get_memory2},
     {NULL, NULL},
 };
 

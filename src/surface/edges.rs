@@ -19,6 +19,8 @@ use super::{Surface, SurfaceError};
 
 /// Number of rows that are measured together, so that each row's points and bends serve the next row.
 const BAND: usize = 32;
+/// Smallest number of them, where there are many threads.
+const LEAST_BAND: usize = 8;
 
 /// The lengths of the edges from every grid point to its east, north, north-east and north-west neighbours.
 /// The edges to the other four neighbours are stored at the neighbour. A missing edge (border, hole) has the
@@ -269,8 +271,10 @@ impl Surface {
         texels: &mut [[f32; 4]],
     ) -> Result<bool, SurfaceError> {
         let cols = self.cols();
+        // All threads have work, although each band also reads the rows around it.
+        let band_rows = rows.len().div_ceil(rayon::current_num_threads()).clamp(LEAST_BAND, BAND);
         let band_of = |(band, texels): (usize, &mut [[f32; 4]])| {
-            let first = rows.start + band * BAND;
+            let first = rows.start + band * band_rows;
             let band = first.saturating_sub(1)..first + texels.len() / cols;
             let (mut row_above, mut has_obtuse) = (RowAbove::none(cols), false);
             self.measure_rows(band, origin, |row, lengths| {
@@ -285,7 +289,7 @@ impl Surface {
             })?;
             Ok(has_obtuse)
         };
-        let bands = texels.par_chunks_mut(BAND * cols).enumerate().map(band_of);
+        let bands = texels.par_chunks_mut(band_rows * cols).enumerate().map(band_of);
         bands.try_reduce(|| false, |a, b| Ok(a | b))
     }
 

@@ -497,7 +497,7 @@ fn obtuse_triangles<R: Real>(edges: &EdgeLengths<R>) -> Option<Found> {
     let in_row = |(row, line): (usize, &mut [u8])| {
         let ranges = match &edges.obtuse.marked {
             Some(cells) => cells.ranges(row, line.len()),
-            None => vec![0..line.len()],
+            None => std::iter::once(0..line.len()).collect(),
         };
         let mut places = Vec::new();
         for cols in ranges {

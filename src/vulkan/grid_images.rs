@@ -7,9 +7,13 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 
 use super::anchors::ANCHOR_BYTES;
+use super::device::bands::{
+    bands, distance_bytes, frame_bytes, source_bytes, staged_bytes, transfer_bytes, upload_bytes,
+};
 use super::device::descriptors::{Contents, GridSets};
 use super::device::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo, RESULT_FORMAT};
 use super::device::pipelines::Pipelines;
+use super::device::staging::{HALVES, Staging};
 use super::schedules::plan::Scan;
 use super::schedules::progress;
 use super::schedules::progress::Record;
@@ -18,19 +22,14 @@ use super::{TexelChart, Tuning, VulkanError};
 use crate::constants::LAYERS;
 use crate::surface::Chart;
 
-/// Largest number of bytes of a band of rows. Edges are uploaded, points measured and distances read back in
-/// bands.
-const BAND_BYTES: usize = 16 << 20;
-/// Smallest size of the upload buffer in bytes: room for the sources on a small grid.
-const LEAST_UPLOAD_BYTES: usize = 64 << 10;
-/// Largest number of bytes of a point: position and slowness, or its edges.
-pub(crate) const POINT_BYTES: usize = 16;
-
 /// Numbers that are kept for a tile.
 pub(crate) const TILE_WORDS: usize = 6;
 
 /// Largest number of sources in a recording.
 pub(crate) const INLINE_SOURCES: usize = 1024;
+
+/// Source, target and size of a copy between buffers, each place with its offset.
+pub(crate) type Copied = ((vk::Buffer, u64), (vk::Buffer, u64), u64);
 
 /// Purpose of a grid's images.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +37,7 @@ pub(crate) enum Purpose<'a> {
     /// Headless solving. Edges and sources come from the program's memory, and distances go back there. Both
     /// pass through buffers of 4 bytes a point, up to 16 MiB each. The upload buffer has room for anchors
     /// after the edges. If the slowness of the surface is uneven, it is on the device too, 4 bytes a point.
+    /// With [`Tuning::staged`] there are buffers in the host's memory too, of 12 bytes a point together.
     Headless { slowed: bool },
     /// Embedding in a renderer. Everything stays on the device. `slots` is the number of frames in flight,
     /// `results` the number of images of distances, and `families` are the queue families that use these
@@ -51,6 +51,12 @@ impl Purpose<'_> {
             Self::Headless { .. } => 0,
             Self::Embedded { slots, .. } => slots,
         }
+    }
+
+    /// Returns whether what the program writes and reads passes through staging buffers. A renderer's frame
+    /// reads and writes the renderer's own buffers.
+    fn is_staged(self, tuning: Tuning) -> bool {
+        matches!(self, Self::Headless { .. }) && tuning.staged
     }
 
     /// Returns whether there is a slowness beside the Gaussian curvature.
@@ -79,9 +85,15 @@ pub(crate) struct GridImages {
     pub(crate) outcome: Buffer,
     pub(crate) tiles: Buffer,
     pub(crate) blocks: Buffer,
+    /// Points or sources, and anchors, for shaders. Unless there is staging, edges are copied from it too.
     pub(crate) upload: Buffer,
-    /// Buffer of distances to read back, or of sources that a recording contains.
+    /// Buffer to which distances are unpacked, or of sources that a recording contains.
     pub(crate) download: Buffer,
+    /// Buffers in the host's memory through which everything passes to `upload` and from `download`, if the
+    /// device has memory of its own.
+    staging: Option<[Staging; 2]>,
+    /// Whether anchors have been written.
+    has_anchors: bool,
     pub(crate) sets: GridSets,
 }
 
@@ -98,6 +110,8 @@ impl GridImages {
     ) -> Result<Self, VulkanError> {
         let mut images = Vec::new();
         let mut buffers = Vec::new();
+        let mut staging = Vec::new();
+        let is_staged = purpose.is_staged(pipelines.tuning);
         let created = (|| {
             for info in image_infos(chart, texels, purpose) {
                 images.push(Image::new(device, allocator, info)?);
@@ -112,6 +126,9 @@ impl GridImages {
             else {
                 unreachable!("four images come before the results, and there are six buffers")
             };
+            for (name, sizes) in staging_infos(chart).into_iter().filter(|_| is_staged) {
+                staging.push(Staging::new(device, allocator, pipelines, name, sizes)?);
+            }
             let contents = Contents {
                 edges,
                 gaussian,
@@ -129,6 +146,7 @@ impl GridImages {
             Err(error) => {
                 images.iter_mut().for_each(|image| image.destroy(device, allocator));
                 buffers.iter_mut().for_each(|buffer| buffer.destroy(device, allocator));
+                staging.iter_mut().for_each(|staging| staging.destroy(device, allocator));
                 return Err(error);
             }
         };
@@ -154,6 +172,8 @@ impl GridImages {
             blocks,
             upload,
             download,
+            staging: staging.try_into().ok(),
+            has_anchors: false,
             sets,
         })
     }
@@ -196,16 +216,79 @@ impl GridImages {
         self.slowed
     }
 
-    /// Returns the memory to which edges and sources of a headless surface are written.
-    pub(crate) fn staging(&mut self) -> &mut [u8] {
-        let bytes = upload_bytes(self.chart, transfer_bytes(self.chart));
-        &mut self.upload.mapped()[..bytes]
+    /// Returns the number of bands that may be on their way at a time, each in a half of its own.
+    pub(crate) fn halves(&self) -> usize {
+        if self.staging.is_some() { HALVES } else { 1 }
     }
 
-    /// Returns the memory in which shaders find the anchors of a headless floor plan.
-    pub(crate) fn anchors(&mut self) -> &mut [u8] {
+    /// Returns the halves of bands that are transferred one after another.
+    pub(crate) fn halves_in_turn(&self) -> impl Iterator<Item = usize> + use<> {
+        (0..self.halves()).cycle()
+    }
+
+    /// Returns the bands of rows in which values of `point_bytes` bytes a point are uploaded.
+    pub(crate) fn upload_bands(&self, point_bytes: usize) -> Vec<Range<usize>> {
+        bands(self.chart, point_bytes, transfer_bytes(self.chart)).collect()
+    }
+
+    /// Returns the bands of rows in which distances are read back.
+    pub(crate) fn read_back_bands(&self) -> Vec<Range<usize>> {
+        let most = match self.staging.is_some() {
+            true => staged_bytes(self.chart),
+            false => transfer_bytes(self.chart),
+        };
+        bands(self.chart, size_of::<f32>(), most).collect()
+    }
+
+    /// Returns the memory to which edges and sources of a headless surface are written.
+    pub(crate) fn upload_half(&mut self, half: usize) -> &mut [u8] {
         let bytes = upload_bytes(self.chart, transfer_bytes(self.chart));
-        &mut self.upload.mapped()[bytes..][..ANCHOR_BYTES]
+        match &mut self.staging {
+            Some([upload, _]) => upload.write(half),
+            None => &mut self.upload.mapped()[..bytes],
+        }
+    }
+
+    /// Returns where a copy finds what was written to [`GridImages::upload_half`].
+    pub(crate) fn upload_at(&self, half: usize) -> (vk::Buffer, u64) {
+        self.staging.as_ref().map_or((self.upload.buffer, 0), |[upload, _]| upload.at(half))
+    }
+
+    /// Returns the bytes of sources for which shaders have room at a time.
+    pub(crate) fn source_room(&self) -> usize {
+        source_bytes(self.chart, self.staging.is_some())
+    }
+
+    /// Returns the memory to which the anchors of a headless floor plan are written.
+    pub(crate) fn anchors(&mut self) -> &mut [u8] {
+        let bytes = self.source_room();
+        self.has_anchors = true;
+        match &mut self.staging {
+            Some([upload, _]) => upload.write_further(),
+            None => &mut self.upload.mapped()[bytes..][..ANCHOR_BYTES],
+        }
+    }
+
+    /// Returns the copies that bring `sources` bytes of the first half, and the anchors, to where shaders read
+    /// them. They are `None` if shaders read what the program has written.
+    pub(crate) fn inputs(&self, sources: u64) -> Option<[Copied; 2]> {
+        let [upload, _] = self.staging.as_ref()?;
+        let (to, room) = (self.upload.buffer, self.source_room() as u64);
+        let anchors = if self.has_anchors { ANCHOR_BYTES as u64 } else { 0 };
+        Some([(upload.at(0), (to, 0), sources), (upload.further_at(), (to, room), anchors)])
+    }
+
+    /// Returns where distances are to be copied for the host; `None` if it reads what shaders write.
+    pub(crate) fn read_back_at(&self, half: usize) -> Option<(vk::Buffer, u64)> {
+        self.staging.as_ref().map(|[_, read_back]| read_back.at(half))
+    }
+
+    /// Returns the memory in which the host finds distances that were read back.
+    pub(crate) fn read_back(&self, half: usize) -> &[u8] {
+        match &self.staging {
+            Some([_, read_back]) => read_back.read(half),
+            None => self.download.read(),
+        }
     }
 
     /// Returns the bytes of device and staging memory held.
@@ -216,6 +299,7 @@ impl GridImages {
         let buffers = [progress, outcome, tiles, blocks, upload, download];
         images.map(|image| image.bytes()).sum::<u64>()
             + buffers.iter().map(|buffer| buffer.bytes()).sum::<u64>()
+            + self.staging.iter().flatten().map(Staging::bytes).sum::<u64>()
     }
 
     /// Frees everything. No submitted work may still use it.
@@ -230,6 +314,7 @@ impl GridImages {
         for buffer in [progress, outcome, tiles, blocks, upload, download] {
             buffer.destroy(device, allocator);
         }
+        self.staging.iter_mut().flatten().for_each(|staging| staging.destroy(device, allocator));
     }
 }
 
@@ -268,22 +353,22 @@ fn buffer_infos(
     purpose: Purpose,
 ) -> [BufferInfo; 6] {
     use MemoryLocation::{CpuToGpu, GpuOnly, GpuToCpu};
-    let most = match purpose {
-        Purpose::Headless { .. } => transfer_bytes(chart),
-        Purpose::Embedded { .. } => frame_bytes(chart),
-    };
-    let (upload_location, outcomes, last) = match purpose {
+    let is_staged = purpose.is_staged(tuning);
+    let (upload, upload_location, outcomes, last) = match purpose {
         Purpose::Headless { .. } => {
-            let bytes = band_rows(chart, size_of::<f32>(), most) * chart.cols * size_of::<f32>();
-            (CpuToGpu, 1, ("read-back", bytes, GpuToCpu))
+            let upload = source_bytes(chart, is_staged) + ANCHOR_BYTES;
+            let (most, locations) = match is_staged {
+                true => (staged_bytes(chart), [GpuOnly; 2]),
+                false => (transfer_bytes(chart), [CpuToGpu, GpuToCpu]),
+            };
+            (upload, locations[0], 1, ("read-back", distance_bytes(chart, most), locations[1]))
         }
         Purpose::Embedded { slots, .. } => {
+            let upload = upload_bytes(chart, frame_bytes(chart));
             // The additional record says how far the device has come.
-            (GpuOnly, slots + 1, ("sources", INLINE_SOURCES * SOURCE_BYTES, GpuOnly))
+            (upload, GpuOnly, slots + 1, ("sources", INLINE_SOURCES * SOURCE_BYTES, GpuOnly))
         }
     };
-    let anchors = if matches!(purpose, Purpose::Headless { .. }) { ANCHOR_BYTES } else { 0 };
-    let upload = upload_bytes(chart, most) + anchors;
     [
         ("progress", progress::BYTES as usize, GpuOnly),
         ("outcome", outcomes * size_of::<Record>(), GpuToCpu),
@@ -295,10 +380,11 @@ fn buffer_infos(
     .map(|(name, size, location)| BufferInfo { name, size: size as u64, location })
 }
 
-/// Returns the bytes of the upload buffer, for points in bands of at most `most` bytes, and for sources.
-pub(crate) fn upload_bytes(chart: Chart, most: usize) -> usize {
-    let points = (band_rows(chart, POINT_BYTES, most) + HALO) * chart.cols * POINT_BYTES;
-    points.max(LEAST_UPLOAD_BYTES)
+/// Returns the names and sizes of the staging buffers, each of a half and of what follows both.
+fn staging_infos(chart: Chart) -> [(&'static str, (usize, usize)); 2] {
+    let upload = upload_bytes(chart, transfer_bytes(chart));
+    let read_back = distance_bytes(chart, staged_bytes(chart));
+    [("staging of uploads", (upload, ANCHOR_BYTES)), ("staging of distances", (read_back, 0))]
 }
 
 /// Returns the bytes kept for tiles. For each tile they are its state, the round that it waits for, a place
@@ -313,59 +399,39 @@ fn blocks_bytes(texels: TexelChart, lines: u32) -> usize {
     Scan::ALL.len() * texels.block_pitch(lines) as usize * size_of::<[u32; 3]>()
 }
 
-/// Returns the bytes of a band that is transferred between the program's memory and the device: 4 for each
-/// point of the grid. The buffers then take a sixth of the memory of the map. Bands of small grids are
-/// larger, since another submission would take longer than it is worth.
-pub(crate) fn transfer_bytes(chart: Chart) -> usize {
-    (4 * chart.points()).clamp(256 << 10, BAND_BYTES)
-}
-
-/// Returns the bytes of a band of a host's points: 6 for each point of the grid, which gives three bands.
-/// Points are measured band by band in each frame in which they change. Grids of up to 512 x 512 points are
-/// measured at once: there the time of two more passes would outweigh the memory that they save.
-pub(crate) fn frame_bytes(chart: Chart) -> usize {
-    (6 * chart.points()).clamp(4 << 20, BAND_BYTES)
-}
-
-/// Returns the rows of a band of at most `most` bytes. The number is even, so that a texel lies in one band.
-fn band_rows(chart: Chart, point_bytes: usize, most: usize) -> usize {
-    let rows = most / (chart.cols * point_bytes);
-    (rows / 2 * 2).clamp(2, chart.rows.next_multiple_of(2))
-}
-
-/// Returns the grid's rows in bands of at most `most` bytes.
-pub(crate) fn bands(
-    chart: Chart,
-    point_bytes: usize,
-    most: usize,
-) -> impl Iterator<Item = Range<usize>> {
-    let step = band_rows(chart, point_bytes, most);
-    (0..chart.rows).step_by(step).map(move |row| row..(row + step).min(chart.rows))
-}
-
-/// Returns the rows whose points are needed to measure the edges of a band. An edge to the north also depends
-/// on how the surface bends at its other end. At an end where the line ends, it depends on the next two
-/// points inwards.
-pub(crate) fn rows_around(band: &Range<usize>, chart: Chart) -> Range<usize> {
-    band.start.saturating_sub(BEFORE)..(band.end + AFTER).min(chart.rows)
-}
-
-const BEFORE: usize = 3;
-const AFTER: usize = 2;
-/// Largest number of rows around a band.
-const HALO: usize = BEFORE + AFTER;
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Counts what shaders read and write in the host's memory, beyond the bus of a device with memory of its
+    /// own: distances, sources and anchors.
     #[test]
-    fn bands_cover_every_row_once() {
-        let chart = Chart { rows: 4099, cols: 3000 };
-        let bands: Vec<_> = bands(chart, POINT_BYTES, BAND_BYTES).collect();
-        assert!(bands.len() > 2);
-        assert!(bands.iter().all(|band| band.start.is_multiple_of(2)));
-        assert_eq!(bands.iter().map(|band| band.len()).sum::<usize>(), chart.rows);
-        assert!(bands.windows(2).all(|pair| pair[0].end == pair[1].start));
+    fn shaders_of_staged_maps_leave_the_memory_of_the_host_alone() {
+        for (side, written) in [(1200, 5_760_000), (4096, 67_108_864)] {
+            let chart = Chart { rows: side, cols: side };
+            let texels = TexelChart::new(chart).unwrap();
+            for staged in [false, true] {
+                let tuning = Tuning { staged, ..Tuning::ON_CPU };
+                let all = buffer_infos(chart, texels, tuning, Purpose::Headless { slowed: false });
+                let beyond: Vec<_> = all
+                    .into_iter()
+                    .filter(|info| info.location != MemoryLocation::GpuOnly)
+                    // Copies write the outcome.
+                    .filter(|info| info.name != "outcome")
+                    .collect();
+                let distances = beyond.iter().find(|info| info.name == "read-back");
+                let bytes = distances.map_or(0, |info| {
+                    bands(chart, 4, info.size as usize)
+                        .map(|rows| 4 * (rows.len() * side) as u64)
+                        .sum()
+                });
+                println!("{side} x {side}, staged {staged}: {bytes} bytes of distances");
+                assert_eq!(bytes, if staged { 0 } else { written });
+                assert_eq!(beyond.len(), if staged { 0 } else { 2 });
+                let host: usize =
+                    staging_infos(chart).iter().map(|(_, (half, more))| HALVES * half + more).sum();
+                assert!(host < (12 << 20) + 13 * chart.points(), "{host}");
+            }
+        }
     }
 }

@@ -28,6 +28,7 @@ mod texel_chart;
 pub(crate) mod upload;
 
 pub use device::devices::{DeviceChoice, DeviceInfo, devices};
+pub(crate) use device::pipeline_store::are_pipelines_kept;
 pub use device::pipeline_store::{PipelineStore, keep_pipelines_in};
 pub use device::requirements;
 pub use device::tile_lanes::TileLanes;

@@ -12,4 +12,5 @@ mod pairwise;
 mod profile;
 #[cfg(feature = "shaderc")]
 mod spirv;
+mod staging;
 mod tile_lanes;

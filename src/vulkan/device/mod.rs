@@ -1,6 +1,7 @@
 //! Access to a device that all solvers share: its choice and limits, memory, barriers, descriptors, shaders and
 //! pipelines. Nothing here knows of maps.
 
+pub(in crate::vulkan) mod bands;
 pub(in crate::vulkan) mod barrier;
 pub(in crate::vulkan) mod descriptors;
 pub(in crate::vulkan) mod device_memory;
@@ -14,5 +15,6 @@ pub(in crate::vulkan) mod pipeline_store;
 pub(in crate::vulkan) mod pipelines;
 pub mod requirements;
 pub(in crate::vulkan) mod shaders;
+pub(in crate::vulkan) mod staging;
 pub(in crate::vulkan) mod tile_lanes;
 pub(in crate::vulkan) mod validation;

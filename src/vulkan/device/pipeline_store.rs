@@ -46,6 +46,11 @@ pub fn keep_pipelines_in(folder: Option<PathBuf>) {
     *FOLDER.write().unwrap_or_else(PoisonError::into_inner) = folder;
 }
 
+/// Returns whether headless solvers of this process keep their pipelines in files.
+pub(crate) fn are_pipelines_kept() -> bool {
+    folder(env::var_os(VARIABLE)).is_some()
+}
+
 /// Returns the folder, given the value of the environment variable.
 fn folder(variable: Option<OsString>) -> Option<PathBuf> {
     match variable {

@@ -12,6 +12,7 @@ use super::surface::FrameSurface;
 use crate::constants::{NEVER_MEASURED, SOURCES_TOGETHER, SURROUNDINGS_TEXELS, WORKGROUP};
 use crate::surface::{Chart, EdgeRule};
 use crate::vulkan::VulkanError;
+use crate::vulkan::device::bands::{POINT_BYTES, bands, frame_bytes, rows_around};
 use crate::vulkan::device::barrier::{PASS, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::device::passes::{
     CommonPass, MERGE_SURROUNDINGS, POINTS_FROM_BUFFER, POINTS_FROM_IMAGE, SOURCES, Variant,
@@ -19,7 +20,7 @@ use crate::vulkan::device::passes::{
 use crate::vulkan::device::shaders::{
     merge_surroundings, points_from_buffer, sources, surroundings,
 };
-use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands, frame_bytes, rows_around};
+use crate::vulkan::grid_images::INLINE_SOURCES;
 use crate::vulkan::profile::{PassKind, PassRecord, Profile, Work};
 use crate::vulkan::record::{Commands, Recorder};
 use crate::vulkan::schedules::progress::offset;
@@ -432,7 +433,7 @@ pub(super) fn grid_size(chart: Chart) -> [i32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vulkan::grid_images::upload_bytes;
+    use crate::vulkan::device::bands::upload_bytes;
     use crate::vulkan::upload::SeedTexel;
 
     #[test]

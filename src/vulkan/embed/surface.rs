@@ -15,10 +15,9 @@ use super::state::State;
 use crate::constants::{BORDER, NEVER_MEASURED, SOURCES_TOGETHER, TIME};
 use crate::surface::{Chart, EdgeRule, Resolution, SurfaceError};
 use crate::vulkan::VulkanError;
+use crate::vulkan::device::bands::{POINT_BYTES, bands, frame_bytes};
 use crate::vulkan::device::memory::{FORMAT, RESULT_FORMAT};
-use crate::vulkan::grid_images::{
-    GridImages, INLINE_SOURCES, POINT_BYTES, Purpose, bands, frame_bytes,
-};
+use crate::vulkan::grid_images::{GridImages, INLINE_SOURCES, Purpose};
 use crate::vulkan::schedules::progress::{Record, offset};
 
 /// Parameters of a surface. The host's images and buffers still belong to the host. They must be alive

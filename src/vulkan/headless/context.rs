@@ -160,6 +160,11 @@ pub(crate) trait Submitter {
     /// Submits the recorded commands and waits for their end.
     fn submit(&mut self, commands: &CommandBuffer) -> Result<(), VulkanError>;
 
+    /// Submits recorded commands that [`Flight::wait`] waits for. A submitter may wait for them at once.
+    fn start(&mut self, flight: &mut Flight) -> Result<(), VulkanError> {
+        self.submit(&flight.commands)
+    }
+
     /// Starts the clock of a map again.
     fn restart(&mut self) {}
 
@@ -188,6 +193,10 @@ impl Submitter for Unwatched {
 
     fn submit(&mut self, commands: &CommandBuffer) -> Result<(), VulkanError> {
         commands.submit_and_wait()
+    }
+
+    fn start(&mut self, flight: &mut Flight) -> Result<(), VulkanError> {
+        flight.start()
     }
 }
 
@@ -241,17 +250,69 @@ impl CommandBuffer {
     }
 
     pub(crate) fn submit_and_wait(&self) -> Result<(), VulkanError> {
-        let Context { device, queue, fence, .. } = &*self.context;
+        self.submit(self.context.fence)?;
+        self.wait(self.context.fence)
+    }
+
+    fn submit(&self, fence: vk::Fence) -> Result<(), VulkanError> {
+        let Context { device, queue, .. } = &*self.context;
         let buffers = [self.buffer];
         let submit = vk::SubmitInfo::default().command_buffers(&buffers);
         // SAFETY: the buffer is recorded and not pending, and the fence is unsignalled.
-        unsafe { device.queue_submit(*queue, &[submit], *fence) }
-            .map_err(VulkanError::from_call("vkQueueSubmit"))?;
-        // SAFETY: the fence was submitted above.
-        unsafe { device.wait_for_fences(&[*fence], true, u64::MAX) }
+        unsafe { device.queue_submit(*queue, &[submit], fence) }
+            .map_err(VulkanError::from_call("vkQueueSubmit"))
+    }
+
+    /// Waits for the fence of a submission, and resets it.
+    fn wait(&self, fence: vk::Fence) -> Result<(), VulkanError> {
+        let device = &self.context.device;
+        // SAFETY: the fence was submitted.
+        unsafe { device.wait_for_fences(&[fence], true, u64::MAX) }
             .map_err(VulkanError::from_call("vkWaitForFences"))?;
         // SAFETY: the fence is signalled.
-        unsafe { device.reset_fences(&[*fence]) }.map_err(VulkanError::from_call("vkResetFences"))
+        unsafe { device.reset_fences(&[fence]) }.map_err(VulkanError::from_call("vkResetFences"))
+    }
+}
+
+/// Command buffer that the device runs while the program does other work.
+pub(crate) struct Flight {
+    /// Recorded only after [`Flight::wait`].
+    pub(crate) commands: CommandBuffer,
+    fence: vk::Fence,
+    is_pending: bool,
+}
+
+impl Flight {
+    pub(crate) fn new(context: &Arc<Context>) -> Result<Self, VulkanError> {
+        let commands = CommandBuffer::new(context)?;
+        // SAFETY: nothing is borrowed beyond the call.
+        let fence = unsafe { context.device.create_fence(&vk::FenceCreateInfo::default(), None) }
+            .map_err(VulkanError::from_call("vkCreateFence"))?;
+        Ok(Self { commands, fence, is_pending: false })
+    }
+
+    /// Submits the recorded commands. The last submission has been waited for.
+    fn start(&mut self) -> Result<(), VulkanError> {
+        self.commands.submit(self.fence)?;
+        self.is_pending = true;
+        Ok(())
+    }
+
+    /// Waits for the last submission, if the device may still run it.
+    pub(crate) fn wait(&mut self) -> Result<(), VulkanError> {
+        match std::mem::take(&mut self.is_pending) {
+            true => self.commands.wait(self.fence),
+            false => Ok(()),
+        }
+    }
+}
+
+impl Drop for Flight {
+    fn drop(&mut self) {
+        // After a lost device nothing is pending.
+        let _ = self.wait();
+        // SAFETY: nothing uses the fence any more.
+        unsafe { self.commands.context.device.destroy_fence(self.fence, None) };
     }
 }
 

@@ -128,6 +128,16 @@ impl HeadlessSolver {
         Ok(self)
     }
 
+    /// Returns a tuning with [`Tuning::tile_edges`] as it is best on this device: set if shared memory has room
+    /// for the edges of tiles of this size.
+    pub fn place_edges(&self, tuning: Tuning) -> Tuning {
+        let instance = &self.context.instance.handle;
+        // SAFETY: the physical device is from this instance.
+        let properties =
+            unsafe { instance.get_physical_device_properties(self.context.physical_device) };
+        tuning.with_edges_placed(properties.limits.max_compute_shared_memory_size)
+    }
+
     /// Returns the messages of the validation layers; `None` if the layers are off.
     pub fn validation_log(&self) -> Option<&ValidationLog> {
         self.context.instance.validation_log()
@@ -177,7 +187,7 @@ mod tests {
     use crate::Stop;
     use crate::surface::{Seed, Sources, Spacing, Surface};
     use crate::vulkan::device::barrier::tests::without;
-    use crate::vulkan::device::barrier::{Access, PASS};
+    use crate::vulkan::device::barrier::{Access, CLEAR, COPY, PASS, SHADER, SHADER_WRITE};
     use crate::vulkan::{Method, Schedule};
 
     const STOP: Stop = Stop::within(1e-6).or_after(100);
@@ -249,6 +259,27 @@ mod tests {
         }
         drop((on_device, solver));
         assert_eq!(log.messages(), Vec::<String>::new());
+    }
+
+    #[test]
+    fn a_missing_barrier_of_a_copy_is_reported() {
+        let surface = hill();
+        // After distances are unpacked, and after sources are copied: the barrier that follows clears comes first.
+        for (missing, number) in [((SHADER_WRITE, COPY), 0), ((CLEAR, SHADER), 1)] {
+            let solver = solver();
+            let tuning = Tuning { staged: true, ..solver.tuning() };
+            let mut solver = solver.with_tuning(tuning).unwrap();
+            let mut on_device = solver.upload(&surface).unwrap();
+            let (method, seeds) = (method(Wavefront::Planar, Schedule::Raster), seeds(&surface));
+            solver.solve(&mut on_device, &seeds, method).unwrap();
+            let mut numbers = 0..;
+            let chosen = move |before: Access, after: Access| {
+                (before, after) == missing && numbers.next() == Some(number)
+            };
+            let result = without(chosen, || solver.solve(&mut on_device, &seeds, method));
+            let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
+            assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-")), "{messages:?}");
+        }
     }
 
     /// Returns a solver with one function of the device replaced by one that fails.

@@ -2,13 +2,14 @@
 
 use std::time::{Duration, Instant};
 
-use super::context::{CommandBuffer, Submitter, Unwatched};
+use super::context::{CommandBuffer, Flight, Submitter, Unwatched};
 use super::surface_on_device::{Start, SurfaceOnDevice};
 use crate::Stop;
 use crate::surface::Seed;
 use crate::update::Wavefront;
 use crate::vulkan::device::passes::Variant;
-use crate::vulkan::grid_images::{GridImages, bands, transfer_bytes};
+use crate::vulkan::device::staging::copy_in_parallel;
+use crate::vulkan::grid_images::GridImages;
 use crate::vulkan::profile::{Detail, Session, SolveProfile};
 use crate::vulkan::record::{Commands, Recorder};
 use crate::vulkan::schedules;
@@ -198,7 +199,7 @@ impl HeadlessSolver {
             recorder.start(stop, schedule, causal, start == Start::FromLast);
         };
         // The upload buffer holds `most` seeds. All but the last part are seeded by submissions of their own.
-        let most = images.staging().len() / size_of::<SeedTexel>();
+        let most = images.source_room() / size_of::<SeedTexel>();
         let (ahead, last) = seeds.split_at(seeds.len().saturating_sub(1) / most * most);
         if !ahead.is_empty() {
             self.run(submitter, images, |recorder| begin_map(&recorder))?;
@@ -301,18 +302,46 @@ impl HeadlessSolver {
         submitter.submit(&commands)
     }
 
+    /// Returns a command buffer for each band that may be on its way at a time.
+    pub(super) fn flights(&self, grid: &GridImages) -> Result<Vec<Flight>, VulkanError> {
+        (0..grid.halves()).map(|_| Flight::new(&self.context)).collect()
+    }
+
+    /// Records commands and submits them. The last submission of the flight has been waited for.
+    pub(super) fn start(
+        &self,
+        submitter: &mut impl Submitter,
+        flight: &mut Flight,
+        grid: &GridImages,
+        append: impl FnOnce(Recorder),
+    ) -> Result<(), VulkanError> {
+        self.record(submitter, &flight.commands, grid, append)?;
+        submitter.start(flight)
+    }
+
     fn read_back(
         &self,
         submitter: &mut impl Submitter,
-        images: &mut GridImages,
+        images: &GridImages,
     ) -> Result<Vec<f32>, VulkanError> {
-        let mut distances = vec![0.0f32; images.chart.points()];
-        for rows in bands(images.chart, size_of::<f32>(), transfer_bytes(images.chart)) {
-            self.run(submitter, images, |recorder| recorder.unpack(rows.clone()))?;
-            let part =
-                &mut distances[images.chart.index(rows.start, 0)..images.chart.index(rows.end, 0)];
+        let chart = images.chart;
+        let mut distances = vec![0.0f32; chart.points()];
+        let mut flights = self.flights(images)?;
+        let bands = images.read_back_bands();
+        // With two halves, the device copies a band while the host reads the one before.
+        let before = flights.len() - 1;
+        for next in 0..bands.len() + before {
+            if let Some(rows) = bands.get(next) {
+                let half = next % flights.len();
+                let flight = &mut flights[half];
+                self.start(submitter, flight, images, |r| r.unpack(rows.clone(), half))?;
+            }
+            let Some(last) = next.checked_sub(before) else { continue };
+            let (rows, half) = (&bands[last], last % flights.len());
+            flights[half].wait()?;
+            let part = &mut distances[chart.index(rows.start, 0)..chart.index(rows.end, 0)];
             let bytes: &mut [u8] = bytemuck::cast_slice_mut(part);
-            bytes.copy_from_slice(&images.download.mapped()[..bytes.len()]);
+            copy_in_parallel(&images.read_back(half)[..bytes.len()], bytes);
         }
         Ok(distances)
     }
@@ -331,7 +360,7 @@ fn record_part(recorder: &Recorder, variant: Variant, parts: &[&[Step]], number:
 /// Writes seeds to the buffer that `seed.comp` reads, and returns their number.
 fn write_seeds(seeds: &[SeedTexel], images: &mut GridImages) -> u32 {
     let bytes = bytemuck::cast_slice(seeds);
-    images.staging()[..bytes.len()].copy_from_slice(bytes);
+    images.upload_half(0)[..bytes.len()].copy_from_slice(bytes);
     seeds.len() as u32
 }
 

@@ -2,9 +2,12 @@
 
 use std::ops::Range;
 
-use super::context::Unwatched;
+use rayon::prelude::*;
+
+use super::context::{Flight, Unwatched};
 use crate::surface::{Chart, EdgeLengths, Surface};
-use crate::vulkan::grid_images::{GridImages, POINT_BYTES, bands, transfer_bytes};
+use crate::vulkan::device::bands::POINT_BYTES;
+use crate::vulkan::grid_images::GridImages;
 use crate::vulkan::{HeadlessSolver, SurfaceOnDevice, VulkanError};
 
 impl HeadlessSolver {
@@ -24,12 +27,18 @@ impl HeadlessSolver {
         let slowed = on_device.slowed;
         self.run(&mut Unwatched, images, |recorder| recorder.prepare())?;
         let origin = surface.origin();
-        for rows in bands(chart, POINT_BYTES, transfer_bytes(chart)) {
-            let bytes = &mut images.staging()[..rows.len() * chart.cols * POINT_BYTES];
+        let mut flights = self.flights(images)?;
+        for (rows, half) in
+            images.upload_bands(POINT_BYTES).into_iter().zip(images.halves_in_turn())
+        {
+            flights[half].wait()?;
+            let bytes = &mut images.upload_half(half)[..rows.len() * chart.cols * POINT_BYTES];
             let texels = bytemuck::cast_slice_mut(bytes);
             on_device.splits |= surface.write_edges(rows.clone(), origin, texels)?;
-            self.run(&mut Unwatched, images, |recorder| recorder.upload_edges(rows))?;
+            let flight = &mut flights[half];
+            self.start(&mut Unwatched, flight, images, |r| r.upload_edges(rows, half))?;
         }
+        flights.iter_mut().try_for_each(Flight::wait)?;
         let rule = surface.edge_rule();
         let has_positions = surface.geometry().has_positions();
         // The device cannot derive these values from edges.
@@ -60,24 +69,31 @@ impl HeadlessSolver {
         right: bool,
     ) -> Result<(), VulkanError> {
         let chart = images.chart;
-        for rows in bands(chart, POINT_BYTES, transfer_bytes(chart)) {
+        let mut flights = self.flights(images)?;
+        for (rows, half) in
+            images.upload_bands(POINT_BYTES).into_iter().zip(images.halves_in_turn())
+        {
+            flights[half].wait()?;
             let bytes = rows.len().div_ceil(2) * chart.cols.div_ceil(2) * POINT_BYTES;
-            let texels = bytemuck::cast_slice_mut(&mut images.staging()[..bytes]);
+            let texels = bytemuck::cast_slice_mut(&mut images.upload_half(half)[..bytes]);
             write_texels(chart, rows.clone(), known, texels);
-            self.run(&mut Unwatched, images, |recorder| recorder.upload_ground(rows, right))?;
+            let flight = &mut flights[half];
+            self.start(&mut Unwatched, flight, images, |r| r.upload_ground(rows, right, half))?;
         }
-        Ok(())
+        flights.iter_mut().try_for_each(Flight::wait)
     }
 }
 
-/// Writes values at the points of some rows, 2 x 2 points a texel, from a bordered array. The first row must
-/// be even.
+/// Writes values at the points of some rows, 2 x 2 points a texel, from a bordered array, in parallel. The
+/// first row must be even.
 fn write_texels(chart: Chart, rows: Range<usize>, known: &[f32], texels: &mut [[f32; 4]]) {
-    texels.fill([1.0; 4]);
-    for row in rows.clone() {
-        for col in 0..chart.cols {
-            let texel = (row - rows.start) / 2 * chart.cols.div_ceil(2) + col / 2;
-            texels[texel][2 * (row % 2) + col % 2] = known[chart.bordered(row, col)];
+    let lines = texels.par_chunks_mut(chart.cols.div_ceil(2));
+    lines.zip(rows.clone().into_par_iter().step_by(2)).for_each(|(texels, first)| {
+        texels.fill([1.0; 4]);
+        for row in first..(first + 2).min(rows.end) {
+            for col in 0..chart.cols {
+                texels[col / 2][2 * (row % 2) + col % 2] = known[chart.bordered(row, col)];
+            }
         }
-    }
+    });
 }

@@ -19,9 +19,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use ash::vk;
+use rayon::prelude::*;
 
 use super::device::passes::Variant;
-use super::headless::context::{CommandBuffer, Context, Submitter, Unwatched};
+use super::device::staging::HALVES;
+use super::headless::context::{Context, Flight, Submitter, Unwatched};
 use super::profile::{Detail, Grain, Session, SolveProfile};
 use super::record::Commands;
 use super::schedules::plan;
@@ -37,7 +39,6 @@ use progress::{BatchOutcome, MapProgress};
 use record::BatchRecorder;
 use resources::Resources;
 pub use schedule::PairwiseSchedule;
-use steps::Step;
 use tally::Tally;
 
 /// Resources on a device for the maps of a batch of sources of one surface.
@@ -64,7 +65,7 @@ pub struct PairwiseOnDevice {
     layout: BatchLayout,
     passes: BatchPipelines,
     resources: Resources,
-    commands: CommandBuffer,
+    flight: Flight,
 }
 
 impl HeadlessSolver {
@@ -131,7 +132,7 @@ impl HeadlessSolver {
     ) -> Result<PairwiseOnDevice, VulkanError> {
         let (context, grid) = (&self.context, &surface.images);
         let (texels, wavefront) = (grid.texels, layout.wavefront);
-        let commands = CommandBuffer::new(context)?;
+        let flight = Flight::new(context)?;
         let SurfaceOnDevice { slowed, splits, .. } = *surface;
         let variant = Variant { slowed, splits, ..wavefront.into() };
         let passes =
@@ -143,7 +144,7 @@ impl HeadlessSolver {
             grid,
             &layout,
         )?;
-        let new = PairwiseOnDevice {
+        let mut new = PairwiseOnDevice {
             context: Arc::clone(context),
             edges: grid.edges.image,
             texels,
@@ -151,9 +152,10 @@ impl HeadlessSolver {
             layout,
             passes,
             resources,
-            commands,
+            flight,
         };
-        new.submit(self, 0, &mut Unwatched, |recorder| recorder.prepare())?;
+        new.start(self, 0, &mut Unwatched, |recorder| recorder.prepare())?;
+        new.flight.wait()?;
         context.check_validation()?;
         Ok(new)
     }
@@ -260,22 +262,41 @@ impl PairwiseOnDevice {
         assert!(sources.iter().flatten().all(|&source| source < points), "sources are grid points");
         let batch = self.batch();
         let mut convergence = Convergence::NONE;
-        for (sources, rows) in sources.chunks(batch).zip(into.chunks_mut(batch * points)) {
-            let of_batch = self.solve_batch(solver, sources, stop, rows, submitter)?;
+        let mut before = None;
+        let batches = sources.chunks(batch).zip(into.chunks_mut(batch * points));
+        for ((sources, into), half) in batches.zip((0..HALVES).cycle()) {
+            let rows = Rows { sources, into, half };
+            let of_batch = self.solve_batch(solver, rows, stop, &mut before, submitter)?;
             convergence = convergence.worse(of_batch);
         }
+        self.write_rows(before);
         self.context.check_validation()?;
         Ok(convergence)
     }
 
-    fn solve_batch(
+    /// Writes the distances of a batch that has been computed.
+    fn write_rows(&self, rows: Option<Rows>) {
+        let Some(Rows { sources, into, half }) = rows else { return };
+        let points = self.layout.chart.points();
+        let maps: &[f32] = bytemuck::cast_slice(self.resources.read_distances(half));
+        let rows = into.par_chunks_exact_mut(points).zip(maps.par_chunks_exact(points));
+        rows.zip(sources).for_each(|((row, map), source)| match source {
+            Some(_) => row.copy_from_slice(map),
+            None => row.fill(f32::INFINITY),
+        });
+    }
+
+    /// Computes a batch. Where distances are copied, the host writes the rows of the batch `before` while the
+    /// device computes this one, and leaves those of this one to the next.
+    fn solve_batch<'a>(
         &mut self,
         solver: &HeadlessSolver,
-        sources: &[Option<usize>],
+        rows: Rows<'a>,
         stop: Stop,
-        into: &mut [f32],
+        before: &mut Option<Rows<'a>>,
         submitter: &mut impl Submitter,
     ) -> Result<Convergence, VulkanError> {
+        let Rows { sources, half, .. } = rows;
         let chart = self.layout.chart;
         let texel = |source: usize| {
             let (row, col) = chart.position(source);
@@ -284,7 +305,7 @@ impl PairwiseOnDevice {
         };
         let Some(reached) = Reached::around(sources.iter().flatten().map(|&source| texel(source)))
         else {
-            into.fill(f32::INFINITY);
+            rows.into.fill(f32::INFINITY);
             return Ok(Convergence::NONE);
         };
         let tuning = solver.for_device.pipelines.tuning;
@@ -293,13 +314,17 @@ impl PairwiseOnDevice {
         progress::start(chart, sources, stop, groups, self.resources.write_staging());
 
         let schedule = self.schedule();
-        let mut steps = steps::first(schedule, self.scans(tuning, Some(reached), stop.iterations));
+        let bring = self.resources.is_staged().then_some(half);
+        let scans = self.scans(tuning, Some(reached), stop.iterations);
+        let mut steps = steps::first(schedule, scans, bring);
         let mut gone = Vec::new();
         if submitter.is_watching() {
             gone = MapProgress::read(sources.len(), self.resources.write_staging());
         }
         let outcome = loop {
-            self.submit(solver, sources.len(), submitter, |recorder| recorder.steps(&steps))?;
+            self.start(solver, sources.len(), submitter, |recorder| recorder.steps(&steps))?;
+            self.write_rows(before.take());
+            self.flight.wait()?;
             if let Some(passes) = submitter.last() {
                 let before = gone;
                 gone = MapProgress::read(sources.len(), self.resources.read_outcome());
@@ -311,21 +336,17 @@ impl PairwiseOnDevice {
                 break outcome;
             }
             let left = stop.iterations - outcome.convergence.iterations;
-            steps = steps::further(schedule, self.scans(tuning, None, left));
+            steps = steps::further(schedule, self.scans(tuning, None, left), bring);
         };
         if schedule == PairwiseSchedule::Images {
-            self.submit(solver, sources.len(), submitter, |recorder| {
-                recorder.steps(&[Step::Unpack]);
-            })?;
+            let steps = steps::last(bring);
+            self.start(solver, sources.len(), submitter, |recorder| recorder.steps(&steps))?;
+            self.flight.wait()?;
         }
-        let points = chart.points();
-        let maps: &[f32] = bytemuck::cast_slice(self.resources.read_distances());
-        let rows = into.chunks_exact_mut(points).zip(maps.chunks_exact(points));
-        for ((row, map), source) in rows.zip(sources) {
-            match source {
-                Some(_) => row.copy_from_slice(map),
-                None => row.fill(f32::INFINITY),
-            }
+        *before = Some(rows);
+        if bring.is_none() {
+            // The next batch writes its distances to the same place.
+            self.write_rows(before.take());
         }
         Ok(outcome.convergence)
     }
@@ -340,15 +361,15 @@ impl PairwiseOnDevice {
         Schedule::Raster.plan(self.texels, portions, reached, most)
     }
 
-    /// Records commands for `maps` maps, submits them and waits for their end.
-    fn submit(
-        &self,
+    /// Records commands for `maps` maps and submits them. The last ones have been waited for.
+    fn start(
+        &mut self,
         solver: &HeadlessSolver,
         maps: usize,
         submitter: &mut impl Submitter,
         append: impl FnOnce(BatchRecorder),
     ) -> Result<(), VulkanError> {
-        submitter.record(&self.commands, |device, buffer, profile| {
+        submitter.record(&self.flight.commands, |device, buffer, profile| {
             let pipelines = &solver.for_device.pipelines;
             append(BatchRecorder {
                 commands: Commands { device, buffer, pipelines, profile, turn: None },
@@ -359,16 +380,26 @@ impl PairwiseOnDevice {
                 maps: maps as u32,
             });
         })?;
-        submitter.submit(&self.commands)
+        submitter.start(&mut self.flight)
     }
+}
+
+/// Rows of the matrix for a batch of sources.
+struct Rows<'a> {
+    sources: &'a [Option<usize>],
+    into: &'a mut [f32],
+    /// Half of the staging buffer for the distances, if they are copied.
+    half: usize,
 }
 
 /// Largest number of passes in a submission beside scans and counts: copies, the first texels, and iterations
 /// in shared memory.
-const PASSES_AROUND: u32 = 4;
+const PASSES_AROUND: u32 = 5;
 
 impl Drop for PairwiseOnDevice {
     fn drop(&mut self) {
+        // After an error the device may still run the last submission.
+        let _ = self.flight.wait();
         let context = &self.context;
         self.resources.destroy(&context.device, &mut context.allocator());
     }

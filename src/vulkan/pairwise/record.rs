@@ -116,6 +116,14 @@ impl BatchRecorder<'_> {
                     self.run(*count, &push, self.count_groups());
                 }
                 (Step::Unpack, _) => self.unpack(),
+                (&Step::Bring(half), _) => {
+                    let from = self.resources.distances();
+                    self.copy(
+                        (from.buffer, 0),
+                        self.resources.staged_at(half),
+                        self.distance_bytes(),
+                    );
+                }
                 (Step::Report, _) => {
                     self.copy_progress(self.resources.progress(), self.resources.outcome())
                 }
@@ -160,11 +168,19 @@ impl BatchRecorder<'_> {
                 PassRecord { groups, ..record }
             }
             Step::Unpack => {
-                let bytes = 4 * u64::from(self.maps) * self.layout.chart.points() as u64;
                 let groups = Some(self.unpack_groups());
-                PassRecord { groups, ..copied(PassKind::Unpack, bytes) }
+                PassRecord { groups, ..copied(PassKind::Unpack, self.distance_bytes()) }
+            }
+            Step::Bring(_) => {
+                let record = copied(PassKind::Unpack, self.distance_bytes());
+                PassRecord { dispatches: 0, ..record }
             }
         }
+    }
+
+    /// Returns the bytes of the distances of the batch.
+    fn distance_bytes(&self) -> u64 {
+        4 * u64::from(self.maps) * self.layout.chart.points() as u64
     }
 
     fn start_groups(&self) -> [u32; 3] {

@@ -1,6 +1,7 @@
 //! Allocates the images and buffers of a batch on the device.
 
 use crate::vulkan::device::device_memory::DeviceMemory;
+use ash::vk;
 use gpu_allocator::MemoryLocation;
 
 use super::layout::BatchLayout;
@@ -9,6 +10,7 @@ use crate::vulkan::VulkanError;
 use crate::vulkan::device::descriptors::{Contents, GridSets};
 use crate::vulkan::device::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo};
 use crate::vulkan::device::pipelines::Pipelines;
+use crate::vulkan::device::staging::Staging;
 use crate::vulkan::grid_images::GridImages;
 
 /// Images and buffers of a batch, with those that the host writes and reads.
@@ -17,6 +19,8 @@ pub(super) struct Resources {
     /// Two images of fronts; none if maps lie in shared memory.
     pub(super) fronts: Vec<Image>,
     buffers: Vec<Buffer>,
+    /// Buffer in the host's memory for the distances of two batches, if the device has memory of its own.
+    staging: Option<Staging>,
     pub(super) sets: GridSets,
 }
 
@@ -67,17 +71,24 @@ impl Resources {
             }
         }
         let progress = progress::bytes(layout.maps);
+        let is_staged = pipelines.tuning.staged;
+        let distances = if is_staged { MemoryLocation::GpuOnly } else { MemoryLocation::GpuToCpu };
         let all = [
             ("sources of a batch", progress, MemoryLocation::CpuToGpu),
             ("progress of a batch", progress, MemoryLocation::GpuOnly),
             ("outcome of a batch", progress, MemoryLocation::GpuToCpu),
-            ("distances of a batch", layout.distances(), MemoryLocation::GpuToCpu),
+            ("distances of a batch", layout.distances(), distances),
             ("fans", layout.fans(), MemoryLocation::GpuOnly),
             ("maps of a batch", layout.kept(), MemoryLocation::GpuOnly),
         ];
         for (name, size, location) in all.into_iter().filter(|(_, size, _)| *size > 0) {
             self.buffers.push(Buffer::new(device, allocator, BufferInfo { name, size, location })?);
             pipelines.name(name, self.buffers[self.buffers.len() - 1].buffer);
+        }
+        if is_staged {
+            let sizes = (layout.distances() as usize, 0);
+            let name = "staging of a batch";
+            self.staging = Some(Staging::new(device, allocator, pipelines, name, sizes)?);
         }
         let in_shared_memory = layout.workgroup.is_some();
         let of_workgroups = |kind| in_shared_memory.then(|| self.buffer(kind));
@@ -88,8 +99,8 @@ impl Resources {
             points: of_workgroups(Kind::Fans),
             progress: self.progress(),
             tiles: of_workgroups(Kind::Kept),
-            blocks: self.buffer(Kind::Distances),
-            distances: self.buffer(Kind::Distances),
+            blocks: self.distances(),
+            distances: self.distances(),
         };
         self.sets = GridSets::new(device, pipelines, contents)?;
         Ok(())
@@ -122,15 +133,34 @@ impl Resources {
         self.buffers[Kind::Outcome as usize].mapped()
     }
 
-    /// Returns the distances of a batch, map after map.
-    pub(super) fn read_distances(&mut self) -> &[u8] {
-        self.buffers[Kind::Distances as usize].mapped()
+    /// Returns the buffer to which shaders write the distances of a batch.
+    pub(super) fn distances(&self) -> &Buffer {
+        self.buffer(Kind::Distances)
+    }
+
+    /// Returns whether distances are copied to the host's memory.
+    pub(super) fn is_staged(&self) -> bool {
+        self.staging.is_some()
+    }
+
+    /// Returns where distances are copied. There is staging.
+    pub(super) fn staged_at(&self, half: usize) -> (vk::Buffer, u64) {
+        self.staging.as_ref().expect("distances are copied only to staging").at(half)
+    }
+
+    /// Returns the distances of a batch, map after map. `half` says where they were copied, if they were.
+    pub(super) fn read_distances(&self, half: usize) -> &[u8] {
+        match &self.staging {
+            Some(staging) => staging.read(half),
+            None => self.distances().read(),
+        }
     }
 
     /// Returns the bytes of device and staging memory held.
     pub(super) fn bytes(&self) -> u64 {
         self.fronts.iter().map(Image::bytes).sum::<u64>()
             + self.buffers.iter().map(Buffer::bytes).sum::<u64>()
+            + self.staging.as_ref().map_or(0, Staging::bytes)
     }
 
     /// Frees everything. No submitted work may still use it.
@@ -138,5 +168,6 @@ impl Resources {
         self.sets.destroy(device);
         self.fronts.iter_mut().for_each(|image| image.destroy(device, allocator));
         self.buffers.iter_mut().for_each(|buffer| buffer.destroy(device, allocator));
+        self.staging.iter_mut().for_each(|staging| staging.destroy(device, allocator));
     }
 }

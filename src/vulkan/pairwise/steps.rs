@@ -17,6 +17,8 @@ pub(super) enum Step {
     Raster(plan::Step),
     /// Unpacks the distances from the images.
     Unpack,
+    /// Copies the distances to a half of the staging buffer, where the host reads them.
+    Bring(usize),
     /// Copies the progress of the maps to where the host reads it.
     Report,
 }
@@ -26,7 +28,7 @@ impl Step {
     pub(super) fn waits(&self) -> &'static [(Access, Access)] {
         match self {
             Self::Begin => &[(COPY, CLEAR), (PASS, CLEAR)],
-            Self::Report => &[(PASS, COPY)],
+            Self::Report | Self::Bring(_) => &[(PASS, COPY)],
             _ => &[],
         }
     }
@@ -37,24 +39,40 @@ impl Step {
             Self::Begin => (CLEAR, PASS),
             Self::Start | Self::Raster(_) => (PASS, PASS),
             Self::Workgroups | Self::Unpack => (SHADER_WRITE, HOST_READ),
-            Self::Report => (CLEAR, HOST_READ),
+            Self::Report | Self::Bring(_) => (CLEAR, HOST_READ),
         }
     }
 }
 
 /// Returns the steps that start a batch and iterate it. `scans` are those of the raster schedule, for maps in
-/// images.
-pub(super) fn first(schedule: PairwiseSchedule, scans: Vec<plan::Step>) -> Vec<Step> {
+/// images. `bring` is the half to which distances are copied, if they are.
+pub(super) fn first(
+    schedule: PairwiseSchedule,
+    scans: Vec<plan::Step>,
+    bring: Option<usize>,
+) -> Vec<Step> {
     let start = (schedule == PairwiseSchedule::Images).then_some(Step::Start);
-    [Step::Begin].into_iter().chain(start).chain(further(schedule, scans)).collect()
+    [Step::Begin].into_iter().chain(start).chain(further(schedule, scans, bring)).collect()
 }
 
-/// Returns the steps that continue maps that are not done.
-pub(super) fn further(schedule: PairwiseSchedule, scans: Vec<plan::Step>) -> Vec<Step> {
-    let mut steps = match schedule {
-        PairwiseSchedule::SharedMemory => vec![Step::Workgroups],
+/// Returns the steps that continue maps that are not done. Maps in shared memory write their distances at the
+/// end of each dispatch.
+pub(super) fn further(
+    schedule: PairwiseSchedule,
+    scans: Vec<plan::Step>,
+    bring: Option<usize>,
+) -> Vec<Step> {
+    let mut steps: Vec<_> = match schedule {
+        PairwiseSchedule::SharedMemory => {
+            [Step::Workgroups].into_iter().chain(bring.map(Step::Bring)).collect()
+        }
         PairwiseSchedule::Images => scans.into_iter().map(Step::Raster).collect(),
     };
     steps.push(Step::Report);
     steps
+}
+
+/// Returns the steps that unpack the distances of maps in images.
+pub(super) fn last(bring: Option<usize>) -> Vec<Step> {
+    [Step::Unpack].into_iter().chain(bring.map(Step::Bring)).collect()
 }

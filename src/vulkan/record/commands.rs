@@ -244,10 +244,10 @@ impl<'a> Commands<'a> {
         unsafe { self.device.cmd_copy_buffer(self.buffer, from, to, parts) };
     }
 
-    /// Copies the start of a buffer, row after row, to a part of an image's first layer.
+    /// Copies part of a buffer, row after row, to a part of an image's first layer.
     pub(crate) fn copy_to_image(
         &self,
-        from: vk::Buffer,
+        (from, start): (vk::Buffer, u64),
         to: vk::Image,
         (offset, extent): (vk::Offset3D, vk::Extent3D),
     ) {
@@ -258,6 +258,7 @@ impl<'a> Commands<'a> {
             layer_count: 1,
         };
         let copy = vk::BufferImageCopy::default()
+            .buffer_offset(start)
             .image_subresource(layer)
             .image_offset(offset)
             .image_extent(extent);

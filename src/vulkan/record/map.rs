@@ -13,7 +13,7 @@ use crate::vulkan::device::passes::{SEED, UNPACK};
 use crate::vulkan::device::shaders::{seed, unpack};
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::schedules::progress::{Outcome, Record, offset};
-use crate::vulkan::upload::SEED_BYTES;
+use crate::vulkan::upload::{SEED_BYTES, SeedTexel};
 
 fn record_offset(number: usize) -> u64 {
     (number * size_of::<Record>()) as u64
@@ -42,10 +42,22 @@ impl Recorder<'_> {
         let fronts = 16 * u64::from(LAYERS);
         let each = [SEED_BYTES + fronts, fronts];
         let _pass = self.pass_of_each(PassKind::Seed, [count, 1], each);
+        self.bring_inputs(count);
         let texels = self.grid.texels.inner().map(|texels| texels as i32);
         let push = seed::Push { texels, count: count as i32, follows };
         self.run(self.pipelines.of(SEED), 0, &push, [count, 1]);
         self.barrier(SHADER_WRITE, PASS);
+    }
+
+    /// Copies `count` texels with sources, and the anchors, to where shaders read them, unless that is where
+    /// the program has written them. The device does not read the last ones any more.
+    fn bring_inputs(&self, count: u32) {
+        let bytes = u64::from(count) * size_of::<SeedTexel>() as u64;
+        let Some(parts) = self.grid.inputs(bytes) else { return };
+        for (from, to, size) in parts.into_iter().filter(|(.., size)| *size > 0) {
+            self.copy(from, to, size);
+        }
+        self.barrier(CLEAR, SHADER);
     }
 
     /// Writes sources into the buffer from which `sources.comp` reads them.
@@ -111,8 +123,9 @@ impl Recorder<'_> {
         self.barrier(CLEAR, SHADER);
     }
 
-    /// Unpacks the arrival times in image 0 into the read-back buffer, for a band of rows.
-    pub(crate) fn unpack(&self, rows: Range<usize>) {
+    /// Unpacks the arrival times in image 0 for a band of rows, to where the host reads them: in the read-back
+    /// buffer, or in a half of the staging buffer, to which they are copied.
+    pub(crate) fn unpack(&self, rows: Range<usize>, half: usize) {
         let chart = self.grid.chart;
         let points = (rows.len() * chart.cols) as u64;
         let work = Work::of_bytes(4 * points, 4 * points);
@@ -124,7 +137,18 @@ impl Recorder<'_> {
             band_rows: rows.len() as i32,
             layers: LAYERS as i32,
         };
+        let staging = self.grid.read_back_at(half);
+        if staging.is_some() {
+            // The last band may still be copied.
+            self.barrier(COPY, SHADER_WRITE);
+        }
         self.host_pass(self.pipelines.of(UNPACK), self.grid.sets.read_back, &band, size);
-        self.barrier(SHADER_WRITE, HOST_READ);
+        if let Some(to) = staging {
+            self.barrier(SHADER_WRITE, COPY);
+            self.copy((self.grid.download.buffer, 0), to, 4 * points);
+            self.barrier(CLEAR, HOST_READ);
+        } else {
+            self.barrier(SHADER_WRITE, HOST_READ);
+        }
     }
 }

@@ -8,12 +8,12 @@ use super::recorder::{Recorder, dispatched};
 use crate::constants::{FAR, LAYERS};
 use crate::surface::{EdgeRule, Spacing};
 use crate::vulkan::TexelChart;
+use crate::vulkan::device::bands::rows_around;
 use crate::vulkan::device::barrier::{CLEAR, SHADER, SHADER_WRITE};
 use crate::vulkan::device::passes::{FAN_CURVATURE, GAUSSIAN_CURVATURE, TYPICAL_EDGE};
 use crate::vulkan::device::shaders::{
     edges_from_heights, fan_curvature, gaussian_curvature, typical_edge,
 };
-use crate::vulkan::grid_images::rows_around;
 use crate::vulkan::point_kind::PointKind;
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 
@@ -73,8 +73,8 @@ impl Recorder<'_> {
         self.run(self.pipelines.of(TYPICAL_EDGE), 0, &typical_edge::Push { texels }, [1, 1]);
     }
 
-    /// Copies the edges of a band of rows, four of each point, from the upload buffer.
-    pub(crate) fn upload_edges(&self, rows: Range<usize>) {
+    /// Copies the edges of a band of rows, four of each point, from a half of the upload buffer.
+    pub(crate) fn upload_edges(&self, rows: Range<usize>, half: usize) {
         let extent = vk::Extent3D {
             width: self.grid.chart.cols as u32,
             height: rows.len() as u32,
@@ -85,16 +85,17 @@ impl Recorder<'_> {
         self.barrier(SHADER, CLEAR);
         let border = TexelChart::POINTS_BEFORE as i32;
         let offset = vk::Offset3D { x: border, y: border + rows.start as i32, z: 0 };
-        self.copy_to_image(self.grid.upload.buffer, self.grid.edges.image, (offset, extent));
+        let from = self.grid.upload_at(half);
+        self.copy_to_image(from, self.grid.edges.image, (offset, extent));
         self.barrier(CLEAR, SHADER);
         if rows.end == self.grid.chart.rows {
             self.find_typical_edge();
         }
     }
 
-    /// Copies values at the points of a band of rows, 2 x 2 a texel, from the upload buffer. They are the
-    /// Gaussian curvature or, to its `right`, the slowness.
-    pub(crate) fn upload_ground(&self, rows: Range<usize>, right: bool) {
+    /// Copies values at the points of a band of rows, 2 x 2 a texel, from a half of the upload buffer. They
+    /// are the Gaussian curvature or, to its `right`, the slowness.
+    pub(crate) fn upload_ground(&self, rows: Range<usize>, right: bool, half: usize) {
         let extent = vk::Extent3D {
             width: self.grid.chart.cols.div_ceil(2) as u32,
             height: rows.len().div_ceil(2) as u32,
@@ -106,7 +107,8 @@ impl Recorder<'_> {
         let (row, col, _) = TexelChart::texel_of(rows.start, 0);
         let x = if right { self.grid.texels.cols + col } else { col } as i32;
         let offset = vk::Offset3D { x, y: row as i32, z: 0 };
-        self.copy_to_image(self.grid.upload.buffer, self.grid.gaussian.image, (offset, extent));
+        let from = self.grid.upload_at(half);
+        self.copy_to_image(from, self.grid.gaussian.image, (offset, extent));
         self.barrier(CLEAR, SHADER);
     }
 

@@ -8,7 +8,7 @@ use super::plan::Portions;
 use crate::Wavefront;
 use crate::name::{UnknownName, by_name};
 use crate::surface::Chart;
-use crate::vulkan::device::tile_lanes;
+use crate::vulkan::device::{staging, tile_lanes};
 use crate::vulkan::{TexelChart, TileLanes, VulkanError};
 
 /// Order of updates on the device. All orders lead to the same map.
@@ -99,6 +99,10 @@ pub struct Tuning {
     /// An iteration that visits more texels is cut into several submissions ([`parts`](super::plan::parts)).
     /// Recordings into a renderer's command buffer are not cut.
     pub visits: Option<u64>,
+    /// Whether shaders of headless maps and matrices access the device's memory alone, and copies pass inputs
+    /// and results between it and the host's memory. By default they do if the device has memory of its own,
+    /// since its shaders would access the host's memory over a bus.
+    pub staged: bool,
 }
 
 impl Tuning {
@@ -107,7 +111,10 @@ impl Tuning {
         // SAFETY: the physical device is from this instance.
         let properties = unsafe { instance.get_physical_device_properties(physical_device) };
         let shuffles = tile_lanes::shuffles(instance, physical_device);
-        Self::for_limits(properties.device_type, &properties.limits, shuffles)
+        // SAFETY: as above.
+        let memory = unsafe { instance.get_physical_device_memory_properties(physical_device) };
+        let sizes = Self::for_limits(properties.device_type, &properties.limits, shuffles);
+        Self { staged: staging::is_needed(&memory), ..sizes }
     }
 
     fn for_limits(
@@ -141,6 +148,7 @@ impl Tuning {
         tile_edges: true,
         together: None,
         visits: None,
+        staged: false,
     };
     /// Sizes for GPUs. Those of scans are not measured: they save dispatches at the cost of an eighth more
     /// updates. With one iteration in a tile in place of four, maps by tiles of 16 points take an NVIDIA H200
@@ -155,7 +163,14 @@ impl Tuning {
         tile_edges: true,
         together: None,
         visits: None,
+        staged: false,
     };
+
+    /// Returns these sizes with the edges of tiles in shared memory, if they fit `bytes` bytes of it, and in
+    /// their image otherwise.
+    pub(crate) fn with_edges_placed(self, bytes: u32) -> Self {
+        Self { tile_edges: Self::tile_bytes(self.tile, true) <= bytes, ..self }
+    }
 
     /// Checks that a device has room for these sizes.
     pub(crate) fn check(
@@ -163,8 +178,17 @@ impl Tuning {
         limits: &vk::PhysicalDeviceLimits,
         shuffles: bool,
     ) -> Result<(), VulkanError> {
-        let Self { scan_width, scan_lines, tile, inner, tile_lanes, tile_edges, together, visits } =
-            *self;
+        let Self {
+            scan_width,
+            scan_lines,
+            tile,
+            inner,
+            tile_lanes,
+            tile_edges,
+            together,
+            visits,
+            ..
+        } = *self;
         let refuse = |reason: String| Err(VulkanError::Tuning(reason));
         let most =
             limits.max_compute_work_group_invocations.min(limits.max_compute_work_group_size[0]);
@@ -283,6 +307,7 @@ mod tests {
             tuning.check(&limits, true).unwrap();
             let refused = Tuning { tile_lanes: TileLanes::Shuffled, ..tuning };
             assert!(refused.check(&limits, false).is_err());
+            assert_eq!(tuning.with_edges_placed(limits.max_compute_shared_memory_size), tuning);
             (tuning.tile, tuning.tile_edges, tuning.tile_lanes)
         };
         let gpu = |kilobytes| of(vk::PhysicalDeviceType::DISCRETE_GPU, kilobytes);
@@ -291,5 +316,15 @@ mod tests {
         assert_eq!(gpu(32), (16, true, TileLanes::Shuffled));
         assert_eq!(gpu(16), (16, false, TileLanes::Shuffled));
         assert_eq!(of(vk::PhysicalDeviceType::CPU, 32), (16, true, TileLanes::Pairs));
+    }
+
+    /// Sizes that are compared with the untuned ones are measured as a device would use them.
+    #[test]
+    fn edges_lie_in_shared_memory_where_they_fit() {
+        let placed = |tile, kilobytes: u32| {
+            Tuning { tile, ..Tuning::ON_GPU }.with_edges_placed(kilobytes << 10).tile_edges
+        };
+        assert_eq!([8, 16, 24, 32].map(|tile| placed(tile, 48)), [true, true, true, false]);
+        assert_eq!([8, 16, 24, 32].map(|tile| placed(tile, 32)), [true, true, false, false]);
     }
 }

@@ -58,8 +58,8 @@ const WAVEFRONTS: [(Wavefront, &str); 4] = [
 const ENGINES: [(Engine, &str); 4] = [
     (
         Engine::Auto,
-        "The CPU, or a GPU if there is one and the map has 4 million points or more. From this size on, \
-         a GPU's set-up should pay off; the size is an estimate, not a measurement",
+        "The CPU, or a GPU if there is one and it takes less time with its set-up: from 17 million points \
+         with curved or anchored fronts, 63 with circular and 125 with planar ones, by an NVIDIA H200",
     ),
     (Engine::Vulkan(DeviceChoice::Any), "The best Vulkan device, or an error"),
     (Engine::Cpu, "Raster scans on the CPU"),

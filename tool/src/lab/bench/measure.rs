@@ -4,8 +4,8 @@ use std::error::Error;
 use std::time::{Duration, Instant};
 
 use geosweep::Stop;
-use geosweep::cpu::{self, RotatedScan};
-use geosweep::surface::{EdgeLengths, Seed};
+use geosweep::cpu::{self, Order, RotatedScan};
+use geosweep::surface::{Chart, EdgeLengths, Seed};
 use geosweep::vulkan::profile::{Capability, Detail, Grain};
 use geosweep::vulkan::{
     self, HeadlessSolution, HeadlessSolver, Schedule, SurfaceOnDevice, Tuning, VulkanError,
@@ -111,11 +111,14 @@ impl Timing {
 pub struct Measurements {
     /// The timings, sorted by surface, wavefront, size and method.
     pub timings: Vec<Timing>,
+    /// The ceilings of the threads that scan whole grids.
     pub cpu: Option<cpu::CpuCeilings>,
+    /// The ceilings of all threads, if a grid was solved by patches.
+    pub patches: Option<cpu::CpuCeilings>,
     pub device: Option<(String, vulkan::DeviceCeilings)>,
 }
 
-/// The largest number of threads: the CPU engine runs two scans at a time.
+/// The largest number of threads that scan a whole grid: the CPU engine runs two scans at a time.
 const MOST_THREADS: usize = 2;
 const FEWEST_RUNS: usize = 3;
 const MOST_RUNS: usize = 20;
@@ -137,14 +140,17 @@ pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
                 let solver = HeadlessSolver::for_profiling(&plan.device, &Capability::ALL)?;
                 match plan.tuning {
                     Some(tuning) => {
-                        let Tuning { tile_lanes, tile_edges, .. } = solver.tuning();
-                        solver.with_tuning(Tuning { tile_lanes, tile_edges, ..tuning })
+                        let Tuning { tile_lanes, staged, .. } = solver.tuning();
+                        let tuning = Tuning { tile_lanes, staged, ..tuning };
+                        let tuning = solver.place_edges(tuning);
+                        solver.with_tuning(tuning)
                     }
                     None => Ok(solver),
                 }
             })
             .transpose()?,
         cpu: cpu::CpuCeilings::measure(rayon::current_num_threads().min(MOST_THREADS)),
+        patches: None,
         device: if on_device { Some(vulkan::DeviceCeilings::measure(&plan.device)?) } else { None },
         too_slow: Vec::new(),
         begin: Instant::now(),
@@ -161,7 +167,7 @@ pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
             }
         }
     }
-    let Bench { bar, mut timings, solver, cpu, device, .. } = bench;
+    let Bench { bar, mut timings, solver, cpu, patches, device, .. } = bench;
     bar.finish_and_clear();
     let place = |timing: &Timing| {
         let surface = plan.surfaces.iter().position(|surface| *surface == timing.surface);
@@ -171,6 +177,7 @@ pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
     Ok(Measurements {
         timings,
         cpu: plan.methods.contains(&Method::Cpu).then_some(cpu),
+        patches,
         device: solver.map(|solver| solver.device_name().to_owned()).zip(device),
     })
 }
@@ -180,6 +187,8 @@ struct Bench<'a> {
     bar: ProgressBar,
     solver: Option<HeadlessSolver>,
     cpu: cpu::CpuCeilings,
+    /// The ceilings of all threads, once a grid has needed them.
+    patches: Option<cpu::CpuCeilings>,
     device: Option<vulkan::DeviceCeilings>,
     /// The combinations that were too slow on the current surface.
     too_slow: Vec<(Wavefront, Method)>,
@@ -239,6 +248,17 @@ impl Bench<'_> {
         };
         self.on_cpu(&task)?;
         self.on_device(&task)
+    }
+
+    /// Returns the ceilings of the threads that solve a grid on the CPU.
+    fn cpu_ceilings(&mut self, chart: Chart) -> cpu::CpuCeilings {
+        let threads = rayon::current_num_threads();
+        match Order::best_for(chart, threads) {
+            Order::Lines => self.cpu,
+            Order::Patches { .. } => {
+                *self.patches.get_or_insert_with(|| cpu::CpuCeilings::measure(threads))
+            }
+        }
     }
 
     /// Returns whether a method is to be timed. It is not if it has been too slow before.
@@ -399,7 +419,8 @@ impl Bench<'_> {
             shares: Shares::default(),
         };
         if let Some(work) = work {
-            timing.shares = Shares::on_cpu(work, timing.median(), wavefront, &self.cpu);
+            let ceilings = self.cpu_ceilings(Chart { rows: timing.rows, cols: timing.cols });
+            timing.shares = Shares::on_cpu(work, timing.median(), wavefront, &ceilings);
         }
         self.timings.push(timing);
         self.bar.inc(1);

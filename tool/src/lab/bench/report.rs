@@ -41,6 +41,7 @@ struct Device<'a> {
 #[derive(Serialize)]
 pub struct Summary<'a> {
     cpu: Option<CpuCeilings>,
+    cpu_patches: Option<CpuCeilings>,
     device: Option<Device<'a>>,
     maps: Vec<Map>,
     growth: Vec<Growth>,
@@ -51,6 +52,7 @@ impl<'a> Summary<'a> {
         let device = measured.device.as_ref();
         Self {
             cpu: measured.cpu.map(CpuCeilings::from),
+            cpu_patches: measured.patches.map(CpuCeilings::from),
             device: device.map(|(name, ceilings)| Device { name, ceilings: (*ceilings).into() }),
             maps: measured.timings.iter().map(Map::from).collect(),
             growth: Growth::of(&measured.timings),
@@ -123,6 +125,9 @@ impl Report<'_> {
                 geosweep::cpu::Instructions::best(),
                 CpuCeilings::from(ceilings)
             )?;
+        }
+        if let Some(ceilings) = self.measured.patches {
+            writeln!(f, "CPU, grids solved by patches: {}.\n", CpuCeilings::from(ceilings))?;
         }
         if let Some((name, ceilings)) = &self.measured.device {
             writeln!(f, "{name}: {}.", DeviceCeilings::from(*ceilings))?;

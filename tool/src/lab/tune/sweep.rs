@@ -183,7 +183,8 @@ pub fn sweep(plan: &Plan) -> Result<Swept, Box<dyn Error>> {
         rows.push(tuner.untuned(&mut plain, schedule)?);
         for (knob, values) in knobs(schedule, plan.quick) {
             for &value in values {
-                let tuning = knob.set(untuned, value);
+                // Tiles of each size as the device would use them, or edges would favour the untuned size.
+                let tuning = plain.place_edges(knob.set(untuned, value));
                 if tuning == untuned {
                     tuner.bar.inc(1);
                     continue;
@@ -193,7 +194,7 @@ pub fn sweep(plan: &Plan) -> Result<Swept, Box<dyn Error>> {
             }
         }
     }
-    let suggested = suggested(untuned, &rows);
+    let suggested = plain.place_edges(suggested(untuned, &rows));
     for schedule in SCHEDULES {
         let is_of = |row: &&Row| row.schedule == schedule && row.knob == Knob::Untuned;
         let before = rows.iter().find(is_of).expect("each schedule has its untuned row");

@@ -1,0 +1,95 @@
+//! Divides a grid into bands of rows, in which its values pass between the program's memory and the device.
+
+use std::ops::Range;
+
+use crate::surface::Chart;
+
+/// Largest number of bytes of a band of rows. Edges are uploaded, points measured and distances read back in
+/// bands.
+const BAND_BYTES: usize = 16 << 20;
+/// Smallest size of the upload buffer in bytes: room for the sources on a small grid.
+const LEAST_UPLOAD_BYTES: usize = 64 << 10;
+/// Largest size of the room for sources in a device's own memory.
+const MOST_SOURCE_BYTES: usize = 1 << 20;
+/// Largest number of bytes of a point: position and slowness, or its edges.
+pub(crate) const POINT_BYTES: usize = 16;
+
+/// Returns the bytes of a band that is transferred between the program's memory and the device: 4 for each
+/// point of the grid. The buffers then take a sixth of the memory of the map. Bands of small grids are
+/// larger, since another submission would take longer than it is worth.
+pub(in crate::vulkan) fn transfer_bytes(chart: Chart) -> usize {
+    (4 * chart.points()).clamp(256 << 10, BAND_BYTES)
+}
+
+/// Returns the bytes of a band of distances of which one is copied while the host reads another: two of each
+/// map, as far as a second submission is worth it.
+pub(in crate::vulkan) fn staged_bytes(chart: Chart) -> usize {
+    (transfer_bytes(chart) / 2).max(256 << 10)
+}
+
+/// Returns the bytes of a band of a host's points: 6 for each point of the grid, which gives three bands.
+/// Points are measured band by band in each frame in which they change. Grids of up to 512 x 512 points are
+/// measured at once: there the time of two more passes would outweigh the memory that they save.
+pub(crate) fn frame_bytes(chart: Chart) -> usize {
+    (6 * chart.points()).clamp(4 << 20, BAND_BYTES)
+}
+
+/// Returns the rows of a band of at most `most` bytes. The number is even, so that a texel lies in one band.
+fn band_rows(chart: Chart, point_bytes: usize, most: usize) -> usize {
+    let rows = most / (chart.cols * point_bytes);
+    (rows / 2 * 2).clamp(2, chart.rows.next_multiple_of(2))
+}
+
+/// Returns the grid's rows in bands of at most `most` bytes.
+pub(crate) fn bands(
+    chart: Chart,
+    point_bytes: usize,
+    most: usize,
+) -> impl Iterator<Item = Range<usize>> {
+    let step = band_rows(chart, point_bytes, most);
+    (0..chart.rows).step_by(step).map(move |row| row..(row + step).min(chart.rows))
+}
+
+/// Returns the rows whose points are needed to measure the edges of a band. An edge to the north also depends
+/// on how the surface bends at its other end. At an end where the line ends, it depends on the next two
+/// points inwards.
+pub(crate) fn rows_around(band: &Range<usize>, chart: Chart) -> Range<usize> {
+    band.start.saturating_sub(BEFORE)..(band.end + AFTER).min(chart.rows)
+}
+
+const BEFORE: usize = 3;
+const AFTER: usize = 2;
+/// Largest number of rows around a band.
+const HALO: usize = BEFORE + AFTER;
+
+/// Returns the bytes of sources for which a headless surface has room.
+pub(in crate::vulkan) fn source_bytes(chart: Chart, is_staged: bool) -> usize {
+    let bytes = upload_bytes(chart, transfer_bytes(chart));
+    if is_staged { bytes.min(MOST_SOURCE_BYTES) } else { bytes }
+}
+
+/// Returns the bytes of the distances of a band of at most `most` bytes.
+pub(in crate::vulkan) fn distance_bytes(chart: Chart, most: usize) -> usize {
+    band_rows(chart, size_of::<f32>(), most) * chart.cols * size_of::<f32>()
+}
+
+/// Returns the bytes of the upload buffer, for points in bands of at most `most` bytes, and for sources.
+pub(crate) fn upload_bytes(chart: Chart, most: usize) -> usize {
+    let points = (band_rows(chart, POINT_BYTES, most) + HALO) * chart.cols * POINT_BYTES;
+    points.max(LEAST_UPLOAD_BYTES)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_cover_every_row_once() {
+        let chart = Chart { rows: 4099, cols: 3000 };
+        let bands: Vec<_> = bands(chart, POINT_BYTES, BAND_BYTES).collect();
+        assert!(bands.len() > 2);
+        assert!(bands.iter().all(|band| band.start.is_multiple_of(2)));
+        assert_eq!(bands.iter().map(|band| band.len()).sum::<usize>(), chart.rows);
+        assert!(bands.windows(2).all(|pair| pair[0].end == pair[1].start));
+    }
+}
