@@ -1,5 +1,5 @@
-//! Access to a device that all solvers share: its choice and limits, memory, barriers, descriptors, shaders and
-//! pipelines. Nothing here knows of maps.
+//! Access to a device that all solvers share: its choice and limits, memory, barriers, descriptors, and the
+//! table of passes with their shaders and pipelines.
 
 pub(in crate::vulkan) mod bands;
 pub(in crate::vulkan) mod barrier;

@@ -262,9 +262,11 @@ impl PairwiseOnDevice {
         assert!(sources.iter().flatten().all(|&source| source < points), "sources are grid points");
         let batch = self.batch();
         let mut convergence = Convergence::NONE;
-        let mut before = None;
-        let batches = sources.chunks(batch).zip(into.chunks_mut(batch * points));
-        for ((sources, into), half) in batches.zip((0..HALVES).cycle()) {
+        let mut before: Option<Rows> = None;
+        for (sources, into) in sources.chunks(batch).zip(into.chunks_mut(batch * points)) {
+            // The host still reads the half of the batch before, which need not be the last one: a batch
+            // without sources takes no half.
+            let half = before.as_ref().map_or(0, |rows| (rows.half + 1) % HALVES);
             let rows = Rows { sources, into, half };
             let of_batch = self.solve_batch(solver, rows, stop, &mut before, submitter)?;
             convergence = convergence.worse(of_batch);
