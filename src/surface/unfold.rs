@@ -662,12 +662,15 @@ mod tests {
 
     #[test]
     fn marked_cells_have_all_obtuse_triangles() {
-        // A bump that crosses the border between cells that are marked together, and one at the border.
+        // Steps that cross the border between cells that are marked together, and steps at the border.
         for places in [[(5, CELLS), (20, 2 * CELLS - 1)], [(0, 0), (39, 2 * CELLS + 6)]] {
             let (rows, cols) = (40, 2 * CELLS + 7);
             let mut heights = vec![0.0; rows * cols];
             for (row, col) in places {
+                // The base between both is longer than a right angle beside them allows.
+                let beside = if row == 0 { 1 } else { row - 1 };
                 heights[row * cols + col] = 2.0;
+                heights[beside * cols + col] = -2.0;
             }
             let surface = Surface::from_heights(rows, cols, heights, Spacing::square(1.0)).unwrap();
             let edges = EdgeLengths::<f32>::new(&surface).unwrap();
