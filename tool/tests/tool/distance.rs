@@ -389,14 +389,15 @@ fn with_environment(
         .args(["distance", surface, "--source", "0,0", "-o", "map.npy"])
         .args(["--engine", engine, "--json"])
         .env(variable.0, variable.1)
+        .env("GEOSWEEP_PIPELINES", bench.inputs.path())
         // The older name of the same variable would take precedence if it is set.
         .env_remove("VK_ICD_FILENAMES")
         .output()
         .unwrap()
 }
 
-/// A surface large enough for a GPU.
-const LARGE: &str = "builtin:plane:2048x2048";
+/// A surface large enough for a GPU whose pipelines are kept.
+const LARGE: &str = "builtin:plane:4096x4096";
 
 #[test]
 fn without_a_driver_vulkan_is_refused_and_auto_is_the_cpu_and_says_why() {
@@ -434,7 +435,10 @@ fn auto_takes_no_vulkan_device_that_is_a_cpu() {
         let of = listed["devices"].as_array().unwrap().iter().find(|device| device["name"] == name);
         of.unwrap()["kind"].as_str().unwrap().to_owned()
     };
-    let report = json(&run(&bench, &format!("distance {LARGE} -s 0,0 --json")));
+    let mut large = bench.command();
+    large.args(["distance", LARGE, "-s", "0,0", "--json"]);
+    large.env("GEOSWEEP_PIPELINES", bench.inputs.path());
+    let report = json(&large.output().unwrap());
     match report["device"].as_str() {
         Some(device) => assert_ne!(kinds(device), "CPU"),
         None => assert!(report["reason"].as_str().unwrap().contains("is a CPU"), "{report}"),
