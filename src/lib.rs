@@ -36,7 +36,7 @@
 //!
 //! # Features
 //!
-//! None is enabled by default.
+//! All features are off by default.
 //!
 //! | feature | adds |
 //! |---|---|

@@ -11,10 +11,10 @@ use super::chart::{Block, Chart, Direction, EdgeSlot, STORED};
 use super::even_grid::EvenGrid;
 use super::geometry::Geometry;
 use super::measure::{LONGEST_EDGE, RowBends, SHORTEST_EDGE};
+use super::obtuse::{MarkedCells, ObtuseTriangles, RowAbove};
 use super::parts::Parts;
 use super::points::Row;
 use super::real::Real;
-use super::unfold::{MarkedCells, ObtuseTriangles, RowAbove};
 use super::{Surface, SurfaceError};
 
 /// Number of rows that are measured together, so that each row's points and bends serve the next row.
@@ -46,7 +46,7 @@ pub struct EdgeLengths<R> {
     floor: Option<EvenGrid>,
     /// See `gaussian_curvature.rs`. Empty until it is requested.
     pub(super) gaussian_curvature: OnceLock<Vec<R>>,
-    /// See `unfold.rs`.
+    /// See `obtuse.rs`.
     pub(super) obtuse: ObtuseTriangles,
     /// See `parts.rs`.
     pub(super) parts: Parts<R>,
@@ -222,8 +222,8 @@ impl<R: Real> EdgeLengths<R> {
         &self.lengths[slot.stored][first.wrapping_add_signed(slot.offset)..][..points]
     }
 
-    /// Returns two sets of eight lengths for each of a row's points in `cols`: the lengths of its edges, and the lengths
-    /// of the bases, each from the end of one edge to the end of the next.
+    /// Returns two sets of eight lengths for each of a row's points in `cols`: the lengths of its edges, and
+    /// the lengths of the bases, each from the end of one edge to the end of the next.
     #[inline(always)]
     pub(crate) fn fans(&self, row: usize, cols: Range<usize>) -> [[&[R]; 8]; 2] {
         let chart = self.chart();

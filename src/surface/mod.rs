@@ -19,6 +19,7 @@ mod jump;
 mod measure;
 mod metric_curvature;
 mod metric_scale;
+mod obtuse;
 mod parts;
 mod points;
 mod real;
@@ -44,6 +45,7 @@ pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing};
 pub(crate) use jump::jumps;
 pub use measure::{LONGEST_EDGE, SHORTEST_EDGE};
+pub(crate) use obtuse::is_obtuse;
 pub(crate) use parts::Part;
 pub use real::{FAR, Real};
 pub(crate) use real::{max, min, relative_change};
@@ -53,7 +55,6 @@ pub(crate) use sources::Origins;
 pub(crate) use sources::with_diagonals;
 pub use sources::{Origin, Seed, Source, SourceError, Sources};
 pub(crate) use tag::{TAG, Tagged};
-pub(crate) use unfold::is_obtuse;
 
 use std::sync::OnceLock;
 
