@@ -1,4 +1,5 @@
-//! Decides when to stop iterating, and when to stop renewing curved fronts. The twin of `glsl/passes/progress.comp`.
+//! Decides when to stop iterating, and when to stop renewing curved fronts. The twin of
+//! `glsl/passes/progress.comp`.
 //!
 //! Renewed fronts settle in a few iterations if each depends only on earlier ones. On rough surfaces, or
 //! where the slowness jumps, two points may depend on one another through triangles. Around corners their

@@ -202,8 +202,8 @@ impl<R: Real> EdgeLengths<R> {
         self.rule
     }
 
-    /// Returns the number of bytes held. This includes the Gaussian curvature and the parts of obtuse triangles
-    /// once a solver has requested them.
+    /// Returns the number of bytes held. This includes the Gaussian curvature and the parts of obtuse
+    /// triangles once a solver has requested them.
     pub fn bytes(&self) -> usize {
         let curvature = self.gaussian_curvature.get().map(Vec::as_slice);
         let planes = self.lengths.iter().map(Vec::as_slice).chain(curvature);
@@ -235,8 +235,8 @@ impl<R: Real> EdgeLengths<R> {
         ]
     }
 
-    /// Returns the slowness at each of a row's points in `cols` and at its eight neighbours, if the slowness is
-    /// uneven.
+    /// Returns the slowness at each of a row's points in `cols` and at its eight neighbours, if the slowness
+    /// is uneven.
     #[inline(always)]
     pub(crate) fn fan_slowness(&self, row: usize, cols: Range<usize>) -> Option<(&[R], [&[R]; 8])> {
         let (slowness, first) = (self.slowness()?, self.chart.bordered(row, cols.start));

@@ -326,8 +326,8 @@ impl Surface {
     }
 
     /// Returns whether the surface has an edge from a grid point to a neighbour. Both ends must be present. A
-    /// diagonal also needs a third corner of its cell beside it; otherwise a path would slip through between two
-    /// holes.
+    /// diagonal also needs a third corner of its cell beside it; otherwise a path would slip through between
+    /// two holes.
     pub fn has_edge(&self, row: usize, col: usize, to: Direction) -> bool {
         let has = |to| self.chart.neighbour(row, col, to).is_some_and(|(r, c)| self.has(r, c));
         let beside = !to.is_diagonal() || has(to.previous()) || has(to.next());

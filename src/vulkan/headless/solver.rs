@@ -14,8 +14,8 @@ use crate::vulkan::device::tile_lanes;
 use crate::vulkan::profile::{Capabilities, Capability, Executable};
 use crate::vulkan::{Tuning, ValidationLog, VulkanError, embed};
 
-/// Name of the environment variable that turns the validation layers on in every [`HeadlessSolver`], if its value is
-/// not 0.
+/// Name of the environment variable that turns the validation layers on in every [`HeadlessSolver`], if its
+/// value is not 0.
 const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
 
 /// A Vulkan device with its pipelines, for use without a renderer.
@@ -128,8 +128,8 @@ impl HeadlessSolver {
         Ok(self)
     }
 
-    /// Returns a tuning with [`Tuning::tile_edges`] as it is best on this device: set if shared memory has room
-    /// for the edges of tiles of this size.
+    /// Returns a tuning with [`Tuning::tile_edges`] as it is best on this device: set if shared memory has
+    /// room for the edges of tiles of this size.
     pub fn place_edges(&self, tuning: Tuning) -> Tuning {
         let instance = &self.context.instance.handle;
         // SAFETY: the physical device is from this instance.
@@ -264,7 +264,8 @@ mod tests {
     #[test]
     fn a_missing_barrier_of_a_copy_is_reported() {
         let surface = hill();
-        // After distances are unpacked, and after sources are copied: the barrier that follows clears comes first.
+        // After distances are unpacked, and after sources are copied: the barrier that follows clears comes
+        // first.
         for (missing, number) in [((SHADER_WRITE, COPY), 0), ((CLEAR, SHADER), 1)] {
             let solver = solver();
             let tuning = Tuning { staged: true, ..solver.tuning() };
