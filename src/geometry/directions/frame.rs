@@ -86,29 +86,44 @@ fn matrix(rr: f64, rc: f64, cc: f64) -> DMat2 {
     DMat2::from_cols_array(&[rr, rc, rc, cc])
 }
 
-/// Returns the derivative of the position along a grid line, of the fourth order where there are two points
-/// on either side. It is zero at a point alone.
+/// Returns the derivative of the position along a grid line, of the fourth order if five points in a row
+/// contain this one. It is zero at a point alone.
 fn tangent(surface: &Surface, from: (usize, usize), to: Direction) -> DVec3 {
     let point = |k: isize| {
         let (row, col) = surface.chart().along(from, to, k)?;
         surface.position(row, col)
     };
-    let step = |a: isize, b: isize| Some(point(b)? - point(a)?);
-    let central = |k: isize| Some(step(-k, k)? / (2 * k) as f64);
-    match (central(1), central(2)) {
-        (Some(near), Some(far)) => (4.0 * near - far) / 3.0,
-        (Some(near), None) => near,
-        _ => {
-            let side = |side: isize| {
-                let near = step(0, side)?;
-                let far = step(0, 2 * side);
-                let slope = far.map_or(near, |far| (4.0 * near - far) / 2.0);
-                Some(side as f64 * slope)
-            };
-            side(1).or_else(|| side(-1)).unwrap_or_default()
+    let Some(here) = point(0) else { return DVec3::ZERO };
+    let reach = |side: isize| (1..=4).take_while(|&k| point(side * k).is_some()).count();
+    let (back, ahead) = (reach(-1), reach(1));
+    let sum = |side: isize, weights: &[f64]| -> DVec3 {
+        let term = |(k, weight): (isize, &f64)| {
+            *weight * (point(side * k).unwrap_or(here) - here) * side as f64
+        };
+        (-1..).zip(weights).map(term).sum()
+    };
+    match (back, ahead) {
+        (2.., 2..) => {
+            let across = |k: isize| point(k).unwrap_or(here) - point(-k).unwrap_or(here);
+            (8.0 * across(1) - across(2)) / 12.0
         }
+        (1, 3..) => sum(1, &BESIDE_END),
+        (3.., 1) => sum(-1, &BESIDE_END),
+        (0, 4..) => sum(1, &AT_END),
+        (4.., 0) => sum(-1, &AT_END),
+        (1.., 1..) => sum(1, &[-0.5, 0.0, 0.5]),
+        (0, 2..) => sum(1, &[0.0, 0.0, 2.0, -0.5]),
+        (2.., 0) => sum(-1, &[0.0, 0.0, 2.0, -0.5]),
+        (0, 1) => sum(1, &[0.0, 0.0, 1.0]),
+        (1, 0) => sum(-1, &[0.0, 0.0, 1.0]),
+        (0, 0) => DVec3::ZERO,
     }
 }
+
+/// The weights of the points -1, 0, 1, 2 and 3 in the derivative at 0, beside the end of a line.
+const BESIDE_END: [f64; 5] = [-3.0 / 12.0, -10.0 / 12.0, 18.0 / 12.0, -6.0 / 12.0, 1.0 / 12.0];
+/// The weights of the points -1, which is missing, and 0 to 4 at the end of a line.
+const AT_END: [f64; 6] = [0.0, -25.0 / 12.0, 4.0, -3.0, 4.0 / 3.0, -0.25];
 
 /// Returns grid points around a place of a cell with their weights: sixteen, if they all are on the surface,
 /// or the corners of the cell.
@@ -123,9 +138,9 @@ fn weights(
         (0..4).filter(|&k| weights[k] != 0.0).map(|k| (line(k), weights[k])).collect()
     };
     let (rows, cols) = (lines(row, v), lines(col, u));
-    let product = rows.iter().flat_map(|&(row, a)| {
-        cols.iter().map(move |&(col, b)| Some((row?, col?, a * b)))
-    });
+    let product = rows
+        .iter()
+        .flat_map(|&(row, a)| cols.iter().map(move |&(col, b)| Some((row?, col?, a * b))));
     let on_surface = |&(row, col, _): &(usize, usize, f64)| surface.has(row, col);
     let sixteen: Option<Vec<_>> = product.map(|point| point.filter(on_surface)).collect();
     sixteen.unwrap_or_else(|| {
@@ -160,7 +175,8 @@ mod tests {
             let frame = Frame::at(&sphere, DVec2::from_array(at));
             for axis in [DVec2::X, DVec2::Y] {
                 let ends = [-1e-3, 1e-3].map(|k| (DVec2::from_array(at) + k * axis).to_array());
-                let step = Builtin::Sphere.exact_distance(129, 129, ends[0], ends[1]).unwrap() / 2e-3;
+                let step =
+                    Builtin::Sphere.exact_distance(129, 129, ends[0], ends[1]).unwrap() / 2e-3;
                 assert_abs_diff_eq!(frame.length(axis) / step, 1.0, epsilon = 3e-6);
             }
         }

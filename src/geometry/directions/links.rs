@@ -49,7 +49,7 @@ pub(super) fn links(
             Way::Unreached => return Some(NO_LINK),
             Way::AtSource if is_beside_source(point) => return Some(0),
             Way::AtSource => (DVec2::ZERO, false),
-            Way::Along { step, to_source, .. } => (step.as_dvec2(), to_source),
+            Way::Along { step, to_source } => (step.as_dvec2(), to_source),
         };
         let frame = Frame::at_point(surface, row, col);
         let alike = |to: &usize| {
@@ -62,9 +62,8 @@ pub(super) fn links(
         };
         let next = (0..8).filter(is_earlier).max_by(|a, b| alike(a).total_cmp(&alike(b)));
         // The source lies less than half-way to that neighbour: this point stands for the source.
-        let is_end = |to: usize| {
-            to_source && frame.length(step) <= 0.5 * frame.length(CODES[to].vector())
-        };
+        let is_end =
+            |to: usize| to_source && frame.length(step) <= 0.5 * frame.length(CODES[to].vector());
         match next {
             Some(to) if is_end(to) => Some(0),
             Some(to) => Some(to as i8 + 1),
@@ -72,7 +71,11 @@ pub(super) fn links(
         }
     };
     let found: Vec<Option<i8>> = (0..chart.points()).into_par_iter().map(link).collect();
-    if let Some(all) = found.iter().copied().collect() { all } else { flooded(surface, times, found) }
+    if let Some(all) = found.iter().copied().collect() {
+        all
+    } else {
+        flooded(surface, times, found)
+    }
 }
 
 /// Links the points without a link, and those whose walks end at them, to points from which walks arrive.

@@ -89,14 +89,14 @@ impl<'a> BackDirections<'a> {
     /// A step of this direction is not a unit of length on the surface. For the direction on the surface, take
     /// [`Self::in_space`] or the bearings.
     pub fn in_chart(&self) -> Vec<[f32; 2]> {
-        self.each([f32::NAN; 2], [0.0; 2], |_, step, _| step.normalize().as_vec2().to_array())
+        self.each([f32::NAN; 2], [0.0; 2], |_, step| step.normalize().as_vec2().to_array())
     }
 
     /// Returns the way back as a unit vector in space, tangent to the surface, row-major. It is 0, 0, 0 at the
     /// sources and NaN where no source reaches. Returns `None` if the surface is given by its metric.
     pub fn in_space(&self) -> Option<Vec<[f32; 3]>> {
         self.surface.geometry().has_positions().then(|| {
-            self.each([f32::NAN; 3], [0.0; 3], |index, step, _| {
+            self.each([f32::NAN; 3], [0.0; 3], |index, step| {
                 let (row, col) = self.surface.chart().position(index);
                 let frame = Frame::at_point(self.surface, row, col);
                 let way = frame.in_space(step).unwrap_or_default();
@@ -124,7 +124,7 @@ impl<'a> BackDirections<'a> {
     }
 
     fn bearings(&self, degrees: fn(DVec2) -> f32) -> Vec<f32> {
-        self.each(NO_BEARING, 0.0, |index, step, _| {
+        self.each(NO_BEARING, 0.0, |index, step| {
             let (row, col) = self.surface.chart().position(index);
             let frame = Frame::at_point(self.surface, row, col);
             degrees(east_and_north(self.surface, &frame, step))
@@ -150,12 +150,12 @@ impl<'a> BackDirections<'a> {
         &self,
         unreached: T,
         at_source: T,
-        of: impl Fn(usize, DVec2, bool) -> T + Sync,
+        of: impl Fn(usize, DVec2) -> T + Sync,
     ) -> Vec<T> {
         let value = |(index, way): (usize, &Way)| match *way {
             Way::Unreached => unreached,
             Way::AtSource => at_source,
-            Way::Along { step, is_line, .. } => of(index, step.as_dvec2(), is_line),
+            Way::Along { step, .. } => of(index, step.as_dvec2()),
         };
         self.ways.par_iter().enumerate().map(value).collect()
     }

@@ -66,7 +66,8 @@ impl Nearest {
         let all: Vec<&Source> = sources.iter().collect();
         let mut places = vec![[f64::NAN; 2]; chart.points()];
         let mut on_curves = Vec::new();
-        for (index, &label) in regions.iter().enumerate().filter(|(_, label)| **label != NO_REGION) {
+        for (index, &label) in regions.iter().enumerate().filter(|(_, label)| **label != NO_REGION)
+        {
             match all[label as usize] {
                 Source::Point { at, .. } => places[index] = at.to_array(),
                 Source::Curve { .. } => on_curves.push(index),
@@ -79,7 +80,8 @@ impl Nearest {
             };
             let starts: Vec<_> = part.iter().map(start).collect();
             for (&index, path) in part.iter().zip(paths.trace_all(&starts)) {
-                let Some(end) = path.ok().and_then(|path| path.curve.vertices.last().copied()) else {
+                let Some(end) = path.ok().and_then(|path| path.curve.vertices.last().copied())
+                else {
                     continue;
                 };
                 // Beside the border of a region, the path may have led to the other source.

@@ -6,7 +6,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use crate::surface::{Chart, Source, Sources};
+use crate::surface::{Chart, Real, Source, Sources};
 
 /// The reason why distances have no sign.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -81,11 +81,11 @@ pub enum SignError {
 /// assert!((signed[10 * 21 + 2] - 3.0).abs() < 1e-5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn signed_distances(
+pub fn signed_distances<R: Real>(
     chart: Chart,
     sources: &Sources,
-    distances: &[f32],
-) -> Result<Vec<f32>, SignError> {
+    distances: &[R],
+) -> Result<Vec<R>, SignError> {
     check(chart, "distances", distances.len())?;
     let curves = sources
         .iter()
@@ -127,11 +127,11 @@ pub fn signed_distances(
 ///
 /// # Errors
 /// If the number of distances or of entries of the mask differs from the number of grid points.
-pub fn signed_distances_by_mask(
+pub fn signed_distances_by_mask<R: Real>(
     chart: Chart,
-    distances: &[f32],
+    distances: &[R],
     inside: &[bool],
-) -> Result<Vec<f32>, SignError> {
+) -> Result<Vec<R>, SignError> {
     check(chart, "distances", distances.len())?;
     check(chart, "entries of the mask", inside.len())?;
     Ok(signed(distances, inside))
@@ -142,9 +142,9 @@ fn check(chart: Chart, what: &'static str, found: usize) -> Result<(), SignError
     if found == chart.points() { Ok(()) } else { Err(SignError::Shape { what, found, rows, cols }) }
 }
 
-fn signed(distances: &[f32], inside: &[bool]) -> Vec<f32> {
-    let sign = |(&distance, &inside): (&f32, &bool)| match inside {
-        true if distance.is_finite() && distance != 0.0 => -distance,
+fn signed<R: Real>(distances: &[R], inside: &[bool]) -> Vec<R> {
+    let sign = |(&distance, &inside): (&R, &bool)| match inside {
+        true if distance.is_finite() && distance != R::zero() => -distance,
         _ => distance,
     };
     distances.iter().zip(inside).map(sign).collect()
@@ -198,8 +198,7 @@ mod tests {
     const CHART: Chart = Chart { rows: 11, cols: 11 };
 
     fn square(low: f64, high: f64, clockwise: bool) -> Vec<[f64; 2]> {
-        let mut square =
-            vec![[low, low], [high, low], [high, high], [low, high], [low, low]];
+        let mut square = vec![[low, low], [high, low], [high, high], [low, high], [low, low]];
         if clockwise {
             square.reverse();
         }
@@ -212,7 +211,7 @@ mod tests {
             initial: 0.0,
         };
         let sources: Sources = curves.iter().map(curve).collect();
-        let signed = signed_distances(CHART, &sources, &[1.0; 121])?;
+        let signed = signed_distances(CHART, &sources, &[1.0f32; 121])?;
         Ok(signed.into_iter().map(|distance| distance < 0.0).collect())
     }
 
@@ -247,9 +246,9 @@ mod tests {
         let ends = [[1.0, 1.0], [1.0, 5.0]];
         assert_eq!(inside(&[open]), Err(SignError::Open { source_index: 0, ends }));
         let point = Sources::point(1.0, 1.0);
-        let found = signed_distances(CHART, &point, &[1.0; 121]);
+        let found = signed_distances(CHART, &point, &[1.0f32; 121]);
         assert_eq!(found, Err(SignError::Point { source_index: 0 }));
-        assert!(signed_distances(CHART, &point, &[1.0; 12]).is_err());
-        assert!(signed_distances_by_mask(CHART, &[1.0; 121], &[true; 12]).is_err());
+        assert!(signed_distances(CHART, &point, &[1.0f32; 12]).is_err());
+        assert!(signed_distances_by_mask(CHART, &[1.0f32; 121], &[true; 12]).is_err());
     }
 }

@@ -130,10 +130,9 @@ mod tests {
         for kink in [-2.5, -1.5, -0.75, 0.75, 1.5, 2.5] {
             let meet = samples(|x| (x + 20.0f64).min(20.0 + 2.0 * kink - x).powi(2));
             let (toward, exact) = if kink > 0.0 { (-1.0, 40.0) } else { (1.0, -40.0 - 4.0 * kink) };
-            for found in [
-                derivative(meet, 1.0, 0.0, toward),
-                derivative_beside_kink(meet, 1.0, 0.0),
-            ] {
+            for found in
+                [derivative(meet, 1.0, 0.0, toward), derivative_beside_kink(meet, 1.0, 0.0)]
+            {
                 assert_abs_diff_eq!(found.unwrap(), exact, epsilon = 1e-9);
             }
         }
@@ -143,6 +142,9 @@ mod tests {
     fn there_is_no_derivative_between_kinks_or_without_samples() {
         let between = samples(|x| (10.0 - x.abs()).powi(2) - if x == 0.0 { 9.0 } else { 0.0 });
         assert_eq!(derivative(between, 1.0, 0.0, 1.0), None);
-        assert_eq!(derivative([None, None, Some(1.0), Some(2.0), None, None, None], 1.0, 0.0, 1.0), None);
+        assert_eq!(
+            derivative([None, None, Some(1.0), Some(2.0), None, None, None], 1.0, 0.0, 1.0),
+            None
+        );
     }
 }

@@ -23,11 +23,10 @@ pub(super) enum Way {
     Unreached,
     /// The point lies on a source.
     AtSource,
-    /// The direction as a step of rows and columns. A straight line ends `step` away; a tangent has no end.
+    /// The direction as a step of rows and columns. If `to_source` is set, the source is `step` away;
+    /// otherwise the length of the step has no meaning.
     Along {
         step: Vec2,
-        is_line: bool,
-        /// Whether the line ends at a source.
         to_source: bool,
     },
 }
@@ -105,9 +104,7 @@ impl Ways<'_> {
             let (row, col) = chart.position(index);
             self.paths.is_corner(chart.bordered(row, col))
         };
-        if initials.iter().all(|&initial| initial == start)
-            && !(0..chart.points()).any(is_corner)
-        {
+        if initials.iter().all(|&initial| initial == start) && !(0..chart.points()).any(is_corner) {
             return None;
         }
         let index = |point: usize| {
@@ -120,7 +117,9 @@ impl Ways<'_> {
             let Some(line) = lines[index(point)] else { continue };
             let moment = match line.end {
                 LineEnd::Source(source) => initials[source],
-                LineEnd::Point(end) if self.paths.is_corner(end) && self.bends(point, end, lines) => {
+                LineEnd::Point(end)
+                    if self.paths.is_corner(end) && self.bends(point, end, lines) =>
+                {
                     self.time(end)
                 }
                 LineEnd::Point(end) => moments[index(end)],
@@ -152,7 +151,6 @@ impl Ways<'_> {
             let next = self.paths.first_of_detour(point);
             return next.map_or(Way::AtSource, |next| Way::Along {
                 step: (chart.bordered_place(next) - here).as_vec2(),
-                is_line: true,
                 to_source: false,
             });
         };
@@ -168,7 +166,6 @@ impl Ways<'_> {
         };
         Way::Along {
             step: tangent.unwrap_or(step).as_vec2(),
-            is_line: tangent.is_none(),
             to_source: matches!(end, LineEnd::Source(_)),
         }
     }
