@@ -8,6 +8,7 @@ mod canonical;
 #[path = "../common/mod.rs"]
 mod common;
 mod contours;
+mod directions;
 mod double_precision;
 mod engines;
 mod estimate;
