@@ -349,6 +349,10 @@ impl<'a> Problem<'a> {
     }
 
     fn solve_on_the_best(&self) -> Result<DistanceMap, Error> {
+        if self.surface.is_glued() {
+            let reason = "fronts pass seams on the CPU only".into();
+            return Ok(self.solve_on_cpu()?.because(reason));
+        }
         let reason =
             match Choice::of(self.surface.chart(), self.wavefront, vulkan::are_pipelines_kept()) {
                 Choice::Cpu(reason) => return Ok(self.solve_on_cpu()?.because(reason)),
@@ -394,6 +398,8 @@ impl<'a> Problem<'a> {
     }
 
     fn solve_on_vulkan(&self, choice: &DeviceChoice) -> Result<DistanceMap, VulkanError> {
+        // Before a device is opened.
+        vulkan::check_open(self.surface)?;
         let mut solver = vulkan::HeadlessSolver::new(choice)?;
         let mut surface = solver.upload(self.surface)?;
         let method = vulkan::Method::new(self.wavefront, self.stop).with_schedule(self.schedule);

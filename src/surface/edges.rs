@@ -10,6 +10,7 @@ use super::arc::EdgeRule;
 use super::chart::{Block, Chart, Direction, EdgeSlot, STORED};
 use super::even_grid::EvenGrid;
 use super::geometry::Geometry;
+use super::gluing::{Groups, Strips};
 use super::measure::{LONGEST_EDGE, RowBends, SHORTEST_EDGE};
 use super::obtuse::{MarkedCells, ObtuseTriangles, RowAbove};
 use super::parts::Parts;
@@ -50,6 +51,12 @@ pub struct EdgeLengths<R> {
     pub(super) obtuse: ObtuseTriangles,
     /// See `parts.rs`.
     pub(super) parts: Parts<R>,
+    /// See [`Self::copies`].
+    copies: Option<Groups>,
+    /// See `gluing/strips.rs`.
+    strips: Strips<R>,
+    /// Whether the surface, or that of which this is a strip, is glued.
+    of_glued: bool,
 }
 
 impl<R: Real> EdgeLengths<R> {
@@ -63,7 +70,12 @@ impl<R: Real> EdgeLengths<R> {
     /// nor between [`SHORTEST_EDGE`] and [`LONGEST_EDGE`]. [`SurfaceError::TooLarge`] if a height or
     /// coordinate at that edge exceeds [`LONGEST_EDGE`].
     pub fn new(surface: &Surface) -> Result<Self, SurfaceError> {
-        let (chart, origin) = (surface.chart(), surface.origin());
+        Self::measured(surface, surface.origin())
+    }
+
+    /// Measures the edges of a surface, with positions relative to `origin`.
+    pub(super) fn measured(surface: &Surface, origin: DVec3) -> Result<Self, SurfaceError> {
+        let chart = surface.chart();
         // Zeroed memory costs nothing here; every value is written below, by many threads at once.
         let mut lengths = [(); 4].map(|_| vec![R::zero(); chart.bordered_points()]);
         lengths.iter_mut().for_each(|plane| chart.fill_border_rows(plane, R::FAR));
@@ -92,10 +104,17 @@ impl<R: Real> EdgeLengths<R> {
                     }
                 })
             })?;
+        let strips = Strips::measure(surface, origin)?;
+        strips.replace_lengths(surface, &mut lengths);
+        let bordered = |index: usize| {
+            let (row, col) = chart.position(index);
+            chart.bordered(row, col)
+        };
         let slowness = surface.bordered_slowness();
         // With a slowness the rows above held weighted edges, which do not show the triangles' shapes on the
         // surface.
-        let obtuse = match (slowness.is_some(), cells.any()) {
+        // Edges beside seams have changed since.
+        let obtuse = match (slowness.is_some() || surface.is_glued(), cells.any()) {
             (true, _) => ObtuseTriangles::default(),
             (false, true) => ObtuseTriangles::within(cells),
             (false, false) => ObtuseTriangles::none(),
@@ -112,6 +131,9 @@ impl<R: Real> EdgeLengths<R> {
             gaussian_curvature: OnceLock::new(),
             obtuse,
             parts: Parts::default(),
+            copies: surface.copies().map(|groups| groups.mapped(bordered)),
+            strips,
+            of_glued: surface.is_glued(),
         })
     }
 
@@ -154,6 +176,9 @@ impl<R: Real> EdgeLengths<R> {
             gaussian_curvature: OnceLock::new(),
             obtuse: Default::default(),
             parts: Parts::default(),
+            copies: None,
+            strips: Strips::default(),
+            of_glued: false,
         }
     }
 
@@ -169,6 +194,25 @@ impl<R: Real> EdgeLengths<R> {
     pub(crate) fn beside_a_source(mut self) -> Self {
         self.beside_a_source = true;
         self
+    }
+
+    /// Returns the same edges for a strip of a glued surface.
+    pub(super) fn of_glued(self) -> Self {
+        Self { of_glued: true, ..self }
+    }
+
+    /// Returns the groups of points that are one point of the surface, by their indices in bordered arrays, if
+    /// the surface is glued.
+    pub(crate) fn copies(&self) -> Option<&Groups> {
+        self.copies.as_ref()
+    }
+
+    /// Corrects the Gaussian curvature of a glued surface beside its seams.
+    pub(super) fn across_seams(&self, curvature: &mut [R]) {
+        if self.of_glued {
+            self.strips.replace_curvature(self, curvature);
+            self.share_curvature(curvature);
+        }
     }
 
     /// Returns the slowness at each point of the bordered array, or `None` if it is the same everywhere. The
@@ -208,7 +252,9 @@ impl<R: Real> EdgeLengths<R> {
         let curvature = self.gaussian_curvature.get().map(Vec::as_slice);
         let planes = self.lengths.iter().map(Vec::as_slice).chain(curvature);
         let planes = planes.chain(self.slowness()).chain(self.metric_curvature.as_deref());
-        planes.map(std::mem::size_of_val).sum::<usize>() + self.obtuse.bytes() + self.parts.bytes()
+        let glued = self.strips.bytes() + self.copies.as_ref().map_or(0, Groups::bytes);
+        let found = self.obtuse.bytes() + self.parts.bytes();
+        planes.map(std::mem::size_of_val).sum::<usize>() + found + glued
     }
 
     #[inline]

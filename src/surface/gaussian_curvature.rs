@@ -67,6 +67,7 @@ fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
     chart.rows_mut(&mut curvature).enumerate().for_each(|(row, line)| {
         Instructions::best().run(Settled { edges, row, fans: &fans, line })
     });
+    edges.across_seams(&mut curvature);
     curvature
 }
 

@@ -13,6 +13,7 @@ mod even_cells;
 mod even_grid;
 mod gaussian_curvature;
 mod geometry;
+mod gluing;
 mod inputs;
 mod iteration_bound;
 mod jump;
@@ -43,6 +44,8 @@ pub(crate) use even_grid::EvenGrid;
 pub(crate) use gaussian_curvature::{DIFFRACTS, LACKING};
 pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing};
+pub(crate) use gluing::UNGLUED;
+pub use gluing::{Gluing, GluingError, Groups, Run};
 pub(crate) use jump::jumps;
 pub use measure::{LONGEST_EDGE, SHORTEST_EDGE};
 pub(crate) use obtuse::is_obtuse;
@@ -56,10 +59,11 @@ pub(crate) use sources::with_diagonals;
 pub use sources::{Origin, Seed, Source, SourceError, Sources};
 pub(crate) use tag::{TAG, Tagged};
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
+use gluing::Glued;
 use inputs::Inputs;
 
 /// An M x N grid of points on a surface: positions, heights or a metric, with an optional slowness and holes.
@@ -82,6 +86,8 @@ pub struct Surface {
     edge_rule: EdgeRule,
     /// The grid of a floor plan, once it has been requested.
     floor: OnceLock<Option<EvenGrid>>,
+    /// How sides of the grid are glued, if they are.
+    glued: Option<Arc<Glued>>,
 }
 
 /// The reason why an array is not a surface.
@@ -181,6 +187,9 @@ pub enum SurfaceError {
         /// Column of the value.
         col: usize,
     },
+    /// The surface cannot be glued, or something is not available on glued surfaces.
+    #[error(transparent)]
+    Gluing(#[from] GluingError),
     /// An edge is too long or too short for single precision.
     #[error(
         "the edge from row {row}, column {col} to its {direction:?} neighbour is {length:e} units long; choose a unit of length in which edges lie between {SHORTEST_EDGE:e} and {LONGEST_EDGE:e}"
@@ -241,7 +250,7 @@ impl Surface {
         let is_scaled = geometry.jumps_in_scale(chart, &present);
         let inputs = Inputs { geometry, slowness: None, present, is_scaled };
         let (edge_rule, floor) = (EdgeRule::default(), OnceLock::new());
-        Self { chart, inputs, edge_rule, floor }.non_empty()
+        Self { chart, inputs, edge_rule, floor, glued: None }.non_empty()
     }
 
     /// Sets the rule by which edges are measured.
@@ -301,8 +310,8 @@ impl Surface {
         self.has(row, col).then(|| self.geometry().position(self.chart, row, col))?
     }
 
-    /// Returns whether the surface is a floor plan: a flat, evenly spaced grid without a slowness, with or
-    /// without holes. The grid may be sheared as long as no triangle of neighbours is obtuse. It may have
+    /// Returns whether the surface is a floor plan: a flat, evenly spaced grid without a slowness and not
+    /// glued, with or without holes. The grid may be sheared as long as no triangle of neighbours is obtuse. It may have
     /// about 30 million points at most. Over a floor plan, and from points, [`crate::Wavefront::Anchored`] is
     /// exact.
     ///
@@ -322,7 +331,9 @@ impl Surface {
     /// Returns the even grid of a floor plan.
     pub(crate) fn floor(&self) -> Option<EvenGrid> {
         let grid = || EvenGrid::of(self).filter(|grid| !grid.is_obtuse());
-        *self.floor.get_or_init(|| has_numbers(self.chart).then(grid).flatten())
+        // Anchors are places of the chart, and seams lead to other places.
+        let is_open = has_numbers(self.chart) && !self.is_glued();
+        *self.floor.get_or_init(|| is_open.then(grid).flatten())
     }
 
     /// Returns whether the surface has an edge from a grid point to a neighbour. Both ends must be present. A

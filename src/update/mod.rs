@@ -20,7 +20,7 @@ mod wavefront;
 
 pub(crate) use anchor::Anchor;
 pub(crate) use anchored::{Floor, is_shorter};
-pub(crate) use carried::{Carried, EXACT, Kept, SEED, tag_of};
+pub(crate) use carried::{Carried, EXACT, EXCHANGED, Kept, SEED, tag_of};
 pub use circular::circular;
 #[cfg(feature = "twins")]
 pub(crate) use crossing::base_crossing;

@@ -34,6 +34,7 @@ pub use device::requirements;
 pub use device::tile_lanes::TileLanes;
 pub use device::validation::ValidationLog;
 pub use error::VulkanError;
+pub(crate) use headless::check_open;
 pub use headless::{DeviceCeilings, HeadlessSolution, HeadlessSolver, Method, SurfaceOnDevice};
 pub use pairwise::{PairwiseOnDevice, PairwiseSchedule};
 pub use schedules::schedule::{Schedule, Tuning};

@@ -5,6 +5,7 @@ mod accuracy;
 mod bounds;
 #[cfg(feature = "canonical")]
 mod canonical;
+mod closed;
 #[path = "../common/mod.rs"]
 mod common;
 mod contours;

@@ -75,6 +75,9 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
         renews: bool,
     ) -> KeptBy<'a, R, Self>;
 
+    /// Returns the front at a point as one that arrives at a copy of the point, on a glued surface.
+    fn arrival_of_front(kept: KeptBy<'a, R, Self>) -> Self::Arrival;
+
     /// Returns the first of two fronts at a point.
     fn first(a: KeptBy<'a, R, Self>, b: KeptBy<'a, R, Self>) -> KeptBy<'a, R, Self>;
 

@@ -76,6 +76,10 @@ impl<'a, R: Real> FrontKind<'a, R> for SlowedCurved<'a, R> {
         accept(kept, arrival, scan, renews)
     }
 
+    fn arrival_of_front(kept: KeptCurved<R>) -> Front<R> {
+        kept.carried.front(kept.time)
+    }
+
     #[inline(always)]
     fn first(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R> {
         first(a, b)

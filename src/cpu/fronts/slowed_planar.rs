@@ -53,6 +53,10 @@ impl<'a, R: Real> FrontKind<'a, R> for SlowedPlanar<'a, R> {
         Kept { time: min(kept.time, time), carried: () }
     }
 
+    fn arrival_of_front(kept: Kept<R, ()>) -> R {
+        kept.time
+    }
+
     #[inline(always)]
     fn first(a: Kept<R, ()>, b: Kept<R, ()>) -> Kept<R, ()> {
         Kept { time: min(a.time, b.time), carried: () }

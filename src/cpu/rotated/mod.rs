@@ -1,6 +1,7 @@
 //! Rotated raster scans in SIMD lanes: lines, tiles, scans, and patches of large grids.
 
 pub(in crate::cpu) mod due;
+mod exchange;
 pub(in crate::cpu) mod line;
 pub(in crate::cpu) mod line_update;
 pub(in crate::cpu) mod merge;

@@ -52,7 +52,8 @@ impl<'a, R: Real> RotatedScan<'a, R> {
         Self::in_order(edges, wavefront, order)
     }
 
-    /// Does the same as [`Self::new`], for maps in a given order instead of the best one.
+    /// Does the same as [`Self::new`], for maps in a given order instead of the best one. Glued surfaces are
+    /// solved by lines in any case.
     ///
     /// ```
     /// use geosweep::cpu::{Order, RotatedScan};
@@ -70,6 +71,8 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     /// # Ok::<(), geosweep::surface::SurfaceError>(())
     /// ```
     pub fn in_order(edges: &'a EdgeLengths<R>, wavefront: Wavefront, order: Order) -> Self {
+        // Patches do not exchange fronts over seams.
+        let order = if edges.copies().is_some() { Order::Lines } else { order };
         let scanner: Box<dyn Scans<R> + 'a> = for_kind!(edges, wavefront, kind => match order.plan() {
             Some(plan) => Box::new(PatchScanner::new(edges, kind, plan)),
             None => Box::new(Scanner::new(edges, kind)),

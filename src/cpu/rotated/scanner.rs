@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::due::find_due;
+use super::exchange::exchange;
 use super::line_update::UpdateOptions;
 use super::merge::merge;
 use super::panel::Panel;
@@ -103,6 +104,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
                 self.tiles.touch(seed.row, seed.col);
             }
         }
+        exchange::<R, K>(self.on.edges, &mut self.copies, &mut self.tiles, false);
     }
 
     /// Runs two opposite scans and returns the largest change.
@@ -122,7 +124,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         merge::<R, K>(edges.chart(), tiles, [first, second], scans, instructions);
         self.tiles.passed(scans, [&self.copies[0].changed, &self.copies[1].changed]);
         self.copies.iter_mut().for_each(|copy| copy.changed.fill(false));
-        a.max(b)
+        a.max(b).max(exchange::<R, K>(edges, &mut self.copies, &mut self.tiles, renews))
     }
 }
 

@@ -211,6 +211,20 @@ impl Geometry {
         }
     }
 
+    /// Returns the geometry of some points. That of missing points is any.
+    pub(crate) fn gathered(&self, points: &[Option<usize>]) -> Self {
+        fn all<T: Copy + Default>(values: &[T], points: &[Option<usize>]) -> Vec<T> {
+            points.iter().map(|point| point.map_or(T::default(), |index| values[index])).collect()
+        }
+        match self {
+            Self::Positions(positions) => Self::Positions(all(positions, points)),
+            Self::Heights { heights, spacing } => {
+                Self::Heights { heights: all(heights, points), spacing: *spacing }
+            }
+            Self::Metric(metric) => Self::Metric(all(metric, points)),
+        }
+    }
+
     /// Returns the geometry of some rows and columns, given by the indices of their points. The steps between
     /// them may differ only if points have positions. A metric is given per step; here a step is `dr` rows or
     /// `dc` columns.
