@@ -64,7 +64,7 @@ fn heights(path: &Path) -> Vec<f64> {
     let surface = SurfaceFile::read(path).unwrap().into_surface(None).unwrap();
     assert_eq!((surface.rows(), surface.cols()), (ROWS, COLS));
     match surface.geometry() {
-        Geometry::Heights { heights, .. } => heights.clone(),
+        Geometry::Heights { heights, .. } => heights.to_vec(),
         _ => panic!("{} holds heights", path.display()),
     }
 }

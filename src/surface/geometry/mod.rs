@@ -7,9 +7,11 @@
 
 mod sample;
 mod space;
+mod values;
 
 pub(crate) use sample::Sample;
 pub(super) use space::{InSpace, Point, Space};
+pub use values::Values;
 
 use glam::{DMat2, DVec2, DVec3};
 
@@ -75,16 +77,16 @@ impl MetricTensor {
 #[derive(Clone, Debug)]
 pub enum Geometry {
     /// 3D points.
-    Positions(Vec<DVec3>),
+    Positions(Values<DVec3>),
     /// Heights over a rectangular grid.
     Heights {
         /// One height per point.
-        heights: Vec<f64>,
+        heights: Values<f64>,
         /// Distance between points.
         spacing: Spacing,
     },
     /// The metric alone, without positions.
-    Metric(Vec<MetricTensor>),
+    Metric(Values<MetricTensor>),
 }
 
 impl Geometry {
@@ -203,11 +205,11 @@ impl Geometry {
     /// Returns the geometry of the points of a block.
     pub(crate) fn cut(&self, chart: Chart, block: &Block) -> Self {
         match self {
-            Self::Positions(positions) => Self::Positions(block.cut(chart, positions)),
+            Self::Positions(positions) => Self::Positions(block.cut(chart, positions).into()),
             Self::Heights { heights, spacing } => {
-                Self::Heights { heights: block.cut(chart, heights), spacing: *spacing }
+                Self::Heights { heights: block.cut(chart, heights).into(), spacing: *spacing }
             }
-            Self::Metric(metric) => Self::Metric(block.cut(chart, metric)),
+            Self::Metric(metric) => Self::Metric(block.cut(chart, metric).into()),
         }
     }
 
@@ -225,9 +227,9 @@ impl Geometry {
                     let MetricTensor { rr, rc, cc } = metric[index];
                     MetricTensor { rr: rr * dr * dr, rc: rc * dr * dc, cc: cc * dc * dc }
                 };
-                Self::Metric(kept.iter().map(scaled).collect())
+                Self::Metric(kept.iter().map(scaled).collect::<Vec<_>>().into())
             }
-            _ => Self::Positions(kept.iter().filter_map(position).collect()),
+            _ => Self::Positions(kept.iter().filter_map(position).collect::<Vec<_>>().into()),
         }
     }
 
