@@ -63,6 +63,14 @@ impl<R: Real> EdgeLengths<R> {
     /// nor between [`SHORTEST_EDGE`] and [`LONGEST_EDGE`]. [`SurfaceError::TooLarge`] if a height or
     /// coordinate at that edge exceeds [`LONGEST_EDGE`].
     pub fn new(surface: &Surface) -> Result<Self, SurfaceError> {
+        Self::measured(surface, || Ok(()))
+    }
+
+    /// Measures the edges of a surface as [`Self::new`] does, as long as `go_on` does not fail.
+    pub(crate) fn measured<E: From<SurfaceError> + Send>(
+        surface: &Surface,
+        go_on: impl Fn() -> Result<(), E> + Sync,
+    ) -> Result<Self, E> {
         let (chart, origin) = (surface.chart(), surface.origin());
         // Zeroed memory costs nothing here; every value is written below, by many threads at once.
         let mut lengths = [(); 4].map(|_| vec![R::zero(); chart.bordered_points()]);
@@ -75,6 +83,7 @@ impl<R: Real> EdgeLengths<R> {
             .chunks(BAND)
             .enumerate()
             .try_for_each(|(band, mut lines)| {
+                go_on()?;
                 let first = band * BAND;
                 let mut row_above = RowAbove::none(chart.cols);
                 let band = first.saturating_sub(1)..first + lines.len();
@@ -90,7 +99,8 @@ impl<R: Real> EdgeLengths<R> {
                         (*before, *after) = (R::FAR, R::FAR);
                         line.copy_from_slice(lengths);
                     }
-                })
+                })?;
+                Ok::<_, E>(())
             })?;
         let slowness = surface.bordered_slowness();
         // With a slowness the rows above held weighted edges, which do not show the triangles' shapes on the
