@@ -65,6 +65,7 @@ pub mod io;
 mod lanes;
 mod map;
 mod method;
+mod monitor;
 mod name;
 pub mod pairwise;
 pub mod shown;
@@ -80,6 +81,7 @@ pub use estimate::{ErrorEstimate, estimate_error, estimate_error_f64};
 pub use glam;
 pub use gpu_allocator;
 pub use map::{DistanceMap, Report, UsedEngine};
+pub use monitor::Monitor;
 pub use name::UnknownName;
 pub use solve::{
     DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, Engine, Options, distance_map, distance_map_f64,

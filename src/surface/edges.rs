@@ -70,11 +70,23 @@ impl<R: Real> EdgeLengths<R> {
     /// nor between [`SHORTEST_EDGE`] and [`LONGEST_EDGE`]. [`SurfaceError::TooLarge`] if a height or
     /// coordinate at that edge exceeds [`LONGEST_EDGE`].
     pub fn new(surface: &Surface) -> Result<Self, SurfaceError> {
-        Self::measured(surface, surface.origin())
+        Self::measured(surface, || Ok(()))
     }
 
-    /// Measures the edges of a surface, with positions relative to `origin`.
-    pub(super) fn measured(surface: &Surface, origin: DVec3) -> Result<Self, SurfaceError> {
+    /// Measures the edges of a surface as [`Self::new`] does, as long as `go_on` does not fail.
+    pub(crate) fn measured<E: From<SurfaceError> + Send>(
+        surface: &Surface,
+        go_on: impl Fn() -> Result<(), E> + Sync,
+    ) -> Result<Self, E> {
+        Self::measured_from(surface, surface.origin(), go_on)
+    }
+
+    /// Measures the edges of a surface as [`Self::measured`] does, with positions relative to `origin`.
+    pub(super) fn measured_from<E: From<SurfaceError> + Send>(
+        surface: &Surface,
+        origin: DVec3,
+        go_on: impl Fn() -> Result<(), E> + Sync,
+    ) -> Result<Self, E> {
         let chart = surface.chart();
         // Zeroed memory costs nothing here; every value is written below, by many threads at once.
         let mut lengths = [(); 4].map(|_| vec![R::zero(); chart.bordered_points()]);
@@ -87,6 +99,7 @@ impl<R: Real> EdgeLengths<R> {
             .chunks(BAND)
             .enumerate()
             .try_for_each(|(band, mut lines)| {
+                go_on()?;
                 let first = band * BAND;
                 let mut row_above = RowAbove::none(chart.cols);
                 let band = first.saturating_sub(1)..first + lines.len();
@@ -102,7 +115,8 @@ impl<R: Real> EdgeLengths<R> {
                         (*before, *after) = (R::FAR, R::FAR);
                         line.copy_from_slice(lengths);
                     }
-                })
+                })?;
+                Ok::<_, E>(())
             })?;
         let strips = Strips::measure(surface, origin)?;
         strips.replace_lengths(surface, &mut lengths);

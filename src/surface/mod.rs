@@ -43,7 +43,7 @@ pub use edges::EdgeLengths;
 pub(crate) use even_grid::EvenGrid;
 pub(crate) use gaussian_curvature::{DIFFRACTS, LACKING};
 pub(crate) use geometry::Sample;
-pub use geometry::{Geometry, MetricTensor, Spacing};
+pub use geometry::{Geometry, MetricTensor, Spacing, Values};
 pub(crate) use gluing::UNGLUED;
 pub use gluing::{Gluing, GluingError, Groups, Run};
 pub(crate) use jump::jumps;
@@ -213,7 +213,7 @@ impl Surface {
         cols: usize,
         positions: Vec<DVec3>,
     ) -> Result<Self, SurfaceError> {
-        Self::new(rows, cols, Geometry::Positions(positions))
+        Self::new(rows, cols, Geometry::Positions(positions.into()))
     }
 
     /// Makes a height field from heights, row-major. The point at row r and column c is (c dx, r dy, height).
@@ -227,7 +227,45 @@ impl Surface {
         if !spacing.is_usable() {
             return Err(SurfaceError::Spacing { dx: spacing.dx, dy: spacing.dy });
         }
-        Self::new(rows, cols, Geometry::Heights { heights, spacing })
+        Self::new(rows, cols, Geometry::Heights { heights: heights.into(), spacing })
+    }
+
+    /// Makes a height field as [`Self::from_heights`] does, from heights that stay where they are: in an array
+    /// of the program, which the surface and its clones keep. The values must not change meanwhile.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use geosweep::{Spacing, Surface};
+    ///
+    /// let heights = Arc::new(vec![0.0; 3 * 4]);
+    /// let surface = Surface::from_shared_heights(3, 4, heights.clone(), Spacing::square(1.0))?;
+    /// assert_eq!((surface.points(), Arc::strong_count(&heights)), (12, 2));
+    /// # Ok::<(), geosweep::surface::SurfaceError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As for [`Self::from_heights`].
+    pub fn from_shared_heights(
+        rows: usize,
+        cols: usize,
+        heights: Arc<dyn AsRef<[f64]> + Send + Sync>,
+        spacing: Spacing,
+    ) -> Result<Self, SurfaceError> {
+        if !spacing.is_usable() {
+            return Err(SurfaceError::Spacing { dx: spacing.dx, dy: spacing.dy });
+        }
+        Self::new(rows, cols, Geometry::Heights { heights: Values::shared(heights), spacing })
+    }
+
+    /// Makes a surface from 3D points as [`Self::from_positions`] does, from points that stay where they are:
+    /// in an array of the program, which the surface and its clones keep. The values must not change
+    /// meanwhile.
+    pub fn from_shared_positions(
+        rows: usize,
+        cols: usize,
+        positions: Arc<dyn AsRef<[DVec3]> + Send + Sync>,
+    ) -> Result<Self, SurfaceError> {
+        Self::new(rows, cols, Geometry::Positions(Values::shared(positions)))
     }
 
     /// Makes a surface given only by its metric (paper, eq. 3) in index coordinates, row-major. A tensor with
@@ -237,7 +275,7 @@ impl Surface {
         cols: usize,
         metric: Vec<MetricTensor>,
     ) -> Result<Self, SurfaceError> {
-        Self::new(rows, cols, Geometry::Metric(metric))
+        Self::new(rows, cols, Geometry::Metric(metric.into()))
     }
 
     fn new(rows: usize, cols: usize, geometry: Geometry) -> Result<Self, SurfaceError> {

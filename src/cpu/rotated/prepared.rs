@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use super::panel::{Grid, Panel};
 use super::transposed::TransposedEdges;
+use crate::Monitor;
 use crate::cpu::Instructions;
 use crate::cpu::fronts::FrontKind;
 use crate::cpu::scan::Scan;
@@ -17,6 +18,7 @@ pub(in crate::cpu) struct Prepared<'a, R: Real, K: FrontKind<'a, R>> {
     /// Data of each surface point that the front needs.
     surface_data: Cow<'a, [K::SurfaceData]>,
     pub instructions: Instructions,
+    pub monitor: Monitor,
     /// Transposed edges, for straight fronts on large grids. The second map fills them. Other fronts have
     /// more data per point to keep.
     transposed: Option<TransposedEdges<R>>,
@@ -42,6 +44,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Prepared<'a, R, K> {
             surface_data: kind.surface_data(chart),
             kind,
             instructions: Instructions::best(),
+            monitor: Monitor::default(),
             transposed: keeps_edges.then(|| TransposedEdges::new(chart)),
             solved: false,
         }

@@ -9,7 +9,7 @@ use crate::cpu::fronts::for_kind;
 use crate::cpu::solution::{Solution, distances};
 use crate::surface::{Chart, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
-use crate::{Convergence, Stop};
+use crate::{Convergence, Monitor, Stop};
 
 /// Solves by the scans rotated by 45 degrees (figure 3, second row): down and up, then right and left. All
 /// points of a row or column are updated at once, in SIMD lanes; see [`RotatedScan`].
@@ -19,7 +19,18 @@ pub fn rotated_scan<R: Real>(
     wavefront: Wavefront,
     stop: Stop,
 ) -> Solution<R> {
-    let mut solver = RotatedScan::new(edges, wavefront);
+    monitored_scan(edges, seeds, wavefront, stop, Monitor::default())
+}
+
+/// Does the same as [`rotated_scan`], and tells `monitor`. If that cancels the map, it is incomplete.
+pub(crate) fn monitored_scan<R: Real>(
+    edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    stop: Stop,
+    monitor: Monitor,
+) -> Solution<R> {
+    let mut solver = RotatedScan::new(edges, wavefront).with_monitor(monitor);
     let Convergence { iterations, residual } = solver.solve(seeds, stop);
     Solution::new(edges.chart(), solver.scanner.into_times(), iterations, residual)
 }
@@ -87,6 +98,13 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     pub fn with_instructions(mut self, instructions: Instructions) -> Self {
         assert!(Instructions::available().contains(&instructions), "no {instructions} here");
         self.scanner.set_instructions(instructions);
+        self
+    }
+
+    /// Tells `monitor` of each iteration. If the monitor cancels a map, [`Self::solve`] and [`Self::add`]
+    /// return at once, and the map is incomplete.
+    pub fn with_monitor(mut self, monitor: Monitor) -> Self {
+        self.scanner.set_monitor(monitor);
         self
     }
 

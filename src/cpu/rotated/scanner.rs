@@ -19,7 +19,7 @@ use crate::cpu::progress::Progress;
 use crate::cpu::scan::Scan;
 use crate::surface::{EdgeLengths, Real, Seed};
 use crate::update::{Kept, tag_of};
-use crate::{Convergence, Stop};
+use crate::{Convergence, Monitor, Stop};
 
 /// A solver for one kind of front; see [`crate::cpu::RotatedScan`].
 #[derive(Clone, Debug)]
@@ -53,7 +53,12 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         loop {
             let vertical = self.scan([Scan::DOWN, Scan::UP], progress.renews());
             let horizontal = self.scan([Scan::RIGHT, Scan::LEFT], progress.renews());
-            if !progress.is_done::<R>(vertical.max(horizontal)) {
+            let is_done = progress.is_done::<R>(vertical.max(horizontal));
+            self.on.monitor.note(progress.iterations, progress.residual);
+            if self.on.monitor.is_cancelled() {
+                return progress.convergence();
+            }
+            if !is_done {
                 if progress.iterations == FEW_ITERATIONS {
                     self.on.store_parts();
                 }
@@ -64,8 +69,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
                 |seed: &Seed| seed.is_lost(self.times()[chart.bordered(seed.row, seed.col)]);
             let goes_on = K::TAKES_BACK && !progress.is_last() && seeds.iter().any(is_lost);
             if !goes_on {
-                let Progress { iterations, residual, .. } = progress;
-                return Convergence { iterations, residual };
+                return progress.convergence();
             }
             self.seed(seeds);
         }
@@ -109,14 +113,14 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
 
     /// Runs two opposite scans and returns the largest change.
     fn scan(&mut self, scans: [Scan; 2], renews: bool) -> R::Bits {
-        let Prepared { edges, ref kind, instructions, .. } = self.on;
+        let Prepared { edges, ref kind, instructions, ref monitor, .. } = self.on;
         let grid = self.on.grid();
         let options = scans.map(|scan| UpdateOptions { scan, renews, instructions });
         let fronts = self.copies[0].fronts();
         let before = Before { edges, fronts, far: None, surface_data: grid.surface_data };
         self.looked += find_due(kind, before, &mut self.tiles, &options);
         let (tiles, [first, second]) = (&self.tiles, &mut self.copies);
-        let [a, b] = self.panels.each_mut().map(|panel| On { grid, panel, far: None });
+        let [a, b] = self.panels.each_mut().map(|panel| On { grid, panel, far: None, monitor });
         let (a, b) = rayon::join(
             || first.scan(kind, a, tiles, options[0]),
             || second.scan(kind, b, tiles, options[1]),
@@ -152,6 +156,10 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scans<R> for Scanner<'a, R, K> {
 
     fn set_instructions(&mut self, instructions: Instructions) {
         self.on.instructions = instructions;
+    }
+
+    fn set_monitor(&mut self, monitor: Monitor) {
+        self.on.monitor = monitor;
     }
 
     fn times(&self) -> &[R] {

@@ -37,7 +37,9 @@ use rayon::prelude::*;
 
 use super::Curve;
 use crate::shown::exact;
-use crate::surface::{Chart, EdgeLengths, GluingError, Source, SourceError, Sources, Surface, UNGLUED};
+use crate::surface::{
+    Chart, EdgeLengths, GluingError, Source, SourceError, Sources, Surface, UNGLUED,
+};
 use corners::Corners;
 pub(super) use first_line::{FirstLine, LineEnd};
 use goals::Goals;

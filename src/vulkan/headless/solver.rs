@@ -5,6 +5,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::context::Context;
+use crate::Monitor;
 use crate::update::Wavefront;
 use crate::vulkan::DeviceChoice;
 use crate::vulkan::device::passes::COMMON;
@@ -42,6 +43,7 @@ pub struct HeadlessSolver {
     pub(in crate::vulkan) context: Arc<Context>,
     /// Store that keeps pipelines between processes, if there is one.
     store: Option<PipelineStore>,
+    pub(super) monitor: Monitor,
 }
 
 impl HeadlessSolver {
@@ -91,12 +93,19 @@ impl HeadlessSolver {
         let cache = store.as_ref().map_or(vk::PipelineCache::null(), PipelineStore::cache);
         let cache = Cache::shared(cache);
         match embed::Solver::made_with(instance, physical_device, device, &[], tools, cache) {
-            Ok(for_device) => Ok(Self { for_device, context, store }),
+            Ok(for_device) => Ok(Self { for_device, context, store, monitor: Monitor::default() }),
             Err(error) => {
                 store.iter_mut().for_each(|store| store.destroy(device));
                 Err(error)
             }
         }
+    }
+
+    /// Sets the monitor of the maps. If it cancels a map, no further iterations are submitted, and the map is
+    /// incomplete.
+    pub fn with_monitor(mut self, monitor: Monitor) -> Self {
+        self.monitor = monitor;
+        self
     }
 
     /// Returns the device's name.

@@ -116,6 +116,7 @@ impl HeadlessSolver {
         // Only curved fronts are ever withdrawn.
         while solution.wavefront.is_curved()
             && solution.iterations < method.stop.iterations
+            && !self.monitor.is_cancelled()
             && seeds.iter().any(|seed| is_lost(seed, &solution.distances))
         {
             let left = method.stop.iterations - solution.iterations;
@@ -228,7 +229,7 @@ impl HeadlessSolver {
             submitter.submit(first)?;
         }
         let mut outcome = images.record(0).outcome;
-        while !outcome.is_done() {
+        while !outcome.is_done() && !self.monitor.is_cancelled() {
             // One recording serves all iterations but the last ones, of which fewer may be left.
             let left = stop.iterations - outcome.iterations;
             let wanted = (variant, schedule.plan(texels, portions, None, most(left)));
