@@ -35,7 +35,7 @@ def numbers(name: str, value: ArrayLike) -> Floats:
         array = np.asarray(value)
         if array.dtype.kind not in "biuf":
             raise TypeError
-        return np.ascontiguousarray(array, dtype=np.float64)
+        return np.asarray(array, dtype=np.float64, order="C")
     except (TypeError, ValueError) as error:
         raise TypeError(f"{name} must be an array of real numbers, not {value!r:.60}") from error
 
