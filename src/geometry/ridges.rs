@@ -10,7 +10,9 @@ use super::chains::ways;
 use super::neighbourhood::Neighbourhood;
 use super::order::bordered;
 use super::{Curve, MapError};
-use crate::surface::{Chart, Direction, Edge, EdgeLengths, Real, ring, triangles, GluingError, UNGLUED};
+use crate::surface::{
+    Chart, Direction, Edge, EdgeLengths, GluingError, Real, UNGLUED, ring, triangles,
+};
 
 /// A line on which wavefronts from different directions meet.
 #[derive(Clone, Debug, PartialEq)]

@@ -36,7 +36,9 @@ use rayon::prelude::*;
 
 use super::Curve;
 use crate::shown::exact;
-use crate::surface::{Chart, EdgeLengths, GluingError, Source, SourceError, Sources, Surface, UNGLUED};
+use crate::surface::{
+    Chart, EdgeLengths, GluingError, Source, SourceError, Sources, Surface, UNGLUED,
+};
 use corners::Corners;
 use goals::Goals;
 use linked_path::{SharedParts, Trace};

@@ -34,7 +34,10 @@ impl GridSide {
 }
 
 /// Returns the pairs of points that a seam makes one, holes included.
-pub(in super::super) fn pairs_of(chart: Chart, seam: &Seam) -> Result<Vec<[usize; 2]>, GluingError> {
+pub(in super::super) fn pairs_of(
+    chart: Chart,
+    seam: &Seam,
+) -> Result<Vec<[usize; 2]>, GluingError> {
     let indices = |side: GridSide| -> Vec<usize> {
         side.places(chart).into_iter().map(|(row, col)| chart.index(row, col)).collect()
     };
@@ -108,7 +111,8 @@ impl Surface {
                     });
                 }
                 _ if lattice != Lattice::default() => {
-                    if lattice.cols.or(lattice.rows) == Some(true) && !self.geometry().has_positions()
+                    if lattice.cols.or(lattice.rows) == Some(true)
+                        && !self.geometry().has_positions()
                     {
                         return Err(GluingError::ReversedMetric);
                     }
@@ -172,7 +176,8 @@ impl Surface {
         };
         let rim: Vec<_> = self.chart.places().filter(is_rim).collect();
         let edge = |&(row, col): &(usize, usize)| self.longest_edge((row, col));
-        let shortest = rim.iter().map(edge).filter(|&edge| edge > 0.0).fold(f64::INFINITY, f64::min);
+        let shortest =
+            rim.iter().map(edge).filter(|&edge| edge > 0.0).fold(f64::INFINITY, f64::min);
         // Points are sorted into cubes of the tolerance, and compared with those of the cubes around.
         let near = COINCIDENT * shortest;
         let cube = |at: DVec3| (at / near).floor().to_array().map(|k| k as i64);
@@ -183,7 +188,8 @@ impl Surface {
             let (index, [x, y, z]) = (self.chart.index(row, col), cube(at));
             let around = (0..27).map(|k| [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1]);
             let others = around.filter_map(|cube| found.get(&cube)).flatten();
-            let first = others.filter(|(_, other)| other.distance(at) <= near).map(|(k, _)| *k).min();
+            let first =
+                others.filter(|(_, other)| other.distance(at) <= near).map(|(k, _)| *k).min();
             match first {
                 Some(first) => pairs.push([first, index]),
                 None => found.entry([x, y, z]).or_default().push((index, at)),

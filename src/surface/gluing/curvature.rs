@@ -14,9 +14,8 @@ impl<R: Real> EdgeLengths<R> {
         self.complete_beside_poles(curvature);
         let Some(groups) = self.copies() else { return };
         let numbers = groups.numbers();
-        let name = |point: u32| {
-            numbers.get(&point).map_or((1, point as usize), |&number| (0, number))
-        };
+        let name =
+            |point: u32| numbers.get(&point).map_or((1, point as usize), |&number| (0, number));
         for group in groups.iter() {
             let sum = group.iter().fold(R::zero(), |sum, &point| sum + curvature[point as usize]);
             let mean = sum / R::of(group.len() as f64);
@@ -54,7 +53,8 @@ impl<R: Real> EdgeLengths<R> {
             if tag_of(curvature[point]) == 0 {
                 continue;
             }
-            let exists = |from: usize, to: Direction| self.at(from, EdgeSlot::new(chart, 0, to)) < R::FAR;
+            let exists =
+                |from: usize, to: Direction| self.at(from, EdgeSlot::new(chart, 0, to)) < R::FAR;
             let is_whole = Direction::ALL
                 .into_iter()
                 .all(|to| exists(point, to) && exists(chart.beside(point, to), to.base()));
@@ -71,8 +71,15 @@ impl<R: Real> EdgeLengths<R> {
         let own = name(group[0]);
         let mut sides = BTreeSet::new();
         for &point in group {
-            let cells = [Direction::NorthEast, Direction::NorthWest, Direction::SouthWest, Direction::SouthEast];
-            for corners in cells.iter().filter_map(|&to| self.cell(self.chart(), point as usize, to)) {
+            let cells = [
+                Direction::NorthEast,
+                Direction::NorthWest,
+                Direction::SouthWest,
+                Direction::SouthEast,
+            ];
+            for corners in
+                cells.iter().filter_map(|&to| self.cell(self.chart(), point as usize, to))
+            {
                 let names = corners.map(|corner| name(corner as u32));
                 for side in names.windows(2) {
                     if side[0] != side[1] && !side.contains(&own) {
@@ -97,8 +104,11 @@ impl<R: Real> EdgeLengths<R> {
 }
 
 fn tag_of<R: Real>(curvature: R) -> u8 {
-    [LACKING, DIFFRACTS].into_iter().filter(|&tag| curvature.tag_has(tag, tag)).fold(0, |all, tag| {
-        debug_assert!(tag & TAG == tag);
-        all | tag
-    })
+    [LACKING, DIFFRACTS].into_iter().filter(|&tag| curvature.tag_has(tag, tag)).fold(
+        0,
+        |all, tag| {
+            debug_assert!(tag & TAG == tag);
+            all | tag
+        },
+    )
 }

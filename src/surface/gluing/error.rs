@@ -55,7 +55,9 @@ pub enum GluingError {
         places: [(usize, usize); 2],
     },
     /// The grid has too few lines for the gluing.
-    #[error("a grid of {rows} x {cols} points is too small to be glued; give at least four lines across the seam")]
+    #[error(
+        "a grid of {rows} x {cols} points is too small to be glued; give at least four lines across the seam"
+    )]
     TooSmall {
         /// Number of rows of the grid.
         rows: usize,
@@ -63,10 +65,14 @@ pub enum GluingError {
         cols: usize,
     },
     /// Nothing of the surface coincides.
-    #[error("no two points of the surface coincide beside its holes and borders, so there is nothing to glue")]
+    #[error(
+        "no two points of the surface coincide beside its holes and borders, so there is nothing to glue"
+    )]
     Nothing,
     /// The geometry does not allow the gluing.
-    #[error("{what} needs positions; heights and metrics can be glued only where opposite sides continue each other")]
+    #[error(
+        "{what} needs positions; heights and metrics can be glued only where opposite sides continue each other"
+    )]
     NoPositions {
         /// Name of the gluing.
         what: &'static str,

@@ -15,9 +15,10 @@ impl Lattice {
     pub(super) fn of(seam: &Seam) -> Self {
         use GridSide::{FirstColumn, FirstRow, LastColumn, LastRow};
         match *seam {
-            Seam::Sides { sides: [FirstColumn, LastColumn] | [LastColumn, FirstColumn], reversed } => {
-                Self { cols: Some(reversed), rows: None }
-            }
+            Seam::Sides {
+                sides: [FirstColumn, LastColumn] | [LastColumn, FirstColumn],
+                reversed,
+            } => Self { cols: Some(reversed), rows: None },
             Seam::Sides { sides: [FirstRow, LastRow] | [LastRow, FirstRow], reversed } => {
                 Self { cols: None, rows: Some(reversed) }
             }

@@ -45,11 +45,15 @@ impl<R: Real> Strip<R> {
 
 impl<R: Real> Strips<R> {
     /// Measures the strips of a surface, with positions relative to `origin`.
-    pub(in super::super) fn measure(surface: &Surface, origin: DVec3) -> Result<Self, SurfaceError> {
+    pub(in super::super) fn measure(
+        surface: &Surface,
+        origin: DVec3,
+    ) -> Result<Self, SurfaceError> {
         let Some(glued) = &surface.glued else { return Ok(Self::default()) };
         let (chart, Lattice { cols, rows }) = (surface.chart(), glued.lattice);
         let across = |lines: usize| [0..DEPTH.min(lines), lines.saturating_sub(DEPTH)..lines];
-        let blocks_of = |is_glued: bool, blocks: [Block; 2]| blocks.into_iter().filter(move |_| is_glued);
+        let blocks_of =
+            |is_glued: bool, blocks: [Block; 2]| blocks.into_iter().filter(move |_| is_glued);
         let of_cols = across(chart.cols).map(|cols| Block { rows: 0..chart.rows, cols });
         let of_rows = across(chart.rows).map(|rows| Block { rows, cols: 0..chart.cols });
         let blocks = blocks_of(cols.is_some(), of_cols).chain(blocks_of(rows.is_some(), of_rows));
@@ -71,7 +75,9 @@ impl<R: Real> Strips<R> {
         for strip in &self.0 {
             for (row, col) in strip.block.places() {
                 let (point, there) = (chart.bordered(row, col), strip.index((row, col)));
-                for ((lengths, of_strip), to) in lengths.iter_mut().zip(strip.edges.planes()).zip(STORED) {
+                for ((lengths, of_strip), to) in
+                    lengths.iter_mut().zip(strip.edges.planes()).zip(STORED)
+                {
                     if chart.neighbour(row, col, to).is_some() {
                         lengths[point] = of_strip[there];
                     }
