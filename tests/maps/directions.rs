@@ -247,7 +247,7 @@ fn paths_leave_their_source_in_the_direction_of_the_log_map() {
     let compass = log_map.source_compass(&surface);
     let exact = (6.0f32).atan2(-5.0).to_degrees();
     for (row, col) in [(3, 15), (10, 18), (0, 12)] {
-        approx::assert_abs_diff_eq!(compass[row * 21 + col], exact, epsilon = 0.3);
+        approx::assert_abs_diff_eq!(compass[row * 21 + col], exact, epsilon = 0.5);
     }
     approx::assert_abs_diff_eq!(compass[4], 360.0, epsilon = 0.01);
     assert_eq!((compass[10 * 21 + 4], compass[10]), (0.0, -1.0));

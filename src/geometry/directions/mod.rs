@@ -171,6 +171,7 @@ fn tracer<'a>(
     PathTracer::new(surface, edges, sources, distances).map_err(|error| match error {
         PathError::Source(error) => MapError::Source(error),
         PathError::Shape { found, rows, cols } => MapError::Shape { found, rows, cols },
+        PathError::Glued(error) => MapError::Glued(error),
         _ => unreachable!("no path is traced"),
     })
 }
