@@ -152,10 +152,8 @@ impl Surface {
     pub fn with_gluing(mut self, gluing: Gluing) -> Result<Self, SurfaceError> {
         let before = self.glued.take();
         let Compiled { pairs, lattice } = self.compile(&gluing)?;
-        if let Some(before) = &before {
-            if before.has_glued(&pairs) {
-                return Err(self.twice(pairs[0]).into());
-            }
+        if before.as_ref().is_some_and(|before| before.has_glued(&pairs)) {
+            return Err(self.twice(pairs[0]).into());
         }
         let lattice = before.as_ref().map_or(lattice, |before| before.lattice.and(lattice));
         let old = before.iter().flat_map(|before| before.groups.pairs());
