@@ -141,7 +141,7 @@ impl Options {
         Self { iterations: iterations.into(), ..self }
     }
 
-    /// Sets [`Options::monitor`].
+    /// Sets the monitor of a computation.
     pub fn with_monitor(self, monitor: impl Into<Option<Monitor>>) -> Self {
         Self { monitor: monitor.into(), ..self }
     }

@@ -157,8 +157,8 @@ impl<'a> Pairwise<'a> {
     /// On the CPU, a row of consecutive sources is bit-identical to the row of the whole matrix.
     ///
     /// # Errors
-    /// Any error of `sink`; if [`Options::monitor`] cancels the computation, a source is outside the grid, there is too little memory, or the Vulkan device
-    /// fails.
+    /// Any error of `sink`; if the monitor of [`Options::with_monitor`] cancels the computation, a source is
+    /// outside the grid, there is too little memory, or the Vulkan device fails.
     pub fn rows<E: From<Error> + Send>(
         &mut self,
         sources: &[usize],
