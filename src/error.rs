@@ -41,6 +41,9 @@ pub enum Error {
         /// Largest number of bytes that the map needs.
         bytes: usize,
     },
+    /// The computation was cancelled by its [`crate::Monitor`].
+    #[error("the computation was cancelled")]
+    Cancelled,
     /// An option is out of its range.
     #[error("{0}")]
     Options(String),

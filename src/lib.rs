@@ -1,15 +1,15 @@
 //! Geodesic distance maps on parametric surfaces, computed where the pixels already are.
 //!
 //! A [`Surface`] is an M x N grid of points (a geometry image, a height field, a range scan) or a metric per
-//! grid point. The crate computes the distance from [`Sources`] to every point. It solves the eikonal equation
-//! by parallel raster scans, after Weber, Devir, Bronstein, Bronstein and Kimmel, "Parallel algorithms for
-//! approximation of distance maps on parametric surfaces" (ACM Transactions on Graphics 27(4), 2008). This
-//! documentation calls that article "the paper".
+//! grid point. The crate computes the distance from [`Sources`] to every point. It solves the eikonal
+//! equation by parallel raster scans, after Weber, Devir, Bronstein, Bronstein and Kimmel, "Parallel
+//! algorithms for approximation of distance maps on parametric surfaces" (ACM Transactions on Graphics 27(4),
+//! 2008). This documentation calls that article "the paper".
 //!
 //! # A map in one call
 //!
-//! [`distance_map`] takes a surface and its sources and returns the distances. It runs on the CPU, or on a GPU
-//! for large grids.
+//! [`distance_map`] takes a surface and its sources and returns the distances. It runs on the CPU, or on a
+//! GPU for large grids.
 //!
 //! ```
 //! use geosweep::{Engine, Options, Sources, Spacing, Surface, distance_map};
@@ -24,15 +24,15 @@
 //! # Ok::<(), geosweep::Error>(())
 //! ```
 //!
-//! [`geometry`] makes contours, shortest paths, Voronoi regions and offset curves of it, [`pairwise`] computes
-//! all pairs, and [`estimate_error`] an error for each distance. A program that computes many maps of one
-//! surface keeps a [`cpu::RotatedScan`] or a [`vulkan::HeadlessSolver`].
+//! [`geometry`] makes contours, shortest paths, Voronoi regions and offset curves of it, [`pairwise`]
+//! computes all pairs, and [`estimate_error`] an error for each distance. A program that computes many maps
+//! of one surface keeps a [`cpu::RotatedScan`] or a [`vulkan::HeadlessSolver`].
 //!
 //! # A map in a renderer's frame
 //!
-//! [`vulkan::embed`] records a map into the command buffer of a renderer, on the renderer's device. Points come
-//! from its vertex buffer and may move every frame. The distances are an image that shaders sample in the same
-//! frame. Nothing is read back, and recording allocates nothing.
+//! [`vulkan::embed`] records a map into the command buffer of a renderer, on the renderer's device. Points
+//! come from its vertex buffer and may move every frame. The distances are an image that shaders sample in
+//! the same frame. Nothing is read back, and recording allocates nothing.
 //!
 //! # Features
 //!
@@ -65,6 +65,7 @@ pub mod io;
 mod lanes;
 mod map;
 mod method;
+mod monitor;
 mod name;
 pub mod pairwise;
 pub mod shown;
@@ -80,6 +81,7 @@ pub use estimate::{ErrorEstimate, estimate_error, estimate_error_f64};
 pub use glam;
 pub use gpu_allocator;
 pub use map::{DistanceMap, Report, UsedEngine};
+pub use monitor::Monitor;
 pub use name::UnknownName;
 pub use solve::{
     DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, Engine, Options, distance_map, distance_map_f64,

@@ -4,8 +4,9 @@ use crate::surface::{Sources, Surface};
 use crate::{Error, Options, vulkan};
 
 impl Options {
-    /// Returns the method with which [`vulkan::HeadlessSolver`] computes the same map as [`crate::distance_map`] on a
-    /// device: the wavefront for these sources, the schedule and the stop criterion.
+    /// Returns the method with which [`vulkan::HeadlessSolver`] computes the same map as
+    /// [`crate::distance_map`] on a device: the wavefront for these sources, the schedule and the stop
+    /// criterion.
     ///
     /// # Errors
     /// If an option is out of range, or the wavefront does not suit the sources.

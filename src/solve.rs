@@ -11,16 +11,16 @@ use crate::name::{UnknownName, by_name};
 use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface};
 use crate::update::{EngineKind, Setting, SourceKind, Wavefront};
 use crate::vulkan::{self, DeviceChoice, Schedule, VulkanError};
-use crate::{DistanceMap, Error, Report, UsedEngine};
+use crate::{DistanceMap, Error, Monitor, Report, UsedEngine};
 
 /// The engine that computes a map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Engine {
-    /// The CPU, or a GPU if there is one and the whole call should be faster on it, with its set-up, upload and
-    /// reading back. By the figures of one GPU this is so from 17 million points on with curved fronts. The
-    /// report names the engine and the reason. A Vulkan device that is a CPU is used only on request. A
-    /// [`Options::schedule`] requires Vulkan. A program that keeps a [`vulkan::HeadlessSolver`] sets the device
-    /// up only once, and gains on smaller grids.
+    /// The CPU, or a GPU if there is one and the whole call should be faster on it, with its set-up, upload
+    /// and reading back. By the figures of one GPU this is so from 17 million points on with curved fronts.
+    /// The report names the engine and the reason. A Vulkan device that is a CPU is used only on request. A
+    /// [`Options::schedule`] requires Vulkan. A program that keeps a [`vulkan::HeadlessSolver`] sets the
+    /// device up only once, and gains on smaller grids.
     #[default]
     Auto,
     /// A Vulkan device. It is an error if none can be used.
@@ -111,6 +111,8 @@ pub struct Options {
     /// Maximum number of iterations of four scans. With `None` it is ten for each row and column, more than
     /// any surface but a labyrinth needs.
     pub iterations: Option<u32>,
+    /// Follows the computation from another thread, which may cancel it.
+    pub monitor: Option<Monitor>,
 }
 
 impl Options {
@@ -137,6 +139,16 @@ impl Options {
     /// Sets [`Options::iterations`].
     pub fn with_iterations(self, iterations: impl Into<Option<u32>>) -> Self {
         Self { iterations: iterations.into(), ..self }
+    }
+
+    /// Sets the monitor of a computation.
+    pub fn with_monitor(self, monitor: impl Into<Option<Monitor>>) -> Self {
+        Self { monitor: monitor.into(), ..self }
+    }
+
+    /// Returns the monitor, or one that nobody watches.
+    pub(crate) fn monitor(&self) -> Monitor {
+        self.monitor.clone().unwrap_or_default()
     }
 
     pub(crate) fn stop<R: Precision>(&self, surface: &Surface) -> Result<Stop, Error> {
@@ -257,11 +269,11 @@ impl Precision for f32 {
                 Err(Error::Options("a schedule is for a Vulkan device, not for the CPU".into()))
             }
             Engine::Auto if problem.schedule.is_some() => {
-                Ok(problem.solve_on_vulkan(&DeviceChoice::Any)?)
+                problem.finished(problem.solve_on_vulkan(&DeviceChoice::Any)?)
             }
             Engine::Cpu => problem.solve_on_cpu(),
             Engine::FastMarching => problem.solve_by_fast_marching(),
-            Engine::Vulkan(choice) => Ok(problem.solve_on_vulkan(choice)?),
+            Engine::Vulkan(choice) => problem.finished(problem.solve_on_vulkan(choice)?),
             Engine::Auto => problem.solve_on_the_best(),
         }
     }
@@ -317,6 +329,7 @@ pub(crate) struct Problem<'a> {
     wavefront: Wavefront,
     schedule: Option<Schedule>,
     stop: Stop,
+    monitor: Monitor,
 }
 
 impl<'a> Problem<'a> {
@@ -345,10 +358,15 @@ impl<'a> Problem<'a> {
             seed.origin = seed.origin.map(|origin| origin.started_earlier(start));
         }
         let seeds = wavefront.seeds(surface, seeds);
-        Ok(Self { surface, seeds, start, wavefront, schedule: options.schedule, stop })
+        let (schedule, monitor) = (options.schedule, options.monitor());
+        Ok(Self { surface, seeds, start, wavefront, schedule, stop, monitor })
     }
 
     fn solve_on_the_best(&self) -> Result<DistanceMap, Error> {
+        if self.surface.is_glued() {
+            let reason = "fronts pass seams on the CPU only".into();
+            return Ok(self.solve_on_cpu()?.because(reason));
+        }
         let reason =
             match Choice::of(self.surface.chart(), self.wavefront, vulkan::are_pipelines_kept()) {
                 Choice::Cpu(reason) => return Ok(self.solve_on_cpu()?.because(reason)),
@@ -356,7 +374,7 @@ impl<'a> Problem<'a> {
             };
         use VulkanError::{NoDevice, NoLoader, NoUsableDevice, Surface};
         match self.solve_on_vulkan(&DeviceChoice::Gpu) {
-            Ok(map) => Ok(map.because(reason)),
+            Ok(map) => self.finished(map.because(reason)),
             Err(Surface(error)) => Err(error.into()),
             Err(error @ (NoLoader(_) | NoDevice | NoUsableDevice(_))) => {
                 Ok(self.solve_on_cpu()?.because(format!("there is no GPU: {error}")))
@@ -370,9 +388,11 @@ impl<'a> Problem<'a> {
     }
 
     fn solve_on_cpu<R: Real>(&self) -> Result<DistanceMap<R>, Error> {
-        let edges = EdgeLengths::<R>::new(self.surface)?;
+        let edges = EdgeLengths::<R>::measured(self.surface, || self.monitor.check())?;
         let start = Instant::now();
-        let solution = cpu::rotated_scan(&edges, &self.seeds, self.wavefront, self.stop);
+        let (wavefront, monitor) = (self.wavefront, self.monitor.clone());
+        let solution = cpu::monitored_scan(&edges, &self.seeds, wavefront, self.stop, monitor);
+        self.monitor.check()?;
         let time = start.elapsed();
         let report = Report {
             iterations: solution.iterations,
@@ -394,7 +414,10 @@ impl<'a> Problem<'a> {
     }
 
     fn solve_on_vulkan(&self, choice: &DeviceChoice) -> Result<DistanceMap, VulkanError> {
-        let mut solver = vulkan::HeadlessSolver::new(choice)?;
+        // Before a device is opened.
+        vulkan::check_open(self.surface)?;
+        let monitor = self.monitor.clone();
+        let mut solver = vulkan::HeadlessSolver::new(choice)?.with_monitor(monitor);
         let mut surface = solver.upload(self.surface)?;
         let method = vulkan::Method::new(self.wavefront, self.stop).with_schedule(self.schedule);
         let solution = solver.solve(&mut surface, &self.seeds, method)?;
@@ -405,6 +428,11 @@ impl<'a> Problem<'a> {
             ..self.report(UsedEngine::Vulkan, solution.schedule.name(), solution.time)
         };
         Ok(self.finish(solution.distances, report))
+    }
+
+    /// Returns a map of a device, unless it was cancelled and is incomplete.
+    fn finished(&self, map: DistanceMap) -> Result<DistanceMap, Error> {
+        self.monitor.check().map(|()| map)
     }
 
     fn report(&self, engine: UsedEngine, schedule: &'static str, solve_time: Duration) -> Report {

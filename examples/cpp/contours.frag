@@ -1,6 +1,6 @@
 #version 450
-// Colours of a map with lines of equal distance, for a mesh whose texture coordinates are columns and rows of the
-// grid. examples/render.rs has the same in WGSL.
+// Colours of a map with lines of equal distance, for a mesh whose texture coordinates are columns and rows of
+// the grid. examples/render.rs has the same in WGSL.
 
 layout(set = 0, binding = 0) uniform texture2D distances; // GeosweepImage::view
 layout(set = 0, binding = 1) uniform sampler nearest;     // texels are fetched: any sampler does
@@ -15,8 +15,8 @@ layout(location = 0) in vec2 place; // column and row
 layout(location = 0) out vec4 colour;
 
 void main() {
-    // Devices need not filter the format, and derivatives of what is fetched are noise where triangles are a few
-    // pixels large: the gradient comes from the four texels around.
+    // Devices need not filter the format, and derivatives of what is fetched are noise where triangles are a
+    // few pixels large: the gradient comes from the four texels around.
     ivec2 last = textureSize(sampler2D(distances, nearest), 0) - 2;
     ivec2 low = clamp(ivec2(place), ivec2(0), last);
     vec2 part = place - vec2(low);

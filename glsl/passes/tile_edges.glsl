@@ -4,7 +4,8 @@
 // Whether the lengths are copied to shared memory.
 layout(constant_id = 15) const int EDGES_SHARED = 1;
 
-// The four lengths of all points, one after another, so that neighbouring invocations read neighbouring words.
+// The four lengths of all points, one after another, so that neighbouring invocations read neighbouring
+// words.
 shared float lengths[EDGES_SHARED != 0 ? 4 * AREA : 1];
 
 // First point of the window, in the images.

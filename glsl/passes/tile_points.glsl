@@ -3,7 +3,8 @@
 // Included by tile_round.glsl.
 //
 // An invocation keeps its front on the line behind. With WITH_SHUFFLES it has those beside it from its
-// neighbours' registers. Neighbours of another subgroup, or all of them without, pass theirs in shared memory.
+// neighbours' registers. Neighbours of another subgroup, or all of them without, pass theirs in shared
+// memory.
 //
 // The update takes four triangles. Here the left triangle is in x and the right one in z. The other two are
 // constants, which compilers for GPUs leave out.
@@ -190,7 +191,8 @@ void know_neighbours(Prepared now, Seen behind, ivec2 at_behind, ivec2 along, in
     }
 }
 
-// Runs one of the four scans over its copy of the tile. All invocations see what it has brought before it returns.
+// Runs one of the four scans over its copy of the tile. All invocations see what it has brought before it
+// returns.
 void run_scan(int copy, bool may_renew) {
     const bool SEES_FURTHER = SPLITS != 0 || HAS_ANCHORS;
     ivec2 ahead = ahead_of(copy);

@@ -4,9 +4,9 @@
 // visit.
 //
 // One workgroup is one tile. Four scans run at once on separate copies of its fronts. The invocations of a
-// scan share the points of a line: each has two neighbouring points (tile_pairs.glsl), or with WITH_POINTS one
-// (tile_points.glsl). The fronts of a tile lie in one of the two images and are written to the other, so that
-// a round does not depend on the order of its workgroups.
+// scan share the points of a line: each has two neighbouring points (tile_pairs.glsl), or with WITH_POINTS
+// one (tile_points.glsl). The fronts of a tile lie in one of the two images and are written to the other, so
+// that a round does not depend on the order of its workgroups.
 //
 // The including shader may define WITH_POINTS, and with it WITH_SHUFFLES. These are no specialization
 // constants, since drivers would take time to read code that is then left out.

@@ -10,8 +10,8 @@ vec4 bent(vec4 curvature, vec4 gaussian, vec4 ray) {
 
 // Returns the fronts at x0 from fronts at x1 and x2. `g0` is the Gaussian curvature at x0. `alone` tells
 // where only one of x1 and x2 is present, across the grid's diagonal. `causal` tells where x0 must not depend
-// on neighbours that arrive later. The shape is seen from the end at which the front arrives later. `h` is its
-// height, and `upright` tells whether no angle is obtuse by more than a few degrees.
+// on neighbours that arrive later. The shape is seen from the end at which the front arrives later. `h` is
+// its height, and `upright` tells whether no angle is obtuse by more than a few degrees.
 Fronts curved_in(Shape shape, vec4 h, bvec4 upright, EndFronts end1, EndFronts end2, vec4 g0, vec4 l1, vec4 l2, vec4 c,
                  bvec4 alone, bvec4 causal) {
     bvec4 swap = lessThan(end1.time, end2.time);

@@ -2,9 +2,9 @@
 //
 // The tag of a front is the number of the scan that has brought it, from 1 to 4. For a source it is 0, and
 // for a seed that stays it is EXACT. NOT_EXACT marks a front of a source that is solved alone, further from
-// it than its times are known to be exact: merge_surroundings.comp drops it. WHOLE is added if the front came through a whole triangle or is that of
-// a source. The tag of the surface is LACKING at points that lack an edge, with DIFFRACTS added where waves
-// diffract.
+// it than its times are known to be exact: merge_surroundings.comp drops it. WHOLE is added if the front came
+// through a whole triangle or is that of a source. The tag of the surface is LACKING at points that lack an
+// edge, with DIFFRACTS added where waves diffract.
 
 const uint SCAN_OF_TAG = TAG & ~WHOLE;
 // Tag of a source's front. It knows where it comes from as well as a front through a triangle does.

@@ -43,8 +43,8 @@ Fronts update(EndFronts end1, EndFronts end2, vec4 surface, vec4 slowness, vec4 
     return Fronts(time, vec4(0.0), bvec4(false));
 }
 
-// Returns the fronts at x0 as update() does, through triangles whose shapes were found before the fronts at x1
-// and x2 arrived. The slowness is 1.
+// Returns the fronts at x0 as update() does, through triangles whose shapes were found before the fronts at
+// x1 and x2 arrived. The slowness is 1.
 Fronts update_on(Face face, EndFronts end1, EndFronts end2, vec4 surface, bvec4 alone) {
     bvec4 swap = lessThan(end1.time, end2.time);
     Shape shape = seen_from(face, swap);

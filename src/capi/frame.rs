@@ -77,8 +77,8 @@ pub struct GeosweepSources {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepFrame {
-    /// Access that has written points and sources since the previous frame, or has used the memory of your own
-    /// images of distances. The recording always waits for writes by compute shaders and copies. Writes
+    /// Access that has written points and sources since the previous frame, or has used the memory of your
+    /// own images of distances. The recording always waits for writes by compute shaders and copies. Writes
     /// through mapped memory before the submission need no barrier.
     pub before: GeosweepAccess,
     /// Number of the surface's points that are measured, or `GEOSWEEP_POINTS_UNCHANGED`.

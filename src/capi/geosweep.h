@@ -536,8 +536,8 @@ typedef struct GeosweepReader {
 
 // Inputs of a frame.
 typedef struct GeosweepFrame {
-    // Access that has written points and sources since the previous frame, or has used the memory of your own
-    // images of distances. The recording always waits for writes by compute shaders and copies. Writes
+    // Access that has written points and sources since the previous frame, or has used the memory of your
+    // own images of distances. The recording always waits for writes by compute shaders and copies. Writes
     // through mapped memory before the submission need no barrier.
     struct GeosweepAccess before;
     // Number of the surface's points that are measured, or `GEOSWEEP_POINTS_UNCHANGED`.
@@ -872,8 +872,8 @@ enum GeosweepStatus geosweep_record_frame(const struct GeosweepSurface *surface,
 // `geosweep_record_frame` does, and the passes of all frames share barriers. `count` surfaces of one size
 // and plan thus need only the barriers of one; if recorded one after another, they would run one after
 // another. `surfaces` and `frames` have `count` entries, at most 64. All surfaces belong to one solver, none
-// is listed twice, and no frame has a profile. Your own images of distances differ too. Writes the images of distances to `results`, which has room
-// for `count`, unless that is null.
+// is listed twice, and no frame has a profile. Your own images of distances differ too. Writes the images of
+// distances to `results`, which has room for `count`, unless that is null.
 enum GeosweepStatus geosweep_record_frames(const struct GeosweepSurface *const *surfaces,
                                            const struct GeosweepFrame *frames,
                                            uint32_t count,

@@ -122,8 +122,8 @@ unsafe fn frame_of<'a>(
 /// `geosweep_record_frame` does, and the passes of all frames share barriers. `count` surfaces of one size
 /// and plan thus need only the barriers of one; if recorded one after another, they would run one after
 /// another. `surfaces` and `frames` have `count` entries, at most 64. All surfaces belong to one solver, none
-/// is listed twice, and no frame has a profile. Your own images of distances differ too. Writes the images of distances to `results`, which has room
-/// for `count`, unless that is null.
+/// is listed twice, and no frame has a profile. Your own images of distances differ too. Writes the images of
+/// distances to `results`, which has room for `count`, unless that is null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_frames(
     surfaces: *const *const GeosweepSurface,

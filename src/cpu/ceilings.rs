@@ -22,9 +22,9 @@ pub struct CpuCeilings {
     /// Bytes per second, read plus written, of copies of 32 MiB for each thread. Copies of this size may fit
     /// a large cache.
     pub copy: f64,
-    /// Updates from one triangle per second, by wavefront ([`Wavefront::FOR_ANY_SURFACE`]), for a line of points that
-    /// stays in the nearest cache, with the best available instructions. Each point counts as two, also where
-    /// one of its triangles is skipped because it brings nothing.
+    /// Updates from one triangle per second, by wavefront ([`Wavefront::FOR_ANY_SURFACE`]), for a line of
+    /// points that stays in the nearest cache, with the best available instructions. Each point counts as
+    /// two, also where one of its triangles is skipped because it brings nothing.
     pub triangles: [f64; Wavefront::FOR_ANY_SURFACE.len()],
 }
 

@@ -33,6 +33,6 @@ pub use fast_marching::{Connections, fast_marching, fast_marching_with};
 pub use pairwise::PairwiseScan;
 pub(crate) use progress::{Progress, bend_units};
 pub use raster_scan::raster_scan;
-pub(crate) use rotated::Visited;
 pub use rotated::{Order, PatchCounts, RotatedScan, rotated_scan};
+pub(crate) use rotated::{Visited, monitored_scan};
 pub use solution::Solution;

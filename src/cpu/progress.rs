@@ -1,12 +1,13 @@
-//! Decides when to stop iterating, and when to stop renewing curved fronts. The twin of `glsl/passes/progress.comp`.
+//! Decides when to stop iterating, and when to stop renewing curved fronts. The twin of
+//! `glsl/passes/progress.comp`.
 //!
 //! Renewed fronts settle in a few iterations if each depends only on earlier ones. On rough surfaces, or
 //! where the slowness jumps, two points may depend on one another through triangles. Around corners their
 //! fronts may then alternate forever, as on three of 48 random surfaces.
 
-use crate::Stop;
 use crate::constants::{CURVATURE_COUNTS, FIRST_REACHED, PATIENCE};
 use crate::surface::{Real, min, relative_change};
+use crate::{Convergence, Stop};
 
 /// Returns how much a change of curvature counts, in units of the arrival time. `bend` is the size of the
 /// change times the arrival time. However large, it does not count as a point's first front.
@@ -40,6 +41,11 @@ impl Progress {
         let reached = units as f64 * R::epsilon().wide() > first_reached;
         self.since_reached = if reached { 0 } else { self.since_reached + 1 };
         self.is_settled() || self.is_last()
+    }
+
+    /// Returns the iterations so far and the change that is left.
+    pub(crate) fn convergence(&self) -> Convergence {
+        Convergence { iterations: self.iterations, residual: self.residual }
     }
 
     /// Returns whether the last iteration changed nothing by more than the tolerance.

@@ -18,7 +18,9 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use crate::solve::{Options, Precision, Problem, in_precision};
-use crate::surface::{Coarsened, Real, Seed, Source, SourceError, Sources, Surface, SurfaceError};
+use crate::surface::{
+    Coarsened, Real, Seed, Source, SourceError, Sources, Surface, SurfaceError, UNGLUED,
+};
 use crate::update::{Setting, Wavefront};
 use crate::{DistanceMap, Error};
 
@@ -128,6 +130,7 @@ fn estimate<R: Precision>(
     sources: &Sources,
     options: &Options,
 ) -> Result<ErrorEstimate<R>, Error> {
+    surface.check_open("the estimate of errors", UNGLUED).map_err(SurfaceError::from)?;
     if options.resolve_wavefront(surface, sources)? == Wavefront::Anchored
         && let Some(fine) = surface.halved_floor()
     {

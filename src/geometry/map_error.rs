@@ -1,6 +1,6 @@
 //! Defines the errors of distance maps that are given as inputs.
 
-use crate::surface::SourceError;
+use crate::surface::{GluingError, SourceError};
 
 /// The reason why distances and sources cannot be the map of a surface.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -9,6 +9,9 @@ pub enum MapError {
     /// A source does not lie on the surface.
     #[error(transparent)]
     Source(#[from] SourceError),
+    /// The surface is glued.
+    #[error(transparent)]
+    Glued(#[from] GluingError),
     /// The number of distances differs from the number of grid points.
     #[error("{found} distances do not fill a grid of {rows} x {cols} points")]
     Shape {

@@ -1,5 +1,5 @@
-//! Computes geometry from distance maps: contours, geodesic paths, Voronoi regions, offset curves, cut loci,
-//! even samples and canonical forms.
+//! Computes geometry from distance maps: contours, geodesic paths, directions, log maps, Voronoi regions,
+//! offset curves, cut loci, even samples and canonical forms.
 
 mod area;
 mod arrivals;
@@ -9,6 +9,7 @@ mod chains;
 mod contours;
 mod crest;
 mod curve;
+mod directions;
 mod map_error;
 mod neighbourhood;
 mod offset;
@@ -21,6 +22,10 @@ mod voronoi;
 pub use area::area;
 pub use contours::{Contour, LevelError, Levels, MOST_LEVELS, contours};
 pub use curve::{Curve, CurveError};
+pub use directions::{
+    BackDirections, Basis, LogMap, LogMapError, NO_BEARING, NO_LINK, NO_SOURCE, Nearest, SignError,
+    signed_distances, signed_distances_by_mask,
+};
 pub use map_error::MapError;
 pub use offset::{OffsetError, Side, offset_curves};
 pub use paths::{Path, PathError, PathTracer};

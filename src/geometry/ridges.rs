@@ -10,7 +10,9 @@ use super::chains::ways;
 use super::neighbourhood::Neighbourhood;
 use super::order::bordered;
 use super::{Curve, MapError};
-use crate::surface::{Chart, Direction, Edge, EdgeLengths, Real, ring, triangles};
+use crate::surface::{
+    Chart, Direction, Edge, EdgeLengths, GluingError, Real, UNGLUED, ring, triangles,
+};
 
 /// A line on which wavefronts from different directions meet.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,7 +61,7 @@ const SHORT: f64 = 4.0;
 /// meet at a single point, as in the middle of a circle, leave a star of a few cells.
 ///
 /// # Errors
-/// If the number of distances differs from the number of grid points.
+/// If the surface is glued, or the number of distances differs from the number of grid points.
 ///
 /// ```
 /// use geosweep::geometry::ridges;
@@ -81,6 +83,10 @@ pub fn ridges(
     distances: &[f32],
     least_angle: f64,
 ) -> Result<Vec<Ridge>, MapError> {
+    if edges.copies().is_some() {
+        let what = "the search for ridges";
+        return Err(GluingError::Unsupported { what, instead: UNGLUED }.into());
+    }
     let chart = edges.chart();
     let times = bordered(chart, distances)?;
     let rays = ArrivingRays::new(edges, times);

@@ -141,6 +141,21 @@ pub fn write_labels_tiff(
     tiff::encode::<GrayI32>(writer, [rows, cols], labels, "-1", geo_tags)
 }
 
+/// Writes bearings as a GeoTIFF of single precision. Points without a bearing are -1, which is the no-data
+/// value.
+///
+/// # Errors
+/// The errors of the writer.
+pub fn write_bearings_tiff(
+    writer: &mut (impl Write + Seek),
+    rows: usize,
+    cols: usize,
+    bearings: &[f32],
+    geo_tags: Option<&GeoTags>,
+) -> io::Result<()> {
+    tiff::encode::<Gray32Float>(writer, [rows, cols], bearings, "-1", geo_tags)
+}
+
 /// Reads a map, or any other grid of numbers. The file has one of the formats of [`MapFormat`], or is an
 /// `.npz` with one array (or one named `map` or `distances` among several), or an ESRI ASCII grid.
 ///

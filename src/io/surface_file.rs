@@ -17,7 +17,7 @@ use crate::surface::{MetricTensor, Spacing, Surface, SurfaceError};
 /// | extension | content |
 /// |---|---|
 /// | `.npy` | positions (M, N, 3), heights (M, N) or a metric (M, N, 2, 2), any number type |
-/// | `.npz` | one such array, or among several the first named `surface`, `positions`, `heights` or `metric` |
+/// | `.npz` | one such array; of several, the first named `surface`, `positions`, `heights` or `metric` |
 /// | `.png` | heights, grey, 8 or 16 bits |
 /// | `.tif`, `.tiff` | heights, one band, as GDAL reads it: with scale, offset, no-data value and mask |
 /// | `.asc` | heights, an ESRI ASCII grid |

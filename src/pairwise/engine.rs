@@ -7,12 +7,13 @@ use super::lanes::LaneEngine;
 use crate::cpu::{Connections, Order, RotatedScan, fast_marching_with};
 use crate::surface::{EdgeLengths, Seed, Surface};
 use crate::vulkan::{HeadlessSolver, PairwiseOnDevice, SurfaceOnDevice};
-use crate::{Convergence, Engine, Error, Stop, UsedEngine, Wavefront};
+use crate::{Convergence, Engine, Error, Monitor, Options, Stop, UsedEngine, Wavefront};
 
 /// An engine, prepared for a surface.
 pub(super) struct RowEngine<'a> {
     surface: &'a Surface,
     wavefront: Wavefront,
+    pub monitor: Monitor,
     kind: Kind<'a>,
 }
 
@@ -37,10 +38,15 @@ struct OnDevice {
 const MARCHED: Convergence = Convergence { iterations: 1, residual: 0.0 };
 
 impl<'a> RowEngine<'a> {
-    pub fn new(surface: &'a Surface, wavefront: Wavefront, engine: &Engine) -> Result<Self, Error> {
-        let kind = match engine {
+    pub fn new(
+        surface: &'a Surface,
+        wavefront: Wavefront,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let monitor = options.monitor();
+        let kind = match &options.engine {
             Engine::Auto | Engine::Cpu => {
-                let edges = EdgeLengths::new(surface)?;
+                let edges = EdgeLengths::measured(surface, || monitor.check())?;
                 match LaneEngine::new(surface, &edges, wavefront) {
                     Some(lanes) => Kind::Lanes(lanes),
                     None => Kind::Maps(edges),
@@ -56,7 +62,7 @@ impl<'a> RowEngine<'a> {
                 Kind::Vulkan(Box::new(OnDevice { pairwise, surface: on_device, solver }))
             }
         };
-        Ok(Self { surface, wavefront, kind })
+        Ok(Self { surface, wavefront, monitor, kind })
     }
 
     /// Returns the engine for the report.
@@ -131,10 +137,14 @@ impl<'a> RowEngine<'a> {
     ) -> Result<Convergence, Error> {
         let (surface, wavefront) = (self.surface, self.wavefront);
         match &mut self.kind {
-            Kind::Lanes(lanes) => Ok(lanes.solve(sources, stop, into, done)),
+            Kind::Lanes(lanes) => Ok(lanes.solve(sources, stop, into, (&self.monitor, done))),
             Kind::Maps(edges) => {
                 // Threads are busy with maps of their own.
-                let new = || RotatedScan::in_order(edges, wavefront, Order::Lines);
+                let new = || {
+                    RotatedScan::in_order(edges, wavefront, Order::Lines)
+                        .with_monitor(self.monitor.clone())
+                };
+                let done = (&self.monitor, done);
                 Ok(map_by_map(surface, sources, into, done, new, |solver, seed| {
                     let convergence = solver.solve(&[seed], stop);
                     (convergence, solver.distances())
@@ -145,7 +155,7 @@ impl<'a> RowEngine<'a> {
                     surface,
                     sources,
                     into,
-                    done,
+                    (&self.monitor, done),
                     || (),
                     |(), seed| {
                         (MARCHED, fast_marching_with(edges, split, &[seed], wavefront).distances())
@@ -160,6 +170,7 @@ impl<'a> RowEngine<'a> {
                 let mut convergence = Convergence::NONE;
                 let batch = pairwise.batch();
                 for (sources, rows) in sources.chunks(batch).zip(into.chunks_mut(batch * points)) {
+                    self.monitor.check()?;
                     let sources = without_holes(surface, sources);
                     let solved = pairwise.solve(solver, on_device, &sources, stop, rows)?;
                     convergence = convergence.worse(solved);
@@ -176,13 +187,16 @@ fn map_by_map<HeadlessSolver>(
     surface: &Surface,
     sources: &[usize],
     into: &mut [f32],
-    done: &(dyn Fn(usize) + Sync),
+    (monitor, done): (&Monitor, &(dyn Fn(usize) + Sync)),
     new: impl Fn() -> HeadlessSolver + Sync + Send,
     map: impl Fn(&mut HeadlessSolver, Seed) -> (Convergence, Vec<f32>) + Sync + Send,
 ) -> Convergence {
     let rows = into.par_chunks_exact_mut(surface.chart().points()).zip(sources);
     let maps = rows.map_init(new, |solver, (into, &source)| {
         let (row, col) = surface.chart().position(source);
+        if monitor.is_cancelled() {
+            return Convergence::NONE;
+        }
         let convergence = if surface.has(row, col) {
             let (convergence, distances) = map(solver, Seed::at_source(row, col, 0.0));
             into.copy_from_slice(&distances);

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::batches::{Batch, Batches, without_holes};
 use crate::cpu::PairwiseScan;
 use crate::surface::{EdgeLengths, Surface};
-use crate::{Convergence, Stop, Wavefront};
+use crate::{Convergence, Monitor, Stop, Wavefront};
 
 /// The batched engine of a surface on the CPU, for wavefronts that support batches.
 pub(super) struct LaneEngine<'a> {
@@ -47,13 +47,14 @@ impl<'a> LaneEngine<'a> {
         ends.take_while(|&end| end <= most.max(self.batches.most())).last().unwrap_or(0)
     }
 
-    /// Computes the rows of some sources. `done` is called with the number of rows that have been added.
+    /// Computes the rows of some sources, unless `monitor` cancels them. `done` is called with the number of rows
+    /// that have been added.
     pub fn solve(
         &self,
         sources: &[usize],
         stop: Stop,
         into: &mut [f32],
-        done: &(dyn Fn(usize) + Sync),
+        (monitor, done): (&Monitor, &(dyn Fn(usize) + Sync)),
     ) -> Convergence {
         let points = self.surface.chart().points();
         let mut rows: Vec<_> = into.chunks_exact_mut(points).map(Some).collect();
@@ -66,6 +67,9 @@ impl<'a> LaneEngine<'a> {
             })
             .collect();
         let solved = parts.into_par_iter().map(|(sources, mut rows)| {
+            if monitor.is_cancelled() {
+                return Convergence::NONE;
+            }
             let convergence = self.scan.solve_rows(&sources, stop, &mut rows);
             done(rows.iter().flatten().count());
             convergence

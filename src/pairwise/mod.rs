@@ -70,7 +70,7 @@ impl<'a> Pairwise<'a> {
             ));
         }
         let wavefront = options.wavefront_of_rows(surface)?;
-        let engine = RowEngine::new(surface, wavefront, &options.engine)?;
+        let engine = RowEngine::new(surface, wavefront, options)?;
         Ok(Self { surface, engine, stop })
     }
 
@@ -99,6 +99,7 @@ impl<'a> Pairwise<'a> {
         let mut matrix = self.room_for_a_matrix()?;
         let start = Instant::now();
         let convergence = self.engine.solve(&sources, self.stop, &mut matrix, &done)?;
+        self.engine.monitor.check()?;
         Ok((matrix, self.report(sources.len(), convergence, start.elapsed())))
     }
 
@@ -156,8 +157,8 @@ impl<'a> Pairwise<'a> {
     /// On the CPU, a row of consecutive sources is bit-identical to the row of the whole matrix.
     ///
     /// # Errors
-    /// Any error of `sink`; if a source is outside the grid, there is too little memory, or the Vulkan device
-    /// fails.
+    /// Any error of `sink`; if the monitor of [`Options::with_monitor`] cancels the computation, a source is
+    /// outside the grid, there is too little memory, or the Vulkan device fails.
     pub fn rows<E: From<Error> + Send>(
         &mut self,
         sources: &[usize],

@@ -1,4 +1,5 @@
-//! Computes the lengths of edges along the surface rather than along chords. The twin of `glsl/update/arc.glsl`.
+//! Computes the lengths of edges along the surface rather than along chords. The twin of
+//! `glsl/update/arc.glsl`.
 //!
 //! The *bend* at a grid point along a line of grid points is the part of the second difference of the
 //! positions that is normal to the surface. It equals the normal curvature times the squared spacing. The

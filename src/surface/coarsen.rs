@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
-use super::{Chart, Direction, Source, Sources, Surface, SurfaceError};
+use super::{Chart, Direction, Source, Sources, Surface, SurfaceError, UNGLUED};
 
 /// A surface on about every second row and column of a finer surface, with the numbers of these rows and
 /// columns.
@@ -41,6 +41,7 @@ impl Surface {
     /// # Errors
     /// If a side has two points, or both sides have one, or only holes would be left.
     pub fn coarsened(&self, through: &[[usize; 2]]) -> Result<Coarsened, SurfaceError> {
+        self.check_open("the comparison with a coarser grid", UNGLUED)?;
         let fine = self.chart();
         let too_small = || SurfaceError::TooSmall { rows: fine.rows, cols: fine.cols };
         if fine.rows == 2 || fine.cols == 2 || fine.points() == 1 {

@@ -10,6 +10,7 @@ use super::arc::EdgeRule;
 use super::chart::{Block, Chart, Direction, EdgeSlot, STORED};
 use super::even_grid::EvenGrid;
 use super::geometry::Geometry;
+use super::gluing::{Groups, Strips};
 use super::measure::{LONGEST_EDGE, RowBends, SHORTEST_EDGE};
 use super::obtuse::{MarkedCells, ObtuseTriangles, RowAbove};
 use super::parts::Parts;
@@ -61,6 +62,12 @@ pub(super) struct SharedEdges<R> {
     pub(super) obtuse: ObtuseTriangles,
     /// See `parts.rs`.
     pub(super) parts: Parts<R>,
+    /// See [`Self::copies`].
+    copies: Option<Groups>,
+    /// See `gluing/strips.rs`.
+    strips: Strips<R>,
+    /// Whether the surface, or that of which this is a strip, is glued.
+    of_glued: bool,
 }
 
 impl<R: Real> EdgeLengths<R> {
@@ -74,7 +81,24 @@ impl<R: Real> EdgeLengths<R> {
     /// nor between [`SHORTEST_EDGE`] and [`LONGEST_EDGE`]. [`SurfaceError::TooLarge`] if a height or
     /// coordinate at that edge exceeds [`LONGEST_EDGE`].
     pub fn new(surface: &Surface) -> Result<Self, SurfaceError> {
-        let (chart, origin) = (surface.chart(), surface.origin());
+        Self::measured(surface, || Ok(()))
+    }
+
+    /// Measures the edges of a surface as [`Self::new`] does, as long as `go_on` does not fail.
+    pub(crate) fn measured<E: From<SurfaceError> + Send>(
+        surface: &Surface,
+        go_on: impl Fn() -> Result<(), E> + Sync,
+    ) -> Result<Self, E> {
+        Self::measured_from(surface, surface.origin(), go_on)
+    }
+
+    /// Measures the edges of a surface as [`Self::measured`] does, with positions relative to `origin`.
+    pub(super) fn measured_from<E: From<SurfaceError> + Send>(
+        surface: &Surface,
+        origin: DVec3,
+        go_on: impl Fn() -> Result<(), E> + Sync,
+    ) -> Result<Self, E> {
+        let chart = surface.chart();
         // Zeroed memory costs nothing here; every value is written below, by many threads at once.
         let mut lengths = [(); 4].map(|_| vec![R::zero(); chart.bordered_points()]);
         lengths.iter_mut().for_each(|plane| chart.fill_border_rows(plane, R::FAR));
@@ -86,6 +110,7 @@ impl<R: Real> EdgeLengths<R> {
             .chunks(BAND)
             .enumerate()
             .try_for_each(|(band, mut lines)| {
+                go_on()?;
                 let first = band * BAND;
                 let mut row_above = RowAbove::none(chart.cols);
                 let band = first.saturating_sub(1)..first + lines.len();
@@ -101,12 +126,20 @@ impl<R: Real> EdgeLengths<R> {
                         (*before, *after) = (R::FAR, R::FAR);
                         line.copy_from_slice(lengths);
                     }
-                })
+                })?;
+                Ok::<_, E>(())
             })?;
+        let strips = Strips::measure(surface, origin)?;
+        strips.replace_lengths(surface, &mut lengths);
+        let bordered = |index: usize| {
+            let (row, col) = chart.position(index);
+            chart.bordered(row, col)
+        };
         let slowness = surface.bordered_slowness();
         // With a slowness the rows above held weighted edges, which do not show the triangles' shapes on the
         // surface.
-        let obtuse = match (slowness.is_some(), cells.any()) {
+        // Edges beside seams have changed since.
+        let obtuse = match (slowness.is_some() || surface.is_glued(), cells.any()) {
             (true, _) => ObtuseTriangles::default(),
             (false, true) => ObtuseTriangles::within(cells),
             (false, false) => ObtuseTriangles::none(),
@@ -122,6 +155,9 @@ impl<R: Real> EdgeLengths<R> {
             gaussian_curvature: OnceLock::new(),
             obtuse,
             parts: Parts::default(),
+            copies: surface.copies().map(|groups| groups.mapped(bordered)),
+            strips,
+            of_glued: surface.is_glued(),
         };
         Ok(Self { shared: Arc::new(shared), beside_a_source: false })
     }
@@ -165,6 +201,9 @@ impl<R: Real> EdgeLengths<R> {
             gaussian_curvature: OnceLock::new(),
             obtuse: Default::default(),
             parts: Parts::default(),
+            copies: None,
+            strips: Strips::default(),
+            of_glued: false,
         };
         Self { shared: Arc::new(shared), beside_a_source: self.beside_a_source }
     }
@@ -181,6 +220,27 @@ impl<R: Real> EdgeLengths<R> {
     pub(crate) fn beside_a_source(mut self) -> Self {
         self.beside_a_source = true;
         self
+    }
+
+    /// Returns the same edges for a strip of a glued surface.
+    pub(super) fn of_glued(mut self) -> Self {
+        let shared = Arc::get_mut(&mut self.shared);
+        shared.expect("edges that have just been measured have no clones").of_glued = true;
+        self
+    }
+
+    /// Returns the groups of points that are one point of the surface, by their indices in bordered arrays, if
+    /// the surface is glued.
+    pub(crate) fn copies(&self) -> Option<&Groups> {
+        self.shared.copies.as_ref()
+    }
+
+    /// Corrects the Gaussian curvature of a glued surface beside its seams.
+    pub(super) fn across_seams(&self, curvature: &mut [R]) {
+        if self.shared.of_glued {
+            self.shared.strips.replace_curvature(self, curvature);
+            self.share_curvature(curvature);
+        }
     }
 
     /// Returns the slowness at each point of the bordered array, or `None` if it is the same everywhere. The
@@ -220,14 +280,18 @@ impl<R: Real> EdgeLengths<R> {
         self.shared.rule
     }
 
-    /// Returns the number of bytes held. This includes the Gaussian curvature and the parts of obtuse triangles
-    /// once a solver has requested them.
+    /// Returns the number of bytes held. This includes the Gaussian curvature and the parts of obtuse
+    /// triangles once a solver has requested them.
     pub fn bytes(&self) -> usize {
-        let SharedEdges { metric_curvature, gaussian_curvature, obtuse, parts, .. } = &*self.shared;
+        let SharedEdges {
+            metric_curvature, gaussian_curvature, obtuse, parts, strips, copies, ..
+        } = &*self.shared;
         let curvature = gaussian_curvature.get().map(|curvature| curvature.as_slice());
         let planes = self.planes().into_iter().chain(curvature);
         let planes = planes.chain(self.slowness()).chain(metric_curvature.as_deref());
-        planes.map(std::mem::size_of_val).sum::<usize>() + obtuse.bytes() + parts.bytes()
+        let glued = strips.bytes() + copies.as_ref().map_or(0, Groups::bytes);
+        let found = obtuse.bytes() + parts.bytes();
+        planes.map(std::mem::size_of_val).sum::<usize>() + found + glued
     }
 
     #[inline]
@@ -254,8 +318,8 @@ impl<R: Real> EdgeLengths<R> {
         ]
     }
 
-    /// Returns the slowness at each of a row's points in `cols` and at its eight neighbours, if the slowness is
-    /// uneven.
+    /// Returns the slowness at each of a row's points in `cols` and at its eight neighbours, if the slowness
+    /// is uneven.
     #[inline(always)]
     pub(crate) fn fan_slowness(&self, row: usize, cols: Range<usize>) -> Option<(&[R], [&[R]; 8])> {
         let (slowness, first) = (self.slowness()?, self.chart().bordered(row, cols.start));

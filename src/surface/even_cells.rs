@@ -14,7 +14,8 @@ impl Surface {
     pub(crate) fn has_even_cells(&self) -> bool {
         const WAYS: [Direction; 4] =
             [Direction::East, Direction::SouthEast, Direction::South, Direction::SouthWest];
-        if self.is_slowed_unevenly() {
+        // Straight lines of the chart end at seams.
+        if self.is_slowed_unevenly() || self.is_glued() {
             return false;
         }
         // On large grids, positions in single precision differ by more than the tolerance.

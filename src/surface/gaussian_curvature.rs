@@ -41,9 +41,9 @@ impl<R: Real> EdgeLengths<R> {
 /// eight triangles around the point, divided by its share of the fan's area ([`EdgeRule::share_of_fan`]), and
 /// counts as far as the neighbours agree ([`settled`]).
 ///
-/// Defects near `DEFECT_NOISE`, the rounding of lengths in single precision, are shrunk towards zero; otherwise a
-/// flat surface would seem bent the same way everywhere. Defects are limited to `LARGEST_DEFECT` radians, the
-/// range of the series for the arc tangent.
+/// Defects near `DEFECT_NOISE`, the rounding of lengths in single precision, are shrunk towards zero;
+/// otherwise a flat surface would seem bent the same way everywhere. Defects are limited to `LARGEST_DEFECT`
+/// radians, the range of the series for the arc tangent.
 ///
 /// Points with an incomplete fan, at a border or hole, carry the tag `LACKING` and the mean of their
 /// neighbours' curvature. If the rest of the fan is clearly more than a half turn, at the corners of holes,
@@ -78,6 +78,7 @@ fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
     chart.rows_mut(&mut curvature).enumerate().for_each(|(row, line)| {
         Instructions::best().run(Settled { edges, row, fans: &fans, line })
     });
+    edges.across_seams(&mut curvature);
     curvature
 }
 

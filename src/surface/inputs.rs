@@ -37,6 +37,19 @@ impl Inputs {
             is_scaled: self.is_scaled,
         }
     }
+
+    /// Returns the inputs at some points. Points without an index are holes.
+    pub(super) fn gathered(&self, points: &[Option<usize>]) -> Self {
+        let slowness = |slowness: &Vec<f64>| {
+            points.iter().map(|point| point.map_or(1.0, |index| slowness[index])).collect()
+        };
+        Self {
+            geometry: self.geometry.gathered(points),
+            slowness: self.slowness.as_ref().map(slowness),
+            present: points.iter().map(|point| point.is_some_and(|at| self.present[at])).collect(),
+            is_scaled: self.is_scaled,
+        }
+    }
 }
 
 impl Surface {
@@ -49,7 +62,8 @@ impl Surface {
     /// slowness (of 1 if there is none). Values at holes are ignored.
     ///
     /// # Errors
-    /// If a value is negative, no point is left, or the number of values is not rows x columns.
+    /// If a value is negative, no point is left, or the number of values is not rows x columns. On a glued
+    /// surface also if the copies of a point have different values.
     pub fn with_slowness(mut self, mut slowness: Vec<f64>) -> Result<Self, SurfaceError> {
         check_shape("slowness", slowness.len(), self.chart)?;
         let (mut least, mut has_free) = (f64::INFINITY, false);
@@ -73,6 +87,7 @@ impl Surface {
         }
         self.inputs.slowness = Some(slowness);
         self.floor = OnceLock::new();
+        self.agree()?;
         self.non_empty()
     }
 
@@ -81,6 +96,7 @@ impl Surface {
         check_shape("mask", mask.len(), self.chart)?;
         self.inputs.present.iter_mut().zip(mask).for_each(|(present, &keep)| *present &= keep);
         self.floor = OnceLock::new();
+        self.agree()?;
         self.non_empty()
     }
 

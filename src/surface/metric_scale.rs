@@ -30,8 +30,8 @@ impl MetricTensor {
     }
 }
 
-/// Returns whether a metric jumps between neighbours along a row or a column whose tensors differ by a factor but
-/// hardly in shape.
+/// Returns whether a metric jumps between neighbours along a row or a column whose tensors differ by a factor
+/// but hardly in shape.
 pub(super) fn jumps_in_scale(chart: Chart, metric: &[MetricTensor], present: &[bool]) -> bool {
     let jumps = |a: usize, b: usize| {
         let (a, b) = (&metric[a], &metric[b]);

@@ -13,6 +13,7 @@ mod even_cells;
 mod even_grid;
 mod gaussian_curvature;
 mod geometry;
+mod gluing;
 mod inputs;
 mod iteration_bound;
 mod jump;
@@ -42,7 +43,9 @@ pub use edges::EdgeLengths;
 pub(crate) use even_grid::EvenGrid;
 pub(crate) use gaussian_curvature::{DIFFRACTS, LACKING};
 pub(crate) use geometry::Sample;
-pub use geometry::{Geometry, MetricTensor, Spacing};
+pub use geometry::{Geometry, MetricTensor, Spacing, Values};
+pub(crate) use gluing::UNGLUED;
+pub use gluing::{Gluing, GluingError, Groups, Run};
 pub(crate) use jump::jumps;
 pub use measure::{LONGEST_EDGE, SHORTEST_EDGE};
 pub(crate) use obtuse::is_obtuse;
@@ -56,10 +59,11 @@ pub(crate) use sources::with_diagonals;
 pub use sources::{Origin, Seed, Source, SourceError, Sources};
 pub(crate) use tag::{TAG, Tagged};
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
+use gluing::Glued;
 use inputs::Inputs;
 
 /// An M x N grid of points on a surface: positions, heights or a metric, with an optional slowness and holes.
@@ -82,6 +86,8 @@ pub struct Surface {
     edge_rule: EdgeRule,
     /// The grid of a floor plan, once it has been requested.
     floor: OnceLock<Option<EvenGrid>>,
+    /// How sides of the grid are glued, if they are.
+    glued: Option<Arc<Glued>>,
 }
 
 /// The reason why an array is not a surface.
@@ -181,6 +187,9 @@ pub enum SurfaceError {
         /// Column of the value.
         col: usize,
     },
+    /// The surface cannot be glued, or something is not available on glued surfaces.
+    #[error(transparent)]
+    Gluing(#[from] GluingError),
     /// An edge is too long or too short for single precision.
     #[error(
         "the edge from row {row}, column {col} to its {direction:?} neighbour is {length:e} units long; choose a unit of length in which edges lie between {SHORTEST_EDGE:e} and {LONGEST_EDGE:e}"
@@ -204,7 +213,7 @@ impl Surface {
         cols: usize,
         positions: Vec<DVec3>,
     ) -> Result<Self, SurfaceError> {
-        Self::new(rows, cols, Geometry::Positions(positions))
+        Self::new(rows, cols, Geometry::Positions(positions.into()))
     }
 
     /// Makes a height field from heights, row-major. The point at row r and column c is (c dx, r dy, height).
@@ -218,7 +227,45 @@ impl Surface {
         if !spacing.is_usable() {
             return Err(SurfaceError::Spacing { dx: spacing.dx, dy: spacing.dy });
         }
-        Self::new(rows, cols, Geometry::Heights { heights, spacing })
+        Self::new(rows, cols, Geometry::Heights { heights: heights.into(), spacing })
+    }
+
+    /// Makes a height field as [`Self::from_heights`] does, from heights that stay where they are: in an array
+    /// of the program, which the surface and its clones keep. The values must not change meanwhile.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use geosweep::{Spacing, Surface};
+    ///
+    /// let heights = Arc::new(vec![0.0; 3 * 4]);
+    /// let surface = Surface::from_shared_heights(3, 4, heights.clone(), Spacing::square(1.0))?;
+    /// assert_eq!((surface.points(), Arc::strong_count(&heights)), (12, 2));
+    /// # Ok::<(), geosweep::surface::SurfaceError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As for [`Self::from_heights`].
+    pub fn from_shared_heights(
+        rows: usize,
+        cols: usize,
+        heights: Arc<dyn AsRef<[f64]> + Send + Sync>,
+        spacing: Spacing,
+    ) -> Result<Self, SurfaceError> {
+        if !spacing.is_usable() {
+            return Err(SurfaceError::Spacing { dx: spacing.dx, dy: spacing.dy });
+        }
+        Self::new(rows, cols, Geometry::Heights { heights: Values::shared(heights), spacing })
+    }
+
+    /// Makes a surface from 3D points as [`Self::from_positions`] does, from points that stay where they are:
+    /// in an array of the program, which the surface and its clones keep. The values must not change
+    /// meanwhile.
+    pub fn from_shared_positions(
+        rows: usize,
+        cols: usize,
+        positions: Arc<dyn AsRef<[DVec3]> + Send + Sync>,
+    ) -> Result<Self, SurfaceError> {
+        Self::new(rows, cols, Geometry::Positions(Values::shared(positions)))
     }
 
     /// Makes a surface given only by its metric (paper, eq. 3) in index coordinates, row-major. A tensor with
@@ -228,7 +275,7 @@ impl Surface {
         cols: usize,
         metric: Vec<MetricTensor>,
     ) -> Result<Self, SurfaceError> {
-        Self::new(rows, cols, Geometry::Metric(metric))
+        Self::new(rows, cols, Geometry::Metric(metric.into()))
     }
 
     fn new(rows: usize, cols: usize, geometry: Geometry) -> Result<Self, SurfaceError> {
@@ -241,7 +288,7 @@ impl Surface {
         let is_scaled = geometry.jumps_in_scale(chart, &present);
         let inputs = Inputs { geometry, slowness: None, present, is_scaled };
         let (edge_rule, floor) = (EdgeRule::default(), OnceLock::new());
-        Self { chart, inputs, edge_rule, floor }.non_empty()
+        Self { chart, inputs, edge_rule, floor, glued: None }.non_empty()
     }
 
     /// Sets the rule by which edges are measured.
@@ -301,8 +348,8 @@ impl Surface {
         self.has(row, col).then(|| self.geometry().position(self.chart, row, col))?
     }
 
-    /// Returns whether the surface is a floor plan: a flat, evenly spaced grid without a slowness, with or
-    /// without holes. The grid may be sheared as long as no triangle of neighbours is obtuse. It may have
+    /// Returns whether the surface is a floor plan: a flat, evenly spaced grid without a slowness and not
+    /// glued, with or without holes. The grid may be sheared as long as no triangle of neighbours is obtuse. It may have
     /// about 30 million points at most. Over a floor plan, and from points, [`crate::Wavefront::Anchored`] is
     /// exact.
     ///
@@ -322,12 +369,14 @@ impl Surface {
     /// Returns the even grid of a floor plan.
     pub(crate) fn floor(&self) -> Option<EvenGrid> {
         let grid = || EvenGrid::of(self).filter(|grid| !grid.is_obtuse());
-        *self.floor.get_or_init(|| has_numbers(self.chart).then(grid).flatten())
+        // Anchors are places of the chart, and seams lead to other places.
+        let is_open = has_numbers(self.chart) && !self.is_glued();
+        *self.floor.get_or_init(|| is_open.then(grid).flatten())
     }
 
     /// Returns whether the surface has an edge from a grid point to a neighbour. Both ends must be present. A
-    /// diagonal also needs a third corner of its cell beside it; otherwise a path would slip through between two
-    /// holes.
+    /// diagonal also needs a third corner of its cell beside it; otherwise a path would slip through between
+    /// two holes.
     pub fn has_edge(&self, row: usize, col: usize, to: Direction) -> bool {
         let has = |to| self.chart.neighbour(row, col, to).is_some_and(|(r, c)| self.has(r, c));
         let beside = !to.is_diagonal() || has(to.previous()) || has(to.next());

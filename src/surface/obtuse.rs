@@ -95,7 +95,8 @@ struct Lines {
 }
 
 impl Lines {
-    /// Returns the lists of `lines`, in their order, and empty ones for two border lines before and after them.
+    /// Returns the lists of `lines`, in their order, and empty ones for two border lines before and after
+    /// them.
     fn of(lines: &[Vec<u32>]) -> Self {
         let (mut starts, mut places) = (vec![0, 0], Vec::new());
         for line in lines {
@@ -364,8 +365,8 @@ impl<R: Real> Loop for RowOfTriangles<'_, R> {
     }
 }
 
-/// The loop that finds the obtuse triangles of points of a row, from `first` on, where edges are weighted by a
-/// slowness. It is a separate loop so that both are vectorized.
+/// The loop that finds the obtuse triangles of points of a row, from `first` on, where edges are weighted by
+/// a slowness. It is a separate loop so that both are vectorized.
 struct SlowedRowOfTriangles<'a, R> {
     edges: &'a EdgeLengths<R>,
     row: usize,

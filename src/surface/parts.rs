@@ -15,8 +15,8 @@ use super::real::Real;
 const KEPT: usize = 1 << 23;
 
 /// The parts of all obtuse triangles, by the side of their point on which they lie. They are computed when
-/// several maps, or few triangles, make it worth their memory. `None` inside means that there are none, or too many to
-/// store.
+/// several maps, or few triangles, make it worth their memory. `None` inside means that there are none, or
+/// too many to store.
 #[derive(Clone, Debug)]
 pub(super) struct Parts<R>(OnceLock<Option<[SideParts<R>; 4]>>);
 
@@ -207,8 +207,8 @@ impl<R: Real> Band<R> {
 const FEW: usize = 4;
 
 impl<R: Real> EdgeLengths<R> {
-    /// Stores the parts of obtuse triangles if there are few. A map of few iterations finds more of them as it
-    /// needs them.
+    /// Stores the parts of obtuse triangles if there are few. A map of few iterations finds more of them as
+    /// it needs them.
     pub(crate) fn store_few_parts(&self) {
         if self.obtuse_count() <= self.chart().points() / FEW {
             self.parts_on_side(Direction::North);

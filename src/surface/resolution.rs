@@ -20,8 +20,8 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    /// Computes the resolution from the counts of a device (`glsl/passes/turns.glsl`). Returns `None` if nothing was
-    /// counted.
+    /// Computes the resolution from the counts of a device (`glsl/passes/turns.glsl`). Returns `None` if
+    /// nothing was counted.
     pub(crate) fn counted(
         sharp: u32,
         compared: u32,

@@ -102,7 +102,8 @@ const MOST_UNEVEN: f64 = 2.0;
 const LEAST_COSINE: f64 = 0.5;
 
 impl Surface {
-    /// Returns the seams: where sides of the grid coincide or are neighbours, at points that are not holes.
+    /// Returns the seams: where sides of the grid coincide or are neighbours, at points that are not holes, and
+    /// are not glued ([`Self::with_gluing`]).
     /// Only a surface of positions can be seen to be closed; others have no seams.
     ///
     /// ```
@@ -143,6 +144,7 @@ impl Surface {
                 }
             }
         }
+        seams.retain(|seam| !self.has_glued(seam));
         seams
     }
 }

@@ -7,7 +7,8 @@ use super::Surface;
 use super::chart::Block;
 
 impl Surface {
-    /// Returns the points of some rows and columns, with their slowness. The part may consist of holes only.
+    /// Returns the points of some rows and columns, with their slowness. The part may consist of holes only. It
+    /// is open, also where the surface is glued.
     ///
     /// Edges and curvatures of a part are those of the whole surface, except at some points along its sides.
     /// An edge depends on points up to three rows and columns around it. The Gaussian curvature at a point
@@ -24,6 +25,7 @@ impl Surface {
             inputs: self.inputs.cut(whole, &block),
             edge_rule: self.edge_rule,
             floor: OnceLock::new(),
+            glued: None,
         }
     }
 }

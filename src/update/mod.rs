@@ -1,8 +1,8 @@
 //! Computes the update: the arrival time at a point from the arrival times at two neighbours.
 //!
 //! All formulas are in terms of the lengths of the triangle's edges. The functions are the twins of the kinds
-//! in `glsl/update/wavefront.glsl`, with the same order of operations. They compute every case and select a result
-//! without branches, so that compilers vectorize rows of points.
+//! in `glsl/update/wavefront.glsl`, with the same order of operations. They compute every case and select a
+//! result without branches, so that compilers vectorize rows of points.
 
 mod anchor;
 mod anchored;
@@ -20,7 +20,7 @@ mod wavefront;
 
 pub(crate) use anchor::Anchor;
 pub(crate) use anchored::{Floor, is_shorter};
-pub(crate) use carried::{Carried, EXACT, Kept, SEED, tag_of};
+pub(crate) use carried::{Carried, EXACT, EXCHANGED, Kept, SEED, tag_of};
 pub use circular::circular;
 #[cfg(feature = "twins")]
 pub(crate) use crossing::base_crossing;

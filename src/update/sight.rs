@@ -250,9 +250,9 @@ fn curvature(away: f64, is_beside: bool, gaussian: f64) -> f64 {
     if is_beside { -bend } else { round }
 }
 
-/// Returns the front at x0 from fronts at x1 and x2 that may have different origins. `curvatures.fronts` holds the
-/// values that points carry: curvatures or numbers of origins, which `sighted` describes. If the triangle is
-/// obtuse, only fronts on a straight line from their origin come through its face.
+/// Returns the front at x0 from fronts at x1 and x2 that may have different origins. `curvatures.fronts`
+/// holds the values that points carry: curvatures or numbers of origins, which `sighted` describes. If the
+/// triangle is obtuse, only fronts on a straight line from their origin come through its face.
 #[inline(always)]
 pub(crate) fn curved_from_origins<R: Real>(
     triangle: Triangle<R>,

@@ -123,8 +123,8 @@ impl FromStr for Wavefront {
 pub(crate) struct Setting {
     /// Whether the surface is known to be a floor plan ([`Surface::is_floor_plan`]).
     pub is_floor_plan: bool,
-    /// Whether the surface turns at random from point to point ([`crate::surface::Resolution::is_rough`]), or its
-    /// slowness jumps all over it.
+    /// Whether the surface turns at random from point to point ([`crate::surface::Resolution::is_rough`]), or
+    /// its slowness jumps all over it.
     pub is_rough: bool,
     /// Whether the surface has a slowness that is not the same everywhere.
     pub is_slowed_unevenly: bool,

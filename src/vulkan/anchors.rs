@@ -1,5 +1,5 @@
-//! Numbers the anchors of fronts over a floor plan for shaders. The twin of `glsl/update/anchors.glsl` and of the
-//! numbers in `glsl/update/anchored.glsl`.
+//! Numbers the anchors of fronts over a floor plan for shaders. The twin of `glsl/update/anchors.glsl` and of
+//! the numbers in `glsl/update/anchored.glsl`.
 
 use super::TexelChart;
 use crate::constants::{FIRST_INSIDE, SOURCES_INSIDE};

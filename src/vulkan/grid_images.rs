@@ -269,8 +269,8 @@ impl GridImages {
         }
     }
 
-    /// Returns the copies that bring `sources` bytes of the first half, and the anchors, to where shaders read
-    /// them. They are `None` if shaders read what the program has written.
+    /// Returns the copies that bring `sources` bytes of the first half, and the anchors, to where shaders
+    /// read them. They are `None` if shaders read what the program has written.
     pub(crate) fn inputs(&self, sources: u64) -> Option<[Copied; 2]> {
         let [upload, _] = self.staging.as_ref()?;
         let (to, room) = (self.upload.buffer, self.source_room() as u64);

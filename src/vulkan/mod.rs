@@ -9,8 +9,8 @@
 //! nothing.
 //!
 //! A [`plan`] is a list of plain values. [`embed`] records it into a renderer's own command buffer, on the
-//! renderer's device and with its allocator. [`HeadlessSolver`] brings its own device, command buffers and allocator.
-//! [`requirements`] lists what a device must offer: Vulkan 1.1, and no extension or feature.
+//! renderer's device and with its allocator. [`HeadlessSolver`] brings its own device, command buffers and
+//! allocator. [`requirements`] lists what a device must offer: Vulkan 1.1, and no extension or feature.
 
 mod anchors;
 pub(crate) mod device;
@@ -34,6 +34,7 @@ pub use device::requirements;
 pub use device::tile_lanes::TileLanes;
 pub use device::validation::ValidationLog;
 pub use error::VulkanError;
+pub(crate) use headless::check_open;
 pub use headless::{DeviceCeilings, HeadlessSolution, HeadlessSolver, Method, SurfaceOnDevice};
 pub use pairwise::{PairwiseOnDevice, PairwiseSchedule};
 pub use schedules::schedule::{Schedule, Tuning};

@@ -5,9 +5,11 @@ mod accuracy;
 mod bounds;
 #[cfg(feature = "canonical")]
 mod canonical;
+mod closed;
 #[path = "../common/mod.rs"]
 mod common;
 mod contours;
+mod directions;
 mod double_precision;
 mod engines;
 mod estimate;

@@ -1,5 +1,5 @@
-//! The forms of the pass over tiles that GPUs take, on any device, against the form that CPUs take and against the
-//! twin.
+//! The forms of the pass over tiles that GPUs take, on any device, against the form that CPUs take and
+//! against the twin.
 
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{Seed, Surface};
@@ -9,8 +9,8 @@ use geosweep::{Sources, Spacing, Stop, Wavefront};
 use crate::common::*;
 use crate::headless::{assert_schedule_twins, is_processor};
 
-/// Lines of 8 points fit a subgroup of lavapipe, and those of 16 do not. Of 24 points a side only tiles whose edges stay
-/// in their image fit its shared memory.
+/// Lines of 8 points fit a subgroup of lavapipe, and those of 16 do not. Of 24 points a side only tiles whose
+/// edges stay in their image fit its shared memory.
 const FORMS: [(TileLanes, u32, bool, u32); 4] = [
     (TileLanes::Shuffled, 8, true, 1),
     (TileLanes::Shuffled, 16, false, 2),
@@ -48,8 +48,8 @@ impl Problem {
     }
 }
 
-/// With holes, obtuse triangles, an uneven slowness, fronts of several origins, and anchors; no side is a multiple of
-/// that of a tile.
+/// With holes, obtuse triangles, an uneven slowness, fronts of several origins, and anchors; no side is a
+/// multiple of that of a tile.
 fn problems() -> Vec<Problem> {
     use Wavefront::{Anchored, Circular, Curved, Planar};
     let middle = |surface: &Surface| {

@@ -24,7 +24,7 @@ use geosweep::shown::excerpt;
 
 use commands::{
     builtin, canonical, compare, contours, devices, distance, notices, offset, pairwise, path,
-    profile, ridges, sample, voronoi,
+    profile, ridges, sample, value, voronoi,
 };
 use lab::{accuracy, bench, figure, frames, tune};
 use terminal::say;
@@ -61,6 +61,8 @@ enum Command {
     Pairwise(Box<pairwise::Args>),
     /// Draw curves of equal distance
     Contours(Box<contours::Args>),
+    /// Print the distance of places between grid points
+    Value(Box<value::Args>),
     /// Trace shortest paths back to the sources
     Path(Box<path::Args>),
     /// Divide a surface among its sources
@@ -111,6 +113,7 @@ fn main() -> ExitCode {
         Command::Distance(args) => distance::run(&args),
         Command::Pairwise(args) => pairwise::run(&args),
         Command::Contours(args) => contours::run(&args),
+        Command::Value(args) => value::run(&args),
         Command::Path(args) => path::run(&args),
         Command::Voronoi(args) => voronoi::run(&args),
         Command::Offset(args) => offset::run(&args),

@@ -6,8 +6,8 @@ use crate::constants::EVEN_SLOWNESS;
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Surface, SurfaceError};
 use crate::update::Triangle;
 
-/// The triangles that split obtuse ones, for [`crate::cpu::fast_marching_with`] (paper, end of section 3, after
-/// Spira and Kimmel).
+/// The triangles that split obtuse ones, for [`crate::cpu::fast_marching_with`] (paper, end of section 3,
+/// after Spira and Kimmel).
 ///
 /// An obtuse triangle between the neighbours x0 + a and x0 + b is split by the grid point x0 + a + b. It is
 /// the only grid point that can lie between them with no other in between. The halves are split again until

@@ -5,13 +5,13 @@ mod connections;
 pub use connections::Connections;
 
 use std::cmp::{Ordering, Reverse};
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, HashMap};
 
 use super::behind::Behind;
 use super::fronts::{Anchored, FrontKind, FrontOver, TriangleKind};
 use super::point_fronts::PointFronts;
 use super::solution::Solution;
-use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, Seed};
+use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Groups, Real, Seed};
 use crate::update::{Kept, Triangle, Wavefront};
 
 /// Solves by fast marching (Algorithm 1). Points are fixed in the order in which the front reaches them. A
@@ -65,7 +65,12 @@ fn by_triangles<R: Real, K: TriangleKind<R>>(
 ) -> Solution<R> {
     let neighbours = neighbours(edges.chart());
     let mut march = March::start(PointFronts::start(edges, kind, seeds), seeds);
+    let copies = CopiesOf::new(edges);
     while let Some(point) = march.next() {
+        for &x0 in copies.of(point).iter().filter(|&&x0| x0 as usize != point) {
+            let arrival = K::arrival_of_front(march.known(point));
+            march.lower(x0 as usize, arrival, K::time(arrival));
+        }
         for (offset, edge, behind) in &neighbours {
             let x0 = point.wrapping_add_signed(*offset);
             if march.is_fixed(x0) || edges.at(point, *edge) >= R::FAR {
@@ -109,6 +114,23 @@ fn by_anchors<R: Real>(edges: &EdgeLengths<R>, seeds: &[Seed], kind: Anchored<R>
         }
     }
     march.fronts.finish(1, 0.0)
+}
+
+/// The copies of each point of a glued surface, which are neighbours at distance 0.
+struct CopiesOf<'a> {
+    groups: HashMap<u32, &'a [u32]>,
+}
+
+impl<'a> CopiesOf<'a> {
+    fn new<R: Real>(edges: &'a EdgeLengths<R>) -> Self {
+        let groups = edges.copies().into_iter().flat_map(Groups::iter);
+        let of_group = |group: &'a [u32]| group.iter().map(move |&point| (point, group));
+        Self { groups: groups.flat_map(of_group).collect() }
+    }
+
+    fn of(&self, point: usize) -> &'a [u32] {
+        self.groups.get(&(point as u32)).copied().unwrap_or_default()
+    }
 }
 
 /// The fronts, flags of the fixed points, and the heap of the points that may be fixed next.

@@ -110,6 +110,11 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
         }
     }
 
+    /// Returns the front itself. Floor plans are not glued.
+    fn arrival_of_front(kept: KeptAnchored<R>) -> KeptAnchored<R> {
+        kept
+    }
+
     /// Returns the second front if it is shorter by more than rounding, else the first.
     #[inline(always)]
     fn first(a: KeptAnchored<R>, b: KeptAnchored<R>) -> KeptAnchored<R> {

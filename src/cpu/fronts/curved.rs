@@ -51,7 +51,9 @@ impl<R: Real> Curved<R> {
     /// of the origin. Returns `None` if the seed has no numbered origin, or if the line does not explain the
     /// seed's time. The time is measured as updates measure it, and so agrees with them to rounding.
     fn named(&mut self, seed: &Seed) -> Option<(R, R)> {
-        let origin = seed.origin.filter(|_| self.has_numbers())?;
+        // Lines of the chart end at seams.
+        let is_open = self.edges.copies().is_none();
+        let origin = seed.origin.filter(|_| is_open && self.has_numbers())?;
         let number = self.table.number(&origin)?;
         let chart = self.edges.chart();
         let at = [seed.row + 1, seed.col + 1].map(|at| R::of(at as f64));
@@ -114,6 +116,10 @@ impl<R: Real> FrontKind<R> for Curved<R> {
     #[inline(always)]
     fn accept(kept: KeptCurved<R>, arrival: Front<R>, scan: u8, renews: bool) -> KeptCurved<R> {
         accept(kept, arrival, scan, renews)
+    }
+
+    fn arrival_of_front(kept: KeptCurved<R>) -> Front<R> {
+        kept.carried.front(kept.time)
     }
 
     /// Takes the same front as [`Front::first`] if both arrive together.

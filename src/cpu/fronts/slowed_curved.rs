@@ -78,6 +78,10 @@ impl<R: Real> FrontKind<R> for SlowedCurved<R> {
         accept(kept, arrival, scan, renews)
     }
 
+    fn arrival_of_front(kept: KeptCurved<R>) -> Front<R> {
+        kept.carried.front(kept.time)
+    }
+
     #[inline(always)]
     fn first(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R> {
         first(a, b)

@@ -55,6 +55,10 @@ impl<R: Real> FrontKind<R> for SlowedPlanar<R> {
         Kept { time: min(kept.time, time), carried: () }
     }
 
+    fn arrival_of_front(kept: Kept<R, ()>) -> R {
+        kept.time
+    }
+
     #[inline(always)]
     fn first(a: Kept<R, ()>, b: Kept<R, ()>) -> Kept<R, ()> {
         Kept { time: min(a.time, b.time), carried: () }

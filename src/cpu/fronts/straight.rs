@@ -77,6 +77,10 @@ impl<R: Real, S: Straight> FrontKind<R> for S {
         at(min(kept.time, time))
     }
 
+    fn arrival_of_front(kept: Kept<R, ()>) -> R {
+        kept.time
+    }
+
     #[inline(always)]
     fn first(a: Kept<R, ()>, b: Kept<R, ()>) -> Kept<R, ()> {
         at(min(a.time, b.time))

@@ -44,9 +44,13 @@ impl PairwiseScan {
     /// Computes the coefficients of a surface. Uses the best instructions that are available. Returns `None`
     /// for a wavefront whose maps have no update in common, because its fronts carry more than their arrival
     /// time: [`Wavefront::Curved`] and [`Wavefront::Anchored`]. These are computed map by map, by
-    /// [`RotatedScan`](super::RotatedScan). So are maps over an uneven slowness, or on surfaces with too many
+    /// [`RotatedScan`](super::RotatedScan). So are maps over an uneven slowness, on
+    /// glued surfaces, or on surfaces with too many
     /// obtuse triangles for their parts to be stored.
     pub fn new(edges: &EdgeLengths<f32>, wavefront: Wavefront) -> Option<Self> {
+        if edges.copies().is_some() {
+            return None;
+        }
         let has_parts = edges.parts_on_side(Direction::North).is_some();
         if edges.slowness().is_some() || (edges.has_obtuse_triangles() && !has_parts) {
             return None;

@@ -1,6 +1,7 @@
 //! Rotated raster scans in SIMD lanes: lines, tiles, scans, and patches of large grids.
 
 pub(in crate::cpu) mod due;
+mod exchange;
 pub(in crate::cpu) mod line;
 pub(in crate::cpu) mod line_update;
 pub(in crate::cpu) mod merge;
@@ -23,5 +24,6 @@ pub(in crate::cpu) mod window;
 
 pub use order::Order;
 pub use patches::PatchCounts;
+pub(crate) use rotated_scan::monitored_scan;
 pub use rotated_scan::{RotatedScan, rotated_scan};
 pub(crate) use settled::Visited;

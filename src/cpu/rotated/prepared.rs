@@ -2,6 +2,7 @@
 
 use super::panel::{Grid, Panel};
 use super::transposed::TransposedEdges;
+use crate::Monitor;
 use crate::cpu::Instructions;
 use crate::cpu::fronts::{FrontKind, SurfaceArray};
 use crate::cpu::scan::Scan;
@@ -15,6 +16,7 @@ pub(in crate::cpu) struct Prepared<R: Real, K: FrontKind<R>> {
     /// Data of each surface point that the front needs.
     surface_data: SurfaceArray<K::SurfaceData>,
     pub instructions: Instructions,
+    pub monitor: Monitor,
     /// Transposed edges, for straight fronts on large grids. The second map fills them. Other fronts have
     /// more data per point to keep.
     transposed: Option<TransposedEdges<R>>,
@@ -40,6 +42,7 @@ impl<R: Real, K: FrontKind<R>> Prepared<R, K> {
             surface_data: kind.surface_data(chart),
             kind,
             instructions: Instructions::best(),
+            monitor: Monitor::default(),
             transposed: keeps_edges.then(|| TransposedEdges::new(chart)),
             solved: false,
         }

@@ -9,7 +9,7 @@ use crate::cpu::fronts::for_kind;
 use crate::cpu::solution::{Solution, distances};
 use crate::surface::{Chart, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
-use crate::{Convergence, Stop};
+use crate::{Convergence, Monitor, Stop};
 
 /// Solves by the scans rotated by 45 degrees (figure 3, second row): down and up, then right and left. All
 /// points of a row or column are updated at once, in SIMD lanes; see [`RotatedScan`].
@@ -19,7 +19,18 @@ pub fn rotated_scan<R: Real>(
     wavefront: Wavefront,
     stop: Stop,
 ) -> Solution<R> {
-    let mut solver = RotatedScan::new(edges, wavefront);
+    monitored_scan(edges, seeds, wavefront, stop, Monitor::default())
+}
+
+/// Does the same as [`rotated_scan`], and tells `monitor`. If that cancels the map, it is incomplete.
+pub(crate) fn monitored_scan<R: Real>(
+    edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    stop: Stop,
+    monitor: Monitor,
+) -> Solution<R> {
+    let mut solver = RotatedScan::new(edges, wavefront).with_monitor(monitor);
     let Convergence { iterations, residual } = solver.solve(seeds, stop);
     Solution::new(edges.chart(), solver.scanner.into_times(), iterations, residual)
 }
@@ -53,7 +64,8 @@ impl<R: Real> RotatedScan<R> {
         Self::in_order(edges, wavefront, order)
     }
 
-    /// Does the same as [`Self::new`], for maps in a given order instead of the best one.
+    /// Does the same as [`Self::new`], for maps in a given order instead of the best one. Glued surfaces are
+    /// solved by lines in any case.
     ///
     /// ```
     /// use geosweep::cpu::{Order, RotatedScan};
@@ -71,6 +83,8 @@ impl<R: Real> RotatedScan<R> {
     /// # Ok::<(), geosweep::surface::SurfaceError>(())
     /// ```
     pub fn in_order(edges: &EdgeLengths<R>, wavefront: Wavefront, order: Order) -> Self {
+        // Patches do not exchange fronts over seams.
+        let order = if edges.copies().is_some() { Order::Lines } else { order };
         let scanner: Box<dyn Scans<R>> = for_kind!(edges, wavefront, kind => match order.plan() {
             Some(plan) => Box::new(PatchScanner::new(edges, kind, plan)),
             None => Box::new(Scanner::new(edges, kind)),
@@ -85,6 +99,13 @@ impl<R: Real> RotatedScan<R> {
     pub fn with_instructions(mut self, instructions: Instructions) -> Self {
         assert!(Instructions::available().contains(&instructions), "no {instructions} here");
         self.scanner.set_instructions(instructions);
+        self
+    }
+
+    /// Tells `monitor` of each iteration. If the monitor cancels a map, [`Self::solve`] and [`Self::add`]
+    /// return at once, and the map is incomplete.
+    pub fn with_monitor(mut self, monitor: Monitor) -> Self {
+        self.scanner.set_monitor(monitor);
         self
     }
 

@@ -7,6 +7,7 @@ use super::line_update::{UpdateOptions, Updated};
 use super::panel::{Grid, Panel};
 use super::tiles::Tiles;
 use super::window::{Fronts, Window};
+use crate::Monitor;
 use crate::cpu::behind::Behind;
 use crate::cpu::fronts::FrontKind;
 use crate::cpu::scan::Scan;
@@ -36,6 +37,7 @@ pub(in crate::cpu) struct On<'a, R, C, G> {
     pub grid: Grid<'a, R, G>,
     pub panel: &'a mut Panel<R, C, G>,
     pub far: Option<Fronts<'a, R, C>>,
+    pub monitor: &'a Monitor,
 }
 
 impl<R: Real, C: Carried> ScanCopy<R, C> {
@@ -101,6 +103,9 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
         let mut updated = Updated::<R::Bits>::default();
         let mut runs = std::mem::take(&mut self.runs);
         for band in tiles.bands(options.scan) {
+            if on.monitor.is_cancelled() {
+                break;
+            }
             tiles.runs(options.scan, band, &self.changed, &mut runs);
             for run in &runs {
                 updated = updated.and(self.scan_run(kind, &mut on, tiles, options, (band, run)));
@@ -115,7 +120,7 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
     fn scan_run<K: FrontKind<R, Carried = C>>(
         &mut self,
         kind: &K,
-        On { grid, panel, far }: &mut On<'_, R, C, K::SurfaceData>,
+        On { grid, panel, far, .. }: &mut On<'_, R, C, K::SurfaceData>,
         tiles: &Tiles,
         options: UpdateOptions,
         (band, run): (usize, &Range<usize>),

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::due::find_due;
+use super::exchange::exchange;
 use super::line_update::UpdateOptions;
 use super::merge::merge;
 use super::panel::Panel;
@@ -18,7 +19,7 @@ use crate::cpu::progress::Progress;
 use crate::cpu::scan::Scan;
 use crate::surface::{EdgeLengths, Real, Seed};
 use crate::update::{Kept, tag_of};
-use crate::{Convergence, Stop};
+use crate::{Convergence, Monitor, Stop};
 
 /// A solver for one kind of front; see [`crate::cpu::RotatedScan`].
 #[derive(Clone, Debug)]
@@ -52,7 +53,12 @@ impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
         loop {
             let vertical = self.scan([Scan::DOWN, Scan::UP], progress.renews());
             let horizontal = self.scan([Scan::RIGHT, Scan::LEFT], progress.renews());
-            if !progress.is_done::<R>(vertical.max(horizontal)) {
+            let is_done = progress.is_done::<R>(vertical.max(horizontal));
+            self.on.monitor.note(progress.iterations, progress.residual);
+            if self.on.monitor.is_cancelled() {
+                return progress.convergence();
+            }
+            if !is_done {
                 if progress.iterations == FEW_ITERATIONS {
                     self.on.store_parts();
                 }
@@ -63,8 +69,7 @@ impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
                 |seed: &Seed| seed.is_lost(self.times()[chart.bordered(seed.row, seed.col)]);
             let goes_on = K::TAKES_BACK && !progress.is_last() && seeds.iter().any(is_lost);
             if !goes_on {
-                let Progress { iterations, residual, .. } = progress;
-                return Convergence { iterations, residual };
+                return progress.convergence();
             }
             self.seed(seeds);
         }
@@ -103,11 +108,12 @@ impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
                 self.tiles.touch(seed.row, seed.col);
             }
         }
+        exchange::<R, K>(&self.on.edges, &mut self.copies, &mut self.tiles, false);
     }
 
     /// Runs two opposite scans and returns the largest change.
     fn scan(&mut self, scans: [Scan; 2], renews: bool) -> R::Bits {
-        let Prepared { edges, kind, instructions, .. } = &self.on;
+        let Prepared { edges, kind, instructions, monitor, .. } = &self.on;
         let instructions = *instructions;
         let grid = self.on.grid();
         let options = scans.map(|scan| UpdateOptions { scan, renews, instructions });
@@ -115,7 +121,7 @@ impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
         let before = Before { edges, fronts, far: None, surface_data: grid.surface_data };
         self.looked += find_due(kind, before, &mut self.tiles, &options);
         let (tiles, [first, second]) = (&self.tiles, &mut self.copies);
-        let [a, b] = self.panels.each_mut().map(|panel| On { grid, panel, far: None });
+        let [a, b] = self.panels.each_mut().map(|panel| On { grid, panel, far: None, monitor });
         let (a, b) = rayon::join(
             || first.scan(kind, a, tiles, options[0]),
             || second.scan(kind, b, tiles, options[1]),
@@ -123,7 +129,7 @@ impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
         merge::<R, K>(edges.chart(), tiles, [first, second], scans, instructions);
         self.tiles.passed(scans, [&self.copies[0].changed, &self.copies[1].changed]);
         self.copies.iter_mut().for_each(|copy| copy.changed.fill(false));
-        a.max(b)
+        a.max(b).max(exchange::<R, K>(edges, &mut self.copies, &mut self.tiles, renews))
     }
 }
 
@@ -151,6 +157,10 @@ impl<R: Real, K: FrontKind<R>> Scans<R> for Scanner<R, K> {
 
     fn set_instructions(&mut self, instructions: Instructions) {
         self.on.instructions = instructions;
+    }
+
+    fn set_monitor(&mut self, monitor: Monitor) {
+        self.on.monitor = monitor;
     }
 
     fn times(&self) -> &[R] {

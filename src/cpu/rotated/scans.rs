@@ -3,7 +3,7 @@
 use super::patches::PatchCounts;
 use crate::cpu::Instructions;
 use crate::surface::Seed;
-use crate::{Convergence, Stop};
+use crate::{Convergence, Monitor, Stop};
 
 /// A solver for the maps of one surface, of any kind of front. Kinds are types, so that scans are compiled
 /// for each of them.
@@ -16,6 +16,8 @@ pub(in crate::cpu) trait Scans<R>: std::fmt::Debug + Send + Sync {
     fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence;
 
     fn set_instructions(&mut self, instructions: Instructions);
+
+    fn set_monitor(&mut self, monitor: Monitor);
 
     /// Returns the arrival times of the last map, as a bordered array.
     fn times(&self) -> &[R];

@@ -238,7 +238,8 @@ impl Surroundings {
             let (row, col) = self.window.local((seed.row, seed.col));
             Seed { row, col, ..*seed }
         };
-        let own: Vec<_> = own.iter().map(inside).collect();
+        // Copies of a source on a seam seed its other sides too, away from here.
+        let own: Vec<_> = own.iter().filter(|seed| self.have(seed)).map(inside).collect();
         for_triangle_kind!(edges, wavefront, kind => self.arrived(edges, kind, &own))
     }
 
@@ -276,7 +277,9 @@ impl Surroundings {
         let leaves = |own: &Range<usize>, at: usize, all: usize| {
             (at == own.start && at > 0) || (at + 1 == own.end && own.end < all)
         };
-        leaves(&self.own.rows, row, chart.rows) || leaves(&self.own.cols, col, chart.cols)
+        leaves(&self.own.rows, row, chart.rows)
+            || leaves(&self.own.cols, col, chart.cols)
+            || surface.has_copies((row, col))
     }
 
     /// Returns the same as `seeds`, given the edges of the window and seeds in it.

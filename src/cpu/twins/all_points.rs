@@ -1,4 +1,5 @@
-//! Updates all points at once from their eight triangles, repeatedly. The twin of `glsl/passes/all_points.comp`.
+//! Updates all points at once from their eight triangles, repeatedly. The twin of
+//! `glsl/passes/all_points.comp`.
 
 use super::behind;
 use crate::Stop;

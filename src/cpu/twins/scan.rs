@@ -9,8 +9,8 @@ use crate::surface::{EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 
 /// Solves by scans rotated by 45 degrees (figure 3, second row), down, up, right and left, each after the one
-/// before. Each iteration equals that of the shader. [`crate::cpu::rotated::rotated_scan`] converges to the same map
-/// many times faster.
+/// before. Each iteration equals that of the shader. [`crate::cpu::rotated::rotated_scan`] converges to the
+/// same map many times faster.
 pub fn scan_in_turn<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],

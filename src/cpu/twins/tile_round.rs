@@ -1,4 +1,5 @@
-//! Implements rounds of scans inside tiles. The twin of `glsl/passes/tile_round.glsl` and `glsl/passes/settle.comp`.
+//! Implements rounds of scans inside tiles. The twin of `glsl/passes/tile_round.glsl` and
+//! `glsl/passes/settle.comp`.
 
 use super::behind;
 use crate::Stop;

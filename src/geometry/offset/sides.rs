@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use crate::geometry::MapError;
 use crate::geometry::neighbourhood::Neighbourhood;
 use crate::geometry::order::{bordered, by_arrival, rank};
-use crate::surface::{EdgeLengths, Real, Source, Sources, Surface, ring};
+use crate::surface::{EdgeLengths, Real, Source, Sources, Surface, UNGLUED, ring};
 
 /// The angle at each point.
 pub(super) struct Sides<'a> {
@@ -46,6 +46,7 @@ impl<'a> Sides<'a> {
         sources: &Sources,
         distances: &[f32],
     ) -> Result<Self, MapError> {
+        surface.check_open("the side of a curve", UNGLUED)?;
         let times = bordered(edges.chart(), distances)?;
         let order = by_arrival(&times);
         let angles = vec![Vec2::NAN; times.len()];

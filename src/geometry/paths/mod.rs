@@ -22,6 +22,7 @@ mod cell;
 mod corners;
 mod edge_times;
 mod entry;
+mod first_line;
 mod goals;
 mod linked_path;
 mod place;
@@ -36,8 +37,11 @@ use rayon::prelude::*;
 
 use super::Curve;
 use crate::shown::exact;
-use crate::surface::{Chart, EdgeLengths, Source, SourceError, Sources, Surface};
+use crate::surface::{
+    Chart, EdgeLengths, GluingError, Source, SourceError, Sources, Surface, UNGLUED,
+};
 use corners::Corners;
+pub(super) use first_line::{FirstLine, LineEnd};
 use goals::Goals;
 use linked_path::{SharedParts, Trace};
 use place::Stuck;
@@ -67,6 +71,9 @@ pub enum PathError {
     /// A source does not lie on the surface.
     #[error(transparent)]
     Source(#[from] SourceError),
+    /// The surface is glued.
+    #[error(transparent)]
+    Glued(#[from] GluingError),
     /// The number of distances differs from the number of grid points.
     #[error("{found} distances do not fill a grid of {rows} x {cols} points")]
     Shape {
@@ -167,13 +174,14 @@ impl<'a> PathTracer<'a> {
     /// [`crate::DistanceMap::distances`]. `edges` are the edge lengths of `surface`.
     ///
     /// # Errors
-    /// [`PathError::Shape`] and [`PathError::Source`].
+    /// [`PathError::Shape`], [`PathError::Source`], and [`PathError::Glued`]: paths do not pass seams yet.
     pub fn new(
         surface: &'a Surface,
         edges: &'a EdgeLengths<f32>,
         sources: &Sources,
         distances: &[f32],
     ) -> Result<Self, PathError> {
+        surface.check_open("the tracing of paths", UNGLUED)?;
         let chart = surface.chart();
         let Chart { rows, cols } = chart;
         for found in [distances.len(), edges.chart().points()] {

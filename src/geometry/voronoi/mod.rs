@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::area::{of_triangles, rows};
 use super::{Curve, MapError};
 use crate::Surface;
-use crate::surface::{EdgeLengths, Sources};
+use crate::surface::{EdgeLengths, Sources, UNGLUED};
 use borders::Split;
 use source_fronts::SourceFronts;
 
@@ -60,7 +60,7 @@ impl Voronoi {
     /// away from it.
     ///
     /// # Errors
-    /// If a source lies off the surface, or the number of distances differs from the number of grid points.
+    /// If the surface is glued, a source lies off the surface, or the number of distances differs from the number of grid points.
     ///
     /// # Panics
     /// If `edges` belong to a surface of another size.
@@ -88,6 +88,7 @@ impl Voronoi {
         distances: &[f32],
     ) -> Result<Self, MapError> {
         assert_eq!(edges.chart(), surface.chart(), "the edges are another surface's");
+        surface.check_open("the diagram of regions", UNGLUED)?;
         let fronts = SourceFronts::new(surface, edges, sources, distances)?;
         let labels = fronts.labels();
         let (borders, splits) = borders::march(&fronts, &labels);

@@ -59,12 +59,15 @@ pub struct Drawing {
 ///
 /// | extension | content |
 /// |---|---|
-/// | `.npy` | float64 (K, 5): row, column, x, y, z of each vertex; a row of NaN between curves, unless all are single points; closed curves end where they begin |
-/// | `.csv` | a line per vertex: `curve` (from 0), `kind`, the attributes, `closed`, `row`, `col`, `x`, `y`, `z`; the first vertex is not repeated |
+/// | `.npy` | float64 (K, 5): row, column, x, y, z of each vertex |
+/// | `.csv` | a line per vertex: `curve` (from 0), `kind`, attributes, `closed`, `row`, `col`, x, y, z |
 /// | `.svg` | the parameter domain, columns to the right and rows down, one unit a grid step |
-/// | `.geojson` | a LineString a curve, with heights, in the coordinates of the GeoTIFF that the surface comes from |
+/// | `.geojson` | a LineString a curve, with heights, in the coordinates of the surface's GeoTIFF |
 /// | `.ply` | binary, vertices with colours, and edges |
 /// | `.obj` | a line element a curve |
+///
+/// In a `.npy`, closed curves end with their first vertex, and a row of NaN separates curves, unless all are
+/// single points. A `.csv` does not repeat the first vertex.
 ///
 /// The values x, y, z are NaN or empty for a surface that is given only by its metric. PLY and OBJ require
 /// them.

@@ -21,11 +21,17 @@ use frame::MapCoordinates;
 ///
 /// | file | content |
 /// |---|---|
-/// | `.npy` | (K, 2): row, column; (K, 3): row, column, start value; (K, 5): row, column, x, y, z, as the tool writes curves. Rows of NaN divide curves. (K,): row-major indices, for [`PlaceFile::grid_points`] only |
+/// | `.npy`, (K, 2) | row, column |
+/// | `.npy`, (K, 3) | row, column, start value |
+/// | `.npy`, (K, 5) | row, column, x, y, z, as the tool writes curves |
+/// | `.npy`, (K,) | row-major indices, for [`PlaceFile::grid_points`] only |
 /// | `.npz` | one such array, or among several the first named `sources`, `points` or `curves` |
-/// | `.tif`, `.asc`, `.png` | a raster of the surface's size; each cell that is neither 0 nor no-data is a point |
-/// | `.geojson`, `.json`, or any text that begins with `{` | Points, MultiPoints, LineStrings, MultiLineStrings, and Polygons and MultiPolygons, whose rings are closed curves; in the surface's map coordinates |
+/// | `.tif`, `.asc`, `.png` | a raster of the surface's size; cells other than 0 and no-data are points |
+/// | `.geojson`, `.json`, any text that begins with `{` | GeoJSON in the surface's map coordinates |
 /// | any other text | a place on each line; the first line may name the columns |
+///
+/// In a `.npy`, rows of NaN separate curves. In GeoJSON, Points and MultiPoints are points, LineStrings and
+/// MultiLineStrings are curves, and the rings of Polygons and MultiPolygons are closed curves.
 ///
 /// Tables have commas, semicolons, tabs or blanks between their columns. Names and values may be quoted.
 /// Numbers may have a decimal comma if commas do not divide the columns. `#` begins a comment. Lines of two
@@ -39,7 +45,8 @@ use frame::MapCoordinates;
 /// | else `x` and `y` | the place in the surface's map coordinates |
 /// | else `easting` and `northing` (`east`, `north`) | the same, on a projected surface |
 /// | else `lon` and `lat` (`lng`, `long`, `longitude`, `latitude`) | the same, on a geographic surface |
-/// | `t0`, `start`, `start_value`, `start_time`, `initial`, `initial_value`, `initial_time` or `time` | start value (default 0) |
+/// | `t0`, `time`, `start`, `start_value` or `start_time` | start value (default 0) |
+/// | `initial`, `initial_value` or `initial_time` | the same |
 /// | `curve` | a new value begins another curve |
 /// | `closed` | 1 where the curve returns to its first vertex |
 ///

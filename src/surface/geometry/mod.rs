@@ -7,9 +7,11 @@
 
 mod sample;
 mod space;
+mod values;
 
 pub(crate) use sample::Sample;
 pub(super) use space::{InSpace, Point, Space};
+pub use values::Values;
 
 use glam::{DMat2, DVec2, DVec3};
 
@@ -75,16 +77,16 @@ impl MetricTensor {
 #[derive(Clone, Debug)]
 pub enum Geometry {
     /// 3D points.
-    Positions(Vec<DVec3>),
+    Positions(Values<DVec3>),
     /// Heights over a rectangular grid.
     Heights {
         /// One height per point.
-        heights: Vec<f64>,
+        heights: Values<f64>,
         /// Distance between points.
         spacing: Spacing,
     },
     /// The metric alone, without positions.
-    Metric(Vec<MetricTensor>),
+    Metric(Values<MetricTensor>),
 }
 
 impl Geometry {
@@ -203,11 +205,51 @@ impl Geometry {
     /// Returns the geometry of the points of a block.
     pub(crate) fn cut(&self, chart: Chart, block: &Block) -> Self {
         match self {
-            Self::Positions(positions) => Self::Positions(block.cut(chart, positions)),
+            Self::Positions(positions) => Self::Positions(block.cut(chart, positions).into()),
             Self::Heights { heights, spacing } => {
-                Self::Heights { heights: block.cut(chart, heights), spacing: *spacing }
+                Self::Heights { heights: block.cut(chart, heights).into(), spacing: *spacing }
             }
-            Self::Metric(metric) => Self::Metric(block.cut(chart, metric)),
+            Self::Metric(metric) => Self::Metric(block.cut(chart, metric).into()),
+        }
+    }
+
+    /// Returns the geometry after the second point of each pair has taken that of the first.
+    pub(crate) fn with_copies(&self, pairs: impl Iterator<Item = [usize; 2]>) -> Self {
+        fn all<T: Copy + Send + Sync + 'static>(
+            values: &[T],
+            pairs: impl Iterator<Item = [usize; 2]>,
+        ) -> Values<T> {
+            let mut values = values.to_vec();
+            pairs.for_each(|[from, to]| values[to] = values[from]);
+            values.into()
+        }
+        match self {
+            Self::Positions(positions) => Self::Positions(all(positions, pairs)),
+            Self::Heights { heights, spacing } => {
+                Self::Heights { heights: all(heights, pairs), spacing: *spacing }
+            }
+            Self::Metric(metric) => Self::Metric(all(metric, pairs)),
+        }
+    }
+
+    /// Returns the geometry of some points. That of missing points is any.
+    pub(crate) fn gathered(&self, points: &[Option<usize>]) -> Self {
+        fn all<T: Copy + Default + Send + Sync + 'static>(
+            values: &[T],
+            points: &[Option<usize>],
+        ) -> Values<T> {
+            let gathered: Vec<T> = points
+                .iter()
+                .map(|point| point.map_or(T::default(), |index| values[index]))
+                .collect();
+            gathered.into()
+        }
+        match self {
+            Self::Positions(positions) => Self::Positions(all(positions, points)),
+            Self::Heights { heights, spacing } => {
+                Self::Heights { heights: all(heights, points), spacing: *spacing }
+            }
+            Self::Metric(metric) => Self::Metric(all(metric, points)),
         }
     }
 
@@ -225,9 +267,9 @@ impl Geometry {
                     let MetricTensor { rr, rc, cc } = metric[index];
                     MetricTensor { rr: rr * dr * dr, rc: rc * dr * dc, cc: cc * dc * dc }
                 };
-                Self::Metric(kept.iter().map(scaled).collect())
+                Self::Metric(kept.iter().map(scaled).collect::<Vec<_>>().into())
             }
-            _ => Self::Positions(kept.iter().filter_map(position).collect()),
+            _ => Self::Positions(kept.iter().filter_map(position).collect::<Vec<_>>().into()),
         }
     }
 

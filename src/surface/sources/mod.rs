@@ -341,10 +341,17 @@ impl Sources {
         let mut seeds = BTreeMap::new();
         for source in self.iter() {
             let mut pieces = Pieces::default();
+            let mut copies = Vec::new();
             let initial = match source {
                 Source::Point { at, initial } => {
-                    let origin = Origin::point(*at, *initial);
-                    pieces.add(surface, [(*at, Vertex::Corner); 2], Some(origin))?;
+                    // On a seam the copies of the place are one source, seen from each of its sides. At a grid
+                    // point one of them is enough: solvers let all copies of a point have the same front.
+                    copies = surface.copies_of(*at);
+                    let origin = Origin::point(copies[0], *initial);
+                    let is_grid_point = at.fract() == DVec2::ZERO;
+                    for &at in copies.iter().take(if is_grid_point { 1 } else { copies.len() }) {
+                        pieces.add(surface, [(at, Vertex::Corner); 2], Some(origin))?;
+                    }
                     *initial
                 }
                 Source::Curve { vertices, initial } => {
@@ -374,7 +381,10 @@ impl Sources {
                 return Err(SourceError::Initial { row: at.x, col: at.y, initial });
             }
             for (row, col) in pieces.corners(surface) {
-                let seed = pieces.seed(surface, row, col, initial);
+                let mut seed = pieces.seed(surface, row, col, initial);
+                if let [first, _, ..] = copies[..] {
+                    seed.from = seed.from.map(|_| first);
+                }
                 let first = seeds.entry((row, col)).or_insert(seed);
                 if seed.time < first.time {
                     *first = seed;

@@ -30,9 +30,9 @@ const VARIABLE: &str = "GEOSWEEP_PIPELINES";
 static FOLDER: RwLock<Option<PathBuf>> = RwLock::new(None);
 
 /// Sets the folder in which headless solvers of this process keep their pipelines. It applies to every solver
-/// that is opened afterwards ([`crate::vulkan::HeadlessSolver::new`]). The folder is created if necessary. With `None`, as at
-/// the start, nothing is kept. The environment variable `GEOSWEEP_PIPELINES` takes precedence: it names another
-/// folder, or none if it is 0 or empty.
+/// that is opened afterwards ([`crate::vulkan::HeadlessSolver::new`]). The folder is created if necessary.
+/// With `None`, as at the start, nothing is kept. The environment variable `GEOSWEEP_PIPELINES` takes
+/// precedence: it names another folder, or none if it is 0 or empty.
 ///
 /// A folder that cannot be read or written is not an error: pipelines are then compiled as without a folder.
 ///

@@ -26,8 +26,8 @@ impl TileLanes {
     }
 }
 
-/// Returns whether compute shaders of a device may use what `glsl/passes/tiles_shuffled.comp` uses of subgroups. The
-/// instance must be for Vulkan 1.1 or later.
+/// Returns whether compute shaders of a device may use what `glsl/passes/tiles_shuffled.comp` uses of
+/// subgroups. The instance must be for Vulkan 1.1 or later.
 pub(in crate::vulkan) fn shuffles(
     instance: &ash::Instance,
     physical_device: vk::PhysicalDevice,

@@ -120,9 +120,9 @@ unsafe extern "system" fn collect(
             true => text.into_owned(),
             false => format!("[ {id} ] {text}"),
         };
-        // Messages are also printed as they come, since a crashing driver takes the log with it. While the thread
-        // panics they are not: failing code leaves objects behind, and messages about them would hide the
-        // reason.
+        // Messages are also printed as they come, since a crashing driver takes the log with it. While the
+        // thread panics they are not: failing code leaves objects behind, and messages about them would hide
+        // the reason.
         if !std::thread::panicking() {
             eprintln!("validation: {message}");
         }

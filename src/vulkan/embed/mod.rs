@@ -1,8 +1,8 @@
 //! Records distance maps into the command buffers of a renderer. The result stays on the device.
 //!
 //! The host is the program that embeds geosweep. It owns the instance, the device, the queues, the frames in
-//! flight and all synchronization. A [`Solver`] holds the pipelines of a device, and a [`FrameSurface`] holds the
-//! images of one grid. The host creates both before the first frame. A [`Recording`] appends passes and
+//! flight and all synchronization. A [`Solver`] holds the pipelines of a device, and a [`FrameSurface`] holds
+//! the images of one grid. The host creates both before the first frame. A [`Recording`] appends passes and
 //! barriers to a command buffer of the host and does nothing else. The device decides by itself when a map
 //! has converged. `docs/embedding.md` describes the barriers, frames in flight, deforming surfaces and costs.
 //!

@@ -327,10 +327,10 @@ impl Recording<'_> {
     /// reader wait for the commands. `paths`, and the buffers of starts and sources, must stay alive until
     /// the commands have run.
     ///
-    /// The paths are those of [`crate::geometry::PathTracer`], in single precision. A path has at least one vertex
-    /// at each grid line that it crosses, and ends at a source exactly. If there is no path to draw, its
-    /// record says why ([`super::CurveRecord::status`]). Each path examines every source once, and again in
-    /// cells where one may lie.
+    /// The paths are those of [`crate::geometry::PathTracer`], in single precision. A path has at least one
+    /// vertex at each grid line that it crosses, and ends at a source exactly. If there is no path to draw,
+    /// its record says why ([`super::CurveRecord::status`]). Each path examines every source once, and again
+    /// in cells where one may lie.
     ///
     /// # Errors
     /// If the paths were destroyed or made for another surface, there is no map, there are no such points or

@@ -16,8 +16,8 @@ use crate::vulkan::record::dispatched;
 const RECORD_BYTES: u64 = Outcome::BYTES as u64;
 
 impl Recording<'_> {
-    /// Records a copy of the iterations' outcome to the record of `slot`. [`super::FrameSurface::outcome`] reads it
-    /// after the fence of the submission.
+    /// Records a copy of the iterations' outcome to the record of `slot`. [`super::FrameSurface::outcome`]
+    /// reads it after the fence of the submission.
     ///
     /// # Errors
     /// If there is no such slot or no map. With [`super::Tools::checks`] also if the last recording for the
@@ -43,8 +43,8 @@ impl Recording<'_> {
     }
 
     /// Records a copy of the iterations' outcome into a buffer of the host, for
-    /// [`super::FrameSurface::outcome_from`]. It takes [`super::Outcome::BYTES`] bytes at `offset`, which is a
-    /// multiple of 4. The buffer has the usage `TRANSFER_DST`, and must stay alive until the commands have
+    /// [`super::FrameSurface::outcome_from`]. It takes [`super::Outcome::BYTES`] bytes at `offset`, which is
+    /// a multiple of 4. The buffer has the usage `TRANSFER_DST`, and must stay alive until the commands have
     /// run. Shaders find the number of iterations in the third 32-bit word. The accesses in `after` wait for
     /// the copy.
     ///

@@ -57,8 +57,8 @@ impl Solver {
     /// groups of 64.
     ///
     /// The command buffer must be in the state that [`Solver::record`] requires. Profiles do not record these
-    /// frames, and all of them have one debug label. [`FrameSurface::result`] returns the image of distances of
-    /// each surface. Surfaces, sources and slots are checked as for single frames.
+    /// frames, and all of them have one debug label. [`FrameSurface::result`] returns the image of distances
+    /// of each surface. Surfaces, sources and slots are checked as for single frames.
     ///
     /// # Errors
     /// [`VulkanError::OfFrame`] with the number of the frame and the error of [`Recording::frame`], or with

@@ -28,7 +28,8 @@ pub struct DeviceCeilings {
     /// Bytes a second, read plus written, of a pass that copies one image to another. It moves 64 MiB, which
     /// may fit a large cache.
     pub copy: f64,
-    /// Updates from one triangle a second, by wavefront ([`Wavefront::FOR_ANY_SURFACE`]), with all data in registers.
+    /// Updates from one triangle a second, by wavefront ([`Wavefront::FOR_ANY_SURFACE`]), with all data in
+    /// registers.
     pub triangles: [f64; Wavefront::FOR_ANY_SURFACE.len()],
     /// Time of an empty dispatch of one workgroup with the barrier after it.
     pub dispatch: Duration,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::context::Context;
+use crate::Monitor;
 use crate::update::Wavefront;
 use crate::vulkan::DeviceChoice;
 use crate::vulkan::device::passes::COMMON;
@@ -14,8 +15,8 @@ use crate::vulkan::device::tile_lanes;
 use crate::vulkan::profile::{Capabilities, Capability, Executable};
 use crate::vulkan::{Tuning, ValidationLog, VulkanError, embed};
 
-/// Name of the environment variable that turns the validation layers on in every [`HeadlessSolver`], if its value is
-/// not 0.
+/// Name of the environment variable that turns the validation layers on in every [`HeadlessSolver`], if its
+/// value is not 0.
 const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
 
 /// A Vulkan device with its pipelines, for use without a renderer.
@@ -42,6 +43,7 @@ pub struct HeadlessSolver {
     pub(in crate::vulkan) context: Arc<Context>,
     /// Store that keeps pipelines between processes, if there is one.
     store: Option<PipelineStore>,
+    pub(super) monitor: Monitor,
 }
 
 impl HeadlessSolver {
@@ -91,12 +93,19 @@ impl HeadlessSolver {
         let cache = store.as_ref().map_or(vk::PipelineCache::null(), PipelineStore::cache);
         let cache = Cache::shared(cache);
         match embed::Solver::made_with(instance, physical_device, device, &[], tools, cache) {
-            Ok(for_device) => Ok(Self { for_device, context, store }),
+            Ok(for_device) => Ok(Self { for_device, context, store, monitor: Monitor::default() }),
             Err(error) => {
                 store.iter_mut().for_each(|store| store.destroy(device));
                 Err(error)
             }
         }
+    }
+
+    /// Sets the monitor of the maps. If it cancels a map, no further iterations are submitted, and the map is
+    /// incomplete.
+    pub fn with_monitor(mut self, monitor: Monitor) -> Self {
+        self.monitor = monitor;
+        self
     }
 
     /// Returns the device's name.
@@ -128,8 +137,8 @@ impl HeadlessSolver {
         Ok(self)
     }
 
-    /// Returns a tuning with [`Tuning::tile_edges`] as it is best on this device: set if shared memory has room
-    /// for the edges of tiles of this size.
+    /// Returns a tuning with [`Tuning::tile_edges`] as it is best on this device: set if shared memory has
+    /// room for the edges of tiles of this size.
     pub fn place_edges(&self, tuning: Tuning) -> Tuning {
         let instance = &self.context.instance.handle;
         // SAFETY: the physical device is from this instance.
@@ -264,7 +273,8 @@ mod tests {
     #[test]
     fn a_missing_barrier_of_a_copy_is_reported() {
         let surface = hill();
-        // After distances are unpacked, and after sources are copied: the barrier that follows clears comes first.
+        // After distances are unpacked, and after sources are copied: the barrier that follows clears comes
+        // first.
         for (missing, number) in [((SHADER_WRITE, COPY), 0), ((CLEAR, SHADER), 1)] {
             let solver = solver();
             let tuning = Tuning { staged: true, ..solver.tuning() };

@@ -64,7 +64,8 @@ pub struct HeadlessSolution {
     pub wavefront: Wavefront,
     /// Order of updates that was used.
     pub schedule: Schedule,
-    /// Number of iterations, each of four scans or of two updates of all points, or number of rounds of tiles.
+    /// Number of iterations, each of four scans or of two updates of all points, or number of rounds of
+    /// tiles.
     pub iterations: u32,
     /// Largest relative change of a front in the last iteration.
     pub residual: f64,
@@ -87,8 +88,8 @@ impl HeadlessSolver {
     /// Adds seeds to the last map of the surface, which must have converged with the same wavefront.
     ///
     /// # Errors
-    /// As [`HeadlessSolver::solve`], and [`VulkanError::TooManyAnchors`] if a map of anchored fronts has no room for
-    /// more sources inside cells.
+    /// As [`HeadlessSolver::solve`], and [`VulkanError::TooManyAnchors`] if a map of anchored fronts has no
+    /// room for more sources inside cells.
     pub fn add(
         &mut self,
         surface: &mut SurfaceOnDevice,
@@ -115,6 +116,7 @@ impl HeadlessSolver {
         // Only curved fronts are ever withdrawn.
         while solution.wavefront.is_curved()
             && solution.iterations < method.stop.iterations
+            && !self.monitor.is_cancelled()
             && seeds.iter().any(|seed| is_lost(seed, &solution.distances))
         {
             let left = method.stop.iterations - solution.iterations;
@@ -227,7 +229,7 @@ impl HeadlessSolver {
             submitter.submit(first)?;
         }
         let mut outcome = images.record(0).outcome;
-        while !outcome.is_done() {
+        while !outcome.is_done() && !self.monitor.is_cancelled() {
             // One recording serves all iterations but the last ones, of which fewer may be left.
             let left = stop.iterations - outcome.iterations;
             let wanted = (variant, schedule.plan(texels, portions, None, most(left)));

@@ -15,9 +15,10 @@ impl HeadlessSolver {
     /// them in SIMD lanes.
     ///
     /// # Errors
-    /// If an edge is too long or too short for single precision, or the grid is too large for the device's
+    /// If the surface is glued, an edge is too long or too short for single precision, or the grid is too large for the device's
     /// images or memory.
     pub fn upload(&self, surface: &Surface) -> Result<SurfaceOnDevice, VulkanError> {
+        super::check_open(surface)?;
         let chart = surface.chart();
         let texels = self.for_device.limits.texels(chart)?;
         let pipelines = &self.for_device.pipelines;

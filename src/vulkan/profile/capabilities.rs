@@ -76,8 +76,8 @@ pub struct Capabilities {
 }
 
 impl Capabilities {
-    /// Queries a device that meets the [requirements](crate::vulkan::device::requirements), and its queue family.
-    /// `debug_utils` says whether the instance has `VK_EXT_debug_utils` enabled.
+    /// Queries a device that meets the [requirements](crate::vulkan::device::requirements), and its queue
+    /// family. `debug_utils` says whether the instance has `VK_EXT_debug_utils` enabled.
     pub fn of(
         instance: &ash::Instance,
         physical_device: vk::PhysicalDevice,

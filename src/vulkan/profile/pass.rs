@@ -160,8 +160,8 @@ impl PassKind {
 }
 
 /// Coarseness of the records. A coarser grain writes fewer timestamps. A timestamp takes time by itself:
-/// [`crate::vulkan::DeviceCeilings::timestamp`], 15 to 25 microseconds on lavapipe. `docs/profiling.md` states how
-/// much that adds to maps.
+/// [`crate::vulkan::DeviceCeilings::timestamp`], 15 to 25 microseconds on lavapipe. `docs/profiling.md`
+/// states how much that adds to maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Grain {
     /// A record for each portion: from the sources through all iterations or rounds of a recording. In

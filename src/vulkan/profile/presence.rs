@@ -10,11 +10,11 @@ use crate::vulkan::{TexelChart, Tuning};
 
 /// Bytes of a texel of four 32-bit numbers.
 const TEXEL: u64 = 16;
-/// Work of the count of an iteration: what it reads and writes of the progress (`glsl/passes/progress.comp`). It
-/// reads whether the map is done, the change, its tolerance, the iterations and their limit, the iterations
-/// since a point was first reached, and whether fronts may be renewed. It writes the change, the iterations,
-/// the iterations since a point was first reached, whether fronts may be renewed, and the last iteration's
-/// change.
+/// Work of the count of an iteration: what it reads and writes of the progress (`glsl/passes/progress.comp`).
+/// It reads whether the map is done, the change, its tolerance, the iterations and their limit, the
+/// iterations since a point was first reached, and whether fronts may be renewed. It writes the change, the
+/// iterations, the iterations since a point was first reached, whether fronts may be renewed, and the last
+/// iteration's change.
 const COUNT: Work = Work::of_bytes(4 * 7, 4 * 5);
 /// Work of a count whose map was done before.
 const COUNT_BEYOND: Work = Work::of_bytes(4, 0);

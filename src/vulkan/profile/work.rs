@@ -21,27 +21,32 @@ use crate::vulkan::upload::SEED_BYTES;
 /// | curvature | four lengths a point, and one number more in the second pass | one number a point |
 /// | start | | the progress and six numbers a tile; for a batch a copy of its progress |
 /// | resume | six numbers | the progress of rounds, and one number a tile |
-/// | sources | as a dispatch four numbers a source | as a dispatch ten numbers for each of four texels; as a copy four numbers a source |
-/// | surroundings | four numbers a source, and for each of 100 texels around it the times and 16 lengths; with curved fronts their curvature and the surface's | ten numbers for each of these texels |
-/// | seed | ten numbers a texel, and both layers of its fronts | its fronts; for a batch the fronts of all texels |
-/// | scans, all points, tiles | a texel's times and 16 lengths; with curved fronts their curvature and the surface's | times; with curved fronts their curvature |
+/// | sources, by a dispatch | four numbers a source | ten numbers for each of four texels |
+/// | sources, by a copy | | four numbers a source |
+/// | surroundings | four numbers a source, and 100 texels around it as a scan does | ten numbers a texel |
+/// | seed | ten numbers a texel, and both layers of its fronts | its fronts; in a batch all texels' fronts |
+/// | scans, all points, tiles | a texel's times, 16 lengths and *curvatures* | times, curved fronts' curvature |
 /// | settle | one number a tile, and both layers of the texels that are brought back | the same |
-/// | count | seven numbers of the progress if the map was not done before; otherwise one | five numbers if the map was not done before, and two more if it is done now; otherwise none |
+/// | count, before the map is done | seven numbers of the progress | five; two more if it is done now |
+/// | count, afterwards | one number | |
 /// | fans | the numbers of each pair's fan | the same |
-/// | workgroups | the fans of all pairs in all scans, and maps that were begun before | distances, or maps to be continued |
+/// | workgroups | the fans of all pairs in all scans, and begun maps | distances, or maps to be continued |
 /// | decisions, outcome | the copied bytes | the same |
 /// | distances, unpack | each point's time | the same |
 /// | lookup | two numbers a place, and the four times around it | one distance a place |
-/// | contours: counts | each point's time | one number for each row of cells, and one for each of its 64 strips |
-/// | contours: offsets | one number for each row of cells | the same, and six numbers of the record |
-/// | contours: segments | the times and numbers again | `None`: depends on how many segments the device finds |
-/// | paths: starts | two numbers and four times a start, and four numbers a source | 24 numbers for each path that there is room for, and three a start |
+/// | contours: counts | each point's time | one number a row of cells, and one for each of its 64 strips |
+/// | contours: offsets | one number a row of cells | the same, and six numbers of the record |
+/// | contours: segments | the times and numbers again | `None`: the device finds the segments |
+/// | paths: starts | two numbers and four times a start, four numbers a source | 24 a path, three a start |
 /// | paths: steps | `None`: depends on how many steps the device takes | `None` |
 /// | lift | `None`: depends on how many vertices the device has found | `None` |
 /// | regions: clear | | two numbers a point |
-/// | regions: sources, twice | four numbers a source | `None`: depends on how many points lie around the sources |
-/// | regions: beginnings of ways | two numbers, the time and four lengths a point; with curved fronts their curvature and the surface's | three numbers a point |
-/// | regions: ways, then what is left | `None`: depends on how many points the ways lead past | `None` |
+/// | regions: sources, twice | four numbers a source | `None`: the device finds the points around sources |
+/// | regions: beginnings of ways | two numbers, the time, 4 lengths and *curvatures* | three numbers a point |
+/// | regions: ways, then labels | `None`: depends on how many points the ways lead past | `None` |
+///
+/// With curved fronts, *curvatures* are those of the fronts and of the surface; with others there are none.
+/// Paths count for all the paths that there is room for.
 ///
 /// In a batch, the count that ends the last iteration of a map differs. In place of the two further numbers
 /// it reads and writes the number of pending maps, and writes that this map is not pending. With the last map

@@ -123,8 +123,8 @@ impl Recorder<'_> {
         self.barrier(CLEAR, SHADER);
     }
 
-    /// Unpacks the arrival times in image 0 for a band of rows, to where the host reads them: in the read-back
-    /// buffer, or in a half of the staging buffer, to which they are copied.
+    /// Unpacks the arrival times in image 0 for a band of rows, to where the host reads them: in the
+    /// read-back buffer, or in a half of the staging buffer, to which they are copied.
     pub(crate) fn unpack(&self, rows: Range<usize>, half: usize) {
         let chart = self.grid.chart;
         let points = (rows.len() * chart.cols) as u64;

@@ -9,6 +9,7 @@ use geosweep::surface::Real;
 use geosweep::{DistanceMap, ErrorEstimate, Options, Sources, Surface, Wavefront};
 use serde::Serialize;
 
+use super::directions::{DirectionArgs, DirectionOutputs, SignArgs};
 use crate::output::{Written, check_outputs, commit, stage_picture, wanted_png};
 use crate::picture::Picture;
 use crate::precision::{InPrecision, Number, Precision};
@@ -23,7 +24,7 @@ pub struct Args {
     /// source reaches. In double precision it is .npy or .tif, float64. A .tif gets the georeference of the
     /// surface's .tif or .asc. Optional with --picture, --error or --json
     #[arg(short, long, value_name = "MAP")]
-    #[arg(required_unless_present_any = ["error", "picture", "json"])]
+    #[arg(required_unless_present_any = ["error", "picture", "json", "directions"])]
     output: Option<PathBuf>,
 
     #[command(flatten)]
@@ -47,6 +48,9 @@ pub struct Args {
     /// the error grows. Over floor plans, write the distances of the finer grid
     #[arg(long, help_heading = "Accuracy")]
     extrapolate: bool,
+
+    #[command(flatten)]
+    directions: DirectionArgs,
 
     /// Draw the map: colours and lines of equal distance over the shaded surface
     #[arg(long, value_name = "FILE.png", help_heading = "Reports")]
@@ -84,6 +88,9 @@ Examples:
       --engine cpu --json -o time.npy
   In double precision, for errors below the rounding of single precision:
     geosweep distance scan.npy --source 80,64 --precision double -o map.npy
+  The way back at each point for a GIS, and the nearest of two sources:
+    geosweep distance dem.tif --source 120,85 --source 30,200 -o map.tif \\
+      --back-direction back.tif --back-link link.tif --nearest nearest.tif
   A built-in surface, with an estimate of each distance's error:
     geosweep distance builtin:sphere:257x257 --source 0,0 -o sphere.npy \\
       --error error.npy",
@@ -112,7 +119,8 @@ impl InPrecision for &Args {
         problem::comment_on_size::<R>(&scene.surface);
         problem::comment_on_corners(&scene.surface, &solved.map);
         let quantity = scene.quantity(self.unit.as_deref().or(scene.unit));
-        let written = outputs.write(&scene, &sources, &quantity, &solved)?;
+        let sign = &self.directions.sign;
+        let written = outputs.write(&scene, &sources, sign, &quantity, &solved)?;
         problem::done_with_map(&scene, &solved.map.report, &written);
         if self.json {
             print_json("distance", &Summary::new(&scene.surface, self, &solved))?;
@@ -195,6 +203,7 @@ struct Outputs {
     map: Option<(OutputFile, MapFormat)>,
     error: Option<(OutputFile, MapFormat)>,
     picture: Option<OutputFile>,
+    directions: DirectionOutputs,
 }
 
 impl Outputs {
@@ -203,10 +212,12 @@ impl Outputs {
         let map = args.output.as_deref().map(map_output).transpose()?;
         let error = args.error.as_deref().map(map_output).transpose()?;
         let picture = wanted_png(args.picture.as_ref())?;
+        let directions = args.directions.outputs()?;
         let maps = map.iter().chain(&error).map(|(file, _)| file);
-        let files: Vec<_> = maps.chain(&picture).collect();
-        check_outputs(&files, problem::inputs(&args.surface, &args.sources))?;
-        Ok(Self { map, error, picture })
+        let files: Vec<_> = maps.chain(&picture).chain(directions.files()).collect();
+        let inputs = problem::inputs(&args.surface, &args.sources);
+        check_outputs(&files, inputs.chain(args.directions.input()))?;
+        Ok(Self { map, error, picture, directions })
     }
 
     /// Writes all files, then moves them to their final names.
@@ -214,16 +225,18 @@ impl Outputs {
         self,
         scene: &Scene,
         sources: &Sources,
+        sign: &SignArgs,
         quantity: &str,
         Solved { map, estimate }: &Solved<R>,
     ) -> Result<Written, Box<dyn Error>> {
         let (rows, cols) = (map.chart.rows, map.chart.cols);
         let geo_tags = scene.geo_tags.as_ref();
-        let mut staged = Vec::new();
+        let mut staged = self.directions.stage(scene, sources, map)?;
         if let Some((output, format)) = self.map {
+            let signed = sign.of(scene, sources, map)?;
+            let distances = signed.as_deref().unwrap_or(&map.distances);
             staged.push(
-                output
-                    .stage(|writer| format.write(writer, rows, cols, &map.distances, geo_tags))?,
+                output.stage(|writer| format.write(writer, rows, cols, distances, geo_tags))?,
             );
         }
         if let Some(((output, format), Estimate { errors, .. })) = self.error.zip(estimate.as_ref())

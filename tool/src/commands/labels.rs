@@ -38,7 +38,7 @@ pub fn stage_labels(
     })
 }
 
-fn has_extension(path: &Path, wanted: &[&str]) -> bool {
+pub fn has_extension(path: &Path, wanted: &[&str]) -> bool {
     let found = path.extension().unwrap_or_default();
     wanted.iter().any(|wanted| found.eq_ignore_ascii_case(wanted))
 }

@@ -2,13 +2,14 @@
 //! profiles.
 //!
 //! There is one file per command. Further files hold what several commands share: level curves, curves over a
-//! map, labels of regions, and samples.
+//! map, labels of regions, and samples; `directions` holds the outputs of `distance` beside the map.
 
 pub mod builtin;
 pub mod canonical;
 pub mod compare;
 pub mod contours;
 pub mod devices;
+mod directions;
 pub mod distance;
 mod labels;
 mod level_curves;
@@ -22,4 +23,5 @@ pub mod profile;
 pub mod ridges;
 pub mod sample;
 mod samples;
+pub mod value;
 pub mod voronoi;

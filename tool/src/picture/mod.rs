@@ -1,5 +1,6 @@
 //! Draws distance maps, with colours and lines of equal distance over the shaded surface, and plots.
 
+mod arrows;
 mod canvas;
 mod colors;
 mod curves;
@@ -23,6 +24,7 @@ use geosweep::glam::{DVec2, Vec2};
 use geosweep::surface::{Direction, Geometry, Source};
 use geosweep::{DistanceMap, Sources, Surface};
 
+pub use arrows::Arrows;
 pub use canvas::{Canvas, Color};
 pub use colors::Scale;
 pub use curves::{Line, Look, MapPicture, Mark, path_line, rgb, ridge_line};

@@ -3,6 +3,7 @@
 
 mod args;
 mod curve_files;
+mod gluing;
 mod picture;
 mod solver;
 mod sources;

@@ -8,6 +8,7 @@ use geosweep::io::{self, CoordinateSystem, GeoTags, Georeference, GridFrame, Sur
 use geosweep::surface::{Geometry, Resolution, Seam};
 use geosweep::{EdgeRule, Spacing, Surface};
 
+use super::gluing::Glue;
 use crate::choices::one_of;
 use crate::numbers::numbers;
 use crate::surface_arg::SurfaceArg;
@@ -46,6 +47,10 @@ pub struct SurfaceArgs {
     /// Rule for the length between neighbouring points (default: arc). A metric has its own lengths
     #[arg(long, value_parser = one_of(&EDGE_RULES), help_heading = "Surface")]
     edges: Option<EdgeRule>,
+    /// Sides of the grid that are glued, since they are the same line of a closed surface. Both must hold its
+    /// points. Distances then pass from one side to the other (CPU only)
+    #[arg(long, value_name = "SIDES", help_heading = "Surface")]
+    glue: Option<Glue>,
 }
 
 const EDGE_RULES: [(EdgeRule, &str); 2] = [
@@ -119,6 +124,10 @@ impl Scene {
             let slowness = io::read_slowness(path)?.fit_surface(path, rows, cols, place)?;
             surface =
                 surface.with_slowness(slowness).map_err(|e| format!("{}: {e}", path.display()))?;
+        }
+        if let Some(glue) = args.glue {
+            surface = glue.apply(surface, &seams)?;
+            seams = if shape.is_none() { surface.seams() } else { Vec::new() };
         }
         warn_of_seams(&seams);
         warn_of_resolution(&surface, args);
@@ -253,8 +262,13 @@ fn warn_of_seams(seams: &[Seam]) {
     let names = seams.iter().map(Seam::to_string).collect::<Vec<_>>().join(", ");
     let mut said = format!("the surface is closed: {names}");
     if seams.iter().any(|seam| !matches!(seam, Seam::Pole { .. })) {
-        said += ". No path crosses such a seam yet: roll the grid so that it lies far from the sources, or \
-                 repeat the grid side by side with a source in each copy";
+        said += ". No path crosses such a seam";
+    }
+    if seams.iter().any(|seam| matches!(seam, Seam::Neighbours { .. })) {
+        said += ": append the first line after the last one and give --glue auto, or roll the grid so that the \
+                 seam lies far from the sources";
+    } else if seams.iter().any(|seam| matches!(seam, Seam::Sides { .. } | Seam::Fold(_))) {
+        said += " unless --glue auto joins its sides";
     }
     if seams.iter().any(|seam| matches!(seam, Seam::Sides { .. } | Seam::Fold(_))) {
         said += "; --mask can remove one of two equal lines";

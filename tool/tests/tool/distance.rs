@@ -570,13 +570,33 @@ fn a_closed_surface_is_not_silently_cut_open() {
     let said = notes(&output);
     let seam = "its first column and its last column coincide";
     assert_eq!(json(&output)["seams"], serde_json::json!([seam]));
-    for part in ["geosweep: warning: the surface is closed: ", seam, "No path crosses", "--mask"] {
+    for part in [
+        "geosweep: warning: the surface is closed: ",
+        seam,
+        "No path crosses",
+        "--glue auto",
+        "--mask",
+    ] {
         assert!(said.contains(part), "`{part}` is missing in: {said}");
     }
     assert_eq!(said.lines().count(), 1, "{said}");
     // Other commands read surfaces too.
     let output = run(&bench, &format!("pairwise {tube} --wavefront planar --json"));
     assert!(stderr(&output).contains(seam), "{}", stderr(&output));
+    // As advised: from the first column to the last but one is a single step, and both copies are one point.
+    let output = bench.distance(&tube, "-s 4,0 --glue auto --json -o map.npy");
+    assert_eq!((json(&output)["seams"].clone(), notes(&output)), (Value::Array(vec![]), "".into()));
+    let map = map(&bench.output("map.npy"));
+    let step = std::f64::consts::TAU / 32.0;
+    assert_eq!(map[4 * 33 + 32], 0.0);
+    assert!((map[4 * 33 + 31] - step).abs() < 1e-5 * step, "{}", map[4 * 33 + 31]);
+    for (way, part) in [("rows", "differ by"), ("octahedral", "differ by")] {
+        let output = bench.distance(&tube, &format!("-s 4,0 --glue {way}"));
+        assert!(!output.status.success() && stderr(&output).contains(part), "{}", stderr(&output));
+        assert!(stderr(&output).contains(&format!("--glue {way}: ")), "{}", stderr(&output));
+    }
+    let output = run(&bench, &format!("distance {tube} -s 4,0 --glue columns --engine vulkan"));
+    assert!(!output.status.success() && stderr(&output).contains("seams"), "{}", stderr(&output));
     // As advised: without the second of two equal columns, each point has one distance.
     let mask: Vec<f64> = (0..9 * 33).map(|index| f64::from(index % 33 != 32)).collect();
     let bytes: Vec<u8> = mask.iter().map(|&there| there as u8).collect();

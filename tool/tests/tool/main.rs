@@ -4,6 +4,7 @@ mod bench;
 mod canonical;
 mod committed;
 mod contours;
+mod directions;
 mod distance;
 #[cfg(unix)]
 mod documentation;

@@ -26,7 +26,7 @@ use crate::cpu::progress::Progress;
 use crate::cpu::scan::Scan;
 use crate::surface::{Block, EdgeLengths, Real, Seed, Tiling, relative_change};
 use crate::update::{Kept, tag_of};
-use crate::{Convergence, Stop};
+use crate::{Convergence, Monitor, Stop};
 use order::Dues;
 use room::{Pool, Room};
 use visit::Visits;
@@ -240,6 +240,11 @@ impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
                 continue;
             }
             self.visit(&round);
+            let Convergence { iterations, residual } = self.convergence();
+            self.on.monitor.note(iterations, residual);
+            if self.on.monitor.is_cancelled() {
+                return self.convergence();
+            }
             self.pass_on(&round, tolerance);
             if self.counts.iterations > many {
                 many = u64::MAX;
@@ -369,6 +374,10 @@ impl<R: Real, K: FrontKind<R>> Scans<R> for PatchScanner<R, K> {
 
     fn set_instructions(&mut self, instructions: Instructions) {
         self.on.instructions = instructions;
+    }
+
+    fn set_monitor(&mut self, monitor: Monitor) {
+        self.on.monitor = monitor;
     }
 
     fn times(&self) -> &[R] {

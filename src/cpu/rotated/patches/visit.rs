@@ -106,7 +106,12 @@ impl<R: Real, K: FrontKind<R>> Visits<'_, R, K> {
         let fronts = room.copy.fronts();
         let before = Before { edges: grid.edges, fronts, far, surface_data: grid.surface_data };
         room.looked += find_due(&self.on.kind, before, tiles, &[options]);
-        let change = room.copy.scan(&self.on.kind, On { grid, panel, far }, tiles, options);
+        let change = room.copy.scan(
+            &self.on.kind,
+            On { grid, panel, far, monitor: &self.on.monitor },
+            tiles,
+            options,
+        );
         tiles.passed([scan], [&room.copy.changed]);
         change
     }

@@ -74,11 +74,11 @@ pub struct Args {
     #[arg(long, value_name = "TEXT")]
     machine: Option<String>,
     /// Print one JSON object (docs/json.md): cpu and device (their ceilings, as from `geosweep devices`),
-    /// cpu_patches (the ceilings of all threads, if grids were solved by patches), maps and growth. A map: surface, rows, cols, points, wavefront, engine, schedule, set_up_seconds,
-    /// median_seconds, best_seconds, runs, iterations, converged, points_per_second, bytes (of the solver's
-    /// memory), work (bytes moved, triangles, dispatches, skipped_dispatches, submissions) and shares (of the
-    /// time: data, arithmetic, dispatches). Growth: the exponent for each surface, wavefront, engine and
-    /// schedule
+    /// cpu_patches (the ceilings of all threads, if grids were solved by patches), maps and growth. A map:
+    /// surface, rows, cols, points, wavefront, engine, schedule, set_up_seconds, median_seconds,
+    /// best_seconds, runs, iterations, converged, points_per_second, bytes (of the solver's memory), work
+    /// (bytes moved, triangles, dispatches, skipped_dispatches, submissions) and shares (of the time: data,
+    /// arithmetic, dispatches). Growth: the exponent for each surface, wavefront, engine and schedule
     #[arg(long)]
     json: bool,
 }

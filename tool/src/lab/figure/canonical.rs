@@ -27,8 +27,8 @@ pub struct Args {
     /// Columns of each grid; the face has a quarter more rows
     #[arg(long, value_name = "N", default_value_t = 54, value_parser = columns)]
     size: usize,
-    /// Print one JSON object (docs/json.md) with surfaces, an array with an object for each: title, points, stress_1, and deviation
-    /// from the first bending's form (null for the face)
+    /// Print one JSON object (docs/json.md) with surfaces, an array with an object for each: title, points,
+    /// stress_1, and deviation from the first bending's form (null for the face)
     #[arg(long)]
     json: bool,
 }

@@ -37,8 +37,8 @@ pub struct Args {
     /// Machine on which the times were measured, for the table
     #[arg(long, value_name = "TEXT")]
     machine: Option<String>,
-    /// Print one JSON object (docs/json.md) with sizes, an array with an object per size: vertices, distances, planar_seconds,
-    /// planar_spread, fast_marching_seconds, fast_marching_spread, speed_up,
+    /// Print one JSON object (docs/json.md) with sizes, an array with an object per size: vertices,
+    /// distances, planar_seconds, planar_spread, fast_marching_seconds, fast_marching_spread, speed_up,
     /// planar_distances_per_second, circular_seconds, circular_spread, circular_distances_per_second
     #[arg(long)]
     json: bool,

@@ -36,8 +36,8 @@ pub struct Args {
     /// Machine on which the times were measured, for the table
     #[arg(long, value_name = "TEXT")]
     machine: Option<String>,
-    /// Print one JSON object (docs/json.md) with sizes, an array with an object per size and engine: engine, rows, cols, points,
-    /// iteration_seconds, iteration_spread, iteration_bytes (one planar iteration),
+    /// Print one JSON object (docs/json.md) with sizes, an array with an object per size and engine: engine,
+    /// rows, cols, points, iteration_seconds, iteration_spread, iteration_bytes (one planar iteration),
     /// converged_seconds, converged_spread, converged_iterations and converged_bytes (curved)
     #[arg(long)]
     json: bool,

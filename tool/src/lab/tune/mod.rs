@@ -25,7 +25,8 @@ pub struct Args {
     /// Points per side (default: 64, 256, 1024; with --quick 64, 256)
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = lists::size)]
     sizes: Vec<usize>,
-    /// Built-in surfaces, terrain, or files of surfaces, as `geosweep bench` takes them (default: sphere, maze)
+    /// Built-in surfaces, terrain, or files of surfaces, as `geosweep bench` takes them (default: sphere,
+    /// maze)
     #[arg(long, value_name = "NAME|FILE,...", value_delimiter = ',')]
     #[arg(value_parser = BenchSurface::parse)]
     surfaces: Vec<BenchSurface>,

@@ -1,0 +1,31 @@
+"""Geodesic distance maps on grids of points: heights, positions or a metric.
+
+Rows come first everywhere: shapes are (M, N), places are (row, column), spacing is (dy, dx).
+"""
+
+from ._geosweep import __version__
+from ._map import Curves, DistanceMap, Path, Ridge, Voronoi
+from ._matrix import CanonicalForm, canonical_form, pairwise
+from ._sources import Lines
+from ._surface import Device, Surface, devices, distance, route
+from ._warnings import ConvergenceError, ConvergenceWarning
+
+__all__ = [
+    "CanonicalForm",
+    "ConvergenceError",
+    "ConvergenceWarning",
+    "Curves",
+    "Device",
+    "DistanceMap",
+    "Lines",
+    "Path",
+    "Ridge",
+    "Surface",
+    "Voronoi",
+    "__version__",
+    "canonical_form",
+    "devices",
+    "distance",
+    "pairwise",
+    "route",
+]

@@ -1,0 +1,318 @@
+"""Surfaces, and maps in one call."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from . import _geosweep
+from ._map import DistanceMap
+from ._settings import Engine, Wavefront, is_double, refuse, settings
+from ._sources import Floats, Source, native, numbers
+from ._warnings import check
+
+Spacing = float | tuple[float, float]
+Progress = Callable[[int, float], object]
+
+
+def _steps(spacing: Spacing) -> tuple[float, float]:
+    steps = numbers("spacing", spacing)
+    if steps.shape not in ((), (2,)):
+        raise ValueError("spacing must be one number or (dy, dx)")
+    dy, dx = np.broadcast_to(steps, (2,)).tolist()
+    return dy, dx
+
+
+def _kept(name: str, array: ArrayLike, copy: bool) -> Floats:
+    """Return an array of float64 in C order that nobody else changes, unless ``copy`` is false."""
+    values = numbers(name, array)
+    return values.copy() if copy and np.may_share_memory(values, np.asarray(array)) else values
+
+
+class Surface:
+    """A grid of points with a geometry, holes and perhaps a slowness.
+
+    Make it by `from_heights`, `from_positions` or `from_metric`.
+    """
+
+    def __init__(self, compiled: "_geosweep.Surface") -> None:
+        if not isinstance(compiled, _geosweep.Surface):
+            raise TypeError("use Surface.from_heights, from_positions or from_metric")
+        self._surface = compiled
+
+    @staticmethod
+    def _made(
+        compiled: "_geosweep.Surface",
+        mask: ArrayLike | None,
+        slowness: ArrayLike | None,
+        edges: str,
+    ) -> "Surface":
+        if edges not in ("arc", "chord"):
+            refuse("edges", edges, "'arc' or 'chord'")
+        points = None
+        if mask is not None:
+            points = np.ascontiguousarray(np.asarray(mask) != 0)
+        slow = None if slowness is None else numbers("slowness", slowness)
+        for name, array in (("mask", points), ("slowness", slow)):
+            if array is not None and array.shape != compiled.shape:
+                raise ValueError(
+                    f"{name} must have the grid's shape {compiled.shape}, not {array.shape}"
+                )
+        if points is not None or slow is not None or edges == "chord":
+            compiled = compiled.with_inputs(points, slow, edges == "chord")
+        return Surface(compiled)
+
+    @classmethod
+    def from_heights(
+        cls,
+        heights: ArrayLike,
+        spacing: Spacing = 1.0,
+        *,
+        mask: ArrayLike | None = None,
+        slowness: ArrayLike | None = None,
+        edges: str = "arc",
+        copy: bool = True,
+    ) -> "Surface":
+        """Make a height field.
+
+        Parameters
+        ----------
+        heights
+            Heights (M, N). NaN is a hole.
+        spacing
+            Distance of rows and of columns, (dy, dx), in the unit of the heights.
+        mask
+            False (M, N) where there are holes.
+        slowness
+            Reciprocal speed (M, N): distances become travel times.
+        edges
+            Measure edges along the smooth surface, ``"arc"``, or straight, ``"chord"``.
+        copy
+            Whether to copy the heights. Otherwise an array of float64 in C order is read where
+            it is, and must not change while the surface is used.
+        """
+        values = _kept("heights", heights, copy)
+        if values.ndim != 2:
+            raise ValueError(f"heights must have the shape (M, N), not {values.shape}")
+        made = _geosweep.Surface.heights(values, *_steps(spacing))
+        return cls._made(made, mask, slowness, edges)
+
+    @classmethod
+    def from_positions(
+        cls,
+        positions: ArrayLike,
+        *,
+        mask: ArrayLike | None = None,
+        slowness: ArrayLike | None = None,
+        edges: str = "arc",
+        copy: bool = True,
+    ) -> "Surface":
+        """Make a surface from 3D points (M, N, 3). A point with a NaN is a hole."""
+        values = _kept("positions", positions, copy)
+        if values.ndim != 3 or values.shape[2] != 3:
+            raise ValueError(f"positions must have the shape (M, N, 3), not {values.shape}")
+        return cls._made(_geosweep.Surface.positions(values), mask, slowness, edges)
+
+    @classmethod
+    def from_metric(
+        cls,
+        metric: ArrayLike,
+        *,
+        mask: ArrayLike | None = None,
+        slowness: ArrayLike | None = None,
+    ) -> "Surface":
+        """Make a surface from its metric in steps of rows and columns.
+
+        The metric is (M, N, 2, 2), or (M, N, 3) with the entries for rows, mixed, and columns.
+        """
+        values = numbers("metric", metric)
+        if values.ndim == 4 and values.shape[2:] == (2, 2):
+            if not np.array_equal(values[..., 0, 1], values[..., 1, 0], equal_nan=True):
+                raise ValueError("metric must be symmetric: its entries 0, 1 and 1, 0 differ")
+            values = np.ascontiguousarray(values.reshape(*values.shape[:2], 4)[..., [0, 1, 3]])
+        if values.ndim != 3 or values.shape[2] != 3:
+            raise ValueError(
+                f"metric must have the shape (M, N, 2, 2) or (M, N, 3), not {values.shape}"
+            )
+        return cls._made(_geosweep.Surface.metric(values), mask, slowness, "arc")
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Numbers of rows and columns."""
+        return self._surface.shape
+
+    @property
+    def points(self) -> int:
+        """Number of points that are not holes."""
+        return self._surface.points
+
+    @property
+    def present(self) -> NDArray[np.bool_]:
+        """Whether each point (M, N) is not a hole, as a read-only view."""
+        return self._surface.present
+
+    @property
+    def is_floor_plan(self) -> bool:
+        """Whether the surface is flat and even, so that ``"anchored"`` fronts are exact."""
+        return self._surface.is_floor_plan
+
+    def solve(
+        self,
+        source: Source,
+        *,
+        wavefront: Wavefront = "auto",
+        engine: Engine = "auto",
+        device: str | int | None = None,
+        dtype: DTypeLike = "float32",
+        tolerance: float | None = None,
+        iterations: int | None = None,
+        threads: int | None = None,
+        strict: bool = False,
+        progress: Progress | None = None,
+        out: NDArray[Any] | None = None,
+    ) -> DistanceMap:
+        """Compute the distance from the sources to every point.
+
+        Parameters
+        ----------
+        source
+            (row, col); (n, 2); (n, 3) with start times; `Lines`; or a boolean or integer raster
+            (M, N), whose cells other than zero are sources.
+        wavefront
+            Front assumed inside a triangle.
+        engine
+            ``"cpu"``, ``"gpu"`` (a Vulkan device) or ``"auto"``.
+        device
+            Index, or a part of the name, of the Vulkan device; see `devices`.
+        dtype
+            Precision of the map: ``"float32"``, or on the CPU ``"float64"``.
+        tolerance, iterations
+            When to stop: at this relative change, and after so many iterations.
+        threads
+            Number of threads of the CPU. By default all calls share as many as there are cores.
+        strict
+            Whether it is an error if iterations run out. Otherwise it is a warning.
+        progress
+            Called with the number of iterations and the last change, some 50 times a second.
+        out
+            Array (M, N) of ``dtype`` that takes the distances.
+        """
+        double = is_double(dtype)
+        if out is not None:
+            _check_out(out, self.shape, np.float64 if double else np.float32)
+        chosen = settings(engine, device, wavefront, tolerance, iterations, threads)
+        points, lines = native(source, self.shape)
+        found = self._surface.solve(points, lines, chosen, double, progress)
+        report = found.report
+        check(report["converged"], report, strict)
+        if out is not None:
+            np.copyto(out, found.distance)
+        return DistanceMap(self._surface, found, ((points, lines), chosen, double), out)
+
+    def farthest_points(self, source: Source, count: int) -> tuple[NDArray[np.int64], float]:
+        """Sample the surface evenly.
+
+        Each sample is the point farthest from the source and all samples before.
+
+        Returns
+        -------
+        samples
+            Rows and columns (count, 2).
+        radius
+            Largest distance of a point from its nearest sample.
+        """
+        samples, radius = self._surface.farthest_points(*native(source, self.shape), count)
+        return np.asarray(samples, dtype=np.int64).reshape(-1, 2), radius
+
+
+def _check_out(out: object, shape: tuple[int, ...], dtype: type[np.generic]) -> None:
+    if not isinstance(out, np.ndarray):
+        raise TypeError(f"out must be a NumPy array, not {type(out).__name__}")
+    if out.shape != shape or out.dtype != dtype or not out.flags.writeable:
+        raise ValueError(
+            f"out must be a writeable array of {np.dtype(dtype)} with the shape {shape}, not of "
+            f"{out.dtype} with {out.shape}"
+        )
+
+
+def distance(
+    heights: ArrayLike,
+    source: Source,
+    spacing: Spacing = 1.0,
+    *,
+    mask: ArrayLike | None = None,
+    slowness: ArrayLike | None = None,
+    edges: str = "arc",
+    wavefront: Wavefront = "auto",
+    engine: Engine = "auto",
+    device: str | int | None = None,
+    dtype: DTypeLike = "float32",
+    tolerance: float | None = None,
+    iterations: int | None = None,
+    threads: int | None = None,
+    strict: bool = False,
+    progress: Progress | None = None,
+    out: NDArray[Any] | None = None,
+) -> NDArray[Any]:
+    """Compute the distance (M, N) from the sources over a height field.
+
+    The arguments are those of `Surface.from_heights` and `Surface.solve`. An array of float64 in
+    C order is not copied. The result is inf where no source reaches.
+    """
+    surface = Surface.from_heights(
+        heights, spacing, mask=mask, slowness=slowness, edges=edges, copy=False
+    )
+    double = is_double(dtype)
+    if out is not None:
+        _check_out(out, surface.shape, np.float64 if double else np.float32)
+    chosen = settings(engine, device, wavefront, tolerance, iterations, threads)
+    points, lines = native(source, surface.shape)
+    found, report = surface._surface.distances(points, lines, chosen, double, progress)
+    check(report["converged"], report, strict)
+    if out is None:
+        return found
+    np.copyto(out, found)
+    return out
+
+
+def route(
+    heights: ArrayLike,
+    start: tuple[float, float],
+    end: tuple[float, float],
+    spacing: Spacing = 1.0,
+    *,
+    mask: ArrayLike | None = None,
+    slowness: ArrayLike | None = None,
+) -> tuple[Floats, float]:
+    """Find the shortest path over a height field.
+
+    Returns
+    -------
+    path
+        Rows and columns (n, 2) from the start to the end.
+    length
+        Its length, times the slowness.
+    """
+    surface = Surface.from_heights(heights, spacing, mask=mask, slowness=slowness, copy=False)
+    path = surface.solve(end).paths([start])[0]
+    return path.vertices, path.length
+
+
+@dataclass(frozen=True)
+class Device:
+    """A Vulkan device."""
+
+    index: int
+    name: str
+    kind: str
+    api_version: str
+    driver: str
+    unmet: list[str]
+    """What the device lacks; empty if it can be used."""
+
+
+def devices() -> list[Device]:
+    """List the Vulkan devices of this machine."""
+    return [Device(*device) for device in _geosweep.devices()]

@@ -1,0 +1,40 @@
+//! The compiled part of the package `geosweep` for Python. It converts arrays, releases the interpreter's
+//! lock and turns errors into exceptions; all else is in the library. The Python part checks arguments
+//! and describes them (`geosweep/*.py`).
+
+mod arrays;
+mod errors;
+mod map;
+mod pairwise;
+mod settings;
+mod surface;
+mod work;
+
+use pyo3::prelude::*;
+
+/// A Vulkan device: its index, name, kind, Vulkan version and driver, and what it lacks.
+type Device = (usize, String, &'static str, String, String, Vec<String>);
+
+/// Lists the Vulkan devices of this machine.
+#[pyfunction]
+fn devices(py: Python<'_>) -> PyResult<Vec<Device>> {
+    use geosweep::vulkan::VulkanError::{NoDevice, NoLoader};
+    match work::detached(py, geosweep::vulkan::devices)? {
+        Ok(found) => Ok(found
+            .into_iter()
+            .map(|it| (it.index, it.name, it.kind, it.api_version, it.driver, it.unmet))
+            .collect()),
+        Err(NoLoader(_) | NoDevice) => Ok(Vec::new()),
+        Err(error) => Err(errors::of(error.into())),
+    }
+}
+
+#[pymodule(gil_used = false)]
+fn _geosweep(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<surface::Surface>()?;
+    module.add_class::<map::Map>()?;
+    module.add_function(wrap_pyfunction!(devices, module)?)?;
+    module.add_function(wrap_pyfunction!(pairwise::pairwise, module)?)?;
+    module.add_function(wrap_pyfunction!(pairwise::canonical, module)?)
+}

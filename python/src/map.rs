@@ -1,0 +1,227 @@
+//! The map: distances, and geometry from them.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use geosweep::geometry::{
+    Levels, PathTracer, Side, Voronoi, contours, farthest, offset_curves, ridges,
+};
+use geosweep::{DistanceMap, Report, Sources};
+use numpy::{PyArray1, PyArray2, ToPyArray};
+use pyo3::IntoPyObjectExt;
+use pyo3::prelude::*;
+
+use crate::surface::OnGrid;
+use crate::{arrays, errors, work};
+
+/// A map in either precision.
+pub enum Distances {
+    Single(DistanceMap<f32>),
+    Double(DistanceMap<f64>),
+}
+
+/// The entries of a report.
+pub type ReportItems = BTreeMap<&'static str, Py<PyAny>>;
+
+/// Returns the entries of a report.
+pub fn report(report: &Report) -> ReportItems {
+    Python::attach(|py| {
+        let mut items = ReportItems::new();
+        macro_rules! add {
+            ($($name:ident: $value:expr),* $(,)?) => {
+                // Numbers, texts and None always convert.
+                $(items.insert(stringify!($name), $value.into_py_any(py).expect("a plain value"));)*
+            };
+        }
+        add! {
+            engine: report.engine.name(), device: report.device.clone(),
+            reason: report.reason.clone(), fallback: report.fallback.clone(),
+            schedule: report.schedule, wavefront: report.wavefront.to_string(),
+            iterations: report.iterations, residual: report.residual,
+            tolerance: report.tolerance, converged: report.converged,
+            solve_seconds: report.solve_time.as_secs_f64(), points: report.points,
+            reached: report.reached, max_distance: report.max_distance,
+        }
+        items
+    })
+}
+
+/// A distance map, with its surface and its sources.
+#[pyclass(frozen, module = "geosweep._geosweep")]
+pub struct Map {
+    on: Arc<OnGrid>,
+    sources: Sources,
+    distances: Distances,
+}
+
+impl Map {
+    pub fn new(on: Arc<OnGrid>, sources: Sources, distances: Distances) -> Self {
+        Self { on, sources, distances }
+    }
+
+    /// Returns the map in single precision, in which geometry is computed.
+    fn single(&self) -> Cow<'_, DistanceMap> {
+        match &self.distances {
+            Distances::Single(map) => Cow::Borrowed(map),
+            Distances::Double(map) => Cow::Owned(map.to_single()),
+        }
+    }
+}
+
+/// Curves as arrays (n, 2).
+type Curves<'py> = Vec<Bound<'py, PyArray2<f64>>>;
+/// The region of each point, and the borders: the regions on either side, and the curve.
+type Regions<'py> =
+    (Bound<'py, PyArray2<i32>>, Vec<([u32; 2], Bound<'py, PyArray2<f64>>)>, Vec<f64>);
+
+#[pymethods]
+impl Map {
+    /// The distances, as a view.
+    #[getter]
+    fn distance(self_: Bound<'_, Self>) -> PyResult<Bound<'_, PyAny>> {
+        let (map, owner) = (self_.get(), self_.clone().into_any());
+        let shape = map.on.shape();
+        // SAFETY: the map is never changed, and the array keeps it.
+        unsafe {
+            Ok(match &map.distances {
+                Distances::Single(map) => arrays::view(shape, &map.distances, owner)?.into_any(),
+                Distances::Double(map) => arrays::view(shape, &map.distances, owner)?.into_any(),
+            })
+        }
+    }
+
+    #[getter]
+    fn report(&self) -> ReportItems {
+        match &self.distances {
+            Distances::Single(map) => report(&map.report),
+            Distances::Double(map) => report(&map.report),
+        }
+    }
+
+    /// Returns the path from each end to its source: its vertices, length and source.
+    #[expect(clippy::type_complexity, reason = "one use")]
+    fn paths<'py>(
+        &self,
+        py: Python<'py>,
+        ends: Vec<[f64; 2]>,
+    ) -> PyResult<Vec<(Bound<'py, PyArray2<f64>>, f64, usize)>> {
+        let traced = work::detached(py, || {
+            let map = self.single();
+            let edges = self.on.edges().map_err(|error| error.to_string())?;
+            let paths = PathTracer::new(&self.on.surface, edges, &self.sources, &map.distances);
+            let paths = paths.map_err(|error| error.to_string())?.trace_all(&ends);
+            paths.into_iter().collect::<Result<Vec<_>, _>>().map_err(|error| error.to_string())
+        })?;
+        traced
+            .map_err(errors::value)?
+            .iter()
+            .map(|path| Ok((arrays::curve(py, &path.curve)?, path.length, path.source)))
+            .collect()
+    }
+
+    /// Returns the curves of each level.
+    fn contours<'py>(
+        &self,
+        py: Python<'py>,
+        levels: Vec<f64>,
+    ) -> PyResult<Vec<(f64, Curves<'py>)>> {
+        let found = work::detached(py, || {
+            let map = self.single();
+            let levels = Levels::List(levels).on(&map, &self.sources)?;
+            Ok::<_, geosweep::geometry::LevelError>(contours(&map, &self.sources, &levels))
+        })?;
+        let found = found.map_err(errors::value)?;
+        let curves = |of: &[geosweep::geometry::Curve]| {
+            of.iter().map(|curve| arrays::curve(py, curve)).collect::<PyResult<_>>()
+        };
+        found.iter().map(|contour| Ok((contour.level, curves(&contour.curves)?))).collect()
+    }
+
+    /// Returns evenly spaced levels, or levels `step` apart.
+    fn levels(&self, count: Option<usize>, step: Option<f64>) -> PyResult<Vec<f64>> {
+        let levels = match (count, step) {
+            (_, Some(step)) => Levels::Spacing(step),
+            (count, None) => Levels::Count(count.unwrap_or(10)),
+        };
+        levels.on(&self.single(), &self.sources).map_err(errors::value)
+    }
+
+    /// Returns the curves of each level on one side of the sources.
+    fn offsets<'py>(
+        &self,
+        py: Python<'py>,
+        levels: Vec<f64>,
+        left: bool,
+    ) -> PyResult<Vec<(f64, Curves<'py>)>> {
+        let side = if left { Side::Left } else { Side::Right };
+        let found = work::detached(py, || {
+            let (map, surface) = (self.single(), &self.on.surface);
+            let edges = self.on.edges().map_err(|error| error.to_string())?;
+            offset_curves(surface, edges, &self.sources, &map, &levels, side)
+                .map_err(|error| error.to_string())
+        })?;
+        let curves = |of: &[geosweep::geometry::Curve]| {
+            of.iter().map(|curve| arrays::curve(py, curve)).collect::<PyResult<_>>()
+        };
+        let found = found.map_err(errors::value)?;
+        found.iter().map(|contour| Ok((contour.level, curves(&contour.curves)?))).collect()
+    }
+
+    /// Returns the regions of the sources.
+    fn voronoi<'py>(&self, py: Python<'py>) -> PyResult<Regions<'py>> {
+        let found = work::detached(py, || {
+            let (map, surface) = (self.single(), &self.on.surface);
+            let edges = self.on.edges().map_err(|error| error.to_string())?;
+            let found = Voronoi::new(surface, edges, &self.sources, &map.distances);
+            let found = found.map_err(|error| error.to_string())?;
+            let areas = found.areas(surface);
+            Ok::<_, String>((found, areas))
+        })?;
+        let (found, areas) = found.map_err(errors::value)?;
+        // NO_REGION becomes -1.
+        let labels: Vec<i32> = found.labels.iter().map(|&label| label.cast_signed()).collect();
+        let borders = found.borders.iter();
+        let borders = borders.map(|it| Ok((it.regions, arrays::curve(py, &it.curve)?)));
+        let borders = borders.collect::<PyResult<_>>()?;
+        Ok((arrays::handed_over(py, self.on.shape(), labels)?, borders, areas))
+    }
+
+    /// Returns the ridges: each curve, and the angle at each of its vertices.
+    #[expect(clippy::type_complexity, reason = "one use")]
+    fn ridges<'py>(
+        &self,
+        py: Python<'py>,
+        least_angle: f64,
+    ) -> PyResult<Vec<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>)>> {
+        let found = work::detached(py, || {
+            let edges = self.on.edges().map_err(|error| error.to_string())?;
+            ridges(edges, &self.single().distances, least_angle).map_err(|error| error.to_string())
+        })?;
+        let found = found.map_err(errors::value)?;
+        found
+            .iter()
+            .map(|ridge| {
+                let mut angles = ridge.angles.clone();
+                if ridge.curve.closed {
+                    angles.extend(ridge.angles.first());
+                }
+                Ok((arrays::curve(py, &ridge.curve)?, angles.to_pyarray(py)))
+            })
+            .collect()
+    }
+
+    /// Returns row, column and distance of the farthest point.
+    fn farthest(&self) -> Option<(usize, usize, f64)> {
+        macro_rules! farthest_of {
+            ($map:expr) => {{
+                let found = farthest($map.chart, &$map.distances)?;
+                Some((found.row, found.col, found.distance.into()))
+            }};
+        }
+        match &self.distances {
+            Distances::Single(map) => farthest_of!(map),
+            Distances::Double(map) => farthest_of!(map),
+        }
+    }
+}

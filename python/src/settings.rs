@@ -1,0 +1,63 @@
+//! Converts sources and options.
+
+use geosweep::{DeviceChoice, Engine, Monitor, Options, Sources, Wavefront};
+use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+
+use crate::errors;
+
+/// Options of a solve, as the Python part passes them.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Settings {
+    engine: String,
+    device: Option<String>,
+    wavefront: Option<String>,
+    tolerance: Option<f64>,
+    iterations: Option<u32>,
+    pub threads: Option<usize>,
+}
+
+impl Settings {
+    /// Returns the library's options, with a monitor.
+    pub fn options(&self, monitor: &Monitor) -> PyResult<Options> {
+        let choice = |device: &Option<String>| match device {
+            Some(name) => name.parse().unwrap_or(DeviceChoice::Any),
+            None => DeviceChoice::Any,
+        };
+        let engine = match &*self.engine {
+            "gpu" => Engine::Vulkan(choice(&self.device)),
+            "cpu" => Engine::Cpu,
+            _ => Engine::Auto,
+        };
+        let wavefront = self.wavefront.as_deref().map(str::parse::<Wavefront>).transpose();
+        Ok(Options::default()
+            .with_engine(engine)
+            .with_wavefront(wavefront.map_err(errors::value)?)
+            .with_tolerance(self.tolerance)
+            .with_iterations(self.iterations)
+            .with_monitor(monitor.clone()))
+    }
+}
+
+/// A line's vertices (n, 2), and the start time along it.
+pub type Line<'py> = (PyReadonlyArray2<'py, f64>, f64);
+
+/// Returns sources from points, rows of (row, col, start), and lines.
+pub fn sources(points: &PyReadonlyArray2<'_, f64>, lines: &[Line<'_>]) -> PyResult<Sources> {
+    let mut sources = Sources::default();
+    if points.shape()[1] != 3 {
+        return Err(errors::value("points need a row, a column and a start"));
+    }
+    for point in points.as_array().rows() {
+        sources = sources.and_point(point[0], point[1], point[2]);
+    }
+    for (vertices, start) in lines {
+        if vertices.shape()[1] != 2 {
+            return Err(errors::value("vertices need a row and a column"));
+        }
+        let vertices = vertices.as_array();
+        sources = sources.and_curve(vertices.rows().into_iter().map(|at| [at[0], at[1]]), *start);
+    }
+    Ok(sources)
+}

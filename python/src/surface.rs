@@ -1,0 +1,286 @@
+//! The surface: its constructors, and what is computed on it.
+
+use std::sync::{Arc, OnceLock};
+
+use geosweep::geometry::FarthestPoints;
+use geosweep::glam::DVec3;
+use geosweep::surface::{EdgeLengths, Geometry};
+use geosweep::{EdgeRule, MetricTensor, Monitor, Spacing, estimate_error, estimate_error_f64};
+use geosweep::{distance_map, distance_map_f64};
+use numpy::{PyArray2, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+
+use crate::map::{Distances, Map, ReportItems, report};
+use crate::settings::{Line, Settings, sources};
+use crate::{arrays, errors, work};
+
+/// A surface that its arrays share, and its edges once they are needed.
+#[pyclass(frozen, module = "geosweep._geosweep")]
+pub struct Surface {
+    pub inner: Arc<OnGrid>,
+}
+
+/// A surface and its edges in single precision, which geometry on maps needs.
+pub struct OnGrid {
+    pub surface: geosweep::Surface,
+    edges: OnceLock<EdgeLengths<f32>>,
+}
+
+impl OnGrid {
+    /// Returns the edges, measured for the first call.
+    pub fn edges(&self) -> Result<&EdgeLengths<f32>, geosweep::Error> {
+        if self.edges.get().is_none() {
+            // If two threads measure at once, both find the same lengths.
+            let _ = self.edges.set(EdgeLengths::new(&self.surface)?);
+        }
+        Ok(self.edges.get().expect("edges that have just been set"))
+    }
+
+    /// Returns the numbers of rows and columns.
+    pub fn shape(&self) -> (usize, usize) {
+        (self.surface.rows(), self.surface.cols())
+    }
+}
+
+impl From<geosweep::Surface> for Surface {
+    fn from(surface: geosweep::Surface) -> Self {
+        Self { inner: Arc::new(OnGrid { surface, edges: OnceLock::new() }) }
+    }
+}
+
+/// The errors of a map, the improved map, and the observed order.
+type Estimate<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Option<f64>);
+
+#[pymethods]
+impl Surface {
+    /// Makes a height field. It keeps the array.
+    #[staticmethod]
+    fn heights(
+        py: Python<'_>,
+        array: PyReadonlyArray2<'_, f64>,
+        dy: f64,
+        dx: f64,
+    ) -> PyResult<Self> {
+        let (rows, cols) = (array.shape()[0], array.shape()[1]);
+        let heights = arrays::scalars(&array)?;
+        let make =
+            || geosweep::Surface::from_shared_heights(rows, cols, heights, Spacing { dx, dy });
+        Ok(work::detached(py, make)?.map_err(errors::value)?.into())
+    }
+
+    /// Makes a surface from points (M, N, 3). It keeps the array.
+    #[staticmethod]
+    fn positions(py: Python<'_>, array: PyReadonlyArray3<'_, f64>) -> PyResult<Self> {
+        let (rows, cols) = (array.shape()[0], array.shape()[1]);
+        let points = arrays::vectors(&array)?;
+        let make = || geosweep::Surface::from_shared_positions(rows, cols, points);
+        Ok(work::detached(py, make)?.map_err(errors::value)?.into())
+    }
+
+    /// Makes a surface from a metric (M, N, 3): its entries for rows, mixed, and for columns.
+    #[staticmethod]
+    fn metric(py: Python<'_>, array: PyReadonlyArray3<'_, f64>) -> PyResult<Self> {
+        let (rows, cols) = (array.shape()[0], array.shape()[1]);
+        let entries = arrays::vectors(&array)?;
+        let tensor = |&DVec3 { x: rr, y: rc, z: cc }: &DVec3| MetricTensor { rr, rc, cc };
+        let make = || {
+            let metric = (*entries).as_ref().iter().map(tensor).collect();
+            geosweep::Surface::from_metric(rows, cols, metric)
+        };
+        Ok(work::detached(py, make)?.map_err(errors::value)?.into())
+    }
+
+    /// Returns the surface with holes, a slowness and a rule for edges.
+    fn with_inputs(
+        &self,
+        mask: Option<PyReadonlyArray2<'_, bool>>,
+        slowness: Option<PyReadonlyArray2<'_, f64>>,
+        chords: bool,
+    ) -> PyResult<Self> {
+        let rule = if chords { EdgeRule::Chord } else { EdgeRule::Arc };
+        let mut surface = self.inner.surface.clone().with_edge_rule(rule);
+        if let Some(mask) = mask {
+            let mask: Vec<bool> = mask.as_array().iter().copied().collect();
+            surface = surface.with_mask(&mask).map_err(errors::value)?;
+        }
+        if let Some(slowness) = slowness {
+            let slowness: Vec<f64> = slowness.as_array().iter().copied().collect();
+            surface = surface.with_slowness(slowness).map_err(errors::value)?;
+        }
+        Ok(surface.into())
+    }
+
+    #[getter]
+    fn shape(&self) -> (usize, usize) {
+        self.inner.shape()
+    }
+
+    #[getter]
+    fn points(&self) -> usize {
+        self.inner.surface.points()
+    }
+
+    #[getter]
+    fn is_floor_plan(&self) -> bool {
+        self.inner.surface.is_floor_plan()
+    }
+
+    #[getter]
+    fn edges(&self) -> &'static str {
+        match self.inner.surface.edge_rule() {
+            EdgeRule::Arc => "arc",
+            EdgeRule::Chord => "chord",
+        }
+    }
+
+    /// Kind of the geometry: heights, positions or metric.
+    #[getter]
+    fn kind(&self) -> &'static str {
+        match self.inner.surface.geometry() {
+            Geometry::Heights { .. } => "heights",
+            Geometry::Positions(_) => "positions",
+            Geometry::Metric(_) => "metric",
+        }
+    }
+
+    /// Distance of rows and of columns, for heights.
+    #[getter]
+    fn spacing(&self) -> Option<(f64, f64)> {
+        match self.inner.surface.geometry() {
+            Geometry::Heights { spacing, .. } => Some((spacing.dy, spacing.dx)),
+            _ => None,
+        }
+    }
+
+    /// Whether each point is present, as a view.
+    #[getter]
+    fn present(self_: Bound<'_, Self>) -> PyResult<Bound<'_, PyArray2<bool>>> {
+        let inner = self_.get().inner.clone();
+        // SAFETY: the surface is never changed, and the array keeps it.
+        unsafe { arrays::view(inner.shape(), inner.surface.present(), self_.into_any()) }
+    }
+
+    /// The slowness, as a view.
+    #[getter]
+    fn slowness(self_: Bound<'_, Self>) -> PyResult<Option<Bound<'_, PyArray2<f64>>>> {
+        let inner = self_.get().inner.clone();
+        let Some(slowness) = inner.surface.slowness() else { return Ok(None) };
+        // SAFETY: the surface is never changed, and the array keeps it.
+        unsafe { arrays::view(inner.shape(), slowness, self_.into_any()).map(Some) }
+    }
+
+    /// Computes a map.
+    #[pyo3(signature = (points, lines, settings, double, progress))]
+    fn solve(
+        &self,
+        py: Python<'_>,
+        points: PyReadonlyArray2<'_, f64>,
+        lines: Vec<Line<'_>>,
+        settings: Settings,
+        double: bool,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Map> {
+        let sources = sources(&points, &lines)?;
+        let distances = self.distances_of(py, &sources, &settings, double, progress)?;
+        Ok(Map::new(self.inner.clone(), sources, distances))
+    }
+
+    /// Computes distances alone, which belong to the caller, and the report.
+    #[pyo3(signature = (points, lines, settings, double, progress))]
+    fn distances<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'_, f64>,
+        lines: Vec<Line<'_>>,
+        settings: Settings,
+        double: bool,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<(Bound<'py, PyAny>, ReportItems)> {
+        let sources = sources(&points, &lines)?;
+        let shape = self.inner.shape();
+        Ok(match self.distances_of(py, &sources, &settings, double, progress)? {
+            Distances::Single(map) => {
+                let items = report(&map.report);
+                (arrays::handed_over(py, shape, map.distances)?.into_any(), items)
+            }
+            Distances::Double(map) => {
+                let items = report(&map.report);
+                (arrays::handed_over(py, shape, map.distances)?.into_any(), items)
+            }
+        })
+    }
+
+    /// Estimates the error of a map.
+    fn error<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'_, f64>,
+        lines: Vec<Line<'_>>,
+        settings: Settings,
+        double: bool,
+    ) -> PyResult<Estimate<'py>> {
+        let (sources, shape, monitor) =
+            (sources(&points, &lines)?, self.inner.shape(), Monitor::default());
+        let (options, surface) = (settings.options(&monitor)?, &self.inner.surface);
+        let threads = settings.threads;
+        macro_rules! estimated {
+            ($estimate:ident) => {{
+                let work = || $estimate(surface, &sources, &options);
+                let found = work::watched(py, threads, &monitor, |_| Ok(()), work)?;
+                let found = found.map_err(errors::of)?;
+                let errors = arrays::handed_over(py, shape, found.errors)?.into_any();
+                let better = arrays::handed_over(py, shape, found.extrapolated)?.into_any();
+                Ok((errors, better, found.observed_order))
+            }};
+        }
+        if double { estimated!(estimate_error_f64) } else { estimated!(estimate_error) }
+    }
+
+    /// Returns `count` samples after the sources, each the farthest point, and the covering radius.
+    fn farthest_points(
+        &self,
+        py: Python<'_>,
+        points: PyReadonlyArray2<'_, f64>,
+        lines: Vec<Line<'_>>,
+        count: usize,
+    ) -> PyResult<(Vec<(usize, usize)>, f32)> {
+        let sources = sources(&points, &lines)?;
+        let sampled = work::detached(py, || {
+            let inner = &self.inner;
+            let mut samples = FarthestPoints::new(&inner.surface, inner.edges()?, &sources)?;
+            let found = samples.by_ref().take(count).map(|at| (at.row, at.col)).collect();
+            Ok((found, samples.radius()))
+        })?;
+        sampled.map_err(errors::of)
+    }
+}
+
+impl Surface {
+    fn distances_of(
+        &self,
+        py: Python<'_>,
+        sources: &geosweep::Sources,
+        settings: &Settings,
+        double: bool,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Distances> {
+        let monitor = Monitor::default();
+        let (options, surface) = (settings.options(&monitor)?, &self.inner.surface);
+        let tell = |py: Python<'_>| match &progress {
+            Some(progress) => {
+                let now = monitor.progress();
+                progress.call1(py, (now.iterations, now.residual)).map(|_| ())
+            }
+            None => Ok(()),
+        };
+        let solve = || {
+            Ok(if double {
+                Distances::Double(distance_map_f64(surface, sources, &options)?)
+            } else {
+                Distances::Single(distance_map(surface, sources, &options)?)
+            })
+        };
+        let solved = work::watched(py, settings.threads, &monitor, tell, solve)?;
+        solved.map_err(errors::of)
+    }
+}

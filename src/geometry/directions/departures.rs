@@ -1,0 +1,218 @@
+//! Finds the direction in which each point's shortest path leaves its source.
+//!
+//! If a source moves, the distance of a point changes by the cosine of the angle between the move and the
+//! path's first direction (the first variation of length). So the derivative of half the squared distance by
+//! the place of the source is the departure direction times the distance, with the opposite sign. It comes
+//! from maps of the sources moved by one and two grid steps along rows and columns, in double precision. It
+//! needs no path, is of fourth order, and does not become less accurate with the distance. Behind holes it
+//! holds as well.
+//!
+//! All sources move together. Where a move changes the front that arrives first, as at borders of regions and
+//! at a cut locus, the squared distance has a kink ([`super::stencil`]).
+
+use glam::{DMat2, DVec2};
+use rayon::prelude::*;
+
+use super::frame::Frame;
+use super::stencil::{SIDE, Samples, derivative_beside_kink};
+use crate::cpu::RotatedScan;
+use crate::geometry::NO_REGION;
+use crate::solve::Options;
+use crate::surface::{Direction, EdgeLengths, Real, Source, Sources, Surface};
+use crate::{Engine, Error, Stop};
+
+/// The steps by which sources move, on each side.
+const MOVES: isize = 2;
+/// The rounding of squared distances in double precision, as a fraction of them.
+const ROUNDING: f64 = 1e-12;
+/// The largest relative difference between the derivative's length and the distance.
+const OFF_LENGTH: f64 = 0.05;
+
+/// A point source, with the surface around it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Start {
+    pub at: DVec2,
+    pub initial: f64,
+    pub frame: Frame,
+    pub basis: [DVec2; 2],
+    slowness: f64,
+}
+
+impl Start {
+    /// Returns `None` if the surface has no tangent plane at the source.
+    pub(super) fn new(surface: &Surface, at: DVec2, initial: f64) -> Option<Self> {
+        let frame = Frame::at(surface, at);
+        let slowness = surface.slowness().map_or(1.0, |slowness| {
+            let index = |at: DVec2| surface.chart().index(at.x as usize, at.y as usize);
+            let corners = [at.floor(), at.ceil()];
+            // A bilinear mean of the four corners; missing ones do not count.
+            let (mut sum, mut weights) = (0.0, 0.0);
+            for row in corners.map(|corner| corner.x) {
+                for col in corners.map(|corner| corner.y) {
+                    let weight = (1.0 - (at.x - row).abs()) * (1.0 - (at.y - col).abs());
+                    if surface.has(row as usize, col as usize) {
+                        sum += weight * slowness[index(DVec2::new(row, col))];
+                        weights += weight;
+                    }
+                }
+            }
+            sum / weights
+        });
+        Some(Self { at, initial, frame, basis: frame.basis()?, slowness })
+    }
+
+    /// Returns the places to which the source moves along a grid line, as far as the surface reaches.
+    fn can_move(&self, surface: &Surface, to: Direction, steps: isize) -> bool {
+        (1..=2 * steps.abs()).all(|half| {
+            let at = self.at + 0.5 * (half * steps.signum()) as f64 * to.vector();
+            surface.chart().holds(at) && surface.contains(at)
+        })
+    }
+}
+
+/// Arrival times, row-major, less the smallest initial value of the sources.
+type Times = Vec<f64>;
+
+/// A solver for maps of sources that move.
+pub(super) struct Departures<'a> {
+    surface: &'a Surface,
+    starts: &'a [Start],
+    /// The smallest initial value.
+    start: f64,
+    /// The map of the sources where they are.
+    pub times: Times,
+    /// The maps of the moved sources: along columns and rows, by -2, -1, 1 and 2 steps.
+    moved: [[Option<Times>; 2 * MOVES as usize + 1]; 2],
+}
+
+const AXES: [Direction; 2] = [Direction::South, Direction::East];
+
+impl<'a> Departures<'a> {
+    /// Computes the maps.
+    pub(super) fn new(surface: &'a Surface, starts: &'a [Start]) -> Result<Self, Error> {
+        let options = Options::default().with_engine(Engine::Cpu);
+        let sources: Sources = starts.iter().map(|start| start.source(DVec2::ZERO)).collect();
+        let stop = options.stop::<f64>(surface)?;
+        let wavefront = options.resolve_wavefront(surface, &sources)?;
+        let edges = EdgeLengths::<f64>::new(surface)?;
+        let start = sources.start();
+        let mut solver = RotatedScan::new(&edges, wavefront);
+        let mut solve = |sources: &Sources| -> Result<Times, Error> {
+            let mut seeds = sources.seeds_with_origins(surface)?;
+            for seed in &mut seeds {
+                seed.time -= start;
+                seed.origin = seed.origin.map(|origin| origin.started_earlier(start));
+            }
+            solver.solve(&wavefront.seeds(surface, seeds), Stop { ..stop });
+            Ok(solver.distances())
+        };
+        let times = solve(&sources)?;
+        let mut moved: [[Option<Times>; 2 * MOVES as usize + 1]; 2] = Default::default();
+        for (axis, to) in AXES.into_iter().enumerate() {
+            for steps in (-MOVES..=MOVES).filter(|&steps| steps != 0) {
+                let there = starts.iter().filter(|start| start.can_move(surface, to, steps));
+                let sources: Sources =
+                    there.map(|start| start.source(steps as f64 * to.vector())).collect();
+                if sources.iter().next().is_some() {
+                    moved[axis][(steps + MOVES) as usize] = Some(solve(&sources)?);
+                }
+            }
+        }
+        Ok(Self { surface, starts, start, times, moved })
+    }
+
+    /// Returns for each grid point the direction of departure in its source's basis, times the distance from
+    /// the source. `labels` are the indices of the sources, [`NO_REGION`] where there is none; points without
+    /// a source are NaN.
+    pub(super) fn find(&self, labels: &[u32]) -> Vec<DVec2> {
+        let can_move: Vec<[[bool; 2 * MOVES as usize + 1]; 2]> = self
+            .starts
+            .iter()
+            .map(|start| {
+                AXES.map(|to| {
+                    std::array::from_fn(|k| start.can_move(self.surface, to, k as isize - MOVES))
+                })
+            })
+            .collect();
+        let of = |index: usize| match labels[index] {
+            NO_REGION => Some(DVec2::NAN),
+            label => self.departure(index, &self.starts[label as usize], &can_move[label as usize]),
+        };
+        let found: Vec<Option<DVec2>> = (0..labels.len()).into_par_iter().map(of).collect();
+        self.filled(found, labels)
+    }
+
+    /// Returns the distance of a point from its source.
+    pub(super) fn distance(&self, index: usize, start: &Start) -> f64 {
+        (self.times[index] + self.start - start.initial).max(0.0)
+    }
+
+    fn departure(
+        &self,
+        index: usize,
+        start: &Start,
+        can_move: &[[bool; 2 * MOVES as usize + 1]; 2],
+    ) -> Option<DVec2> {
+        let distance = self.distance(index, start);
+        if distance == 0.0 {
+            return Some(DVec2::ZERO);
+        }
+        let squared = |time: f64| (time + self.start - start.initial).powi(2);
+        let along = |axis: usize, square: f64| {
+            let mut samples = Samples::default();
+            samples[SIDE] = Some(squared(self.times[index]));
+            for (k, times) in self.moved[axis].iter().enumerate() {
+                let there = times.as_ref().filter(|_| can_move[axis][k]);
+                let time = there.map(|times| times[index]).filter(|&time| time < f64::FAR);
+                if let Some(time) = time {
+                    samples[k + SIDE - MOVES as usize] = Some(squared(time));
+                }
+            }
+            let scale = square * start.slowness * start.slowness;
+            derivative_beside_kink(samples, scale, ROUNDING * distance * distance)
+        };
+        let DMat2 { x_axis: rows, y_axis: cols } = start.frame.metric;
+        let change = DVec2::new(along(0, rows.x)?, along(1, cols.y)?);
+        let departure = start.basis.map(|side| -0.5 * change.dot(side) / start.slowness);
+        let departure = DVec2::from_array(departure);
+        let length = departure.length();
+        ((length / distance - 1.0).abs() < OFF_LENGTH).then_some(departure * (distance / length))
+    }
+
+    /// Gives the points without a direction the mean direction of their neighbours, from point to point.
+    /// These are points at which two kinks meet.
+    fn filled(&self, mut found: Vec<Option<DVec2>>, labels: &[u32]) -> Vec<DVec2> {
+        let chart = self.surface.chart();
+        let mut missing: Vec<usize> =
+            (0..found.len()).filter(|&index| found[index].is_none()).collect();
+        while !missing.is_empty() {
+            let mean = |&index: &usize| {
+                let (row, col) = chart.position(index);
+                let beside = Direction::ALL.into_iter().filter_map(|to| {
+                    let (row, col) = chart.neighbour(row, col, to)?;
+                    let there = chart.index(row, col);
+                    found[there].filter(|_| labels[there] == labels[index])
+                });
+                let sum: DVec2 = beside.map(|way| way.normalize_or_zero()).sum();
+                let start = &self.starts[labels[index] as usize];
+                let mean = sum.normalize_or_zero() * self.distance(index, start);
+                (sum != DVec2::ZERO).then_some((index, mean))
+            };
+            let new: Vec<(usize, DVec2)> = missing.iter().filter_map(mean).collect();
+            if new.is_empty() {
+                break;
+            }
+            for (index, way) in new {
+                found[index] = Some(way);
+            }
+            missing.retain(|&index| found[index].is_none());
+        }
+        found.into_iter().map(|way| way.unwrap_or(DVec2::NAN)).collect()
+    }
+}
+
+impl Start {
+    fn source(&self, moved: DVec2) -> Source {
+        Source::Point { at: self.at + moved, initial: self.initial }
+    }
+}

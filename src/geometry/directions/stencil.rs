@@ -1,0 +1,150 @@
+//! Differentiates samples of a function that may have a kink nearby.
+//!
+//! The function is a squared arrival time, as it varies along a grid line or with the place of its source.
+//! Where the map is smooth, its second differences along the line change little: over a plane they are
+//! constant. Where wavefronts meet, the map has a kink, and the second difference across it is far smaller
+//! than the others. So the derivative is taken from samples without such a jump.
+
+/// The number of samples on each side.
+pub(super) const SIDE: usize = 3;
+
+/// The samples at -3, -2, ..., 3; `None` where there is none.
+pub(super) type Samples = [Option<f64>; 2 * SIDE + 1];
+
+/// The largest change of second differences that counts as smooth, as a fraction of `scale`.
+const SMOOTH: f64 = 0.5;
+
+/// Differences of samples around 0.
+struct Stencil {
+    samples: Samples,
+    limit: f64,
+}
+
+/// Returns the derivative at 0. `scale` is the square of the length of a step, and `noise` the rounding of a
+/// sample. Where samples on one side only are used, those on the side of `toward` (its sign) are preferred.
+/// Returns `None` if no samples without a kink are found.
+pub(super) fn derivative(samples: Samples, scale: f64, noise: f64, toward: f64) -> Option<f64> {
+    let stencil = Stencil { samples, limit: SMOOTH * scale + 8.0 * noise };
+    let side = if toward < 0.0 { -1 } else { 1 };
+    stencil.central().or_else(|| {
+        let [near, far] = [side, -side].map(|side| stencil.on_side(side));
+        // The far side is used only where the near side has no samples, as at the border.
+        if stencil.at(side).is_some() { near } else { near.or(far) }
+    })
+}
+
+/// Returns the derivative from the side on which the function continues without a kink, if there is a kink
+/// beside 0: where two functions replace one another, their minimum bends downwards.
+pub(super) fn derivative_beside_kink(samples: Samples, scale: f64, noise: f64) -> Option<f64> {
+    let stencil = Stencil { samples, limit: SMOOTH * scale + 8.0 * noise };
+    stencil.central().or_else(|| {
+        let [back, ahead] = [-1, 1].map(|side| stencil.bend(side));
+        let side = if back > ahead || ahead.is_none() { -1 } else { 1 };
+        stencil.on_side(side)
+    })
+}
+
+impl Stencil {
+    fn at(&self, k: isize) -> Option<f64> {
+        *self.samples.get((k + SIDE as isize) as usize)?
+    }
+
+    /// Returns the second difference at `k`.
+    fn bend(&self, k: isize) -> Option<f64> {
+        Some(self.at(k - 1)? - 2.0 * self.at(k)? + self.at(k + 1)?)
+    }
+
+    /// Returns whether some second differences agree. A single one has nothing to be compared with; squared
+    /// times of smooth maps rarely bend downwards.
+    fn is_smooth(&self, bends: &[Option<f64>]) -> bool {
+        let bends = || bends.iter().flatten();
+        let low = bends().fold(f64::INFINITY, |a, b| a.min(*b));
+        let high = bends().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
+        high - low <= self.limit && (bends().count() > 1 || low >= -self.limit)
+    }
+
+    fn central(&self) -> Option<f64> {
+        let [before, here, after] = [-1, 0, 1].map(|k| self.bend(k));
+        here?;
+        let is_whole = before.is_some() && after.is_some();
+        if self.is_smooth(&[before, here, after]) {
+            let near = self.slope(1);
+            return Some(if is_whole { (4.0 * near - self.slope(2)) / 3.0 } else { near });
+        }
+        // With a kink further away, the three samples in the middle are smooth. Then their second difference
+        // agrees with the larger of the other two, which the kink lowers.
+        let larger = if before > after { before } else { after };
+        (is_whole && self.is_smooth(&[larger, here])).then(|| self.slope(1))
+    }
+
+    /// Returns the slope between the samples at -k and k.
+    fn slope(&self, k: isize) -> f64 {
+        let [Some(a), Some(b)] = [self.at(-k), self.at(k)] else { return f64::NAN };
+        (b - a) / (2 * k) as f64
+    }
+
+    /// Returns the derivative from 0 and the samples on one side.
+    fn on_side(&self, side: isize) -> Option<f64> {
+        let values = [0, side, 2 * side].map(|k| self.at(k));
+        let [Some(here), Some(near), Some(far)] = values else { return None };
+        let [bend, next] = [self.bend(side), self.bend(2 * side)];
+        if !self.is_smooth(&[bend, next]) {
+            return None;
+        }
+        let slope = match self.at(3 * side) {
+            Some(last) => (-11.0 * here + 18.0 * near - 9.0 * far + 2.0 * last) / 6.0,
+            None => (-3.0 * here + 4.0 * near - far) / 2.0,
+        };
+        Some(side as f64 * slope)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    fn samples(function: impl Fn(f64) -> f64) -> Samples {
+        std::array::from_fn(|k| Some(function(k as f64 - SIDE as f64)))
+    }
+
+    fn cubic(x: f64) -> f64 {
+        (x - 10.0).powi(2) + 0.01 * x.powi(3)
+    }
+
+    #[test]
+    fn cubics_have_exact_derivatives_from_both_sides_or_one() {
+        let all = samples(cubic);
+        assert_abs_diff_eq!(derivative(all, 1.0, 0.0, 1.0).unwrap(), -20.0, epsilon = 1e-12);
+        for (kept, toward) in [(0..4, 1.0), (0..4, -1.0), (3..7, 1.0), (3..7, -1.0)] {
+            let mut some = [None; 7];
+            some[kept.clone()].copy_from_slice(&all[kept]);
+            let found = derivative(some, 1.0, 0.0, toward).unwrap();
+            assert_abs_diff_eq!(found, -20.0, epsilon = 1e-12);
+        }
+    }
+
+    #[test]
+    fn beside_a_kink_the_derivative_is_the_one_of_its_own_side() {
+        // The fronts of two sources at -20 and 20 + 2 k meet at k.
+        for kink in [-2.5, -1.5, -0.75, 0.75, 1.5, 2.5] {
+            let meet = samples(|x| (x + 20.0f64).min(20.0 + 2.0 * kink - x).powi(2));
+            let (toward, exact) = if kink > 0.0 { (-1.0, 40.0) } else { (1.0, -40.0 - 4.0 * kink) };
+            for found in
+                [derivative(meet, 1.0, 0.0, toward), derivative_beside_kink(meet, 1.0, 0.0)]
+            {
+                assert_abs_diff_eq!(found.unwrap(), exact, epsilon = 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn there_is_no_derivative_between_kinks_or_without_samples() {
+        let between = samples(|x| (10.0 - x.abs()).powi(2) - if x == 0.0 { 9.0 } else { 0.0 });
+        assert_eq!(derivative(between, 1.0, 0.0, 1.0), None);
+        assert_eq!(
+            derivative([None, None, Some(1.0), Some(2.0), None, None, None], 1.0, 0.0, 1.0),
+            None
+        );
+    }
+}

@@ -1,0 +1,62 @@
+//! Finds the first line of the path from a grid point.
+
+use glam::DVec2;
+
+use super::PathTracer;
+use super::place::Place;
+use super::search::End;
+
+/// The first straight line of a path, across one of the cells beside its start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::geometry) struct FirstLine {
+    /// The row and column of the end.
+    pub to: DVec2,
+    pub end: LineEnd,
+}
+
+/// The place at which a line ends. Points are those of bordered arrays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::geometry) enum LineEnd {
+    /// The source of this index.
+    Source(usize),
+    Point(usize),
+    /// A place on the edge between two points.
+    Edge([usize; 2]),
+}
+
+impl PathTracer<'_> {
+    /// Returns the first line of the path from a point of the bordered array that the map reaches. `moment`
+    /// is the time from which squared times are counted. Returns `None` if no line descends.
+    pub(in crate::geometry) fn first_line(&self, point: usize, moment: f64) -> Option<FirstLine> {
+        let tracer = &self.tracer;
+        let chart = tracer.chart();
+        let line = tracer.line(moment, Place::Point(point), tracer.time(point), usize::MAX)?;
+        let (to, end) = match line.end {
+            End::Source(source, at) => (at, LineEnd::Source(source)),
+            End::Place(place @ Place::Point(end)) => (place.at(chart), LineEnd::Point(end)),
+            End::Place(place @ Place::Edge { first, along, .. }) => {
+                (place.at(chart), LineEnd::Edge([first, chart.beside(first, along)]))
+            }
+            End::Place(Place::Inside { .. }) => unreachable!("lines end on the sides of cells"),
+        };
+        Some(FirstLine { to, end })
+    }
+
+    /// Returns the first point of a way along edges from a point from which no line descends, to an earlier
+    /// one. Returns `None` if there is no such way.
+    pub(in crate::geometry) fn first_of_detour(&self, point: usize) -> Option<usize> {
+        let detour = self.tracer.detour(point, self.tracer.time(point))?;
+        detour.get(1).copied()
+    }
+
+    /// Returns whether a point of the bordered array is the corner of a hole.
+    pub(in crate::geometry) fn is_corner(&self, point: usize) -> bool {
+        self.tracer.corners.is_corner(point)
+    }
+
+    /// Returns whether a source touches one of the cells beside a point of the bordered array.
+    pub(in crate::geometry) fn is_beside_source(&self, point: usize) -> bool {
+        let (cells, count) = Place::Point(point).cells(self.tracer.chart());
+        cells[..count].iter().any(|&(north_west, _)| self.tracer.goals.touches(north_west))
+    }
+}

@@ -1,0 +1,267 @@
+//! Finds which grid points a gluing makes one, and checks that they coincide.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use super::super::geometry::Geometry;
+use super::super::{Chart, Direction, GridSide, MetricTensor, Seam, Surface, SurfaceError};
+use super::lattice::Lattice;
+use super::{Gluing, GluingError, Run};
+
+/// Largest distance of copies, relative to the edges around them. The same as that of coinciding sides
+/// (`seams.rs`).
+const COINCIDENT: f64 = 0.05;
+/// Smallest number of lines across a seam.
+const LEAST_LINES: usize = 4;
+
+/// The pairs of points that a gluing makes one, by their row-major indices.
+pub(super) struct Compiled {
+    pub pairs: Vec<[usize; 2]>,
+    pub lattice: Lattice,
+}
+
+impl GridSide {
+    /// Returns the number of points of this side, and the place of each.
+    pub(super) fn places(self, Chart { rows, cols }: Chart) -> Vec<(usize, usize)> {
+        match self {
+            Self::FirstRow => (0..cols).map(|col| (0, col)).collect(),
+            Self::LastRow => (0..cols).map(|col| (rows - 1, col)).collect(),
+            Self::FirstColumn => (0..rows).map(|row| (row, 0)).collect(),
+            Self::LastColumn => (0..rows).map(|row| (row, cols - 1)).collect(),
+        }
+    }
+}
+
+/// Returns the pairs of points that a seam makes one, holes included.
+pub(in super::super) fn pairs_of(
+    chart: Chart,
+    seam: &Seam,
+) -> Result<Vec<[usize; 2]>, GluingError> {
+    let indices = |side: GridSide| -> Vec<usize> {
+        side.places(chart).into_iter().map(|(row, col)| chart.index(row, col)).collect()
+    };
+    let paired = |a: Vec<usize>, b: Vec<usize>| a.into_iter().zip(b).map(|(a, b)| [a, b]).collect();
+    match *seam {
+        Seam::Sides { sides, reversed } | Seam::Neighbours { sides, reversed } => {
+            let [a, mut b] = sides.map(indices);
+            if a.len() != b.len() {
+                return Err(GluingError::Lengths { sides, points: [a.len(), b.len()] });
+            }
+            if reversed {
+                b.reverse();
+            }
+            Ok(paired(a, b))
+        }
+        Seam::Fold(side) => {
+            let (there, half) = (indices(side), indices(side).len() / 2);
+            let back = there.iter().rev().copied().collect();
+            Ok(paired(there[..half].to_vec(), back))
+        }
+        Seam::Pole { side, .. } => {
+            let points = indices(side);
+            Ok(points[1..].iter().map(|&point| [points[0], point]).collect())
+        }
+    }
+}
+
+impl Surface {
+    pub(super) fn compile(&self, gluing: &Gluing) -> Result<Compiled, SurfaceError> {
+        use GridSide::{FirstColumn, FirstRow, LastColumn, LastRow};
+        let compiled = match gluing {
+            Gluing::Seams(seams) => self.compile_seams(seams)?,
+            Gluing::Octahedral => {
+                self.check_positions("an octahedral map")?;
+                let sides = [FirstRow, LastRow, FirstColumn, LastColumn];
+                self.compile_seams(&sides.map(Seam::Fold))?
+            }
+            Gluing::Charts => {
+                self.check_positions("the gluing of charts")?;
+                let pairs = self.coinciding()?;
+                Compiled { pairs, lattice: Lattice::default() }
+            }
+            Gluing::Runs(runs) => {
+                let pairs = self.pairs_of_runs(runs)?;
+                Compiled { pairs, lattice: Lattice::default() }
+            }
+        };
+        self.check_pairs(&compiled.pairs)?;
+        Ok(compiled)
+    }
+
+    fn compile_seams(&self, seams: &[Seam]) -> Result<Compiled, GluingError> {
+        let Chart { rows, cols } = self.chart;
+        let mut compiled = Compiled { pairs: Vec::new(), lattice: Lattice::default() };
+        for (number, seam) in seams.iter().enumerate() {
+            let pairs = pairs_of(self.chart, seam)?;
+            if seams[..number].contains(seam) {
+                return Err(self.twice(pairs[0]));
+            }
+            let lattice = Lattice::of(seam);
+            let is_small = lattice.cols.is_some() && cols < LEAST_LINES
+                || lattice.rows.is_some() && rows < LEAST_LINES;
+            if is_small || pairs.is_empty() {
+                return Err(GluingError::TooSmall { rows, cols });
+            }
+            match seam {
+                Seam::Neighbours { .. } => {
+                    return Err(GluingError::Unsupported {
+                        what: "a seam between sides that are one cell apart",
+                        instead: "repeat the first line of points after the last one",
+                    });
+                }
+                _ if lattice != Lattice::default() => {
+                    if lattice.cols.or(lattice.rows) == Some(true)
+                        && !self.geometry().has_positions()
+                    {
+                        return Err(GluingError::ReversedMetric);
+                    }
+                }
+                Seam::Fold(_) => self.check_positions("a fold")?,
+                Seam::Pole { .. } => self.check_positions("a pole")?,
+                Seam::Sides { .. } => self.check_positions("a seam between a row and a column")?,
+            }
+            compiled.lattice = compiled.lattice.and(lattice);
+            compiled.pairs.extend(pairs);
+        }
+        Ok(compiled)
+    }
+
+    fn check_positions(&self, what: &'static str) -> Result<(), GluingError> {
+        match self.geometry() {
+            Geometry::Positions(_) => Ok(()),
+            _ => Err(GluingError::NoPositions { what }),
+        }
+    }
+
+    fn pairs_of_runs(&self, runs: &[[Run; 2]]) -> Result<Vec<[usize; 2]>, GluingError> {
+        let Chart { rows, cols } = self.chart;
+        let mut pairs = Vec::new();
+        for run in runs {
+            let [a, b] = run.each_ref().map(|run| {
+                let points = self.chart.walk(run.from, run.to).take(run.points);
+                points.map(|(row, col)| self.chart.index(row, col)).collect::<Vec<_>>()
+            });
+            for (found, &Run { from: (row, col), points, .. }) in [&a, &b].into_iter().zip(run) {
+                if found.len() < points || self.chart.at(row as isize, col as isize).is_none() {
+                    return Err(GluingError::Outside { row, col, rows, cols });
+                }
+            }
+            if a.len() != b.len() {
+                return Err(GluingError::Runs { points: [a.len(), b.len()] });
+            }
+            for pair in a.into_iter().zip(b).map(|(a, b)| [a.min(b), a.max(b)]) {
+                // A fold has a point that is its own copy.
+                if pair[0] != pair[1] {
+                    pairs.push(pair);
+                }
+            }
+        }
+        let mut sorted = pairs.clone();
+        sorted.sort_unstable();
+        match sorted.windows(2).find(|pairs| pairs[0] == pairs[1]) {
+            Some(pairs) => Err(self.twice(pairs[0])),
+            None if pairs.is_empty() => Err(GluingError::Nothing),
+            None => Ok(pairs),
+        }
+    }
+
+    /// Returns the pairs of points beside holes or the border that coincide.
+    fn coinciding(&self) -> Result<Vec<[usize; 2]>, GluingError> {
+        let is_rim = |&(row, col): &(usize, usize)| {
+            self.has(row, col)
+                && Direction::ALL.into_iter().any(|to| {
+                    self.chart.neighbour(row, col, to).is_none_or(|(row, col)| !self.has(row, col))
+                })
+        };
+        let rim: Vec<_> = self.chart.places().filter(is_rim).collect();
+        let edge = |&(row, col): &(usize, usize)| self.longest_edge((row, col));
+        let shortest =
+            rim.iter().map(edge).filter(|&edge| edge > 0.0).fold(f64::INFINITY, f64::min);
+        // Points are sorted into cubes of the tolerance, and compared with those of the cubes around.
+        let near = COINCIDENT * shortest;
+        let cube = |at: DVec3| (at / near).floor().to_array().map(|k| k as i64);
+        let mut found: HashMap<[i64; 3], Vec<(usize, DVec3)>> = HashMap::new();
+        let mut pairs = Vec::new();
+        for (row, col) in rim {
+            let Some(at) = self.position(row, col) else { continue };
+            let (index, [x, y, z]) = (self.chart.index(row, col), cube(at));
+            let around = (0..27).map(|k| [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1]);
+            let others = around.filter_map(|cube| found.get(&cube)).flatten();
+            let first =
+                others.filter(|(_, other)| other.distance(at) <= near).map(|(k, _)| *k).min();
+            match first {
+                Some(first) => pairs.push([first, index]),
+                None => found.entry([x, y, z]).or_default().push((index, at)),
+            }
+        }
+        if pairs.is_empty() { Err(GluingError::Nothing) } else { Ok(pairs) }
+    }
+
+    /// Returns the length of the longest edge from a point to its neighbours along rows and columns.
+    fn longest_edge(&self, (row, col): (usize, usize)) -> f64 {
+        let ways = [Direction::East, Direction::North, Direction::West, Direction::South];
+        let neighbours = ways.into_iter().filter_map(|to| self.chart.neighbour(row, col, to));
+        neighbours
+            .filter(|&(r, c)| self.has(r, c) && self.has(row, col))
+            .map(|there| self.length_on_surface((row, col), there))
+            .fold(0.0, f64::max)
+    }
+
+    /// Checks that the points of each pair coincide.
+    fn check_pairs(&self, pairs: &[[usize; 2]]) -> Result<(), GluingError> {
+        let mut worst: Option<(f64, GluingError)> = None;
+        for &pair in pairs {
+            let places = pair.map(|index| self.chart.position(index));
+            if pair.iter().any(|&index| !self.present()[index]) {
+                continue;
+            }
+            let edge = places.map(|place| self.longest_edge(place)).into_iter().fold(0.0, f64::max);
+            let (apart, edge) = self.apart(pair, edge);
+            let excess = apart / edge;
+            // Not a number if both are zero: the point has no edge to compare with.
+            if excess > COINCIDENT && worst.as_ref().is_none_or(|(most, _)| excess > *most) {
+                worst = Some((excess, GluingError::Apart { places, apart, edge }));
+            }
+        }
+        worst.map_or(Ok(()), |(_, error)| Err(error))
+    }
+
+    /// Returns how far two points are apart, and what they may differ by in relation to.
+    fn apart(&self, [a, b]: [usize; 2], edge: f64) -> (f64, f64) {
+        match self.geometry() {
+            Geometry::Positions(positions) => (positions[a].distance(positions[b]), edge),
+            Geometry::Heights { heights, .. } => ((heights[a] - heights[b]).abs(), edge),
+            Geometry::Metric(metric) => {
+                let [MetricTensor { rr, rc, cc }, other] = [metric[a], metric[b]];
+                let apart = [rr - other.rr, rc - other.rc, cc - other.cc];
+                (apart.into_iter().map(f64::abs).fold(0.0, f64::max), rr.max(cc))
+            }
+        }
+    }
+
+    /// Gives all copies of a point the geometry of the first, and checks that their slowness agrees. A point
+    /// of which a copy is a hole becomes one.
+    pub(in super::super) fn agree(&mut self) -> Result<(), SurfaceError> {
+        let Some(glued) = self.glued.clone() else { return Ok(()) };
+        for group in glued.groups.iter() {
+            let present = group.iter().all(|&index| self.inputs.present[index as usize]);
+            group.iter().for_each(|&index| self.inputs.present[index as usize] = present);
+        }
+        let (first, slowness) = (|[a, _]: [usize; 2]| a, self.inputs.slowness.as_deref());
+        for pair in glued.groups.pairs().filter(|&pair| self.inputs.present[first(pair)]) {
+            if let Some([a, b]) = slowness.map(|slowness| pair.map(|index| slowness[index])) {
+                let (apart, edge) = ((a - b).abs(), a.max(b));
+                if apart > COINCIDENT * edge {
+                    let places = pair.map(|index| self.chart.position(index));
+                    return Err(GluingError::Apart { places, apart, edge }.into());
+                }
+            }
+        }
+        if let Some(slowness) = &mut self.inputs.slowness {
+            glued.groups.pairs().for_each(|[from, to]| slowness[to] = slowness[from]);
+        }
+        self.inputs.geometry = self.inputs.geometry.with_copies(glued.groups.pairs());
+        Ok(())
+    }
+}

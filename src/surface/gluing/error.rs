@@ -1,0 +1,91 @@
+//! The reasons why a surface cannot be glued.
+
+use super::super::GridSide;
+
+/// The reason why a surface cannot be glued, or why something cannot be computed on a glued one.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GluingError {
+    /// Two points that are to be one lie apart.
+    #[error(
+        "row {}, column {} and row {}, column {} are to be one point of the surface, and differ by {apart:e}; \
+         the edges there are {edge:e} long. Check which sides continue each other, and in which order",
+        .places[0].0, .places[0].1, .places[1].0, .places[1].1
+    )]
+    Apart {
+        /// Rows and columns of both points.
+        places: [(usize, usize); 2],
+        /// Distance between them, or the difference of their heights, tensors or slowness.
+        apart: f64,
+        /// What may differ by 5 %: an edge's length, or the size of a tensor or slowness.
+        edge: f64,
+    },
+    /// Two sides have different numbers of points.
+    #[error("the {} has {} points and the {} has {}; glued sides need equal numbers",
+        .sides[0], .points[0], .sides[1], .points[1])]
+    Lengths {
+        /// The two sides.
+        sides: [GridSide; 2],
+        /// Their numbers of points.
+        points: [usize; 2],
+    },
+    /// Two runs have different numbers of points.
+    #[error("a run of {} points is glued to one of {}; runs need equal numbers", .points[0], .points[1])]
+    Runs {
+        /// Their numbers of points.
+        points: [usize; 2],
+    },
+    /// A run leaves the grid.
+    #[error("a run from row {row}, column {col} leaves the grid of {rows} x {cols} points")]
+    Outside {
+        /// Row of the run's first point.
+        row: usize,
+        /// Column of the run's first point.
+        col: usize,
+        /// Number of rows of the grid.
+        rows: usize,
+        /// Number of columns of the grid.
+        cols: usize,
+    },
+    /// Two points are glued twice, or a point to itself.
+    #[error("row {}, column {} and row {}, column {} are already one point; name each seam once",
+        .places[0].0, .places[0].1, .places[1].0, .places[1].1)]
+    Twice {
+        /// Rows and columns of both points.
+        places: [(usize, usize); 2],
+    },
+    /// The grid has too few lines for the gluing.
+    #[error(
+        "a grid of {rows} x {cols} points is too small to be glued; give at least four lines across the seam"
+    )]
+    TooSmall {
+        /// Number of rows of the grid.
+        rows: usize,
+        /// Number of columns of the grid.
+        cols: usize,
+    },
+    /// Nothing of the surface coincides.
+    #[error(
+        "no two points of the surface coincide beside its holes and borders, so there is nothing to glue"
+    )]
+    Nothing,
+    /// The geometry does not allow the gluing.
+    #[error(
+        "{what} needs positions; heights and metrics can be glued only where opposite sides continue each other"
+    )]
+    NoPositions {
+        /// Name of the gluing.
+        what: &'static str,
+    },
+    /// A metric is glued in reverse order.
+    #[error("a metric cannot be glued in reverse order; give positions")]
+    ReversedMetric,
+    /// Something is not available on glued surfaces.
+    #[error("{what} does not pass seams yet; {instead}")]
+    Unsupported {
+        /// What is not available.
+        what: &'static str,
+        /// What to do instead.
+        instead: &'static str,
+    },
+}

@@ -1,0 +1,72 @@
+//! Knows where the grid goes on as a grid beyond its sides.
+
+use super::super::{Chart, GridSide, Seam};
+
+/// Whether the grid goes on from its last column to its first one and from its last row to its first one, and
+/// whether in reverse order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Lattice {
+    pub cols: Option<bool>,
+    pub rows: Option<bool>,
+}
+
+impl Lattice {
+    /// Returns how a seam makes the grid go on.
+    pub(super) fn of(seam: &Seam) -> Self {
+        use GridSide::{FirstColumn, FirstRow, LastColumn, LastRow};
+        match *seam {
+            Seam::Sides {
+                sides: [FirstColumn, LastColumn] | [LastColumn, FirstColumn],
+                reversed,
+            } => Self { cols: Some(reversed), rows: None },
+            Seam::Sides { sides: [FirstRow, LastRow] | [LastRow, FirstRow], reversed } => {
+                Self { cols: None, rows: Some(reversed) }
+            }
+            _ => Self::default(),
+        }
+    }
+
+    pub(super) fn and(self, other: Self) -> Self {
+        Self { cols: self.cols.or(other.cols), rows: self.rows.or(other.rows) }
+    }
+
+    /// Returns the grid point at a row and column, which may lie beyond the sides.
+    pub(super) fn at(self, chart: Chart, row: isize, col: isize) -> Option<(usize, usize)> {
+        let (last_row, last_col) = (chart.rows as isize - 1, chart.cols as isize - 1);
+        let (mut row, mut col) = (row, col);
+        // Each turn brings one of the two nearer to the grid.
+        loop {
+            if let Some(at) = chart.at(row, col) {
+                return Some(at);
+            }
+            if let Some(reversed) = self.cols.filter(|_| !(0..=last_col).contains(&col)) {
+                col += if col < 0 { last_col } else { -last_col };
+                row = if reversed { last_row - row } else { row };
+            } else if let Some(reversed) = self.rows.filter(|_| !(0..=last_row).contains(&row)) {
+                row += if row < 0 { last_row } else { -last_row };
+                col = if reversed { last_col - col } else { col };
+            } else {
+                return None;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_grid_goes_on_beyond_its_seams() {
+        let chart = Chart { rows: 5, cols: 7 };
+        let at = |cols, rows, row, col| Lattice { cols, rows }.at(chart, row, col);
+        assert_eq!(at(None, None, 2, -1), None);
+        assert_eq!(at(Some(false), None, 2, -1), Some((2, 5)));
+        assert_eq!(at(Some(false), None, 2, 7), Some((2, 1)));
+        assert_eq!(at(Some(false), None, 5, 7), None);
+        assert_eq!(at(Some(true), None, 1, -2), Some((3, 4)));
+        assert_eq!(at(Some(false), Some(false), -1, 8), Some((3, 2)));
+        assert_eq!(at(Some(false), Some(true), 6, 1), Some((2, 5)));
+        assert_eq!(at(Some(true), Some(false), 6, 7), Some((2, 1)));
+    }
+}

@@ -1,0 +1,199 @@
+//! Glues sides of the grid where the surface is closed, so that fronts pass from one to the other.
+//!
+//! Both sides of a seam hold its samples. Several grid points then are one point of the surface: *copies* of
+//! each other. Solvers update each copy from its own side of the seam, and let all copies of a point take the
+//! earliest front of theirs. So the grid needs no points beyond its sides, and nothing is interpolated.
+//!
+//! This file defines what a caller may glue, [`compile`] which points coincide, and [`groups`] how that is
+//! kept. [`lattice`] knows where the grid goes on as a grid, so that edges and curvatures are measured there
+//! as inside ([`strips`]). Elsewhere, at poles, folds and where charts meet at an angle, each side measures
+//! its own edges, and copies share the mean of their Gaussian curvatures ([`curvature`]). [`places`] finds the
+//! copies of sources.
+
+mod compile;
+mod curvature;
+mod error;
+mod groups;
+mod lattice;
+mod places;
+mod strips;
+
+pub use error::GluingError;
+pub use groups::Groups;
+pub(super) use strips::Strips;
+
+use std::sync::{Arc, OnceLock};
+
+use super::{Direction, GridSide, Seam, Surface, SurfaceError};
+use compile::Compiled;
+use lattice::Lattice;
+
+/// How sides of the grid are glued. Each variant names points that are the same point of the surface.
+///
+/// ```
+/// use std::f64::consts::TAU;
+/// use geosweep::glam::DVec3;
+/// use geosweep::surface::Gluing;
+/// use geosweep::{Options, Sources, Surface, distance_map};
+/// // A tube whose last column is its first again.
+/// let angle = |index: usize| TAU * (index % 65) as f64 / 64.0;
+/// let point = |index| DVec3::new(angle(index).cos(), angle(index).sin(), (index / 65) as f64 / 10.0);
+/// let tube = Surface::from_positions(33, 65, (0..33 * 65).map(point).collect())?
+///     .with_gluing(Gluing::columns())?;
+/// // From one side of the seam to the other the way is short.
+/// let map = distance_map(&tube, &Sources::point(16.0, 2.0), &Options::default())?;
+/// assert!((map.distance(16, 62) as f64 - TAU * 4.0 / 64.0).abs() < 1e-4);
+/// # Ok::<(), geosweep::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Gluing {
+    /// Seams between sides of the grid, as [`Surface::seams`] finds them: sides that coincide
+    /// ([`Seam::Sides`]), the halves of a side ([`Seam::Fold`]), and sides that are one point
+    /// ([`Seam::Pole`]).
+    Seams(Vec<Seam>),
+    /// An octahedral map: each side of the square is folded in its middle. The middle of the grid is one pole
+    /// and its four corners are the other.
+    Octahedral,
+    /// Charts that holes keep apart in one grid, such as the six faces of a cube: all points beside a hole or
+    /// the border that coincide.
+    Charts,
+    /// Runs of points that coincide pair by pair.
+    Runs(Vec<[Run; 2]>),
+}
+
+impl Gluing {
+    /// Glues the last column to the first one.
+    pub fn columns() -> Self {
+        Self::Seams(vec![COLUMNS])
+    }
+
+    /// Glues the last row to the first one.
+    pub fn rows() -> Self {
+        Self::Seams(vec![ROWS])
+    }
+
+    /// Glues the last column to the first one and the last row to the first one, as on a torus.
+    pub fn both() -> Self {
+        Self::Seams(vec![COLUMNS, ROWS])
+    }
+
+    /// Glues the last column to the first one in reverse order, as on a Moebius strip.
+    pub fn flipped_columns() -> Self {
+        Self::Seams(vec![Seam::Sides { sides: COLUMN_SIDES, reversed: true }])
+    }
+
+    /// Glues the last row to the first one in reverse order.
+    pub fn flipped_rows() -> Self {
+        Self::Seams(vec![Seam::Sides { sides: ROW_SIDES, reversed: true }])
+    }
+
+    /// Glues a grid of latitudes (rows) and longitudes (columns): the last column to the first one, and each of
+    /// the first and last row to a pole.
+    pub fn globe() -> Self {
+        let [north, south] = ROW_SIDES.map(|side| Seam::Pole { side, exact: true });
+        Self::Seams(vec![COLUMNS, north, south])
+    }
+}
+
+const COLUMN_SIDES: [GridSide; 2] = [GridSide::FirstColumn, GridSide::LastColumn];
+const ROW_SIDES: [GridSide; 2] = [GridSide::FirstRow, GridSide::LastRow];
+const COLUMNS: Seam = Seam::Sides { sides: COLUMN_SIDES, reversed: false };
+const ROWS: Seam = Seam::Sides { sides: ROW_SIDES, reversed: false };
+
+/// Grid points along a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Run {
+    /// Row and column of the first point.
+    pub from: (usize, usize),
+    /// Direction to the next point.
+    pub to: Direction,
+    /// Number of points.
+    pub points: usize,
+}
+
+/// What is kept of the gluing of a surface.
+#[derive(Clone, Debug)]
+pub(crate) struct Glued {
+    /// Groups of copies, by their row-major indices.
+    groups: Groups,
+    /// Where the grid goes on beyond its sides.
+    lattice: Lattice,
+}
+
+/// What to do where a function does not know seams.
+pub(crate) const UNGLUED: &str = "leave the gluing out, and the surface is cut open there";
+
+impl Glued {
+    /// Returns whether the two points of each pair are one. The result is false without pairs.
+    fn has_glued(&self, pairs: &[[usize; 2]]) -> bool {
+        let numbers = self.groups.numbers();
+        let is_one = |pair: &[usize; 2]| {
+            let [a, b] = pair.map(|index| numbers.get(&(index as u32)));
+            pair[0] == pair[1] || a.is_some() && a == b
+        };
+        !pairs.is_empty() && pairs.iter().all(is_one)
+    }
+}
+
+impl Surface {
+    /// Glues sides of the grid, so that distances pass from one to the other. Gluing again adds to what is glued.
+    ///
+    /// Points that are glued must coincide up to a twentieth of an edge; each takes the position of its first
+    /// copy. Heights and metrics must be equal in the same way. A point of which any copy is a hole becomes a
+    /// hole. If the surface has a slowness, copies must have the same.
+    ///
+    /// The engine [`Vulkan`](crate::Engine::Vulkan) refuses glued surfaces, and so do functions that follow
+    /// paths or regions on the map; each says so.
+    ///
+    /// # Errors
+    /// [`GluingError`], in [`SurfaceError::Gluing`], if the points do not coincide or the grid does not have
+    /// them.
+    pub fn with_gluing(mut self, gluing: Gluing) -> Result<Self, SurfaceError> {
+        let before = self.glued.take();
+        let Compiled { pairs, lattice } = self.compile(&gluing)?;
+        if before.as_ref().is_some_and(|before| before.has_glued(&pairs)) {
+            return Err(self.twice(pairs[0]).into());
+        }
+        let lattice = before.as_ref().map_or(lattice, |before| before.lattice.and(lattice));
+        let old = before.iter().flat_map(|before| before.groups.pairs());
+        let groups = Groups::of(old.chain(pairs));
+        self.floor = OnceLock::new();
+        self.glued = Some(Arc::new(Glued { groups, lattice }));
+        self.agree()?;
+        self.non_empty()
+    }
+
+    /// Returns the groups of grid points that are one point of the surface, by their row-major indices, if the
+    /// surface is glued.
+    pub fn copies(&self) -> Option<&Groups> {
+        self.glued.as_ref().map(|glued| &glued.groups)
+    }
+
+    /// Returns whether sides of the grid are glued.
+    pub fn is_glued(&self) -> bool {
+        self.glued.is_some()
+    }
+
+    /// Returns an error on glued surfaces, on which `what` is not available.
+    pub(crate) fn check_open(
+        &self,
+        what: &'static str,
+        instead: &'static str,
+    ) -> Result<(), GluingError> {
+        match self.glued {
+            Some(_) => Err(GluingError::Unsupported { what, instead }),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns whether the points of a seam are glued.
+    pub(super) fn has_glued(&self, seam: &Seam) -> bool {
+        let Some(glued) = &self.glued else { return false };
+        glued.has_glued(&compile::pairs_of(self.chart, seam).unwrap_or_default())
+    }
+
+    fn twice(&self, pair: [usize; 2]) -> GluingError {
+        GluingError::Twice { places: pair.map(|index| self.chart.position(index)) }
+    }
+}

@@ -1,0 +1,281 @@
+//! Closed surfaces: fronts pass the seams where sides of the grid are glued.
+
+use std::f64::consts::{PI, TAU};
+
+use geosweep::glam::DVec3;
+use geosweep::surface::{Gluing, GluingError, GridSide, Run, Seam, SurfaceError};
+use geosweep::{
+    Engine, Options, Sources, Spacing, Surface, Wavefront, distance_map, distance_map_f64,
+};
+
+fn grid(rows: usize, cols: usize, at: impl Fn(usize, usize) -> DVec3) -> Surface {
+    let points = (0..rows * cols).map(|index| at(index / cols, index % cols)).collect();
+    Surface::from_positions(rows, cols, points).unwrap()
+}
+
+fn flat(rows: usize, cols: usize) -> Surface {
+    Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
+}
+
+fn curved() -> Options {
+    Options::default().with_engine(Engine::Cpu).with_wavefront(Wavefront::Curved)
+}
+
+/// Errors of a map, relative to the distance: their mean, the mean at points that have copies, and the largest
+/// where `is_usual`. Prints them.
+struct Errors {
+    mean: f64,
+    on_seams: f64,
+    largest: f64,
+    iterations: u32,
+}
+
+fn errors(
+    name: &str,
+    surface: &Surface,
+    source: [f64; 2],
+    exact: impl Fn(usize, usize) -> f64,
+    is_usual: impl Fn(f64) -> bool,
+) -> Errors {
+    let map = distance_map(surface, &Sources::point(source[0], source[1]), &curved()).unwrap();
+    let copies = surface.copies().unwrap().members();
+    let (mut sum, mut count, mut on_seams, mut of_seams, mut largest) = (0.0, 0, 0.0, 0, 0f64);
+    for index in 0..surface.chart().points() {
+        let (row, col) = surface.chart().position(index);
+        let distance = exact(row, col);
+        if !surface.has(row, col) || distance < 1e-9 {
+            continue;
+        }
+        let error = (f64::from(map.distances[index]) - distance).abs() / distance;
+        (sum, count) = (sum + error, count + 1);
+        if copies.contains(&(index as u32)) {
+            (on_seams, of_seams) = (on_seams + error, of_seams + 1);
+        }
+        if is_usual(distance) {
+            largest = largest.max(error);
+        }
+    }
+    assert!(map.report.converged && map.report.seams.is_empty(), "{name}: {:?}", map.report);
+    let (mean, on_seams) = (sum / f64::from(count), on_seams / f64::from(of_seams));
+    let iterations = map.report.iterations;
+    println!(
+        "{name}: {count} points, mean {mean:.1e}, on seams {on_seams:.1e}, largest {largest:.1e}, {iterations} iterations"
+    );
+    Errors { mean, on_seams, largest, iterations }
+}
+
+#[test]
+fn unrolled_surfaces_are_exact_up_to_rounding() {
+    let (rows, cols) = (61, 97);
+    let step = TAU / 96.0;
+    let round = |a: f64, b: f64, n: f64| (a - b).abs().min(n - (a - b).abs());
+    let (row, col) = (20.0, 3.0);
+    let all = |_| true;
+
+    let cylinder = grid(rows, cols, |row, col| {
+        let angle = step * (col % 96) as f64;
+        DVec3::new(angle.cos(), angle.sin(), step * row as f64)
+    });
+    let cylinder = cylinder.with_gluing(Gluing::columns()).unwrap();
+    let exact = |r: usize, c: usize| step * round(c as f64, col, 96.0).hypot(r as f64 - row);
+    let found = errors("cylinder", &cylinder, [row, col], exact, all);
+    assert!(found.mean < 4e-7 && found.on_seams < 6e-7 && found.largest < 3e-6);
+
+    let torus = flat(rows, cols).with_gluing(Gluing::both()).unwrap();
+    let exact = |r: usize, c: usize| round(c as f64, col, 96.0).hypot(round(r as f64, row, 60.0));
+    let found = errors("flat torus", &torus, [row, col], exact, all);
+    assert!(found.mean < 4e-7 && found.on_seams < 6e-7 && found.largest < 3e-6);
+
+    let moebius = flat(rows, cols).with_gluing(Gluing::flipped_columns()).unwrap();
+    let exact = |r: usize, c: usize| {
+        let images = [(r, 0.0), (60 - r, 96.0), (60 - r, -96.0)];
+        let images = images.map(|(r, by)| (c as f64 + by - col).hypot(r as f64 - row));
+        images.into_iter().fold(f64::INFINITY, f64::min)
+    };
+    let found = errors("Moebius strip", &moebius, [row, col], exact, all);
+    assert!(found.mean < 4e-7 && found.on_seams < 6e-7 && found.largest < 3e-6);
+}
+
+fn sphere_errors(name: &str, surface: &Surface, source: [usize; 2]) -> Errors {
+    let from = surface.position(source[0], source[1]).unwrap();
+    let exact = |row, col| {
+        let Some(at) = surface.position(row, col) else { return 0.0 };
+        at.cross(from).length().atan2(at.dot(from))
+    };
+    let away = |distance| distance < PI - 0.1;
+    errors(&format!("{name} from {source:?}"), surface, source.map(|at| at as f64), exact, away)
+}
+
+/// Returns a sphere by latitudes and longitudes.
+fn globe(rows: usize, cols: usize) -> Surface {
+    let sphere = grid(rows, cols, |row, col| {
+        let (polar, angle) =
+            (PI * row as f64 / (rows - 1) as f64, TAU * col as f64 / (cols - 1) as f64);
+        DVec3::new(polar.sin() * angle.cos(), polar.sin() * angle.sin(), polar.cos())
+    });
+    sphere.with_gluing(Gluing::globe()).unwrap()
+}
+
+#[test]
+fn a_globe_is_whole_across_its_poles_and_its_date_line() {
+    let globe = globe(101, 201);
+    for source in [[50, 70], [40, 0], [0, 17], [1, 60], [100, 100]] {
+        let found = sphere_errors("globe", &globe, source);
+        assert!(found.mean < 2e-5 && found.largest < 5e-4 && found.iterations <= 16);
+        assert!(found.on_seams < 4.0 * found.mean + 1e-6);
+    }
+}
+
+fn octahedral(half: usize) -> Surface {
+    let side = 2 * half + 1;
+    let map = grid(side, side, |row, col| {
+        let [v, u] = [row, col].map(|k| k as f64 / half as f64 - 1.0);
+        let z = 1.0 - u.abs() - v.abs();
+        let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
+        let folded = DVec3::new((1.0 - v.abs()) * sign(u), (1.0 - u.abs()) * sign(v), z);
+        (if z < 0.0 { folded } else { DVec3::new(u, v, z) }).normalize()
+    });
+    map.with_gluing(Gluing::Octahedral).unwrap()
+}
+
+#[test]
+fn an_octahedral_map_is_a_whole_sphere() {
+    let sphere = octahedral(60);
+    for source in [[60, 60], [40, 75], [0, 60], [0, 30], [0, 0]] {
+        let found = sphere_errors("octahedral", &sphere, source);
+        assert!(found.mean < 4.5e-5 && found.largest < 1e-3 && found.iterations <= 16);
+        assert!(found.on_seams < 4.0 * found.mean + 1e-6);
+    }
+}
+
+/// Returns the six faces of a cube on the sphere, 2 x 3, with lines of holes between them.
+fn cube(side: usize) -> Surface {
+    let block = side + 1;
+    let sphere = grid(2 * block - 1, 3 * block - 1, |row, col| {
+        let (face, row, col) = (row / block * 3 + col / block, row % block, col % block);
+        if row == side || col == side {
+            return DVec3::NAN;
+        }
+        let [v, u] =
+            [row, col].map(|k| (PI / 4.0 * (2.0 * k as f64 / (side - 1) as f64 - 1.0)).tan());
+        let place = match face {
+            0 => [1.0, u, v],
+            1 => [-1.0, -u, v],
+            2 => [-u, 1.0, v],
+            3 => [u, -1.0, v],
+            4 => [u, v, 1.0],
+            _ => [u, -v, -1.0],
+        };
+        DVec3::from_array(place).normalize()
+    });
+    sphere.with_gluing(Gluing::Charts).unwrap()
+}
+
+#[test]
+fn the_faces_of_a_cube_are_a_whole_sphere() {
+    let sphere = cube(51);
+    for source in [[25, 25], [10, 33], [0, 20], [0, 0]] {
+        let found = sphere_errors("cube", &sphere, source);
+        assert!(found.mean < 3e-5 && found.largest < 1e-3 && found.iterations <= 16);
+        assert!(found.on_seams < 4.0 * found.mean + 1e-6);
+    }
+}
+
+/// A torus whose columns are rolled and mirrored is the same torus.
+#[test]
+fn rolling_and_mirroring_changes_nothing_but_rounding() {
+    let (rows, cols, source) = (41, 61, [7, 2]);
+    let torus = |by: usize, mirrored: bool| {
+        grid(rows, cols, move |row, col| {
+            let col = if mirrored { 2 * (cols - 1) - col } else { col };
+            let turn = |k: usize, n: usize| TAU * (k % n) as f64 / n as f64;
+            let (u, v) = (turn(col + by, cols - 1), turn(row, rows - 1));
+            let radius = 2.0 + v.cos();
+            DVec3::new(radius * u.cos(), radius * u.sin(), v.sin())
+        })
+        .with_gluing(Gluing::both())
+        .unwrap()
+    };
+    let map = |surface: &Surface, col: usize| {
+        let source = Sources::point(source[0] as f64, col as f64);
+        distance_map_f64(surface, &source, &curved()).unwrap()
+    };
+    let n = cols - 1;
+    let plain = map(&torus(0, false), source[1]);
+    for by in [1, 17, 59] {
+        let rolled = map(&torus(by, false), (source[1] + n - by) % n);
+        let mirrored = map(&torus(by, true), (by + n - source[1]) % n);
+        for row in 0..rows {
+            for col in 0..cols {
+                let expected = plain.distance(row, col);
+                let pairs = [
+                    rolled.distance(row, (col + n - by) % n),
+                    mirrored.distance(row, (by + n - col % n) % n),
+                ];
+                for found in pairs {
+                    assert!(
+                        (found - expected).abs() <= 1e-9 * expected,
+                        "{by} {row},{col}: {found} {expected}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Copies of a source are one source, on every engine that solves closed surfaces.
+#[test]
+fn copies_of_a_source_are_one_source() {
+    let globe = globe(31, 61);
+    for wavefront in [Wavefront::Planar, Wavefront::Circular, Wavefront::Curved] {
+        let options = curved().with_wavefront(wavefront);
+        let map = |sources: &Sources| distance_map(&globe, sources, &options).unwrap();
+        let one = map(&Sources::point(12.5, 0.0));
+        let other = map(&Sources::point(12.5, 60.0));
+        let both = map(&Sources::point(12.5, 0.0).and_point(12.5, 60.0, 0.0));
+        // Two sources that are given have curved fronts in place of circular ones, also where they are one.
+        let both = Some(&both).filter(|_| wavefront != Wavefront::Circular);
+        for (name, map) in [("other", Some(&other)), ("both", both)] {
+            let Some(map) = map else { continue };
+            let pairs = one.distances.iter().zip(&map.distances);
+            let apart = pairs.map(|(a, b)| (a - b).abs() / b).fold(0.0, f32::max);
+            assert!(apart == 0.0, "{wavefront} {name}: {apart:e}");
+        }
+        for group in globe.copies().unwrap().iter() {
+            let first = one.distances[group[0] as usize];
+            assert!(group.iter().all(|&k| one.distances[k as usize] == first), "{wavefront}");
+        }
+    }
+    let planar = curved().with_wavefront(Wavefront::Planar);
+    let source = Sources::point(0.0, 5.0);
+    let scans = distance_map(&globe, &source, &planar).unwrap();
+    let marched = distance_map(&globe, &source, &planar.with_engine(Engine::FastMarching)).unwrap();
+    for (a, b) in scans.distances.iter().zip(&marched.distances) {
+        assert!((a - b).abs() <= 1e-4 * b, "{a} {b}");
+    }
+}
+
+#[test]
+fn what_does_not_coincide_is_refused() {
+    let refused = |surface: Surface, gluing: Gluing| match surface.with_gluing(gluing) {
+        Err(SurfaceError::Gluing(error)) => error,
+        other => panic!("{other:?}"),
+    };
+    let arc = |rows, cols| grid(rows, cols, |row, col| DVec3::new(col as f64, row as f64, 0.0));
+    let apart = refused(arc(9, 9), Gluing::columns());
+    assert!(matches!(apart, GluingError::Apart { apart: 8.0, edge: 1.0, .. }), "{apart}");
+    assert!(apart.to_string().contains("row 0, column 0 and row 0, column 8"), "{apart}");
+    let pole = Gluing::Seams(vec![Seam::Pole { side: GridSide::FirstRow, exact: true }]);
+    assert!(matches!(refused(arc(9, 9), pole.clone()), GluingError::Apart { .. }));
+    assert!(matches!(refused(flat(9, 9), pole), GluingError::NoPositions { .. }));
+    assert!(matches!(refused(arc(9, 9), Gluing::Charts), GluingError::Nothing));
+    assert!(matches!(refused(flat(2, 3), Gluing::columns()), GluingError::TooSmall { .. }));
+    let run = |row, points| Run { from: (row, 0), to: geosweep::surface::Direction::East, points };
+    let runs = |a, b| Gluing::Runs(vec![[a, b]]);
+    assert!(matches!(refused(flat(5, 5), runs(run(0, 9), run(4, 9))), GluingError::Outside { .. }));
+    assert!(matches!(refused(flat(5, 5), runs(run(0, 5), run(4, 4))), GluingError::Runs { .. }));
+    let tube = flat(5, 5).with_gluing(Gluing::rows()).unwrap();
+    assert!(matches!(refused(tube, Gluing::rows()), GluingError::Twice { .. }));
+    let two = Gluing::Runs(vec![[run(0, 5), run(4, 5)]; 2]);
+    assert!(matches!(refused(flat(5, 5), two), GluingError::Twice { .. }));
+}

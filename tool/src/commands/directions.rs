@@ -1,0 +1,269 @@
+//! Writes the directions, nearest sources and log map of a distance map, and gives distances a sign.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use geosweep::geometry::{
+    BackDirections, LogMap, Nearest, signed_distances, signed_distances_by_mask,
+};
+use geosweep::io::{
+    OutputFile, StagedFile, read_mask, write_bearings_tiff, write_labels_tiff, write_npy,
+};
+use geosweep::surface::{EdgeLengths, Real};
+use geosweep::{DistanceMap, Sources};
+
+use super::labels::has_extension;
+use crate::output::{stage_picture, wanted_file, wanted_png};
+use crate::picture::Arrows;
+use crate::precision::Number;
+use crate::problem::Scene;
+use crate::terminal::Spinner;
+
+/// The arguments for outputs beside the map.
+#[derive(clap::Args)]
+#[command(group = clap::ArgGroup::new("directions").multiple(true))]
+pub struct DirectionArgs {
+    /// Output file for the direction of the way back at each point: .npy or .tif, float32. It is 0 at the
+    /// sources and -1 (no-data) where no source reaches
+    #[arg(long, value_name = "FILE", group = "directions", help_heading = "Directions")]
+    back_direction: Option<PathBuf>,
+    /// Convention of --back-direction and --source-direction
+    #[arg(long, value_enum, default_value_t, help_heading = "Directions")]
+    direction_format: DirectionFormat,
+    /// Output file for the next grid point on the way back: .npy or .tif, int32, with ArcGIS' codes. 0 is a
+    /// source, 1 to 8 are the neighbours clockwise from east, -1 (no-data) is not reached
+    #[arg(long, value_name = "FILE", group = "directions", help_heading = "Directions")]
+    back_link: Option<PathBuf>,
+    /// Output file for the index of the nearest source, in the order of `voronoi`: .npy or .tif, int32, with
+    /// -1 (no-data) where no source reaches
+    #[arg(long, value_name = "FILE", group = "directions", help_heading = "Directions")]
+    nearest: Option<PathBuf>,
+    /// Output file for the direction in which the way of each point leaves its source, which must be a point:
+    /// as --back-direction
+    #[arg(long, value_name = "FILE", group = "directions", help_heading = "Directions")]
+    source_direction: Option<PathBuf>,
+    /// Output file for the log map of point sources: .npy (M, N, 2), float32. It has u and v, the direction in
+    /// which the way of each point leaves its source times the distance; u runs along the columns at the
+    /// source, v at a right angle to it, to larger rows. NaN where no source reaches. Takes nine maps in double
+    /// precision on the CPU
+    #[arg(long, value_name = "FILE.npy", group = "directions", help_heading = "Directions")]
+    log_map: Option<PathBuf>,
+    /// Draw the way back at each point, as colours and arrows
+    #[arg(long, value_name = "FILE.png", group = "directions", help_heading = "Directions")]
+    direction_picture: Option<PathBuf>,
+    #[command(flatten)]
+    pub sign: SignArgs,
+}
+
+/// The arguments for the sign of distances.
+#[derive(clap::Args)]
+pub struct SignArgs {
+    /// Write distances with a sign, positive outside and negative inside of the sources, which must be closed
+    /// curves. The inside is on the left of a curve, with rows downwards: a counter-clockwise curve surrounds
+    /// it
+    #[arg(long, requires = "output", help_heading = "Directions")]
+    signed: bool,
+    /// Mask of the inside, non-zero there, in place of the curves' directions; a mask as for --mask
+    #[arg(long, value_name = "FILE", requires = "signed", help_heading = "Directions")]
+    inside: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum DirectionFormat {
+    /// Degrees clockwise from north, above 0 and up to 360: ArcGIS' back direction
+    #[default]
+    Compass,
+    /// Degrees counter-clockwise from east, above 0 and up to 360: for r.path of GRASS
+    Grass,
+    /// Rows and columns of a step of length 1 in the grid: .npy (M, N, 2), 0 at the sources and NaN where no
+    /// source reaches
+    Vector,
+}
+
+/// The files to write. They are checked before the computation starts.
+pub struct DirectionOutputs {
+    format: DirectionFormat,
+    back_direction: Option<OutputFile>,
+    back_link: Option<OutputFile>,
+    nearest: Option<OutputFile>,
+    source_direction: Option<OutputFile>,
+    log_map: Option<OutputFile>,
+    picture: Option<OutputFile>,
+}
+
+impl DirectionArgs {
+    pub fn outputs(&self) -> Result<DirectionOutputs, Box<dyn Error>> {
+        let format = self.direction_format;
+        let of_bearings = |path: Option<&PathBuf>| match format {
+            DirectionFormat::Vector => wanted_file(path, "a field of vectors is", "npy"),
+            _ => path.map(|path| grid_output(path, "directions are")).transpose(),
+        };
+        let of_labels =
+            |path: Option<&PathBuf>, what| path.map(|path| grid_output(path, what)).transpose();
+        if format == DirectionFormat::Vector && self.source_direction.is_some() {
+            return Err("--source-direction is in degrees; choose --direction-format compass or \
+                        grass, or write --log-map, which has vectors"
+                .into());
+        }
+        Ok(DirectionOutputs {
+            format,
+            back_direction: of_bearings(self.back_direction.as_ref())?,
+            back_link: of_labels(self.back_link.as_ref(), "back links are")?,
+            nearest: of_labels(self.nearest.as_ref(), "nearest sources are")?,
+            source_direction: of_bearings(self.source_direction.as_ref())?,
+            log_map: wanted_file(self.log_map.as_ref(), "a log map is", "npy")?,
+            picture: wanted_png(self.direction_picture.as_ref())?,
+        })
+    }
+
+    /// Returns the file that is read.
+    pub fn input(&self) -> Option<&Path> {
+        self.sign.inside.as_deref()
+    }
+}
+
+impl SignArgs {
+    /// Returns the distances with a sign, if that is wanted.
+    pub fn of<R: Real>(
+        &self,
+        scene: &Scene,
+        sources: &Sources,
+        map: &DistanceMap<R>,
+    ) -> Result<Option<Vec<R>>, Box<dyn Error>> {
+        if !self.signed {
+            return Ok(None);
+        }
+        let signed = match &self.inside {
+            None => signed_distances(map.chart, sources, &map.distances)?,
+            Some(path) => {
+                let place = scene.georeference.as_ref().ok();
+                let (rows, cols) = (map.chart.rows, map.chart.cols);
+                let inside = read_mask(path)?.fit_surface(path, rows, cols, place)?;
+                signed_distances_by_mask(map.chart, &map.distances, &inside)?
+            }
+        };
+        Ok(Some(signed))
+    }
+}
+
+/// Returns the file for one number per point.
+fn grid_output(path: &Path, what: &str) -> Result<OutputFile, Box<dyn Error>> {
+    if !has_extension(path, &["npy", "tif", "tiff"]) {
+        let name = path.display();
+        return Err(format!("{name}: {what} written as .npy or .tif; choose such a name").into());
+    }
+    Ok(OutputFile::new(path)?)
+}
+
+impl DirectionOutputs {
+    pub fn files(&self) -> impl Iterator<Item = &OutputFile> {
+        let Self { back_direction, back_link, nearest, source_direction, log_map, picture, .. } =
+            self;
+        [back_direction, back_link, nearest, source_direction, log_map, picture]
+            .into_iter()
+            .flatten()
+    }
+
+    /// Writes all files. They do not have their final names yet.
+    pub fn stage<R: Number>(
+        self,
+        scene: &Scene,
+        sources: &Sources,
+        map: &DistanceMap<R>,
+    ) -> Result<Vec<StagedFile>, Box<dyn Error>> {
+        let mut staged = Vec::new();
+        if self.files().next().is_none() {
+            return Ok(staged);
+        }
+        let map = map.to_single();
+        let surface = &scene.surface;
+        let edges = EdgeLengths::new(surface)?;
+        let spinner = Spinner::new("finding directions");
+        let is_back = self.back_direction.is_some() || self.back_link.is_some();
+        let ways = (is_back || self.picture.is_some())
+            .then(|| BackDirections::new(surface, &edges, sources, &map.distances))
+            .transpose()?;
+        let is_log = self.log_map.is_some() || self.source_direction.is_some();
+        let log_map = is_log.then(|| LogMap::new(surface, sources)).transpose()?;
+        drop(spinner);
+        let write = Write { scene, map: &map };
+        if let Some((output, ways)) = self.back_direction.zip(ways.as_ref()) {
+            staged.push(match self.format {
+                DirectionFormat::Compass => write.bearings(output, &ways.compass())?,
+                DirectionFormat::Grass => write.bearings(output, &ways.grass())?,
+                DirectionFormat::Vector => write.vectors(output, &ways.in_chart())?,
+            });
+        }
+        if let Some((output, ways)) = self.back_link.zip(ways.as_ref()) {
+            let links: Vec<i32> = ways.links().into_iter().map(i32::from).collect();
+            staged.push(write.labels(output, &links)?);
+        }
+        if let Some(output) = self.nearest {
+            let nearest = Nearest::new(surface, &edges, sources, &map.distances)?;
+            staged.push(write.labels(output, &nearest.sources)?);
+        }
+        if let Some((output, log_map)) = self.source_direction.zip(log_map.as_ref()) {
+            staged.push(match self.format {
+                DirectionFormat::Grass => write.bearings(output, &log_map.source_grass(surface))?,
+                _ => write.bearings(output, &log_map.source_compass(surface))?,
+            });
+        }
+        if let Some((output, log_map)) = self.log_map.zip(log_map.as_ref()) {
+            staged.push(write.vectors(output, &log_map.coordinates)?);
+        }
+        if let Some((output, ways)) = self.picture.zip(ways.as_ref()) {
+            let picture = Arrows {
+                surface,
+                shape: scene.shape(),
+                sources,
+                values: &map.distances,
+                directions: &ways.in_chart(),
+                bearings: &ways.compass(),
+            };
+            staged.push(stage_picture(output, || picture.draw())?);
+        }
+        Ok(staged)
+    }
+}
+
+/// Writes values at all points of a map.
+struct Write<'a> {
+    scene: &'a Scene,
+    map: &'a DistanceMap,
+}
+
+impl Write<'_> {
+    fn shape(&self) -> [usize; 2] {
+        [self.map.chart.rows, self.map.chart.cols]
+    }
+
+    fn bearings(&self, output: OutputFile, bearings: &[f32]) -> Result<StagedFile, Box<dyn Error>> {
+        let [rows, cols] = self.shape();
+        let is_array = has_extension(output.path(), &["npy"]);
+        Ok(output.stage(|writer| match is_array {
+            true => write_npy(writer, &[rows, cols], bearings),
+            false => {
+                write_bearings_tiff(writer, rows, cols, bearings, self.scene.geo_tags.as_ref())
+            }
+        })?)
+    }
+
+    fn labels(&self, output: OutputFile, labels: &[i32]) -> Result<StagedFile, Box<dyn Error>> {
+        let [rows, cols] = self.shape();
+        let is_array = has_extension(output.path(), &["npy"]);
+        Ok(output.stage(|writer| match is_array {
+            true => write_npy(writer, &[rows, cols], labels),
+            false => write_labels_tiff(writer, rows, cols, labels, self.scene.geo_tags.as_ref()),
+        })?)
+    }
+
+    fn vectors(
+        &self,
+        output: OutputFile,
+        vectors: &[[f32; 2]],
+    ) -> Result<StagedFile, Box<dyn Error>> {
+        let [rows, cols] = self.shape();
+        Ok(output.stage(|writer| write_npy(writer, &[rows, cols, 2], vectors.as_flattened()))?)
+    }
+}

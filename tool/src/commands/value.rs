@@ -1,0 +1,61 @@
+//! Implements `geosweep value`, which prints distances at places, also between grid points.
+
+use std::process::ExitCode;
+
+use geosweep::geometry::{PathError, PathTracer};
+use geosweep::shown::exact;
+use geosweep::surface::EdgeLengths;
+
+use crate::numbers::place;
+use crate::output::check_outputs;
+use crate::problem::{self, SolverArgs, SourceArgs, SurfaceArgs};
+use crate::terminal::{Outcome, print};
+
+/// The arguments of `geosweep value`.
+#[derive(clap::Args)]
+#[command(after_help = examples())]
+pub struct Args {
+    /// Place: row and column, which may be fractional; repeatable
+    #[arg(long, value_name = "R,C", value_parser = place, allow_hyphen_values = true)]
+    #[arg(required = true)]
+    at: Vec<[f64; 2]>,
+
+    #[command(flatten)]
+    sources: SourceArgs,
+    #[command(flatten)]
+    surface: SurfaceArgs,
+    #[command(flatten)]
+    solver: SolverArgs,
+}
+
+fn examples() -> String {
+    format!(
+        "\
+Prints a line `row,column,distance` for each place, in the order given. Between grid
+points, the distance is the earliest arrival along a straight line across the cell. It is
+an error if a place is outside the grid, in a hole or not reached by any source.
+
+{}
+
+Examples:
+  geosweep value dem.tif --source 120,85 --at 10.5,10.25
+  geosweep value builtin:sphere:129x129 --source 64,64 --at 3.2,99.5 --at 0,0",
+        problem::builtin_names()
+    )
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let options = args.solver.options()?;
+    check_outputs(&[], problem::inputs(&args.surface, &args.sources))?;
+    let scene = args.surface.read()?;
+    let sources = args.sources.sources(&scene.frame())?;
+    let map = problem::solve::<f32>(&scene, &sources, &options)?;
+    let edges = EdgeLengths::new(&scene.surface)?;
+    // A distance does not depend on how the path is pulled taut.
+    let paths = PathTracer::new(&scene.surface, &edges, &sources, &map.distances)?.along_the_map();
+    let found: Vec<_> = paths.trace_all(&args.at).into_iter().collect::<Result<_, PathError>>()?;
+    for ([row, col], path) in args.at.iter().zip(found) {
+        print(&format!("{},{},{}", exact(*row), exact(*col), path.distance as f32))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,80 @@
+//! Directions, links, nearest sources, log maps and signed distances through the tool.
+
+use geosweep::io::{SurfaceFile, read_map};
+
+use crate::workbench::{Workbench, done, map, run};
+
+#[test]
+fn directions_are_written_where_the_surface_lies() {
+    let bench = Workbench::new();
+    let mut text = String::from("ncols 9\nnrows 7\nxllcorner 500\nyllcorner 900\ncellsize 10\n");
+    (0..7).for_each(|_| text += "5 5 5 5 5 5 5 5 5\n");
+    let dem = bench.input("dem.asc", text);
+    let place = SurfaceFile::read(dem.as_ref()).unwrap().georeference().unwrap();
+    done(
+        &bench,
+        &format!(
+            "distance {dem} -s 3,4 -s 6,8 --engine cpu --back-direction b.tif --back-link l.tif \
+             --nearest n.tif --source-direction s.tif --log-map u.npy --direction-picture p.png"
+        ),
+    );
+    assert_eq!(bench.outputs(), ["b.tif", "l.tif", "n.tif", "p.png", "s.tif", "u.npy"]);
+    for file in ["b.tif", "l.tif", "n.tif", "s.tif"] {
+        let written = SurfaceFile::read(&bench.output(file)).unwrap();
+        assert_eq!(written.georeference().unwrap(), place, "{file}");
+    }
+    let at = |file: &str, row: usize, col: usize| map(&bench.output(file))[row * 9 + col];
+    let west = [at("b.tif", 3, 1), at("l.tif", 3, 1), at("n.tif", 3, 1), at("s.tif", 3, 1)];
+    for (found, expected) in west.into_iter().zip([90.0, 1.0, 0.0, 270.0]) {
+        approx::assert_abs_diff_eq!(found, expected, epsilon = 1e-3);
+    }
+    assert_eq!([at("b.tif", 6, 8), at("l.tif", 6, 8), at("n.tif", 6, 8)], [0.0, 0.0, 1.0]);
+
+    let grass = "--direction-format grass --back-direction g.npy";
+    done(&bench, &format!("distance {dem} -s 3,4 --engine cpu {grass}"));
+    approx::assert_abs_diff_eq!(at("g.npy", 3, 1), 360.0, epsilon = 1e-3);
+}
+
+#[test]
+fn signed_distances_are_negative_inside() {
+    let bench = Workbench::new();
+    let flat = bench.flat(21, 21);
+    let curve = bench.input("square.csv", "5,5\n15,5\n15,15\n5,15\n5,5\n");
+    let line = format!("distance {flat} --spacing 1 --source-curve {curve} --engine cpu --signed");
+    done(&bench, &format!("{line} -o d.npy"));
+    let signed = read_map(&bench.output("d.npy")).unwrap().values;
+    approx::assert_abs_diff_eq!(signed[10 * 21 + 8], -3.0, epsilon = 1e-4);
+    approx::assert_abs_diff_eq!(signed[10 * 21 + 1], 4.0, epsilon = 1e-4);
+}
+
+#[test]
+fn invalid_requests_for_directions_are_refused() {
+    let bench = Workbench::new();
+    let flat = bench.flat(21, 21);
+    for (words, parts) in [
+        ("--back-direction b.png", ["b.png", ".npy or .tif"]),
+        ("--direction-format vector --back-direction b.tif", ["b.tif", ".npy"]),
+        ("--log-map l.tif", ["l.tif", ".npy"]),
+        ("--back-link b.npy --nearest b.npy", ["b.npy", "two outputs"]),
+        ("--signed -o d.npy", ["source 0 is a point", "closed curves"]),
+        ("--signed", ["--output", "required"]),
+    ] {
+        let output = run(&bench, &format!("distance {flat} -s 2,2 --engine cpu {words}"));
+        bench.refuses(&output, &parts);
+    }
+}
+
+#[test]
+fn values_between_grid_points_are_printed() {
+    let bench = Workbench::new();
+    let flat = bench.flat(21, 21);
+    let line = format!("value {flat} --spacing 1 -s 2,2 --engine cpu --at 5,6 --at 5.5,2");
+    let output = done(&bench, &line);
+    let text = String::from_utf8(output.stdout).unwrap();
+    let value = |line: &str| line.rsplit(',').next().unwrap().parse::<f64>().unwrap();
+    let values: Vec<f64> = text.lines().map(value).collect();
+    approx::assert_abs_diff_eq!(values[0], 5.0, epsilon = 1e-5);
+    approx::assert_abs_diff_eq!(values[1], 3.5, epsilon = 1e-4);
+    let outside = run(&bench, &format!("value {flat} --spacing 1 -s 2,2 --engine cpu --at 30,2"));
+    bench.refuses(&outside, &["30,2", "outside the grid"]);
+}
