@@ -591,11 +591,12 @@ fn a_closed_surface_is_not_silently_cut_open() {
     assert_eq!(map[4 * 33 + 32], 0.0);
     assert!((map[4 * 33 + 31] - step).abs() < 1e-5 * step, "{}", map[4 * 33 + 31]);
     for (way, part) in [("rows", "differ by"), ("octahedral", "differ by")] {
-        let output = bench.distance(&tube, &format!("-s 4,0 --glue {way}"));
+        let output = bench.distance(&tube, &format!("-s 4,0 --glue {way} --json"));
         assert!(!output.status.success() && stderr(&output).contains(part), "{}", stderr(&output));
         assert!(stderr(&output).contains(&format!("--glue {way}: ")), "{}", stderr(&output));
     }
-    let output = run(&bench, &format!("distance {tube} -s 4,0 --glue columns --engine vulkan"));
+    let output =
+        run(&bench, &format!("distance {tube} -s 4,0 --glue columns --engine vulkan --json"));
     assert!(!output.status.success() && stderr(&output).contains("seams"), "{}", stderr(&output));
     // As advised: without the second of two equal columns, each point has one distance.
     let mask: Vec<f64> = (0..9 * 33).map(|index| f64::from(index % 33 != 32)).collect();
