@@ -199,9 +199,7 @@ class Surface:
         out
             Array (M, N) of ``dtype`` that takes the distances.
         """
-        double = is_double(dtype)
-        if out is not None:
-            _check_out(out, self.shape, np.float64 if double else np.float32)
+        double = _precision(dtype, out, self.shape)
         chosen = settings(engine, device, wavefront, tolerance, iterations, threads)
         points, lines = native(source, self.shape)
         found = self._surface.solve(points, lines, chosen, double, progress)
@@ -225,6 +223,14 @@ class Surface:
         """
         samples, radius = self._surface.farthest_points(*native(source, self.shape), count)
         return np.asarray(samples, dtype=np.int64).reshape(-1, 2), radius
+
+
+def _precision(dtype: DTypeLike, out: object, shape: tuple[int, ...]) -> bool:
+    """Return whether maps are double, after a check that ``out``, if given, can take one."""
+    double = is_double(dtype)
+    if out is not None:
+        _check_out(out, shape, np.float64 if double else np.float32)
+    return double
 
 
 def _check_out(out: object, shape: tuple[int, ...], dtype: type[np.generic]) -> None:
@@ -264,9 +270,7 @@ def distance(
     surface = Surface.from_heights(
         heights, spacing, mask=mask, slowness=slowness, edges=edges, copy=False
     )
-    double = is_double(dtype)
-    if out is not None:
-        _check_out(out, surface.shape, np.float64 if double else np.float32)
+    double = _precision(dtype, out, surface.shape)
     chosen = settings(engine, device, wavefront, tolerance, iterations, threads)
     points, lines = native(source, surface.shape)
     found, report = surface._surface.distances(points, lines, chosen, double, progress)

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use geosweep::geometry::{
-    Levels, PathTracer, Side, Voronoi, contours, farthest, offset_curves, ridges,
+    Contour, Levels, PathTracer, Side, Voronoi, contours, farthest, offset_curves, ridges,
 };
 use geosweep::{DistanceMap, Report, Sources};
 use numpy::{PyArray1, PyArray2, ToPyArray};
@@ -75,6 +75,14 @@ type Curves<'py> = Vec<Bound<'py, PyArray2<f64>>>;
 type Regions<'py> =
     (Bound<'py, PyArray2<i32>>, Vec<([u32; 2], Bound<'py, PyArray2<f64>>)>, Vec<f64>);
 
+/// Hands contours over: each level, with its curves.
+fn levelled<'py>(py: Python<'py>, contours: &[Contour]) -> PyResult<Vec<(f64, Curves<'py>)>> {
+    let curves = |contour: &Contour| {
+        contour.curves.iter().map(|curve| arrays::curve(py, curve)).collect::<PyResult<_>>()
+    };
+    contours.iter().map(|contour| Ok((contour.level, curves(contour)?))).collect()
+}
+
 #[pymethods]
 impl Map {
     /// The distances, as a view.
@@ -131,11 +139,7 @@ impl Map {
             let levels = Levels::List(levels).on(&map, &self.sources)?;
             Ok::<_, geosweep::geometry::LevelError>(contours(&map, &self.sources, &levels))
         })?;
-        let found = found.map_err(errors::value)?;
-        let curves = |of: &[geosweep::geometry::Curve]| {
-            of.iter().map(|curve| arrays::curve(py, curve)).collect::<PyResult<_>>()
-        };
-        found.iter().map(|contour| Ok((contour.level, curves(&contour.curves)?))).collect()
+        levelled(py, &found.map_err(errors::value)?)
     }
 
     /// Returns evenly spaced levels, or levels `step` apart.
@@ -161,11 +165,7 @@ impl Map {
             offset_curves(surface, edges, &self.sources, &map, &levels, side)
                 .map_err(|error| error.to_string())
         })?;
-        let curves = |of: &[geosweep::geometry::Curve]| {
-            of.iter().map(|curve| arrays::curve(py, curve)).collect::<PyResult<_>>()
-        };
-        let found = found.map_err(errors::value)?;
-        found.iter().map(|contour| Ok((contour.level, curves(&contour.curves)?))).collect()
+        levelled(py, &found.map_err(errors::value)?)
     }
 
     /// Returns the regions of the sources.

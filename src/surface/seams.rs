@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Formatter};
 
 use glam::DVec3;
 
-use super::{Chart, Geometry, Surface};
+use super::{Chart, Direction, Geometry, Surface};
 
 /// A part of the grid's border whose points coincide with other border points, so that the surface continues
 /// where the grid ends.
@@ -51,6 +51,28 @@ pub enum GridSide {
 }
 
 impl GridSide {
+    /// Returns row and column of the side's points, from the first row or column on.
+    pub(super) fn places(self, chart: Chart) -> impl Iterator<Item = (usize, usize)> {
+        let (last_row, last_col) = chart.last();
+        let (from, along) = match self {
+            Self::FirstRow => ((0, 0), Direction::East),
+            Self::LastRow => ((last_row, 0), Direction::East),
+            Self::FirstColumn => ((0, 0), Direction::South),
+            Self::LastColumn => ((0, last_col), Direction::South),
+        };
+        chart.walk(from, along)
+    }
+
+    /// Returns the direction from the side into the grid.
+    fn inwards(self) -> Direction {
+        match self {
+            Self::FirstRow => Direction::South,
+            Self::LastRow => Direction::North,
+            Self::FirstColumn => Direction::East,
+            Self::LastColumn => Direction::West,
+        }
+    }
+
     fn is_opposite(self, other: Self) -> bool {
         use GridSide::{FirstColumn, FirstRow, LastColumn, LastRow};
         matches!((self, other), (FirstRow, LastRow) | (FirstColumn, LastColumn))
@@ -93,7 +115,7 @@ impl Display for Seam {
 /// Largest distance of coincident points, relative to the cell behind them. It is far less than the distance
 /// of neighbours, and more than the rounding of half precision, in which geometry images are sometimes
 /// stored.
-const COINCIDENT: f64 = 0.05;
+pub(super) const COINCIDENT: f64 = 0.05;
 
 /// Largest ratio, either way, between the step from one side to the other and the steps of the grid on both
 /// sides of it, for the sides to count as neighbours.
@@ -191,27 +213,14 @@ impl RimPoint {
 impl Rim {
     fn new(surface: &Surface, side: GridSide) -> Self {
         let chart = surface.chart();
-        let Chart { rows, cols } = chart;
-        // The k-th point, and the point behind it.
-        let places = |k| match side {
-            GridSide::FirstRow => [(0, k), (1, k)],
-            GridSide::LastRow => [(rows - 1, k), (rows.saturating_sub(2), k)],
-            GridSide::FirstColumn => [(k, 0), (k, 1)],
-            GridSide::LastColumn => [(k, cols - 1), (k, cols.saturating_sub(2))],
+        let point = |(row, col)| {
+            let position = surface.position(row, col)?;
+            let behind = chart.neighbour(row, col, side.inwards());
+            let behind = behind.and_then(|(row, col)| surface.position(row, col));
+            let inwards = behind.map(|behind| behind - position);
+            Some(RimPoint { index: chart.index(row, col), position, inwards })
         };
-        let place =
-            |(row, col)| (row < rows && col < cols).then(|| surface.position(row, col)).flatten();
-        let point = |k| {
-            let [at, behind] = places(k);
-            let position = place(at)?;
-            let inwards = place(behind).map(|behind| behind - position);
-            Some(RimPoint { index: chart.index(at.0, at.1), position, inwards })
-        };
-        let length = match side {
-            GridSide::FirstRow | GridSide::LastRow => cols,
-            GridSide::FirstColumn | GridSide::LastColumn => rows,
-        };
-        Self { side, points: (0..length).map(point).collect() }
+        Self { side, points: side.places(chart).map(point).collect() }
     }
 
     fn pole(&self) -> Option<Seam> {

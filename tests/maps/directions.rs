@@ -60,8 +60,9 @@ fn angles(
         };
         let exact = -(metric.inverse() * DVec2::from(change));
         let length = exact.dot(metric * exact).sqrt();
+        let is_unit = (length - 1.0).abs() < 1e-4;
         // Where shortest paths of two directions meet, or in a wall, there is no exact way.
-        if at == DVec2::from(source) || !((length - 1.0).abs() < 1e-4) || !counts(exact.y) {
+        if at == DVec2::from(source) || !is_unit || !counts(exact.y) {
             continue;
         }
         let way = DVec2::from(ways[index].map(f64::from));

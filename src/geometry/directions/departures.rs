@@ -19,7 +19,7 @@ use crate::cpu::RotatedScan;
 use crate::geometry::NO_REGION;
 use crate::solve::Options;
 use crate::surface::{Direction, EdgeLengths, Real, Source, Sources, Surface};
-use crate::{Engine, Error, Stop};
+use crate::{Engine, Error};
 
 /// The steps by which sources move, on each side.
 const MOVES: isize = 2;
@@ -61,7 +61,7 @@ impl Start {
         Some(Self { at, initial, frame, basis: frame.basis()?, slowness })
     }
 
-    /// Returns the places to which the source moves along a grid line, as far as the surface reaches.
+    /// Returns whether the surface reaches as far as the source moves, by `steps` steps along a grid line.
     fn can_move(&self, surface: &Surface, to: Direction, steps: isize) -> bool {
         (1..=2 * steps.abs()).all(|half| {
             let at = self.at + 0.5 * (half * steps.signum()) as f64 * to.vector();
@@ -103,7 +103,7 @@ impl<'a> Departures<'a> {
                 seed.time -= start;
                 seed.origin = seed.origin.map(|origin| origin.started_earlier(start));
             }
-            solver.solve(&wavefront.seeds(surface, seeds), Stop { ..stop });
+            solver.solve(&wavefront.seeds(surface, seeds), stop);
             Ok(solver.distances())
         };
         let times = solve(&sources)?;

@@ -60,7 +60,6 @@ impl Nearest {
         sources: &Sources,
         distances: &[f32],
     ) -> Result<Self, MapError> {
-        let paths = tracer(surface, edges, sources, distances)?.along_the_map();
         let chart = surface.chart();
         let regions = Voronoi::new(surface, edges, sources, distances)?.labels;
         let all: Vec<&Source> = sources.iter().collect();
@@ -73,20 +72,23 @@ impl Nearest {
                 Source::Curve { .. } => on_curves.push(index),
             }
         }
-        for part in on_curves.chunks(TOGETHER) {
-            let start = |&index: &usize| {
-                let (row, col) = chart.position(index);
-                [row as f64, col as f64]
-            };
-            let starts: Vec<_> = part.iter().map(start).collect();
-            for (&index, path) in part.iter().zip(paths.trace_all(&starts)) {
-                let Some(end) = path.ok().and_then(|path| path.curve.vertices.last().copied())
-                else {
-                    continue;
+        // Point sources alone need no paths.
+        if !on_curves.is_empty() {
+            let paths = tracer(surface, edges, sources, distances)?.along_the_map();
+            for part in on_curves.chunks(TOGETHER) {
+                let start = |&index: &usize| {
+                    let (row, col) = chart.position(index);
+                    [row as f64, col as f64]
                 };
-                // Beside the border of a region, the path may have led to the other source.
-                let Source::Curve { vertices, .. } = all[regions[index] as usize] else { continue };
-                places[index] = on_curve(vertices, end.into()).to_array();
+                let starts: Vec<_> = part.iter().map(start).collect();
+                for (&index, path) in part.iter().zip(paths.trace_all(&starts)) {
+                    let end = path.ok().and_then(|path| path.curve.vertices.last().copied());
+                    // Beside the border of a region, the path may have led to the other source.
+                    let source = all[regions[index] as usize];
+                    if let (Some(end), Source::Curve { vertices, .. }) = (end, source) {
+                        places[index] = on_curve(vertices, end.into()).to_array();
+                    }
+                }
             }
         }
         let source = |&label: &u32| if label == NO_REGION { NO_SOURCE } else { label as i32 };

@@ -5,13 +5,11 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::super::geometry::Geometry;
+use super::super::seams::COINCIDENT;
 use super::super::{Chart, Direction, GridSide, MetricTensor, Seam, Surface, SurfaceError};
 use super::lattice::Lattice;
 use super::{Gluing, GluingError, Run};
 
-/// Largest distance of copies, relative to the edges around them. The same as that of coinciding sides
-/// (`seams.rs`).
-const COINCIDENT: f64 = 0.05;
 /// Smallest number of lines across a seam.
 const LEAST_LINES: usize = 4;
 
@@ -21,25 +19,13 @@ pub(super) struct Compiled {
     pub lattice: Lattice,
 }
 
-impl GridSide {
-    /// Returns the number of points of this side, and the place of each.
-    pub(super) fn places(self, Chart { rows, cols }: Chart) -> Vec<(usize, usize)> {
-        match self {
-            Self::FirstRow => (0..cols).map(|col| (0, col)).collect(),
-            Self::LastRow => (0..cols).map(|col| (rows - 1, col)).collect(),
-            Self::FirstColumn => (0..rows).map(|row| (row, 0)).collect(),
-            Self::LastColumn => (0..rows).map(|row| (row, cols - 1)).collect(),
-        }
-    }
-}
-
 /// Returns the pairs of points that a seam makes one, holes included.
 pub(in super::super) fn pairs_of(
     chart: Chart,
     seam: &Seam,
 ) -> Result<Vec<[usize; 2]>, GluingError> {
     let indices = |side: GridSide| -> Vec<usize> {
-        side.places(chart).into_iter().map(|(row, col)| chart.index(row, col)).collect()
+        side.places(chart).map(|(row, col)| chart.index(row, col)).collect()
     };
     let paired = |a: Vec<usize>, b: Vec<usize>| a.into_iter().zip(b).map(|(a, b)| [a, b]).collect();
     match *seam {

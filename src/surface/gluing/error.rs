@@ -17,7 +17,8 @@ pub enum GluingError {
         places: [(usize, usize); 2],
         /// Distance between them, or the difference of their heights, tensors or slowness.
         apart: f64,
-        /// What may differ by 5 %: an edge's length, or the size of a tensor or slowness.
+        /// The size that a difference is compared with, of which it may be 5 %: an edge's length, or the size of a
+        /// tensor or slowness.
         edge: f64,
     },
     /// Two sides have different numbers of points.
@@ -83,9 +84,9 @@ pub enum GluingError {
     /// Something is not available on glued surfaces.
     #[error("{what} does not pass seams yet; {instead}")]
     Unsupported {
-        /// What is not available.
+        /// Name of the function that is not available.
         what: &'static str,
-        /// What to do instead.
+        /// Advice on another way.
         instead: &'static str,
     },
 }

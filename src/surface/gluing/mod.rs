@@ -112,7 +112,7 @@ pub struct Run {
     pub points: usize,
 }
 
-/// What is kept of the gluing of a surface.
+/// The gluing of a surface, compiled to groups of copies.
 #[derive(Clone, Debug)]
 pub(crate) struct Glued {
     /// Groups of copies, by their row-major indices.
@@ -121,7 +121,7 @@ pub(crate) struct Glued {
     lattice: Lattice,
 }
 
-/// What to do where a function does not know seams.
+/// The advice of errors of functions that do not support seams.
 pub(crate) const UNGLUED: &str = "leave the gluing out, and the surface is cut open there";
 
 impl Glued {

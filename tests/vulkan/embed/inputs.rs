@@ -339,7 +339,7 @@ fn every_schedule_can_be_split_and_added_to() {
         let apart = difference(&one, &stage.read());
         assert!(apart < SAME, "{schedule}, by other plans: {apart}");
         if schedule == Schedule::Tiles {
-            // The same number of rounds leads to the same map, however recordings divide them.
+            // Rounds lead to the same map, however recordings divide them.
             assert_eq!(by_others.iterations, done.iterations);
         }
 

@@ -55,7 +55,7 @@ pub fn run(args: &Args) -> Outcome {
     let paths = PathTracer::new(&scene.surface, &edges, &sources, &map.distances)?.along_the_map();
     let found: Vec<_> = paths.trace_all(&args.at).into_iter().collect::<Result<_, PathError>>()?;
     for ([row, col], path) in args.at.iter().zip(found) {
-        print(&format!("{},{},{}", exact(*row), exact(*col), path.distance as f32))?;
+        print(format!("{},{},{}", exact(*row), exact(*col), path.distance as f32))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -16,7 +16,7 @@ const LENGTH: f64 = 0.7;
 pub struct Arrows<'a> {
     /// The surface on which the map was computed.
     pub surface: &'a Surface,
-    /// The same grid with positions.
+    /// The surface that is drawn: the same grid with positions.
     pub shape: &'a Surface,
     pub sources: &'a Sources,
     /// The distances from the sources.
@@ -66,8 +66,8 @@ impl Arrows<'_> {
             .flat_map(|row| (apart / 2..chart.cols).step_by(apart).map(move |col| (row, col)));
         let arrow = |(row, col): (usize, usize)| {
             let [down, right] = self.directions[row * chart.cols + col].map(f64::from);
-            // Neither a source nor unreached.
-            if !(down != 0.0 || right != 0.0) || down.is_nan() {
+            // Sources and unreached points have no arrow.
+            if [down, right] == [0.0; 2] || down.is_nan() {
                 return None;
             }
             let half = 0.5 * LENGTH * apart as f64;

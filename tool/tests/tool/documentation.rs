@@ -128,7 +128,9 @@ fn the_commands_of_readme_and_maps_run() {
 
 #[test]
 fn the_commands_on_what_one_does_with_maps_run() {
-    ["docs/geometry.md", "docs/pairwise.md", "docs/gallery.md"].iter().for_each(|page| run(page));
+    ["docs/geometry.md", "docs/directions.md", "docs/pairwise.md", "docs/gallery.md"]
+        .iter()
+        .for_each(|page| run(page));
 }
 
 #[test]
@@ -141,6 +143,7 @@ fn the_commands_on_time_and_profiles_run() {
 fn every_command_of_the_documentation_is_run() {
     let run = [
         "README.md",
+        "docs/directions.md",
         "docs/errors.md",
         "docs/gallery.md",
         "docs/geometry.md",

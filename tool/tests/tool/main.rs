@@ -2,6 +2,7 @@
 
 mod bench;
 mod canonical;
+mod closed;
 mod committed;
 mod contours;
 mod directions;

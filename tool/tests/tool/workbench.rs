@@ -40,6 +40,16 @@ impl Workbench {
         self.array("flat.npy", &[rows, cols], &vec![0.0; rows * cols])
     }
 
+    /// Writes a tube of 9 x 33 points whose last column repeats its first.
+    pub fn tube(&self) -> String {
+        let angle = |col: usize| std::f64::consts::TAU * (col % 32) as f64 / 32.0;
+        let point = |index: usize| {
+            let (row, col) = (index / 33, index % 33);
+            [angle(col).cos(), angle(col).sin(), 0.3 * row as f64]
+        };
+        self.array("tube.npy", &[9, 33, 3], &(0..9 * 33).flat_map(point).collect::<Vec<_>>())
+    }
+
     pub fn output(&self, name: &str) -> PathBuf {
         self.outputs.path().join(name)
     }

@@ -1,0 +1,57 @@
+//! Closed surfaces: the warning where they are cut open, and the options that glue their sides.
+
+use crate::workbench::{Workbench, json, map, notes, run, stderr};
+use serde_json::Value;
+
+#[test]
+fn a_closed_surface_is_not_silently_cut_open() {
+    let bench = Workbench::new();
+    let tube = bench.tube();
+    let output = bench.distance(&tube, "-s 4,0 --json");
+    let said = notes(&output);
+    let seam = "its first column and its last column coincide";
+    assert_eq!(json(&output)["seams"], serde_json::json!([seam]));
+    for part in [
+        "geosweep: warning: the surface is closed: ",
+        seam,
+        "No path crosses",
+        "--glue auto",
+        "--mask",
+    ] {
+        assert!(said.contains(part), "`{part}` is missing in: {said}");
+    }
+    assert_eq!(said.lines().count(), 1, "{said}");
+    // Other commands read surfaces too.
+    let output = run(&bench, &format!("pairwise {tube} --wavefront planar --json"));
+    assert!(stderr(&output).contains(seam), "{}", stderr(&output));
+    // As advised: without the second of two equal columns, each point has one distance.
+    let mask: Vec<f64> = (0..9 * 33).map(|index| f64::from(index % 33 != 32)).collect();
+    let bytes: Vec<u8> = mask.iter().map(|&there| there as u8).collect();
+    let mut file = b"\x93NUMPY\x01\x00\x46\x00".to_vec();
+    let header = "{'descr': '|u1', 'fortran_order': False, 'shape': (9, 33), }";
+    file.extend(format!("{header:<69}\n").bytes().chain(bytes));
+    let mask = bench.input("mask.npy", file);
+    let output = bench.distance(&tube, &format!("-s 4,0 --mask {mask} --json"));
+    assert_eq!((json(&output)["seams"].clone(), notes(&output)), (Value::Array(vec![]), "".into()));
+}
+
+/// The warning advises `--glue auto`. Both copies of a point are then one, and the way over the seam is one step.
+#[test]
+fn glued_sides_have_one_distance() {
+    let bench = Workbench::new();
+    let tube = bench.tube();
+    let output = bench.distance(&tube, "-s 4,0 --glue auto --json -o map.npy");
+    assert_eq!((json(&output)["seams"].clone(), notes(&output)), (Value::Array(vec![]), "".into()));
+    let map = map(&bench.output("map.npy"));
+    let step = std::f64::consts::TAU / 32.0;
+    assert_eq!(map[4 * 33 + 32], 0.0);
+    assert!((map[4 * 33 + 31] - step).abs() < 1e-5 * step, "{}", map[4 * 33 + 31]);
+    for (way, part) in [("rows", "differ by"), ("octahedral", "differ by")] {
+        let output = bench.distance(&tube, &format!("-s 4,0 --glue {way} --json"));
+        assert!(!output.status.success() && stderr(&output).contains(part), "{}", stderr(&output));
+        assert!(stderr(&output).contains(&format!("--glue {way}: ")), "{}", stderr(&output));
+    }
+    let output =
+        run(&bench, &format!("distance {tube} -s 4,0 --glue columns --engine vulkan --json"));
+    assert!(!output.status.success() && stderr(&output).contains("seams"), "{}", stderr(&output));
+}
