@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::Instructions;
 use super::behind::Behind;
-use super::fronts::{FrontKind, TriangleKind, for_triangle_kind};
+use super::fronts::{FrontKind, SurfaceArray, TriangleKind, for_triangle_kind};
 use super::rotated::line::{GridLines, LinesInGrid};
 use super::rotated::line_update::UpdateOptions;
 use super::rotated::tiles::TILE;
@@ -90,10 +90,10 @@ fn rate<W: FnMut()>(threads: usize, work: impl Fn() -> W + Sync) -> f64 {
 }
 
 /// Two rows of a plane. The second row is updated from the first one again and again.
-struct WarmLine<'a, K: FrontKind<'a, f32>> {
+struct WarmLine<'a, K: FrontKind<f32>> {
     edges: &'a EdgeLengths<f32>,
     kind: K,
-    surface_data: Vec<K::SurfaceData>,
+    surface_data: SurfaceArray<K::SurfaceData>,
     times: Vec<f32>,
     carried: Vec<K::Carried>,
     changed: [bool; POINTS / TILE],
@@ -105,7 +105,7 @@ fn two_rows() -> EdgeLengths<f32> {
     edges.expect("a plane is a surface with edges")
 }
 
-impl<'a, K: TriangleKind<'a, f32>> WarmLine<'a, K> {
+impl<'a, K: TriangleKind<f32>> WarmLine<'a, K> {
     /// Creates the rows. The first one has the front of a point 300 rows before it, at its first column.
     fn new(edges: &'a EdgeLengths<f32>, kind: K) -> Self {
         let chart = edges.chart();
@@ -115,7 +115,7 @@ impl<'a, K: TriangleKind<'a, f32>> WarmLine<'a, K> {
             let (point, radius) = (chart.bordered(0, col), (col as f32).hypot(300.0));
             (times[point], carried[point]) = (radius, K::circle(radius));
         }
-        let surface_data = kind.surface_data(chart).into_owned();
+        let surface_data = kind.surface_data(chart);
         Self { edges, kind, surface_data, times, carried, changed: [false; POINTS / TILE] }
     }
 

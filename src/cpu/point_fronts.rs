@@ -1,7 +1,7 @@
 //! Holds the fronts at all points of a bordered array, and updates them one by one.
 
 use super::behind::Behind;
-use super::fronts::{FrontKind, KeptBy};
+use super::fronts::FrontKind;
 use super::solution::Solution;
 use crate::surface::{EdgeLengths, Real, Seed};
 #[cfg(feature = "twins")]
@@ -10,19 +10,19 @@ use crate::update::{Kept, SEED, tag_of};
 
 /// The fronts at all points while a solver works on them.
 #[derive(Clone)]
-pub(super) struct PointFronts<'a, R: Real, K: FrontKind<'a, R>> {
-    pub edges: &'a EdgeLengths<R>,
+pub(super) struct PointFronts<R: Real, K: FrontKind<R>> {
+    pub edges: EdgeLengths<R>,
     pub kind: K,
     times: Vec<R>,
     carried: Vec<K::Carried>,
 }
 
-impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
+impl<R: Real, K: FrontKind<R>> PointFronts<R, K> {
     /// Creates fronts where only the seeds are reached.
-    pub(super) fn start(edges: &'a EdgeLengths<R>, kind: K, seeds: &[Seed]) -> Self {
+    pub(super) fn start(edges: &EdgeLengths<R>, kind: K, seeds: &[Seed]) -> Self {
         let points = edges.chart().bordered_points();
         let (times, carried) = (vec![R::FAR; points], vec![K::Carried::default(); points]);
-        let mut fronts = Self { edges, kind, times, carried };
+        let mut fronts = Self { edges: edges.clone(), kind, times, carried };
         fronts.seed(seeds);
         fronts
     }
@@ -59,11 +59,11 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
 
     /// Returns the front at a point.
     #[inline]
-    pub(super) fn at(&self, point: usize) -> KeptBy<'a, R, K> {
+    pub(super) fn at(&self, point: usize) -> Kept<R, K::Carried> {
         Kept { time: self.times[point], carried: self.carried[point] }
     }
 
-    fn set(&mut self, point: usize, front: KeptBy<'a, R, K>) {
+    fn set(&mut self, point: usize, front: Kept<R, K::Carried>) {
         (self.times[point], self.carried[point]) = (front.time, front.carried);
     }
 
@@ -79,9 +79,9 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
         &self,
         point: usize,
         behind: &Behind,
-        seen: impl Fn(usize) -> KeptBy<'a, R, K>,
+        seen: impl Fn(usize) -> Kept<R, K::Carried>,
     ) -> K::Arrival {
-        self.kind.reach(self.edges, point, behind, seen)
+        self.kind.reach(&self.edges, point, behind, seen)
     }
 
     /// Accepts a front at a point if it is the first. Returns the change of the time.
@@ -113,7 +113,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
 
 /// Further methods for the shaders' twins.
 #[cfg(any(test, feature = "twins"))]
-impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
+impl<R: Real, K: FrontKind<R>> PointFronts<R, K> {
     /// Returns the change of the front at a point since `before`, as [`Self::accept`] measures it.
     pub(super) fn change_from(&self, before: &Self, point: usize) -> R::Bits {
         K::change(before.at(point), self.at(point))
@@ -129,7 +129,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
     /// stands for the present one. If it has been taken back, no front is left.
     pub(super) fn take_first(&mut self, copies: &[Self; 4], point: usize) -> R::Bits {
         let before = self.at(point);
-        let (mut taken, mut left): (Option<KeptBy<'a, R, K>>, _) = (None, before);
+        let (mut taken, mut left): (Option<Kept<R, K::Carried>>, _) = (None, before);
         for (copy, scan) in copies.iter().zip(1..) {
             let other = copy.at(point);
             if other.time >= R::FAR {

@@ -20,8 +20,8 @@ pub fn raster_scan<R: Real>(
     for_kind!(edges, wavefront, kind => solve(PointFronts::start(edges, kind, seeds), seeds, stop))
 }
 
-fn solve<'a, R: Real, K: FrontKind<'a, R>>(
-    mut fronts: PointFronts<'a, R, K>,
+fn solve<R: Real, K: FrontKind<R>>(
+    mut fronts: PointFronts<R, K>,
     seeds: &[Seed],
     stop: Stop,
 ) -> Solution<R> {

@@ -86,7 +86,7 @@ fn farthest_where<'a, R: Real>(
 #[derive(Clone, Debug)]
 pub struct FarthestPoints<'a> {
     surface: &'a Surface,
-    solver: RotatedScan<'a, f32>,
+    solver: RotatedScan<f32>,
     sources: Sources,
     /// The smallest initial value. The times of the solver are relative to it.
     start: f64,
@@ -104,7 +104,7 @@ impl<'a> FarthestPoints<'a> {
     /// If `edges` belong to a surface of another size.
     pub fn new(
         surface: &'a Surface,
-        edges: &'a EdgeLengths<f32>,
+        edges: &EdgeLengths<f32>,
         first: &Sources,
     ) -> Result<Self, Error> {
         let chart = surface.chart();

@@ -1,7 +1,7 @@
 //! Edge lengths: all that the solvers know of a surface.
 
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -30,23 +30,34 @@ const LEAST_BAND: usize = 8;
 /// The update of a triangle uses three such edges, so masks, metrics and slowness need no special case
 /// anywhere else. The arrays have a border of missing points. They take 16 bytes per point in single
 /// precision.
+///
+/// A clone shares the arrays and whatever solvers compute and store with them, so cloning is cheap. Solvers that
+/// live long hold a clone. The memory is freed with the last one.
 #[derive(Clone, Debug)]
 pub struct EdgeLengths<R> {
+    /// Not to be followed again for each point in loops that have to be fast. They borrow the arrays before.
+    pub(super) shared: Arc<SharedEdges<R>>,
+    /// See [`Self::front_meets_itself`].
+    beside_a_source: bool,
+}
+
+/// The data that all clones of [`EdgeLengths`] share.
+#[derive(Debug)]
+pub(super) struct SharedEdges<R> {
     chart: Chart,
     /// One array for each direction of [`STORED`], so that neighbours' lengths are adjacent in memory.
     lengths: [Vec<R>; 4],
     rule: EdgeRule,
-    /// See [`Self::front_meets_itself`].
+    /// See [`EdgeLengths::front_meets_itself`].
     slowed_unevenly: bool,
-    beside_a_source: bool,
-    /// See [`Self::slowness`].
-    slowness: Option<Vec<R>>,
+    /// See [`EdgeLengths::slowness`].
+    slowness: Option<Arc<Vec<R>>>,
     /// See `metric_curvature.rs`.
     pub(super) metric_curvature: Option<Vec<R>>,
     /// The grid of the surface, if it is a floor plan.
     floor: Option<EvenGrid>,
     /// See `gaussian_curvature.rs`. Empty until it is requested.
-    pub(super) gaussian_curvature: OnceLock<Vec<R>>,
+    pub(super) gaussian_curvature: OnceLock<Arc<Vec<R>>>,
     /// See `obtuse.rs`.
     pub(super) obtuse: ObtuseTriangles,
     /// See `parts.rs`.
@@ -133,13 +144,12 @@ impl<R: Real> EdgeLengths<R> {
             (false, true) => ObtuseTriangles::within(cells),
             (false, false) => ObtuseTriangles::none(),
         };
-        Ok(Self {
+        let shared = SharedEdges {
             chart,
             lengths,
             rule: surface.edge_rule(),
             slowed_unevenly: surface.is_slowed_unevenly(),
-            beside_a_source: false,
-            slowness,
+            slowness: slowness.map(Arc::new),
             metric_curvature: surface.metric_curvature(),
             floor: surface.floor(),
             gaussian_curvature: OnceLock::new(),
@@ -148,7 +158,8 @@ impl<R: Real> EdgeLengths<R> {
             copies: surface.copies().map(|groups| groups.mapped(bordered)),
             strips,
             of_glued: surface.is_glued(),
-        })
+        };
+        Ok(Self { shared: Arc::new(shared), beside_a_source: false })
     }
 
     /// Returns the edges between the points of a part of the grid.
@@ -160,7 +171,7 @@ impl<R: Real> EdgeLengths<R> {
         let mut lengths = [(); 4].map(|_| vec![R::FAR; chart.bordered_points()]);
         for ((to, window), whole) in STORED.into_iter().zip(&mut lengths).zip(self.planes()) {
             for line in 0..chart.rows {
-                let first = self.chart.bordered(row + line, col);
+                let first = self.chart().bordered(row + line, col);
                 let window = chart.row_of_mut(window, line);
                 window.copy_from_slice(&whole[first..][..chart.cols]);
                 for (at, length) in window.iter_mut().enumerate() {
@@ -173,34 +184,35 @@ impl<R: Real> EdgeLengths<R> {
         let cut = |whole: &[R], outside: R| {
             let mut window = vec![outside; chart.bordered_points()];
             for line in 0..chart.rows {
-                let first = self.chart.bordered(row + line, col);
+                let first = self.chart().bordered(row + line, col);
                 chart.row_of_mut(&mut window, line).copy_from_slice(&whole[first..][..chart.cols]);
             }
             window
         };
-        Self {
+        let metric = self.shared.metric_curvature.as_deref();
+        let shared = SharedEdges {
             chart,
             lengths,
-            rule: self.rule,
-            slowed_unevenly: self.slowed_unevenly,
-            beside_a_source: self.beside_a_source,
-            slowness: self.slowness.as_deref().map(|whole| cut(whole, R::one())),
-            metric_curvature: self.metric_curvature.as_deref().map(|whole| cut(whole, R::nan())),
-            floor: self.floor,
+            rule: self.shared.rule,
+            slowed_unevenly: self.shared.slowed_unevenly,
+            slowness: self.slowness().map(|whole| Arc::new(cut(whole, R::one()))),
+            metric_curvature: metric.map(|whole| cut(whole, R::nan())),
+            floor: self.shared.floor,
             gaussian_curvature: OnceLock::new(),
             obtuse: Default::default(),
             parts: Parts::default(),
             copies: None,
             strips: Strips::default(),
             of_glued: false,
-        }
+        };
+        Self { shared: Arc::new(shared), beside_a_source: self.beside_a_source }
     }
 
     /// Returns whether the front of a single source may meet itself from cell to cell, as the fronts of
     /// several sources do. It may if the slowness is uneven, or if there are obtuse triangles, as on steep
     /// surfaces.
     pub(crate) fn front_meets_itself(&self) -> bool {
-        !self.beside_a_source && (self.slowed_unevenly || self.has_obtuse_triangles())
+        !self.beside_a_source && (self.shared.slowed_unevenly || self.has_obtuse_triangles())
     }
 
     /// Returns the same edges for a region around a single source, in which the front has not gone far enough
@@ -211,20 +223,22 @@ impl<R: Real> EdgeLengths<R> {
     }
 
     /// Returns the same edges for a strip of a glued surface.
-    pub(super) fn of_glued(self) -> Self {
-        Self { of_glued: true, ..self }
+    pub(super) fn of_glued(mut self) -> Self {
+        let shared = Arc::get_mut(&mut self.shared);
+        shared.expect("edges that have just been measured have no clones").of_glued = true;
+        self
     }
 
     /// Returns the groups of points that are one point of the surface, by their indices in bordered arrays, if
     /// the surface is glued.
     pub(crate) fn copies(&self) -> Option<&Groups> {
-        self.copies.as_ref()
+        self.shared.copies.as_ref()
     }
 
     /// Corrects the Gaussian curvature of a glued surface beside its seams.
     pub(super) fn across_seams(&self, curvature: &mut [R]) {
-        if self.of_glued {
-            self.strips.replace_curvature(self, curvature);
+        if self.shared.of_glued {
+            self.shared.strips.replace_curvature(self, curvature);
             self.share_curvature(curvature);
         }
     }
@@ -233,12 +247,17 @@ impl<R: Real> EdgeLengths<R> {
     /// length of an edge on the surface is the stored length divided by the mean slowness of its ends. The
     /// value is 1 where there is no point.
     pub(crate) fn slowness(&self) -> Option<&[R]> {
-        self.slowness.as_deref()
+        self.shared.slowness.as_ref().map(|slowness| slowness.as_slice())
+    }
+
+    /// Returns the same array for data that may outlive these edges.
+    pub(crate) fn shared_slowness(&self) -> Option<Arc<Vec<R>>> {
+        self.shared.slowness.clone()
     }
 
     /// Returns the grid's size.
     pub fn chart(&self) -> Chart {
-        self.chart
+        self.shared.chart
     }
 
     /// Returns the length of the edge to a neighbour, or [`Real::FAR`] if there is none.
@@ -246,40 +265,44 @@ impl<R: Real> EdgeLengths<R> {
     /// # Panics
     /// If the grid has no such point.
     pub fn length(&self, row: usize, col: usize, to: Direction) -> R {
-        assert!(row < self.chart.rows && col < self.chart.cols, "point outside the grid");
-        self.at(self.chart.bordered(row, col), EdgeSlot::new(self.chart, 0, to))
+        let chart = self.chart();
+        assert!(row < chart.rows && col < chart.cols, "point outside the grid");
+        self.at(chart.bordered(row, col), EdgeSlot::new(chart, 0, to))
     }
 
     /// Returns the even grid if the surface is a floor plan ([`Surface::is_floor_plan`]).
     pub(crate) fn floor(&self) -> Option<EvenGrid> {
-        self.floor
+        self.shared.floor
     }
 
     /// Returns the rule by which the edges were measured.
     pub(crate) fn rule(&self) -> EdgeRule {
-        self.rule
+        self.shared.rule
     }
 
     /// Returns the number of bytes held. This includes the Gaussian curvature and the parts of obtuse
     /// triangles once a solver has requested them.
     pub fn bytes(&self) -> usize {
-        let curvature = self.gaussian_curvature.get().map(Vec::as_slice);
-        let planes = self.lengths.iter().map(Vec::as_slice).chain(curvature);
-        let planes = planes.chain(self.slowness()).chain(self.metric_curvature.as_deref());
-        let glued = self.strips.bytes() + self.copies.as_ref().map_or(0, Groups::bytes);
-        let found = self.obtuse.bytes() + self.parts.bytes();
+        let SharedEdges {
+            metric_curvature, gaussian_curvature, obtuse, parts, strips, copies, ..
+        } = &*self.shared;
+        let curvature = gaussian_curvature.get().map(|curvature| curvature.as_slice());
+        let planes = self.planes().into_iter().chain(curvature);
+        let planes = planes.chain(self.slowness()).chain(metric_curvature.as_deref());
+        let glued = strips.bytes() + copies.as_ref().map_or(0, Groups::bytes);
+        let found = obtuse.bytes() + parts.bytes();
         planes.map(std::mem::size_of_val).sum::<usize>() + found + glued
     }
 
     #[inline]
     pub(crate) fn at(&self, point: usize, slot: EdgeSlot) -> R {
-        self.lengths[slot.stored][point.wrapping_add_signed(slot.offset)]
+        self.shared.lengths[slot.stored][point.wrapping_add_signed(slot.offset)]
     }
 
     /// Returns the lengths of the edges in one slot for `points` points of a row, beginning with `first`.
     #[inline(always)]
     pub(crate) fn row(&self, first: usize, slot: EdgeSlot, points: usize) -> &[R] {
-        &self.lengths[slot.stored][first.wrapping_add_signed(slot.offset)..][..points]
+        &self.shared.lengths[slot.stored][first.wrapping_add_signed(slot.offset)..][..points]
     }
 
     /// Returns two sets of eight lengths for each of a row's points in `cols`: the lengths of its edges, and
@@ -299,14 +322,14 @@ impl<R: Real> EdgeLengths<R> {
     /// is uneven.
     #[inline(always)]
     pub(crate) fn fan_slowness(&self, row: usize, cols: Range<usize>) -> Option<(&[R], [&[R]; 8])> {
-        let (slowness, first) = (self.slowness()?, self.chart.bordered(row, cols.start));
+        let (slowness, first) = (self.slowness()?, self.chart().bordered(row, cols.start));
         let along = |first: usize| &slowness[first..][..cols.len()];
-        Some((along(first), Direction::ALL.map(|to| along(self.chart.beside(first, to)))))
+        Some((along(first), Direction::ALL.map(|to| along(self.chart().beside(first, to)))))
     }
 
     /// Returns the lengths of all edges to the east, north, north-east and north-west, as bordered arrays.
     pub(crate) fn planes(&self) -> [&[R]; 4] {
-        self.lengths.each_ref().map(Vec::as_slice)
+        self.shared.lengths.each_ref().map(Vec::as_slice)
     }
 }
 

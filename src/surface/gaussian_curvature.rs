@@ -1,5 +1,7 @@
 //! Computes the Gaussian curvature from edge lengths. The twin of `glsl/passes/gaussian_curvature.comp`.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 #[cfg(doc)]
@@ -22,7 +24,16 @@ impl<R: Real> EdgeLengths<R> {
     /// Returns the Gaussian curvature at each point of the bordered array. It is computed from the lengths
     /// alone, on the first call.
     pub(crate) fn gaussian_curvature(&self) -> &[R] {
-        self.gaussian_curvature.get_or_init(|| gaussian_curvature(self))
+        self.kept_gaussian_curvature()
+    }
+
+    /// Returns the same array for data that may outlive these edges.
+    pub(crate) fn shared_gaussian_curvature(&self) -> Arc<Vec<R>> {
+        self.kept_gaussian_curvature().clone()
+    }
+
+    fn kept_gaussian_curvature(&self) -> &Arc<Vec<R>> {
+        self.shared.gaussian_curvature.get_or_init(|| Arc::new(gaussian_curvature(self)))
     }
 }
 
@@ -46,7 +57,7 @@ fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
         true => Instructions::best().run(SlowedFans { edges, row, line }),
         false => Instructions::best().run(Fans { edges, row, line }),
     });
-    if let Some(metric) = &edges.metric_curvature {
+    if let Some(metric) = &edges.shared.metric_curvature {
         for (curvature, &known) in fans.iter_mut().zip(metric) {
             if *curvature < R::FAR && !known.is_nan() {
                 *curvature = known.with_tag(0);

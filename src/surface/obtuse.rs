@@ -165,13 +165,13 @@ impl<R: Real> EdgeLengths<R> {
     }
 
     fn found(&self) -> Option<&Found> {
-        if let Some(found) = self.obtuse.found.get() {
+        if let Some(found) = self.shared.obtuse.found.get() {
             return found.as_ref();
         }
         // Computed outside the lock: a thread that waits for others here may take up work that needs the
         // result too.
         let found = obtuse_triangles(self);
-        self.obtuse.found.get_or_init(|| found).as_ref()
+        self.shared.obtuse.found.get_or_init(|| found).as_ref()
     }
 
     /// Returns the points with obtuse triangles in part of a row or column of the bordered array, by their
@@ -268,7 +268,7 @@ fn obtuse_triangles<R: Real>(edges: &EdgeLengths<R>) -> Option<Found> {
     let mut triangles = vec![0; chart.bordered_points()];
     let is_slowed = edges.slowness().is_some();
     let in_row = |(row, line): (usize, &mut [u8])| {
-        let ranges = match &edges.obtuse.marked {
+        let ranges = match &edges.shared.obtuse.marked {
             Some(cells) => cells.ranges(row, line.len()),
             None => std::iter::once(0..line.len()).collect(),
         };
@@ -447,11 +447,12 @@ mod tests {
             }
             let surface = Surface::from_heights(rows, cols, heights, Spacing::square(1.0)).unwrap();
             let edges = EdgeLengths::<f32>::new(&surface).unwrap();
-            let marked = edges.obtuse.marked.as_ref().unwrap();
+            let marked = edges.shared.obtuse.marked.as_ref().unwrap();
             assert!(marked.marks.contains(&false));
             let found = edges.found().unwrap();
-            let mut unmarked = edges.clone();
-            unmarked.obtuse = ObtuseTriangles::default();
+            let mut unmarked = EdgeLengths::<f32>::new(&surface).unwrap();
+            let shared = std::sync::Arc::get_mut(&mut unmarked.shared).unwrap();
+            shared.obtuse = ObtuseTriangles::default();
             let expected = unmarked.found().unwrap();
             assert_eq!((&found.bits, found.triangles), (&expected.bits, expected.triangles));
             let all: u32 = found.bits.iter().map(|bits| bits.count_ones()).sum();

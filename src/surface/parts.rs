@@ -217,18 +217,18 @@ impl<R: Real> EdgeLengths<R> {
 
     /// Returns the parts of obtuse triangles on one side of their points if they are stored already.
     pub(crate) fn stored_parts_on_side(&self, side: Direction) -> Option<&SideParts<R>> {
-        let sides = self.parts.0.get()?.as_ref()?;
+        let sides = self.shared.parts.0.get()?.as_ref()?;
         Some(&sides[side as usize / 2])
     }
 
     /// Returns the parts of obtuse triangles on one side of their points, which are stored from now on. The
     /// result is `None` if the surface has no such triangle, or more than can be stored.
     pub(crate) fn parts_on_side(&self, side: Direction) -> Option<&SideParts<R>> {
-        if self.parts.0.get().is_none() {
+        if self.shared.parts.0.get().is_none() {
             // Computed outside the lock: a thread that waits for others here may take up work that needs the
             // parts too.
             let sides = self.find_parts();
-            self.parts.0.get_or_init(|| sides);
+            self.shared.parts.0.get_or_init(|| sides);
         }
         self.stored_parts_on_side(side)
     }

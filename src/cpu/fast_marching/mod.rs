@@ -8,7 +8,7 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::{BinaryHeap, HashMap};
 
 use super::behind::Behind;
-use super::fronts::{Anchored, FrontKind, FrontOver, KeptBy, TriangleKind};
+use super::fronts::{Anchored, FrontKind, FrontOver, TriangleKind};
 use super::point_fronts::PointFronts;
 use super::solution::Solution;
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Groups, Real, Seed};
@@ -57,8 +57,8 @@ fn neighbours(chart: Chart) -> [(isize, EdgeSlot, Behind); 8] {
     })
 }
 
-fn by_triangles<'a, R: Real, K: TriangleKind<'a, R>>(
-    edges: &'a EdgeLengths<R>,
+fn by_triangles<R: Real, K: TriangleKind<R>>(
+    edges: &EdgeLengths<R>,
     connections: &Connections<R>,
     seeds: &[Seed],
     kind: K,
@@ -134,14 +134,14 @@ impl<'a> CopiesOf<'a> {
 }
 
 /// The fronts, flags of the fixed points, and the heap of the points that may be fixed next.
-struct March<'a, R: Real, K: FrontKind<'a, R>> {
-    fronts: PointFronts<'a, R, K>,
+struct March<R: Real, K: FrontKind<R>> {
+    fronts: PointFronts<R, K>,
     fixed: Vec<bool>,
     heap: BinaryHeap<Reverse<Arrival<R>>>,
 }
 
-impl<'a, R: Real, K: FrontKind<'a, R>> March<'a, R, K> {
-    fn start(fronts: PointFronts<'a, R, K>, seeds: &[Seed]) -> Self {
+impl<R: Real, K: FrontKind<R>> March<R, K> {
+    fn start(fronts: PointFronts<R, K>, seeds: &[Seed]) -> Self {
         let chart = fronts.edges.chart();
         let heap = seeds
             .iter()
@@ -167,7 +167,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> March<'a, R, K> {
     }
 
     /// Returns the front at a point. A point that is not fixed counts as not reached.
-    fn known(&self, point: usize) -> KeptBy<'a, R, K> {
+    fn known(&self, point: usize) -> Kept<R, K::Carried> {
         let front = self.fronts.at(point);
         Kept { time: if self.fixed[point] { front.time } else { R::FAR }, ..front }
     }

@@ -5,17 +5,18 @@
 //! square root per point, in SIMD lanes. Elsewhere points are updated one after another, as in
 //! `update/anchored.rs`.
 
-use std::borrow::Cow;
 use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
-use super::kind::{BeforeOf, FrontKind, LinesOf, SpanOf};
+use super::kind::FrontKind;
+use super::surface_array::SurfaceArray;
 use crate::constants::ANCHOR_COUNTS;
 use crate::cpu::behind::Behind;
 use crate::cpu::rotated::line::GridLines;
 use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
+use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::rotated::tiles::TILE;
 use crate::cpu::scan::Scan;
 use crate::lanes::prefetch;
@@ -60,7 +61,7 @@ impl<R: Real> Anchored<R> {
     }
 }
 
-impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
+impl<R: Real> FrontKind<R> for Anchored<R> {
     type Carried = Anchor<R>;
     type Arrival = KeptAnchored<R>;
     type SurfaceData = HolesBehind<R>;
@@ -132,7 +133,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
         before.time.units_between(after.time).max(turn)
     }
 
-    fn surface_data(&self, chart: Chart) -> Cow<'a, [HolesBehind<R>]> {
+    fn surface_data(&self, chart: Chart) -> SurfaceArray<HolesBehind<R>> {
         let mut holes = vec![HolesBehind(R::one().with_tag(TAG)); chart.bordered_points()];
         chart.rows_mut(&mut holes).enumerate().for_each(|(row, holes)| {
             for (col, hole) in holes.iter_mut().enumerate() {
@@ -141,7 +142,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
                 *hole = HolesBehind::new(Scan::ALL.into_iter().filter(blocks));
             }
         });
-        holes.into()
+        SurfaceArray::Own(holes)
     }
 
     fn bytes(&self) -> usize {
@@ -150,7 +151,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
 
     fn update(
         &self,
-        lines: &mut LinesOf<'_, 'a, R, Self>,
+        lines: &mut GridLines<'_, R, Self::Carried, Self::SurfaceData>,
         line: usize,
         points: &Range<usize>,
         options: UpdateOptions,
@@ -165,9 +166,9 @@ impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
     #[inline(always)]
     fn leaves(
         &self,
-        before: &BeforeOf<'_, 'a, R, Self>,
+        before: &Before<'_, R, Self::Carried, Self::SurfaceData>,
         first: usize,
-        span: SpanOf<'_, 'a, R, Self>,
+        span: Span<'_, R, Self::Carried, Self::SurfaceData>,
         points: usize,
         options: UpdateOptions,
     ) -> bool {

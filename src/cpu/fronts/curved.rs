@@ -1,17 +1,18 @@
 //! Implements fronts that carry their curvature.
 
-use std::borrow::Cow;
 use std::ops::Range;
+use std::sync::Arc;
 
-use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, SpanOf, TriangleKind, in_span};
+use super::kind::{FrontKind, TriangleKind, in_span};
 use super::origins::{LineOrigins, OriginTable, SpanOrigins};
+use super::surface_array::SurfaceArray;
 use crate::constants::IN_SIGHT;
 use crate::cpu::behind::{Behind, TriangleSlots};
 use crate::cpu::bend_units;
-use crate::cpu::rotated::line::ScanLine;
+use crate::cpu::rotated::line::{GridLines, ScanLine};
 use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::rotated::settled::{Visited, from_curved};
-use crate::cpu::rotated::span::Span;
+use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::rotated::tiles::TILE;
 use crate::surface::{Chart, Direction, EdgeLengths, Origins, Real, Seed, max, min};
 use crate::update::{
@@ -21,10 +22,10 @@ use crate::update::{
 
 /// The front of [`crate::Wavefront::Curved`].
 #[derive(Clone, Debug)]
-pub(in crate::cpu) struct Curved<'a, R> {
-    edges: &'a EdgeLengths<R>,
+pub(in crate::cpu) struct Curved<R> {
+    edges: EdgeLengths<R>,
     /// The surface's Gaussian curvature, with a tag where waves diffract.
-    gaussian: &'a [R],
+    gaussian: Arc<Vec<R>>,
     origins: Origins,
     /// The origins whose numbers fronts carry.
     table: OriginTable<R>,
@@ -35,11 +36,11 @@ pub(in crate::cpu) struct Curved<'a, R> {
 /// The front that a point keeps.
 pub(super) type KeptCurved<R> = Kept<R, Curvature<R>>;
 
-impl<'a, R: Real> Curved<'a, R> {
-    pub(in crate::cpu) fn new(edges: &'a EdgeLengths<R>) -> Self {
+impl<R: Real> Curved<R> {
+    pub(in crate::cpu) fn new(edges: &EdgeLengths<R>) -> Self {
         Self {
-            edges,
-            gaussian: edges.gaussian_curvature(),
+            edges: edges.clone(),
+            gaussian: edges.shared_gaussian_curvature(),
             origins: Origins::none(edges.front_meets_itself()),
             table: OriginTable::default(),
             has_names: false,
@@ -61,7 +62,7 @@ impl<'a, R: Real> Curved<'a, R> {
         let triangles = Direction::ALL.map(|to| TriangleSlots::new(chart, to, to.next()));
         let all = triangles.iter().map(|slots| {
             let steps = slots.directions().map(|to| <[isize; 2]>::from(to.step()));
-            (slots.lengths(self.edges, point), steps)
+            (slots.lengths(&self.edges, point), steps)
         });
         let start = R::of(seed.time);
         let time = line_to(all, &sighted).unwrap_or(start);
@@ -76,7 +77,7 @@ impl<'a, R: Real> Curved<'a, R> {
     }
 }
 
-impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
+impl<R: Real> FrontKind<R> for Curved<R> {
     type Carried = Curvature<R>;
     type Arrival = Front<R>;
     type SurfaceData = R;
@@ -138,13 +139,13 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
         before.time.units_between(after.time).max(bend_units(bend))
     }
 
-    fn surface_data(&self, _: Chart) -> Cow<'a, [R]> {
-        self.gaussian.into()
+    fn surface_data(&self, _: Chart) -> SurfaceArray<R> {
+        SurfaceArray::OfEdges(self.gaussian.clone())
     }
 
     fn update(
         &self,
-        lines: &mut LinesOf<'_, 'a, R, Self>,
+        lines: &mut GridLines<'_, R, Self::Carried, Self::SurfaceData>,
         line: usize,
         points: &Range<usize>,
         options: UpdateOptions,
@@ -171,9 +172,9 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
     #[inline(always)]
     fn leaves(
         &self,
-        _: &BeforeOf<'_, 'a, R, Self>,
+        _: &Before<'_, R, Self::Carried, Self::SurfaceData>,
         _: usize,
-        span: SpanOf<'_, 'a, R, Self>,
+        span: Span<'_, R, Self::Carried, Self::SurfaceData>,
         points: usize,
         options: UpdateOptions,
     ) -> bool {
@@ -181,7 +182,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
     }
 }
 
-impl<'a, R: Real> TriangleKind<'a, R> for Curved<'a, R> {
+impl<R: Real> TriangleKind<R> for Curved<R> {
     #[inline]
     fn arrival(
         &self,
@@ -226,7 +227,7 @@ impl<'a, R: Real> TriangleKind<'a, R> for Curved<'a, R> {
         Front::first(a, b)
     }
 
-    fn curvature(kept: KeptBy<'a, R, Self>) -> R {
+    fn curvature(kept: Kept<R, Self::Carried>) -> R {
         kept.carried.value()
     }
 

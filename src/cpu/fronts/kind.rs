@@ -1,10 +1,10 @@
 //! Defines what solvers require of a kind of front.
 
-use std::borrow::Cow;
 use std::ops::Range;
 
 use bytemuck::Pod;
 
+use super::surface_array::SurfaceArray;
 use crate::cpu::behind::{Behind, TriangleSlots};
 use crate::cpu::rotated::line::GridLines;
 use crate::cpu::rotated::line_update::{UpdateOptions, Updated};
@@ -13,23 +13,11 @@ use crate::cpu::scan::Scan;
 use crate::surface::{Chart, Direction, EdgeLengths, Part, Real, Seed};
 use crate::update::{Carried, Kept, Triangle};
 
-/// The front that a point keeps, for a kind of front.
-pub(in crate::cpu) type KeptBy<'a, R, K> = Kept<R, <K as FrontKind<'a, R>>::Carried>;
-/// [`GridLines`] for a kind of front.
-pub(in crate::cpu) type LinesOf<'l, 'a, R, K> =
-    GridLines<'l, R, <K as FrontKind<'a, R>>::Carried, <K as FrontKind<'a, R>>::SurfaceData>;
-/// [`Span`] for a kind of front.
-pub(in crate::cpu) type SpanOf<'l, 'a, R, K> =
-    Span<'l, R, <K as FrontKind<'a, R>>::Carried, <K as FrontKind<'a, R>>::SurfaceData>;
-/// [`Before`] for a kind of front.
-pub(in crate::cpu) type BeforeOf<'l, 'a, R, K> =
-    Before<'l, R, <K as FrontKind<'a, R>>::Carried, <K as FrontKind<'a, R>>::SurfaceData>;
-
-/// A kind of front over a surface whose edges live for `'a`. It defines what points carry, what is needed of
+/// A kind of front over a surface. It defines what points carry, what is needed of
 /// the surface, and how fronts start, continue and are compared. The first half is for solvers that update
 /// points one by one, the second half for those that update lines in SIMD lanes.
-pub(in crate::cpu) trait FrontKind<'a, R: Real>:
-    Clone + std::fmt::Debug + Send + Sync
+pub(in crate::cpu) trait FrontKind<R: Real>:
+    Clone + std::fmt::Debug + Send + Sync + 'static
 {
     /// Data that the front at a point carries beside its arrival time.
     type Carried: Carried;
@@ -63,26 +51,26 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
         edges: &EdgeLengths<R>,
         point: usize,
         behind: &Behind,
-        seen: impl Fn(usize) -> KeptBy<'a, R, Self>,
+        seen: impl Fn(usize) -> Kept<R, Self::Carried>,
     ) -> Self::Arrival;
 
     /// Returns the front at a point after `arrival` has reached it, brought by `scan` (numbered from one).
     /// The arrival is taken if it is the first, or if the scan `renews` a front that it brought earlier.
     fn accept(
-        kept: KeptBy<'a, R, Self>,
+        kept: Kept<R, Self::Carried>,
         arrival: Self::Arrival,
         scan: u8,
         renews: bool,
-    ) -> KeptBy<'a, R, Self>;
+    ) -> Kept<R, Self::Carried>;
 
     /// Returns the front at a point as one that arrives at a copy of the point, on a glued surface.
-    fn arrival_of_front(kept: KeptBy<'a, R, Self>) -> Self::Arrival;
+    fn arrival_of_front(kept: Kept<R, Self::Carried>) -> Self::Arrival;
 
     /// Returns the first of two fronts at a point.
-    fn first(a: KeptBy<'a, R, Self>, b: KeptBy<'a, R, Self>) -> KeptBy<'a, R, Self>;
+    fn first(a: Kept<R, Self::Carried>, b: Kept<R, Self::Carried>) -> Kept<R, Self::Carried>;
 
     /// Returns how much a front has changed, in units of its arrival time ([`Real::units_between`]).
-    fn change(before: KeptBy<'a, R, Self>, after: KeptBy<'a, R, Self>) -> R::Bits;
+    fn change(before: Kept<R, Self::Carried>, after: Kept<R, Self::Carried>) -> R::Bits;
 
     /// Data that is needed of each point of the surface.
     type SurfaceData: Pod + Send + Sync + std::fmt::Debug;
@@ -91,7 +79,7 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
     const NEEDS_EDGES: bool = true;
 
     /// Returns the data of the surface, as a bordered array.
-    fn surface_data(&self, chart: Chart) -> Cow<'a, [Self::SurfaceData]>;
+    fn surface_data(&self, chart: Chart) -> SurfaceArray<Self::SurfaceData>;
 
     /// Returns the number of bytes held, without the data of the surface.
     fn bytes(&self) -> usize {
@@ -102,7 +90,7 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
     /// [`TILE`](crate::cpu::rotated::tiles::TILE) points that have changed.
     fn update(
         &self,
-        lines: &mut LinesOf<'_, 'a, R, Self>,
+        lines: &mut GridLines<'_, R, Self::Carried, Self::SurfaceData>,
         line: usize,
         points: &Range<usize>,
         options: UpdateOptions,
@@ -113,16 +101,16 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
     /// must be inlined into loops over SIMD lanes.
     fn leaves(
         &self,
-        before: &BeforeOf<'_, 'a, R, Self>,
+        before: &Before<'_, R, Self::Carried, Self::SurfaceData>,
         first: usize,
-        span: SpanOf<'_, 'a, R, Self>,
+        span: Span<'_, R, Self::Carried, Self::SurfaceData>,
         points: usize,
         options: UpdateOptions,
     ) -> bool;
 }
 
 /// A kind of front that can be updated from a single triangle.
-pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
+pub(in crate::cpu) trait TriangleKind<R: Real>: FrontKind<R> {
     /// Returns the front that reaches x0 through the triangle with x1 and x2. `carried` is the data of the
     /// fronts there. See [`crate::update::Curvatures`] for `alone`.
     fn arrival(
@@ -177,7 +165,7 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         edges: &EdgeLengths<R>,
         point: usize,
         directions: [Direction; 2],
-        seen: impl Fn(usize) -> KeptBy<'a, R, Self>,
+        seen: impl Fn(usize) -> Kept<R, Self::Carried>,
     ) -> Option<Self::Arrival> {
         let mut first: Option<Self::Arrival> = None;
         edges.split(point, directions, |[x1, x2], [l1, l2, c], slowness| {
@@ -194,7 +182,7 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
     /// Returns them by the points' places in the line, or `None` if no triangle there is obtuse.
     fn splits_of_line(
         &self,
-        lines: &LinesOf<'_, 'a, R, Self>,
+        lines: &GridLines<'_, R, Self::Carried, Self::SurfaceData>,
         line: usize,
         points: &Range<usize>,
         scan: Scan,
@@ -237,7 +225,7 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
     /// Finds the same fronts for parts that are not stored, from a point on.
     fn splits_found_now(
         &self,
-        lines: &LinesOf<'_, 'a, R, Self>,
+        lines: &GridLines<'_, R, Self::Carried, Self::SurfaceData>,
         [row, col]: [usize; 2],
         points: usize,
         scan: Scan,
@@ -272,7 +260,7 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         edges: &EdgeLengths<R>,
         point: usize,
         slots: &TriangleSlots,
-        seen: impl Fn(usize) -> KeptBy<'a, R, Self>,
+        seen: impl Fn(usize) -> Kept<R, Self::Carried>,
     ) -> Self::Arrival {
         let [x1, x2] = slots.corners(point);
         let kept = [x1, x2].map(&seen);
@@ -289,7 +277,7 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
 
     /// Returns the curvature of a front. If the front carries none, this is the curvature of a circle around
     /// its source.
-    fn curvature(kept: KeptBy<'a, R, Self>) -> R;
+    fn curvature(kept: Kept<R, Self::Carried>) -> R;
 
     /// Returns the data that a circular front of the given radius carries over a plane.
     fn circle(radius: R) -> Self::Carried;

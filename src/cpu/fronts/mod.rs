@@ -13,34 +13,36 @@ mod slowed;
 mod slowed_curved;
 mod slowed_planar;
 mod straight;
+mod surface_array;
 
 pub(super) use anchored::Anchored;
 pub(super) use circular::Circular;
 pub(super) use curved::Curved;
-pub(super) use kind::{FrontKind, KeptBy, TriangleKind};
+pub(super) use kind::{FrontKind, TriangleKind};
 pub(super) use planar::Planar;
 pub(super) use slowed_curved::SlowedCurved;
 pub(super) use slowed_planar::SlowedPlanar;
+pub(super) use surface_array::SurfaceArray;
 
 use crate::surface::{EdgeLengths, Real};
 use crate::update::{Setting, Wavefront};
 
 /// A kind of front over a surface.
 #[expect(clippy::large_enum_variant, reason = "it is taken apart at once")]
-pub(super) enum FrontOver<'a, R> {
+pub(super) enum FrontOver<R> {
     Planar(Planar),
     Circular(Circular),
-    Curved(Curved<'a, R>),
+    Curved(Curved<R>),
     Anchored(Anchored<R>),
-    SlowedPlanar(SlowedPlanar<'a, R>),
-    SlowedCurved(SlowedCurved<'a, R>),
+    SlowedPlanar(SlowedPlanar<R>),
+    SlowedCurved(SlowedCurved<R>),
 }
 
-impl<'a, R: Real> FrontOver<'a, R> {
+impl<R: Real> FrontOver<R> {
     /// Selects the kind of front of a wavefront over the surface with these edges.
-    pub(super) fn new(edges: &'a EdgeLengths<R>, wavefront: Wavefront) -> Self {
+    pub(super) fn new(edges: &EdgeLengths<R>, wavefront: Wavefront) -> Self {
         let floor = edges.floor();
-        if let Some(slowness) = edges.slowness() {
+        if let Some(slowness) = edges.shared_slowness() {
             return match wavefront {
                 Wavefront::Planar => Self::SlowedPlanar(SlowedPlanar::new(slowness)),
                 // Circles have no centre where rays bend.

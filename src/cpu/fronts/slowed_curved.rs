@@ -1,15 +1,17 @@
 //! Implements fronts that carry their curvature over an uneven slowness.
 
-use std::borrow::Cow;
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::curved::{FirstFronts, KeptCurved, accept, first};
-use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, SpanOf, TriangleKind, in_span};
+use super::kind::{FrontKind, TriangleKind, in_span};
 use super::slowed::Seen;
+use super::surface_array::SurfaceArray;
 use crate::cpu::behind::Behind;
 use crate::cpu::bend_units;
-use crate::cpu::rotated::line::ScanLine;
+use crate::cpu::rotated::line::{GridLines, ScanLine};
 use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
+use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::rotated::tiles::TILE;
 use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed};
 use crate::update::{
@@ -17,12 +19,12 @@ use crate::update::{
 };
 
 /// The front of [`crate::Wavefront::Curved`] over a surface with an uneven slowness.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::cpu) struct SlowedCurved<'a, R> {
+#[derive(Clone, Debug)]
+pub(in crate::cpu) struct SlowedCurved<R> {
     /// The Gaussian curvature of the surface's metric weighted by the slowness, with a tag where waves
     /// diffract; and the slowness.
-    gaussian: &'a [R],
-    slowness: &'a [R],
+    gaussian: Arc<Vec<R>>,
+    slowness: Arc<Vec<R>>,
     origins: Origins,
 }
 
@@ -31,15 +33,15 @@ type SurfaceData<R> = [R; 2];
 const GAUSSIAN: usize = 0;
 const SLOWNESS: usize = 1;
 
-impl<'a, R: Real> SlowedCurved<'a, R> {
+impl<R: Real> SlowedCurved<R> {
     /// Creates the front for a surface with these edges and this slowness.
-    pub(in crate::cpu) fn new(edges: &'a EdgeLengths<R>, slowness: &'a [R]) -> Self {
+    pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, slowness: Arc<Vec<R>>) -> Self {
         let origins = Origins::none(edges.front_meets_itself());
-        Self { gaussian: edges.gaussian_curvature(), slowness, origins }
+        Self { gaussian: edges.shared_gaussian_curvature(), slowness, origins }
     }
 }
 
-impl<'a, R: Real> FrontKind<'a, R> for SlowedCurved<'a, R> {
+impl<R: Real> FrontKind<R> for SlowedCurved<R> {
     type Carried = Curvature<R>;
     type Arrival = Front<R>;
     type SurfaceData = SurfaceData<R>;
@@ -91,14 +93,14 @@ impl<'a, R: Real> FrontKind<'a, R> for SlowedCurved<'a, R> {
         before.time.units_between(after.time).max(bend_units(bend))
     }
 
-    fn surface_data(&self, _: Chart) -> Cow<'a, [SurfaceData<R>]> {
-        let points = self.gaussian.iter().zip(self.slowness);
-        points.map(|(&gaussian, &slowness)| [gaussian, slowness]).collect()
+    fn surface_data(&self, _: Chart) -> SurfaceArray<SurfaceData<R>> {
+        let points = self.gaussian.iter().zip(&*self.slowness);
+        SurfaceArray::Own(points.map(|(&gaussian, &slowness)| [gaussian, slowness]).collect())
     }
 
     fn update(
         &self,
-        lines: &mut LinesOf<'_, 'a, R, Self>,
+        lines: &mut GridLines<'_, R, Self::Carried, Self::SurfaceData>,
         line: usize,
         points: &Range<usize>,
         options: UpdateOptions,
@@ -114,9 +116,9 @@ impl<'a, R: Real> FrontKind<'a, R> for SlowedCurved<'a, R> {
     #[inline(always)]
     fn leaves(
         &self,
-        before: &BeforeOf<'_, 'a, R, Self>,
+        before: &Before<'_, R, Self::Carried, Self::SurfaceData>,
         first: usize,
-        span: SpanOf<'_, 'a, R, Self>,
+        span: Span<'_, R, Self::Carried, Self::SurfaceData>,
         points: usize,
         options: UpdateOptions,
     ) -> bool {
@@ -132,7 +134,7 @@ impl<'a, R: Real> FrontKind<'a, R> for SlowedCurved<'a, R> {
     }
 }
 
-impl<'a, R: Real> SlowedCurved<'a, R> {
+impl<R: Real> SlowedCurved<R> {
     fn bends(&self, corners: [usize; 3], carried: [Curvature<R>; 2], alone: bool) -> Curvatures<R> {
         let fronts = carried.map(Curvature::value);
         let surface = corners.map(|corner| self.gaussian[corner]);
@@ -140,7 +142,7 @@ impl<'a, R: Real> SlowedCurved<'a, R> {
     }
 }
 
-impl<'a, R: Real> TriangleKind<'a, R> for SlowedCurved<'a, R> {
+impl<R: Real> TriangleKind<R> for SlowedCurved<R> {
     #[inline]
     fn arrival(
         &self,
@@ -175,7 +177,7 @@ impl<'a, R: Real> TriangleKind<'a, R> for SlowedCurved<'a, R> {
         Front::first(a, b)
     }
 
-    fn curvature(kept: KeptBy<'a, R, Self>) -> R {
+    fn curvature(kept: Kept<R, Self::Carried>) -> R {
         kept.carried.value()
     }
 

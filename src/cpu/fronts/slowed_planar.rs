@@ -1,32 +1,34 @@
 //! Implements planar fronts over an uneven slowness.
 
-use std::borrow::Cow;
 use std::ops::Range;
+use std::sync::Arc;
 
-use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, SpanOf, TriangleKind, in_span};
+use super::kind::{FrontKind, TriangleKind, in_span};
 use super::slowed::{Seen, TimeChanges};
+use super::surface_array::SurfaceArray;
 use crate::cpu::behind::Behind;
-use crate::cpu::rotated::line::ScanLine;
+use crate::cpu::rotated::line::{GridLines, ScanLine};
 use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
+use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::rotated::tiles::TILE;
 use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
 use crate::update::{Kept, Triangle, is_settled_slowed, planar_slowed};
 
 /// The front of [`crate::Wavefront::Planar`] over a surface with an uneven slowness.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::cpu) struct SlowedPlanar<'a, R> {
+#[derive(Clone, Debug)]
+pub(in crate::cpu) struct SlowedPlanar<R> {
     /// Slowness at each point of the bordered array.
-    slowness: &'a [R],
+    slowness: Arc<Vec<R>>,
 }
 
-impl<'a, R: Real> SlowedPlanar<'a, R> {
+impl<R: Real> SlowedPlanar<R> {
     /// Creates the front for a surface with this slowness.
-    pub(in crate::cpu) fn new(slowness: &'a [R]) -> Self {
+    pub(in crate::cpu) fn new(slowness: Arc<Vec<R>>) -> Self {
         Self { slowness }
     }
 }
 
-impl<'a, R: Real> FrontKind<'a, R> for SlowedPlanar<'a, R> {
+impl<R: Real> FrontKind<R> for SlowedPlanar<R> {
     type Carried = ();
     type Arrival = R;
     type SurfaceData = R;
@@ -67,13 +69,13 @@ impl<'a, R: Real> FrontKind<'a, R> for SlowedPlanar<'a, R> {
         before.time.units_between(after.time)
     }
 
-    fn surface_data(&self, _: Chart) -> Cow<'a, [R]> {
-        self.slowness.into()
+    fn surface_data(&self, _: Chart) -> SurfaceArray<R> {
+        SurfaceArray::OfEdges(self.slowness.clone())
     }
 
     fn update(
         &self,
-        lines: &mut LinesOf<'_, 'a, R, Self>,
+        lines: &mut GridLines<'_, R, Self::Carried, Self::SurfaceData>,
         line: usize,
         points: &Range<usize>,
         options: UpdateOptions,
@@ -88,9 +90,9 @@ impl<'a, R: Real> FrontKind<'a, R> for SlowedPlanar<'a, R> {
     #[inline(always)]
     fn leaves(
         &self,
-        before: &BeforeOf<'_, 'a, R, Self>,
+        before: &Before<'_, R, Self::Carried, Self::SurfaceData>,
         first: usize,
-        span: SpanOf<'_, 'a, R, Self>,
+        span: Span<'_, R, Self::Carried, Self::SurfaceData>,
         points: usize,
         options: UpdateOptions,
     ) -> bool {
@@ -111,7 +113,7 @@ impl<'a, R: Real> FrontKind<'a, R> for SlowedPlanar<'a, R> {
     }
 }
 
-impl<'a, R: Real> TriangleKind<'a, R> for SlowedPlanar<'a, R> {
+impl<R: Real> TriangleKind<R> for SlowedPlanar<R> {
     #[inline]
     fn arrival(&self, corners: [usize; 3], triangle: Triangle<R>, _: [(); 2], _: bool) -> R {
         planar_slowed(triangle, corners.map(|corner| self.slowness[corner]))
@@ -139,7 +141,7 @@ impl<'a, R: Real> TriangleKind<'a, R> for SlowedPlanar<'a, R> {
         min(a, b)
     }
 
-    fn curvature(kept: KeptBy<'a, R, Self>) -> R {
+    fn curvature(kept: Kept<R, Self::Carried>) -> R {
         kept.time.recip()
     }
 

@@ -1,14 +1,14 @@
 //! Implements fronts that carry nothing beside their arrival time.
 
-use std::borrow::Cow;
 use std::ops::Range;
 
-use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, SpanOf, TriangleKind, in_span};
+use super::kind::{FrontKind, TriangleKind, in_span};
+use super::surface_array::SurfaceArray;
 use crate::cpu::behind::Behind;
-use crate::cpu::rotated::line::ScanLine;
+use crate::cpu::rotated::line::{GridLines, ScanLine};
 use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::rotated::settled::Visited;
-use crate::cpu::rotated::span::Span;
+use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::rotated::tiles::TILE;
 use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed, min};
 use crate::update::{Kept, Triangle};
@@ -41,7 +41,7 @@ fn at<R>(time: R) -> Kept<R, ()> {
     Kept { time, carried: () }
 }
 
-impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
+impl<R: Real, S: Straight> FrontKind<R> for S {
     type Carried = ();
     type Arrival = R;
     type SurfaceData = ();
@@ -91,13 +91,13 @@ impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
         before.time.units_between(after.time)
     }
 
-    fn surface_data(&self, chart: Chart) -> Cow<'a, [()]> {
-        vec![(); chart.bordered_points()].into()
+    fn surface_data(&self, chart: Chart) -> SurfaceArray<()> {
+        SurfaceArray::Own(vec![(); chart.bordered_points()])
     }
 
     fn update(
         &self,
-        lines: &mut LinesOf<'_, 'a, R, Self>,
+        lines: &mut GridLines<'_, R, Self::Carried, Self::SurfaceData>,
         line: usize,
         points: &Range<usize>,
         options: UpdateOptions,
@@ -120,9 +120,9 @@ impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
     #[inline(always)]
     fn leaves(
         &self,
-        _: &BeforeOf<'_, 'a, R, Self>,
+        _: &Before<'_, R, Self::Carried, Self::SurfaceData>,
         _: usize,
-        span: SpanOf<'_, 'a, R, Self>,
+        span: Span<'_, R, Self::Carried, Self::SurfaceData>,
         points: usize,
         _: UpdateOptions,
     ) -> bool {
@@ -130,7 +130,7 @@ impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
     }
 }
 
-impl<'a, R: Real, S: Straight> TriangleKind<'a, R> for S {
+impl<R: Real, S: Straight> TriangleKind<R> for S {
     #[inline]
     fn arrival(&self, _: [usize; 3], triangle: Triangle<R>, _: [(); 2], _: bool) -> R {
         Straight::time(*self, triangle)
@@ -144,7 +144,7 @@ impl<'a, R: Real, S: Straight> TriangleKind<'a, R> for S {
         min(a, b)
     }
 
-    fn curvature(kept: KeptBy<'a, R, Self>) -> R {
+    fn curvature(kept: Kept<R, Self::Carried>) -> R {
         kept.time.recip()
     }
 

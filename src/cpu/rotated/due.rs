@@ -22,7 +22,7 @@ use crate::surface::{Direction, Real};
 /// Finds the tiles in which up to four scans have work that start from the same fronts. Returns the number of examined
 /// points. Points examined for two scans count twice. Rows of tiles are examined in parallel if the tiles are
 /// those of the whole grid.
-pub(in crate::cpu) fn find_due<'a, R: Real, K: FrontKind<'a, R>>(
+pub(in crate::cpu) fn find_due<R: Real, K: FrontKind<R>>(
     kind: &K,
     before: Before<R, K::Carried, K::SurfaceData>,
     tiles: &mut Tiles,
@@ -75,7 +75,7 @@ fn runs(beside: &[u8], scan: Scan) -> impl Iterator<Item = Range<usize>> {
 
 /// A check of whether a scan has work in the tiles along a row of points. It adds the scan to `due` of those
 /// tiles.
-struct Look<'l, 'a, R: Real, K: FrontKind<'a, R>> {
+struct Look<'l, R: Real, K: FrontKind<R>> {
     kind: &'l K,
     before: &'l Before<'l, R, K::Carried, K::SurfaceData>,
     /// The first point, as an index into bordered arrays of the grid.
@@ -89,7 +89,7 @@ struct Look<'l, 'a, R: Real, K: FrontKind<'a, R>> {
     due: &'l mut [u8],
 }
 
-impl<'a, R: Real, K: FrontKind<'a, R>> Loop for Look<'_, 'a, R, K> {
+impl<R: Real, K: FrontKind<R>> Loop for Look<'_, R, K> {
     type Output = ();
 
     #[inline(always)]
@@ -141,7 +141,7 @@ mod tests {
 
     /// Returns the scans that have work around a point in the middle, given arrival times and the data that
     /// fronts carry.
-    fn due<'a, K: FrontKind<'a, f32>>(
+    fn due<K: FrontKind<f32>>(
         edges: &EdgeLengths<f32>,
         kind: &K,
         instructions: Instructions,

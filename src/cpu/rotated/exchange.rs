@@ -9,7 +9,7 @@ use crate::update::{Carried, EXACT, EXCHANGED, Kept};
 /// Gives each copy of a point the first front that a scan has brought to any of them, and returns the largest
 /// change. Fronts that an earlier exchange has brought do not count: those from which they were copied may
 /// have been renewed since. The fronts before and after are the same in both `copies` of the map.
-pub(in crate::cpu) fn exchange<'a, R: Real, K: FrontKind<'a, R>>(
+pub(in crate::cpu) fn exchange<R: Real, K: FrontKind<R>>(
     edges: &EdgeLengths<R>,
     copies: &mut [ScanCopy<R, K::Carried>; 2],
     tiles: &mut Tiles,

@@ -14,7 +14,7 @@ use crate::surface::{Chart, Real};
 use crate::update::{Carried, Kept};
 
 /// Leaves the first front to arrive at each point in both copies.
-pub(in crate::cpu) fn merge<'a, R: Real, K: FrontKind<'a, R>>(
+pub(in crate::cpu) fn merge<R: Real, K: FrontKind<R>>(
     chart: Chart,
     tiles: &Tiles,
     copies: [&mut ScanCopy<R, K::Carried>; 2],
@@ -76,13 +76,13 @@ fn merge_band(
 
 /// A merge that takes the first of two fronts. Where a copy still has a front that the other scan brought
 /// earlier, that copy has not changed, and the other one is taken.
-struct Merge<'l, 'a, R: Real, K: FrontKind<'a, R>> {
+struct Merge<'l, R: Real, K: FrontKind<R>> {
     a: (&'l mut [R], &'l mut [K::Carried]),
     b: (&'l mut [R], &'l mut [K::Carried]),
     scans: [Scan; 2],
 }
 
-impl<'a, R: Real, K: FrontKind<'a, R>> Loop for Merge<'_, 'a, R, K> {
+impl<R: Real, K: FrontKind<R>> Loop for Merge<'_, R, K> {
     type Output = ();
 
     #[inline(always)]

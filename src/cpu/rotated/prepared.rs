@@ -1,22 +1,20 @@
 //! Holds what scans of one kind of front need of the surface, and prepares it for many maps.
 
-use std::borrow::Cow;
-
 use super::panel::{Grid, Panel};
 use super::transposed::TransposedEdges;
 use crate::Monitor;
 use crate::cpu::Instructions;
-use crate::cpu::fronts::FrontKind;
+use crate::cpu::fronts::{FrontKind, SurfaceArray};
 use crate::cpu::scan::Scan;
 use crate::surface::{Chart, EdgeLengths, Real};
 
 /// A kind of front over a surface, and the surface's data in the order that scans need.
 #[derive(Clone, Debug)]
-pub(in crate::cpu) struct Prepared<'a, R: Real, K: FrontKind<'a, R>> {
-    pub edges: &'a EdgeLengths<R>,
+pub(in crate::cpu) struct Prepared<R: Real, K: FrontKind<R>> {
+    pub edges: EdgeLengths<R>,
     pub kind: K,
     /// Data of each surface point that the front needs.
-    surface_data: Cow<'a, [K::SurfaceData]>,
+    surface_data: SurfaceArray<K::SurfaceData>,
     pub instructions: Instructions,
     pub monitor: Monitor,
     /// Transposed edges, for straight fronts on large grids. The second map fills them. Other fronts have
@@ -30,8 +28,8 @@ pub(in crate::cpu) struct Prepared<'a, R: Real, K: FrontKind<'a, R>> {
 /// take more than 40 bytes per point, and the arrays to transpose lie in near caches.
 const TRANSPOSED_FROM: usize = 256 * 256;
 
-impl<'a, R: Real, K: FrontKind<'a, R>> Prepared<'a, R, K> {
-    pub(in crate::cpu) fn new(edges: &'a EdgeLengths<R>, kind: K) -> Self {
+impl<R: Real, K: FrontKind<R>> Prepared<R, K> {
+    pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, kind: K) -> Self {
         if K::NEEDS_EDGES {
             // Found here, since the threads of a scan would wait for one another.
             edges.store_few_parts();
@@ -40,7 +38,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Prepared<'a, R, K> {
         let carries_nothing = size_of::<K::Carried>() == 0;
         let keeps_edges = carries_nothing && chart.points() >= TRANSPOSED_FROM;
         Self {
-            edges,
+            edges: edges.clone(),
             surface_data: kind.surface_data(chart),
             kind,
             instructions: Instructions::best(),
@@ -58,7 +56,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Prepared<'a, R, K> {
     /// Returns the surface's data.
     pub(in crate::cpu) fn grid(&self) -> Grid<'_, R, K::SurfaceData> {
         let transposed = self.transposed.as_ref().and_then(TransposedEdges::filled);
-        Grid { edges: self.edges, transposed, surface_data: &self.surface_data }
+        Grid { edges: &self.edges, transposed, surface_data: &self.surface_data }
     }
 
     /// Returns a panel for scans of this surface.
@@ -80,7 +78,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Prepared<'a, R, K> {
         self.store_parts();
         let was_filled = self.grid().transposed.is_some();
         if let Some(transposed) = &mut self.transposed {
-            transposed.fill(self.edges, self.instructions);
+            transposed.fill(&self.edges, self.instructions);
         }
         !was_filled && self.transposed.is_some()
     }
@@ -94,11 +92,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Prepared<'a, R, K> {
 
     /// Returns the number of bytes held, without the edge lengths and the data stored with them.
     pub(in crate::cpu) fn bytes(&self) -> usize {
-        let surface_data = match &self.surface_data {
-            Cow::Borrowed(_) => 0,
-            Cow::Owned(surface_data) => std::mem::size_of_val(surface_data.as_slice()),
-        };
-        surface_data
+        self.surface_data.bytes()
             + self.transposed.as_ref().map_or(0, TransposedEdges::bytes)
             + self.kind.bytes()
     }

@@ -36,7 +36,8 @@ pub(crate) fn monitored_scan<R: Real>(
 }
 
 /// A solver by rotated scans for many maps of one surface, one after another. It allocates memory once, by
-/// patches during the first map.
+/// patches during the first map. It keeps the edge lengths alive with a clone, which shares their arrays.
+///
 /// For straight fronts on grids of at least 256 x 256 points, the second map fills another 12 bytes per point
 /// (in single precision), and on surfaces with many obtuse triangles it stores their parts with the edges.
 /// Both make the second map and all later ones faster.
@@ -50,15 +51,15 @@ pub(crate) fn monitored_scan<R: Real>(
 /// limits them ([`Stop::iterations`]). The residual is the largest change of a last iteration, or the largest
 /// one that a patch without iterations left has not seen.
 #[derive(Debug)]
-pub struct RotatedScan<'a, R> {
+pub struct RotatedScan<R> {
     chart: Chart,
     /// The scanner for one kind of front.
-    scanner: Box<dyn Scans<R> + 'a>,
+    scanner: Box<dyn Scans<R>>,
 }
 
-impl<'a, R: Real> RotatedScan<'a, R> {
+impl<R: Real> RotatedScan<R> {
     /// Allocates the memory for maps of a surface. Uses the best instructions that are available.
-    pub fn new(edges: &'a EdgeLengths<R>, wavefront: Wavefront) -> Self {
+    pub fn new(edges: &EdgeLengths<R>, wavefront: Wavefront) -> Self {
         let order = Order::best_for(edges.chart(), rayon::current_num_threads());
         Self::in_order(edges, wavefront, order)
     }
@@ -81,10 +82,10 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     /// assert!(counts.patches == 16 && counts.visits >= 16);
     /// # Ok::<(), geosweep::surface::SurfaceError>(())
     /// ```
-    pub fn in_order(edges: &'a EdgeLengths<R>, wavefront: Wavefront, order: Order) -> Self {
+    pub fn in_order(edges: &EdgeLengths<R>, wavefront: Wavefront, order: Order) -> Self {
         // Patches do not exchange fronts over seams.
         let order = if edges.copies().is_some() { Order::Lines } else { order };
-        let scanner: Box<dyn Scans<R> + 'a> = for_kind!(edges, wavefront, kind => match order.plan() {
+        let scanner: Box<dyn Scans<R>> = for_kind!(edges, wavefront, kind => match order.plan() {
             Some(plan) => Box::new(PatchScanner::new(edges, kind, plan)),
             None => Box::new(Scanner::new(edges, kind)),
         });
@@ -178,7 +179,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     }
 }
 
-impl<R: Real> Clone for RotatedScan<'_, R> {
+impl<R: Real> Clone for RotatedScan<R> {
     fn clone(&self) -> Self {
         Self { chart: self.chart, scanner: self.scanner.boxed() }
     }

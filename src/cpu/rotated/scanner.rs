@@ -14,7 +14,7 @@ use super::span::Before;
 use super::tiles::Tiles;
 use super::window::Window;
 use crate::cpu::Instructions;
-use crate::cpu::fronts::{FrontKind, KeptBy};
+use crate::cpu::fronts::FrontKind;
 use crate::cpu::progress::Progress;
 use crate::cpu::scan::Scan;
 use crate::surface::{EdgeLengths, Real, Seed};
@@ -23,8 +23,8 @@ use crate::{Convergence, Monitor, Stop};
 
 /// A solver for one kind of front; see [`crate::cpu::RotatedScan`].
 #[derive(Clone, Debug)]
-pub(in crate::cpu) struct Scanner<'a, R: Real, K: FrontKind<'a, R>> {
-    pub(in crate::cpu) on: Prepared<'a, R, K>,
+pub(in crate::cpu) struct Scanner<R: Real, K: FrontKind<R>> {
+    pub(in crate::cpu) on: Prepared<R, K>,
     tiles: Tiles,
     /// The fronts as two opposite scans see them. Between pairs of scans both copies are equal.
     copies: [ScanCopy<R, K::Carried>; 2],
@@ -38,8 +38,8 @@ pub(in crate::cpu) struct Scanner<'a, R: Real, K: FrontKind<'a, R>> {
 /// hills, of which one takes 20, not storing them takes 1.3 to 1.8 times as long.
 pub(in crate::cpu) const FEW_ITERATIONS: u32 = 3;
 
-impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
-    pub(in crate::cpu) fn new(edges: &'a EdgeLengths<R>, kind: K) -> Self {
+impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
+    pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, kind: K) -> Self {
         let (on, window) = (Prepared::new(edges, kind), Window::whole(edges.chart()));
         let tiles = Tiles::new(window, &window.block());
         // Each copy is allocated by the thread that will use it.
@@ -76,7 +76,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
     }
 
     /// Returns the front at a point of the last map.
-    pub(in crate::cpu) fn front(&self, row: usize, col: usize) -> KeptBy<'a, R, K> {
+    pub(in crate::cpu) fn front(&self, row: usize, col: usize) -> Kept<R, K::Carried> {
         let point = self.on.chart().bordered(row, col);
         let ScanCopy { times, carried, .. } = &self.copies[0];
         Kept { time: times[point], carried: carried[point] }
@@ -108,12 +108,13 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
                 self.tiles.touch(seed.row, seed.col);
             }
         }
-        exchange::<R, K>(self.on.edges, &mut self.copies, &mut self.tiles, false);
+        exchange::<R, K>(&self.on.edges, &mut self.copies, &mut self.tiles, false);
     }
 
     /// Runs two opposite scans and returns the largest change.
     fn scan(&mut self, scans: [Scan; 2], renews: bool) -> R::Bits {
-        let Prepared { edges, ref kind, instructions, ref monitor, .. } = self.on;
+        let Prepared { edges, kind, instructions, monitor, .. } = &self.on;
+        let instructions = *instructions;
         let grid = self.on.grid();
         let options = scans.map(|scan| UpdateOptions { scan, renews, instructions });
         let fronts = self.copies[0].fronts();
@@ -132,7 +133,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
     }
 }
 
-impl<'a, R: Real, K: FrontKind<'a, R>> Scans<R> for Scanner<'a, R, K> {
+impl<R: Real, K: FrontKind<R>> Scans<R> for Scanner<R, K> {
     fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         // Enters the thread pool once, and not for each pair of scans.
         rayon::scope(|_| {
@@ -185,10 +186,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scans<R> for Scanner<'a, R, K> {
         copies + panels + self.tiles.bytes() + self.on.bytes()
     }
 
-    fn boxed<'b>(&self) -> Box<dyn Scans<R> + 'b>
-    where
-        Self: 'b,
-    {
+    fn boxed(&self) -> Box<dyn Scans<R>> {
         Box::new(self.clone())
     }
 }

@@ -38,7 +38,5 @@ pub(in crate::cpu) trait Scans<R>: std::fmt::Debug + Send + Sync {
         None
     }
 
-    fn boxed<'b>(&self) -> Box<dyn Scans<R> + 'b>
-    where
-        Self: 'b;
+    fn boxed(&self) -> Box<dyn Scans<R>>;
 }

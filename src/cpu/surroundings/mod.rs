@@ -283,9 +283,9 @@ impl Surroundings {
     }
 
     /// Returns the same as `seeds`, given the edges of the window and seeds in it.
-    fn arrived<'a, K: TriangleKind<'a, f64>>(
+    fn arrived<K: TriangleKind<f64>>(
         &self,
-        edges: &'a EdgeLengths<f64>,
+        edges: &EdgeLengths<f64>,
         kind: K,
         own: &[Seed],
     ) -> Vec<Seed> {

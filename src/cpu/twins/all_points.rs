@@ -20,10 +20,7 @@ pub fn all_points<R: Real>(
     for_kind!(edges, wavefront, kind => solve(PointFronts::start(edges, kind, seeds), stop))
 }
 
-fn solve<'a, R: Real, K: FrontKind<'a, R>>(
-    mut old: PointFronts<'a, R, K>,
-    stop: Stop,
-) -> Solution<R> {
+fn solve<R: Real, K: FrontKind<R>>(mut old: PointFronts<R, K>, stop: Stop) -> Solution<R> {
     let chart = old.edges.chart();
     let scans = behind(chart);
     let mut new = old.clone();

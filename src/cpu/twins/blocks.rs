@@ -31,8 +31,8 @@ pub fn scan_due<R: Real>(
     })
 }
 
-fn solve<'a, R: Real, K: FrontKind<'a, R>>(
-    mut fronts: PointFronts<'a, R, K>,
+fn solve<R: Real, K: FrontKind<R>>(
+    mut fronts: PointFronts<R, K>,
     seeds: &[Seed],
     stop: Stop,
     lines: usize,

@@ -34,8 +34,8 @@ pub fn regions(
     for_triangle_kind!(edges, wavefront, kind => solve(edges, kind, seeds, wavefront, stop))
 }
 
-fn solve<'a, K: TriangleKind<'a, f32>>(
-    edges: &'a EdgeLengths<f32>,
+fn solve<K: TriangleKind<f32>>(
+    edges: &EdgeLengths<f32>,
     kind: K,
     seeds: &[(Seed, u32)],
     wavefront: Wavefront,
@@ -84,9 +84,9 @@ fn starts(chart: Chart, seeds: &[(Seed, u32)]) -> Vec<Option<(f32, u32)>> {
 }
 
 /// Returns where the way to a point crosses the base of its triangle.
-fn begin<'a, K: TriangleKind<'a, f32>>(
+fn begin<K: TriangleKind<f32>>(
     chart: Chart,
-    fronts: &PointFronts<'a, f32, K>,
+    fronts: &PointFronts<f32, K>,
     triangles: &[TriangleSlots; 8],
     wavefront: Wavefront,
     start: Option<(f32, u32)>,
@@ -107,7 +107,7 @@ fn begin<'a, K: TriangleKind<'a, f32>>(
     };
     let mut first = (f32::FAR, 0);
     for (number, triangle) in triangles.iter().enumerate() {
-        let time = K::time(fronts.kind.through(fronts.edges, point, triangle, earlier));
+        let time = K::time(fronts.kind.through(&fronts.edges, point, triangle, earlier));
         if time < first.0 {
             first = (time, number);
         }
@@ -123,7 +123,7 @@ fn begin<'a, K: TriangleKind<'a, f32>>(
     let to = Direction::ALL[first.1];
     let ends = triangles[first.1].corners(point).map(earlier);
     let times = ends.map(|front| front.time);
-    let triangle = triangles[first.1].triangle(fronts.edges, point, times);
+    let triangle = triangles[first.1].triangle(&fronts.edges, point, times);
     let share = base_crossing(wavefront, triangle, ends.map(K::curvature));
     let step = |to: Direction| [to.step().1 as f32, to.step().0 as f32];
     let (a, b) = (step(to), step(to.next()));

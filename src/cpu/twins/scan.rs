@@ -47,8 +47,8 @@ fn solve<R: Real>(
 }
 
 /// Scans from the fronts at seeds, and returns the progress.
-pub(super) fn scan<'a, R: Real, K: FrontKind<'a, R>>(
-    fronts: &mut PointFronts<'a, R, K>,
+pub(super) fn scan<R: Real, K: FrontKind<R>>(
+    fronts: &mut PointFronts<R, K>,
     seeds: &[Seed],
     stop: Stop,
     outward: bool,

@@ -35,8 +35,8 @@ pub fn surroundings<R: Real>(
     for_kind!(edges, wavefront, kind => solve(edges, kind, sources, wavefront.is_curved()))
 }
 
-fn solve<'a, R: Real, K: FrontKind<'a, R>>(
-    edges: &'a EdgeLengths<R>,
+fn solve<R: Real, K: FrontKind<R>>(
+    edges: &EdgeLengths<R>,
     kind: K,
     sources: &[CentralSource],
     is_curved: bool,
@@ -123,9 +123,9 @@ impl Window {
 
     /// Returns the time up to which no front from elsewhere is first. `first` is the start time of the
     /// earliest source.
-    fn exact_until<'a, R: Real, K: FrontKind<'a, R>>(
+    fn exact_until<R: Real, K: FrontKind<R>>(
         &self,
-        alone: &PointFronts<'a, R, K>,
+        alone: &PointFronts<R, K>,
         start: f64,
         first: f64,
     ) -> R {

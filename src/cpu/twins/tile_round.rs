@@ -54,8 +54,8 @@ pub fn tile_rounds_counted<R: Real>(
     })
 }
 
-fn solve<'a, R: Real, K: FrontKind<'a, R>>(
-    fronts: PointFronts<'a, R, K>,
+fn solve<R: Real, K: FrontKind<R>>(
+    fronts: PointFronts<R, K>,
     seeds: &[Seed],
     stop: Stop,
     rounds: Rounds,
@@ -82,7 +82,7 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
 }
 
 /// The tiles of a grid and the fronts in them.
-struct Tiles<'a, R: Real, K: FrontKind<'a, R>> {
+struct Tiles<R: Real, K: FrontKind<R>> {
     chart: Chart,
     tiling: Tiling,
     /// Distance from which other points may see a point.
@@ -90,9 +90,9 @@ struct Tiles<'a, R: Real, K: FrontKind<'a, R>> {
     rounds: Rounds,
     behind: [Behind; 4],
     /// The fronts before the round.
-    fronts: PointFronts<'a, R, K>,
+    fronts: PointFronts<R, K>,
     /// Four copies of the fronts. The fronts of one tile and around it are in use.
-    copies: [PointFronts<'a, R, K>; 4],
+    copies: [PointFronts<R, K>; 4],
     /// The tiles to visit in the next round.
     list: Vec<(usize, usize)>,
     /// The time at which each tile is due, if it is on the list.
@@ -118,8 +118,8 @@ struct Visit<B> {
     reached: bool,
 }
 
-impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
-    fn new(fronts: PointFronts<'a, R, K>, seeds: &[Seed], stop: Stop, rounds: Rounds) -> Self {
+impl<R: Real, K: FrontKind<R>> Tiles<R, K> {
+    fn new(fronts: PointFronts<R, K>, seeds: &[Seed], stop: Stop, rounds: Rounds) -> Self {
         let chart = fronts.edges.chart();
         let is_split = fronts.edges.has_obtuse_triangles();
         let mut tiles = Self {
@@ -133,7 +133,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
             due: Vec::new(),
             band: match rounds.few.is_some() {
                 true => R::of(
-                    (BAND_SIDES as f32 * rounds.tile as f32 * typical_edge(fronts.edges)).into(),
+                    (BAND_SIDES as f32 * rounds.tile as f32 * typical_edge(&fronts.edges)).into(),
                 ),
                 false => R::zero(),
             },
@@ -199,7 +199,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
         &mut self,
         tile: (usize, usize),
         was_due: R,
-        after: &mut PointFronts<'a, R, K>,
+        after: &mut PointFronts<R, K>,
     ) -> Visit<R::Bits> {
         let chart = self.chart;
         let block = self.tiling.points(self.tiling.tiles().around(tile, 0));
@@ -261,7 +261,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
     /// Makes the four copies of the fronts at a point equal again, with the first front to arrive, and
     /// returns the change. A front that the copy's own scan has not brought is the old one and does not
     /// count.
-    fn merge(&mut self, after: &mut PointFronts<'a, R, K>, point: usize) -> R::Bits {
+    fn merge(&mut self, after: &mut PointFronts<R, K>, point: usize) -> R::Bits {
         let change = after.take_first(&self.copies, point);
         self.copies.iter_mut().for_each(|copy| copy.copy_point(after, point));
         change

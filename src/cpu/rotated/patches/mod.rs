@@ -108,8 +108,8 @@ struct Woken<'p, R: Real> {
 
 /// A solver by patches for one kind of front.
 #[derive(Clone, Debug)]
-pub(in crate::cpu) struct PatchScanner<'a, R: Real, K: FrontKind<'a, R>> {
-    pub(in crate::cpu) on: Prepared<'a, R, K>,
+pub(in crate::cpu) struct PatchScanner<R: Real, K: FrontKind<R>> {
+    pub(in crate::cpu) on: Prepared<R, K>,
     plan: Plan,
     tiling: Tiling,
     patches: Vec<Patch>,
@@ -128,8 +128,8 @@ pub(in crate::cpu) struct PatchScanner<'a, R: Real, K: FrontKind<'a, R>> {
     unseen: R::Bits,
 }
 
-impl<'a, R: Real, K: FrontKind<'a, R>> PatchScanner<'a, R, K> {
-    pub(in crate::cpu) fn new(edges: &'a EdgeLengths<R>, kind: K, plan: Plan) -> Self {
+impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
+    pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, kind: K, plan: Plan) -> Self {
         assert!(plan.side.is_multiple_of(TILE), "patches consist of tiles");
         let (chart, on) = (edges.chart(), Prepared::new(edges, kind));
         let tiling = Tiling::new(chart, plan.side);
@@ -346,7 +346,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PatchScanner<'a, R, K> {
     }
 }
 
-impl<'a, R: Real, K: FrontKind<'a, R>> Scans<R> for PatchScanner<'a, R, K> {
+impl<R: Real, K: FrontKind<R>> Scans<R> for PatchScanner<R, K> {
     fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         rayon::scope(|_| {
             if self.on.prepare() {
@@ -411,10 +411,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scans<R> for PatchScanner<'a, R, K> {
         Some(self.counts)
     }
 
-    fn boxed<'b>(&self) -> Box<dyn Scans<R> + 'b>
-    where
-        Self: 'b,
-    {
+    fn boxed(&self) -> Box<dyn Scans<R>> {
         Box::new(self.clone())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::room::{Pool, Room};
 use super::{News, Patch, Woken};
-use crate::cpu::fronts::{FrontKind, KeptBy};
+use crate::cpu::fronts::FrontKind;
 use crate::cpu::rotated::due::find_due;
 use crate::cpu::rotated::line_update::UpdateOptions;
 use crate::cpu::rotated::panel::Panel;
@@ -13,11 +13,11 @@ use crate::cpu::rotated::tiles::TILE;
 use crate::cpu::rotated::window::Fronts;
 use crate::cpu::scan::Scan;
 use crate::surface::{Block, Real, Tiling, min};
-use crate::update::Carried;
+use crate::update::{Carried, Kept};
 
 /// Data that the visits of a round share.
-pub(super) struct Visits<'v, 'a, R: Real, K: FrontKind<'a, R>> {
-    pub on: &'v Prepared<'a, R, K>,
+pub(super) struct Visits<'v, R: Real, K: FrontKind<R>> {
+    pub on: &'v Prepared<R, K>,
     /// The fronts of the whole grid before the round.
     pub far: Fronts<'v, R, K::Carried>,
     pub panels: &'v Pool<R, K::Carried, K::SurfaceData>,
@@ -28,7 +28,7 @@ pub(super) struct Visits<'v, 'a, R: Real, K: FrontKind<'a, R>> {
     pub inner: u32,
 }
 
-impl<'a, R: Real, K: FrontKind<'a, R>> Visits<'_, 'a, R, K> {
+impl<R: Real, K: FrontKind<R>> Visits<'_, R, K> {
     /// Finds out whether a scan has work in a patch, after changes around it. If none has, all have seen them.
     pub(super) fn look(&self, Woken { patch, looked, is_due, .. }: &mut Woken<R>) {
         let renews = patch.progress.renews();
@@ -146,8 +146,8 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Visits<'_, 'a, R, K> {
     fn change(&self, room: &Room<R, K::Carried>, block: &Block) -> (R::Bits, R) {
         let (mut largest, mut first) = (R::Bits::default(), R::FAR);
         for (row, col) in block.places() {
-            let before: KeptBy<'a, R, K> = self.far.of(row, col);
-            let after: KeptBy<'a, R, K> = room.copy.fronts().of(row, col);
+            let before: Kept<R, K::Carried> = self.far.of(row, col);
+            let after: Kept<R, K::Carried> = room.copy.fronts().of(row, col);
             let change = K::change(before, after);
             if change > R::Bits::default() {
                 largest = largest.max(change);
