@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::Instructions;
 use super::behind::Behind;
-use super::fronts::{FrontKind, SurfaceArray, TriangleKind, for_triangle_kind};
+use super::fronts::{LaneKind, SurfaceArray, TriangleKind, for_triangle_kind};
 use super::rotated::line::{GridLines, LinesInGrid};
 use super::rotated::line_update::UpdateOptions;
 use super::rotated::tiles::TILE;
@@ -90,7 +90,7 @@ fn rate<W: FnMut()>(threads: usize, work: impl Fn() -> W + Sync) -> f64 {
 }
 
 /// Two rows of a plane. The second row is updated from the first one again and again.
-struct WarmLine<'a, K: FrontKind<f32>> {
+struct WarmLine<'a, K: LaneKind<f32>> {
     edges: &'a EdgeLengths<f32>,
     kind: K,
     surface_data: SurfaceArray<K::SurfaceData>,
@@ -105,7 +105,7 @@ fn two_rows() -> EdgeLengths<f32> {
     edges.expect("a plane is a surface with edges")
 }
 
-impl<'a, K: TriangleKind<f32>> WarmLine<'a, K> {
+impl<'a, K: TriangleKind<f32> + LaneKind<f32>> WarmLine<'a, K> {
     /// Creates the rows. The first one has the front of a point 300 rows before it, at its first column.
     fn new(edges: &'a EdgeLengths<f32>, kind: K) -> Self {
         let chart = edges.chart();

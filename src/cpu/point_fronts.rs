@@ -1,7 +1,7 @@
 //! Holds the fronts at all points of a bordered array, and updates them one by one.
 
 use super::behind::Behind;
-use super::fronts::FrontKind;
+use super::fronts::PointKind;
 use super::solution::Solution;
 use crate::surface::{EdgeLengths, Real, Seed};
 #[cfg(feature = "twins")]
@@ -10,14 +10,14 @@ use crate::update::{Kept, SEED, tag_of};
 
 /// The fronts at all points while a solver works on them.
 #[derive(Clone)]
-pub(super) struct PointFronts<R: Real, K: FrontKind<R>> {
+pub(super) struct PointFronts<R: Real, K: PointKind<R>> {
     pub edges: EdgeLengths<R>,
     pub kind: K,
     times: Vec<R>,
     carried: Vec<K::Carried>,
 }
 
-impl<R: Real, K: FrontKind<R>> PointFronts<R, K> {
+impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
     /// Creates fronts where only the seeds are reached.
     pub(super) fn start(edges: &EdgeLengths<R>, kind: K, seeds: &[Seed]) -> Self {
         let points = edges.chart().bordered_points();
@@ -90,7 +90,7 @@ impl<R: Real, K: FrontKind<R>> PointFronts<R, K> {
         self.accept(point, arrival, SEED, false)
     }
 
-    /// Accepts a front that a scan, numbered from 1, brings to a point ([`FrontKind::accept`]). Returns the
+    /// Accepts a front that a scan, numbered from 1, brings to a point ([`accept`](super::fronts::FrontKind::accept)). Returns the
     /// change of the front.
     #[inline]
     pub(super) fn accept(
@@ -113,7 +113,7 @@ impl<R: Real, K: FrontKind<R>> PointFronts<R, K> {
 
 /// Further methods for the shaders' twins.
 #[cfg(any(test, feature = "twins"))]
-impl<R: Real, K: FrontKind<R>> PointFronts<R, K> {
+impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
     /// Returns the change of the front at a point since `before`, as [`Self::accept`] measures it.
     pub(super) fn change_from(&self, before: &Self, point: usize) -> R::Bits {
         K::change(before.at(point), self.at(point))

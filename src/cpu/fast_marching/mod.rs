@@ -8,7 +8,7 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::{BinaryHeap, HashMap};
 
 use super::behind::Behind;
-use super::fronts::{Anchored, FrontKind, FrontOver, TriangleKind};
+use super::fronts::{Anchored, FrontOver, PointKind, TriangleKind};
 use super::point_fronts::PointFronts;
 use super::solution::Solution;
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Groups, Real, Seed};
@@ -134,13 +134,13 @@ impl<'a> CopiesOf<'a> {
 }
 
 /// The fronts, flags of the fixed points, and the heap of the points that may be fixed next.
-struct March<R: Real, K: FrontKind<R>> {
+struct March<R: Real, K: PointKind<R>> {
     fronts: PointFronts<R, K>,
     fixed: Vec<bool>,
     heap: BinaryHeap<Reverse<Arrival<R>>>,
 }
 
-impl<R: Real, K: FrontKind<R>> March<R, K> {
+impl<R: Real, K: PointKind<R>> March<R, K> {
     fn start(fronts: PointFronts<R, K>, seeds: &[Seed]) -> Self {
         let chart = fronts.edges.chart();
         let heap = seeds

@@ -10,7 +10,8 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
-use super::kind::FrontKind;
+use super::kind::{FrontKind, PointKind};
+use super::lanes::LaneKind;
 use super::surface_array::SurfaceArray;
 use crate::constants::ANCHOR_COUNTS;
 use crate::cpu::behind::Behind;
@@ -64,9 +65,6 @@ impl<R: Real> Anchored<R> {
 impl<R: Real> FrontKind<R> for Anchored<R> {
     type Carried = Anchor<R>;
     type Arrival = KeptAnchored<R>;
-    type SurfaceData = HolesBehind<R>;
-
-    const NEEDS_EDGES: bool = false;
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> KeptAnchored<R> {
         Kept { time: R::of(seed.time), carried: self.floor.anchor_of(seed) }
@@ -74,18 +72,6 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
 
     fn forget(&mut self) {
         self.floor.forget();
-    }
-
-    #[inline]
-    fn reach(
-        &self,
-        _: &EdgeLengths<R>,
-        point: usize,
-        behind: &Behind,
-        seen: impl Fn(usize) -> KeptAnchored<R>,
-    ) -> KeptAnchored<R> {
-        let way = self.floor.reach(point, behind.middle() as usize, seen);
-        Kept { time: way.time, carried: Anchor::new(way.anchor) }
     }
 
     /// Accepts an arrival that is shorter than the present front by more than rounding. If the scan `renews`,
@@ -132,6 +118,25 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
         let turn = if turns { R::of(ANCHOR_COUNTS).in_units() } else { R::Bits::default() };
         before.time.units_between(after.time).max(turn)
     }
+}
+
+impl<R: Real> PointKind<R> for Anchored<R> {
+    #[inline]
+    fn reach(
+        &self,
+        _: &EdgeLengths<R>,
+        point: usize,
+        behind: &Behind,
+        seen: impl Fn(usize) -> KeptAnchored<R>,
+    ) -> KeptAnchored<R> {
+        let way = self.floor.reach(point, behind.middle() as usize, seen);
+        Kept { time: way.time, carried: Anchor::new(way.anchor) }
+    }
+}
+
+impl<R: Real> LaneKind<R> for Anchored<R> {
+    type SurfaceData = HolesBehind<R>;
+    const NEEDS_EDGES: bool = false;
 
     fn surface_data(&self, chart: Chart) -> SurfaceArray<HolesBehind<R>> {
         let mut holes = vec![HolesBehind(R::one().with_tag(TAG)); chart.bordered_points()];

@@ -3,11 +3,12 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::kind::{FrontKind, TriangleKind, in_span};
+use super::kind::{FrontKind, TriangleKind, Triangular};
+use super::lanes::{LaneKind, in_span, splits_of_line};
 use super::origins::{LineOrigins, OriginTable, SpanOrigins};
 use super::surface_array::SurfaceArray;
 use crate::constants::IN_SIGHT;
-use crate::cpu::behind::{Behind, TriangleSlots};
+use crate::cpu::behind::TriangleSlots;
 use crate::cpu::bend_units;
 use crate::cpu::rotated::line::{GridLines, ScanLine};
 use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
@@ -80,7 +81,6 @@ impl<R: Real> Curved<R> {
 impl<R: Real> FrontKind<R> for Curved<R> {
     type Carried = Curvature<R>;
     type Arrival = Front<R>;
-    type SurfaceData = R;
     const TAKES_BACK: bool = true;
 
     fn expect(&mut self, seeds: &[Seed]) {
@@ -98,19 +98,6 @@ impl<R: Real> FrontKind<R> for Curved<R> {
         self.origins.forget();
         self.table.clear();
         self.has_names = false;
-    }
-
-    #[inline]
-    fn reach(
-        &self,
-        edges: &EdgeLengths<R>,
-        point: usize,
-        behind: &Behind,
-        seen: impl Fn(usize) -> KeptCurved<R>,
-    ) -> Front<R> {
-        let [a, b] =
-            behind.triangles().each_ref().map(|slots| self.through(edges, point, slots, &seen));
-        Front::first(a, b)
     }
 
     #[inline(always)]
@@ -138,6 +125,10 @@ impl<R: Real> FrontKind<R> for Curved<R> {
         let bend = after.carried.bend_from(before.carried, after.time);
         before.time.units_between(after.time).max(bend_units(bend))
     }
+}
+
+impl<R: Real> LaneKind<R> for Curved<R> {
+    type SurfaceData = R;
 
     fn surface_data(&self, _: Chart) -> SurfaceArray<R> {
         SurfaceArray::OfEdges(self.gaussian.clone())
@@ -151,7 +142,7 @@ impl<R: Real> FrontKind<R> for Curved<R> {
         options: UpdateOptions,
         changed: &mut [bool],
     ) -> Updated<R::Bits> {
-        let splits = self.splits_of_line(lines, line, points, options.scan);
+        let splits = splits_of_line(self, lines, line, points, options.scan);
         let first = lines.position(line, points.start, options.scan);
         let origins =
             self.has_numbers().then(|| LineOrigins::new(&self.table, first, options.scan));
@@ -181,6 +172,8 @@ impl<R: Real> FrontKind<R> for Curved<R> {
         leaves::<_, false>(&span, points, options, self.has_numbers())
     }
 }
+
+impl<R> Triangular for Curved<R> {}
 
 impl<R: Real> TriangleKind<R> for Curved<R> {
     #[inline]

@@ -4,7 +4,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::curved::{FirstFronts, KeptCurved, accept, first};
-use super::kind::{FrontKind, TriangleKind, in_span};
+use super::kind::{FrontKind, TriangleKind, Triangular};
+use super::lanes::{LaneKind, in_span, splits_of_line};
 use super::slowed::Seen;
 use super::surface_array::SurfaceArray;
 use crate::cpu::behind::Behind;
@@ -44,7 +45,6 @@ impl<R: Real> SlowedCurved<R> {
 impl<R: Real> FrontKind<R> for SlowedCurved<R> {
     type Carried = Curvature<R>;
     type Arrival = Front<R>;
-    type SurfaceData = SurfaceData<R>;
     const TAKES_BACK: bool = true;
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> Front<R> {
@@ -54,19 +54,6 @@ impl<R: Real> FrontKind<R> for SlowedCurved<R> {
 
     fn forget(&mut self) {
         self.origins.forget();
-    }
-
-    #[inline]
-    fn reach(
-        &self,
-        edges: &EdgeLengths<R>,
-        point: usize,
-        behind: &Behind,
-        seen: impl Fn(usize) -> KeptCurved<R>,
-    ) -> Front<R> {
-        let [a, b] =
-            behind.triangles().each_ref().map(|slots| self.through(edges, point, slots, &seen));
-        Front::first(a, b)
     }
 
     fn released(carried: Curvature<R>) -> Curvature<R> {
@@ -92,6 +79,10 @@ impl<R: Real> FrontKind<R> for SlowedCurved<R> {
         let bend = (after.carried.value() - before.carried.value()).abs() * after.time;
         before.time.units_between(after.time).max(bend_units(bend))
     }
+}
+
+impl<R: Real> LaneKind<R> for SlowedCurved<R> {
+    type SurfaceData = SurfaceData<R>;
 
     fn surface_data(&self, _: Chart) -> SurfaceArray<SurfaceData<R>> {
         let points = self.gaussian.iter().zip(&*self.slowness);
@@ -106,7 +97,7 @@ impl<R: Real> FrontKind<R> for SlowedCurved<R> {
         options: UpdateOptions,
         changed: &mut [bool],
     ) -> Updated<R::Bits> {
-        let splits = self.splits_of_line(lines, line, points, options.scan).unwrap_or_default();
+        let splits = splits_of_line(self, lines, line, points, options.scan).unwrap_or_default();
         let parts: Vec<_> = splits.into_iter().filter_map(|(at, some)| Some((at, some?))).collect();
         let line = lines.line(line, points, options.scan);
         let line = CurvedLine { line, parts: &parts, causal: self.origins.are_causal() };
@@ -141,6 +132,8 @@ impl<R: Real> SlowedCurved<R> {
         Curvatures { fronts, surface, alone, causal: self.origins.are_causal() }
     }
 }
+
+impl<R> Triangular for SlowedCurved<R> {}
 
 impl<R: Real> TriangleKind<R> for SlowedCurved<R> {
     #[inline]

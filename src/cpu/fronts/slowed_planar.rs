@@ -3,7 +3,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::kind::{FrontKind, TriangleKind, in_span};
+use super::kind::{FrontKind, TriangleKind, Triangular};
+use super::lanes::{LaneKind, in_span, splits_of_line};
 use super::slowed::{Seen, TimeChanges};
 use super::surface_array::SurfaceArray;
 use crate::cpu::behind::Behind;
@@ -11,7 +12,7 @@ use crate::cpu::rotated::line::{GridLines, ScanLine};
 use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::rotated::tiles::TILE;
-use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
+use crate::surface::{Chart, Real, Seed, min};
 use crate::update::{Kept, Triangle, is_settled_slowed, planar_slowed};
 
 /// The front of [`crate::Wavefront::Planar`] over a surface with an uneven slowness.
@@ -31,23 +32,9 @@ impl<R: Real> SlowedPlanar<R> {
 impl<R: Real> FrontKind<R> for SlowedPlanar<R> {
     type Carried = ();
     type Arrival = R;
-    type SurfaceData = R;
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> R {
         R::of(seed.time)
-    }
-
-    #[inline]
-    fn reach(
-        &self,
-        edges: &EdgeLengths<R>,
-        point: usize,
-        behind: &Behind,
-        seen: impl Fn(usize) -> Kept<R, ()>,
-    ) -> R {
-        let [a, b] =
-            behind.triangles().each_ref().map(|slots| self.through(edges, point, slots, &seen));
-        min(a, b)
     }
 
     #[inline(always)]
@@ -68,6 +55,10 @@ impl<R: Real> FrontKind<R> for SlowedPlanar<R> {
     fn change(before: Kept<R, ()>, after: Kept<R, ()>) -> R::Bits {
         before.time.units_between(after.time)
     }
+}
+
+impl<R: Real> LaneKind<R> for SlowedPlanar<R> {
+    type SurfaceData = R;
 
     fn surface_data(&self, _: Chart) -> SurfaceArray<R> {
         SurfaceArray::OfEdges(self.slowness.clone())
@@ -81,7 +72,7 @@ impl<R: Real> FrontKind<R> for SlowedPlanar<R> {
         options: UpdateOptions,
         changed: &mut [bool],
     ) -> Updated<R::Bits> {
-        let splits = self.splits_of_line(lines, line, points, options.scan).unwrap_or_default();
+        let splits = splits_of_line(self, lines, line, points, options.scan).unwrap_or_default();
         let parts: Vec<_> = splits.into_iter().filter_map(|(at, some)| Some((at, some?))).collect();
         let line = PlanarLine { line: lines.line(line, points, options.scan), parts: &parts };
         options.instructions.run(LineUpdate { line, options, changed })
@@ -112,6 +103,8 @@ impl<R: Real> FrontKind<R> for SlowedPlanar<R> {
         )
     }
 }
+
+impl<R> Triangular for SlowedPlanar<R> {}
 
 impl<R: Real> TriangleKind<R> for SlowedPlanar<R> {
     #[inline]

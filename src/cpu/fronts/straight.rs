@@ -2,15 +2,15 @@
 
 use std::ops::Range;
 
-use super::kind::{FrontKind, TriangleKind, in_span};
+use super::kind::{FrontKind, TriangleKind, Triangular};
+use super::lanes::{LaneKind, in_span, splits_of_line};
 use super::surface_array::SurfaceArray;
-use crate::cpu::behind::Behind;
 use crate::cpu::rotated::line::{GridLines, ScanLine};
 use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::rotated::settled::Visited;
 use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::rotated::tiles::TILE;
-use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed, min};
+use crate::surface::{Chart, Origins, Real, Seed, min};
 use crate::update::{Kept, Triangle};
 
 /// The differences between such fronts.
@@ -44,7 +44,6 @@ fn at<R>(time: R) -> Kept<R, ()> {
 impl<R: Real, S: Straight> FrontKind<R> for S {
     type Carried = ();
     type Arrival = R;
-    type SurfaceData = ();
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> R {
         if let Some(origins) = self.origins() {
@@ -57,19 +56,6 @@ impl<R: Real, S: Straight> FrontKind<R> for S {
         if let Some(origins) = self.origins() {
             origins.forget();
         }
-    }
-
-    #[inline]
-    fn reach(
-        &self,
-        edges: &EdgeLengths<R>,
-        point: usize,
-        behind: &Behind,
-        seen: impl Fn(usize) -> Kept<R, ()>,
-    ) -> R {
-        let [a, b] =
-            behind.triangles().each_ref().map(|slots| self.through(edges, point, slots, &seen));
-        min(a, b)
     }
 
     #[inline(always)]
@@ -90,6 +76,10 @@ impl<R: Real, S: Straight> FrontKind<R> for S {
     fn change(before: Kept<R, ()>, after: Kept<R, ()>) -> R::Bits {
         before.time.units_between(after.time)
     }
+}
+
+impl<R: Real, S: Straight> LaneKind<R> for S {
+    type SurfaceData = ();
 
     fn surface_data(&self, chart: Chart) -> SurfaceArray<()> {
         SurfaceArray::Own(vec![(); chart.bordered_points()])
@@ -103,7 +93,7 @@ impl<R: Real, S: Straight> FrontKind<R> for S {
         options: UpdateOptions,
         changed: &mut [bool],
     ) -> Updated<R::Bits> {
-        let splits = self.splits_of_line(lines, line, points, options.scan);
+        let splits = splits_of_line(self, lines, line, points, options.scan);
         let line = lines.line(line, points, options.scan);
         match &splits {
             None => {
@@ -129,6 +119,8 @@ impl<R: Real, S: Straight> FrontKind<R> for S {
         span.leads(points) || stays::<R, S, false>(&span, points)
     }
 }
+
+impl<S: Straight> Triangular for S {}
 
 impl<R: Real, S: Straight> TriangleKind<R> for S {
     #[inline]

@@ -9,7 +9,7 @@ use super::tiles::Tiles;
 use super::window::{Fronts, Window};
 use crate::Monitor;
 use crate::cpu::behind::Behind;
-use crate::cpu::fronts::FrontKind;
+use crate::cpu::fronts::LaneKind;
 use crate::cpu::scan::Scan;
 use crate::surface::{Block, Chart, Real};
 use crate::update::Carried;
@@ -92,7 +92,7 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
 
     /// Visits the tiles that are due, and those ahead of the scan's own changes. Returns the largest change.
     /// `far` has the fronts of the whole grid, if the window is smaller.
-    pub(in crate::cpu) fn scan<K: FrontKind<R, Carried = C>>(
+    pub(in crate::cpu) fn scan<K: LaneKind<R, Carried = C>>(
         &mut self,
         kind: &K,
         on: On<'_, R, C, K::SurfaceData>,
@@ -117,7 +117,7 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
     }
 
     /// Scans a span of a band.
-    fn scan_run<K: FrontKind<R, Carried = C>>(
+    fn scan_run<K: LaneKind<R, Carried = C>>(
         &mut self,
         kind: &K,
         On { grid, panel, far, .. }: &mut On<'_, R, C, K::SurfaceData>,

@@ -14,7 +14,7 @@ use super::span::Before;
 use super::tiles::Tiles;
 use super::window::Window;
 use crate::cpu::Instructions;
-use crate::cpu::fronts::FrontKind;
+use crate::cpu::fronts::LaneKind;
 use crate::cpu::progress::Progress;
 use crate::cpu::scan::Scan;
 use crate::surface::{EdgeLengths, Real, Seed};
@@ -23,7 +23,7 @@ use crate::{Convergence, Monitor, Stop};
 
 /// A solver for one kind of front; see [`crate::cpu::RotatedScan`].
 #[derive(Clone, Debug)]
-pub(in crate::cpu) struct Scanner<R: Real, K: FrontKind<R>> {
+pub(in crate::cpu) struct Scanner<R: Real, K: LaneKind<R>> {
     pub(in crate::cpu) on: Prepared<R, K>,
     tiles: Tiles,
     /// The fronts as two opposite scans see them. Between pairs of scans both copies are equal.
@@ -38,7 +38,7 @@ pub(in crate::cpu) struct Scanner<R: Real, K: FrontKind<R>> {
 /// hills, of which one takes 20, not storing them takes 1.3 to 1.8 times as long.
 pub(in crate::cpu) const FEW_ITERATIONS: u32 = 3;
 
-impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
+impl<R: Real, K: LaneKind<R>> Scanner<R, K> {
     pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, kind: K) -> Self {
         let (on, window) = (Prepared::new(edges, kind), Window::whole(edges.chart()));
         let tiles = Tiles::new(window, &window.block());
@@ -133,7 +133,7 @@ impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
     }
 }
 
-impl<R: Real, K: FrontKind<R>> Scans<R> for Scanner<R, K> {
+impl<R: Real, K: LaneKind<R>> Scans<R> for Scanner<R, K> {
     fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         // Enters the thread pool once, and not for each pair of scans.
         rayon::scope(|_| {

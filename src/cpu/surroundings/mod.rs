@@ -22,7 +22,7 @@ use std::ops::Range;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::fronts::{TriangleKind, for_triangle_kind};
+use super::fronts::{LaneKind, TriangleKind, for_triangle_kind};
 use super::rotated::scanner::Scanner;
 use super::rotated::scans::Scans;
 use crate::Stop;
@@ -283,7 +283,7 @@ impl Surroundings {
     }
 
     /// Returns the same as `seeds`, given the edges of the window and seeds in it.
-    fn arrived<K: TriangleKind<f64>>(
+    fn arrived<K: TriangleKind<f64> + LaneKind<f64>>(
         &self,
         edges: &EdgeLengths<f64>,
         kind: K,

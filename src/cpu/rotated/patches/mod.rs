@@ -21,7 +21,7 @@ use super::typical_edge::typical_edge;
 use super::window::{Fronts, Window};
 use crate::constants::SPLIT_REACH;
 use crate::cpu::Instructions;
-use crate::cpu::fronts::FrontKind;
+use crate::cpu::fronts::LaneKind;
 use crate::cpu::progress::Progress;
 use crate::cpu::scan::Scan;
 use crate::surface::{Block, EdgeLengths, Real, Seed, Tiling, relative_change};
@@ -108,7 +108,7 @@ struct Woken<'p, R: Real> {
 
 /// A solver by patches for one kind of front.
 #[derive(Clone, Debug)]
-pub(in crate::cpu) struct PatchScanner<R: Real, K: FrontKind<R>> {
+pub(in crate::cpu) struct PatchScanner<R: Real, K: LaneKind<R>> {
     pub(in crate::cpu) on: Prepared<R, K>,
     plan: Plan,
     tiling: Tiling,
@@ -128,7 +128,7 @@ pub(in crate::cpu) struct PatchScanner<R: Real, K: FrontKind<R>> {
     unseen: R::Bits,
 }
 
-impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
+impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
     pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, kind: K, plan: Plan) -> Self {
         assert!(plan.side.is_multiple_of(TILE), "patches consist of tiles");
         let (chart, on) = (edges.chart(), Prepared::new(edges, kind));
@@ -346,7 +346,7 @@ impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
     }
 }
 
-impl<R: Real, K: FrontKind<R>> Scans<R> for PatchScanner<R, K> {
+impl<R: Real, K: LaneKind<R>> Scans<R> for PatchScanner<R, K> {
     fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         rayon::scope(|_| {
             if self.on.prepare() {
