@@ -8,9 +8,9 @@ use super::Instructions;
 use super::behind::Behind;
 use super::fronts::{LaneKind, SurfaceArray, TriangleKind, for_triangle_kind};
 use super::rotated::line::{GridLines, LinesInGrid};
-use super::rotated::line_update::UpdateOptions;
+use super::rotated::line_update::update_line;
 use super::rotated::tiles::TILE;
-use super::scan::Scan;
+use super::scan::{Scan, UpdateOptions};
 use crate::surface::{EdgeLengths, Real, Spacing, Surface};
 use crate::update::Wavefront;
 
@@ -125,17 +125,24 @@ impl<'a, K: TriangleKind<f32> + LaneKind<f32>> WarmLine<'a, K> {
         let (chart, scan) = (self.edges.chart(), Scan::DOWN);
         chart.row_of_mut(&mut self.times, 1).fill(f32::FAR);
         let mut lines = GridLines {
-            stride: chart.stride(),
             behind: Behind::of(chart, scan),
             times: &mut self.times,
             carried: &mut self.carried,
             surface_data: &self.surface_data,
             edges: self.edges.planes(),
             surface: (chart.stride(), 0),
-            place: LinesInGrid { edges: self.edges, first: 0, before: 0, beyond: None },
+            place: LinesInGrid {
+                edges: self.edges,
+                scan,
+                stride: chart.stride(),
+                first: 0,
+                before: 0,
+                beyond: None,
+            },
         };
         let options = UpdateOptions { scan, renews: true, instructions: Instructions::best() };
-        let updated = self.kind.update(&mut lines, 2, &(0..POINTS), options, &mut self.changed);
+        let updated =
+            update_line(&self.kind, &mut lines, 2, &(0..POINTS), options, &mut self.changed);
         std::hint::black_box(updated).points
     }
 }

@@ -6,7 +6,7 @@ use super::solution::Solution;
 use crate::surface::{EdgeLengths, Real, Seed};
 #[cfg(feature = "twins")]
 use crate::update::Carried;
-use crate::update::{Kept, SEED, tag_of};
+use crate::update::{Kept, SEED};
 
 /// The fronts at all points while a solver works on them.
 #[derive(Clone)]
@@ -28,23 +28,13 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
     }
 
     fn seed(&mut self, seeds: &[Seed]) {
-        self.kind.expect(seeds);
-        for seed in seeds {
-            let arrival = self.kind.arrival_of_seed(seed);
-            self.accept(
-                self.edges.chart().bordered(seed.row, seed.col),
-                arrival,
-                tag_of(seed),
-                false,
-            );
-        }
+        let fronts = (self.times.as_mut_slice(), self.carried.as_mut_slice());
+        self.kind.start(self.edges.chart(), seeds, fronts, |_, _, _| ());
     }
 
     /// Restores seeds that are lost ([`Seed::is_lost`]). Returns whether there were any.
     pub(super) fn restore(&mut self, seeds: &[Seed]) -> bool {
-        let chart = self.edges.chart();
-        let is_lost = |seed: &Seed| seed.is_lost(self.time(chart.bordered(seed.row, seed.col)));
-        let any = K::TAKES_BACK && seeds.iter().any(is_lost);
+        let any = K::has_lost(self.edges.chart(), seeds, &self.times);
         if any {
             self.seed(seeds);
         }

@@ -1,8 +1,8 @@
 //! Defines what solvers require of a kind of front, and of one whose points they update one by one.
 
 use crate::cpu::behind::{Behind, TriangleSlots};
-use crate::surface::{Direction, EdgeLengths, Real, Seed};
-use crate::update::{Carried, Kept, Triangle};
+use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
+use crate::update::{Carried, Kept, Triangle, tag_of};
 
 /// A kind of front over a surface. It defines what points carry, and how fronts start, are accepted and
 /// compared. How they continue is defined by [`PointKind`] for solvers that update points one by one, and by
@@ -52,6 +52,32 @@ pub(in crate::cpu) trait FrontKind<R: Real>:
 
     /// Returns how much a front has changed, in units of its arrival time ([`Real::units_between`]).
     fn change(before: Kept<R, Self::Carried>, after: Kept<R, Self::Carried>) -> R::Bits;
+
+    /// Starts the fronts of seeds, in bordered arrays of arrival times and of what fronts carry. Calls
+    /// `started` with each seed, its point in the arrays, and the fronts there before and after.
+    fn start(
+        &mut self,
+        chart: Chart,
+        seeds: &[Seed],
+        (times, carried): (&mut [R], &mut [Self::Carried]),
+        mut started: impl FnMut(&Seed, usize, [Kept<R, Self::Carried>; 2]),
+    ) {
+        self.expect(seeds);
+        for seed in seeds {
+            let point = chart.bordered(seed.row, seed.col);
+            let arrival = self.arrival_of_seed(seed);
+            let before = Kept { time: times[point], carried: carried[point] };
+            let after = Self::accept(before, arrival, tag_of(seed), false);
+            (times[point], carried[point]) = (after.time, after.carried);
+            started(seed, point, [before, after]);
+        }
+    }
+
+    /// Returns whether a seed is lost ([`Seed::is_lost`]), given arrival times as a bordered array.
+    fn has_lost(chart: Chart, seeds: &[Seed], times: &[R]) -> bool {
+        let is_lost = |seed: &Seed| seed.is_lost(times[chart.bordered(seed.row, seed.col)]);
+        Self::TAKES_BACK && seeds.iter().any(is_lost)
+    }
 }
 
 /// A kind of front whose points can be updated one by one.

@@ -7,10 +7,9 @@ use bytemuck::Pod;
 use super::kind::{FrontKind, TriangleKind};
 use super::surface_array::SurfaceArray;
 use crate::cpu::behind::Behind;
-use crate::cpu::rotated::line::GridLines;
-use crate::cpu::rotated::line_update::{UpdateOptions, Updated};
-use crate::cpu::rotated::span::{Before, Span};
-use crate::cpu::scan::Scan;
+use crate::cpu::rotated::line::{GridLines, ScanLine};
+use crate::cpu::rotated::span::{Before, LargestChanges, Span};
+use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Chart, Part, Real};
 use crate::update::Triangle;
 
@@ -30,16 +29,34 @@ pub(in crate::cpu) trait LaneKind<R: Real>: FrontKind<R> {
         0
     }
 
-    /// Updates points of a line from the line behind, and marks the spans of
-    /// [`TILE`](crate::cpu::rotated::tiles::TILE) points that have changed.
-    fn update(
+    /// What the updates of a line's spans need of the kind.
+    type OfLine<'k>;
+
+    /// Prepares the update of a line, given the row and column of its first point, counted from the border.
+    fn of_line(&self, first: [usize; 2], scan: Scan) -> Self::OfLine<'_>;
+
+    /// Finds the fronts that reach the points of a line through parts of obtuse triangles behind them.
+    /// Returns `None` if no triangle there is obtuse.
+    fn splits(
         &self,
-        lines: &mut GridLines<'_, R, Self::Carried, Self::SurfaceData>,
-        line: usize,
-        points: &Range<usize>,
+        _lines: &GridLines<'_, R, Self::Carried, Self::SurfaceData>,
+        _line: usize,
+        _points: &Range<usize>,
+    ) -> Option<Splits<Self::Arrival>> {
+        None
+    }
+
+    /// Updates some points of a line, given their start and number, and the `splits` among them. Returns
+    /// whether anything has changed, tags included, or `None` if all of the points are settled. It must be
+    /// inlined into loops over SIMD lanes.
+    fn update_span(
+        of_line: &Self::OfLine<'_>,
+        line: &mut ScanLine<'_, '_, R, Self::Carried, Self::SurfaceData>,
+        span: [usize; 2],
+        splits: &[(usize, Option<Self::Arrival>)],
         options: UpdateOptions,
-        changed: &mut [bool],
-    ) -> Updated<R::Bits>;
+        changes: &mut LargestChanges<R>,
+    ) -> Option<bool>;
 
     /// Returns whether a scan leaves `points` points in a row unchanged, starting with the point `first`. It
     /// must be inlined into loops over SIMD lanes.
@@ -60,14 +77,13 @@ pub(super) fn splits_of_line<R: Real, K: TriangleKind<R>, G>(
     lines: &GridLines<'_, R, K::Carried, G>,
     line: usize,
     points: &Range<usize>,
-    scan: Scan,
 ) -> Option<Splits<K::Arrival>> {
-    let edges = lines.place.edges;
+    let (edges, scan) = (lines.place.edges, lines.place.scan);
     edges.obtuse_triangles()?;
-    let [row, col] = lines.position(line, points.start, scan);
+    let [row, col] = lines.place.position(line, points.start);
     let (of_line, first) = if scan.by_rows() { (row, col) } else { (col, row) };
     let Some(side) = edges.stored_parts_on_side(scan.back()) else {
-        return Some(splits_found_now(kind, lines, [row, col], points.len(), scan));
+        return Some(splits_found_now(kind, lines, [row, col], points.len()));
     };
     let triangles = side.within(of_line, first..first + points.len());
     if triangles.is_empty() {
@@ -103,10 +119,9 @@ fn splits_found_now<R: Real, K: TriangleKind<R>, G>(
     lines: &GridLines<'_, R, K::Carried, G>,
     [row, col]: [usize; 2],
     points: usize,
-    scan: Scan,
 ) -> Splits<K::Arrival> {
     let mut found = Vec::new();
-    let edges = lines.place.edges;
+    let (edges, scan) = (lines.place.edges, lines.place.scan);
     let Some(obtuse) = edges.obtuse_triangles() else { return found };
     let (chart, by_rows) = (edges.chart(), scan.by_rows());
     let behind = Behind::of(chart, scan);
@@ -129,11 +144,4 @@ fn splits_found_now<R: Real, K: TriangleKind<R>, G>(
 
 /// The points of a line that have obtuse triangles, in order, by their places in the line. Each has the front
 /// that arrives through parts of these triangles, if any.
-pub(super) type Splits<A> = Vec<(usize, Option<A>)>;
-
-/// Returns the entries for `points` points from `start` on, out of entries for points of a line in order.
-#[inline(always)]
-pub(super) fn in_span<A>(found: &[(usize, A)], start: usize, points: usize) -> &[(usize, A)] {
-    let before = |end: usize| found.partition_point(|&(place, _)| place < end);
-    if found.is_empty() { found } else { &found[before(start)..before(start + points)] }
-}
+pub(in crate::cpu) type Splits<A> = Vec<(usize, Option<A>)>;

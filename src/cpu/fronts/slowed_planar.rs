@@ -4,14 +4,14 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::kind::{FrontKind, TriangleKind, Triangular};
-use super::lanes::{LaneKind, in_span, splits_of_line};
-use super::slowed::{Seen, TimeChanges};
+use super::lanes::{LaneKind, Splits, splits_of_line};
+use super::slowed::Seen;
 use super::surface_array::SurfaceArray;
 use crate::cpu::behind::Behind;
 use crate::cpu::rotated::line::{GridLines, ScanLine};
-use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
-use crate::cpu::rotated::span::{Before, Span};
+use crate::cpu::rotated::span::{Before, LargestChanges, Span};
 use crate::cpu::rotated::tiles::TILE;
+use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Chart, Real, Seed, min};
 use crate::update::{Kept, Triangle, is_settled_slowed, planar_slowed};
 
@@ -59,23 +59,59 @@ impl<R: Real> FrontKind<R> for SlowedPlanar<R> {
 
 impl<R: Real> LaneKind<R> for SlowedPlanar<R> {
     type SurfaceData = R;
+    type OfLine<'k> = ();
 
     fn surface_data(&self, _: Chart) -> SurfaceArray<R> {
         SurfaceArray::OfEdges(self.slowness.clone())
     }
 
-    fn update(
+    fn of_line(&self, _: [usize; 2], _: Scan) {}
+
+    fn splits(
         &self,
-        lines: &mut GridLines<'_, R, Self::Carried, Self::SurfaceData>,
+        lines: &GridLines<'_, R, Self::Carried, Self::SurfaceData>,
         line: usize,
         points: &Range<usize>,
-        options: UpdateOptions,
-        changed: &mut [bool],
-    ) -> Updated<R::Bits> {
-        let splits = splits_of_line(self, lines, line, points, options.scan).unwrap_or_default();
-        let parts: Vec<_> = splits.into_iter().filter_map(|(at, some)| Some((at, some?))).collect();
-        let line = PlanarLine { line: lines.line(line, points, options.scan), parts: &parts };
-        options.instructions.run(LineUpdate { line, options, changed })
+    ) -> Option<Splits<Self::Arrival>> {
+        splits_of_line(self, lines, line, points)
+    }
+
+    #[inline(always)]
+    fn update_span(
+        _: &(),
+        line: &mut ScanLine<'_, '_, R, Self::Carried, Self::SurfaceData>,
+        [start, points]: [usize; 2],
+        splits: &[(usize, Option<Self::Arrival>)],
+        _: UpdateOptions,
+        changes: &mut LargestChanges<R>,
+    ) -> Option<bool> {
+        let span = line.span(start, points);
+        let behind = line.surface_behind(start, points);
+        let seen = Seen {
+            span: &span,
+            own: |i: usize| span.surface_data[i],
+            behind: |k: usize, i: usize| behind[k][i],
+        };
+        let is_alone = splits.iter().all(|(_, time)| time.is_none());
+        if is_alone && (span.leads(points) || stays(&seen, points)) {
+            return None;
+        }
+        let mut after = [R::zero(); TILE];
+        for (i, after) in after[..points].iter_mut().enumerate() {
+            let (left, left_slowness) = seen.triangle::<true>(i);
+            let (right, right_slowness) = seen.triangle::<false>(i);
+            let time =
+                min(planar_slowed(left, left_slowness), planar_slowed(right, right_slowness));
+            *after = min(span.times[i], time);
+        }
+        for &(point, time) in splits {
+            if let Some(time) = time {
+                after[point - start] = min(after[point - start], time);
+            }
+        }
+        let any = changes.note_times(span.times, &after[..points]);
+        line.set(start, &after[..points], &[]);
+        Some(any)
     }
 
     #[inline(always)]
@@ -156,66 +192,4 @@ fn stays<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
             & is_settled_slowed(right, None, right_slowness, now);
     }
     settled
-}
-
-/// A line while a scan updates it.
-struct PlanarLine<'a, R> {
-    line: ScanLine<'a, R, (), R>,
-    /// Arrival times through parts of obtuse triangles, by the point's place in the line.
-    parts: &'a [(usize, R)],
-}
-
-impl<R: Real> Spans for PlanarLine<'_, R> {
-    type Changes = TimeChanges<R>;
-    type Bits = R::Bits;
-
-    #[inline(always)]
-    fn points(&self) -> usize {
-        self.line.times.len()
-    }
-
-    #[inline(always)]
-    fn prefetch_next(&self, start: usize) {
-        self.line.prefetch_next(start);
-    }
-
-    #[inline(always)]
-    fn update(
-        &mut self,
-        start: usize,
-        points: usize,
-        _: UpdateOptions,
-        changes: &mut TimeChanges<R>,
-    ) -> Option<bool> {
-        let span = self.line.span(start, points);
-        let behind = self.line.ground_behind(start, points);
-        let seen = Seen {
-            span: &span,
-            own: |i: usize| span.surface_data[i],
-            behind: |k: usize, i: usize| behind[k][i],
-        };
-        let parts = in_span(self.parts, start, points);
-        if parts.is_empty() && (span.leads(points) || stays(&seen, points)) {
-            return None;
-        }
-        let mut after = [R::zero(); TILE];
-        for (i, after) in after[..points].iter_mut().enumerate() {
-            let (left, left_slowness) = seen.triangle::<true>(i);
-            let (right, right_slowness) = seen.triangle::<false>(i);
-            let time =
-                min(planar_slowed(left, left_slowness), planar_slowed(right, right_slowness));
-            *after = min(span.times[i], time);
-        }
-        for &(point, time) in parts {
-            after[point - start] = min(after[point - start], time);
-        }
-        let any = changes.note(span.times, &after[..points]);
-        self.line.times[start..][..points].copy_from_slice(&after[..points]);
-        Some(any)
-    }
-
-    #[inline(always)]
-    fn largest(changes: TimeChanges<R>) -> R::Bits {
-        changes.largest()
-    }
 }

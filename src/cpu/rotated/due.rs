@@ -10,12 +10,11 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::line_update::UpdateOptions;
 use super::span::{Before, Span, prefetch_next_row};
 use super::tiles::{TILE, Tiles};
 use crate::cpu::behind::Behind;
 use crate::cpu::fronts::LaneKind;
-use crate::cpu::scan::Scan;
+use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::lanes::Loop;
 use crate::surface::{Direction, Real};
 

@@ -4,14 +4,13 @@ use super::room::{Pool, Room};
 use super::{News, Patch, Woken};
 use crate::cpu::fronts::LaneKind;
 use crate::cpu::rotated::due::find_due;
-use crate::cpu::rotated::line_update::UpdateOptions;
 use crate::cpu::rotated::panel::Panel;
 use crate::cpu::rotated::prepared::Prepared;
 use crate::cpu::rotated::scan_copy::On;
 use crate::cpu::rotated::span::Before;
 use crate::cpu::rotated::tiles::TILE;
 use crate::cpu::rotated::window::Fronts;
-use crate::cpu::scan::Scan;
+use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Block, Real, Tiling, min};
 use crate::update::{Carried, Kept};
 
