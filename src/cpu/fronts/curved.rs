@@ -130,6 +130,7 @@ impl<R: Real> FrontKind<R> for Curved<R> {
 impl<R: Real> LaneKind<R> for Curved<R> {
     type SurfaceData = R;
     type OfLine<'k> = CurvedLine<'k, R>;
+    const TELLS_BENDS: bool = true;
 
     fn surface_data(&self, _: Chart) -> SurfaceArray<R> {
         SurfaceArray::OfEdges(self.gaussian.clone())
@@ -174,10 +175,10 @@ impl<R: Real> LaneKind<R> for Curved<R> {
             first.lower(splits, start);
             first
         };
-        Some(match has_numbers {
-            true => accept_all::<_, _, true>(line, [start, points], &first, options, changes),
-            false => accept_all::<_, _, false>(line, [start, points], &first, options, changes),
-        })
+        let Accepted { times, curvatures, any } =
+            accept_all(&span, points, &first, options, has_numbers, changes);
+        line.set(start, &times[..points], &curvatures[..points]);
+        Some(any)
     }
 
     #[inline(always)]
@@ -365,17 +366,25 @@ impl<R: Real> CurvedLine<'_, R> {
     }
 }
 
-/// Accepts the first fronts to reach a span of points of a line, given the span's start and number of points.
-/// Returns whether anything has changed. `NUMBERS` tells whether fronts may carry numbers of origins.
+/// Fronts at the points of a span after an update.
+pub(super) struct Accepted<R> {
+    pub times: [R; TILE],
+    pub curvatures: [Curvature<R>; TILE],
+    /// Whether any of them has changed.
+    pub any: bool,
+}
+
+/// Accepts the first fronts to reach a span of points. `has_numbers` tells whether fronts may carry numbers of
+/// origins.
 #[inline(always)]
-pub(super) fn accept_all<R: Real, G, const NUMBERS: bool>(
-    line: &mut ScanLine<'_, '_, R, Curvature<R>, G>,
-    [start, points]: [usize; 2],
+pub(super) fn accept_all<R: Real, G>(
+    span: &Span<'_, R, Curvature<R>, G>,
+    points: usize,
     first: &FirstFronts<R>,
     options: UpdateOptions,
+    has_numbers: bool,
     changes: &mut LargestChanges<R>,
-) -> bool {
-    let span = line.span_without_edges(start, points);
+) -> Accepted<R> {
     let (mut times, mut curvatures) = ([R::zero(); TILE], [Curvature::default(); TILE]);
     let mut any = false;
     for i in 0..points {
@@ -386,14 +395,13 @@ pub(super) fn accept_all<R: Real, G, const NUMBERS: bool>(
         let change = before.time.units_between(after.time);
         any |= change.max(bent_before.units_between(bent)) > R::Bits::default();
         changes.note(i, change);
-        let bend = match NUMBERS {
+        let bend = match has_numbers {
             true => after.carried.bend_from(before.carried, after.time),
             false => (bent - bent_before).abs() * after.time,
         };
         changes.note_bend(i, bend);
     }
-    line.set(start, &times[..points], &curvatures[..points]);
-    any
+    Accepted { times, curvatures, any }
 }
 
 /// A span of points, and the Gaussian curvature behind them.

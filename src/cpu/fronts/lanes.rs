@@ -21,6 +21,9 @@ pub(in crate::cpu) trait LaneKind<R: Real>: FrontKind<R> {
     /// Whether updates in SIMD lanes need edge lengths.
     const NEEDS_EDGES: bool = true;
 
+    /// Whether updates note changes of curvature ([`LargestChanges::note_bend`]).
+    const TELLS_BENDS: bool = false;
+
     /// Returns the data of the surface, as a bordered array.
     fn surface_data(&self, chart: Chart) -> SurfaceArray<Self::SurfaceData>;
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::curved::{FirstFronts, KeptCurved, accept, accept_all, first};
+use super::curved::{Accepted, FirstFronts, KeptCurved, accept, accept_all, first};
 use super::kind::{FrontKind, TriangleKind, Triangular};
 use super::lanes::{LaneKind, Splits, splits_of_line};
 use super::slowed::Seen;
@@ -84,6 +84,7 @@ impl<R: Real> LaneKind<R> for SlowedCurved<R> {
     type SurfaceData = SurfaceData<R>;
     /// See [`Curvatures::causal`].
     type OfLine<'k> = bool;
+    const TELLS_BENDS: bool = true;
 
     fn surface_data(&self, _: Chart) -> SurfaceArray<SurfaceData<R>> {
         let points = self.gaussian.iter().zip(&*self.slowness);
@@ -138,7 +139,10 @@ impl<R: Real> LaneKind<R> for SlowedCurved<R> {
             first.set(i, Front::first(left, curved_slowed(triangle, bends, slowness)));
         }
         first.lower(splits, start);
-        Some(accept_all::<_, _, false>(line, [start, points], &first, options, changes))
+        let Accepted { times, curvatures, any } =
+            accept_all(&span, points, &first, options, false, changes);
+        line.set(start, &times[..points], &curvatures[..points]);
+        Some(any)
     }
 
     #[inline(always)]

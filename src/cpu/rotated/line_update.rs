@@ -69,41 +69,36 @@ impl<R: Real, K: LaneKind<R>, const SPLIT: bool> Loop for LineUpdate<'_, '_, R, 
     type Output = Updated<R::Bits>;
 
     #[inline(always)]
-    fn run(mut self) -> Updated<R::Bits> {
-        let (points, tiles) = (self.line.points, std::mem::take(&mut self.changed));
+    fn run(self) -> Updated<R::Bits> {
+        // Locals may stay in registers, and fields of an argument may not.
+        let Self { of_line, mut line, splits, options, changed } = self;
+        let points = line.points;
         let (mut changes, mut updated) = (LargestChanges::default(), 0);
-        for (tile, changed) in tiles.iter_mut().enumerate() {
-            self.line.prefetch_next(tile * TILE, K::NEEDS_EDGES);
+        for (tile, changed) in changed.iter_mut().enumerate() {
+            line.prefetch_next(tile * TILE, K::NEEDS_EDGES);
             // Two calls, since a number of points that is known at compile time needs no loop.
             let any = match points.checked_sub(TILE) {
-                Some(last) => self.update((tile * TILE).min(last), TILE, &mut changes),
-                None => self.update(0, points, &mut changes),
+                Some(last) => {
+                    let span = [(tile * TILE).min(last), TILE];
+                    let splits = if SPLIT { in_span(splits, span) } else { &[] };
+                    K::update_span(&of_line, &mut line, span, splits, options, &mut changes)
+                }
+                None => {
+                    let span = [0, points];
+                    K::update_span(&of_line, &mut line, span, splits, options, &mut changes)
+                }
             };
             let Some(any) = any else { continue };
             *changed |= any;
             updated += (points - tile * TILE).min(TILE) as u64;
         }
-        Updated { largest: changes.largest(), points: updated }
-    }
-}
-
-impl<R: Real, K: LaneKind<R>, const SPLIT: bool> LineUpdate<'_, '_, R, K, SPLIT> {
-    #[inline(always)]
-    fn update(
-        &mut self,
-        start: usize,
-        points: usize,
-        changes: &mut LargestChanges<R>,
-    ) -> Option<bool> {
-        let splits = if SPLIT { in_span(self.splits, start, points) } else { &[] };
-        let Self { of_line, line, options, .. } = self;
-        K::update_span(of_line, line, [start, points], splits, *options, changes)
+        Updated { largest: changes.largest(K::TELLS_BENDS), points: updated }
     }
 }
 
 /// Returns the entries for `points` points from `start` on, out of entries for points of a line in order.
 #[inline(always)]
-fn in_span<A>(found: &[(usize, A)], start: usize, points: usize) -> &[(usize, A)] {
+fn in_span<A>(found: &[(usize, A)], [start, points]: [usize; 2]) -> &[(usize, A)] {
     let before = |end: usize| found.partition_point(|&(place, _)| place < end);
     if found.is_empty() { found } else { &found[before(start)..before(start + points)] }
 }

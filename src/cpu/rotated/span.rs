@@ -152,9 +152,10 @@ impl<R: Real> LargestChanges<R> {
     /// Notes the changes of arrival times of a span. Returns whether any time has changed.
     #[inline(always)]
     pub(in crate::cpu) fn note_times(&mut self, before: &[R], after: &[R]) -> bool {
+        let after = &after[..before.len()];
         let mut any = false;
-        for (largest, (before, after)) in self.times.iter_mut().zip(before.iter().zip(after)) {
-            let change = before.units_between(*after);
+        for (i, largest) in self.times[..before.len()].iter_mut().enumerate() {
+            let change = before[i].units_between(after[i]);
             any |= change > R::Bits::default();
             *largest = change.max(*largest);
         }
@@ -173,11 +174,13 @@ impl<R: Real> LargestChanges<R> {
         self.bends[i] = R::zero().units_between(bend).max(self.bends[i]);
     }
 
-    /// Returns the largest change, in units of the arrival time.
+    /// Returns the largest change, in units of the arrival time. `bends` tells whether changes of curvature
+    /// were noted.
     #[inline(always)]
-    pub(in crate::cpu) fn largest(self) -> R::Bits {
+    pub(in crate::cpu) fn largest(self, bends: bool) -> R::Bits {
         let largest = |of: [R::Bits; TILE]| of.into_iter().max().unwrap_or_default();
-        largest(self.times).max(bend_units(R::from_bits(largest(self.bends))))
+        let times = largest(self.times);
+        if bends { times.max(bend_units(R::from_bits(largest(self.bends)))) } else { times }
     }
 }
 
