@@ -8,7 +8,6 @@ use super::maps::{Known, Maps};
 use super::marks::WORD;
 use super::outward::Passing;
 use super::parts::{Parts, VisitParts};
-use super::pending::SCANS;
 use crate::cpu::scan::Scan;
 use crate::cpu::{Instructions, Progress};
 use crate::lanes::Loop;
@@ -46,14 +45,14 @@ pub(super) trait BatchSolver: Send + Sync {
 impl<K: Kernel> Scans<K> {
     pub(super) fn new(edges: &EdgeLengths<f32>) -> Self {
         let chart = edges.chart();
-        let coefficients = SCANS.map(|scan| {
+        let coefficients = Scan::ALL.map(|scan| {
             let slots = FanSlots::new(chart, scan);
             let at = |row, col| K::coefficients(slots.fan(edges, chart.bordered(row, col)));
             let lines = chart.by(scan.lines());
             let places = lines.places().map(|(line, point)| scan.lines().place(line, point));
             places.map(|(row, col)| at(row, col)).collect()
         });
-        let parts = SCANS.map(|scan| Parts::new(edges, scan));
+        let parts = Scan::ALL.map(|scan| Parts::new(edges, scan));
         let farther = Arc::new(Farther::new(edges));
         Self { chart, coefficients, parts, farther, spare: Mutex::default() }
     }
@@ -69,7 +68,7 @@ impl<K: Kernel> Scans<K> {
         let wakes = (stop.tolerance / f64::from(f32::EPSILON)) as u32;
         loop {
             let mut largest = 0;
-            for scan in SCANS {
+            for scan in Scan::ALL {
                 largest = largest.max(self.scan::<TRACKS>(maps, scan, wakes, instructions));
             }
             maps.outward = None;

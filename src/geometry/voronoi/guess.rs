@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use super::NO_REGION;
+use super::known::NO_REGION;
 use crate::geometry::neighbourhood::Neighbourhood;
 use crate::geometry::order::rank;
 use crate::lanes::{Instructions, Loop};
@@ -86,11 +86,7 @@ fn resolve(labels: &[AtomicU32], offsets: &[isize; 8], point: usize) {
     let next = |point: usize| {
         let link = labels[point].load(Relaxed);
         let is_link = link & LINK != 0 && link != NO_REGION;
-        if is_link {
-            Ok(point.wrapping_add_signed(offsets[(link & 7) as usize]))
-        } else {
-            Err(link)
-        }
+        if is_link { Ok(point.wrapping_add_signed(offsets[(link & 7) as usize])) } else { Err(link) }
     };
     let mut end = point;
     let label = loop {
