@@ -155,7 +155,7 @@ impl<R: Real> LaneKind<R> for SlowedCurved<R> {
         options: UpdateOptions,
     ) -> bool {
         let behind = Behind::of(before.edges.chart(), options.scan);
-        let at = behind.points().map(|offset| first.wrapping_add_signed(offset));
+        let at = behind.points().map(|offset| offset.from(first));
         let surface_data = at.map(|at| &before.surface_data[at..][..points]);
         let seen = Seen {
             span: &span,

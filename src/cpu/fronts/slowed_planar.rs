@@ -127,7 +127,7 @@ impl<R: Real> LaneKind<R> for SlowedPlanar<R> {
             return true;
         }
         let behind = Behind::of(before.edges.chart(), options.scan);
-        let at = behind.points().map(|offset| first.wrapping_add_signed(offset));
+        let at = behind.points().map(|offset| offset.from(first));
         let slowness_behind = at.map(|at| &before.surface_data[at..][..points]);
         stays(
             &Seen {

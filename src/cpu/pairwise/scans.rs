@@ -11,7 +11,7 @@ use super::parts::{Parts, VisitParts};
 use crate::cpu::scan::Scan;
 use crate::cpu::{Instructions, Progress};
 use crate::lanes::Loop;
-use crate::surface::{Chart, EdgeLengths};
+use crate::surface::{Chart, EdgeLengths, Offset};
 use crate::{Convergence, Stop};
 
 /// The coefficients of a surface for one kind of front, and working memory for as many batches as have been
@@ -92,7 +92,7 @@ impl<K: Kernel> Scans<K> {
     ) -> u32 {
         let Maps { points, pending, outward, changed, .. } = maps;
         let (chart, lines) = (self.chart, self.chart.by(scan.lines()));
-        let step = chart.offset(scan.lines().along()).unsigned_abs();
+        let step = chart.stride_along(scan.lines());
         let behind = chart.offset(scan.back());
         let index = usize::from(scan.0) - 1;
         let (coefficients, parts) = (&self.coefficients[index], &self.parts[index]);
@@ -183,7 +183,7 @@ struct MarkedLine<'a, K: Kernel> {
     /// neighbour behind.
     first: usize,
     step: usize,
-    behind: isize,
+    behind: Offset,
     coefficients: &'a [K::Coefficients],
     marks: &'a mut [u64],
     /// A mask for each map, with all bits set for those that pass the line.
@@ -210,7 +210,7 @@ impl<K: Kernel, const TRACKS: bool, const ALL: bool> Loop for Visit<'_, K, TRACK
                 visits &= visits - 1;
                 let point = k * WORD + bit as usize;
                 let here = first + point * step;
-                let beside = here.wrapping_add_signed(behind);
+                let beside = behind.from(here);
                 let behind = [&points[beside - step], &points[beside], &points[beside + step]];
                 let (mut state, coefficients) = (points[here], &coefficients[point]);
                 if K::may_change(&state, behind, coefficients) {

@@ -16,7 +16,7 @@ use crate::cpu::behind::Behind;
 use crate::cpu::fronts::LaneKind;
 use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::lanes::Loop;
-use crate::surface::{Direction, Real};
+use crate::surface::Real;
 
 /// Finds the tiles in which up to four scans have work that start from the same fronts. Returns the number of examined
 /// points. Points examined for two scans count twice. Rows of tiles are examined in parallel if the tiles are
@@ -28,7 +28,7 @@ pub(in crate::cpu) fn find_due<R: Real, K: LaneKind<R>>(
     scans: &[UpdateOptions],
 ) -> u64 {
     let (chart, window, place) = (before.edges.chart(), before.fronts.window, tiles.place());
-    let strides = [window.own(), chart].map(|chart| chart.offset(Direction::South));
+    let strides = [window.own(), chart].map(|chart| chart.stride() as isize);
     let seen: [Option<_>; 4] = std::array::from_fn(|scan| {
         let options = *scans.get(scan)?;
         Some((options, Behind::of(chart, options.scan), window.behind(options.scan)))

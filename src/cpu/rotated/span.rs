@@ -8,7 +8,7 @@ use crate::cpu::behind::Behind;
 use crate::cpu::bend_units;
 use crate::cpu::scan::UpdateOptions;
 use crate::lanes::prefetch;
-use crate::surface::{EdgeLengths, Real, min};
+use crate::surface::{EdgeLengths, Offset, Real, min};
 use crate::update::{Carried, Kept, Triangle};
 
 /// A span of adjacent points of a row or column, the neighbours behind each of them, and the triangles between.
@@ -210,13 +210,13 @@ impl<'a, R: Real, C: Carried, G> Before<'a, R, C, G> {
     /// the grid, and as offsets in the window ([`super::window::Window::behind`]).
     pub(in crate::cpu) fn span(
         &self,
-        (behind, in_window): (&Behind, [isize; 3]),
+        (behind, in_window): (&Behind, [Offset; 3]),
         [row, col]: [usize; 2],
         points: usize,
     ) -> Span<'a, R, C, G> {
         let Fronts { window, times, carried } = self.fronts;
         let (here, first) = (window.index(row, col), window.grid().bordered(row, col));
-        let at = in_window.map(|offset| here.wrapping_add_signed(offset));
+        let at = in_window.map(|offset| offset.from(here));
         Span {
             times: part(times, here, points),
             carried: part(carried, here, points),
