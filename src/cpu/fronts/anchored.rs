@@ -247,7 +247,8 @@ type AnchoredSpan<'a, R> = Span<'a, R, Anchor<R>, HolesBehind<R>>;
 /// Returns whether all three points behind point `i` have this anchor and no hole is near.
 #[inline(always)]
 fn has<R: Real>(span: &AnchoredSpan<R>, i: usize, anchor: Anchor<R>, scan: Scan) -> bool {
-    is_of_one(anchor, span.carried_behind.map(|behind| behind[i]), span.surface_data[i], scan)
+    let [before, beside, after] = span.carried_behind;
+    is_of_one(anchor, [before[i], beside[i], after[i]], span.surface_data[i], scan)
 }
 
 /// The fronts that a scan brings to the points of a span.

@@ -106,6 +106,7 @@ impl<R: Real, C: Carried> LinesInGrid<'_, R, C> {
     }
 
     /// Returns the front at a point of the grid, given the lines' arrays.
+    #[inline(always)]
     fn front(&self, (times, carried): (&[R], &[C]), point: usize) -> Kept<R, C> {
         let Self { edges, scan, stride, first, before, beyond } = self;
         let Some(Beyond { points, lines, near, far }) = beyond else {
@@ -207,7 +208,9 @@ impl<R: Real, C: Carried, G> ScanLine<'_, '_, R, C, G> {
         }
     }
 
-    /// Returns the front at a point of the grid.
+    /// Returns the front at a point of the grid. It is called for many points one after another: inlined, each
+    /// caller would load all that it needs.
+    #[inline(never)]
     pub(in crate::cpu) fn front(&self, point: usize) -> Kept<R, C> {
         self.place.front((self.times, self.carried), point)
     }

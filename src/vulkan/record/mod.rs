@@ -11,4 +11,5 @@ pub(crate) use commands::{Commands, Groups};
 pub(crate) use recorder::{Recorder, dispatched};
 pub(crate) use turn::Turn;
 
+#[cfg(feature = "capi")]
 pub(crate) use super::device::barrier::MOST_TOGETHER;
