@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use crate::lanes::Instructions;
 use crate::surface::{Direction, Lines};
 
 /// One of the four scans of an iteration, numbered from 1: down, up, right and left.
@@ -74,6 +75,15 @@ impl Scan {
     pub(super) fn bit(self) -> u8 {
         1 << self.0
     }
+}
+
+/// Options of the updates of a scan. `renews`: whether a scan may replace a front that the same scan direction
+/// brought earlier.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct UpdateOptions {
+    pub scan: Scan,
+    pub renews: bool,
+    pub instructions: Instructions,
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ mod error;
 mod exr;
 mod file_spacing;
 mod georeference;
+mod grid;
 mod limits;
 mod map_file;
 mod matrix_file;
@@ -29,11 +30,12 @@ mod raster;
 mod surface_file;
 mod tiff;
 
-pub use arrays::{Grid, read_mask, read_metric, read_slowness};
+pub use arrays::{read_mask, read_metric, read_slowness};
 pub use atomic::{OutputFile, StagedFile};
 pub use curves::{Attribute, CurveFormat, Drawing, Polyline};
 pub use error::IoError;
 pub use georeference::{CoordinateSystem, Georeference};
+pub use grid::Grid;
 pub use limits::{MAX_POINTS, checked_points};
 pub use map_file::{MapFormat, MapValue, read_map, write_bearings_tiff, write_labels_tiff};
 pub use matrix_file::{

@@ -8,10 +8,10 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::{BinaryHeap, HashMap};
 
 use super::behind::Behind;
-use super::fronts::{Anchored, FrontKind, FrontOver, TriangleKind};
+use super::fronts::{Anchored, FrontOver, PointKind, TriangleKind};
 use super::point_fronts::PointFronts;
 use super::solution::Solution;
-use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Groups, Real, Seed};
+use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Groups, Offset, Real, Seed};
 use crate::update::{Kept, Triangle, Wavefront};
 
 /// Solves by fast marching (Algorithm 1). Points are fixed in the order in which the front reaches them. A
@@ -49,11 +49,11 @@ pub fn fast_marching_with<R: Real>(
 
 /// Returns the edges from a fixed point to its neighbours, and the triangles at the fixed point as each
 /// neighbour sees them.
-fn neighbours(chart: Chart) -> [(isize, EdgeSlot, Behind); 8] {
+fn neighbours(chart: Chart) -> [(Offset, EdgeSlot, Behind); 8] {
     Direction::ALL.map(|to| {
         let back = to.opposite();
         let behind = Behind::new(chart, [back.previous(), back, back.next()]);
-        (chart.offset(to), EdgeSlot::new(chart, 0, to), behind)
+        (chart.offset(to), EdgeSlot::of(chart, to), behind)
     })
 }
 
@@ -72,7 +72,7 @@ fn by_triangles<R: Real, K: TriangleKind<R>>(
             march.lower(x0 as usize, arrival, K::time(arrival));
         }
         for (offset, edge, behind) in &neighbours {
-            let x0 = point.wrapping_add_signed(*offset);
+            let x0 = offset.from(point);
             if march.is_fixed(x0) || edges.at(point, *edge) >= R::FAR {
                 continue;
             }
@@ -105,7 +105,7 @@ fn by_anchors<R: Real>(edges: &EdgeLengths<R>, seeds: &[Seed], kind: Anchored<R>
     let mut march = March::start(PointFronts::start(edges, kind, seeds), seeds);
     while let Some(point) = march.next() {
         for (offset, edge, behind) in &neighbours {
-            let x0 = point.wrapping_add_signed(*offset);
+            let x0 = offset.from(point);
             if march.is_fixed(x0) || edges.at(point, *edge) >= R::FAR {
                 continue;
             }
@@ -134,13 +134,13 @@ impl<'a> CopiesOf<'a> {
 }
 
 /// The fronts, flags of the fixed points, and the heap of the points that may be fixed next.
-struct March<R: Real, K: FrontKind<R>> {
+struct March<R: Real, K: PointKind<R>> {
     fronts: PointFronts<R, K>,
     fixed: Vec<bool>,
     heap: BinaryHeap<Reverse<Arrival<R>>>,
 }
 
-impl<R: Real, K: FrontKind<R>> March<R, K> {
+impl<R: Real, K: PointKind<R>> March<R, K> {
     fn start(fronts: PointFronts<R, K>, seeds: &[Seed]) -> Self {
         let chart = fronts.edges.chart();
         let heap = seeds

@@ -10,26 +10,25 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::line_update::UpdateOptions;
 use super::span::{Before, Span, prefetch_next_row};
 use super::tiles::{TILE, Tiles};
 use crate::cpu::behind::Behind;
-use crate::cpu::fronts::FrontKind;
-use crate::cpu::scan::Scan;
+use crate::cpu::fronts::LaneKind;
+use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::lanes::Loop;
-use crate::surface::{Direction, Real};
+use crate::surface::Real;
 
 /// Finds the tiles in which up to four scans have work that start from the same fronts. Returns the number of examined
 /// points. Points examined for two scans count twice. Rows of tiles are examined in parallel if the tiles are
 /// those of the whole grid.
-pub(in crate::cpu) fn find_due<R: Real, K: FrontKind<R>>(
+pub(in crate::cpu) fn find_due<R: Real, K: LaneKind<R>>(
     kind: &K,
     before: Before<R, K::Carried, K::SurfaceData>,
     tiles: &mut Tiles,
     scans: &[UpdateOptions],
 ) -> u64 {
     let (chart, window, place) = (before.edges.chart(), before.fronts.window, tiles.place());
-    let strides = [window.own(), chart].map(|chart| chart.offset(Direction::South));
+    let strides = [window.own(), chart].map(|chart| chart.stride() as isize);
     let seen: [Option<_>; 4] = std::array::from_fn(|scan| {
         let options = *scans.get(scan)?;
         Some((options, Behind::of(chart, options.scan), window.behind(options.scan)))
@@ -75,7 +74,7 @@ fn runs(beside: &[u8], scan: Scan) -> impl Iterator<Item = Range<usize>> {
 
 /// A check of whether a scan has work in the tiles along a row of points. It adds the scan to `due` of those
 /// tiles.
-struct Look<'l, R: Real, K: FrontKind<R>> {
+struct Look<'l, R: Real, K: LaneKind<R>> {
     kind: &'l K,
     before: &'l Before<'l, R, K::Carried, K::SurfaceData>,
     /// The first point, as an index into bordered arrays of the grid.
@@ -89,7 +88,7 @@ struct Look<'l, R: Real, K: FrontKind<R>> {
     due: &'l mut [u8],
 }
 
-impl<R: Real, K: FrontKind<R>> Loop for Look<'_, R, K> {
+impl<R: Real, K: LaneKind<R>> Loop for Look<'_, R, K> {
     type Output = ();
 
     #[inline(always)]
@@ -141,7 +140,7 @@ mod tests {
 
     /// Returns the scans that have work around a point in the middle, given arrival times and the data that
     /// fronts carry.
-    fn due<K: FrontKind<f32>>(
+    fn due<K: LaneKind<f32>>(
         edges: &EdgeLengths<f32>,
         kind: &K,
         instructions: Instructions,

@@ -3,14 +3,14 @@
 use std::ops::Range;
 
 use super::line::{Beyond, GridLines, LinesInGrid};
-use super::line_update::{UpdateOptions, Updated};
+use super::line_update::{Updated, update_line};
 use super::panel::{Grid, Panel};
 use super::tiles::Tiles;
 use super::window::{Fronts, Window};
 use crate::Monitor;
 use crate::cpu::behind::Behind;
-use crate::cpu::fronts::FrontKind;
-use crate::cpu::scan::Scan;
+use crate::cpu::fronts::LaneKind;
+use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Block, Chart, Real};
 use crate::update::Carried;
 
@@ -92,7 +92,7 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
 
     /// Visits the tiles that are due, and those ahead of the scan's own changes. Returns the largest change.
     /// `far` has the fronts of the whole grid, if the window is smaller.
-    pub(in crate::cpu) fn scan<K: FrontKind<R, Carried = C>>(
+    pub(in crate::cpu) fn scan<K: LaneKind<R, Carried = C>>(
         &mut self,
         kind: &K,
         on: On<'_, R, C, K::SurfaceData>,
@@ -117,7 +117,7 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
     }
 
     /// Scans a span of a band.
-    fn scan_run<K: FrontKind<R, Carried = C>>(
+    fn scan_run<K: LaneKind<R, Carried = C>>(
         &mut self,
         kind: &K,
         On { grid, panel, far, .. }: &mut On<'_, R, C, K::SurfaceData>,
@@ -133,7 +133,8 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
         self.marks.resize(run.len(), false);
         let marks = &mut self.marks;
         let mut update = |here: &mut GridLines<R, C, K::SurfaceData>| {
-            let update = |line| kind.update(here, here.number(line), &along, options, marks);
+            let update =
+                |line| update_line(kind, here, here.place.number(line), &along, options, marks);
             scan.in_order(lines.clone()).map(update).fold(Updated::default(), Updated::and)
         };
         let changed = |place| tiles.index(scan, band, place);
@@ -170,21 +171,26 @@ where
     let (chart, (first, before)) = (grid.edges.chart(), window.first());
     let Block { rows, cols } = window.block();
     let beyond = far.is_some().then(|| Beyond {
-        scan,
         points: cols.start + 1..cols.end + 1,
         lines: rows.start + 1..rows.end + 1,
         near: None,
         far,
     });
     GridLines {
-        stride: window.own().stride(),
         behind: Behind::of(chart, scan),
         times,
         carried,
         surface_data: grid.surface_data,
         edges: grid.edges.planes(),
         surface: (chart.stride(), first),
-        place: LinesInGrid { edges: grid.edges, first, before, beyond },
+        place: LinesInGrid {
+            edges: grid.edges,
+            scan,
+            stride: window.own().stride(),
+            first,
+            before,
+            beyond,
+        },
     }
 }
 

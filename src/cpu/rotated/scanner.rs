@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use super::due::find_due;
 use super::exchange::exchange;
-use super::line_update::UpdateOptions;
 use super::merge::merge;
 use super::panel::Panel;
 use super::prepared::Prepared;
@@ -14,16 +13,16 @@ use super::span::Before;
 use super::tiles::Tiles;
 use super::window::Window;
 use crate::cpu::Instructions;
-use crate::cpu::fronts::FrontKind;
+use crate::cpu::fronts::LaneKind;
 use crate::cpu::progress::Progress;
-use crate::cpu::scan::Scan;
+use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{EdgeLengths, Real, Seed};
-use crate::update::{Kept, tag_of};
+use crate::update::Kept;
 use crate::{Convergence, Monitor, Stop};
 
 /// A solver for one kind of front; see [`crate::cpu::RotatedScan`].
 #[derive(Clone, Debug)]
-pub(in crate::cpu) struct Scanner<R: Real, K: FrontKind<R>> {
+pub(in crate::cpu) struct Scanner<R: Real, K: LaneKind<R>> {
     pub(in crate::cpu) on: Prepared<R, K>,
     tiles: Tiles,
     /// The fronts as two opposite scans see them. Between pairs of scans both copies are equal.
@@ -38,7 +37,7 @@ pub(in crate::cpu) struct Scanner<R: Real, K: FrontKind<R>> {
 /// hills, of which one takes 20, not storing them takes 1.3 to 1.8 times as long.
 pub(in crate::cpu) const FEW_ITERATIONS: u32 = 3;
 
-impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
+impl<R: Real, K: LaneKind<R>> Scanner<R, K> {
     pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, kind: K) -> Self {
         let (on, window) = (Prepared::new(edges, kind), Window::whole(edges.chart()));
         let tiles = Tiles::new(window, &window.block());
@@ -64,11 +63,7 @@ impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
                 }
                 continue;
             }
-            let chart = self.on.chart();
-            let is_lost =
-                |seed: &Seed| seed.is_lost(self.times()[chart.bordered(seed.row, seed.col)]);
-            let goes_on = K::TAKES_BACK && !progress.is_last() && seeds.iter().any(is_lost);
-            if !goes_on {
+            if progress.is_last() || !K::has_lost(self.on.chart(), seeds, self.times()) {
                 return progress.convergence();
             }
             self.seed(seeds);
@@ -92,22 +87,15 @@ impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
 
     /// Starts fronts from those seeds that arrive before the map.
     fn seed(&mut self, seeds: &[Seed]) {
-        let chart = self.on.chart();
-        self.on.kind.expect(seeds);
-        for seed in seeds {
-            let point = chart.bordered(seed.row, seed.col);
-            let arrival = self.on.kind.arrival_of_seed(seed);
-            let mut changed = false;
-            for ScanCopy { times, carried, .. } in &mut self.copies {
-                let kept = Kept { time: times[point], carried: carried[point] };
-                changed |= R::of(seed.time) < kept.time;
-                let front = K::accept(kept, arrival, tag_of(seed), false);
-                (times[point], carried[point]) = (front.time, front.carried);
+        let (chart, tiles) = (self.on.chart(), &mut self.tiles);
+        let [copy, other] = &mut self.copies;
+        let fronts = (copy.times.as_mut_slice(), copy.carried.as_mut_slice());
+        self.on.kind.start(chart, seeds, fronts, |seed, point, [before, after]| {
+            (other.times[point], other.carried[point]) = (after.time, after.carried);
+            if R::of(seed.time) < before.time {
+                tiles.touch(seed.row, seed.col);
             }
-            if changed {
-                self.tiles.touch(seed.row, seed.col);
-            }
-        }
+        });
         exchange::<R, K>(&self.on.edges, &mut self.copies, &mut self.tiles, false);
     }
 
@@ -133,7 +121,7 @@ impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
     }
 }
 
-impl<R: Real, K: FrontKind<R>> Scans<R> for Scanner<R, K> {
+impl<R: Real, K: LaneKind<R>> Scans<R> for Scanner<R, K> {
     fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         // Enters the thread pool once, and not for each pair of scans.
         rayon::scope(|_| {

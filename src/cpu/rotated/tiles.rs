@@ -5,9 +5,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::line_update::UpdateOptions;
 use super::window::Window;
-use crate::cpu::scan::Scan;
+use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Block, Chart, Tiling};
 
 /// Number of points on a side of a tile. A front moves at most one point per line. So within a band of `TILE`

@@ -4,7 +4,7 @@
 use super::behind;
 use crate::Stop;
 use crate::constants::SPLIT_REACH;
-use crate::cpu::fronts::{FrontKind, for_kind};
+use crate::cpu::fronts::{PointKind, for_kind};
 use crate::cpu::point_fronts::PointFronts;
 use crate::cpu::scan::Scan;
 use crate::cpu::{Progress, Solution};
@@ -31,7 +31,7 @@ pub fn scan_due<R: Real>(
     })
 }
 
-fn solve<R: Real, K: FrontKind<R>>(
+fn solve<R: Real, K: PointKind<R>>(
     mut fronts: PointFronts<R, K>,
     seeds: &[Seed],
     stop: Stop,

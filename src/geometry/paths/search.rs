@@ -206,7 +206,7 @@ impl Tracer<'_> {
             }
             for to in Direction::ALL {
                 let there = self.chart().beside(point, to);
-                let slot = EdgeSlot::new(self.chart(), 0, to);
+                let slot = EdgeSlot::of(self.chart(), to);
                 let is_edge = f64::from(self.edges.at(point, slot)) < 0.5 * FAR;
                 if is_edge && self.is_reached(there) && !back.contains_key(&there) {
                     back.insert(there, point);

@@ -98,7 +98,7 @@ impl Tracer<'_> {
             .into_iter()
             .find(|&to| self.chart().beside(a, to) == b)
             .expect("the points are neighbours");
-        self.edges.at(a, EdgeSlot::new(self.chart(), 0, to)).into()
+        self.edges.at(a, EdgeSlot::of(self.chart(), to)).into()
     }
 
     /// Returns the earliest of the grid points of the edge or cell in which the place lies.

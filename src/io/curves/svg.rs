@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use ::svg::Document;
 use ::svg::node::element::{Group, Path, Rectangle, Style, Title};
 
-use super::{Drawing, Polyline};
+use super::drawing::{Drawing, Polyline};
 
 /// Lines have the same width at any scale: it is in pixels, not in grid steps.
 const STYLE: &str = "\

@@ -10,13 +10,13 @@ use std::thread;
 use ash::vk;
 use bytemuck::Pod;
 
+use super::labels::Labels;
 use super::memory::Image;
 use super::passes::{
     CommonPass, MapSize, PUSH_CONSTANT_BYTES, Pass, Row, Specialization, TABLE, Variant,
 };
 use super::shaders::{Shader, set_0, set_1, set_2};
 use crate::update::Wavefront;
-use crate::vulkan::profile::Labels;
 use crate::vulkan::{Tuning, VulkanError};
 
 /// Pipeline whose push constants are of type `P`.

@@ -5,12 +5,13 @@ use ash::{khr, vk};
 use super::plan::Plan;
 use crate::surface::Chart;
 use crate::update::{Setting, Wavefront};
+use crate::vulkan::device::labels::Labels;
 use crate::vulkan::device::limits::Limits;
 use crate::vulkan::device::passes::{COMMON, SURROUNDINGS, Variant};
 use crate::vulkan::device::pipelines::{Cache, Pipeline, Pipelines};
 use crate::vulkan::device::requirements;
 use crate::vulkan::device::shaders::surroundings;
-use crate::vulkan::profile::{self, Labels};
+use crate::vulkan::profile;
 use crate::vulkan::{Method, Schedule, Tuning, VulkanError};
 
 /// Pipelines of a device of the host. Each is created once and serves all surfaces. Those of contours, paths

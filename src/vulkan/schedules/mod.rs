@@ -3,6 +3,7 @@
 //! choice of the schedule.
 
 mod all_points;
+pub(in crate::vulkan) mod method;
 mod order;
 pub mod plan;
 pub(in crate::vulkan) mod progress;
@@ -12,13 +13,14 @@ mod tiles;
 
 use ash::vk;
 
+use super::device::barrier::MOST_TOGETHER;
 use super::device::barrier::{CLEAR, COPY, PASS, PASS_AND_HOST, TRANSFER};
 use super::device::passes::{COUNT, SEED, SETTLE, Variant};
 use super::grid_images::TILE_WORDS;
 use super::profile::{
     self, Grain, PassKind, PassRecord, Presence, Profile, Scope, StepCounter, Work,
 };
-use super::record::{Groups, MOST_TOGETHER, Recorder};
+use super::record::{Groups, Recorder};
 use super::{Schedule, TexelChart, Tuning};
 use crate::Stop;
 use crate::constants::{FRONTS_ARE_ADDED, FRONTS_MEET, WORKGROUP};

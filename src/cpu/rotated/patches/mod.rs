@@ -21,11 +21,10 @@ use super::typical_edge::typical_edge;
 use super::window::{Fronts, Window};
 use crate::constants::SPLIT_REACH;
 use crate::cpu::Instructions;
-use crate::cpu::fronts::FrontKind;
+use crate::cpu::fronts::LaneKind;
 use crate::cpu::progress::Progress;
 use crate::cpu::scan::Scan;
 use crate::surface::{Block, EdgeLengths, Real, Seed, Tiling, relative_change};
-use crate::update::{Kept, tag_of};
 use crate::{Convergence, Monitor, Stop};
 use order::Dues;
 use room::{Pool, Room};
@@ -108,7 +107,7 @@ struct Woken<'p, R: Real> {
 
 /// A solver by patches for one kind of front.
 #[derive(Clone, Debug)]
-pub(in crate::cpu) struct PatchScanner<R: Real, K: FrontKind<R>> {
+pub(in crate::cpu) struct PatchScanner<R: Real, K: LaneKind<R>> {
     pub(in crate::cpu) on: Prepared<R, K>,
     plan: Plan,
     tiling: Tiling,
@@ -128,7 +127,7 @@ pub(in crate::cpu) struct PatchScanner<R: Real, K: FrontKind<R>> {
     unseen: R::Bits,
 }
 
-impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
+impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
     pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, kind: K, plan: Plan) -> Self {
         assert!(plan.side.is_multiple_of(TILE), "patches consist of tiles");
         let (chart, on) = (edges.chart(), Prepared::new(edges, kind));
@@ -196,24 +195,20 @@ impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
 
     /// Starts fronts from those seeds that arrive before the map.
     fn seed(&mut self, seeds: &[Seed]) {
-        let chart = self.on.chart();
-        self.on.kind.expect(seeds);
-        for seed in seeds {
-            let point = chart.bordered(seed.row, seed.col);
-            let arrival = self.on.kind.arrival_of_seed(seed);
-            let kept = Kept { time: self.times[point], carried: self.carried[point] };
-            let front = K::accept(kept, arrival, tag_of(seed), false);
-            (self.times[point], self.carried[point]) = (front.time, front.carried);
-            if R::of(seed.time) >= kept.time {
-                continue;
+        let (chart, reach, tiling) = (self.on.chart(), self.reach(), self.tiling);
+        let (patches, dues) = (&mut self.patches, &mut self.dues);
+        let fronts = (self.times.as_mut_slice(), self.carried.as_mut_slice());
+        self.on.kind.start(chart, seeds, fronts, |seed, _, [before, after]| {
+            if R::of(seed.time) >= before.time {
+                return;
             }
-            for (row, col) in chart.around((seed.row, seed.col), self.reach()).places() {
-                let ((row, col), _) = self.tiling.tile_of((row, col));
-                let patch = self.tiling.tiles().index(row, col);
-                self.patches[patch].tiles.touch(seed.row, seed.col);
-                self.dues.enlist(patch, front.time);
+            for (row, col) in chart.around((seed.row, seed.col), reach).places() {
+                let ((row, col), _) = tiling.tile_of((row, col));
+                let patch = tiling.tiles().index(row, col);
+                patches[patch].tiles.touch(seed.row, seed.col);
+                dues.enlist(patch, after.time);
             }
-        }
+        });
     }
 
     /// Returns the distance from which points may see a point.
@@ -229,11 +224,8 @@ impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
         loop {
             let round = self.dues.next_round(self.plan.most);
             if round.is_empty() {
-                let chart = self.on.chart();
-                let is_lost =
-                    |seed: &Seed| seed.is_lost(self.times[chart.bordered(seed.row, seed.col)]);
                 let is_last = self.patches.iter().any(|patch| patch.progress.is_last());
-                if !K::TAKES_BACK || is_last || !seeds.iter().any(is_lost) {
+                if is_last || !K::has_lost(self.on.chart(), seeds, &self.times) {
                     return self.convergence();
                 }
                 self.seed(seeds);
@@ -346,7 +338,7 @@ impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
     }
 }
 
-impl<R: Real, K: FrontKind<R>> Scans<R> for PatchScanner<R, K> {
+impl<R: Real, K: LaneKind<R>> Scans<R> for PatchScanner<R, K> {
     fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         rayon::scope(|_| {
             if self.on.prepare() {

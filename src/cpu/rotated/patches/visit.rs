@@ -2,21 +2,20 @@
 
 use super::room::{Pool, Room};
 use super::{News, Patch, Woken};
-use crate::cpu::fronts::FrontKind;
+use crate::cpu::fronts::LaneKind;
 use crate::cpu::rotated::due::find_due;
-use crate::cpu::rotated::line_update::UpdateOptions;
 use crate::cpu::rotated::panel::Panel;
 use crate::cpu::rotated::prepared::Prepared;
 use crate::cpu::rotated::scan_copy::On;
 use crate::cpu::rotated::span::Before;
 use crate::cpu::rotated::tiles::TILE;
 use crate::cpu::rotated::window::Fronts;
-use crate::cpu::scan::Scan;
+use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Block, Real, Tiling, min};
 use crate::update::{Carried, Kept};
 
 /// Data that the visits of a round share.
-pub(super) struct Visits<'v, R: Real, K: FrontKind<R>> {
+pub(super) struct Visits<'v, R: Real, K: LaneKind<R>> {
     pub on: &'v Prepared<R, K>,
     /// The fronts of the whole grid before the round.
     pub far: Fronts<'v, R, K::Carried>,
@@ -28,7 +27,7 @@ pub(super) struct Visits<'v, R: Real, K: FrontKind<R>> {
     pub inner: u32,
 }
 
-impl<R: Real, K: FrontKind<R>> Visits<'_, R, K> {
+impl<R: Real, K: LaneKind<R>> Visits<'_, R, K> {
     /// Finds out whether a scan has work in a patch, after changes around it. If none has, all have seen them.
     pub(super) fn look(&self, Woken { patch, looked, is_due, .. }: &mut Woken<R>) {
         let renews = patch.progress.renews();
