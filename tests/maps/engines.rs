@@ -375,7 +375,8 @@ fn scans_of_blocks_that_are_due_are_whole_scans() {
             for lines in [1, 4, 7, 100] {
                 let stop = Stop::within(1e-6).or_after(60);
                 let whole = twins::scan_in_turn(&edges, &seeds, wavefront, stop);
-                let (due, visits) = twins::scan_due(&edges, &seeds, wavefront, stop, lines);
+                let (due, visits) =
+                    twins::scan_due(&edges, &seeds, wavefront, stop, (ScanOrder::InTurn, lines));
                 let what = format!("{name}, {wavefront}, {lines} lines");
                 assert_eq!(whole.distances(), due.distances(), "{what}");
                 assert_eq!(whole.iterations, due.iterations, "{what}");

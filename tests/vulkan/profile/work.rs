@@ -39,7 +39,8 @@ fn hold_against_the_plan(bench: &mut Bench, grain: Grain, wavefront: Wavefront, 
     let (height, width) = (texels.inner_rows().len(), texels.inner_cols().len());
     let lines = bench.solver.tuning().scan_lines;
     let edges = EdgeLengths::<f32>::new(&bench.surface).unwrap();
-    let (_, due) = scan_due(&edges, &bench.seeds, wavefront, method.stop, lines as usize);
+    let (_, due) =
+        scan_due(&edges, &bench.seeds, wavefront, method.stop, (ScanOrder::InTurn, lines as usize));
     let (mut skipped_by_bounds, mut not_due) = (0, 0);
     let (mut expected, mut different) = (0, 0);
     let mut iteration = 0;
