@@ -25,6 +25,8 @@
 
 // Largest number of lines of texels in a block.
 layout(constant_id = 4) const int LINES = 1;
+// Whether opposite scans are at work at the same time.
+layout(constant_id = 15) const int PAIRS = 0;
 
 layout(set = 2, binding = 2) restrict buffer Blocks {
     // Three words for each block of each scan, in the order of an iteration. They are the group counts of its
@@ -59,9 +61,8 @@ uint due_again(uint iteration) {
     return 2u << (iteration & 1u);
 }
 
-// No scan, and a block before all others: nothing is at work in another half.
+// In place of a scan.
 const int NO_SCAN = -1;
-const int NO_MIDDLE = -2;
 
 // Returns the block of a scan that is `number` blocks ahead of the middle. `middle` is the first block of the
 // last half.
@@ -70,14 +71,14 @@ int block_past(int middle, int number, bool is_forth) {
 }
 
 // Makes the blocks due that see a changed line of a block behind them, in the scan `forth` and in the
-// opposite one. Points see REACH lines of texels behind them. `by` is the scan that has changed the line.
-// While the opposite one is at work too, `middle` is the first block of the last half.
+// opposite one. Points see REACH lines of texels behind them. `by` is the scan that has changed the line, or
+// NO_SCAN. With PAIRS, `middle` is the first block of the last half.
 void make_seen_due(int forth, int block, int in_block, int by, int middle, int pitch) {
     const int REACH = (SPLIT_REACH + 1) / 2;
     // There is one more block on each side of the grid.
     int after = LINES - 1 - in_block;
     for (int next = block + 1; after < REACH && next < pitch - 1; next++) {
-        if (by == forth + 1 && block < middle && next >= middle) {
+        if (PAIRS != 0 && by == forth + 1 && block < middle && next >= middle) {
             atomicOr(due_past_middle[forth], 1u << (next - middle));
         } else {
             make_due(forth, next, pitch);
@@ -85,7 +86,7 @@ void make_seen_due(int forth, int block, int in_block, int by, int middle, int p
         after += LINES;
     }
     for (int next = block - 1; in_block < REACH && next >= -1; next--) {
-        if (by == forth && block >= middle && next < middle) {
+        if (PAIRS != 0 && by == forth && block >= middle && next < middle) {
             atomicOr(due_past_middle[forth + 1], 1u << (middle - 1 - next));
         } else {
             make_due(forth + 1, next, pitch);
@@ -100,5 +101,5 @@ void make_both_due(int forth, int line, int pitch) {
     int block = line / LINES;
     make_due(forth, block, pitch);
     make_due(forth + 1, block, pitch);
-    make_seen_due(forth, block, line - block * LINES, NO_SCAN, NO_MIDDLE, pitch);
+    make_seen_due(forth, block, line - block * LINES, NO_SCAN, 0, pitch);
 }

@@ -14,7 +14,7 @@ layout(local_size_x = 1) in;
 
 layout(push_constant) uniform Halves {
     ivec2 middle; // first block of the last half of the rows, and of the columns
-    int pitch;    // number of blocks of a scan; 0 if scans do not go in pairs
+    int pitch;    // number of blocks of a scan
 };
 
 void main() {
@@ -24,7 +24,7 @@ void main() {
         done = 1u;
         grid_groups[0] = 0u;
         for (int i = 1; i < blocks.length(); i += 3) blocks[i] = 0u;
-    } else if (pitch > 0) {
+    } else if (PAIRS != 0) {
         for (int scan = 0; scan < 4; scan++) {
             int middle_block = scan < RIGHT ? middle.x : middle.y;
             uint marks = due_past_middle[scan];

@@ -41,7 +41,7 @@ void note_moved(uint moved, uint further, ivec2 texel) {
     int first_line = by_rows ? inner.y : inner.x;
     int block = first_line / LINES;
     int in_block = first_line - block * LINES;
-    int middle_block = middle < 0 ? NO_MIDDLE : (middle - BORDER) / LINES;
+    int middle_block = (middle - BORDER) / LINES;
     make_due(way > 0 ? forth + 1 : forth, block, pitch);
     for (int k = 0; k < LINES; k++) {
         if ((moved >> k & 1u) == 0u) continue;

@@ -23,6 +23,8 @@
 //                                                       there: with anchors points that lack an edge,
 //                                                       otherwise points of obtuse triangles
 //     int LINES                                         largest number of lines of texels in a block
+//     int PAIRS                                         whether the opposite scan is at work in the other half
+//                                                       of the grid at the same time
 // and WITH_ORIGINS if fronts may have anchors or carry numbers of origins.
 
 // Direction of the scan: one of the four unit steps.
@@ -47,9 +49,7 @@ layout(push_constant) uniform Block {
     int pitch; // number of blocks of a scan, see blocks.glsl
     int note;  // number of the first block in the recording, for profiles, or negative
     int in_turn; // whether one workgroup visits several blocks in turn, those that are due
-    // First row or column of texels of the grid's last half, if the opposite scan is at work in the other half
-    // at the same time. Negative otherwise.
-    int middle;
+    int middle; // with PAIRS the first row or column of texels of the grid's last half
 };
 
 // First line of the block, and its number of lines.
@@ -93,7 +93,7 @@ vec4 first_line_old(ivec2 texel, int layer) {
 // read as they were before both scans, since no dispatch may depend on how far the other one is.
 bool is_across(ivec2 texel) {
     int line_of_texel = AHEAD_Y != 0 ? texel.y : texel.x;
-    return (line_of_texel < middle) != (block_line < middle);
+    return PAIRS != 0 && (line_of_texel < middle) != (block_line < middle);
 }
 
 // Returns a layer on the line of points behind a texel.

@@ -176,10 +176,9 @@ impl Recorder<'_> {
         self.decided_before(visits);
         let mut recording = Steps { recorder: self, variant, bound: None, notes, scans: 0 };
         for together in plan::at_once(steps) {
-            let mut is_first = true;
-            for step in raster::in_order(together) {
-                if !std::mem::take(&mut is_first) && self.pipelines.separates_pairs {
-                    self.barrier(PASS, PASS);
+            for (number, step) in raster::in_order(together).enumerate() {
+                if number > 0 {
+                    self.between_scans();
                 }
                 Scope::go_on(&mut open, self.watch(), || account(&mut counter, step));
                 recording.run(step);
@@ -205,11 +204,23 @@ impl Recorder<'_> {
                 let Some(together) = groups.next() else { continue };
                 // Passes of other surfaces have been bound meanwhile.
                 recording.bound = None;
-                together.iter().for_each(|step| recording.run(step));
+                for (number, step) in together.iter().enumerate() {
+                    if number > 0 {
+                        recording.recorder.between_scans();
+                    }
+                    recording.run(step);
+                }
                 last = Some(recording.recorder);
             }
             let Some(recorder) = last else { break };
             recorder.barrier(PASS, PASS);
+        }
+    }
+
+    /// Separates two scans of a pair for the validation layers.
+    fn between_scans(&self) {
+        if self.pipelines.separates_pairs {
+            self.barrier(PASS, PASS);
         }
     }
 

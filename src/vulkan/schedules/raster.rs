@@ -182,9 +182,6 @@ fn middle_block(lines: &Range<u32>, block: u32) -> u32 {
 
 /// Returns the push constants of the count that ends an iteration.
 pub(super) fn halves_of(texels: TexelChart, tuning: Tuning) -> Halves {
-    if !tuning.scan_pairs {
-        return Halves { middle: [0; 2], pitch: 0 };
-    }
     let lines = tuning.scan_lines;
     let of = [Scan::Down, Scan::Right].map(|scan| lines_of(texels, scan));
     let middle = of.map(|of| middle_block(&of, lines) as i32);
@@ -216,7 +213,7 @@ pub(crate) fn block_of(pass: &ScanPass, texels: TexelChart, lines: u32) -> Push 
         pitch: texels.block_pitch(lines) as i32,
         note: -1,
         in_turn: pass.in_turn.into(),
-        middle: pass.middle.map_or(-1, |middle| middle as i32),
+        middle: pass.middle.unwrap_or(0) as i32,
     }
 }
 

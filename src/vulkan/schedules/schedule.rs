@@ -84,8 +84,10 @@ pub struct Tuning {
     pub scan_lines: u32,
     /// Whether opposite raster scans go in pairs, each in one half of the grid at a time. An iteration then has
     /// half as many barriers, and a device may work on both scans at once. Otherwise the four scans go in turn.
-    /// The map is the same. Validation layers that check accesses of shaders to whole images and buffers, as
-    /// those before 1.3.290 do, report a hazard between the two scans, which access different texels.
+    /// The map is the same. Validation layers that track images and buffers as a whole, as those before 1.3.290
+    /// do, would report a hazard between the two scans, which access different texels. Where
+    /// [`crate::vulkan::HeadlessSolver`] turns the layers on, and with [`crate::vulkan::embed::Tools::checks`],
+    /// a barrier separates the two.
     pub scan_pairs: bool,
     /// Number of points on a side of a tile; even.
     pub tile: u32,
