@@ -14,7 +14,7 @@ use crate::vulkan::{TexelChart, TileLanes, VulkanError};
 /// Order of updates on the device. All orders lead to the same map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Schedule {
-    /// The schedule of the paper: four rotated scans over the whole grid, one after another. A dispatch takes
+    /// The schedule of the paper: four rotated scans over the whole grid, in turn or in pairs. A dispatch takes
     /// several lines of texels.
     Raster,
     /// Updates of all points at once from their eight triangles, repeated. A front advances by one point per

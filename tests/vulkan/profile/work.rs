@@ -213,8 +213,10 @@ fn bytes_agree_with_a_count_by_hand() {
         [(Wavefront::Planar, 16 + 64, 16), (Wavefront::Curved, 32 + 64 + 16, 32)]
     {
         let profile = bench.profile(method(wavefront, Schedule::Raster), Detail::default());
-        let scans: Vec<_> =
-            profile.passes().filter(|pass| matches!(pass.kind, PassKind::Scan(_))).collect();
+        let scans: Vec<_> = profile
+            .passes()
+            .filter(|pass| matches!(pass.kind, PassKind::Scan(_) | PassKind::Pair(_)))
+            .collect();
         let texels = sum(&scans, |pass| pass.work.texels);
         assert!(texels >= 8);
         assert_eq!(sum(&scans, |pass| pass.work.bytes_read), texels * read);
@@ -325,7 +327,9 @@ fn the_device_counts_the_invocations_of_the_groups_in_the_records() {
         let mut counted = 0;
         for pass in profile.passes() {
             let group = match pass.kind {
-                PassKind::Scan(_) | PassKind::AllPoints | PassKind::Tiles => Some(group),
+                PassKind::Scan(_) | PassKind::Pair(_) | PassKind::AllPoints | PassKind::Tiles => {
+                    Some(group)
+                }
                 PassKind::Seed | PassKind::Unpack => Some(64),
                 _ => None,
             };
