@@ -158,7 +158,7 @@ typedef enum GeosweepSchedule {
     // The best known schedule for the grid on this device, among those that the solver was created for.
     // Plans alone accept this value.
     GEOSWEEP_SCHEDULE_BEST = 0,
-    // Four scans over the whole grid, one after another. An iteration is all four scans.
+    // Four scans over the whole grid, in turn or in pairs. An iteration is all four scans.
     GEOSWEEP_SCHEDULE_RASTER = 1,
     // All points at once, for tiny grids.
     GEOSWEEP_SCHEDULE_ALL_POINTS = 2,

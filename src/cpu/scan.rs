@@ -32,6 +32,12 @@ impl Scan {
         self.0 % 2 == 1
     }
 
+    /// Returns whether another scan passes the same lines in the opposite order.
+    #[cfg(any(test, feature = "twins"))]
+    pub(super) fn is_opposite(self, other: Self) -> bool {
+        self != other && self.by_rows() == other.by_rows()
+    }
+
     /// Returns a range of lines, or of bands of lines, in the order of the scan.
     pub(super) fn in_order(
         self,

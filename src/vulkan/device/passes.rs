@@ -322,6 +322,7 @@ impl Row {
             Constant::OnProcessor => on_processor.into(),
             Constant::LocalSizeX => width as i32,
             Constant::Lines => tuning.scan_lines as i32,
+            Constant::Pairs => tuning.scan_pairs.into(),
             Constant::Tile => tuning.tile as i32,
             Constant::Inner => tuning.inner as i32,
             Constant::EdgesShared => tuning.tile_edges.into(),

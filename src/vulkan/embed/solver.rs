@@ -39,7 +39,9 @@ pub struct Tools {
     /// With several slots, it is then an error to record a slot whose last recording has not run. A recording
     /// that was discarded also counts as not run, unless its command buffer is recorded anew or
     /// [`super::FrameSurface::discard`] is called. Recordings without an outcome are tracked too
-    /// ([`super::FrameSurface::is_in_flight`]), at the cost of one fill and two barriers each.
+    /// ([`super::FrameSurface::is_in_flight`]), at the cost of one fill and two barriers each. A barrier then
+    /// separates raster scans that go in a pair ([`crate::vulkan::Tuning::scan_pairs`]), which synchronization
+    /// validation may report otherwise.
     pub checks: bool,
 }
 
@@ -116,7 +118,9 @@ impl Solver {
         let tuning = Tuning::of(instance, physical_device);
         let limits = Limits::of(instance, physical_device);
         let on_processor = limits.kind == vk::PhysicalDeviceType::CPU;
-        let pipelines = Pipelines::new(device, (tuning, on_processor), labels, tools.executables)?;
+        let mut pipelines =
+            Pipelines::new(device, (tuning, on_processor), labels, tools.executables)?;
+        pipelines.separates_pairs = tools.checks;
         pipelines.set_cache(cache);
         let mut new = Self { pipelines, limits, checks: tools.checks };
         // One call creates all pipelines, so that several threads can share the work.

@@ -315,8 +315,7 @@ impl HeadlessSolver {
 
 /// Records part `number` of a plan's steps. After the last part it records the copy of the outcome.
 fn record_part(recorder: &Recorder, variant: Variant, parts: &[&[Step]], number: usize) {
-    let before = parts[..number].last().and_then(|part| part.last());
-    recorder.steps_after(before, variant, parts[number]);
+    recorder.steps(variant, parts[number]);
     if number + 1 == parts.len() {
         recorder.outcome(0);
     }
