@@ -199,6 +199,11 @@ passes! {
         REGION_WAYS: region_ways, Some(Regions);
         REGION_FLOW: region_flow, Some(Regions);
         REGION_LABELS: region_labels, Some(Regions);
+        WAY_STARTS: way_starts, Some(Directions);
+        DIRECTIONS: directions, Some(Directions);
+        LOG_MAP_WAYS: log_map_ways, Some(LogMap);
+        LOG_MAP_STEPS: log_map_steps, Some(LogMap);
+        LOG_MAP_ROUNDS: log_map_rounds, Some(LogMap);
         PAIRWISE_FANS: pairwise_fans, Some(Fans);
         PAIRWISE_SHARED: pairwise_shared, Some(Workgroups), Maps;
         PAIRWISE_START: pairwise_start, Some(Seed);
