@@ -1,6 +1,6 @@
 //! Ten thousand agents walk to a tower over terrain that is cratered while they walk. Every frame one command
-//! buffer makes the terrain, computes the distances to the tower and the directions of all ways back, and moves
-//! the agents along them. Nothing is read back but the picture of their trails, with two sums.
+//! buffer makes the terrain, computes the distances to the tower and the directions of all ways back, and
+//! moves the agents along them. Nothing is read back but the picture of their trails, with two sums.
 //!
 //! `cargo run --release --features formats --example horde -- horde.png`
 //!
@@ -12,13 +12,13 @@ mod host;
 
 use std::error::Error;
 
-use geosweep::Stop;
-use geosweep::Wavefront;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, DirectionFrame, Frame, PointSource, Points, Reader, SourceInput, SurfaceInfo,
+    self, Access, DirectionFrame, Frame, PointKind, PointMemory, PointSource, Points, Reader,
+    SourceInput, SurfaceInfo,
 };
 use geosweep::vulkan::{Method, Schedule};
+use geosweep::{Spacing, Stop, Wavefront};
 
 pub(crate) use host::Host;
 
@@ -153,7 +153,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         std::env::args().skip(1).partition(|argument| argument.starts_with('-'));
     let links = options.iter().any(|option| option == "--links");
     let path = paths.first().map_or("horde.png", String::as_str);
-    let March { pixels, arrived, walked } = march(&mut Host::without_validation(), links);
+    let March { pixels, arrived, walked } = march(&mut Host::without_validation(), links, FRAMES);
     let file = std::io::BufWriter::new(std::fs::File::create(path)?);
     let mut encoder = png::Encoder::new(file, WIDTH as u32, WIDTH as u32);
     encoder.set_color(png::ColorType::Rgba);
@@ -161,12 +161,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&pixels)?;
     writer.finish()?;
-    println!("{arrived} of {AGENTS} agents have arrived, on ways of {walked:.1} cells; wrote {path}");
+    println!(
+        "{arrived} of {AGENTS} agents have arrived, on ways of {walked:.1} cells; wrote {path}"
+    );
     Ok(())
 }
 
-/// Lets the agents walk along directions, or along links from point to point.
-pub(crate) fn march(host: &mut Host, links: bool) -> March {
+/// Lets the agents walk for some frames, along directions or along links from point to point.
+pub(crate) fn march(host: &mut Host, links: bool, frames: u32) -> March {
     let device = host.device.clone();
     let chart = Chart { rows: SIDE, cols: SIDE };
     let mut time = host.buffer_of(&[0.0]);
@@ -178,7 +180,9 @@ pub(crate) fn march(host: &mut Host, links: bool) -> March {
     let passes = [(Schedule::Raster, Wavefront::Curved)];
     let solver = embed::Solver::new(&host.instance, host.physical_device, &device, &passes);
     let mut solver = solver.expect("the device meets the requirements");
-    let inputs = [Points::heights(heights.handle, 4, geosweep::Spacing::square(1.0))];
+    let memory = PointMemory::Buffer { buffer: heights.handle, offset: 0, stride: 4 };
+    let kind = PointKind::Heights(Spacing::square(1.0));
+    let inputs = [Points { memory, kind, slowness: None }];
     let info = SurfaceInfo::new(chart).with_points(&inputs);
     let surface = solver.surface(&device, host.allocator(), &info);
     let mut surface = surface.expect("there is memory");
@@ -199,7 +203,7 @@ pub(crate) fn march(host: &mut Host, links: bool) -> March {
     let walk = pass(&format!("{heading}{WALK}"), &buffers, Some(field.view));
     let paint = pass(PAINT, &buffers, None);
 
-    for frame in 0..FRAMES {
+    for frame in 0..frames {
         time.floats_mut()[0] = frame as f32;
         host.run(|commands| {
             host.dispatch(commands, &terrain, chart.points().div_ceil(64) as u32);

@@ -1,4 +1,5 @@
-// Follows the ways of a log map between grid points, for log_map_*.comp. Include after ways.glsl and cell.glsl.
+// Follows the ways of a log map between grid points, for log_map_*.comp. Include after ways.glsl and
+// cell.glsl.
 //
 // A way leads some number of cells back towards the source. It is that of the points around a place, so that
 // two ways follow from one of half the length. All ways are equally long in the grid: the places to which

@@ -22,8 +22,8 @@ const float SAME_SIDE = 0.8;
 int from;
 int to;
 
-// Computes the direction of departure between points whose coordinates are known. Returns false if some of the
-// points around the place are not known.
+// Computes the direction of departure between points whose coordinates are known. Returns false if some of
+// the points around the place are not known.
 bool departure_at(Around around, out vec2 departure, out uint label) {
     departure = vec2(0.0);
     label = NO_LABEL;

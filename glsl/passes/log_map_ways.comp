@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Begins a log map: computes the direction of the way back from each grid point, and follows the ways of points
-// near a source to it. There it takes the direction in which they leave. One invocation is one point.
+// Begins a log map: computes the direction of the way back from each grid point, and follows the ways of
+// points near a source to it. There it takes the direction in which they leave. One invocation is one point.
 // Twin: src/geometry/directions/departures.rs computes the same from maps of sources that move.
 
 #include "shared/constants.glsl"
@@ -46,9 +46,9 @@ Metric difference(Metric a, Metric b) {
     return Metric(a.cc - b.cc, a.rr - b.rr, a.cr - b.cr);
 }
 
-// Returns the direction in which the shortest path to a place near a source leaves the source, in the source's
-// basis: u along the columns, v at a right angle to it, on the side of larger rows. The shortest path bends in
-// the grid as the metric changes: v = d + Christoffel(d, d) / 2, to the second order.
+// Returns the direction in which the shortest path to a place near a source leaves the source, in the
+// source's basis: u along the columns, v at a right angle to it, on the side of larger rows. The shortest
+// path bends in the grid as the metric changes: v = d + Christoffel(d, d) / 2, to the second order.
 vec2 departure(vec2 from, vec2 place, float unit) {
     vec2 d = place - from;
     Metric metric = metric_between(from, unit);
@@ -68,8 +68,8 @@ vec2 departure(vec2 from, vec2 place, float unit) {
     return normalize(vec2(per_col * d.x + metric.cr / per_col * d.y, across * d.y));
 }
 
-// Follows the way from a point to its source. Returns the number of the source, or -1 if it is not near. `last`
-// is the last vertex that is at least a cell away from the source, or the point itself.
+// Follows the way from a point to its source. Returns the number of the source, or -1 if it is not near.
+// `last` is the last vertex that is at least a cell away from the source, or the point itself.
 int follow(ivec2 at, float start, out vec2 last) {
     Path path = path_from(at, start);
     vec2 passed[3] = vec2[](vec2(at), vec2(at), vec2(at));

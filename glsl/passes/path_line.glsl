@@ -121,8 +121,8 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
     }
 }
 
-// Replaces the nearest source by another one, if that lies in the cell and its front arrives earlier at a place
-// in the cell, over a straight line.
+// Replaces the nearest source by another one, if that lies in the cell and its front arrives earlier at a
+// place in the cell, over a straight line.
 void try_source(int number, Cell cell, vec4 weights, float moment, inout Line nearest) {
     Source other = source(number);
     vec2 uv = place_of(other) - vec2(cell.first);

@@ -1,11 +1,12 @@
-// Finds the direction in which the way back leaves a grid point. Where squared times are smooth and the source
-// is not near, it is that of their gradient; elsewhere it is that of the path's first line. Include after
-// path_line.glsl, local_metric.glsl, start.glsl and ways.glsl.
+// Finds the direction in which the way back leaves a grid point. Where squared times are smooth and the
+// source is not near, it is that of their gradient; elsewhere it is that of the path's first line. Include
+// after path_line.glsl, local_metric.glsl, start.glsl and ways.glsl.
 // Twin: src/geometry/directions/ways.rs, which also finds the corners from which squared times count.
 
 // Largest change of second differences that counts as smooth, as a part of the squared length of a step.
 const float SMOOTH = 0.5;
-// Largest relative difference between the length of the gradient and the one that the eikonal equation demands.
+// Largest relative difference between the length of the gradient and the one that the eikonal equation
+// demands.
 const float OFF_LENGTH = 0.1;
 // Least cosine of the angle between the gradient and the first line.
 const float ALIKE_WAYS = 0.985;
@@ -78,8 +79,8 @@ bool slope_along(ivec2 at, ivec2 along, float time, vec2 start_and_unit, float l
         if (has_back && has_ahead) slope = (8.0 * (ahead - back) - (far_ahead - far_back)) / 12.0;
         return has_back || has_ahead || low >= -limit;
     }
-    // With a kink further away, the three points in the middle are smooth. Then their second difference agrees
-    // with the larger of the other two, which the kink lowers.
+    // With a kink further away, the three points in the middle are smooth. Then their second difference
+    // agrees with the larger of the other two, which the kink lowers.
     return has_back && has_ahead && abs(max(bend_back, bend_ahead) - bend) <= limit;
 }
 
@@ -113,8 +114,8 @@ vec2 to_earliest(ivec2 at, float time) {
     return step;
 }
 
-// Returns the direction in which the way back leaves a point that is reached, as a step of columns and rows of
-// unit length. It is zero at a source, and where no neighbour is earlier.
+// Returns the direction in which the way back leaves a point that is reached, as a step of columns and rows
+// of unit length. It is zero at a source, and where no neighbour is earlier.
 vec2 way_from(ivec2 at) {
     float time = time_at(at);
     float start = earliest_start();

@@ -1,7 +1,7 @@
-// Stores the ways back from all grid points in a buffer, for way_starts.comp, directions.comp and log_map_*.comp.
-// The buffer begins with a header: the complement of the earliest initial value of the sources (by rank, see
-// start.glsl), the rank of the latest one, and for each round of a log map whether points are left. Sections
-// follow, each in row-major order:
+// Stores the ways back from all grid points in a buffer, for way_starts.comp, directions.comp and
+// log_map_*.comp. The buffer begins with a header: the complement of the earliest initial value of the
+// sources (by rank, see start.glsl), the rank of the latest one, and for each round of a log map whether
+// points are left. Sections follow, each in row-major order:
 //
 //     words   two copies of one word a point. At first they hold the number of a source beside the point,
 //             and when its front arrives. Both are complements, so that zero means none.

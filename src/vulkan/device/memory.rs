@@ -120,8 +120,8 @@ impl Image {
     }
 }
 
-/// Returns the usage of images of a format. Not all devices let shaders write images of two components, so that
-/// these receive copies of buffers.
+/// Returns the usage of images of a format. Not all devices let shaders write images of two components, so
+/// that these receive copies of buffers.
 fn usage(format: vk::Format) -> vk::ImageUsageFlags {
     match format {
         FORMAT | RESULT_FORMAT => IMAGE_USAGE,

@@ -23,10 +23,10 @@ use crate::vulkan::profile::PassKind;
 /// [`Recording::directions`]. It is for agents, flow fields and the like, which step along it.
 ///
 /// The image has the format R16G16_SFLOAT, N x M texels (width x height), one for each grid point. A texel is
-/// a unit vector in the chart: columns to the right, rows downwards. It is 0, 0 at sources, at points that are
-/// not reached, and at points without an earlier neighbour, such as those of a pole. All devices can filter the
-/// format bilinearly. Where ways lead apart, as beside holes and where fronts meet, filtered vectors are
-/// shorter than 1.
+/// a unit vector in the chart: columns to the right, rows downwards. It is 0, 0 at sources, at points that
+/// are not reached, and at points without an earlier neighbour, such as those of a pole. All devices can
+/// filter the format bilinearly. Where ways lead apart, as beside holes and where fronts meet, filtered
+/// vectors are shorter than 1.
 ///
 /// A step of this direction is not a unit of length on the surface.
 ///
@@ -117,8 +117,8 @@ impl Directions {
         Ok(Self { image: WayImage::new(device, allocator, on, KIND, hosts)?, pipelines })
     }
 
-    /// Returns the image. `layout` is that of the [`Reader`] for which it was last recorded. The view is valid
-    /// from the start, for descriptor sets that are written early.
+    /// Returns the image. `layout` is that of the [`Reader`] for which it was last recorded. The view is
+    /// valid from the start, for descriptor sets that are written early.
     pub fn image(&self, layout: vk::ImageLayout) -> ResultImage {
         self.image.image(layout)
     }
@@ -140,8 +140,8 @@ impl Directions {
     /// run.
     ///
     /// # Errors
-    /// If the directions were made for another surface or were destroyed, or all of their descriptor sets are in
-    /// flight.
+    /// If the directions were made for another surface or were destroyed, or all of their descriptor sets are
+    /// in flight.
     pub fn rebind(
         &mut self,
         device: &ash::Device,
@@ -151,8 +151,8 @@ impl Directions {
         self.image.rebind(device, solver, surface)
     }
 
-    /// Replaces the host's image in all later recordings. Recordings in flight still write the old image, which
-    /// the host keeps alive until they have run.
+    /// Replaces the host's image in all later recordings. Recordings in flight still write the old image,
+    /// which the host keeps alive until they have run.
     ///
     /// # Errors
     /// If the directions have an image of their own or were destroyed, or a handle is null.
@@ -166,8 +166,8 @@ impl Directions {
         self.image.is_in_flight()
     }
 
-    /// Frees everything but an image of the host. No submitted work may still use the directions. A second call
-    /// does nothing.
+    /// Frees everything but an image of the host. No submitted work may still use the directions. A second
+    /// call does nothing.
     pub fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
         self.image.destroy(device, allocator);
     }
@@ -187,9 +187,9 @@ impl Solver {
         KIND.bytes_for(device, &self.limits, chart)
     }
 
-    /// Creates directions of a surface, for maps with any wavefront. The memory takes 12 bytes per grid point, 4
-    /// of them for the image. This is the only call that allocates for directions. The first call for a solver
-    /// also creates the pipelines. The host calls [`Directions::destroy`] in the end.
+    /// Creates directions of a surface, for maps with any wavefront. The memory takes 12 bytes per grid
+    /// point, 4 of them for the image. This is the only call that allocates for directions. The first call
+    /// for a solver also creates the pipelines. The host calls [`Directions::destroy`] in the end.
     ///
     /// # Errors
     /// If the buffer is larger than shaders can access, or memory runs out. Nothing is left behind then.
@@ -202,10 +202,10 @@ impl Solver {
         Directions::new(device, allocator, (self, surface), None)
     }
 
-    /// Creates directions as [`Solver::directions`] does, but in an image of the host. The image is 2D, of format
-    /// R16G16_SFLOAT, with at least N x M texels (width x height), one sample and one mip level. Its usage is
-    /// `TRANSFER_DST` and whatever its readers need. [`HostImage`] says how long it must live; each frame may use
-    /// another one ([`Directions::set_image`]).
+    /// Creates directions as [`Solver::directions`] does, but in an image of the host. The image is 2D, of
+    /// format R16G16_SFLOAT, with at least N x M texels (width x height), one sample and one mip level. Its
+    /// usage is `TRANSFER_DST` and whatever its readers need. [`HostImage`] says how long it must live; each
+    /// frame may use another one ([`Directions::set_image`]).
     ///
     /// # Errors
     /// As for [`Solver::directions`], or if a handle is null.
@@ -221,21 +221,21 @@ impl Solver {
 }
 
 impl Recording<'_> {
-    /// Records the passes that find the direction in which the way back leaves each grid point, and returns the
-    /// image that receives them.
+    /// Records the passes that find the direction in which the way back leaves each grid point, and returns
+    /// the image that receives them.
     ///
     /// Record it after the map: in the same command buffer, or after [`Recording::begin`] in another. The
-    /// commands wait for the frame's `before` and for earlier reads of the image by its `reader`. Later reads by
-    /// that reader wait for the commands. `directions` and the buffer of sources must stay alive until the
+    /// commands wait for the frame's `before` and for earlier reads of the image by its `reader`. Later reads
+    /// by that reader wait for the commands. `directions` and the buffer of sources must stay alive until the
     /// commands have run.
     ///
     /// The direction is that of the continuous way, as [`Recording::paths`] follows it and
-    /// [`crate::geometry::BackDirections`] gives it on the CPU. Where several fronts meet, it is that of one of
-    /// the shortest paths. The same map always gives the same directions.
+    /// [`crate::geometry::BackDirections`] gives it on the CPU. Where several fronts meet, it is that of one
+    /// of the shortest paths. The same map always gives the same directions.
     ///
     /// # Errors
-    /// If the directions were destroyed or made for another surface, there is no map, the sources are too many or
-    /// do not fit the surface, or they were replaced since the last [`Directions::rebind`].
+    /// If the directions were destroyed or made for another surface, there is no map, the sources are too
+    /// many or do not fit the surface, or they were replaced since the last [`Directions::rebind`].
     pub fn directions(
         &self,
         directions: &Directions,

@@ -15,7 +15,9 @@ use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
 use crate::vulkan::device::device_memory::DeviceMemory;
 use crate::vulkan::device::memory::LOG_MAP_FORMAT;
-use crate::vulkan::device::passes::{LOG_MAP_ROUNDS, LOG_MAP_STEPS as STEPS, LOG_MAP_WAYS, WAY_STARTS};
+use crate::vulkan::device::passes::{
+    LOG_MAP_ROUNDS, LOG_MAP_STEPS as STEPS, LOG_MAP_WAYS, WAY_STARTS,
+};
 use crate::vulkan::device::pipelines::Pipeline;
 use crate::vulkan::device::shaders::way_starts::Push;
 use crate::vulkan::profile::PassKind;
@@ -25,10 +27,10 @@ use crate::vulkan::profile::PassKind;
 ///
 /// The image has the format R32G32_SFLOAT, N x M texels (width x height), one for each grid point. A texel is
 /// (u, v): the direction in which the point's shortest path leaves its source, times its distance from the
-/// source. Both are in the unit of distances, u along the direction of the columns at the source, v at a right
-/// angle to it on the surface, on the side of increasing rows ([`crate::geometry::Basis`]). With several sources
-/// each point lies in the plane of its nearest one. Devices need not filter this format: ask for
-/// `SAMPLED_IMAGE_FILTER_LINEAR`, or load four texels.
+/// source. Both are in the unit of distances, u along the direction of the columns at the source, v at a
+/// right angle to it on the surface, on the side of increasing rows ([`crate::geometry::Basis`]). With
+/// several sources each point lies in the plane of its nearest one. Devices need not filter this format: ask
+/// for `SAMPLED_IMAGE_FILTER_LINEAR`, or load four texels.
 ///
 /// ```no_run
 /// # use geosweep::ash::{self, vk};
@@ -54,8 +56,8 @@ use crate::vulkan::profile::PassKind;
 /// # Ok(()) }
 /// ```
 ///
-/// Dropping a value of this type frees nothing. The host calls [`LogMap::destroy`], before or after it destroys
-/// the surface.
+/// Dropping a value of this type frees nothing. The host calls [`LogMap::destroy`], before or after it
+/// destroys the surface.
 #[derive(Debug)]
 pub struct LogMap {
     image: WayImage,
@@ -78,14 +80,14 @@ pub struct LogMapFrame<'a> {
     /// Largest distance of points that get coordinates, in the unit of distances. Other points cost next to
     /// nothing. Of several initial values, the distance counts from the latest.
     pub radius: f32,
-    /// Value of u and v at points that are not reached or beyond the radius. A bilinear filter turns +infinity
-    /// into NaN beside such points.
+    /// Value of u and v at points that are not reached or beyond the radius. A bilinear filter turns
+    /// +infinity into NaN beside such points.
     pub unreached: f32,
 }
 
 impl<'a> LogMapFrame<'a> {
-    /// Returns the parameters of the log map of the whole surface. It does not wait for writes of the host, and
-    /// is +infinity at points that are not reached.
+    /// Returns the parameters of the log map of the whole surface. It does not wait for writes of the host,
+    /// and is +infinity at points that are not reached.
     pub fn new(sources: SourceInput<'a>, reader: Reader) -> Self {
         let (before, radius) = (Access::NONE, f32::INFINITY);
         Self { before, sources, reader, radius, unreached: f32::INFINITY }
@@ -140,8 +142,8 @@ impl LogMap {
         Ok(Self { image, chart: on.1.chart(), pipelines })
     }
 
-    /// Returns the image. `layout` is that of the [`Reader`] for which it was last recorded. The view is valid
-    /// from the start, for descriptor sets that are written early.
+    /// Returns the image. `layout` is that of the [`Reader`] for which it was last recorded. The view is
+    /// valid from the start, for descriptor sets that are written early.
     pub fn image(&self, layout: vk::ImageLayout) -> ResultImage {
         self.image.image(layout)
     }
@@ -163,7 +165,8 @@ impl LogMap {
     /// run.
     ///
     /// # Errors
-    /// If the log map was made for another surface or was destroyed, or all of its descriptor sets are in flight.
+    /// If the log map was made for another surface or was destroyed, or all of its descriptor sets are in
+    /// flight.
     pub fn rebind(
         &mut self,
         device: &ash::Device,
@@ -173,8 +176,8 @@ impl LogMap {
         self.image.rebind(device, solver, surface)
     }
 
-    /// Replaces the host's image in all later recordings. Recordings in flight still write the old image, which
-    /// the host keeps alive until they have run.
+    /// Replaces the host's image in all later recordings. Recordings in flight still write the old image,
+    /// which the host keeps alive until they have run.
     ///
     /// # Errors
     /// If the log map has an image of its own or was destroyed, or a handle is null.
@@ -182,14 +185,14 @@ impl LogMap {
         self.image.set_image(image)
     }
 
-    /// Returns whether a recording of the log map may not have run. This is known with [`super::Tools::checks`]
-    /// only.
+    /// Returns whether a recording of the log map may not have run. This is known with
+    /// [`super::Tools::checks`] only.
     pub fn is_in_flight(&self) -> bool {
         self.image.is_in_flight()
     }
 
-    /// Frees everything but an image of the host. No submitted work may still use the log map. A second call does
-    /// nothing.
+    /// Frees everything but an image of the host. No submitted work may still use the log map. A second call
+    /// does nothing.
     pub fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
         self.image.destroy(device, allocator);
     }
@@ -209,9 +212,9 @@ impl Solver {
         KIND.bytes_for(device, &self.limits, chart)
     }
 
-    /// Creates a log map of a surface, for maps with any wavefront. The memory takes 40 bytes per grid point, 8 of
-    /// them for the image. This is the only call that allocates for log maps. The first call for a solver also
-    /// creates the pipelines. The host calls [`LogMap::destroy`] in the end.
+    /// Creates a log map of a surface, for maps with any wavefront. The memory takes 40 bytes per grid point,
+    /// 8 of them for the image. This is the only call that allocates for log maps. The first call for a
+    /// solver also creates the pipelines. The host calls [`LogMap::destroy`] in the end.
     ///
     /// # Errors
     /// If the buffer is larger than shaders can access, or memory runs out. Nothing is left behind then.
@@ -226,8 +229,8 @@ impl Solver {
 
     /// Creates a log map as [`Solver::log_map`] does, but in an image of the host. The image is 2D, of format
     /// R32G32_SFLOAT, with at least N x M texels (width x height), one sample and one mip level. Its usage is
-    /// `TRANSFER_DST` and whatever its readers need. [`HostImage`] says how long it must live; each frame may use
-    /// another one ([`LogMap::set_image`]).
+    /// `TRANSFER_DST` and whatever its readers need. [`HostImage`] says how long it must live; each frame may
+    /// use another one ([`LogMap::set_image`]).
     ///
     /// # Errors
     /// As for [`Solver::log_map`], or if a handle is null.
@@ -245,28 +248,30 @@ impl Solver {
 /// Returns the number of rounds after which the coordinates of all points are known, if no way is longer than
 /// the grid has points. Ways of the first round are one cell long, and twice as long in each further one.
 fn rounds(chart: Chart) -> u32 {
-    let known = |rounds: &u32| {
-        LOG_MAP_DISC as u64 + u64::from(LOG_MAP_STEPS) * ((1u64 << rounds) - 1)
-    };
+    let known =
+        |rounds: &u32| LOG_MAP_DISC as u64 + u64::from(LOG_MAP_STEPS) * ((1u64 << rounds) - 1);
     (1..=30).find(|rounds| known(rounds) >= chart.points() as u64).unwrap_or(30)
 }
 
 impl Recording<'_> {
-    /// Records the passes that compute the log map of the map's sources, and returns the image that receives it.
+    /// Records the passes that compute the log map of the map's sources, and returns the image that receives
+    /// it.
     ///
     /// Record it after the map: in the same command buffer, or after [`Recording::begin`] in another. The
-    /// commands wait for the frame's `before` and for earlier reads of the image by its `reader`. Later reads by
-    /// that reader wait for the commands. `log_map` and the buffer of sources must stay alive until the commands
-    /// have run.
+    /// commands wait for the frame's `before` and for earlier reads of the image by its `reader`. Later reads
+    /// by that reader wait for the commands. `log_map` and the buffer of sources must stay alive until the
+    /// commands have run.
     ///
-    /// The coordinates are those of [`crate::geometry::LogMap`], in single precision and from the map alone: the
-    /// ways back of all points are followed to their sources. The number of passes depends on the logarithm of
-    /// the number of grid points, whatever the map is. The same map always gives the same coordinates. Where
-    /// several shortest paths lead to a point, the coordinates jump, and are those of one of its paths.
+    /// The coordinates are those of [`crate::geometry::LogMap`], in single precision and from the map alone:
+    /// the ways back of all points are followed to their sources. The number of passes depends on the
+    /// logarithm of the number of grid points, whatever the map is. The same map always gives the same
+    /// coordinates. Where several shortest paths lead to a point, the coordinates jump, and are those of one
+    /// of its paths.
     ///
     /// # Errors
-    /// If the radius is not positive, the log map was destroyed or made for another surface, there is no map, the
-    /// sources are too many or do not fit the surface, or they were replaced since the last [`LogMap::rebind`].
+    /// If the radius is not positive, the log map was destroyed or made for another surface, there is no map,
+    /// the sources are too many or do not fit the surface, or they were replaced since the last
+    /// [`LogMap::rebind`].
     pub fn log_map(
         &self,
         log_map: &LogMap,

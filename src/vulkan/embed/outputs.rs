@@ -29,8 +29,7 @@ pub struct HostImage {
 
 impl HostImage {
     pub(super) fn check(&self, what: &'static str) -> Result<(), VulkanError> {
-        let refuse =
-            |reason: &str| Err(VulkanError::HostBuffer { what, reason: reason.into() });
+        let refuse = |reason: &str| Err(VulkanError::HostBuffer { what, reason: reason.into() });
         if self.image == vk::Image::null() {
             return refuse("the image is the null handle");
         }

@@ -170,7 +170,7 @@ impl WayImage {
         self.sets.as_ref().ok_or(VulkanError::Destroyed)?;
         let what = self.kind.what;
         if self.hosts.is_none() {
-            let reason = "they are in an image of their own: make them with the host's".into();
+            let reason = "the image belongs to the library: begin with an image of yours".into();
             return Err(VulkanError::HostBuffer { what, reason });
         }
         image.check(what)?;
@@ -195,8 +195,8 @@ impl WayImage {
         self.hosts = None;
     }
 
-    /// Records the passes that find the sources beside each grid point, after which others may be recorded. The
-    /// first of `pipelines` is that pass. Returns what records others.
+    /// Records the passes that find the sources beside each grid point, after which others may be recorded.
+    /// The first of `pipelines` is that pass. Returns what records others.
     pub(super) fn start<'a>(
         &'a self,
         recording: &'a Recording<'a>,
@@ -257,8 +257,7 @@ pub(super) struct WayPasses<'a> {
 impl WayPasses<'_> {
     fn run(&self, pipeline: Pipeline<Push>, size: [u32; 2], push: Push, work: Work) {
         let recorder = &self.recording.recorder;
-        let _pass =
-            recorder.pass_with(PassRecord { work, ..dispatched(self.of.kind.pass, size) });
+        let _pass = recorder.pass_with(PassRecord { work, ..dispatched(self.of.kind.pass, size) });
         recorder.host_pass(pipeline, self.set.set, &push, size);
         recorder.barrier(SHADER_WRITE, SHADER);
     }

@@ -158,10 +158,8 @@ impl PassKind {
             Tiles | Settle => Part::Rounds,
             Decisions => Part::Notes,
             Prepare | Points | Edges | Curvature | Iteration | Portion | Fans | Workgroups
-            | Outcome | Distances | Unpack | Lookup | Contours | Paths | Lift | Regions | Directions
-            | LogMap => {
-                Part::Outside
-            }
+            | Outcome | Distances | Unpack | Lookup | Contours | Paths | Lift | Regions
+            | Directions | LogMap => Part::Outside,
         }
     }
 }

@@ -99,8 +99,8 @@ pub fn on_cpu(sources: &[PointSource]) -> Sources {
     sources.iter().fold(Sources::default(), add)
 }
 
-/// Compares directions with those of the CPU on the same map. Returns the mean angle in the grid, and how many
-/// directions in 10 000 are off by more than a tenth of a radian and by more than 90 degrees.
+/// Compares directions with those of the CPU on the same map. Returns the mean angle in the grid, and how
+/// many directions in 10 000 are off by more than a tenth of a radian and by more than 90 degrees.
 fn compare(name: &str, surface: &Surface, sources: &[PointSource]) -> [f64; 3] {
     let mut scene = Scene::new(Kept::watched_but_for_shaders(), surface, sources);
     let directions = scene.new_directions();
@@ -153,7 +153,11 @@ fn directions_are_those_of_the_cpu() {
         ("plane, three sources", flat.clone(), at(&[[10.0, 12.5], [50.0, 20.0], [52.0, 21.0]])),
         ("plane, one later", flat, later),
         ("sphere", Builtin::Sphere.surface(65, 65).unwrap(), at(&[[20.0, 30.0]])),
-        ("sheared", Builtin::ShearedPlane { degrees: 50.0 }.surface(65, 49).unwrap(), at(&[[20.0, 30.5]])),
+        (
+            "sheared",
+            Builtin::ShearedPlane { degrees: 50.0 }.surface(65, 49).unwrap(),
+            at(&[[20.0, 30.5]]),
+        ),
         ("maze", Builtin::Maze.surface(101, 101).unwrap(), at(&[[0.0, 0.0]])),
     ];
     for (name, surface, sources) in &cases {
@@ -170,6 +174,86 @@ fn directions_on_rough_surfaces_are_those_of_the_cpu() {
         let [mean, off, wrong] = compare("rough", &surface, &at(&[[30.0, 41.0]]));
         assert!(mean < 2e-2 && off < 400.0 && wrong < 20.0, "{mean} {off} {wrong}");
     }
+}
+
+/// Walks that follow the bilinear directions arrive, on ways within 1e-3 of the shortest.
+#[test]
+fn walks_along_directions_are_the_shortest_ways() {
+    let surface = Builtin::Maze.surface(101, 101).unwrap();
+    let sources = at(&[[0.0, 0.0]]);
+    let mut scene = Scene::new(Kept::watched_but_for_shaders(), &surface, &sources);
+    let directions = scene.new_directions();
+    let field = scene.directions(&directions, SourceInput::Inline(&sources));
+    let chart = surface.chart();
+    let at = |col: usize, row: usize| field.ways[chart.index(row, col)].map(f64::from);
+    let heading = |[x, y]: [f64; 2]| {
+        let (col, row) = ((x as usize).min(chart.cols - 2), (y as usize).min(chart.rows - 2));
+        let (u, v) = (x - col as f64, y - row as f64);
+        let corners = [at(col, row), at(col + 1, row), at(col, row + 1), at(col + 1, row + 1)];
+        let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
+        let mean = [0, 1].map(|k| (0..4).map(|i| weights[i] * corners[i][k]).sum::<f64>());
+        let near = at(x.round() as usize, y.round() as usize);
+        // Beside walls and where fronts meet, corners have no direction or another one.
+        let [x, y] = if mean[0].hypot(mean[1]) > 0.9 { mean } else { near };
+        let length = x.hypot(y).max(1e-9);
+        [x / length, y / length]
+    };
+    let spacing = Builtin::Maze.exact_distance(101, 101, [0.0, 1.0], [0.0, 0.0]).unwrap();
+    let (mut walks, mut ratios) = (0, Vec::new());
+    for index in (0..chart.points()).step_by(37) {
+        let time = f64::from(scene.map.distances[index]);
+        if !time.is_finite() {
+            continue;
+        }
+        walks += 1;
+        let (row, col) = chart.position(index);
+        let (mut place, mut walked) = ([col as f64, row as f64], 0.0);
+        while place[0].hypot(place[1]) > 1.0 && walked < 2.0 * time / spacing + 10.0 {
+            let way = heading(place);
+            place = [0, 1].map(|k| (place[k] + 0.125 * way[k]).clamp(0.0, 100.0));
+            walked += 0.125;
+        }
+        let rest = place[0].hypot(place[1]);
+        assert!(rest <= 1.0, "from {row},{col} a walk ends at {place:?}");
+        if time > 20.0 * spacing {
+            ratios.push((walked + rest) * spacing / time);
+        }
+    }
+    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+    println!("{walks} walks, on the mean {mean:.5} of the distance");
+    assert!(walks > 200 && (mean - 1.0).abs() < 1e-3 * 3.0, "{walks} {mean}");
+    scene.end_with(directions);
+}
+
+/// The images of a render graph may be others in each frame.
+#[test]
+fn directions_go_to_the_image_of_the_host() {
+    let flat = Surface::from_heights(33, 41, vec![0.0; 33 * 41], Spacing::square(1.0)).unwrap();
+    let sources = at(&[[7.0, 9.5]]);
+    let mut scene = Scene::new(Kept::watched(), &flat, &sources);
+    let own = scene.new_directions();
+    let expected = scene.directions(&own, SourceInput::Inline(&sources));
+    let device = scene.stage.host.device.clone();
+    // Two more directions lend their images.
+    let lenders = [scene.new_directions(), scene.new_directions()];
+    let [first, second] = lenders.each_ref().map(|of| {
+        let image = of.image(Reader::COPY.layout);
+        embed::HostImage { image: image.image, view: image.view }
+    });
+    let stage = &mut scene.stage;
+    let made = stage.solver.directions_into(&device, stage.host.allocator(), &stage.surface, first);
+    let mut hosts = made.unwrap();
+    assert!(hosts.bytes() < own.bytes());
+    for image in [first, second] {
+        hosts.set_image(image).unwrap();
+        assert_eq!(hosts.image(Reader::COPY.layout).image, image.image);
+        assert_eq!(scene.directions(&hosts, SourceInput::Inline(&sources)).bytes, expected.bytes);
+    }
+    hosts.destroy(&device, scene.stage.host.allocator());
+    for mut lender in lenders {
+        lender.destroy(&device, scene.stage.host.allocator());
+    }
+    scene.end_with(own);
 }
 
 #[test]
@@ -196,7 +280,7 @@ fn directions_that_make_no_sense_are_errors_before_anything_is_recorded() {
     assert!(matches!(attempt(&scene, &directions, &outside), VulkanError::Source(_)));
     let null = embed::HostImage { image: vk::Image::null(), view: vk::ImageView::null() };
     let error = directions.set_image(null).unwrap_err().to_string();
-    assert!(error.contains("an image of their own"), "{error}");
+    assert!(error.contains("belongs to the library"), "{error}");
     let stage = &mut scene.stage;
     let device = stage.host.device.clone();
     let made = stage.solver.directions_into(&device, stage.host.allocator(), &stage.surface, null);
