@@ -258,7 +258,7 @@ pub(crate) fn draw(host: &mut Host, frames: u32) -> Vec<Vec<[u8; 3]>> {
 
 /// Returns what the drawing passes see: the camera, the light, the decal's place, and how it is drawn.
 fn view_of(decal: PointSource, by_log_map: f32) -> Vec<f32> {
-    let eye = Vec3::new(-62.0, 96.0, 128.0);
+    let eye = Vec3::new(-58.0, 112.0, 150.0);
     // WGSL has its y axis upwards, as DirectX.
     let transform = proj::directx::perspective(0.62, WIDTH as f32 / HEIGHT as f32, 20.0, 500.0)
         * view::look_at_mat4(eye, Vec3::new(0.0, 2.0, 0.0), Vec3::Z);
