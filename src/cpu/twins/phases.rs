@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::cpu::fronts::FrontKind;
+use crate::cpu::fronts::PointKind;
 use crate::cpu::point_fronts::PointFronts;
 use crate::cpu::scan::Scan;
 use crate::surface::{Chart, Real, Tiling};
@@ -69,7 +69,7 @@ impl Part {
 
     /// Returns the front that the scan sees at a point: the present one in its own blocks, and elsewhere the
     /// one of before the phase.
-    pub(super) fn sees<R: Real, K: FrontKind<R>>(
+    pub(super) fn sees<R: Real, K: PointKind<R>>(
         &self,
         fronts: &PointFronts<R, K>,
         before: &PointFronts<R, K>,

@@ -199,6 +199,11 @@ passes! {
         REGION_WAYS: region_ways;
         REGION_FLOW: region_flow;
         REGION_LABELS: region_labels;
+        WAY_STARTS: way_starts;
+        DIRECTIONS: directions;
+        LOG_MAP_WAYS: log_map_ways;
+        LOG_MAP_STEPS: log_map_steps;
+        LOG_MAP_ROUNDS: log_map_rounds;
         PAIRWISE_FANS: pairwise_fans;
         PAIRWISE_SHARED: pairwise_shared, Maps;
         PAIRWISE_START: pairwise_start;

@@ -14,8 +14,8 @@ use crate::vulkan::device::shaders::surroundings;
 use crate::vulkan::profile;
 use crate::vulkan::{Method, Schedule, Tuning, VulkanError};
 
-/// Pipelines of a device of the host. Each is created once and serves all surfaces. Those of contours, paths
-/// and regions are created with the first of these.
+/// Pipelines of a device of the host. Each is created once and serves all surfaces. Those of contours, paths,
+/// regions, directions and log maps are created with the first of these.
 ///
 /// A solver holds no reference to the device: the host passes the device to each method. The host keeps the
 /// device alive until it has called [`Solver::destroy`].
@@ -145,7 +145,8 @@ impl Solver {
     /// The cache belongs to the host, which fills it from a file, merges it, saves it and destroys it. It
     /// must be alive whenever this solver creates pipelines: in [`Solver::with_cache`] and
     /// [`Solver::add_passes`], with the first surface that has a slowness, and with the first
-    /// [`super::Contours`], [`super::Paths`] and [`super::Regions`] (of each wavefront). Pipelines do not
+    /// [`super::Contours`], [`super::Paths`], [`super::Regions`] (of each wavefront), [`super::Directions`] and
+    /// [`super::LogMap`]. Pipelines do not
     /// need it once they are created. This solver uses the cache from one thread at a time. For other uses at
     /// the same time, the rules of `vkCreateComputePipelines` apply.
     pub fn set_pipeline_cache(&self, cache: vk::PipelineCache) {

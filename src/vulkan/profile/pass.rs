@@ -71,6 +71,10 @@ pub enum PassKind {
     Lift,
     /// Finds the regions nearest to each source, in passes over all points.
     Regions,
+    /// Finds the directions of the ways back.
+    Directions,
+    /// Computes a log map, in passes over all points.
+    LogMap,
 }
 
 impl PassKind {
@@ -120,6 +124,8 @@ impl PassKind {
             Self::Paths => c"paths",
             Self::Lift => c"lift",
             Self::Regions => c"regions",
+            Self::Directions => c"directions",
+            Self::LogMap => c"log map",
         }
     }
 }
@@ -156,9 +162,8 @@ impl PassKind {
             Tiles | Settle => Part::Rounds,
             Decisions => Part::Notes,
             Prepare | Points | Edges | Curvature | Iteration | Portion | Fans | Workgroups
-            | Outcome | Distances | Unpack | Lookup | Contours | Paths | Lift | Regions => {
-                Part::Outside
-            }
+            | Outcome | Distances | Unpack | Lookup | Contours | Paths | Lift | Regions
+            | Directions | LogMap => Part::Outside,
         }
     }
 }
