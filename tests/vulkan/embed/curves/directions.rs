@@ -176,7 +176,8 @@ fn directions_on_rough_surfaces_are_those_of_the_cpu() {
     }
 }
 
-/// Walks that follow the bilinear directions arrive, on ways within 1e-3 of the shortest.
+/// Walks that follow the bilinear directions arrive. Around corners they are a little longer or shorter than the
+/// shortest ways, as steps of an eighth of a cell pass them.
 #[test]
 fn walks_along_directions_are_the_shortest_ways() {
     let surface = Builtin::Maze.surface(101, 101).unwrap();
@@ -192,9 +193,13 @@ fn walks_along_directions_are_the_shortest_ways() {
         let corners = [at(col, row), at(col + 1, row), at(col, row + 1), at(col + 1, row + 1)];
         let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
         let mean = [0, 1].map(|k| (0..4).map(|i| weights[i] * corners[i][k]).sum::<f64>());
-        let near = at(x.round() as usize, y.round() as usize);
-        // Beside walls and where fronts meet, corners have no direction or another one.
-        let [x, y] = if mean[0].hypot(mean[1]) > 0.9 { mean } else { near };
+        // Points in walls have no direction, and do not count.
+        let there = |i: &usize| corners[*i] != [0.0; 2];
+        let whole: f64 = (0..4).filter(there).map(|i| weights[i]).sum();
+        let heaviest = (0..4).filter(there).max_by(|&i, &j| weights[i].total_cmp(&weights[j]));
+        // Where fronts meet, and around corners, directions differ.
+        let is_one = mean[0].hypot(mean[1]) > 0.9 * whole;
+        let [x, y] = if is_one { mean } else { heaviest.map_or(mean, |i| corners[i]) };
         let length = x.hypot(y).max(1e-9);
         [x / length, y / length]
     };
@@ -221,7 +226,7 @@ fn walks_along_directions_are_the_shortest_ways() {
     }
     let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
     println!("{walks} walks, on the mean {mean:.5} of the distance");
-    assert!(walks > 200 && (mean - 1.0).abs() < 1e-3 * 3.0, "{walks} {mean}");
+    assert!(walks > 200 && (mean - 1.0).abs() < 3e-3, "{walks} {mean}");
     scene.end_with(directions);
 }
 
