@@ -45,7 +45,7 @@ fn pairs_lead_to_the_map_of_scans_in_turn() {
         let added = Sources::point(1.0, 2.0).seeds(&problem.surface).ok();
         for &wavefront in problem.wavefronts {
             let method = raster(wavefront, CONVERGED);
-            let mut solve = |solver: &mut HeadlessSolver| {
+            let solve = |solver: &mut HeadlessSolver| {
                 let mut on_device = solver.upload(&problem.surface).unwrap();
                 let map = solver.solve(&mut on_device, &problem.seeds, method).unwrap();
                 let again = solver.solve(&mut on_device, &problem.seeds, method).unwrap();
