@@ -15,7 +15,7 @@ use super::surface_array::SurfaceArray;
 use crate::constants::ANCHOR_COUNTS;
 use crate::cpu::behind::Behind;
 use crate::cpu::rotated::line::GridLines;
-use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
+use crate::cpu::rotated::line_update::{Changed, LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::rotated::tiles::TILE;
 use crate::cpu::scan::Scan;
@@ -155,7 +155,7 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
         line: usize,
         points: &Range<usize>,
         options: UpdateOptions,
-        changed: &mut [bool],
+        changed: &mut [Changed],
     ) -> Updated<R::Bits> {
         let line = AnchoredLine { floor: &self.floor, lines, line, points, scan: options.scan };
         options.instructions.run(LineUpdate { line, options, changed })
@@ -246,7 +246,7 @@ impl<R: Real> Spans for AnchoredLine<'_, '_, R> {
         points: usize,
         options: UpdateOptions,
         largest: &mut R::Bits,
-    ) -> Option<bool> {
+    ) -> Option<Changed> {
         let (lines, start) = (&*self.lines, self.points.start + start);
         let line_behind = lines.line_behind(self.line, options.scan);
         let (here, there) = (lines.at(self.line, start), lines.at(line_behind, start) - 1);
@@ -256,6 +256,11 @@ impl<R: Real> Spans for AnchoredLine<'_, '_, R> {
             anchors: &lines.carried[there..][..points + 2],
             holes: &lines.surface_data[lines.on_surface(self.line, start)..][..points],
         };
+        let first = |i: usize| min(behind.first(i), times[i]);
+        let is_beyond = |i: usize| first(i).wide() > options.limit;
+        if options.limit < f64::INFINITY && (0..points).all(is_beyond) {
+            return None;
+        }
         let (mut renewed, mut leads) = (false, true);
         for i in 0..points {
             renewed |= options.renews & anchors[i].is_from(options.scan.0);
@@ -298,12 +303,17 @@ impl<R: Real> Spans for AnchoredLine<'_, '_, R> {
                 | before.carried.differs(after.carried);
             (new_times[i], new_anchors[i]) = (after.time, after.carried);
         }
+        let first = |i: usize| {
+            let differs = new_times[i] != times[i] || new_anchors[i].differs(anchors[i]);
+            differs.then(|| min(new_times[i], times[i]))
+        };
+        let changed = Changed::of(any, options.limit, points, first);
         if any {
             self.lines.times[here..][..points].copy_from_slice(&new_times[..points]);
             self.lines.carried[here..][..points].copy_from_slice(&new_anchors[..points]);
         }
         *largest = (*largest).max(changes.into_iter().max().unwrap_or_default());
-        Some(any)
+        Some(changed)
     }
 
     #[inline(always)]

@@ -6,7 +6,7 @@ use super::kind::{FrontKind, TriangleKind, in_span};
 use super::surface_array::SurfaceArray;
 use crate::cpu::behind::Behind;
 use crate::cpu::rotated::line::{GridLines, ScanLine};
-use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
+use crate::cpu::rotated::line_update::{Changed, LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::rotated::settled::Visited;
 use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::rotated::tiles::TILE;
@@ -101,7 +101,7 @@ impl<R: Real, S: Straight> FrontKind<R> for S {
         line: usize,
         points: &Range<usize>,
         options: UpdateOptions,
-        changed: &mut [bool],
+        changed: &mut [Changed],
     ) -> Updated<R::Bits> {
         let splits = self.splits_of_line(lines, line, points, options.scan);
         let line = lines.line(line, points, options.scan);
@@ -201,10 +201,13 @@ impl<R: Real, S: Straight, const SPLIT: bool> Spans for StraightLine<'_, R, S, S
         &mut self,
         start: usize,
         points: usize,
-        _: UpdateOptions,
+        options: UpdateOptions,
         changes: &mut TimeChanges<R>,
-    ) -> Option<bool> {
+    ) -> Option<Changed> {
         let span = self.line.span(start, points);
+        if span.is_beyond(points, options.limit) {
+            return None;
+        }
         let parts = if SPLIT { in_span(self.parts, start, points) } else { &[] };
         let mut before = [R::zero(); TILE];
         before[..points].copy_from_slice(span.times);
@@ -238,7 +241,8 @@ impl<R: Real, S: Straight, const SPLIT: bool> Spans for StraightLine<'_, R, S, S
             *largest = change.max(*largest);
         }
         self.line.times[start..][..points].copy_from_slice(&after[..points]);
-        Some(any)
+        let first = |i: usize| (after[i] < before[i]).then_some(after[i]);
+        Some(Changed::of(any, options.limit, points, first))
     }
 
     #[inline(always)]

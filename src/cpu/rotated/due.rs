@@ -112,12 +112,16 @@ impl<R: Real, K: FrontKind<R>> Loop for Look<'_, R, K> {
             let leaves = match points.checked_sub(TILE) {
                 Some(last) => {
                     let start = (tile * TILE).min(last);
-                    !is_split(start, TILE)
-                        && kind.leaves(before, first + start, span.part(start, TILE), TILE, options)
+                    let span = span.part(start, TILE);
+                    span.is_beyond(TILE, options.limit)
+                        || !is_split(start, TILE)
+                            && kind.leaves(before, first + start, span, TILE, options)
                 }
                 None => {
-                    !is_split(0, points)
-                        && kind.leaves(before, first, span.part(0, points), points, options)
+                    let span = span.part(0, points);
+                    span.is_beyond(points, options.limit)
+                        || !is_split(0, points)
+                            && kind.leaves(before, first, span, points, options)
                 }
             };
             if !leaves {
@@ -131,6 +135,7 @@ impl<R: Real, K: FrontKind<R>> Loop for Look<'_, R, K> {
 mod tests {
     use super::*;
     use crate::cpu::Instructions;
+    use crate::cpu::rotated::line_update::Changed;
     use crate::cpu::fronts::{Curved, for_triangle_kind};
     use crate::cpu::rotated::window::{Fronts, Window};
     use crate::surface::{Chart, EdgeLengths};
@@ -162,9 +167,14 @@ mod tests {
         tiles.touch(MIDDLE[0], MIDDLE[1]);
         let mut found = Vec::new();
         for scans in [DOWN_UP, RIGHT_LEFT] {
-            let options = |scan| UpdateOptions { scan, renews: true, instructions };
+            let options = |scan| UpdateOptions {
+                scan,
+                renews: true,
+                limit: f64::INFINITY,
+                instructions,
+            };
             assert!(find_due(kind, before, &mut tiles, &scans.map(options)) > 0);
-            let quiet = vec![false; tiles.len()];
+            let quiet = vec![Changed::No; tiles.len()];
             for scan in scans {
                 let mut runs = Vec::new();
                 let any = tiles.bands(scan).any(|band| {

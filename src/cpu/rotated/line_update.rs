@@ -7,14 +7,54 @@ use super::tiles::TILE;
 use crate::cpu::Instructions;
 use crate::cpu::scan::Scan;
 use crate::lanes::Loop;
+use crate::surface::Real;
 
 /// Options of a line update. `renews`: whether a scan may replace a front that the same scan direction
-/// brought earlier.
+/// brought earlier. `limit`: the time after which fronts do not matter, or +infinity. Points that such fronts
+/// alone reach are not updated, and changes of later fronts are not passed on.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::cpu) struct UpdateOptions {
     pub scan: Scan,
     pub renews: bool,
+    pub limit: f64,
     pub instructions: Instructions,
+}
+
+/// How updates have changed some points. The largest of several counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::cpu) enum Changed {
+    #[default]
+    No,
+    /// Only fronts have changed that are later than the limit.
+    Beyond,
+    /// Fronts have changed that may reach other points before the limit.
+    Within,
+}
+
+impl Changed {
+    /// Tells how some points have changed, of which `any` has. `first` returns the earlier of the times before
+    /// and after the update for a point that has changed.
+    #[inline(always)]
+    pub(in crate::cpu) fn of<R: Real>(
+        any: bool,
+        limit: f64,
+        points: usize,
+        first: impl Fn(usize) -> Option<R>,
+    ) -> Self {
+        if !any {
+            Self::No
+        } else if limit == f64::INFINITY || is_any_within(limit, points, first) {
+            Self::Within
+        } else {
+            Self::Beyond
+        }
+    }
+}
+
+/// Returns whether one of the times is no later than a limit.
+#[inline(never)]
+fn is_any_within<R: Real>(limit: f64, points: usize, time: impl Fn(usize) -> Option<R>) -> bool {
+    (0..points).any(|i| time(i).is_some_and(|time| time.wide() <= limit))
 }
 
 /// Result of updating one or more lines: the largest change ([`crate::surface::Real::units_between`]) and the
@@ -45,15 +85,15 @@ pub(in crate::cpu) trait Spans {
     /// Prefetches the data that the update of the next line needs, from the point `start` on.
     fn prefetch_next(&self, start: usize);
 
-    /// Updates `points` points from `start` on. Returns whether anything has changed, tags included, or
-    /// `None` if all of the points are settled.
+    /// Updates `points` points from `start` on. Returns how they have changed, tags included, or `None` if all
+    /// of the points are settled or beyond the limit.
     fn update(
         &mut self,
         start: usize,
         points: usize,
         options: UpdateOptions,
         changes: &mut Self::Changes,
-    ) -> Option<bool>;
+    ) -> Option<Changed>;
 
     fn largest(changes: Self::Changes) -> Self::Bits;
 }
@@ -62,7 +102,7 @@ pub(in crate::cpu) trait Spans {
 pub(in crate::cpu) struct LineUpdate<'a, L> {
     pub line: L,
     pub options: UpdateOptions,
-    pub changed: &'a mut [bool],
+    pub changed: &'a mut [Changed],
 }
 
 /// Updates each span of [`TILE`] points. If the line has a remainder, the last span overlaps the one
@@ -83,7 +123,7 @@ impl<L: Spans> Loop for LineUpdate<'_, L> {
                 None => line.update(0, points, options, &mut changes),
             };
             let Some(any) = any else { continue };
-            *changed |= any;
+            *changed = any.max(*changed);
             updated += (points - tile * TILE).min(TILE) as u64;
         }
         Updated { largest: L::largest(changes), points: updated }
