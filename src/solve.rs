@@ -200,7 +200,8 @@ impl Options {
         if radius > 0.0 {
             return Ok(radius);
         }
-        let message = format!("the radius {radius} is not a positive number; leave it out for no limit");
+        let message =
+            format!("the radius {radius} is not a positive number; leave it out for no limit");
         Err(Error::Options(message))
     }
 
@@ -582,11 +583,12 @@ impl<'a> Problem<'a> {
             .map(of_row)
             .reduce(|| (0, R::neg_infinity()), |a, b| (a.0 + b.0, a.1.max(b.1)));
         let max_distance = max_distance.wide();
+        let ends_at = Some(end).filter(|end| end.is_finite());
         let converged = report.residual <= self.stop.tolerance;
         DistanceMap {
             chart: self.surface.chart(),
             distances,
-            report: Report { converged, reached, max_distance, ..report },
+            report: Report { converged, reached, max_distance, ends_at, ..report },
         }
     }
 }

@@ -134,7 +134,12 @@ impl<'a, K: TriangleKind<f32>> WarmLine<'a, K> {
             surface: (chart.stride(), 0),
             place: LinesInGrid { edges: self.edges, first: 0, before: 0, beyond: None },
         };
-        let options = UpdateOptions { scan, renews: true, limit: f64::INFINITY, instructions: Instructions::best() };
+        let options = UpdateOptions {
+            scan,
+            renews: true,
+            limit: f64::INFINITY,
+            instructions: Instructions::best(),
+        };
         let updated = self.kind.update(&mut lines, 2, &(0..POINTS), options, &mut self.changed);
         std::hint::black_box(updated).points
     }

@@ -58,10 +58,16 @@ struct March<'a, R> {
 }
 
 /// A time that can be ordered.
-#[derive(Clone, Copy, PartialEq, PartialOrd)]
+#[derive(Clone, Copy, PartialEq)]
 struct Time(f64);
 
 impl Eq for Time {}
+
+impl PartialOrd for Time {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
 
 impl Ord for Time {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
@@ -80,8 +86,7 @@ impl<'a, R: Real> March<'a, R> {
         let points = |length: usize, first: usize| (length - 1 - first) / step + 1;
         // A side may be shorter than the step.
         let first = (first.0.min(chart.rows - 1), first.1.min(chart.cols - 1));
-        let coarse =
-            Chart { rows: points(chart.rows, first.0), cols: points(chart.cols, first.1) };
+        let coarse = Chart { rows: points(chart.rows, first.0), cols: points(chart.cols, first.1) };
         Self {
             edges,
             step,

@@ -54,8 +54,7 @@ pub fn nearest_points(
     let map = distance_map(surface, &Sources::point(place[0], place[1]), &options)?;
     let distances = points.iter().map(|&[row, col]| map.distance(row, col)).enumerate();
     let reached = distances.filter(|(_, distance)| distance.is_finite());
-    let mut near: Vec<_> =
-        reached.map(|(index, distance)| NearPoint { index, distance }).collect();
+    let mut near: Vec<_> = reached.map(|(index, distance)| NearPoint { index, distance }).collect();
     near.sort_by(|a, b| a.distance.total_cmp(&b.distance));
     near.truncate(count);
     Ok(near)

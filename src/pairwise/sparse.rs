@@ -85,7 +85,8 @@ pub fn pairs_within(
     }
     let points = surface.chart().points();
     if let Some(outside) = sources.iter().find(|&&source| source >= points) {
-        let message = format!("there is no point {outside}; the grid has points 0 to {}", points - 1);
+        let message =
+            format!("there is no point {outside}; the grid has points 0 to {}", points - 1);
         return fault(message);
     }
     let (wavefront, monitor) = (options.wavefront_of_rows(surface)?, options.monitor());

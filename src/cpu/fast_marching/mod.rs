@@ -8,8 +8,8 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::{BinaryHeap, HashMap, HashSet};
 
 use super::behind::Behind;
-use super::limit::Limit;
 use super::fronts::{Anchored, FrontKind, FrontOver, TriangleKind};
+use super::limit::Limit;
 use super::point_fronts::PointFronts;
 use super::solution::Solution;
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Groups, Real, Seed};

@@ -240,6 +240,18 @@ impl<R: Real> Spans for AnchoredLine<'_, '_, R> {
     }
 
     #[inline(always)]
+    fn is_beyond(&self, start: usize, points: usize, limit: f64) -> bool {
+        if limit == f64::INFINITY {
+            return false;
+        }
+        let (lines, start) = (&*self.lines, self.points.start + start);
+        let behind = lines.line_behind(self.line, self.scan);
+        let (here, there) = (lines.at(self.line, start), lines.at(behind, start) - 1);
+        let times = lines.times[here..][..points].iter().chain(&lines.times[there..][..points + 2]);
+        times.fold(R::FAR, |first, &time| min(first, time)).wide() > limit
+    }
+
+    #[inline(always)]
     fn update(
         &mut self,
         start: usize,
@@ -256,11 +268,6 @@ impl<R: Real> Spans for AnchoredLine<'_, '_, R> {
             anchors: &lines.carried[there..][..points + 2],
             holes: &lines.surface_data[lines.on_surface(self.line, start)..][..points],
         };
-        let first = |i: usize| min(behind.first(i), times[i]);
-        let is_beyond = |i: usize| first(i).wide() > options.limit;
-        if options.limit < f64::INFINITY && (0..points).all(is_beyond) {
-            return None;
-        }
         let (mut renewed, mut leads) = (false, true);
         for i in 0..points {
             renewed |= options.renews & anchors[i].is_from(options.scan.0);

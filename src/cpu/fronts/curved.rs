@@ -361,6 +361,11 @@ impl<R: Real, const SPLIT: bool> Spans for CurvedLine<'_, R, SPLIT> {
     }
 
     #[inline(always)]
+    fn is_beyond(&self, start: usize, points: usize, limit: f64) -> bool {
+        limit < f64::INFINITY && self.line.span(start, points).is_beyond(points, limit)
+    }
+
+    #[inline(always)]
     fn update(
         &mut self,
         start: usize,
@@ -369,9 +374,6 @@ impl<R: Real, const SPLIT: bool> Spans for CurvedLine<'_, R, SPLIT> {
         changes: &mut BentChanges<R>,
     ) -> Option<Changed> {
         let span = self.line.span(start, points);
-        if span.is_beyond(points, options.limit) {
-            return None;
-        }
         let parts = if SPLIT { in_span(self.parts, start, points) } else { &[] };
         let has_numbers = self.origins.is_some();
         let first = if parts.is_empty() {

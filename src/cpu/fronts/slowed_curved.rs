@@ -268,6 +268,11 @@ impl<R: Real> Spans for CurvedLine<'_, R> {
     }
 
     #[inline(always)]
+    fn is_beyond(&self, start: usize, points: usize, limit: f64) -> bool {
+        limit < f64::INFINITY && self.line.span(start, points).is_beyond(points, limit)
+    }
+
+    #[inline(always)]
     fn update(
         &mut self,
         start: usize,
@@ -276,9 +281,6 @@ impl<R: Real> Spans for CurvedLine<'_, R> {
         changes: &mut Changes<R>,
     ) -> Option<Changed> {
         let span = self.line.span(start, points);
-        if span.is_beyond(points, options.limit) {
-            return None;
-        }
         let surface_data = self.line.ground_behind(start, points);
         let seen = Seen {
             span: &span,

@@ -187,6 +187,11 @@ impl<R: Real> Spans for PlanarLine<'_, R> {
     }
 
     #[inline(always)]
+    fn is_beyond(&self, start: usize, points: usize, limit: f64) -> bool {
+        limit < f64::INFINITY && self.line.span(start, points).is_beyond(points, limit)
+    }
+
+    #[inline(always)]
     fn update(
         &mut self,
         start: usize,
@@ -195,9 +200,6 @@ impl<R: Real> Spans for PlanarLine<'_, R> {
         changes: &mut TimeChanges<R>,
     ) -> Option<Changed> {
         let span = self.line.span(start, points);
-        if span.is_beyond(points, options.limit) {
-            return None;
-        }
         let behind = self.line.ground_behind(start, points);
         let seen = Seen {
             span: &span,

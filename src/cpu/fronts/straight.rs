@@ -197,6 +197,11 @@ impl<R: Real, S: Straight, const SPLIT: bool> Spans for StraightLine<'_, R, S, S
     }
 
     #[inline(always)]
+    fn is_beyond(&self, start: usize, points: usize, limit: f64) -> bool {
+        limit < f64::INFINITY && self.line.span(start, points).is_beyond(points, limit)
+    }
+
+    #[inline(always)]
     fn update(
         &mut self,
         start: usize,
@@ -205,9 +210,6 @@ impl<R: Real, S: Straight, const SPLIT: bool> Spans for StraightLine<'_, R, S, S
         changes: &mut TimeChanges<R>,
     ) -> Option<Changed> {
         let span = self.line.span(start, points);
-        if span.is_beyond(points, options.limit) {
-            return None;
-        }
         let parts = if SPLIT { in_span(self.parts, start, points) } else { &[] };
         let mut before = [R::zero(); TILE];
         before[..points].copy_from_slice(span.times);

@@ -57,18 +57,24 @@ fn is_any_within<R: Real>(limit: f64, points: usize, time: impl Fn(usize) -> Opt
     (0..points).any(|i| time(i).is_some_and(|time| time.wide() <= limit))
 }
 
-/// Result of updating one or more lines: the largest change ([`crate::surface::Real::units_between`]) and the
-/// number of updated points. Settled points are skipped and not counted.
+/// Result of updating one or more lines: the largest change ([`crate::surface::Real::units_between`]), the
+/// number of updated points, and the number of those that were left out since they are beyond the limit.
+/// Settled points are skipped and not counted.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::cpu) struct Updated<B> {
     pub largest: B,
     pub points: u64,
+    pub beyond: u64,
 }
 
 impl<B: Ord> Updated<B> {
     #[inline(always)]
     pub(in crate::cpu) fn and(self, other: Self) -> Self {
-        Self { largest: self.largest.max(other.largest), points: self.points + other.points }
+        Self {
+            largest: self.largest.max(other.largest),
+            points: self.points + other.points,
+            beyond: self.beyond + other.beyond,
+        }
     }
 }
 
@@ -85,8 +91,12 @@ pub(in crate::cpu) trait Spans {
     /// Prefetches the data that the update of the next line needs, from the point `start` on.
     fn prefetch_next(&self, start: usize);
 
+    /// Returns whether the times of `points` points from `start` on, and of those behind them, are all later than
+    /// the limit.
+    fn is_beyond(&self, start: usize, points: usize, limit: f64) -> bool;
+
     /// Updates `points` points from `start` on. Returns how they have changed, tags included, or `None` if all
-    /// of the points are settled or beyond the limit.
+    /// of the points are settled.
     fn update(
         &mut self,
         start: usize,
@@ -114,9 +124,14 @@ impl<L: Spans> Loop for LineUpdate<'_, L> {
     fn run(self) -> Updated<L::Bits> {
         let Self { mut line, options, changed } = self;
         let points = line.points();
-        let (mut changes, mut updated) = (L::Changes::default(), 0);
+        let (mut changes, mut updated, mut beyond) = (L::Changes::default(), 0, 0);
         for (tile, changed) in changed.iter_mut().enumerate() {
             line.prefetch_next(tile * TILE);
+            let in_span = points.min(TILE);
+            if line.is_beyond((tile * TILE).min(points - in_span), in_span, options.limit) {
+                beyond += (points - tile * TILE).min(TILE) as u64;
+                continue;
+            }
             // Two calls, since a number of points that is known at compile time needs no loop.
             let any = match points.checked_sub(TILE) {
                 Some(last) => line.update((tile * TILE).min(last), TILE, options, &mut changes),
@@ -126,6 +141,6 @@ impl<L: Spans> Loop for LineUpdate<'_, L> {
             *changed = any.max(*changed);
             updated += (points - tile * TILE).min(TILE) as u64;
         }
-        Updated { largest: L::largest(changes), points: updated }
+        Updated { largest: L::largest(changes), points: updated, beyond }
     }
 }

@@ -58,9 +58,8 @@ fn merge_band(
     mut merge: impl FnMut(Range<usize>, [bool; 2]),
 ) {
     let places = tiles.in_band(Scan::DOWN);
-    let changed = |place| {
-        changed.map(|changed| changed[tiles.index(Scan::DOWN, band, place)] > Changed::No)
-    };
+    let changed =
+        |place| changed.map(|changed| changed[tiles.index(Scan::DOWN, band, place)] > Changed::No);
     let mut place = 0;
     while place < places {
         let (start, of_run) = (place, changed(place));

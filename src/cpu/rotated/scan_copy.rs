@@ -133,7 +133,7 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
         let (grid, far, scan, window) = (*grid, *far, options.scan, self.window);
         let points = |run| tiles.lines(scan, band, run);
         let Block { rows: lines, cols: along } = points(run.clone());
-        self.visits += (lines.len() * along.len()) as u64;
+        let visited = (lines.len() * along.len()) as u64;
         self.marks.clear();
         self.marks.resize(run.len(), Changed::No);
         let marks = &mut self.marks;
@@ -149,11 +149,13 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
                 let changed = &mut self.changed[changed(place)];
                 *changed = of_tile.max(*changed);
             }
+            self.visits += visited - updated.beyond;
             return updated;
         }
         let fronts = Fronts { window, times: &self.times, carried: &self.carried };
         panel.load(grid, fronts, &points(run.clone()).by(scan.lines()), scan, options.instructions);
         let updated = update(&mut panel.lines(grid, [Some(fronts), far], &along, scan));
+        self.visits += visited - updated.beyond;
         for (place, of_tile) in marked(run, &self.marks) {
             let changed = &mut self.changed[changed(place)];
             *changed = of_tile.max(*changed);

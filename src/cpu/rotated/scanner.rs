@@ -14,8 +14,8 @@ use super::span::Before;
 use super::tiles::Tiles;
 use super::window::Window;
 use crate::cpu::Instructions;
-use crate::cpu::limit::Limit;
 use crate::cpu::fronts::FrontKind;
+use crate::cpu::limit::Limit;
 use crate::cpu::progress::Progress;
 use crate::cpu::scan::Scan;
 use crate::surface::{Block, EdgeLengths, Real, Seed};
@@ -47,7 +47,14 @@ impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
         // Each copy is allocated by the thread that will use it.
         let copy = || (ScanCopy::new(window, &tiles), on.panel());
         let ((a, panel_a), (b, panel_b)) = rayon::join(copy, copy);
-        Self { on, tiles, copies: [a, b], panels: [panel_a, panel_b], limit: Limit::NONE, looked: 0 }
+        Self {
+            on,
+            tiles,
+            copies: [a, b],
+            panels: [panel_a, panel_b],
+            limit: Limit::NONE,
+            looked: 0,
+        }
     }
 
     fn converge(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
