@@ -453,6 +453,10 @@ impl<'a> Problem<'a> {
             let reason = "fronts pass seams on the CPU only".into();
             return Ok(self.solve_on_cpu()?.because(reason));
         }
+        if self.radius.is_finite() || self.targets.is_some() {
+            let reason = "the CPU solves a part of the map alone".into();
+            return Ok(self.solve_on_cpu()?.because(reason));
+        }
         let reason =
             match Choice::of(self.surface.chart(), self.wavefront, vulkan::are_pipelines_kept()) {
                 Choice::Cpu(reason) => return Ok(self.solve_on_cpu()?.because(reason)),

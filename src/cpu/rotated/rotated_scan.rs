@@ -218,6 +218,12 @@ impl<R: Real> RotatedScan<R> {
     /// # Ok::<(), geosweep::surface::SurfaceError>(())
     /// ```
     pub fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        let limit = Limit::at(self.radius);
+        // The last map may have ended earlier.
+        match self.scanner.limit() < self.radius {
+            true => drop(self.scanner.go_on(&[], stop, limit)),
+            false => self.scanner.set_limit(limit),
+        }
         self.end = self.radius;
         self.scanner.add(seeds, stop)
     }
