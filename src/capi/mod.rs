@@ -36,7 +36,6 @@ mod contours;
 mod curves;
 mod frame;
 mod loader;
-mod map;
 mod memory;
 mod objects;
 mod paths;
@@ -58,7 +57,6 @@ pub use frame::{
     GEOSWEEP_POINTS_UNCHANGED, GEOSWEEP_STRAIGHT, GeosweepAccess, GeosweepFrame, GeosweepReader,
     GeosweepSource, GeosweepSources, geosweep_source_at,
 };
-pub use map::*;
 pub use memory::{GeosweepAllocator, GeosweepMemory, GeosweepMemoryRequest};
 pub use paths::*;
 pub use plan::*;

@@ -12,7 +12,6 @@ mod allocations;
 mod build;
 mod caches;
 mod cmake;
-mod cpu_maps;
 mod curves;
 mod faults;
 mod header;

@@ -172,7 +172,7 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
         points: usize,
         options: UpdateOptions,
     ) -> bool {
-        if span.is_renewed(points, options.scan.0, options.renews) {
+        if span.is_renewed(points, options) {
             return false;
         }
         if span.leads(points) {
@@ -190,9 +190,9 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
         }
         let at = before.edges.chart().entry(first).into();
         let rays = self.floor.rays(at, options.scan.ahead(), [0, 1], |x| before.front(x));
-        let mut settled = true;
+        let (mut settled, limit) = (true, R::of(options.limit));
         for (i, &time) in span.times[..points].iter().enumerate() {
-            settled &= !is_shorter(rays.time(i, span.times_behind[1][i]), time);
+            settled &= !is_shorter(rays.time(i, span.times_behind[1][i]), min(time, limit));
         }
         settled
     }

@@ -293,7 +293,7 @@ fn leaves<R: Real, const SPLIT: bool>(
     options: UpdateOptions,
     has_numbers: bool,
 ) -> bool {
-    if span.is_renewed(points, options.scan.0, options.renews) {
+    if span.is_renewed(points, options) {
         return false;
     }
     if span.leads(points) {
@@ -304,9 +304,9 @@ fn leaves<R: Real, const SPLIT: bool>(
         return false;
     }
     let [before, beside, after] = span.carried_behind;
-    let mut settled = true;
+    let (mut settled, limit) = (true, R::of(options.limit));
     for i in 0..points {
-        let visited: Visited<R> = span.visited::<SPLIT>(i);
+        let visited: Visited<R> = span.visited::<SPLIT>(i, limit);
         let [left, right] = visited.triangles;
         let [k_before, k_beside, k_after] =
             [before[i].value(), beside[i].value(), after[i].value()];

@@ -195,16 +195,16 @@ fn leaves<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
     options: UpdateOptions,
 ) -> bool {
     let span = seen.span;
-    if span.is_renewed(points, options.scan.0, options.renews) {
+    if span.is_renewed(points, options) {
         return false;
     }
     if span.leads(points) {
         return true;
     }
     let [before, beside, after] = span.carried_behind;
-    let mut settled = true;
+    let (mut settled, limit) = (true, R::of(options.limit));
     for i in 0..points {
-        let now = span.times[i];
+        let now = min(span.times[i], limit);
         let beside = beside[i].value();
         let (left, left_slowness) = seen.seen_from_beside::<true>(i);
         let (right, right_slowness) = seen.seen_from_beside::<false>(i);

@@ -109,6 +109,7 @@ impl<R: Real> FrontKind<R> for SlowedPlanar<R> {
                 behind: |k: usize, i: usize| slowness_behind[k][i],
             },
             points,
+            options.limit,
         )
     }
 }
@@ -153,10 +154,11 @@ impl<R: Real> TriangleKind<R> for SlowedPlanar<R> {
 fn stays<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
     seen: &Seen<'_, R, (), R, O, B>,
     points: usize,
+    limit: f64,
 ) -> bool {
-    let mut settled = true;
+    let (mut settled, limit) = (true, R::of(limit));
     for i in 0..points {
-        let now = seen.span.times[i];
+        let now = min(seen.span.times[i], limit);
         let (left, left_slowness) = seen.seen_from_beside::<true>(i);
         let (right, right_slowness) = seen.seen_from_beside::<false>(i);
         settled &= is_settled_slowed(left, None, left_slowness, now)
@@ -207,7 +209,7 @@ impl<R: Real> Spans for PlanarLine<'_, R> {
             behind: |k: usize, i: usize| behind[k][i],
         };
         let parts = in_span(self.parts, start, points);
-        if parts.is_empty() && (span.leads(points) || stays(&seen, points)) {
+        if parts.is_empty() && (span.leads(points) || stays(&seen, points, options.limit)) {
             return None;
         }
         let mut after = [R::zero(); TILE];

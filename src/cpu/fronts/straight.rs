@@ -124,9 +124,9 @@ impl<R: Real, S: Straight> FrontKind<R> for S {
         _: usize,
         span: Span<'_, R, Self::Carried, Self::SurfaceData>,
         points: usize,
-        _: UpdateOptions,
+        options: UpdateOptions,
     ) -> bool {
-        span.leads(points) || stays::<R, S, false>(&span, points)
+        span.leads(points) || stays::<R, S, false>(&span, points, options.limit)
     }
 }
 
@@ -153,10 +153,14 @@ impl<R: Real, S: Straight> TriangleKind<R> for S {
 
 /// Returns whether no front arrives earlier at any of the points.
 #[inline(always)]
-fn stays<R: Real, S: Straight, const SPLIT: bool>(span: &Span<R, (), ()>, points: usize) -> bool {
-    let mut settled = true;
+fn stays<R: Real, S: Straight, const SPLIT: bool>(
+    span: &Span<R, (), ()>,
+    points: usize,
+    limit: f64,
+) -> bool {
+    let (mut settled, limit) = (true, R::of(limit));
     for i in 0..points {
-        let visited: Visited<R> = span.visited::<SPLIT>(i);
+        let visited: Visited<R> = span.visited::<SPLIT>(i, limit);
         let [left, right] = visited.triangles;
         let of = [S::is_settled(left, visited.now), S::is_settled(right, visited.now)];
         settled &= visited.stays(of);
@@ -218,7 +222,8 @@ impl<R: Real, S: Straight, const SPLIT: bool> Spans for StraightLine<'_, R, S, S
                 return None;
             }
             // If no point has been reached, all of them are about to be, and the test would be wasted.
-            if !span.is_unreached(points) && stays::<R, S, false>(&span, points) {
+            let is_new = options.limit == f64::INFINITY && span.is_unreached(points);
+            if !is_new && stays::<R, S, false>(&span, points, options.limit) {
                 return None;
             }
             through_both::<R, S, false>(self.kind, &span, &before, points)
@@ -231,7 +236,7 @@ impl<R: Real, S: Straight, const SPLIT: bool> Spans for StraightLine<'_, R, S, S
                     any |= now[i] < before[i];
                 }
             }
-            if !any && (span.leads(points) || stays::<R, S, true>(&span, points)) {
+            if !any && (span.leads(points) || stays::<R, S, true>(&span, points, options.limit)) {
                 return None;
             }
             through_both::<R, S, true>(self.kind, &span, &now, points)
