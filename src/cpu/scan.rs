@@ -84,11 +84,13 @@ impl Scan {
 }
 
 /// Options of the updates of a scan. `renews`: whether a scan may replace a front that the same scan direction
-/// brought earlier.
+/// brought earlier. `limit`: the time after which fronts do not matter, or +infinity. Points that such fronts
+/// alone reach are not updated, and changes of later fronts are not passed on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct UpdateOptions {
     pub scan: Scan,
     pub renews: bool,
+    pub limit: f64,
     pub instructions: Instructions,
 }
 

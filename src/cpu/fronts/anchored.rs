@@ -219,9 +219,9 @@ impl<R: Real> LaneKind<R> for Anchored<R> {
         }
         let at = before.edges.chart().entry(first).into();
         let rays = self.floor.rays(at, options.scan.ahead(), [0, 1], |x| before.front(x));
-        let mut settled = true;
+        let (mut settled, limit) = (true, R::of(options.limit));
         for (i, &time) in span.times[..points].iter().enumerate() {
-            settled &= !is_shorter(rays.time(i, span.times_behind[1][i]), time);
+            settled &= !is_shorter(rays.time(i, span.times_behind[1][i]), min(time, limit));
         }
         settled
     }

@@ -318,9 +318,9 @@ fn leaves<R: Real, const SPLIT: bool>(
         return false;
     }
     let [before, beside, after] = span.carried_behind;
-    let mut settled = true;
+    let (mut settled, limit) = (true, R::of(options.limit));
     for i in 0..points {
-        let visited: Visited<R> = span.visited::<SPLIT>(i);
+        let visited: Visited<R> = span.visited::<SPLIT>(i, limit);
         let [left, right] = visited.triangles;
         let [k_before, k_beside, k_after] =
             [before[i].value(), beside[i].value(), after[i].value()];

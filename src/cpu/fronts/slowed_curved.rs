@@ -13,7 +13,7 @@ use crate::cpu::bend_units;
 use crate::cpu::rotated::line::{GridLines, ScanLine};
 use crate::cpu::rotated::span::{Before, LargestChanges, Span};
 use crate::cpu::scan::{Scan, UpdateOptions};
-use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed};
+use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed, min};
 use crate::update::{
     Curvature, Curvatures, Front, Kept, Triangle, curved_slowed, is_settled_slowed,
 };
@@ -236,9 +236,9 @@ fn leaves<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
         return true;
     }
     let [before, beside, after] = span.carried_behind;
-    let mut settled = true;
+    let (mut settled, limit) = (true, R::of(options.limit));
     for i in 0..points {
-        let now = span.times[i];
+        let now = min(span.times[i], limit);
         let beside = beside[i].value();
         let (left, left_slowness) = seen.seen_from_beside::<true>(i);
         let (right, right_slowness) = seen.seen_from_beside::<false>(i);

@@ -82,7 +82,7 @@ impl<R: Real> LaneKind<R> for SlowedPlanar<R> {
         line: &mut ScanLine<'_, '_, R, Self::Carried, Self::SurfaceData>,
         [start, points]: [usize; 2],
         splits: &[(usize, Option<Self::Arrival>)],
-        _: UpdateOptions,
+        options: UpdateOptions,
         changes: &mut LargestChanges<R>,
     ) -> Option<bool> {
         let span = line.span(start, points);
@@ -93,7 +93,7 @@ impl<R: Real> LaneKind<R> for SlowedPlanar<R> {
             behind: |k: usize, i: usize| behind[k][i],
         };
         let is_alone = splits.iter().all(|(_, time)| time.is_none());
-        if is_alone && (span.leads(points) || stays(&seen, points)) {
+        if is_alone && (span.leads(points) || stays(&seen, points, options.limit)) {
             return None;
         }
         let mut after = [R::zero(); TILE];
@@ -136,6 +136,7 @@ impl<R: Real> LaneKind<R> for SlowedPlanar<R> {
                 behind: |k: usize, i: usize| slowness_behind[k][i],
             },
             points,
+            options.limit,
         )
     }
 }
@@ -182,10 +183,11 @@ impl<R: Real> TriangleKind<R> for SlowedPlanar<R> {
 fn stays<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
     seen: &Seen<'_, R, (), R, O, B>,
     points: usize,
+    limit: f64,
 ) -> bool {
-    let mut settled = true;
+    let (mut settled, limit) = (true, R::of(limit));
     for i in 0..points {
-        let now = seen.span.times[i];
+        let now = min(seen.span.times[i], limit);
         let (left, left_slowness) = seen.seen_from_beside::<true>(i);
         let (right, right_slowness) = seen.seen_from_beside::<false>(i);
         settled &= is_settled_slowed(left, None, left_slowness, now)

@@ -105,7 +105,7 @@ impl<R: Real, S: Straight> LaneKind<R> for S {
         line: &mut ScanLine<'_, '_, R, Self::Carried, Self::SurfaceData>,
         [start, points]: [usize; 2],
         splits: &[(usize, Option<Self::Arrival>)],
-        _: UpdateOptions,
+        options: UpdateOptions,
         changes: &mut LargestChanges<R>,
     ) -> Option<bool> {
         let span = line.span(start, points);
@@ -116,7 +116,8 @@ impl<R: Real, S: Straight> LaneKind<R> for S {
                 return None;
             }
             // If no point has been reached, all of them are about to be, and the test would be wasted.
-            if !span.is_unreached(points) && stays::<R, S, false>(&span, points) {
+            let is_new = options.limit == f64::INFINITY && span.is_unreached(points);
+            if !is_new && stays::<R, S, false>(&span, points, options.limit) {
                 return None;
             }
             through_both::<R, S, false>(*kind, &span, &before, points)
@@ -129,7 +130,7 @@ impl<R: Real, S: Straight> LaneKind<R> for S {
                     any |= now[i] < before[i];
                 }
             }
-            if !any && (span.leads(points) || stays::<R, S, true>(&span, points)) {
+            if !any && (span.leads(points) || stays::<R, S, true>(&span, points, options.limit)) {
                 return None;
             }
             through_both::<R, S, true>(*kind, &span, &now, points)
@@ -146,9 +147,9 @@ impl<R: Real, S: Straight> LaneKind<R> for S {
         _: usize,
         span: Span<'_, R, Self::Carried, Self::SurfaceData>,
         points: usize,
-        _: UpdateOptions,
+        options: UpdateOptions,
     ) -> bool {
-        span.leads(points) || stays::<R, S, false>(&span, points)
+        span.leads(points) || stays::<R, S, false>(&span, points, options.limit)
     }
 }
 
@@ -177,10 +178,14 @@ impl<R: Real, S: Straight> TriangleKind<R> for S {
 
 /// Returns whether no front arrives earlier at any of the points.
 #[inline(always)]
-fn stays<R: Real, S: Straight, const SPLIT: bool>(span: &Span<R, (), ()>, points: usize) -> bool {
-    let mut settled = true;
+fn stays<R: Real, S: Straight, const SPLIT: bool>(
+    span: &Span<R, (), ()>,
+    points: usize,
+    limit: f64,
+) -> bool {
+    let (mut settled, limit) = (true, R::of(limit));
     for i in 0..points {
-        let visited: Visited<R> = span.visited::<SPLIT>(i);
+        let visited: Visited<R> = span.visited::<SPLIT>(i, limit);
         let [left, right] = visited.triangles;
         let of = [S::is_settled(left, visited.now), S::is_settled(right, visited.now)];
         settled &= visited.stays(of);

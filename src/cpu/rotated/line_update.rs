@@ -11,20 +11,38 @@ use super::tiles::TILE;
 use crate::cpu::fronts::LaneKind;
 use crate::cpu::scan::UpdateOptions;
 use crate::lanes::Loop;
-use crate::surface::Real;
+use crate::surface::{Real, min};
+use crate::update::Carried;
 
-/// Result of updating one or more lines: the largest change ([`Real::units_between`]) and the number of
-/// updated points. Settled points are skipped and not counted.
+/// How updates have changed some points. The largest of several counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::cpu) enum Changed {
+    #[default]
+    No,
+    /// Only fronts have changed that are later than the limit.
+    Beyond,
+    /// Fronts have changed that may reach other points before the limit.
+    Within,
+}
+
+/// Result of updating one or more lines: the largest change ([`Real::units_between`]), the number of updated
+/// points, and the number of those that were left out since they are beyond the limit. Settled points are
+/// skipped and not counted.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::cpu) struct Updated<B> {
     pub largest: B,
     pub points: u64,
+    pub beyond: u64,
 }
 
 impl<B: Ord> Updated<B> {
     #[inline(always)]
     pub(in crate::cpu) fn and(self, other: Self) -> Self {
-        Self { largest: self.largest.max(other.largest), points: self.points + other.points }
+        Self {
+            largest: self.largest.max(other.largest),
+            points: self.points + other.points,
+            beyond: self.beyond + other.beyond,
+        }
     }
 }
 
@@ -35,7 +53,7 @@ pub(in crate::cpu) fn update_line<R: Real, K: LaneKind<R>>(
     line: usize,
     points: &Range<usize>,
     options: UpdateOptions,
-    changed: &mut [bool],
+    changed: &mut [Changed],
 ) -> Updated<R::Bits> {
     let splits = kind.splits(lines, line, points);
     let line = lines.line(line, points, K::NEEDS_EDGES);
@@ -60,7 +78,7 @@ struct LineUpdate<'l, 'g, R: Real, K: LaneKind<R>, const SPLIT: bool> {
     splits: &'l [(usize, Option<K::Arrival>)],
     options: UpdateOptions,
     /// Marks of the spans that the update changes.
-    changed: &'l mut [bool],
+    changed: &'l mut [Changed],
 }
 
 /// Updates each span of [`TILE`] points. If the line has a remainder, the last span overlaps the one
@@ -72,10 +90,21 @@ impl<R: Real, K: LaneKind<R>, const SPLIT: bool> Loop for LineUpdate<'_, '_, R, 
     fn run(self) -> Updated<R::Bits> {
         // Locals may stay in registers, and fields of an argument may not.
         let Self { of_line, mut line, splits, options, changed } = self;
-        let points = line.points;
-        let (mut changes, mut updated) = (LargestChanges::default(), 0);
+        let (points, is_limited) = (line.points, options.limit < f64::INFINITY);
+        let (mut changes, mut updated, mut beyond) = (LargestChanges::default(), 0, 0);
         for (tile, changed) in changed.iter_mut().enumerate() {
             line.prefetch_next(tile * TILE, K::NEEDS_EDGES);
+            let in_tile = (points - tile * TILE).min(TILE) as u64;
+            let mut before = None;
+            if is_limited {
+                let in_span = points.min(TILE);
+                let start = (tile * TILE).min(points - in_span);
+                if line.span_without_edges(start, in_span).is_beyond(in_span, options.limit) {
+                    beyond += in_tile;
+                    continue;
+                }
+                before = Some(FrontsBefore::new(&line, start, in_span));
+            }
             // Two calls, since a number of points that is known at compile time needs no loop.
             let any = match points.checked_sub(TILE) {
                 Some(last) => {
@@ -89,10 +118,44 @@ impl<R: Real, K: LaneKind<R>, const SPLIT: bool> Loop for LineUpdate<'_, '_, R, 
                 }
             };
             let Some(any) = any else { continue };
-            *changed |= any;
-            updated += (points - tile * TILE).min(TILE) as u64;
+            let any = match before {
+                _ if !any => Changed::No,
+                Some(before) if !before.changes_within(&line, options.limit) => Changed::Beyond,
+                _ => Changed::Within,
+            };
+            *changed = any.max(*changed);
+            updated += in_tile;
         }
-        Updated { largest: changes.largest(K::TELLS_BENDS), points: updated }
+        Updated { largest: changes.largest(K::TELLS_BENDS), points: updated, beyond }
+    }
+}
+
+/// The fronts at a span of points before its update.
+struct FrontsBefore<R, C> {
+    times: [R; TILE],
+    carried: [C; TILE],
+    start: usize,
+    points: usize,
+}
+
+impl<R: Real, C: Carried> FrontsBefore<R, C> {
+    #[inline(never)]
+    fn new<G>(line: &ScanLine<'_, '_, R, C, G>, start: usize, points: usize) -> Self {
+        let (mut times, mut carried) = ([R::zero(); TILE], [C::default(); TILE]);
+        let span = line.span_without_edges(start, points);
+        times[..points].copy_from_slice(span.times);
+        carried[..points].copy_from_slice(&span.carried[..points]);
+        Self { times, carried, start, points }
+    }
+
+    /// Returns whether the update has changed a front that is or was no later than the limit.
+    #[inline(never)]
+    fn changes_within<G>(&self, line: &ScanLine<'_, '_, R, C, G>, limit: f64) -> bool {
+        let span = line.span_without_edges(self.start, self.points);
+        (0..self.points).any(|i| {
+            let differs = span.times[i] != self.times[i] || span.carried[i] != self.carried[i];
+            differs && min(span.times[i], self.times[i]).wide() <= limit
+        })
     }
 }
 

@@ -85,12 +85,12 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         if LEFT { triangle.mirrored() } else { triangle }
     }
 
-    /// Returns point `i` before its update.
+    /// Returns point `i` before its update. Fronts that arrive after `limit` are not wanted.
     #[inline(always)]
-    pub(in crate::cpu) fn visited<const SPLIT: bool>(&self, i: usize) -> Visited<R> {
+    pub(in crate::cpu) fn visited<const SPLIT: bool>(&self, i: usize, limit: R) -> Visited<R> {
         let triangles =
             [self.triangle::<true, SPLIT>(i), self.triangle::<false, SPLIT>(i).mirrored()];
-        Visited { now: self.times[i], triangles }
+        Visited { now: min(self.times[i], limit), triangles }
     }
 
     /// Returns whether no point is reached later than a neighbour behind it.
@@ -114,12 +114,25 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         unreached
     }
 
-    /// Returns whether the scan renews fronts and has brought one of these.
+    /// Returns whether neither the points nor those behind them are reached by a time, so that no update there
+    /// matters.
+    #[inline(always)]
+    pub(in crate::cpu) fn is_beyond(&self, points: usize, limit: f64) -> bool {
+        let [before, beside, after] = self.times_behind;
+        let mut first = R::FAR;
+        for i in 0..points {
+            first = min(first, min(self.times[i], min(before[i], min(beside[i], after[i]))));
+        }
+        first.wide() > limit
+    }
+
+    /// Returns whether the scan renews fronts and has brought one of these that is no later than the limit.
     #[inline(always)]
     pub(in crate::cpu) fn is_renewed(&self, points: usize, options: UpdateOptions) -> bool {
-        let mut renewed = false;
+        let UpdateOptions { scan, renews, limit, .. } = options;
+        let (mut renewed, limit) = (false, R::of(limit));
         for i in 0..points {
-            renewed |= options.renews & self.carried[i].is_from(options.scan.0);
+            renewed |= renews & self.carried[i].is_from(scan.0) & (self.times[i] <= limit);
         }
         renewed
     }
