@@ -22,6 +22,8 @@ pub struct Polyline {
     pub positions: Vec<DVec3>,
     /// Red, green and blue, for formats that show colours.
     pub color: [u8; 3],
+    /// Where the curve passes seams of a closed surface ([`Curve::jumps`]).
+    pub jumps: Vec<usize>,
 }
 
 /// The value of an attribute of a curve.
@@ -56,7 +58,8 @@ impl Polyline {
     pub fn new(kind: &'static str, curve: Curve, surface: &Surface) -> Result<Self, CurveError> {
         let has_positions = surface.geometry().has_positions();
         let positions = if has_positions { curve.lift(surface)? } else { Vec::new() };
-        Ok(Self { kind, attributes: Vec::new(), curve, positions, color: [0; 3] })
+        let jumps = curve.jumps(surface);
+        Ok(Self { kind, attributes: Vec::new(), curve, positions, color: [0; 3], jumps })
     }
 
     /// Adds an attribute.
