@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _geosweep
+from ._arrays import on_host
 from ._settings import Engine, Wavefront, settings
 from ._surface import Surface, _check_out
 from ._warnings import check
@@ -77,7 +78,7 @@ def canonical_form(
     matrix: ArrayLike, dimensions: int = 3, *, iterations: int = 1000
 ) -> CanonicalForm:
     """Place points in space so that their distances fit a matrix (n, n) best."""
-    values = np.ascontiguousarray(matrix, dtype=np.float32)
+    values = np.ascontiguousarray(on_host("matrix", matrix), dtype=np.float32)
     if values.ndim != 2 or values.shape[0] != values.shape[1]:
         raise ValueError(f"matrix must be square, not of the shape {values.shape}")
     return CanonicalForm(*_geosweep.canonical(values, dimensions, iterations))
