@@ -3,6 +3,10 @@
 Rows come first everywhere: shapes are (M, N), places are (row, column), spacing is (dy, dx).
 """
 
+import importlib
+import sys
+from typing import Any
+
 from ._arrays import HostCopyWarning
 from ._geosweep import __version__
 from ._map import Basis, Curves, DistanceMap, LogMap, Path, Ridge, Voronoi
@@ -34,3 +38,16 @@ __all__ = [
     "pairwise",
     "route",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import ``geosweep.dask`` or ``geosweep.xarray``, which need other packages, at first use."""
+    if name in ("dask", "xarray"):
+        return importlib.import_module(f"{__name__}.{name}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+# Whoever has imported xarray before gets `da.geosweep`. Others need `import geosweep.xarray`, since
+# importing xarray takes long.
+if "xarray" in sys.modules:
+    importlib.import_module(f"{__name__}.xarray")

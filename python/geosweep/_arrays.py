@@ -59,7 +59,8 @@ def numbers(name: str, value: ArrayLike) -> Floats:
         array = on_host(name, value)
         if array.dtype.kind not in "biuf":
             raise TypeError(f"{name} must be real numbers, not {array.dtype}")
-        return np.asarray(array, dtype=np.float64, order="C")
+        # What was received from another process may not be aligned.
+        return np.require(array, np.float64, ["C", "A"])
     except (TypeError, ValueError) as error:
         said = f"{name} must be an array of real numbers, not {value!r:.60}"
         raise TypeError(f"{said} ({error})" if "DLPack" in str(error) else said) from error

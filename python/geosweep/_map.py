@@ -175,8 +175,8 @@ class DistanceMap:
         --------
         >>> import numpy as np, geosweep as gs
         >>> m = gs.Surface.from_heights(np.zeros((21, 21))).solve((10, 10))
-        >>> m.back_direction()[10, 0].item(), m.back_direction("grid")[20, 10].round(3).tolist()
-        (90.0, [-1.0, 0.0])
+        >>> m.back_direction()[10, 0].item(), m.back_direction("grid")[20, 10, 0].item()
+        (90.0, -1.0)
         """
         if unit not in ("compass", "grass", "grid", "space"):
             refuse("unit", unit, "'compass', 'grass', 'grid' or 'space'")

@@ -65,6 +65,9 @@ class Surface:
         glued = ", glued" if self.is_glued else ""
         return f"<geosweep.Surface: {rows} x {cols} {self._surface.kind}{glued}>"
 
+    def __dask_tokenize__(self) -> tuple[Any, ...]:
+        return ("geosweep.Surface", *self.__reduce__()[1])
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the arrays of which the surface was made."""
         made = self._surface
@@ -333,6 +336,7 @@ def _restored(
     glued: tuple[Glue, ...],
 ) -> Surface:
     """Make a surface again that was pickled."""
+    values = numbers("values", values)
     if kind == "heights":
         assert spacing is not None
         compiled = _geosweep.Surface.heights(values.reshape(shape), *spacing)

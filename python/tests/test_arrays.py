@@ -45,6 +45,14 @@ def test_a_surface_reads_an_array_where_it_is() -> None:
     assert not np.array_equal(surface.solve((3, 4)).distance, before)
 
 
+def test_arrays_that_are_not_aligned_are_copied() -> None:
+    memory = np.empty(Z.nbytes + 1, np.uint8)
+    z = memory[1:].view(np.float64).reshape(Z.shape)
+    z[:] = Z
+    assert not z.flags.aligned
+    assert np.array_equal(gs.distance(z, (3, 4)), gs.distance(Z, (3, 4)))
+
+
 def test_results_share_the_memory_of_the_map() -> None:
     surface = gs.Surface.from_heights(Z)
     m = surface.solve((3, 4))
