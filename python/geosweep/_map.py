@@ -298,7 +298,8 @@ class DistanceMap:
         ax
             Where to draw; by default in a new figure.
         contours
-            Number of lines, or their distances. They are labelled in the map's unit.
+            Number of lines, at round distances, or their distances. They are labelled in the map's
+            unit.
         paths
             Rows and columns (n, 2) from which shortest paths are drawn.
         cmap

@@ -36,6 +36,17 @@ def draw(
     return ax
 
 
+def _round_levels(m: DistanceMap, count: int) -> Floats:
+    """Return about ``count`` round distances between the least and the largest one."""
+    reached = m.distance[np.isfinite(m.distance)]
+    if count == 0 or not reached.size or reached.min() == reached.max():
+        return np.empty(0)
+    ticker = needed("matplotlib.ticker", "plot", "plot()")
+    least, largest = float(reached.min()), float(reached.max())
+    found: Floats = ticker.MaxNLocator(count).tick_values(least, largest)
+    return found[(found > least) & (found < largest)]
+
+
 def raster(
     ax: "Axes | None",
     distances: Any,
@@ -64,14 +75,15 @@ def add_lines(
 ) -> None:
     """Draw lines of equal distance, with their distances, and paths."""
     collections = needed("matplotlib.collections", "plot", "plot()")
-    if not (isinstance(contours, int) and contours == 0):
-        for level in m.contours(contours):
+    levels = _round_levels(m, contours) if isinstance(contours, int) else contours
+    if np.size(levels):
+        for level in m.contours(levels):
             curves = [to_axes(curve) for curve in level.curves]
             ax.add_collection(collections.LineCollection(curves, colors="white", linewidths=0.7))
             longest = max(curves, key=len, default=None)
             if longest is not None and len(longest) > 8:
                 x, y = longest[len(longest) // 2]
-                text = f"{level.level:.4g}"
+                text = np.format_float_positional(level.level, 6, fractional=False, trim="-")
                 ax.text(x, y, text, color="white", fontsize=7, ha="center", va="center")
     if paths is not None:
         for path in m.paths(paths):

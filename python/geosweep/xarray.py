@@ -248,6 +248,8 @@ class GeoMap:
         ax = _plot.raster(ax, self.map.distance, extent, 1.0, cmap, colorbar)
         ends = None if paths is None else _ends(paths, place)
         _plot.add_lines(ax, self.map, contours, ends, place.to_xy)
+        ax.ticklabel_format(style="plain", useOffset=False)
+        ax.locator_params(axis="x", nbins=4)
         ax.set_xlabel("x")
         ax.set_ylabel("y")
         return ax
