@@ -53,6 +53,11 @@ def _copied(array: Any) -> NDArray[Any]:
         raise
 
 
+def is_number(value: object) -> bool:
+    """Return whether a value is one real number. Such arguments need no array, which takes time."""
+    return isinstance(value, (int, float, np.integer, np.floating))
+
+
 def numbers(name: str, value: ArrayLike) -> Floats:
     """Return an array of float64 in C order, or raise TypeError."""
     try:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arrays import Floats, numbers, on_host
+from ._arrays import Floats, is_number, numbers, on_host
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,8 @@ Native = tuple[Floats, list[tuple[Floats, float]]]
 
 def native(source: Source, shape: tuple[int, int]) -> Native:
     """Return points (n, 3) with starts, and lines with starts."""
+    if isinstance(source, tuple) and len(source) in (2, 3) and all(map(is_number, source)):
+        return np.array([(*source, 0.0)[:3]], dtype=np.float64), []
     if isinstance(source, Mixed):
         return source.points, source.lines
     if isinstance(source, Lines):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _geosweep
-from ._arrays import Floats, flags, numbers
+from ._arrays import Floats, flags, is_number, numbers
 from ._map import DistanceMap
 from ._settings import Engine, Wavefront, is_double, refuse, settings
 from ._sources import Source, native
@@ -35,6 +35,8 @@ Glue = (
 
 
 def _steps(spacing: Spacing) -> tuple[float, float]:
+    if is_number(spacing):
+        return float(spacing), float(spacing)  # type: ignore[arg-type]
     steps = numbers("spacing", spacing)
     if steps.shape not in ((), (2,)):
         raise ValueError("spacing must be one number or (dy, dx)")
