@@ -36,6 +36,7 @@ mod contours;
 mod curves;
 mod frame;
 mod loader;
+mod map;
 mod memory;
 mod objects;
 mod paths;
@@ -57,6 +58,7 @@ pub use frame::{
     GEOSWEEP_POINTS_UNCHANGED, GEOSWEEP_STRAIGHT, GeosweepAccess, GeosweepFrame, GeosweepReader,
     GeosweepSource, GeosweepSources, geosweep_source_at,
 };
+pub use map::*;
 pub use memory::{GeosweepAllocator, GeosweepMemory, GeosweepMemoryRequest};
 pub use paths::*;
 pub use plan::*;

@@ -6,7 +6,7 @@ use super::kind::{FrontKind, TriangleKind, in_span};
 use super::surface_array::SurfaceArray;
 use crate::cpu::behind::Behind;
 use crate::cpu::rotated::line::{GridLines, ScanLine};
-use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
+use crate::cpu::rotated::line_update::{Changed, LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::rotated::settled::Visited;
 use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::rotated::tiles::TILE;
@@ -101,7 +101,7 @@ impl<R: Real, S: Straight> FrontKind<R> for S {
         line: usize,
         points: &Range<usize>,
         options: UpdateOptions,
-        changed: &mut [bool],
+        changed: &mut [Changed],
     ) -> Updated<R::Bits> {
         let splits = self.splits_of_line(lines, line, points, options.scan);
         let line = lines.line(line, points, options.scan);
@@ -197,13 +197,18 @@ impl<R: Real, S: Straight, const SPLIT: bool> Spans for StraightLine<'_, R, S, S
     }
 
     #[inline(always)]
+    fn is_beyond(&self, start: usize, points: usize, limit: f64) -> bool {
+        limit < f64::INFINITY && self.line.span(start, points).is_beyond(points, limit)
+    }
+
+    #[inline(always)]
     fn update(
         &mut self,
         start: usize,
         points: usize,
-        _: UpdateOptions,
+        options: UpdateOptions,
         changes: &mut TimeChanges<R>,
-    ) -> Option<bool> {
+    ) -> Option<Changed> {
         let span = self.line.span(start, points);
         let parts = if SPLIT { in_span(self.parts, start, points) } else { &[] };
         let mut before = [R::zero(); TILE];
@@ -238,7 +243,8 @@ impl<R: Real, S: Straight, const SPLIT: bool> Spans for StraightLine<'_, R, S, S
             *largest = change.max(*largest);
         }
         self.line.times[start..][..points].copy_from_slice(&after[..points]);
-        Some(any)
+        let first = |i: usize| (after[i] < before[i]).then_some(after[i]);
+        Some(Changed::of(any, options.limit, points, first))
     }
 
     #[inline(always)]

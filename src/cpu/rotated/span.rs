@@ -110,6 +110,24 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         unreached
     }
 
+    /// Returns whether neither the points nor those behind them are reached by a time, so that no update there
+    /// matters. Returns false if there is no limit.
+    #[inline(always)]
+    pub(in crate::cpu) fn is_beyond(&self, points: usize, limit: f64) -> bool {
+        limit < f64::INFINITY && self.first(points).wide() > limit
+    }
+
+    /// Returns the earliest time of the points and of those behind them.
+    #[inline(always)]
+    fn first(&self, points: usize) -> R {
+        let [before, beside, after] = self.times_behind;
+        let mut first = R::FAR;
+        for i in 0..points {
+            first = min(first, min(self.times[i], min(before[i], min(beside[i], after[i]))));
+        }
+        first
+    }
+
     /// Returns whether the scan `renews` fronts and has brought one of these.
     #[inline(always)]
     pub(in crate::cpu) fn is_renewed(&self, points: usize, scan: u8, renews: bool) -> bool {
