@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Shared parts of ci/setup, ci/test and ci/demo. Sourced from the checkout's root, under `set -euo pipefail`.
+# Shared parts of ci/setup, ci/test, ci/python and ci/demo. Sourced from the checkout's root, under `set -euo pipefail`.
 
 say() { printf '%s: %s\n' "ci/${0##*/}" "$*"; }
 die() {
@@ -58,10 +58,18 @@ need() {
     "$@" || missing+=("$why=$names")
 }
 
+have_environments() { "${PYTHON:-python3}" -c 'import ensurepip, venv' 2>/dev/null; }
+
+# list_missing [for_tests|for_python]
 list_missing() {
     missing=()
     need "certificates, for cargo's downloads" ca-certificates test -e /etc/ssl/certs/ca-certificates.crt
     need "C++ compiler, linker and library" g++ command -v c++ >/dev/null
+    if [[ -n ${1-} ]]; then
+        need "Python, for the package in python/" python3 command -v "${PYTHON:-python3}" >/dev/null
+        need "virtual environments, for the same" python3-venv have_environments
+    fi
+    [[ ${1-} != for_python ]] || return 0
     if [[ -z ${SHADERC_LIB_DIR-} ]]; then
         need "GLSL compiler for build.rs" libshaderc-dev have_archive shaderc_combined
         need "a part of it that it is packaged without" glslang-dev have_archive glslang
@@ -87,7 +95,7 @@ list_missing() {
     fi
 }
 
-# install_missing [for_tests]
+# install_missing [for_tests|for_python]
 install_missing() {
     local -a missing packages=() as_root=()
     local entry name names

@@ -3,29 +3,53 @@
 Rows come first everywhere: shapes are (M, N), places are (row, column), spacing is (dy, dx).
 """
 
+import importlib
+import sys
+from typing import Any
+
+from ._arrays import HostCopyWarning
 from ._geosweep import __version__
-from ._map import Curves, DistanceMap, Path, Ridge, Voronoi
+from ._map import Basis, Curves, DistanceMap, LogMap, Path, Ridge, Voronoi
 from ._matrix import CanonicalForm, canonical_form, pairwise
+from ._pairs import pairs
 from ._sources import Lines
 from ._surface import Device, Surface, devices, distance, route
-from ._warnings import ConvergenceError, ConvergenceWarning
+from ._warnings import ConvergenceError, ConvergenceWarning, SeamWarning
 
 __all__ = [
+    "Basis",
     "CanonicalForm",
     "ConvergenceError",
     "ConvergenceWarning",
     "Curves",
     "Device",
     "DistanceMap",
+    "HostCopyWarning",
     "Lines",
+    "LogMap",
     "Path",
     "Ridge",
+    "SeamWarning",
     "Surface",
     "Voronoi",
     "__version__",
     "canonical_form",
     "devices",
     "distance",
+    "pairs",
     "pairwise",
     "route",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import ``geosweep.dask`` or ``geosweep.xarray``, which need other packages, at first use."""
+    if name in ("dask", "xarray"):
+        return importlib.import_module(f"{__name__}.{name}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+# Whoever has imported xarray before gets `da.geosweep`. Others need `import geosweep.xarray`, since
+# importing xarray takes long.
+if "xarray" in sys.modules:
+    importlib.import_module(f"{__name__}.xarray")

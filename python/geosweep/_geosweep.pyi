@@ -1,14 +1,22 @@
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ._arrays import Floats
 from ._settings import Settings
-from ._sources import Floats
 
 __version__: str
 
+_Run = tuple[tuple[int, int], tuple[int, int]]
+Glue = str | Sequence[tuple[_Run, _Run]]
+_Basis = tuple[
+    tuple[float, float],
+    tuple[float, float],
+    tuple[float, float],
+    list[list[float]] | None,
+]
 _Lines = list[tuple[Floats, float]]
 
 class Surface:
@@ -21,6 +29,12 @@ class Surface:
     def with_inputs(
         self, mask: NDArray[np.bool_] | None, slowness: Floats | None, chords: bool
     ) -> Surface: ...
+    def with_gluing(self, glue: Glue) -> Surface: ...
+    @property
+    def seams(self) -> list[str]: ...
+    @property
+    def is_glued(self) -> bool: ...
+    def values(self) -> Floats: ...
     @property
     def shape(self) -> tuple[int, int]: ...
     @property
@@ -75,7 +89,33 @@ class Map:
     def ridges(self, least_angle: float) -> list[tuple[Floats, Floats]]: ...
     def farthest(self) -> tuple[int, int, float]: ...
 
+class LogMap:
+    @property
+    def coordinates(self) -> NDArray[np.float32]: ...
+    @property
+    def labels(self) -> NDArray[np.int32]: ...
+    @property
+    def bases(self) -> list[_Basis]: ...
+    def source_direction(self, unit: str) -> NDArray[np.float32]: ...
+    def place(
+        self, source: int, coordinates: tuple[float, float]
+    ) -> tuple[float, float] | None: ...
+
+def nearest(map: Map) -> tuple[NDArray[np.int32], Floats]: ...
+def back_direction(map: Map, unit: str) -> NDArray[np.float32]: ...
+def back_link(map: Map) -> NDArray[np.int8]: ...
+def log_map(map: Map) -> LogMap: ...
+def signed(map: Map, inside: NDArray[np.bool_] | None) -> NDArray[Any]: ...
 def devices() -> list[tuple[int, str, str, str, str, list[str]]]: ...
+
+_Csr = tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.int64]]
+
+def within(
+    surface: Surface, rows: list[int], settings: Settings
+) -> tuple[_Csr, int, float, bool]: ...
+def nearest_others(
+    surface: Surface, points: list[list[int]], count: int, settings: Settings
+) -> _Csr: ...
 def pairwise(
     surface: Surface,
     rows: list[int],

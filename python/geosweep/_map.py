@@ -1,13 +1,19 @@
 """The distance map, and geometry from it."""
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _geosweep
+from ._arrays import Floats, flags, numbers
 from ._settings import Settings, refuse
-from ._sources import Floats, Native, numbers
+from ._sources import Native
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Direction = Literal["compass", "grass", "grid", "space"]
 
 
 class Path(NamedTuple):
@@ -50,6 +56,64 @@ class Voronoi(NamedTuple):
     """Area of each region."""
 
 
+class Basis(NamedTuple):
+    """The axes of a log map at its source: steps of unit length at a right angle."""
+
+    at: tuple[float, float]
+    """Row and column of the source."""
+    u: tuple[float, float]
+    """The axis of u in rows and columns, along the direction of the columns."""
+    v: tuple[float, float]
+    """The axis of v in rows and columns, on the side of increasing rows."""
+    in_space: Floats | None
+    """Both axes in space (2, 3); None if the surface is given by its metric."""
+
+
+class LogMap:
+    """Places of points in the tangent plane of their source. `DistanceMap.log_map` makes it."""
+
+    def __init__(self, compiled: "_geosweep.LogMap") -> None:
+        self._map = compiled
+
+    @property
+    def coordinates(self) -> NDArray[np.float32]:
+        """Coordinates u, v (M, N, 2) in the unit of distances; NaN where no source reaches."""
+        return self._map.coordinates
+
+    @property
+    def nearest(self) -> NDArray[np.int32]:
+        """Index (M, N) of the source in whose plane a point lies; -1 where no source reaches."""
+        return self._map.labels
+
+    @property
+    def bases(self) -> list[Basis]:
+        """The axes at each source."""
+        return [
+            Basis((a, b), (c, d), (e, f), None if space is None else np.asarray(space))
+            for (a, b), (c, d), (e, f), space in self._map.bases
+        ]
+
+    def place(self, u: float, v: float, source: int = 0) -> tuple[float, float] | None:
+        """Return row and column of the point with coordinates (u, v) in the plane of a source.
+
+        The result is None beyond the source's region, a hole or the cut locus.
+        """
+        found = self._map.place(source, (u, v))
+        return None if found is None else (found[0], found[1])
+
+    def source_direction(
+        self, unit: Literal["compass", "grass"] = "compass"
+    ) -> NDArray[np.float32]:
+        """Return the bearing (M, N) in which each point's path leaves its source, in degrees.
+
+        `DistanceMap.back_direction` says what the units are. The bearing is 0 at sources and -1
+        where no source reaches.
+        """
+        if unit not in ("compass", "grass"):
+            refuse("unit", unit, "'compass' or 'grass'")
+        return self._map.source_direction(unit)
+
+
 class DistanceMap:
     """Distances from sources to every point of a surface. `Surface.solve` makes it."""
 
@@ -82,6 +146,83 @@ class DistanceMap:
     def nearest(self) -> NDArray[np.int32]:
         """Index of the nearest source (M, N); -1 where no source reaches."""
         return self.voronoi().labels
+
+    def nearest_places(self) -> Floats:
+        """Return row and column (M, N, 2) of the place on its source where each path ends.
+
+        They are NaN where no source reaches. Paths to lines are traced, which takes time.
+        """
+        return _geosweep.nearest(self._map)[1]
+
+    def back_direction(self, unit: Direction = "compass") -> NDArray[np.float32]:
+        """Return the direction in which each point's shortest path leaves it for its source.
+
+        Parameters
+        ----------
+        unit
+            ``"compass"``: degrees (M, N) clockwise from north, 90 is east and 360 north, as in
+            ArcGIS. ``"grass"``: degrees (M, N) counter-clockwise from east, 90 is north and 360
+            east, as in GRASS. ``"grid"``: vectors (M, N, 2) of length 1 in rows and columns.
+            ``"space"``: unit vectors (M, N, 3), tangent to the surface.
+
+        Returns
+        -------
+        directions
+            Bearings are 0 at sources and -1 where no source reaches, vectors 0 and NaN. Over
+            heights rows run to the south and columns to the east.
+
+        Examples
+        --------
+        >>> import numpy as np, geosweep as gs
+        >>> m = gs.Surface.from_heights(np.zeros((21, 21))).solve((10, 10))
+        >>> m.back_direction()[10, 0].item(), m.back_direction("grid")[20, 10, 0].item()
+        (90.0, -1.0)
+        """
+        if unit not in ("compass", "grass", "grid", "space"):
+            refuse("unit", unit, "'compass', 'grass', 'grid' or 'space'")
+        return _geosweep.back_direction(self._map, unit)
+
+    def back_link(self) -> NDArray[np.int8]:
+        """Return the code (M, N) of the next grid point on the way back, as in ArcGIS.
+
+        1 is the neighbour to the east, 2 to the south-east and so on clockwise to 8. It is 0 at
+        sources and -1 where no source reaches.
+        """
+        return _geosweep.back_link(self._map)
+
+    def log_map(self) -> LogMap:
+        """Compute the direction in which paths leave their source, times their length.
+
+        It needs point sources, and takes nine maps in double precision on the CPU.
+
+        Examples
+        --------
+        >>> import numpy as np, geosweep as gs
+        >>> m = gs.Surface.from_heights(np.zeros((33, 33)), spacing=(1, 2)).solve((10, 12))
+        >>> m.log_map().coordinates[15, 16].round(4).tolist()  # 4 columns and 5 rows away
+        [8.0, 5.0]
+        """
+        return LogMap(_geosweep.log_map(self._map))
+
+    def signed(self, inside: ArrayLike | None = None) -> NDArray[Any]:
+        """Return the distances (M, N) with a minus inside closed curves.
+
+        Parameters
+        ----------
+        inside
+            Mask (M, N) that is true inside. By default the inside is to the left of the sources,
+            which must be closed lines, as seen with rows downwards.
+
+        Returns
+        -------
+        distances
+            Negative inside, positive outside, inf where no source reaches.
+        """
+        mask = None if inside is None else flags("inside", inside)
+        if mask is not None and mask.shape != self._surface.shape:
+            shape = self._surface.shape
+            raise ValueError(f"inside must have the grid's shape {shape}, not {mask.shape}")
+        return _geosweep.signed(self._map, mask)
 
     def error(self) -> Floats:
         """Estimate the error of each distance (M, N), by maps on other grids.
@@ -140,3 +281,37 @@ class DistanceMap:
     def farthest(self) -> tuple[int, int, float]:
         """Return row, column and distance of the farthest point that is reached."""
         return self._map.farthest()
+
+    def plot(
+        self,
+        ax: "Axes | None" = None,
+        *,
+        contours: int | ArrayLike = 10,
+        paths: ArrayLike | None = None,
+        cmap: str = "viridis",
+        colorbar: bool = True,
+    ) -> "Axes":
+        """Draw the distances, lines of equal distance and paths with matplotlib.
+
+        Parameters
+        ----------
+        ax
+            Where to draw; by default in a new figure.
+        contours
+            Number of lines, at round distances, or their distances. They are labelled in the map's
+            unit.
+        paths
+            Rows and columns (n, 2) from which shortest paths are drawn.
+        cmap
+            Name of the colours.
+        colorbar
+            Whether to draw the scale of colours.
+
+        Returns
+        -------
+        ax
+            The axes, with rows downwards.
+        """
+        from ._plot import draw
+
+        return draw(self, ax, contours, paths, cmap, colorbar)

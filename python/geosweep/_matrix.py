@@ -7,11 +7,23 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _geosweep
+from ._arrays import on_host
 from ._settings import Engine, Wavefront, settings
 from ._surface import Surface, _check_out
 from ._warnings import check
 
 Matrix = NDArray[np.float32]
+
+
+def indices(surface: Surface, rows: ArrayLike | None) -> NDArray[np.int64]:
+    """Check row-major indices of grid points; all by default."""
+    points = surface.shape[0] * surface.shape[1]
+    wanted = np.arange(points) if rows is None else np.atleast_1d(on_host("rows", rows))
+    if wanted.ndim != 1 or wanted.dtype.kind not in "iu":
+        raise TypeError("rows must be integers, the row-major indices of grid points")
+    if len(wanted) and not 0 <= wanted.min() <= wanted.max() < points:
+        raise ValueError(f"rows must lie from 0 to {points - 1}")
+    return wanted.astype(np.int64, copy=False)
 
 
 def pairwise(
@@ -41,12 +53,8 @@ def pairwise(
     progress
         Called with the number of rows that are done and of all rows.
     """
+    wanted = indices(surface, rows)
     points = surface.shape[0] * surface.shape[1]
-    wanted = np.arange(points) if rows is None else np.atleast_1d(np.asarray(rows))
-    if wanted.ndim != 1 or wanted.dtype.kind not in "iu":
-        raise TypeError("rows must be integers, the row-major indices of grid points")
-    if len(wanted) and not 0 <= wanted.min() <= wanted.max() < points:
-        raise ValueError(f"rows must lie from 0 to {points - 1}")
     chosen = settings(engine, device, wavefront, tolerance, iterations, threads)
     shape = (len(wanted), points)
     if out is None:
@@ -77,7 +85,7 @@ def canonical_form(
     matrix: ArrayLike, dimensions: int = 3, *, iterations: int = 1000
 ) -> CanonicalForm:
     """Place points in space so that their distances fit a matrix (n, n) best."""
-    values = np.ascontiguousarray(matrix, dtype=np.float32)
+    values = np.ascontiguousarray(on_host("matrix", matrix), dtype=np.float32)
     if values.ndim != 2 or values.shape[0] != values.shape[1]:
         raise ValueError(f"matrix must be square, not of the shape {values.shape}")
     return CanonicalForm(*_geosweep.canonical(values, dimensions, iterations))

@@ -1,23 +1,42 @@
 """Surfaces, and maps in one call."""
 
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _geosweep
+from ._arrays import Floats, flags, is_number, numbers
 from ._map import DistanceMap
 from ._settings import Engine, Wavefront, is_double, refuse, settings
-from ._sources import Floats, Source, native, numbers
-from ._warnings import check
+from ._sources import Source, native
+from ._warnings import SeamWarning, check
 
 Spacing = float | tuple[float, float]
 Progress = Callable[[int, float], object]
+Line = tuple[tuple[int, int], tuple[int, int]]
+Glue = (
+    Literal[
+        "auto",
+        "columns",
+        "rows",
+        "both",
+        "flipped-columns",
+        "flipped-rows",
+        "globe",
+        "octahedral",
+        "charts",
+    ]
+    | Sequence[tuple[Line, Line]]
+)
 
 
 def _steps(spacing: Spacing) -> tuple[float, float]:
+    if is_number(spacing):
+        return float(spacing), float(spacing)  # type: ignore[arg-type]
     steps = numbers("spacing", spacing)
     if steps.shape not in ((), (2,)):
         raise ValueError("spacing must be one number or (dy, dx)")
@@ -37,10 +56,25 @@ class Surface:
     Make it by `from_heights`, `from_positions` or `from_metric`.
     """
 
-    def __init__(self, compiled: "_geosweep.Surface") -> None:
+    def __init__(self, compiled: "_geosweep.Surface", glued: tuple[Glue, ...] = ()) -> None:
         if not isinstance(compiled, _geosweep.Surface):
             raise TypeError("use Surface.from_heights, from_positions or from_metric")
         self._surface = compiled
+        self._glued = glued
+
+    def __repr__(self) -> str:
+        rows, cols = self.shape
+        glued = ", glued" if self.is_glued else ""
+        return f"<geosweep.Surface: {rows} x {cols} {self._surface.kind}{glued}>"
+
+    def __dask_tokenize__(self) -> tuple[Any, ...]:
+        return ("geosweep.Surface", *self.__reduce__()[1])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the arrays of which the surface was made."""
+        made = self._surface
+        inputs = (made.present, made.slowness, made.edges, self._glued)
+        return _restored, (made.kind, made.values(), self.shape, made.spacing, *inputs)
 
     @staticmethod
     def _made(
@@ -48,12 +82,13 @@ class Surface:
         mask: ArrayLike | None,
         slowness: ArrayLike | None,
         edges: str,
+        glue: Glue | None,
     ) -> "Surface":
         if edges not in ("arc", "chord"):
             refuse("edges", edges, "'arc' or 'chord'")
         points = None
         if mask is not None:
-            points = np.ascontiguousarray(np.asarray(mask) != 0)
+            points = flags("mask", mask)
         slow = None if slowness is None else numbers("slowness", slowness)
         for name, array in (("mask", points), ("slowness", slow)):
             if array is not None and array.shape != compiled.shape:
@@ -62,7 +97,9 @@ class Surface:
                 )
         if points is not None or slow is not None or edges == "chord":
             compiled = compiled.with_inputs(points, slow, edges == "chord")
-        return Surface(compiled)
+        if glue is not None:
+            compiled = compiled.with_gluing(glue)
+        return Surface(compiled, () if glue is None else (glue,))
 
     @classmethod
     def from_heights(
@@ -73,6 +110,7 @@ class Surface:
         mask: ArrayLike | None = None,
         slowness: ArrayLike | None = None,
         edges: str = "arc",
+        glue: Glue | None = None,
         copy: bool = True,
     ) -> "Surface":
         """Make a height field.
@@ -82,13 +120,16 @@ class Surface:
         heights
             Heights (M, N). NaN is a hole.
         spacing
-            Distance of rows and of columns, (dy, dx), in the unit of the heights.
+            Distance of rows and of columns in the unit of the heights. It is in the order of the
+            axes, (dy, dx), as in scikit-fmm and scikit-image. The command-line tool takes DX,DY.
         mask
             False (M, N) where there are holes.
         slowness
             Reciprocal speed (M, N): distances become travel times.
         edges
             Measure edges along the smooth surface, ``"arc"``, or straight, ``"chord"``.
+        glue
+            Sides of the grid that are the same line of a closed surface; see `with_gluing`.
         copy
             Whether to copy the heights. Otherwise an array of float64 in C order is read where
             it is, and must not change while the surface is used.
@@ -97,7 +138,7 @@ class Surface:
         if values.ndim != 2:
             raise ValueError(f"heights must have the shape (M, N), not {values.shape}")
         made = _geosweep.Surface.heights(values, *_steps(spacing))
-        return cls._made(made, mask, slowness, edges)
+        return cls._made(made, mask, slowness, edges, glue)
 
     @classmethod
     def from_positions(
@@ -107,13 +148,48 @@ class Surface:
         mask: ArrayLike | None = None,
         slowness: ArrayLike | None = None,
         edges: str = "arc",
+        glue: Glue | None = None,
         copy: bool = True,
     ) -> "Surface":
-        """Make a surface from 3D points (M, N, 3). A point with a NaN is a hole."""
+        """Make a surface from 3D points.
+
+        Parameters
+        ----------
+        positions
+            Coordinates (M, N, 3). A point with a NaN is a hole.
+        mask, slowness, edges, glue, copy
+            As in `from_heights`.
+
+        Warns
+        -----
+        SeamWarning
+            If sides of the grid coincide and are not glued, since no path crosses them.
+
+        Examples
+        --------
+        A globe, whose last column is its first one:
+
+        >>> import numpy as np, geosweep as gs
+        >>> p, l = np.mgrid[0:181:2, 0:361:2] * np.pi / 180
+        >>> xyz = np.stack([np.sin(p) * np.cos(l), np.sin(p) * np.sin(l), np.cos(p)], axis=-1)
+        >>> globe = gs.Surface.from_positions(xyz, glue="globe")
+        >>> d = globe.solve((45, 10)).distance
+        >>> round(d[45, 170].item(), 3)  # 20 steps of 2 degrees across the seam
+        0.698
+        """
         values = _kept("positions", positions, copy)
         if values.ndim != 3 or values.shape[2] != 3:
             raise ValueError(f"positions must have the shape (M, N, 3), not {values.shape}")
-        return cls._made(_geosweep.Surface.positions(values), mask, slowness, edges)
+        made = cls._made(_geosweep.Surface.positions(values), mask, slowness, edges, glue)
+        open_seams = [seam for seam in made.seams if "single point" not in seam]
+        if open_seams:
+            warnings.warn(
+                f"the surface is closed: {', '.join(open_seams)}; no path crosses such a seam "
+                "unless it is glued (glue=)",
+                SeamWarning,
+                stacklevel=2,
+            )
+        return made
 
     @classmethod
     def from_metric(
@@ -122,6 +198,7 @@ class Surface:
         *,
         mask: ArrayLike | None = None,
         slowness: ArrayLike | None = None,
+        glue: Glue | None = None,
     ) -> "Surface":
         """Make a surface from its metric in steps of rows and columns.
 
@@ -136,7 +213,32 @@ class Surface:
             raise ValueError(
                 f"metric must have the shape (M, N, 2, 2) or (M, N, 3), not {values.shape}"
             )
-        return cls._made(_geosweep.Surface.metric(values), mask, slowness, "arc")
+        return cls._made(_geosweep.Surface.metric(values), mask, slowness, "arc", glue)
+
+    def with_gluing(self, glue: Glue) -> "Surface":
+        """Return the surface with sides of the grid joined, where it is closed.
+
+        Both sides must hold the points of the seam: the last column of a tube repeats its first.
+
+        Parameters
+        ----------
+        glue
+            ``"columns"`` (tubes), ``"rows"``, ``"both"`` (tori), ``"flipped-columns"`` (Moebius
+            strips), ``"flipped-rows"``, ``"globe"`` (latitudes by longitudes, a row at each pole),
+            ``"octahedral"``, ``"charts"`` (the faces of a cube), ``"auto"`` (all sides of positions
+            that coincide), or pairs of lines, each the first and the last (row, column).
+        """
+        return Surface(self._surface.with_gluing(glue), (*self._glued, glue))
+
+    @property
+    def is_glued(self) -> bool:
+        """Whether sides of the grid are joined."""
+        return self._surface.is_glued
+
+    @property
+    def seams(self) -> list[str]:
+        """Descriptions of the sides that coincide, are neighbours or a point, and are not glued."""
+        return self._surface.seams
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -168,6 +270,9 @@ class Surface:
         dtype: DTypeLike = "float32",
         tolerance: float | None = None,
         iterations: int | None = None,
+        radius: float | None = None,
+        targets: ArrayLike | None = None,
+        needed: int | None = None,
         threads: int | None = None,
         strict: bool = False,
         progress: Progress | None = None,
@@ -190,6 +295,13 @@ class Surface:
             Precision of the map: ``"float32"``, or on the CPU ``"float64"``.
         tolerance, iterations
             When to stop: at this relative change, and after so many iterations.
+        radius
+            Largest distance. Farther points are unreached, and not computed.
+        targets
+            Grid points (n, 2) that the map is for. Points farther than the farthest of them are
+            unreached, and not computed.
+        needed
+            Number of targets that are needed, the nearest ones; all by default.
         threads
             Number of threads of the CPU. By default all calls share as many as there are cores.
         strict
@@ -200,7 +312,9 @@ class Surface:
             Array (M, N) of ``dtype`` that takes the distances.
         """
         double = _precision(dtype, out, self.shape)
-        chosen = settings(engine, device, wavefront, tolerance, iterations, threads)
+        chosen = settings(
+            engine, device, wavefront, tolerance, iterations, threads, radius, targets, needed
+        )
         points, lines = native(source, self.shape)
         found = self._surface.solve(points, lines, chosen, double, progress)
         report = found.report
@@ -223,6 +337,30 @@ class Surface:
         """
         samples, radius = self._surface.farthest_points(*native(source, self.shape), count)
         return np.asarray(samples, dtype=np.int64).reshape(-1, 2), radius
+
+
+def _restored(
+    kind: str,
+    values: Floats,
+    shape: tuple[int, int],
+    spacing: tuple[float, float] | None,
+    present: NDArray[np.bool_],
+    slowness: Floats | None,
+    edges: str,
+    glued: tuple[Glue, ...],
+) -> Surface:
+    """Make a surface again that was pickled."""
+    values = numbers("values", values)
+    if kind == "heights":
+        assert spacing is not None
+        compiled = _geosweep.Surface.heights(values.reshape(shape), *spacing)
+    else:
+        make = _geosweep.Surface.positions if kind == "positions" else _geosweep.Surface.metric
+        compiled = make(values.reshape(*shape, 3))
+    surface = Surface._made(compiled, present, slowness, edges, None)
+    for glue in glued:
+        surface = surface.with_gluing(glue)
+    return surface
 
 
 def _precision(dtype: DTypeLike, out: object, shape: tuple[int, ...]) -> bool:
@@ -251,12 +389,16 @@ def distance(
     mask: ArrayLike | None = None,
     slowness: ArrayLike | None = None,
     edges: str = "arc",
+    glue: Glue | None = None,
     wavefront: Wavefront = "auto",
     engine: Engine = "auto",
     device: str | int | None = None,
     dtype: DTypeLike = "float32",
     tolerance: float | None = None,
     iterations: int | None = None,
+    radius: float | None = None,
+    targets: ArrayLike | None = None,
+    needed: int | None = None,
     threads: int | None = None,
     strict: bool = False,
     progress: Progress | None = None,
@@ -268,10 +410,12 @@ def distance(
     C order is not copied. The result is inf where no source reaches.
     """
     surface = Surface.from_heights(
-        heights, spacing, mask=mask, slowness=slowness, edges=edges, copy=False
+        heights, spacing, mask=mask, slowness=slowness, edges=edges, glue=glue, copy=False
     )
     double = _precision(dtype, out, surface.shape)
-    chosen = settings(engine, device, wavefront, tolerance, iterations, threads)
+    chosen = settings(
+        engine, device, wavefront, tolerance, iterations, threads, radius, targets, needed
+    )
     points, lines = native(source, surface.shape)
     found, report = surface._surface.distances(points, lines, chosen, double, progress)
     check(report["converged"], report, strict)

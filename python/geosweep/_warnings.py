@@ -1,4 +1,4 @@
-"""What is raised when iterations run out."""
+"""Warnings and errors about maps."""
 
 import warnings
 from collections.abc import Mapping
@@ -9,7 +9,11 @@ class ConvergenceWarning(UserWarning):
 
 
 class ConvergenceError(RuntimeError):
-    """The same, with ``strict=True``."""
+    """What `ConvergenceWarning` tells, with ``strict=True``."""
+
+
+class SeamWarning(UserWarning):
+    """The surface is closed where the grid ends, and not glued."""
 
 
 def check(converged: bool, report: Mapping[str, object], strict: bool) -> None:

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use geosweep::geometry::Curve;
 use geosweep::glam::DVec3;
-use numpy::{Element, IntoPyArray, PyArray, PyArray2, PyArrayMethods, PyReadonlyArray};
+use numpy::{Element, IntoPyArray, PyArray, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray};
 use numpy::{PyUntypedArrayMethods, ndarray};
 use pyo3::prelude::*;
 
@@ -87,6 +87,15 @@ pub fn handed_over<'py, T: Element>(
 ) -> PyResult<Bound<'py, PyArray2<T>>> {
     let array: Bound<'py, PyArray<T, _>> = values.into_pyarray(py);
     array.reshape([rows, cols])
+}
+
+/// Hands vectors over as an array of rows x cols x `N` numbers, without a copy.
+pub fn vectors_handed_over<'py, T: Element, const N: usize>(
+    py: Python<'py>,
+    (rows, cols): (usize, usize),
+    values: Vec<[T; N]>,
+) -> PyResult<Bound<'py, PyArray3<T>>> {
+    values.into_flattened().into_pyarray(py).reshape([rows, cols, N])
 }
 
 /// Hands the vertices of a curve over as an array (n, 2). A closed curve ends with its first vertex.

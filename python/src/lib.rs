@@ -3,8 +3,11 @@
 //! and describes them (`geosweep/*.py`).
 
 mod arrays;
+mod directions;
 mod errors;
+mod gluing;
 mod map;
+mod pairs;
 mod pairwise;
 mod settings;
 mod surface;
@@ -34,7 +37,15 @@ fn _geosweep(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<surface::Surface>()?;
     module.add_class::<map::Map>()?;
+    module.add_class::<directions::LogMap>()?;
     module.add_function(wrap_pyfunction!(devices, module)?)?;
+    module.add_function(wrap_pyfunction!(directions::nearest, module)?)?;
+    module.add_function(wrap_pyfunction!(directions::back_direction, module)?)?;
+    module.add_function(wrap_pyfunction!(directions::back_link, module)?)?;
+    module.add_function(wrap_pyfunction!(directions::log_map, module)?)?;
+    module.add_function(wrap_pyfunction!(directions::signed, module)?)?;
+    module.add_function(wrap_pyfunction!(pairs::within, module)?)?;
+    module.add_function(wrap_pyfunction!(pairs::nearest_others, module)?)?;
     module.add_function(wrap_pyfunction!(pairwise::pairwise, module)?)?;
     module.add_function(wrap_pyfunction!(pairwise::canonical, module)?)
 }

@@ -50,9 +50,9 @@ pub fn report(report: &Report) -> ReportItems {
 /// A distance map, with its surface and its sources.
 #[pyclass(frozen, module = "geosweep._geosweep")]
 pub struct Map {
-    on: Arc<OnGrid>,
-    sources: Sources,
-    distances: Distances,
+    pub on: Arc<OnGrid>,
+    pub sources: Sources,
+    pub distances: Distances,
 }
 
 impl Map {
@@ -61,7 +61,7 @@ impl Map {
     }
 
     /// Returns the map in single precision, in which geometry is computed.
-    fn single(&self) -> Cow<'_, DistanceMap> {
+    pub fn single(&self) -> Cow<'_, DistanceMap> {
         match &self.distances {
             Distances::Single(map) => Cow::Borrowed(map),
             Distances::Double(map) => Cow::Owned(map.to_single()),

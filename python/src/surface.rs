@@ -7,9 +7,12 @@ use geosweep::glam::DVec3;
 use geosweep::surface::{EdgeLengths, Geometry};
 use geosweep::{EdgeRule, MetricTensor, Monitor, Spacing, estimate_error, estimate_error_f64};
 use geosweep::{distance_map, distance_map_f64};
-use numpy::{PyArray2, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 
+use crate::gluing::Glue;
 use crate::map::{Distances, Map, ReportItems, report};
 use crate::settings::{Line, Settings, sources};
 use crate::{arrays, errors, work};
@@ -110,6 +113,23 @@ impl Surface {
         Ok(surface.into())
     }
 
+    /// Returns the surface with sides of the grid glued.
+    fn with_gluing(&self, py: Python<'_>, glue: Glue) -> PyResult<Self> {
+        Ok(work::detached(py, || glue.apply(self.inner.surface.clone()))??.into())
+    }
+
+    /// Descriptions of the sides of the grid that coincide, are neighbours or are one point, and are not glued.
+    #[getter]
+    fn seams(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        let seams = work::detached(py, || self.inner.surface.seams())?;
+        Ok(seams.iter().map(ToString::to_string).collect())
+    }
+
+    #[getter]
+    fn is_glued(&self) -> bool {
+        self.inner.surface.is_glued()
+    }
+
     #[getter]
     fn shape(&self) -> (usize, usize) {
         self.inner.shape()
@@ -141,6 +161,18 @@ impl Surface {
             Geometry::Positions(_) => "positions",
             Geometry::Metric(_) => "metric",
         }
+    }
+
+    /// A copy of the heights, of the coordinates x, y, z of each point, or of the metric's three entries, row-major.
+    fn values<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let values = match self.inner.surface.geometry() {
+            Geometry::Heights { heights, .. } => heights.to_vec(),
+            Geometry::Positions(points) => points.iter().flat_map(DVec3::to_array).collect(),
+            Geometry::Metric(metric) => {
+                metric.iter().flat_map(|it| [it.rr, it.rc, it.cc]).collect()
+            }
+        };
+        values.into_pyarray(py)
     }
 
     /// Distance of rows and of columns, for heights.

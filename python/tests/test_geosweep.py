@@ -1,5 +1,6 @@
 """Tests of the package, as users call it."""
 
+import os
 import threading
 import time
 import warnings
@@ -183,7 +184,7 @@ def test_an_exception_in_the_callback_ends_the_solve() -> None:
 
     with pytest.raises(KeyboardInterrupt):
         surface.solve((0, 0), wavefront="curved", engine="cpu", progress=stop)
-    assert len(raised) == 1 and time.monotonic() - raised[0] < 1.0
+    assert len(raised) == 1 and time.monotonic() - raised[0] < 3.0
 
 
 def test_threads_do_not_disturb_one_another() -> None:
@@ -206,3 +207,15 @@ def test_threads_do_not_disturb_one_another() -> None:
 
 def test_devices_are_listed() -> None:
     assert all(isinstance(device, gs.Device) for device in gs.devices())
+
+
+def test_a_device_gives_the_same_map() -> None:
+    wanted = os.environ.get("GEOSWEEP_TEST_DEVICE", "")
+    usable = [device for device in gs.devices() if wanted in device.name and not device.unmet]
+    if not usable:
+        with pytest.raises(RuntimeError):
+            gs.distance(hill(), (3, 4), engine="gpu", device="no such device")
+        pytest.skip("no Vulkan device")
+    m = gs.Surface.from_heights(hill()).solve((3, 4), engine="gpu", device=usable[0].index)
+    assert m.report["device"] == usable[0].name
+    assert np.allclose(m.distance, gs.distance(hill(), (3, 4), engine="cpu"), rtol=1e-5)

@@ -24,8 +24,8 @@ pub struct SurfaceArgs {
     #[arg(value_parser = OsStringValueParser::new().try_map(SurfaceArg::parse))]
     surface: SurfaceArg,
 
-    /// Distance between columns and between rows of heights, in the unit of the heights (default: that of a
-    /// projected GeoTIFF or an ESRI ASCII grid, otherwise 1)
+    /// Distance between columns and between rows of heights, in the unit of the heights; the package for Python
+    /// takes rows first, (dy, dx) (default: that of a projected GeoTIFF or an ESRI ASCII grid, otherwise 1)
     #[arg(long, value_name = "DX[,DY]", help_heading = "Surface", value_parser = spacing)]
     #[arg(allow_hyphen_values = true)]
     spacing: Option<Spacing>,

@@ -1,0 +1,113 @@
+"""Sources from tables of GeoPandas, and curves and regions to them."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._arrays import Floats
+from ._map import Curves, Path, Voronoi
+from ._optional import needed
+from ._place import Place
+from ._sources import Mixed
+
+if TYPE_CHECKING:
+    from geopandas import GeoDataFrame
+
+
+def is_table(value: object) -> bool:
+    """Return whether a value is a GeoDataFrame or a GeoSeries."""
+    return hasattr(value, "geometry") and hasattr(value, "to_crs")
+
+
+def _projected(name: str, table: Any, crs: str | None) -> Any:
+    """Return the geometries in a raster's coordinates."""
+    geometry = table.geometry
+    if crs is not None and geometry.crs is not None:
+        geometry = geometry.to_crs(crs)
+    if len(geometry) == 0 or geometry.isna().any() or geometry.is_empty.any():
+        raise ValueError(f"{name}: the table is empty or has rows without a geometry; drop them")
+    return geometry
+
+
+def sources_of(table: Any, place: Place) -> Mixed:
+    """Return the points and lines of a table as sources.
+
+    Points come before lines in the order of sources, each in the order of the table. A column
+    ``start`` holds start times.
+    """
+    geometry = _projected("source", table, place.crs)
+    starts = np.zeros(len(geometry))
+    if "start" in getattr(table, "columns", ()):
+        starts = np.asarray(table["start"], dtype=np.float64)
+    points: list[Floats] = []
+    lines: list[tuple[Floats, float]] = []
+    for shape, start in zip(geometry, starts.tolist(), strict=True):
+        for part in getattr(shape, "geoms", [shape]):
+            if part.geom_type not in ("Point", "LineString", "LinearRing"):
+                raise ValueError(
+                    f"source: a {part.geom_type} is neither points nor lines; take its .boundary "
+                    "or .centroid"
+                )
+            xy = np.asarray(part.coords, dtype=np.float64)[:, :2]
+            places = place.to_grid("source", xy)
+            if part.geom_type == "Point":
+                points.append(np.column_stack([places, [start]]))
+            else:
+                lines.append((np.ascontiguousarray(places), start))
+    return Mixed(np.concatenate(points) if points else np.empty((0, 3)), lines)
+
+
+def points_of(name: str, table: Any, place: Place) -> Floats:
+    """Return rows and columns (n, 2) of a table of points."""
+    geometry = _projected(name, table, place.crs)
+    if not (geometry.geom_type == "Point").all():
+        raise ValueError(f"{name}: the table must hold points alone")
+    return place.to_grid(name, np.column_stack([geometry.x, geometry.y]))
+
+
+def _table(columns: dict[str, Any], geometry: list[Any], place: Place) -> "GeoDataFrame":
+    geopandas = needed("geopandas", "geopandas", "a table of curves or regions")
+    return geopandas.GeoDataFrame(columns, geometry=geometry, crs=place.crs)
+
+
+def _line(places: Floats, place: Place) -> Any:
+    shapely = needed("shapely", "geopandas", "a table of curves or regions")
+    # A path from a source to itself is one point, of which no line can be made.
+    return shapely.LineString(place.to_xy(places if len(places) > 1 else places.repeat(2, axis=0)))
+
+
+def paths_table(paths: list[Path], place: Place) -> "GeoDataFrame":
+    """Return a table of paths, with their lengths and sources."""
+    columns = {"length": [path.length for path in paths], "source": [path.source for path in paths]}
+    return _table(columns, [_line(path.vertices, place) for path in paths], place)
+
+
+def contours_table(contours: list[Curves], place: Place) -> "GeoDataFrame":
+    """Return a table of curves, with their distances."""
+    curves = [(contour.level, curve) for contour in contours for curve in contour.curves]
+    columns = {"distance": [level for level, _ in curves]}
+    return _table(columns, [_line(curve, place) for _, curve in curves], place)
+
+
+def borders_table(voronoi: Voronoi, place: Place) -> "GeoDataFrame":
+    """Return a table of borders, with the sources on either side."""
+    sides = [sides for sides, _ in voronoi.borders]
+    columns = {"source": [a for a, _ in sides], "other": [b for _, b in sides]}
+    return _table(columns, [_line(curve, place) for _, curve in voronoi.borders], place)
+
+
+def regions_table(voronoi: Voronoi, place: Place) -> "GeoDataFrame":
+    """Return a table of regions, made of the cells around their points, and areas."""
+    shapely = needed("shapely", "geopandas", "a table of curves or regions")
+    labels = voronoi.labels
+    # Runs of equal labels along rows, as rectangles half a step wider than their points.
+    rows, firsts = np.nonzero(np.diff(labels, axis=1, prepend=-2))
+    ends = np.append(firsts[1:], 0)
+    ends[ends == 0] = labels.shape[1]
+    low = place.to_xy(np.column_stack([rows + 0.5, firsts - 0.5]))
+    high = place.to_xy(np.column_stack([rows - 0.5, ends - 0.5]))
+    boxes = shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1])
+    of = labels[rows, firsts]
+    present = [source for source in range(len(voronoi.areas)) if (of == source).any()]
+    columns = {"source": present, "area": voronoi.areas[present]}
+    return _table(columns, [shapely.union_all(boxes[of == source]) for source in present], place)

@@ -1,0 +1,154 @@
+"""Memory that is shared, arrays of other libraries, and interruptions."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import geosweep as gs
+
+Z = np.hypot(*np.mgrid[-20:21, -30:31]) / 3
+
+
+class Elsewhere:
+    """An array on a device, as DLPack shows it."""
+
+    def __init__(self, array: np.ndarray, device: tuple[int, int]) -> None:
+        self.array = array
+        self.device = device
+        self.copies = 0
+
+    def __dlpack_device__(self) -> tuple[int, int]:
+        return self.device
+
+    def __dlpack__(self, *, dl_device=None, copy=None, **options):  # type: ignore[no-untyped-def]
+        if self.device[0] == 1:
+            return self.array.__dlpack__(**options)
+        if dl_device != (1, 0):
+            raise BufferError("not on the host")
+        self.copies += 1
+        return self.array.__dlpack__(**options)
+
+
+def test_a_surface_reads_an_array_where_it_is() -> None:
+    z = Z.copy()
+    surface = gs.Surface.from_heights(z, copy=False)
+    before = surface.solve((3, 4)).distance
+    # That the surface follows the array shows that it holds no copy.
+    z[:] = 0.0
+    assert not np.array_equal(surface.solve((3, 4)).distance, before)
+
+
+def test_arrays_that_are_not_aligned_are_copied() -> None:
+    memory = np.empty(Z.nbytes + 1, np.uint8)
+    z = memory[1:].view(np.float64).reshape(Z.shape)
+    z[:] = Z
+    assert not z.flags.aligned
+    assert np.array_equal(gs.distance(z, (3, 4)), gs.distance(Z, (3, 4)))
+
+
+def test_results_share_the_memory_of_the_map() -> None:
+    surface = gs.Surface.from_heights(Z)
+    m = surface.solve((3, 4))
+    assert np.shares_memory(m.distance, m.distance)
+    assert np.shares_memory(surface.present, surface.present)
+    out = np.empty(Z.shape, np.float32)
+    assert np.shares_memory(surface.solve((3, 4), out=out).distance, out)
+    rows = np.empty((2, Z.size), np.float32)
+    assert np.shares_memory(gs.pairwise(surface, [3, 4], out=rows), rows)
+
+
+def test_dlpack_on_the_host_is_not_copied() -> None:
+    z = Z.copy()
+    there = Elsewhere(z, (1, 0))
+    surface = gs.Surface.from_heights(there, copy=False)  # type: ignore[arg-type]
+    before = surface.solve((3, 4)).distance
+    assert np.array_equal(before, gs.distance(z, (3, 4)))
+    z[:] = 0.0
+    assert not np.array_equal(surface.solve((3, 4)).distance, before)
+
+
+@pytest.mark.skipif(np.lib.NumpyVersion(np.__version__) < "2.1.0", reason="needs NumPy 2.1")
+def test_dlpack_on_a_device_is_copied_and_said() -> None:
+    there = Elsewhere(Z, (2, 0))
+    with pytest.warns(gs.HostCopyWarning, match="heights lies on a device"):
+        d = gs.distance(there, (3, 4))  # type: ignore[arg-type]
+    assert there.copies == 1 and np.array_equal(d, gs.distance(Z, (3, 4)))
+
+
+def test_arrays_that_cannot_be_exported_are_refused() -> None:
+    class Stubborn(Elsewhere):
+        def __dlpack__(self, **_):  # type: ignore[no-untyped-def]
+            raise BufferError("needs its gradient")
+
+    for device in [(1, 0), (2, 0)]:
+        with pytest.raises(TypeError, match=r"heights.*needs its gradient"):
+            gs.distance(Stubborn(Z, device), (3, 4))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("library", ["torch", "jax.numpy"])
+def test_arrays_of_other_libraries(library: str) -> None:
+    module = pytest.importorskip(library)
+    z = Z.astype(np.float32)
+    there = module.asarray(z)
+    inside = module.asarray(Z > 1)
+    assert np.array_equal(
+        gs.distance(there, (3, 4), mask=inside), gs.distance(z, (3, 4), mask=Z > 1)
+    )
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends SIGINT")
+def test_ctrl_c_ends_a_solve_at_once() -> None:
+    # Fronts wind through a long corridor, first to the end, then until the signal comes.
+    code = """
+        import time
+        import numpy as np
+        import geosweep as gs
+        mask = np.ones((1537, 1537), bool)
+        mask[1::2] = False
+        mask[1::4, -1] = True
+        mask[3::4, 0] = True
+        surface = gs.Surface.from_heights(np.zeros(mask.shape), mask=mask)
+        start = time.time()
+        surface.solve((0, 0), wavefront="curved", engine="cpu")
+        print(time.time() - start, flush=True)
+        try:
+            surface.solve((0, 0), wavefront="curved", engine="cpu")
+        except KeyboardInterrupt:
+            print(time.time(), flush=True)
+    """
+    child = subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(code)], stdout=subprocess.PIPE, text=True
+    )
+    assert child.stdout is not None
+    whole = float(child.stdout.readline())
+    time.sleep(0.1 * whole)
+    sent = time.time()
+    os.kill(child.pid, signal.SIGINT)
+    ended = float(child.communicate(timeout=600)[0])
+    print(f"Ctrl-C: ended after {ended - sent:.3f} s, without it {0.9 * whole:.1f} s were left")
+    # It takes some 0.03 s, and longer only where other work holds the processor.
+    assert ended - sent < 0.5 * whole
+
+
+def test_maps_equal_those_of_the_tool(tmp_path: Path) -> None:
+    tool = os.environ.get("GEOSWEEP_TOOL")
+    if not tool:
+        pytest.skip("GEOSWEEP_TOOL names no tool")
+    z = np.random.default_rng(7).normal(size=(90, 120)).cumsum(axis=0).cumsum(axis=1) / 50
+    np.save(tmp_path / "z.npy", z)
+    for precision, dtype in [("single", np.float32), ("double", np.float64)]:
+        out = tmp_path / f"{precision}.npy"
+        # The tool's spacing is DX,DY, ours (dy, dx).
+        arguments = ["--spacing", "2,3", "--source", "20.5,30", "--engine", "cpu"]
+        command = [tool, "distance", tmp_path / "z.npy", *arguments, "--precision", precision]
+        subprocess.run([*map(str, command), "-o", str(out)], check=True, capture_output=True)
+        d = gs.distance(z, (20.5, 30), spacing=(3, 2), engine="cpu", dtype=dtype)
+        found = np.load(out)
+        assert found.dtype == d.dtype and np.array_equal(found, d)
