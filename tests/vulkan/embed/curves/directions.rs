@@ -176,8 +176,8 @@ fn directions_on_rough_surfaces_are_those_of_the_cpu() {
     }
 }
 
-/// Walks that follow the bilinear directions arrive. Around corners they are a little longer or shorter than the
-/// shortest ways, as steps of an eighth of a cell pass them.
+/// Walks that follow the bilinear directions arrive. Around corners they are a little longer or shorter than
+/// the shortest ways, as steps of an eighth of a cell pass them.
 #[test]
 fn walks_along_directions_are_the_shortest_ways() {
     let surface = Builtin::Maze.surface(101, 101).unwrap();
