@@ -176,60 +176,6 @@ fn directions_on_rough_surfaces_are_those_of_the_cpu() {
     }
 }
 
-/// Walks that follow the bilinear directions arrive. Around corners they are a little longer or shorter than the
-/// shortest ways, as steps of an eighth of a cell pass them.
-#[test]
-fn walks_along_directions_are_the_shortest_ways() {
-    let surface = Builtin::Maze.surface(101, 101).unwrap();
-    let sources = at(&[[0.0, 0.0]]);
-    let mut scene = Scene::new(Kept::watched_but_for_shaders(), &surface, &sources);
-    let directions = scene.new_directions();
-    let field = scene.directions(&directions, SourceInput::Inline(&sources));
-    let chart = surface.chart();
-    let at = |col: usize, row: usize| field.ways[chart.index(row, col)].map(f64::from);
-    let heading = |[x, y]: [f64; 2]| {
-        let (col, row) = ((x as usize).min(chart.cols - 2), (y as usize).min(chart.rows - 2));
-        let (u, v) = (x - col as f64, y - row as f64);
-        let corners = [at(col, row), at(col + 1, row), at(col, row + 1), at(col + 1, row + 1)];
-        let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
-        let mean = [0, 1].map(|k| (0..4).map(|i| weights[i] * corners[i][k]).sum::<f64>());
-        // Points in walls have no direction, and do not count.
-        let there = |i: &usize| corners[*i] != [0.0; 2];
-        let whole: f64 = (0..4).filter(there).map(|i| weights[i]).sum();
-        let heaviest = (0..4).filter(there).max_by(|&i, &j| weights[i].total_cmp(&weights[j]));
-        // Where fronts meet, and around corners, directions differ.
-        let is_one = mean[0].hypot(mean[1]) > 0.9 * whole;
-        let [x, y] = if is_one { mean } else { heaviest.map_or(mean, |i| corners[i]) };
-        let length = x.hypot(y).max(1e-9);
-        [x / length, y / length]
-    };
-    let spacing = Builtin::Maze.exact_distance(101, 101, [0.0, 1.0], [0.0, 0.0]).unwrap();
-    let (mut walks, mut ratios) = (0, Vec::new());
-    for index in (0..chart.points()).step_by(37) {
-        let time = f64::from(scene.map.distances[index]);
-        if !time.is_finite() {
-            continue;
-        }
-        walks += 1;
-        let (row, col) = chart.position(index);
-        let (mut place, mut walked) = ([col as f64, row as f64], 0.0);
-        while place[0].hypot(place[1]) > 1.0 && walked < 2.0 * time / spacing + 10.0 {
-            let way = heading(place);
-            place = [0, 1].map(|k| (place[k] + 0.125 * way[k]).clamp(0.0, 100.0));
-            walked += 0.125;
-        }
-        let rest = place[0].hypot(place[1]);
-        assert!(rest <= 1.0, "from {row},{col} a walk ends at {place:?}");
-        if time > 20.0 * spacing {
-            ratios.push((walked + rest) * spacing / time);
-        }
-    }
-    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
-    println!("{walks} walks, on the mean {mean:.5} of the distance");
-    assert!(walks > 200 && (mean - 1.0).abs() < 3e-3, "{walks} {mean}");
-    scene.end_with(directions);
-}
-
 /// The images of a render graph may be others in each frame.
 #[test]
 fn directions_go_to_the_image_of_the_host() {
