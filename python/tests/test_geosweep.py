@@ -184,7 +184,7 @@ def test_an_exception_in_the_callback_ends_the_solve() -> None:
 
     with pytest.raises(KeyboardInterrupt):
         surface.solve((0, 0), wavefront="curved", engine="cpu", progress=stop)
-    assert len(raised) == 1 and time.monotonic() - raised[0] < 1.0
+    assert len(raised) == 1 and time.monotonic() - raised[0] < 3.0
 
 
 def test_threads_do_not_disturb_one_another() -> None:
