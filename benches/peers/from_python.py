@@ -153,7 +153,7 @@ def line(make: Callable[[], Solver], folder: Path) -> str:
     positions, exact = half_cylinder()
     file = folder / "half-cylinder.npy"
     np.save(file, positions)
-    result = measure(make, file, SOURCE, repeats=3, limit=900, cores=1)
+    result = measure(make, file, SOURCE, repeats=3, limit=100, cores=1)
     if isinstance(result, Failure):
         return f"{row} {result.reason} | |"
     seconds = f"{result.solve:.3f}" + (f" + {result.set_up:.2f}" if result.set_up > 0.02 else "")
