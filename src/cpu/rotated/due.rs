@@ -73,7 +73,8 @@ fn runs(beside: &[u8], scan: Scan) -> impl Iterator<Item = Range<usize>> {
 }
 
 /// A check of whether a scan has work in the tiles along a row of points. It adds the scan to `due` of those
-/// tiles, and returns the number of points that it has left out since they are beyond the limit.
+/// tiles. If there is a limit, it returns the number of points that it has not examined: those beyond the limit,
+/// and those of tiles that are due anyway.
 struct Look<'l, R: Real, K: LaneKind<R>> {
     kind: &'l K,
     before: &'l Before<'l, R, K::Carried, K::SurfaceData>,
@@ -94,17 +95,22 @@ impl<R: Real, K: LaneKind<R>> Loop for Look<'_, R, K> {
     #[inline(always)]
     fn run(self) -> u64 {
         let Self { kind, before, first, span, obtuse, strides, options, due } = self;
-        let (points, mut beyond) = (span.times.len(), 0);
+        let (points, mut left_out) = (span.times.len(), 0);
         for (tile, due) in due.iter_mut().enumerate() {
             prefetch_next_row(&span, strides, tile * TILE, K::NEEDS_EDGES);
             let in_span = points.min(TILE);
             let at = (tile * TILE).min(points - in_span);
+            let of_tile = (points - tile * TILE).min(TILE) as u64;
             let is_limited = options.limit < f64::INFINITY;
             if is_limited && span.part(at, in_span).is_beyond(in_span, options.limit) {
-                beyond += (points - tile * TILE).min(TILE) as u64;
+                left_out += of_tile;
                 continue;
             }
             if *due & options.scan.bit() != 0 {
+                // Not read either.
+                if is_limited {
+                    left_out += of_tile;
+                }
                 continue;
             }
             // Fronts from points beyond the neighbours are not examined here.
@@ -130,7 +136,7 @@ impl<R: Real, K: LaneKind<R>> Loop for Look<'_, R, K> {
                 *due |= options.scan.bit();
             }
         }
-        beyond
+        left_out
     }
 }
 

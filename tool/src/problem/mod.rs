@@ -185,6 +185,10 @@ const DIAGONALS: [Direction; 4] =
 /// Prints a note on unreached points that touch reached points only at a corner, as on a line of a mask that
 /// looks connected.
 pub fn comment_on_corners<R: Real>(surface: &Surface, map: &DistanceMap<R>) {
+    // At the end of a part of a map, all neighbours are unreached.
+    if map.report.ends_at.is_some() {
+        return;
+    }
     let Report { points, reached, converged, .. } = map.report;
     // If the iterations ended early, wavefronts may still be on their way.
     if reached == points || !converged {
