@@ -8,7 +8,7 @@ use super::Instructions;
 use super::behind::Behind;
 use super::fronts::{FrontKind, SurfaceArray, TriangleKind, for_triangle_kind};
 use super::rotated::line::{GridLines, LinesInGrid};
-use super::rotated::line_update::UpdateOptions;
+use super::rotated::line_update::{Changed, UpdateOptions};
 use super::rotated::tiles::TILE;
 use super::scan::Scan;
 use crate::surface::{EdgeLengths, Real, Spacing, Surface};
@@ -96,7 +96,7 @@ struct WarmLine<'a, K: FrontKind<f32>> {
     surface_data: SurfaceArray<K::SurfaceData>,
     times: Vec<f32>,
     carried: Vec<K::Carried>,
-    changed: [bool; POINTS / TILE],
+    changed: [Changed; POINTS / TILE],
 }
 
 fn two_rows() -> EdgeLengths<f32> {
@@ -116,7 +116,7 @@ impl<'a, K: TriangleKind<f32>> WarmLine<'a, K> {
             (times[point], carried[point]) = (radius, K::circle(radius));
         }
         let surface_data = kind.surface_data(chart);
-        Self { edges, kind, surface_data, times, carried, changed: [false; POINTS / TILE] }
+        Self { edges, kind, surface_data, times, carried, changed: [Changed::No; POINTS / TILE] }
     }
 
     /// Updates all points and returns their number. They are reset to unreached first, since reached ones
@@ -134,7 +134,12 @@ impl<'a, K: TriangleKind<f32>> WarmLine<'a, K> {
             surface: (chart.stride(), 0),
             place: LinesInGrid { edges: self.edges, first: 0, before: 0, beyond: None },
         };
-        let options = UpdateOptions { scan, renews: true, instructions: Instructions::best() };
+        let options = UpdateOptions {
+            scan,
+            renews: true,
+            limit: f64::INFINITY,
+            instructions: Instructions::best(),
+        };
         let updated = self.kind.update(&mut lines, 2, &(0..POINTS), options, &mut self.changed);
         std::hint::black_box(updated).points
     }

@@ -26,6 +26,7 @@ mod places;
 mod ply;
 mod png;
 mod raster;
+mod sparse_file;
 mod surface_file;
 mod tiff;
 
@@ -43,6 +44,7 @@ pub use matrix_file::{
 pub use npy::write_npy;
 pub use places::{GridFrame, PlaceFile, PlacedCurve, PlacedPoint};
 pub use ply::write_ply;
+pub use sparse_file::write_sparse_npz;
 pub use surface_file::SurfaceFile;
 pub use tiff::GeoTags;
 

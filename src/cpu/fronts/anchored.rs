@@ -15,7 +15,7 @@ use super::surface_array::SurfaceArray;
 use crate::constants::ANCHOR_COUNTS;
 use crate::cpu::behind::Behind;
 use crate::cpu::rotated::line::GridLines;
-use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
+use crate::cpu::rotated::line_update::{Changed, LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::rotated::tiles::TILE;
 use crate::cpu::scan::Scan;
@@ -155,7 +155,7 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
         line: usize,
         points: &Range<usize>,
         options: UpdateOptions,
-        changed: &mut [bool],
+        changed: &mut [Changed],
     ) -> Updated<R::Bits> {
         let line = AnchoredLine { floor: &self.floor, lines, line, points, scan: options.scan };
         options.instructions.run(LineUpdate { line, options, changed })
@@ -172,7 +172,7 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
         points: usize,
         options: UpdateOptions,
     ) -> bool {
-        if span.is_renewed(points, options.scan.0, options.renews) {
+        if span.is_renewed(points, options) {
             return false;
         }
         if span.leads(points) {
@@ -190,9 +190,9 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
         }
         let at = before.edges.chart().entry(first).into();
         let rays = self.floor.rays(at, options.scan.ahead(), [0, 1], |x| before.front(x));
-        let mut settled = true;
+        let (mut settled, limit) = (true, R::of(options.limit));
         for (i, &time) in span.times[..points].iter().enumerate() {
-            settled &= !is_shorter(rays.time(i, span.times_behind[1][i]), time);
+            settled &= !is_shorter(rays.time(i, span.times_behind[1][i]), min(time, limit));
         }
         settled
     }
@@ -240,13 +240,25 @@ impl<R: Real> Spans for AnchoredLine<'_, '_, R> {
     }
 
     #[inline(always)]
+    fn is_beyond(&self, start: usize, points: usize, limit: f64) -> bool {
+        if limit == f64::INFINITY {
+            return false;
+        }
+        let (lines, start) = (&*self.lines, self.points.start + start);
+        let behind = lines.line_behind(self.line, self.scan);
+        let (here, there) = (lines.at(self.line, start), lines.at(behind, start) - 1);
+        let times = lines.times[here..][..points].iter().chain(&lines.times[there..][..points + 2]);
+        times.fold(R::FAR, |first, &time| min(first, time)).wide() > limit
+    }
+
+    #[inline(always)]
     fn update(
         &mut self,
         start: usize,
         points: usize,
         options: UpdateOptions,
         largest: &mut R::Bits,
-    ) -> Option<bool> {
+    ) -> Option<Changed> {
         let (lines, start) = (&*self.lines, self.points.start + start);
         let line_behind = lines.line_behind(self.line, options.scan);
         let (here, there) = (lines.at(self.line, start), lines.at(line_behind, start) - 1);
@@ -298,12 +310,17 @@ impl<R: Real> Spans for AnchoredLine<'_, '_, R> {
                 | before.carried.differs(after.carried);
             (new_times[i], new_anchors[i]) = (after.time, after.carried);
         }
+        let first = |i: usize| {
+            let differs = new_times[i] != times[i] || new_anchors[i].differs(anchors[i]);
+            differs.then(|| min(new_times[i], times[i]))
+        };
+        let changed = Changed::of(any, options.limit, points, first);
         if any {
             self.lines.times[here..][..points].copy_from_slice(&new_times[..points]);
             self.lines.carried[here..][..points].copy_from_slice(&new_anchors[..points]);
         }
         *largest = (*largest).max(changes.into_iter().max().unwrap_or_default());
-        Some(any)
+        Some(changed)
     }
 
     #[inline(always)]

@@ -10,7 +10,7 @@ use crate::constants::IN_SIGHT;
 use crate::cpu::behind::{Behind, TriangleSlots};
 use crate::cpu::bend_units;
 use crate::cpu::rotated::line::{GridLines, ScanLine};
-use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
+use crate::cpu::rotated::line_update::{Changed, LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::rotated::settled::{Visited, from_curved};
 use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::rotated::tiles::TILE;
@@ -149,7 +149,7 @@ impl<R: Real> FrontKind<R> for Curved<R> {
         line: usize,
         points: &Range<usize>,
         options: UpdateOptions,
-        changed: &mut [bool],
+        changed: &mut [Changed],
     ) -> Updated<R::Bits> {
         let splits = self.splits_of_line(lines, line, points, options.scan);
         let first = lines.position(line, points.start, options.scan);
@@ -293,7 +293,7 @@ fn leaves<R: Real, const SPLIT: bool>(
     options: UpdateOptions,
     has_numbers: bool,
 ) -> bool {
-    if span.is_renewed(points, options.scan.0, options.renews) {
+    if span.is_renewed(points, options) {
         return false;
     }
     if span.leads(points) {
@@ -304,9 +304,9 @@ fn leaves<R: Real, const SPLIT: bool>(
         return false;
     }
     let [before, beside, after] = span.carried_behind;
-    let mut settled = true;
+    let (mut settled, limit) = (true, R::of(options.limit));
     for i in 0..points {
-        let visited: Visited<R> = span.visited::<SPLIT>(i);
+        let visited: Visited<R> = span.visited::<SPLIT>(i, limit);
         let [left, right] = visited.triangles;
         let [k_before, k_beside, k_after] =
             [before[i].value(), beside[i].value(), after[i].value()];
@@ -361,13 +361,18 @@ impl<R: Real, const SPLIT: bool> Spans for CurvedLine<'_, R, SPLIT> {
     }
 
     #[inline(always)]
+    fn is_beyond(&self, start: usize, points: usize, limit: f64) -> bool {
+        limit < f64::INFINITY && self.line.span(start, points).is_beyond(points, limit)
+    }
+
+    #[inline(always)]
     fn update(
         &mut self,
         start: usize,
         points: usize,
         options: UpdateOptions,
         changes: &mut BentChanges<R>,
-    ) -> Option<bool> {
+    ) -> Option<Changed> {
         let span = self.line.span(start, points);
         let parts = if SPLIT { in_span(self.parts, start, points) } else { &[] };
         let has_numbers = self.origins.is_some();
@@ -407,9 +412,14 @@ impl<R: Real, const SPLIT: bool> Spans for CurvedLine<'_, R, SPLIT> {
             };
             changes.bends[i] = R::zero().units_between(bend).max(changes.bends[i]);
         }
+        let first = |i: usize| {
+            let differs = times[i] != span.times[i] || curvatures[i] != span.carried[i];
+            differs.then(|| min(times[i], span.times[i]))
+        };
+        let changed = Changed::of(any, options.limit, points, first);
         self.line.times[start..][..points].copy_from_slice(&times[..points]);
         self.line.carried[start..][..points].copy_from_slice(&curvatures[..points]);
-        Some(any)
+        Some(changed)
     }
 
     #[inline(always)]

@@ -7,7 +7,7 @@ use bytemuck::Pod;
 use super::surface_array::SurfaceArray;
 use crate::cpu::behind::{Behind, TriangleSlots};
 use crate::cpu::rotated::line::GridLines;
-use crate::cpu::rotated::line_update::{UpdateOptions, Updated};
+use crate::cpu::rotated::line_update::{Changed, UpdateOptions, Updated};
 use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::scan::Scan;
 use crate::surface::{Chart, Direction, EdgeLengths, Part, Real, Seed};
@@ -94,7 +94,7 @@ pub(in crate::cpu) trait FrontKind<R: Real>:
         line: usize,
         points: &Range<usize>,
         options: UpdateOptions,
-        changed: &mut [bool],
+        changed: &mut [Changed],
     ) -> Updated<R::Bits>;
 
     /// Returns whether a scan leaves `points` points in a row unchanged, starting with the point `first`. It

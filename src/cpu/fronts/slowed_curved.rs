@@ -10,10 +10,10 @@ use super::surface_array::SurfaceArray;
 use crate::cpu::behind::Behind;
 use crate::cpu::bend_units;
 use crate::cpu::rotated::line::{GridLines, ScanLine};
-use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
+use crate::cpu::rotated::line_update::{Changed, LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::rotated::tiles::TILE;
-use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed};
+use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed, min};
 use crate::update::{
     Curvature, Curvatures, Front, Kept, Triangle, curved_slowed, is_settled_slowed,
 };
@@ -104,7 +104,7 @@ impl<R: Real> FrontKind<R> for SlowedCurved<R> {
         line: usize,
         points: &Range<usize>,
         options: UpdateOptions,
-        changed: &mut [bool],
+        changed: &mut [Changed],
     ) -> Updated<R::Bits> {
         let splits = self.splits_of_line(lines, line, points, options.scan).unwrap_or_default();
         let parts: Vec<_> = splits.into_iter().filter_map(|(at, some)| Some((at, some?))).collect();
@@ -195,16 +195,16 @@ fn leaves<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
     options: UpdateOptions,
 ) -> bool {
     let span = seen.span;
-    if span.is_renewed(points, options.scan.0, options.renews) {
+    if span.is_renewed(points, options) {
         return false;
     }
     if span.leads(points) {
         return true;
     }
     let [before, beside, after] = span.carried_behind;
-    let mut settled = true;
+    let (mut settled, limit) = (true, R::of(options.limit));
     for i in 0..points {
-        let now = span.times[i];
+        let now = min(span.times[i], limit);
         let beside = beside[i].value();
         let (left, left_slowness) = seen.seen_from_beside::<true>(i);
         let (right, right_slowness) = seen.seen_from_beside::<false>(i);
@@ -268,13 +268,18 @@ impl<R: Real> Spans for CurvedLine<'_, R> {
     }
 
     #[inline(always)]
+    fn is_beyond(&self, start: usize, points: usize, limit: f64) -> bool {
+        limit < f64::INFINITY && self.line.span(start, points).is_beyond(points, limit)
+    }
+
+    #[inline(always)]
     fn update(
         &mut self,
         start: usize,
         points: usize,
         options: UpdateOptions,
         changes: &mut Changes<R>,
-    ) -> Option<bool> {
+    ) -> Option<Changed> {
         let span = self.line.span(start, points);
         let surface_data = self.line.ground_behind(start, points);
         let seen = Seen {
@@ -313,9 +318,14 @@ impl<R: Real> Spans for CurvedLine<'_, R> {
             (times[i], curvatures[i]) = (after.time, after.carried);
             any |= changes.note(i, before, after);
         }
+        let first = |i: usize| {
+            let differs = times[i] != span.times[i] || curvatures[i] != span.carried[i];
+            differs.then(|| min(times[i], span.times[i]))
+        };
+        let changed = Changed::of(any, options.limit, points, first);
         self.line.times[start..][..points].copy_from_slice(&times[..points]);
         self.line.carried[start..][..points].copy_from_slice(&curvatures[..points]);
-        Some(any)
+        Some(changed)
     }
 
     #[inline(always)]

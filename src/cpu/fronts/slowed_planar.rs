@@ -8,7 +8,7 @@ use super::slowed::{Seen, TimeChanges};
 use super::surface_array::SurfaceArray;
 use crate::cpu::behind::Behind;
 use crate::cpu::rotated::line::{GridLines, ScanLine};
-use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
+use crate::cpu::rotated::line_update::{Changed, LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::rotated::tiles::TILE;
 use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
@@ -79,7 +79,7 @@ impl<R: Real> FrontKind<R> for SlowedPlanar<R> {
         line: usize,
         points: &Range<usize>,
         options: UpdateOptions,
-        changed: &mut [bool],
+        changed: &mut [Changed],
     ) -> Updated<R::Bits> {
         let splits = self.splits_of_line(lines, line, points, options.scan).unwrap_or_default();
         let parts: Vec<_> = splits.into_iter().filter_map(|(at, some)| Some((at, some?))).collect();
@@ -109,6 +109,7 @@ impl<R: Real> FrontKind<R> for SlowedPlanar<R> {
                 behind: |k: usize, i: usize| slowness_behind[k][i],
             },
             points,
+            options.limit,
         )
     }
 }
@@ -153,10 +154,11 @@ impl<R: Real> TriangleKind<R> for SlowedPlanar<R> {
 fn stays<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
     seen: &Seen<'_, R, (), R, O, B>,
     points: usize,
+    limit: f64,
 ) -> bool {
-    let mut settled = true;
+    let (mut settled, limit) = (true, R::of(limit));
     for i in 0..points {
-        let now = seen.span.times[i];
+        let now = min(seen.span.times[i], limit);
         let (left, left_slowness) = seen.seen_from_beside::<true>(i);
         let (right, right_slowness) = seen.seen_from_beside::<false>(i);
         settled &= is_settled_slowed(left, None, left_slowness, now)
@@ -187,13 +189,18 @@ impl<R: Real> Spans for PlanarLine<'_, R> {
     }
 
     #[inline(always)]
+    fn is_beyond(&self, start: usize, points: usize, limit: f64) -> bool {
+        limit < f64::INFINITY && self.line.span(start, points).is_beyond(points, limit)
+    }
+
+    #[inline(always)]
     fn update(
         &mut self,
         start: usize,
         points: usize,
-        _: UpdateOptions,
+        options: UpdateOptions,
         changes: &mut TimeChanges<R>,
-    ) -> Option<bool> {
+    ) -> Option<Changed> {
         let span = self.line.span(start, points);
         let behind = self.line.ground_behind(start, points);
         let seen = Seen {
@@ -202,7 +209,7 @@ impl<R: Real> Spans for PlanarLine<'_, R> {
             behind: |k: usize, i: usize| behind[k][i],
         };
         let parts = in_span(self.parts, start, points);
-        if parts.is_empty() && (span.leads(points) || stays(&seen, points)) {
+        if parts.is_empty() && (span.leads(points) || stays(&seen, points, options.limit)) {
             return None;
         }
         let mut after = [R::zero(); TILE];
@@ -217,8 +224,10 @@ impl<R: Real> Spans for PlanarLine<'_, R> {
             after[point - start] = min(after[point - start], time);
         }
         let any = changes.note(span.times, &after[..points]);
+        let first = |i: usize| (after[i] < span.times[i]).then_some(after[i]);
+        let changed = Changed::of(any, options.limit, points, first);
         self.line.times[start..][..points].copy_from_slice(&after[..points]);
-        Some(any)
+        Some(changed)
     }
 
     #[inline(always)]

@@ -6,7 +6,7 @@ use super::kind::{FrontKind, TriangleKind, in_span};
 use super::surface_array::SurfaceArray;
 use crate::cpu::behind::Behind;
 use crate::cpu::rotated::line::{GridLines, ScanLine};
-use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
+use crate::cpu::rotated::line_update::{Changed, LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::rotated::settled::Visited;
 use crate::cpu::rotated::span::{Before, Span};
 use crate::cpu::rotated::tiles::TILE;
@@ -101,7 +101,7 @@ impl<R: Real, S: Straight> FrontKind<R> for S {
         line: usize,
         points: &Range<usize>,
         options: UpdateOptions,
-        changed: &mut [bool],
+        changed: &mut [Changed],
     ) -> Updated<R::Bits> {
         let splits = self.splits_of_line(lines, line, points, options.scan);
         let line = lines.line(line, points, options.scan);
@@ -124,9 +124,9 @@ impl<R: Real, S: Straight> FrontKind<R> for S {
         _: usize,
         span: Span<'_, R, Self::Carried, Self::SurfaceData>,
         points: usize,
-        _: UpdateOptions,
+        options: UpdateOptions,
     ) -> bool {
-        span.leads(points) || stays::<R, S, false>(&span, points)
+        span.leads(points) || stays::<R, S, false>(&span, points, options.limit)
     }
 }
 
@@ -153,10 +153,14 @@ impl<R: Real, S: Straight> TriangleKind<R> for S {
 
 /// Returns whether no front arrives earlier at any of the points.
 #[inline(always)]
-fn stays<R: Real, S: Straight, const SPLIT: bool>(span: &Span<R, (), ()>, points: usize) -> bool {
-    let mut settled = true;
+fn stays<R: Real, S: Straight, const SPLIT: bool>(
+    span: &Span<R, (), ()>,
+    points: usize,
+    limit: f64,
+) -> bool {
+    let (mut settled, limit) = (true, R::of(limit));
     for i in 0..points {
-        let visited: Visited<R> = span.visited::<SPLIT>(i);
+        let visited: Visited<R> = span.visited::<SPLIT>(i, limit);
         let [left, right] = visited.triangles;
         let of = [S::is_settled(left, visited.now), S::is_settled(right, visited.now)];
         settled &= visited.stays(of);
@@ -197,13 +201,18 @@ impl<R: Real, S: Straight, const SPLIT: bool> Spans for StraightLine<'_, R, S, S
     }
 
     #[inline(always)]
+    fn is_beyond(&self, start: usize, points: usize, limit: f64) -> bool {
+        limit < f64::INFINITY && self.line.span(start, points).is_beyond(points, limit)
+    }
+
+    #[inline(always)]
     fn update(
         &mut self,
         start: usize,
         points: usize,
-        _: UpdateOptions,
+        options: UpdateOptions,
         changes: &mut TimeChanges<R>,
-    ) -> Option<bool> {
+    ) -> Option<Changed> {
         let span = self.line.span(start, points);
         let parts = if SPLIT { in_span(self.parts, start, points) } else { &[] };
         let mut before = [R::zero(); TILE];
@@ -213,7 +222,8 @@ impl<R: Real, S: Straight, const SPLIT: bool> Spans for StraightLine<'_, R, S, S
                 return None;
             }
             // If no point has been reached, all of them are about to be, and the test would be wasted.
-            if !span.is_unreached(points) && stays::<R, S, false>(&span, points) {
+            let is_new = options.limit == f64::INFINITY && span.is_unreached(points);
+            if !is_new && stays::<R, S, false>(&span, points, options.limit) {
                 return None;
             }
             through_both::<R, S, false>(self.kind, &span, &before, points)
@@ -226,7 +236,7 @@ impl<R: Real, S: Straight, const SPLIT: bool> Spans for StraightLine<'_, R, S, S
                     any |= now[i] < before[i];
                 }
             }
-            if !any && (span.leads(points) || stays::<R, S, true>(&span, points)) {
+            if !any && (span.leads(points) || stays::<R, S, true>(&span, points, options.limit)) {
                 return None;
             }
             through_both::<R, S, true>(self.kind, &span, &now, points)
@@ -238,7 +248,8 @@ impl<R: Real, S: Straight, const SPLIT: bool> Spans for StraightLine<'_, R, S, S
             *largest = change.max(*largest);
         }
         self.line.times[start..][..points].copy_from_slice(&after[..points]);
-        Some(any)
+        let first = |i: usize| (after[i] < before[i]).then_some(after[i]);
+        Some(Changed::of(any, options.limit, points, first))
     }
 
     #[inline(always)]

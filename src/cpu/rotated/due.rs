@@ -42,7 +42,7 @@ pub(in crate::cpu) fn find_due<R: Real, K: FrontKind<R>>(
                 for run in runs(beside, options.scan) {
                     let due = &mut due[run.clone()];
                     let cols = place.cols(run);
-                    looked += cols.len() as u64;
+                    let points = cols.len() as u64;
                     let first = chart.bordered(row, cols.start);
                     let behinds = (behind, in_window);
                     let span = before.span(behinds, [row, cols.start], cols.len());
@@ -52,7 +52,7 @@ pub(in crate::cpu) fn find_due<R: Real, K: FrontKind<R>>(
                     let obtuse = obtuse.map(|bits| (&bits[first..][..cols.len()], behind.bits()));
                     let look =
                         Look::<R, K> { kind, before, first, span, obtuse, strides, options, due };
-                    options.instructions.run(look);
+                    looked += points - options.instructions.run(look);
                 }
             }
         }
@@ -74,7 +74,8 @@ fn runs(beside: &[u8], scan: Scan) -> impl Iterator<Item = Range<usize>> {
 }
 
 /// A check of whether a scan has work in the tiles along a row of points. It adds the scan to `due` of those
-/// tiles.
+/// tiles, and returns the number of points that it has not examined, if there is a limit: those beyond it, and those of
+/// tiles that are due anyway.
 struct Look<'l, R: Real, K: FrontKind<R>> {
     kind: &'l K,
     before: &'l Before<'l, R, K::Carried, K::SurfaceData>,
@@ -90,15 +91,27 @@ struct Look<'l, R: Real, K: FrontKind<R>> {
 }
 
 impl<R: Real, K: FrontKind<R>> Loop for Look<'_, R, K> {
-    type Output = ();
+    type Output = u64;
 
     #[inline(always)]
-    fn run(self) {
+    fn run(self) -> u64 {
         let Self { kind, before, first, span, obtuse, strides, options, due } = self;
-        let points = span.times.len();
+        let (points, mut left_out) = (span.times.len(), 0);
         for (tile, due) in due.iter_mut().enumerate() {
             prefetch_next_row(&span, strides, tile * TILE, K::NEEDS_EDGES);
+            let in_span = points.min(TILE);
+            let at = (tile * TILE).min(points - in_span);
+            let of_tile = (points - tile * TILE).min(TILE) as u64;
+            let is_limited = options.limit < f64::INFINITY;
+            if is_limited && span.part(at, in_span).is_beyond(in_span, options.limit) {
+                left_out += of_tile;
+                continue;
+            }
             if *due & options.scan.bit() != 0 {
+                // Not read either.
+                if is_limited {
+                    left_out += of_tile;
+                }
                 continue;
             }
             // Fronts from points beyond the neighbours are not examined here.
@@ -124,6 +137,7 @@ impl<R: Real, K: FrontKind<R>> Loop for Look<'_, R, K> {
                 *due |= options.scan.bit();
             }
         }
+        left_out
     }
 }
 
@@ -132,6 +146,7 @@ mod tests {
     use super::*;
     use crate::cpu::Instructions;
     use crate::cpu::fronts::{Curved, for_triangle_kind};
+    use crate::cpu::rotated::line_update::Changed;
     use crate::cpu::rotated::window::{Fronts, Window};
     use crate::surface::{Chart, EdgeLengths};
     use crate::update::{Curvature, Front, Wavefront};
@@ -162,9 +177,10 @@ mod tests {
         tiles.touch(MIDDLE[0], MIDDLE[1]);
         let mut found = Vec::new();
         for scans in [DOWN_UP, RIGHT_LEFT] {
-            let options = |scan| UpdateOptions { scan, renews: true, instructions };
+            let options =
+                |scan| UpdateOptions { scan, renews: true, limit: f64::INFINITY, instructions };
             assert!(find_due(kind, before, &mut tiles, &scans.map(options)) > 0);
-            let quiet = vec![false; tiles.len()];
+            let quiet = vec![Changed::No; tiles.len()];
             for scan in scans {
                 let mut runs = Vec::new();
                 let any = tiles.bands(scan).any(|band| {

@@ -1,5 +1,6 @@
 //! Describes adjacent points as an update sees them: their own data and the data of the points behind.
 
+use super::line_update::UpdateOptions;
 use super::settled::Visited;
 use super::window::Fronts;
 use crate::cpu::behind::Behind;
@@ -81,12 +82,12 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         if LEFT { triangle.mirrored() } else { triangle }
     }
 
-    /// Returns point `i` before its update.
+    /// Returns point `i` before its update. Of fronts that arrive after `limit` nothing is wanted.
     #[inline(always)]
-    pub(in crate::cpu) fn visited<const SPLIT: bool>(&self, i: usize) -> Visited<R> {
+    pub(in crate::cpu) fn visited<const SPLIT: bool>(&self, i: usize, limit: R) -> Visited<R> {
         let triangles =
             [self.triangle::<true, SPLIT>(i), self.triangle::<false, SPLIT>(i).mirrored()];
-        Visited { now: self.times[i], triangles }
+        Visited { now: min(self.times[i], limit), triangles }
     }
 
     /// Returns whether no point is reached later than a neighbour behind it.
@@ -110,12 +111,34 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         unreached
     }
 
-    /// Returns whether the scan `renews` fronts and has brought one of these.
+    /// Returns whether neither the points nor those behind them are reached by a time, so that no update there
+    /// matters. Returns false if there is no limit.
     #[inline(always)]
-    pub(in crate::cpu) fn is_renewed(&self, points: usize, scan: u8, renews: bool) -> bool {
-        let mut renewed = false;
+    pub(in crate::cpu) fn is_beyond(&self, points: usize, limit: f64) -> bool {
+        limit < f64::INFINITY && self.first(points).wide() > limit
+    }
+
+    /// Returns the earliest time of the points and of those behind them.
+    #[inline(always)]
+    fn first(&self, points: usize) -> R {
+        let [before, beside, after] = self.times_behind;
+        let mut first = R::FAR;
         for i in 0..points {
-            renewed |= renews & self.carried[i].is_from(scan);
+            first = min(first, min(self.times[i], min(before[i], min(beside[i], after[i]))));
+        }
+        first
+    }
+
+    /// Returns whether the scan `renews` fronts and has brought one of these that is no later than the limit.
+    #[inline(always)]
+    pub(in crate::cpu) fn is_renewed(
+        &self,
+        points: usize,
+        UpdateOptions { scan, renews, limit, .. }: UpdateOptions,
+    ) -> bool {
+        let (mut renewed, limit) = (false, R::of(limit));
+        for i in 0..points {
+            renewed |= renews & self.carried[i].is_from(scan.0) & (self.times[i] <= limit);
         }
         renewed
     }

@@ -22,6 +22,7 @@ use super::window::{Fronts, Window};
 use crate::constants::SPLIT_REACH;
 use crate::cpu::Instructions;
 use crate::cpu::fronts::FrontKind;
+use crate::cpu::limit::Limit;
 use crate::cpu::progress::Progress;
 use crate::cpu::scan::Scan;
 use crate::surface::{Block, EdgeLengths, Real, Seed, Tiling, relative_change};
@@ -41,6 +42,7 @@ macro_rules! visits {
             tiling: $scanner.tiling,
             reach: $reach,
             inner: $scanner.plan.inner,
+            limit: $scanner.limit.time(),
         }
     };
 }
@@ -111,6 +113,7 @@ struct Woken<'p, R: Real> {
 pub(in crate::cpu) struct PatchScanner<R: Real, K: FrontKind<R>> {
     pub(in crate::cpu) on: Prepared<R, K>,
     plan: Plan,
+    limit: Limit,
     tiling: Tiling,
     patches: Vec<Patch>,
     dues: Dues<R>,
@@ -151,6 +154,7 @@ impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
         Self {
             on,
             plan,
+            limit: Limit::NONE,
             tiling,
             dues: Dues::new(tiling.tiles(), band, lag),
             patches,
@@ -207,12 +211,17 @@ impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
             if R::of(seed.time) >= kept.time {
                 continue;
             }
-            for (row, col) in chart.around((seed.row, seed.col), self.reach()).places() {
-                let ((row, col), _) = self.tiling.tile_of((row, col));
-                let patch = self.tiling.tiles().index(row, col);
-                self.patches[patch].tiles.touch(seed.row, seed.col);
-                self.dues.enlist(patch, front.time);
-            }
+            self.touch((seed.row, seed.col), front.time);
+        }
+    }
+
+    /// Notes, for all patches that see it, that a point has changed at a time.
+    fn touch(&mut self, (row, col): (usize, usize), time: R) {
+        for (near_row, near_col) in self.on.chart().around((row, col), self.reach()).places() {
+            let ((tile_row, tile_col), _) = self.tiling.tile_of((near_row, near_col));
+            let patch = self.tiling.tiles().index(tile_row, tile_col);
+            self.patches[patch].tiles.touch(row, col);
+            self.dues.enlist(patch, time);
         }
     }
 
@@ -227,7 +236,7 @@ impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
         self.counts.patches = self.patches.len() as u64;
         let mut many = u64::from(FEW_ITERATIONS) * self.counts.patches;
         loop {
-            let round = self.dues.next_round(self.plan.most);
+            let round = self.dues.next_round(self.plan.most, R::of(self.limit.time()));
             if round.is_empty() {
                 let chart = self.on.chart();
                 let is_lost =
@@ -245,6 +254,8 @@ impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
             if self.on.monitor.is_cancelled() {
                 return self.convergence();
             }
+            let (chart, times) = (self.on.chart(), &self.times);
+            self.limit.lower(|[row, col]| times[chart.bordered(row, col)].wide());
             self.pass_on(&round, tolerance);
             if self.counts.iterations > many {
                 many = u64::MAX;
@@ -370,6 +381,32 @@ impl<R: Real, K: FrontKind<R>> Scans<R> for PatchScanner<R, K> {
             }
             self.converge(seeds, stop)
         })
+    }
+
+    fn go_on(&mut self, seeds: &[Seed], stop: Stop, limit: Limit) -> Option<Convergence> {
+        let before = std::mem::replace(&mut self.limit, limit).time();
+        self.start(stop);
+        let chart = self.on.chart();
+        let beyond = |time: R| time.wide() > before && time < R::FAR;
+        let found: Vec<_> = chart
+            .places()
+            .map(|(row, col)| ((row, col), self.times[chart.bordered(row, col)]))
+            .filter(|&(_, time)| beyond(time))
+            .collect();
+        found.iter().for_each(|&(place, time)| self.touch(place, time));
+        (!found.is_empty()).then(|| rayon::scope(|_| self.converge(seeds, stop)))
+    }
+
+    fn used(&self) -> Vec<Block> {
+        vec![Window::whole(self.on.chart()).block()]
+    }
+
+    fn set_limit(&mut self, limit: Limit) {
+        self.limit = limit;
+    }
+
+    fn limit(&self) -> f64 {
+        self.limit.time()
     }
 
     fn set_instructions(&mut self, instructions: Instructions) {
