@@ -72,6 +72,7 @@ pub mod shown;
 mod solve;
 mod stop;
 pub mod surface;
+mod targets;
 pub mod update;
 pub mod vulkan;
 
@@ -88,6 +89,7 @@ pub use solve::{
 };
 pub use stop::{Convergence, Stop};
 pub use surface::{EdgeRule, MetricTensor, Source, Sources, Spacing, Surface};
+pub use targets::Targets;
 pub use update::Wavefront;
 pub use vulkan::DeviceChoice;
 

@@ -83,6 +83,9 @@ pub struct Report {
     pub reached: usize,
     /// Largest finite distance.
     pub max_distance: f64,
+    /// Distance after which the map ends, by [`crate::Options::radius`] or [`crate::Options::targets`]. `None`
+    /// for a whole map.
+    pub ends_at: Option<f64>,
     /// Seams: the places where the surface is closed and the grid is not. Paths across a seam are not found,
     /// and two grid points that are one point of the surface have separate distances.
     pub seams: Vec<Seam>,
@@ -110,6 +113,7 @@ impl Report {
             points: 0,
             reached: 0,
             max_distance: f64::NEG_INFINITY,
+            ends_at: None,
             seams: Vec::new(),
             resolution: None,
         }

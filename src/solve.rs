@@ -6,12 +6,12 @@ use rayon::prelude::*;
 
 use crate::Stop;
 use crate::auto::Choice;
-use crate::cpu::{self, Connections};
+use crate::cpu::{self, Connections, Limit};
 use crate::name::{UnknownName, by_name};
 use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface};
 use crate::update::{EngineKind, Setting, SourceKind, Wavefront};
 use crate::vulkan::{self, DeviceChoice, Schedule, VulkanError};
-use crate::{DistanceMap, Error, Monitor, Report, UsedEngine};
+use crate::{DistanceMap, Error, Monitor, Report, Targets, UsedEngine};
 
 /// The engine that computes a map.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -111,6 +111,15 @@ pub struct Options {
     /// Maximum number of iterations of four scans. With `None` it is ten for each row and column, more than
     /// any surface but a labyrinth needs.
     pub iterations: Option<u32>,
+    /// Largest distance of the map, in its unit. Points that are farther are unreached: their distance is
+    /// +infinity. Distances within the radius are those of the whole map. With `None` or +infinity there is no
+    /// limit. On the CPU the work is proportional to the area within the radius, except for measuring the
+    /// surface.
+    pub radius: Option<f64>,
+    /// The points that the map is for. It ends when no front can come to them earlier, and points that are
+    /// farther are unreached. On the CPU the work is about that of the radius which the targets need. A
+    /// target that cannot be reached makes the map whole, and its distance is +infinity.
+    pub targets: Option<Targets>,
     /// Follows the computation from another thread, which may cancel it.
     pub monitor: Option<Monitor>,
 }
@@ -141,6 +150,26 @@ impl Options {
         Self { iterations: iterations.into(), ..self }
     }
 
+    /// Sets [`Options::radius`].
+    ///
+    /// ```
+    /// use geosweep::{Options, Sources, Spacing, Surface, distance_map};
+    ///
+    /// let surface = Surface::from_heights(40, 50, vec![0.0; 2000], Spacing::square(1.0))?;
+    /// let options = Options::default().with_radius(5.0);
+    /// let map = distance_map(&surface, &Sources::point(20.0, 20.0), &options)?;
+    /// assert!(map.distance(24, 23) == 5.0 && map.distance(24, 24).is_infinite());
+    /// # Ok::<(), geosweep::Error>(())
+    /// ```
+    pub fn with_radius(self, radius: impl Into<Option<f64>>) -> Self {
+        Self { radius: radius.into(), ..self }
+    }
+
+    /// Sets [`Options::targets`].
+    pub fn with_targets(self, targets: impl Into<Option<Targets>>) -> Self {
+        Self { targets: targets.into(), ..self }
+    }
+
     /// Sets the monitor of a computation.
     pub fn with_monitor(self, monitor: impl Into<Option<Monitor>>) -> Self {
         Self { monitor: monitor.into(), ..self }
@@ -163,6 +192,57 @@ impl Options {
             return Err(Error::Options("at least one iteration is needed".into()));
         }
         Ok(Stop::within(tolerance).or_after(iterations))
+    }
+
+    /// Returns the radius, +infinity if there is none.
+    pub(crate) fn checked_radius(&self) -> Result<f64, Error> {
+        let radius = self.radius.unwrap_or(f64::INFINITY);
+        if radius > 0.0 {
+            return Ok(radius);
+        }
+        let message =
+            format!("the radius {radius} is not a positive number; leave it out for no limit");
+        Err(Error::Options(message))
+    }
+
+    /// Checks the options that rows of a distance matrix do not have.
+    pub(crate) fn check_for_rows(&self) -> Result<(), Error> {
+        let fault = |message: &str| Err(Error::Options(message.into()));
+        if self.schedule.is_some() {
+            return fault(
+                "a schedule is for single maps; the rows of a matrix have one order of updates on \
+                 each engine, leave the schedule out",
+            );
+        }
+        if self.targets.is_some() {
+            return fault(
+                "targets are for single maps; leave them out, or compute rows within a radius",
+            );
+        }
+        Ok(())
+    }
+
+    /// Returns the targets, which are points of the surface.
+    fn checked_targets(&self, surface: &Surface) -> Result<Option<Targets>, Error> {
+        let Some(targets) = &self.targets else { return Ok(None) };
+        let fault = |message: String| Err(Error::Options(message));
+        if targets.points().is_empty() {
+            return fault("there is no target; leave the targets out for the whole map".into());
+        }
+        let (rows, cols) = (surface.rows(), surface.cols());
+        for &[row, col] in targets.points() {
+            if row >= rows || col >= cols {
+                return fault(format!(
+                    "the target ({row}, {col}) is outside the grid of {rows} x {cols} points"
+                ));
+            }
+            if !surface.has(row, col) {
+                return fault(format!(
+                    "the target ({row}, {col}) is in a hole; choose a point of the surface"
+                ));
+            }
+        }
+        Ok(Some(targets.clone()))
     }
 
     /// Returns the wavefront of a map.
@@ -203,7 +283,7 @@ impl Options {
 /// Computes the geodesic distance from the sources to every point of a surface.
 ///
 /// # Errors
-/// If a source lies off the surface, an option is out of range, an edge of the surface is too long or too
+/// If a source lies off the surface, an option is out of range, a target lies in a hole, an edge of the surface is too long or too
 /// short for single precision, or the requested engine cannot run. [`Engine::Auto`] falls back to the CPU if
 /// the GPU that it chose fails, and the report says why.
 pub fn distance_map(
@@ -329,8 +409,13 @@ pub(crate) struct Problem<'a> {
     wavefront: Wavefront,
     schedule: Option<Schedule>,
     stop: Stop,
+    radius: f64,
+    targets: Option<Targets>,
     monitor: Monitor,
 }
+
+/// Part of the radius by which fronts go farther, so that rounding leaves no point within it out.
+const ROUNDING: f64 = 1e-6;
 
 impl<'a> Problem<'a> {
     fn new<R: Precision>(
@@ -351,6 +436,7 @@ impl<'a> Problem<'a> {
     ) -> Result<Self, Error> {
         let wavefront = options.resolve_wavefront(surface, sources)?;
         let stop = options.stop::<R>(surface)?;
+        let (radius, targets) = (options.checked_radius()?, options.checked_targets(surface)?);
         check_memory::<R>(surface)?;
         let start = sources.start();
         for seed in &mut seeds {
@@ -359,12 +445,16 @@ impl<'a> Problem<'a> {
         }
         let seeds = wavefront.seeds(surface, seeds);
         let (schedule, monitor) = (options.schedule, options.monitor());
-        Ok(Self { surface, seeds, start, wavefront, schedule, stop, monitor })
+        Ok(Self { surface, seeds, start, wavefront, schedule, stop, radius, targets, monitor })
     }
 
     fn solve_on_the_best(&self) -> Result<DistanceMap, Error> {
         if self.surface.is_glued() {
             let reason = "fronts pass seams on the CPU only".into();
+            return Ok(self.solve_on_cpu()?.because(reason));
+        }
+        if self.radius.is_finite() || self.targets.is_some() {
+            let reason = "the CPU solves a part of the map alone".into();
             return Ok(self.solve_on_cpu()?.because(reason));
         }
         let reason =
@@ -390,8 +480,14 @@ impl<'a> Problem<'a> {
     fn solve_on_cpu<R: Real>(&self) -> Result<DistanceMap<R>, Error> {
         let edges = EdgeLengths::<R>::measured(self.surface, || self.monitor.check())?;
         let start = Instant::now();
-        let (wavefront, monitor) = (self.wavefront, self.monitor.clone());
-        let solution = cpu::monitored_scan(&edges, &self.seeds, wavefront, self.stop, monitor);
+        let mut solver = cpu::RotatedScan::new(&edges, self.wavefront);
+        solver = solver.with_monitor(self.monitor.clone());
+        solver.set_radius(self.time_limit());
+        let convergence = match &self.targets {
+            Some(targets) => solver.solve_to(&self.seeds, targets, self.stop),
+            None => solver.solve(&self.seeds, self.stop),
+        };
+        let solution = solver.into_solution(convergence);
         self.monitor.check()?;
         let time = start.elapsed();
         let report = Report {
@@ -406,7 +502,12 @@ impl<'a> Problem<'a> {
         let edges = EdgeLengths::<R>::new(self.surface)?;
         let split = Connections::split(self.surface)?;
         let start = Instant::now();
-        let solution = cpu::fast_marching_with(&edges, &split, &self.seeds, self.wavefront);
+        let time = self.time_limit();
+        let limit = match &self.targets {
+            Some(targets) => Limit::to(targets, time),
+            None => Limit::at(time),
+        };
+        let solution = cpu::limited_march(&edges, &split, &self.seeds, self.wavefront, limit);
         let time = start.elapsed();
         let report =
             Report { iterations: 1, ..self.report(UsedEngine::FastMarching, "heap", time) };
@@ -447,12 +548,35 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Adds the subtracted initial value to all distances, and counts the points that were reached.
+    /// Returns the time after which fronts do not matter, on the scale of the seeds.
+    fn time_limit(&self) -> f64 {
+        self.radius * (1.0 + ROUNDING) - self.start
+    }
+
+    /// Returns the distance after which points are unreached, given distances without the subtracted initial
+    /// value.
+    fn end<R: Real>(&self, distances: &[R]) -> f64 {
+        let Some(targets) = &self.targets else { return self.radius };
+        let chart = self.surface.chart();
+        let last = targets.last(|[row, col]| {
+            let distance = distances[chart.index(row, col)];
+            (distance + R::of(self.start)).wide()
+        });
+        self.radius.min(last)
+    }
+
+    /// Adds the subtracted initial value to all distances, and counts the points that were reached. Points
+    /// beyond the radius and the targets are unreached.
     fn finish<R: Real>(&self, mut distances: Vec<R>, report: Report) -> DistanceMap<R> {
+        let end = self.end(&distances);
         let of_row = |row: &mut [R]| {
             let (mut reached, mut largest) = (0, R::neg_infinity());
             for distance in row.iter_mut().filter(|distance| distance.is_finite()) {
                 *distance = *distance + R::of(self.start);
+                if distance.wide() > end {
+                    *distance = R::infinity();
+                    continue;
+                }
                 reached += 1;
                 largest = largest.max(*distance);
             }
@@ -463,11 +587,12 @@ impl<'a> Problem<'a> {
             .map(of_row)
             .reduce(|| (0, R::neg_infinity()), |a, b| (a.0 + b.0, a.1.max(b.1)));
         let max_distance = max_distance.wide();
+        let ends_at = Some(end).filter(|end| end.is_finite());
         let converged = report.residual <= self.stop.tolerance;
         DistanceMap {
             chart: self.surface.chart(),
             distances,
-            report: Report { converged, reached, max_distance, ..report },
+            report: Report { converged, reached, max_distance, ends_at, ..report },
         }
     }
 }

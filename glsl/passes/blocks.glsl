@@ -8,15 +8,25 @@
 // them. Some of these points lie in the block, and are read as they were before. If one of them has changed,
 // the block is due again in the next iteration.
 //
+// Two opposite scans may be at work at the same time, each in a half of the grid. In the first phase they come
+// from the ends to the middle, and in the second one they go on. Neither sees what the other one does in the
+// phase. So if a scan changes a line next to the middle in the second phase, the blocks that see it across the
+// middle are due in the next iteration. These marks are in words of their own, since a mark in the block's
+// word would be read by the block's dispatch, or not, by chance. No other mark concerns a block that the
+// opposite scan visits in the same phase.
+//
 // A skipped block leaves both images of fronts as they are, and they are equal there. A scan that changes a
 // texel writes one image. The next scan reads that image and writes the other, and the texel's block is due
-// in it. So after each scan, the image that it writes holds the whole map.
+// in it. So after each scan, the image that it writes holds the whole map. The same holds for phases in the
+// place of scans: the opposite scan, or one of the next pair, visits the texel in the next phase.
 //
 // Include after progress.glsl.
 // Twin: src/cpu/twins/blocks.rs.
 
 // Largest number of lines of texels in a block.
 layout(constant_id = 4) const int LINES = 1;
+// Whether opposite scans are at work at the same time.
+layout(constant_id = 15) const int PAIRS = 0;
 
 layout(set = 2, binding = 2) restrict buffer Blocks {
     // Three words for each block of each scan, in the order of an iteration. They are the group counts of its
@@ -51,18 +61,36 @@ uint due_again(uint iteration) {
     return 2u << (iteration & 1u);
 }
 
+// In place of a scan.
+const int NO_SCAN = -1;
+
+// Returns the block of a scan that is `number` blocks ahead of the middle. `middle` is the first block of the
+// last half.
+int block_past(int middle, int number, bool is_forth) {
+    return is_forth ? middle + number : middle - 1 - number;
+}
+
 // Makes the blocks due that see a changed line of a block behind them, in the scan `forth` and in the
-// opposite one. Points see REACH lines of texels behind them.
-void make_seen_due(int forth, int block, int in_block, int pitch) {
+// opposite one. Points see REACH lines of texels behind them. `by` is the scan that has changed the line, or
+// NO_SCAN. With PAIRS, `middle` is the first block of the last half.
+void make_seen_due(int forth, int block, int in_block, int by, int middle, int pitch) {
     const int REACH = (SPLIT_REACH + 1) / 2;
     // There is one more block on each side of the grid.
     int after = LINES - 1 - in_block;
     for (int next = block + 1; after < REACH && next < pitch - 1; next++) {
-        make_due(forth, next, pitch);
+        if (PAIRS != 0 && by == forth + 1 && block < middle && next >= middle) {
+            atomicOr(due_past_middle[forth], 1u << (next - middle));
+        } else {
+            make_due(forth, next, pitch);
+        }
         after += LINES;
     }
     for (int next = block - 1; in_block < REACH && next >= -1; next--) {
-        make_due(forth + 1, next, pitch);
+        if (PAIRS != 0 && by == forth && block >= middle && next < middle) {
+            atomicOr(due_past_middle[forth + 1], 1u << (middle - 1 - next));
+        } else {
+            make_due(forth + 1, next, pitch);
+        }
         in_block += LINES;
     }
 }
@@ -73,5 +101,5 @@ void make_both_due(int forth, int line, int pitch) {
     int block = line / LINES;
     make_due(forth, block, pitch);
     make_due(forth + 1, block, pitch);
-    make_seen_due(forth, block, line - block * LINES, pitch);
+    make_seen_due(forth, block, line - block * LINES, NO_SCAN, 0, pitch);
 }

@@ -14,6 +14,8 @@ layout(local_size_x_id = 3) in;
 
 // Largest number of lines of texels in a block.
 layout(constant_id = 4) const int LINES = 1;
+// Scans go in turn.
+const int PAIRS = 0;
 
 ivec3 place_of(ivec2 texel, int layer) {
     return ivec3(texel, layer_of(gl_WorkGroupID.z, layer));

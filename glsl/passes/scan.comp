@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Scans blocks of lines of one map; see scan.glsl. A dispatch covers one block, or many in turn if a line
-// fits into a workgroup.
-// Twin: src/cpu/twins/scan.rs.
+// fits into a workgroup. The opposite scan may be at work in the other half of the grid.
+// Twins: src/cpu/twins/scan.rs, and scan_in_pairs in src/cpu/twins/blocks.rs.
 
 #include "shared/constants.glsl"
 #include "shared/chart.glsl"
@@ -41,9 +41,11 @@ void note_moved(uint moved, uint further, ivec2 texel) {
     int first_line = by_rows ? inner.y : inner.x;
     int block = first_line / LINES;
     int in_block = first_line - block * LINES;
+    int middle_block = (middle - BORDER) / LINES;
     make_due(way > 0 ? forth + 1 : forth, block, pitch);
     for (int k = 0; k < LINES; k++) {
-        if ((moved >> k & 1u) != 0u) make_seen_due(forth, block, in_block + k * way, pitch);
+        if ((moved >> k & 1u) == 0u) continue;
+        make_seen_due(forth, block, in_block + k * way, int(SCAN) - 1, middle_block, pitch);
     }
     if (further != 0u) {
         atomicOr(blocks[due_at(int(SCAN) - 1, block, pitch)], due_again(iterations));

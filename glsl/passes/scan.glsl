@@ -23,6 +23,8 @@
 //                                                       there: with anchors points that lack an edge,
 //                                                       otherwise points of obtuse triangles
 //     int LINES                                         largest number of lines of texels in a block
+//     int PAIRS                                         whether the opposite scan is at work in the other half
+//                                                       of the grid at the same time
 // and WITH_ORIGINS if fronts may have anchors or carry numbers of origins.
 
 // Direction of the scan: one of the four unit steps.
@@ -34,7 +36,8 @@ layout(constant_id = 1) const int AHEAD_Y = 1;
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray old_fronts;
 // This image is read on the line behind the block, which an earlier dispatch has written. The parts of obtuse
-// triangles also read it on lines of the block that this workgroup has written.
+// triangles also read it on lines of the block that this workgroup has written. It is not read where the
+// opposite scan is at work at the same time.
 layout(set = 2, binding = 0, rgba32f) uniform restrict coherent image2DArray new_fronts;
 
 layout(push_constant) uniform Block {
@@ -46,6 +49,7 @@ layout(push_constant) uniform Block {
     int pitch; // number of blocks of a scan, see blocks.glsl
     int note;  // number of the first block in the recording, for profiles, or negative
     int in_turn; // whether one workgroup visits several blocks in turn, those that are due
+    int middle; // with PAIRS the first row or column of texels of the grid's last half
 };
 
 // First line of the block, and its number of lines.
@@ -85,10 +89,22 @@ vec4 first_line_old(ivec2 texel, int layer) {
                 first_line(imageLoad(old_fronts, at + side), ahead).x);
 }
 
+// Returns whether a texel lies in the half of the grid in which the opposite scan is at work. Fronts there are
+// read as they were before both scans, since no dispatch may depend on how far the other one is.
+bool is_across(ivec2 texel) {
+    int line_of_texel = AHEAD_Y != 0 ? texel.y : texel.x;
+    return PAIRS != 0 && (line_of_texel < middle) != (block_line < middle);
+}
+
 // Returns a layer on the line of points behind a texel.
 Behind layer_behind(ivec2 texel, int layer) {
     ivec3 at = place_of(texel - ahead, layer);
     ivec3 side = ivec3(along, 0);
+    if (is_across(texel - ahead)) {
+        return Behind(second_line(imageLoad(old_fronts, at - side), ahead),
+                      second_line(imageLoad(old_fronts, at), ahead),
+                      second_line(imageLoad(old_fronts, at + side), ahead));
+    }
     return Behind(second_line(imageLoad(new_fronts, at - side), ahead),
                   second_line(imageLoad(new_fronts, at), ahead),
                   second_line(imageLoad(new_fronts, at + side), ahead));
@@ -124,9 +140,9 @@ int first_of_workgroup() {
     return first + int(gl_WorkGroupID.x) * (int(gl_WorkGroupSize.x) - 2 * HALO) - HALO;
 }
 
-// Returns the front at a point. Behind the block, fronts are those that this scan has left. The same holds
-// for lines of the block that are done, at texels that this workgroup writes. All others are the fronts from
-// before the scan.
+// Returns the front at a point. Behind the block, fronts are those that this scan has left, up to the half in
+// which the opposite scan is at work. The same holds for lines of the block that are done, at texels that this
+// workgroup writes. All others are the fronts from before the scan.
 vec2 front_at(ivec2 point) {
     ivec2 texel = texel_of(point);
     int lines_on = lines_ahead(texel, ahead) - block_line * (AHEAD_X + AHEAD_Y);
@@ -139,7 +155,7 @@ vec2 front_at(ivec2 point) {
         bool is_second = in_texel != ivec2(0);
         return is_second ? fronts.yw : fronts.xz;
     }
-    bool is_behind = lines_on < (is_own ? lines_done : 0);
+    bool is_behind = lines_on < (is_own ? lines_done : 0) && !is_across(texel);
     ivec3 time_at = place_of(texel, TIME);
     vec4 times = is_behind ? imageLoad(new_fronts, time_at) : imageLoad(old_fronts, time_at);
     vec4 carried = vec4(0.0);

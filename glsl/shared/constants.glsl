@@ -204,6 +204,16 @@
 #define FLOW_JUMPS 7
 // Number of steps in one pass over points whose ways lead nowhere. There are few of them.
 #define PARENT_JUMPS 63
+// Number of words before the sections of a buffer of ways: the earliest and the latest initial value, and a
+// word for each round of a log map; see ways.glsl. It is even.
+#define WAYS_HEADER 34
+// Number of points around a source, to each side, whose ways are followed to the source cell by cell. The log
+// map of other points follows from theirs.
+#define LOG_MAP_DISC 16.0
+// Largest number of lines of such a way.
+#define LOG_MAP_LINES 48
+// Number of steps to earlier places that a point takes in one round of a log map.
+#define LOG_MAP_STEPS 3
 // Second differences of squared times have a kink between them if they differ by more than this factor.
 #define KINK 3.0
 // Amount by which times may change faster than the length of the way, as a part of the edge. It allows for

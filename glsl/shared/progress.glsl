@@ -13,6 +13,9 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     uint fronts_meet;   // 0, FRONTS_MEET or FRONTS_ARE_ADDED; see wavefront.glsl
     // Group counts of the indirect dispatches of further iterations, zero once the map is done.
     uint grid_groups[3];   // for the grid
+    // For each scan, bits of the blocks past the middle of the grid that are due in the next iteration; see
+    // blocks.glsl. Bit 0 is the block next to the middle.
+    uint due_past_middle[4];
     uint rounds[ROUND_WORDS * (ROUNDS + 1)]; // for the tiles on the list of each round, with its other numbers
     uint unsettled[ROUNDS]; // largest change of a round that another round has to pass on
     uint reached;           // 1 once a round has reached a point

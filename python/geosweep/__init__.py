@@ -11,6 +11,7 @@ from ._arrays import HostCopyWarning
 from ._geosweep import __version__
 from ._map import Basis, Curves, DistanceMap, LogMap, Path, Ridge, Voronoi
 from ._matrix import CanonicalForm, canonical_form, pairwise
+from ._pairs import pairs
 from ._sources import Lines
 from ._surface import Device, Surface, devices, distance, route
 from ._warnings import ConvergenceError, ConvergenceWarning, SeamWarning
@@ -35,6 +36,7 @@ __all__ = [
     "canonical_form",
     "devices",
     "distance",
+    "pairs",
     "pairwise",
     "route",
 ]

@@ -2,6 +2,11 @@
 
 from typing import Literal, NoReturn, TypedDict
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._arrays import on_host
+
 Engine = Literal["auto", "cpu", "gpu"]
 Wavefront = Literal["auto", "planar", "circular", "curved", "anchored"]
 
@@ -15,11 +20,24 @@ class Settings(TypedDict):
     tolerance: float | None
     iterations: int | None
     threads: int | None
+    radius: float | None
+    targets: list[list[int]] | None
+    needed: int | None
 
 
 def refuse(name: str, value: object, choices: str) -> NoReturn:
     """Raise a ValueError that names the argument and its choices."""
     raise ValueError(f"{name}={value!r} is unknown; choose {choices}")
+
+
+def grid_points(name: str, value: ArrayLike) -> NDArray[np.int64]:
+    """Return rows and columns (n, 2) of grid points."""
+    points = np.atleast_2d(on_host(name, value))
+    if points.dtype.kind not in "iu" or points.ndim != 2 or points.shape[1] != 2:
+        raise ValueError(f"{name} must be integers, the rows and columns (n, 2) of grid points")
+    if points.size and points.min() < 0:
+        raise ValueError(f"{name} must not be negative")
+    return points.astype(np.int64, copy=False)
 
 
 def settings(
@@ -29,6 +47,9 @@ def settings(
     tolerance: float | None = None,
     iterations: int | None = None,
     threads: int | None = None,
+    radius: float | None = None,
+    targets: ArrayLike | None = None,
+    needed: int | None = None,
 ) -> Settings:
     """Check options."""
     if engine not in ("auto", "cpu", "gpu"):
@@ -39,6 +60,10 @@ def settings(
         raise ValueError(f"iterations={iterations!r}: at least one is needed")
     if threads is not None and threads < 1:
         raise ValueError(f"threads={threads!r}: give at least 1, or None for all")
+    if radius is not None and not radius > 0:
+        raise ValueError(f"radius={radius!r} must be positive; leave it out for no limit")
+    if needed is not None and (targets is None or needed < 1):
+        raise ValueError(f"needed={needed!r} is a number of targets, at least one; give both")
     return {
         "engine": engine,
         "device": None if device is None else str(device),
@@ -46,13 +71,14 @@ def settings(
         "tolerance": tolerance,
         "iterations": iterations,
         "threads": threads,
+        "radius": radius,
+        "targets": None if targets is None else grid_points("targets", targets).tolist(),
+        "needed": needed,
     }
 
 
 def is_double(dtype: object) -> bool:
     """Return whether maps are computed in double precision."""
-    import numpy as np
-
     try:
         found = np.dtype(dtype)  # type: ignore[call-overload]
     except TypeError:

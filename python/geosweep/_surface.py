@@ -270,6 +270,9 @@ class Surface:
         dtype: DTypeLike = "float32",
         tolerance: float | None = None,
         iterations: int | None = None,
+        radius: float | None = None,
+        targets: ArrayLike | None = None,
+        needed: int | None = None,
         threads: int | None = None,
         strict: bool = False,
         progress: Progress | None = None,
@@ -292,6 +295,13 @@ class Surface:
             Precision of the map: ``"float32"``, or on the CPU ``"float64"``.
         tolerance, iterations
             When to stop: at this relative change, and after so many iterations.
+        radius
+            Largest distance. Farther points are unreached, and not computed.
+        targets
+            Grid points (n, 2) that the map is for. Points farther than the farthest of them are
+            unreached, and not computed.
+        needed
+            Number of targets that are needed, the nearest ones; all by default.
         threads
             Number of threads of the CPU. By default all calls share as many as there are cores.
         strict
@@ -302,7 +312,9 @@ class Surface:
             Array (M, N) of ``dtype`` that takes the distances.
         """
         double = _precision(dtype, out, self.shape)
-        chosen = settings(engine, device, wavefront, tolerance, iterations, threads)
+        chosen = settings(
+            engine, device, wavefront, tolerance, iterations, threads, radius, targets, needed
+        )
         points, lines = native(source, self.shape)
         found = self._surface.solve(points, lines, chosen, double, progress)
         report = found.report
@@ -384,6 +396,9 @@ def distance(
     dtype: DTypeLike = "float32",
     tolerance: float | None = None,
     iterations: int | None = None,
+    radius: float | None = None,
+    targets: ArrayLike | None = None,
+    needed: int | None = None,
     threads: int | None = None,
     strict: bool = False,
     progress: Progress | None = None,
@@ -398,7 +413,9 @@ def distance(
         heights, spacing, mask=mask, slowness=slowness, edges=edges, glue=glue, copy=False
     )
     double = _precision(dtype, out, surface.shape)
-    chosen = settings(engine, device, wavefront, tolerance, iterations, threads)
+    chosen = settings(
+        engine, device, wavefront, tolerance, iterations, threads, radius, targets, needed
+    )
     points, lines = native(source, surface.shape)
     found, report = surface._surface.distances(points, lines, chosen, double, progress)
     check(report["converged"], report, strict)

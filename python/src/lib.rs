@@ -7,6 +7,7 @@ mod directions;
 mod errors;
 mod gluing;
 mod map;
+mod pairs;
 mod pairwise;
 mod settings;
 mod surface;
@@ -43,6 +44,8 @@ fn _geosweep(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(directions::back_link, module)?)?;
     module.add_function(wrap_pyfunction!(directions::log_map, module)?)?;
     module.add_function(wrap_pyfunction!(directions::signed, module)?)?;
+    module.add_function(wrap_pyfunction!(pairs::within, module)?)?;
+    module.add_function(wrap_pyfunction!(pairs::nearest_others, module)?)?;
     module.add_function(wrap_pyfunction!(pairwise::pairwise, module)?)?;
     module.add_function(wrap_pyfunction!(pairwise::canonical, module)?)
 }

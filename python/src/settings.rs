@@ -1,6 +1,6 @@
 //! Converts sources and options.
 
-use geosweep::{DeviceChoice, Engine, Monitor, Options, Sources, Wavefront};
+use geosweep::{DeviceChoice, Engine, Monitor, Options, Sources, Targets, Wavefront};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -16,6 +16,10 @@ pub struct Settings {
     tolerance: Option<f64>,
     iterations: Option<u32>,
     pub threads: Option<usize>,
+    radius: Option<f64>,
+    targets: Option<Vec<[usize; 2]>>,
+    /// Number of targets whose distances are needed; `None` for all.
+    needed: Option<usize>,
 }
 
 impl Settings {
@@ -30,12 +34,18 @@ impl Settings {
             "cpu" => Engine::Cpu,
             _ => Engine::Auto,
         };
+        let targets = self.targets.clone().map(|targets| match self.needed {
+            Some(needed) => Targets::nearest(needed, targets),
+            None => Targets::all(targets),
+        });
         let wavefront = self.wavefront.as_deref().map(str::parse::<Wavefront>).transpose();
         Ok(Options::default()
             .with_engine(engine)
             .with_wavefront(wavefront.map_err(errors::value)?)
             .with_tolerance(self.tolerance)
             .with_iterations(self.iterations)
+            .with_radius(self.radius)
+            .with_targets(targets)
             .with_monitor(monitor.clone()))
     }
 }

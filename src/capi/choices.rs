@@ -29,7 +29,7 @@ pub enum GeosweepSchedule {
     /// The best known schedule for the grid on this device, among those that the solver was created for.
     /// Plans alone accept this value.
     Best = 0,
-    /// Four scans over the whole grid, one after another. An iteration is all four scans.
+    /// Four scans over the whole grid, in turn or in pairs. An iteration is all four scans.
     Raster = 1,
     /// All points at once, for tiny grids.
     AllPoints = 2,

@@ -9,7 +9,7 @@
  * At the end:  geosweep_surface_destroy, geosweep_plan_destroy, geosweep_solver_destroy, before
  *              you destroy your device and instance.
  *
- * Contours, shortest paths and regions can be computed in the same frame. Call geosweep_contours_create or
+ * Contours, shortest paths, regions, directions and log maps can be computed in the same frame. Call geosweep_contours_create or
  * its counterparts once per surface, and geosweep_record_contours or its counterparts after the map. A
  * GeosweepProfile returns the time of each pass of a frame. If you have enabled VK_EXT_debug_utils, passes
  * have names and labels for tools.
@@ -20,7 +20,7 @@
  *
  * Ownership. You keep your Vulkan objects, which must outlive all objects created from them. Arrays and
  * structs are not needed after the call that takes them. Device memory is allocated only when surfaces,
- * contours, paths and regions are created, from the solver's own blocks or from your own
+ * contours, paths, regions, directions and log maps are created, from the solver's own blocks or from your own
  * GeosweepAllocator. geosweep_surface_bytes_for and its counterparts compute the size in advance. No call
  * submits, waits or maps your memory, and recording allocates nothing.
  *
@@ -158,7 +158,7 @@ typedef enum GeosweepSchedule {
     // The best known schedule for the grid on this device, among those that the solver was created for.
     // Plans alone accept this value.
     GEOSWEEP_SCHEDULE_BEST = 0,
-    // Four scans over the whole grid, one after another. An iteration is all four scans.
+    // Four scans over the whole grid, in turn or in pairs. An iteration is all four scans.
     GEOSWEEP_SCHEDULE_RASTER = 1,
     // All points at once, for tiny grids.
     GEOSWEEP_SCHEDULE_ALL_POINTS = 2,
@@ -184,6 +184,17 @@ typedef enum GeosweepWavefront {
 // Buffer for the contours of a surface, and the passes that find them. Frames in flight on one queue share
 // it. If contours are read on other queues, create one for each of these queues.
 typedef struct GeosweepContours GeosweepContours;
+
+// Image of the directions in which ways lead back to the sources, and the passes that find them. A texel of
+// `VK_FORMAT_R16G16_SFLOAT` is a unit vector in columns and rows. It is 0, 0 at sources and at points that
+// are not reached. Frames in flight on one queue share it.
+typedef struct GeosweepDirections GeosweepDirections;
+
+// Image of the log map of point sources, and the passes that compute it. A texel of
+// `VK_FORMAT_R32G32_SFLOAT` is (u, v): the direction in which the shortest path to the point leaves its
+// source, times the distance. u is along the columns at the source, v at a right angle to it, on the side of
+// increasing rows. Frames in flight on one queue share it.
+typedef struct GeosweepLogMap GeosweepLogMap;
 
 // Buffer for the paths on a surface, and the passes that trace them. Frames in flight on one queue share it.
 // If paths are read on other queues, create one for each of these queues.
@@ -665,6 +676,31 @@ typedef struct GeosweepRegionFrame {
     struct GeosweepAccess reader;
 } GeosweepRegionFrame;
 
+// Sources to which ways lead back, and the commands that read the image.
+typedef struct GeosweepDirectionFrame {
+    // Access that has written the sources.
+    struct GeosweepAccess before;
+    // All sources of the map, with those that were added to it.
+    struct GeosweepSources sources;
+    // Access that reads the image, in this frame and in the previous one, and its layout.
+    struct GeosweepReader reader;
+} GeosweepDirectionFrame;
+
+// Sources of the log map, and the commands that read the image.
+typedef struct GeosweepLogMapFrame {
+    // Access that has written the sources.
+    struct GeosweepAccess before;
+    // All sources of the map, with those that were added to it.
+    struct GeosweepSources sources;
+    // Access that reads the image, in this frame and in the previous one, and its layout.
+    struct GeosweepReader reader;
+    // Largest distance of points that get coordinates; 0 for no limit. Of several initial values, the
+    // distance counts from the latest.
+    float radius;
+    // Value of u and v at points that are not reached or beyond the radius.
+    float unreached;
+} GeosweepLogMapFrame;
+
 // A pass of a frame, or several passes that are timed together. Unknown members are `GEOSWEEP_UNKNOWN`.
 typedef struct GeosweepPass {
     // Name of the pass in captures, such as "scan down". It is never freed.
@@ -1139,6 +1175,98 @@ enum GeosweepStatus geosweep_regions_rebind(struct GeosweepRegions *regions,
 // Destroys regions, before or after their surface. No submitted work may still use them; a solver with
 // checks verifies that. Null is allowed.
 enum GeosweepStatus geosweep_regions_destroy(struct GeosweepRegions *regions);
+
+// Computes the bytes of device memory that directions will take, before they are created: 12 (8 with an
+// image of yours) per grid point.
+enum GeosweepStatus geosweep_directions_bytes_for(const struct GeosweepSolver *solver,
+                                                  uint32_t rows,
+                                                  uint32_t cols,
+                                                  uint64_t *bytes);
+
+// Creates directions of a surface, for maps with any wavefront. Allocates device memory and compiles passes.
+// Without an `image` of yours, an image is allocated too; it has the format `VK_FORMAT_R16G16_SFLOAT`. Your
+// image has at least cols x rows texels of that format, and its usage contains
+// `VK_IMAGE_USAGE_TRANSFER_DST_BIT`. `geosweep_directions_destroy` destroys the directions.
+enum GeosweepStatus geosweep_directions_create(const struct GeosweepSurface *surface,
+                                               const struct GeosweepHostImage *image,
+                                               struct GeosweepDirections **directions);
+
+// Makes directions write to another image of yours in later recordings. They must have been created with an
+// image of yours. Recordings in flight continue to use the image before.
+enum GeosweepStatus geosweep_directions_set_image(struct GeosweepDirections *directions,
+                                                  const struct GeosweepHostImage *image);
+
+// Returns the bytes of device memory that directions take.
+enum GeosweepStatus geosweep_directions_bytes(const struct GeosweepDirections *directions,
+                                              uint64_t *bytes);
+
+// Returns the image, also before it is recorded. `layout` is that of the reader for which it is recorded.
+enum GeosweepStatus geosweep_directions_image(const struct GeosweepDirections *directions,
+                                              VkImageLayout layout,
+                                              struct GeosweepImage *image);
+
+// Finds the direction in which the way back leaves each grid point. Call this after the map was recorded, in
+// the same command buffer or after `geosweep_record_begin`. Writes the image to `result` unless that is
+// null.
+enum GeosweepStatus geosweep_record_directions(const struct GeosweepSurface *surface,
+                                               VkCommandBuffer commands,
+                                               const struct GeosweepDirections *directions,
+                                               const struct GeosweepDirectionFrame *frame,
+                                               struct GeosweepImage *result);
+
+// Makes directions read the surface's sources that `geosweep_surface_set_sources` has set since they were
+// created. Recordings in flight continue to read the sources before.
+enum GeosweepStatus geosweep_directions_rebind(struct GeosweepDirections *directions,
+                                               const struct GeosweepSurface *surface);
+
+// Destroys directions, before or after the surface. No submitted work may still use the directions; a solver
+// with checks verifies that. Null is allowed.
+enum GeosweepStatus geosweep_directions_destroy(struct GeosweepDirections *directions);
+
+// Computes the bytes of device memory that a log map will take, before it is created: 40 (32 with an image
+// of yours) per grid point.
+enum GeosweepStatus geosweep_log_map_bytes_for(const struct GeosweepSolver *solver,
+                                               uint32_t rows,
+                                               uint32_t cols,
+                                               uint64_t *bytes);
+
+// Creates a log map of a surface, for maps with any wavefront. Allocates device memory and compiles passes.
+// Without an `image` of yours, an image is allocated too; it has the format `VK_FORMAT_R32G32_SFLOAT`. Your
+// image has at least cols x rows texels of that format, and its usage contains
+// `VK_IMAGE_USAGE_TRANSFER_DST_BIT`. `geosweep_log_map_destroy` destroys the log map.
+enum GeosweepStatus geosweep_log_map_create(const struct GeosweepSurface *surface,
+                                            const struct GeosweepHostImage *image,
+                                            struct GeosweepLogMap **log_map);
+
+// Makes a log map write to another image of yours in later recordings. It must have been created with an
+// image of yours. Recordings in flight continue to use the image before.
+enum GeosweepStatus geosweep_log_map_set_image(struct GeosweepLogMap *log_map,
+                                               const struct GeosweepHostImage *image);
+
+// Returns the bytes of device memory that a log map takes.
+enum GeosweepStatus geosweep_log_map_bytes(const struct GeosweepLogMap *log_map, uint64_t *bytes);
+
+// Returns the image, also before it is recorded. `layout` is that of the reader for which it is recorded.
+enum GeosweepStatus geosweep_log_map_image(const struct GeosweepLogMap *log_map,
+                                           VkImageLayout layout,
+                                           struct GeosweepImage *image);
+
+// Computes the log map of the sources of the map. Call this after the map was recorded, in the same command
+// buffer or after `geosweep_record_begin`. Writes the image to `result` unless that is null.
+enum GeosweepStatus geosweep_record_log_map(const struct GeosweepSurface *surface,
+                                            VkCommandBuffer commands,
+                                            const struct GeosweepLogMap *log_map,
+                                            const struct GeosweepLogMapFrame *frame,
+                                            struct GeosweepImage *result);
+
+// Makes a log map read the surface's sources that `geosweep_surface_set_sources` has set since it was
+// created. Recordings in flight continue to read the sources before.
+enum GeosweepStatus geosweep_log_map_rebind(struct GeosweepLogMap *log_map,
+                                            const struct GeosweepSurface *surface);
+
+// Destroys a log map, before or after the surface. No submitted work may still use the log map; a solver
+// with checks verifies that. Null is allowed.
+enum GeosweepStatus geosweep_log_map_destroy(struct GeosweepLogMap *log_map);
 
 // Creates a profile for frames of a surface with this plan on a queue of this family.
 // `geosweep_profile_destroy` destroys it. If the family's queues cannot write timestamps, the status is

@@ -562,6 +562,64 @@ public:
     }
 };
 
+class Directions : public Owned<GeosweepDirections, geosweep_directions_destroy> {
+public:
+    /* Creates directions. They are in an image of your own unless `image` is null. */
+    explicit Directions(const Surface &surface, const GeosweepHostImage *image = nullptr) : Owned(surface.solver()) {
+        GeosweepDirections *made = nullptr;
+        check(geosweep_directions_create(surface.get(), image, &made));
+        own(made);
+    }
+
+    /* Returns the image, also before it is recorded. */
+    GeosweepImage image(VkImageLayout layout) const {
+        GeosweepImage image = GeosweepImage();
+        check(geosweep_directions_image(get(), layout, &image));
+        return image;
+    }
+
+    /* Makes later recordings write another image of yours. */
+    void set_image(const GeosweepHostImage &image) { check(geosweep_directions_set_image(get(), &image)); }
+
+    /* Makes directions read the surface's sources again, after these were replaced. */
+    void rebind(const Surface &surface) { check(geosweep_directions_rebind(get(), surface.get())); }
+
+    GeosweepImage record(const Surface &surface, VkCommandBuffer commands, const GeosweepDirectionFrame &frame) const {
+        GeosweepImage image = GeosweepImage();
+        check(geosweep_record_directions(surface.get(), commands, get(), &frame, &image));
+        return image;
+    }
+};
+
+class LogMap : public Owned<GeosweepLogMap, geosweep_log_map_destroy> {
+public:
+    /* Creates a log map. It is in an image of your own unless `image` is null. */
+    explicit LogMap(const Surface &surface, const GeosweepHostImage *image = nullptr) : Owned(surface.solver()) {
+        GeosweepLogMap *made = nullptr;
+        check(geosweep_log_map_create(surface.get(), image, &made));
+        own(made);
+    }
+
+    /* Returns the image, also before it is recorded. */
+    GeosweepImage image(VkImageLayout layout) const {
+        GeosweepImage image = GeosweepImage();
+        check(geosweep_log_map_image(get(), layout, &image));
+        return image;
+    }
+
+    /* Makes later recordings write another image of yours. */
+    void set_image(const GeosweepHostImage &image) { check(geosweep_log_map_set_image(get(), &image)); }
+
+    /* Makes a log map read the surface's sources again, after these were replaced. */
+    void rebind(const Surface &surface) { check(geosweep_log_map_rebind(get(), surface.get())); }
+
+    GeosweepImage record(const Surface &surface, VkCommandBuffer commands, const GeosweepLogMapFrame &frame) const {
+        GeosweepImage image = GeosweepImage();
+        check(geosweep_record_log_map(surface.get(), commands, get(), &frame, &image));
+        return image;
+    }
+};
+
 }  // namespace geosweep
 
 #endif  /* GEOSWEEP_HPP */

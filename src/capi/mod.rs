@@ -34,8 +34,10 @@ mod arguments;
 mod choices;
 mod contours;
 mod curves;
+mod directions;
 mod frame;
 mod loader;
+mod log_map;
 mod memory;
 mod objects;
 mod paths;
@@ -53,10 +55,12 @@ mod surface_info;
 pub use choices::{GeosweepEdgeRule, GeosweepSchedule, GeosweepWavefront};
 pub use contours::*;
 pub use curves::*;
+pub use directions::*;
 pub use frame::{
     GEOSWEEP_POINTS_UNCHANGED, GEOSWEEP_STRAIGHT, GeosweepAccess, GeosweepFrame, GeosweepReader,
     GeosweepSource, GeosweepSources, geosweep_source_at,
 };
+pub use log_map::*;
 pub use memory::{GeosweepAllocator, GeosweepMemory, GeosweepMemoryRequest};
 pub use paths::*;
 pub use plan::*;
@@ -79,5 +83,7 @@ const _: () = {
     for_any_thread::<GeosweepContours>();
     for_any_thread::<GeosweepPaths>();
     for_any_thread::<GeosweepRegions>();
+    for_any_thread::<GeosweepDirections>();
+    for_any_thread::<GeosweepLogMap>();
     for_any_thread::<GeosweepProfile>();
 };

@@ -5,6 +5,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::arguments::{Output, usable};
 use super::contours::GeosweepContours;
+use super::directions::GeosweepDirections;
+use super::log_map::GeosweepLogMap;
 use super::paths::GeosweepPaths;
 use super::plan::GeosweepPlan;
 use super::profile::GeosweepProfile;
@@ -56,6 +58,8 @@ objects! {
     GeosweepPaths: 0x6753_0005, |paths| &paths.shared;
     GeosweepRegions: 0x6753_0006, |regions| &regions.shared;
     GeosweepProfile: 0x6753_0007, |profile| &profile.shared;
+    GeosweepDirections: 0x6753_0008, |directions| &directions.shared;
+    GeosweepLogMap: 0x6753_0009, |log_map| &log_map.shared;
 }
 
 /// Gives an object to the program, until [`take`] takes it back.

@@ -121,8 +121,8 @@ fn message(error: &VulkanError) -> String {
                 .into()
         }
         VulkanError::OldInput { what, number } => format!(
-            "the surface's {what} {number} were replaced after its contours, paths or regions were made: call \
-             geosweep_contours_rebind, geosweep_paths_rebind or geosweep_regions_rebind first"
+            "the surface's {what} {number} were replaced after its contours, paths, regions, directions or log map \
+             were made: call geosweep_contours_rebind or its counterpart for them first"
         ),
         error => error.without_other_engines(),
     }

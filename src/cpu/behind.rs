@@ -1,7 +1,7 @@
 //! Describes what lies behind a point as a scan passes it: three neighbours and the triangles between them.
 
 use super::scan::Scan;
-use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real};
+use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Offset, Real};
 use crate::update::Triangle;
 
 /// Three successive neighbours of a point, and the two triangles that they form with it.
@@ -37,7 +37,7 @@ impl Behind {
     }
 
     /// Returns the offsets from the point to the neighbours.
-    pub(super) fn points(&self) -> [isize; 3] {
+    pub(super) fn points(&self) -> [Offset; 3] {
         let [a, b] = &self.triangles;
         [a.x1, a.x2, b.x2]
     }
@@ -62,8 +62,8 @@ pub(super) struct TriangleSlots {
     /// The index of the corner (0 for x1, 1 for x2) that is the neighbour along an axis of the grid. The
     /// other one is across a diagonal.
     axis: usize,
-    x1: isize,
-    x2: isize,
+    x1: Offset,
+    x2: Offset,
     l1: EdgeSlot,
     l2: EdgeSlot,
     c: EdgeSlot,
@@ -80,8 +80,8 @@ impl TriangleSlots {
             axis: usize::from(first.is_diagonal()),
             x1,
             x2: chart.offset(second),
-            l1: EdgeSlot::new(chart, 0, first),
-            l2: EdgeSlot::new(chart, 0, second),
+            l1: EdgeSlot::of(chart, first),
+            l2: EdgeSlot::of(chart, second),
             c: EdgeSlot::new(chart, x1, base),
         }
     }
@@ -101,7 +101,7 @@ impl TriangleSlots {
     /// Returns the two other corners of a point's triangle.
     #[inline]
     pub(super) fn corners(&self, point: usize) -> [usize; 2] {
-        [self.x1, self.x2].map(|offset| point.wrapping_add_signed(offset))
+        [self.x1, self.x2].map(|offset| offset.from(point))
     }
 
     /// Returns the lengths of x0 x1, x0 x2 and x1 x2.

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 use super::Instructions;
 use super::behind::Behind;
-use super::fronts::{FrontKind, SurfaceArray, TriangleKind, for_triangle_kind};
+use super::fronts::{LaneKind, SurfaceArray, TriangleKind, for_triangle_kind};
 use super::rotated::line::{GridLines, LinesInGrid};
-use super::rotated::line_update::UpdateOptions;
+use super::rotated::line_update::update_line;
 use super::rotated::tiles::TILE;
-use super::scan::Scan;
+use super::scan::{Scan, UpdateOptions};
 use crate::surface::{EdgeLengths, Real, Spacing, Surface};
 use crate::update::Wavefront;
 
@@ -90,13 +90,13 @@ fn rate<W: FnMut()>(threads: usize, work: impl Fn() -> W + Sync) -> f64 {
 }
 
 /// Two rows of a plane. The second row is updated from the first one again and again.
-struct WarmLine<'a, K: FrontKind<f32>> {
+struct WarmLine<'a, K: LaneKind<f32>> {
     edges: &'a EdgeLengths<f32>,
     kind: K,
     surface_data: SurfaceArray<K::SurfaceData>,
     times: Vec<f32>,
     carried: Vec<K::Carried>,
-    changed: [bool; POINTS / TILE],
+    changed: [Changed; POINTS / TILE],
 }
 
 fn two_rows() -> EdgeLengths<f32> {
@@ -105,7 +105,7 @@ fn two_rows() -> EdgeLengths<f32> {
     edges.expect("a plane is a surface with edges")
 }
 
-impl<'a, K: TriangleKind<f32>> WarmLine<'a, K> {
+impl<'a, K: TriangleKind<f32> + LaneKind<f32>> WarmLine<'a, K> {
     /// Creates the rows. The first one has the front of a point 300 rows before it, at its first column.
     fn new(edges: &'a EdgeLengths<f32>, kind: K) -> Self {
         let chart = edges.chart();
@@ -116,7 +116,7 @@ impl<'a, K: TriangleKind<f32>> WarmLine<'a, K> {
             (times[point], carried[point]) = (radius, K::circle(radius));
         }
         let surface_data = kind.surface_data(chart);
-        Self { edges, kind, surface_data, times, carried, changed: [false; POINTS / TILE] }
+        Self { edges, kind, surface_data, times, carried, changed: [Changed::No; POINTS / TILE] }
     }
 
     /// Updates all points and returns their number. They are reset to unreached first, since reached ones
@@ -125,17 +125,29 @@ impl<'a, K: TriangleKind<f32>> WarmLine<'a, K> {
         let (chart, scan) = (self.edges.chart(), Scan::DOWN);
         chart.row_of_mut(&mut self.times, 1).fill(f32::FAR);
         let mut lines = GridLines {
-            stride: chart.stride(),
             behind: Behind::of(chart, scan),
             times: &mut self.times,
             carried: &mut self.carried,
             surface_data: &self.surface_data,
             edges: self.edges.planes(),
             surface: (chart.stride(), 0),
-            place: LinesInGrid { edges: self.edges, first: 0, before: 0, beyond: None },
+            place: LinesInGrid {
+                edges: self.edges,
+                scan,
+                stride: chart.stride(),
+                first: 0,
+                before: 0,
+                beyond: None,
+            },
         };
-        let options = UpdateOptions { scan, renews: true, instructions: Instructions::best() };
-        let updated = self.kind.update(&mut lines, 2, &(0..POINTS), options, &mut self.changed);
+        let options = UpdateOptions {
+            scan,
+            renews: true,
+            limit: f64::INFINITY,
+            instructions: Instructions::best(),
+        };
+        let updated =
+            update_line(&self.kind, &mut lines, 2, &(0..POINTS), options, &mut self.changed);
         std::hint::black_box(updated).points
     }
 }

@@ -1,23 +1,23 @@
 //! Holds the fronts at all points of a bordered array, and updates them one by one.
 
 use super::behind::Behind;
-use super::fronts::FrontKind;
+use super::fronts::PointKind;
 use super::solution::Solution;
 use crate::surface::{EdgeLengths, Real, Seed};
 #[cfg(feature = "twins")]
 use crate::update::Carried;
-use crate::update::{Kept, SEED, tag_of};
+use crate::update::{Kept, SEED};
 
 /// The fronts at all points while a solver works on them.
 #[derive(Clone)]
-pub(super) struct PointFronts<R: Real, K: FrontKind<R>> {
+pub(super) struct PointFronts<R: Real, K: PointKind<R>> {
     pub edges: EdgeLengths<R>,
     pub kind: K,
     times: Vec<R>,
     carried: Vec<K::Carried>,
 }
 
-impl<R: Real, K: FrontKind<R>> PointFronts<R, K> {
+impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
     /// Creates fronts where only the seeds are reached.
     pub(super) fn start(edges: &EdgeLengths<R>, kind: K, seeds: &[Seed]) -> Self {
         let points = edges.chart().bordered_points();
@@ -28,23 +28,13 @@ impl<R: Real, K: FrontKind<R>> PointFronts<R, K> {
     }
 
     fn seed(&mut self, seeds: &[Seed]) {
-        self.kind.expect(seeds);
-        for seed in seeds {
-            let arrival = self.kind.arrival_of_seed(seed);
-            self.accept(
-                self.edges.chart().bordered(seed.row, seed.col),
-                arrival,
-                tag_of(seed),
-                false,
-            );
-        }
+        let fronts = (self.times.as_mut_slice(), self.carried.as_mut_slice());
+        self.kind.start(self.edges.chart(), seeds, fronts, |_, _, _| ());
     }
 
     /// Restores seeds that are lost ([`Seed::is_lost`]). Returns whether there were any.
     pub(super) fn restore(&mut self, seeds: &[Seed]) -> bool {
-        let chart = self.edges.chart();
-        let is_lost = |seed: &Seed| seed.is_lost(self.time(chart.bordered(seed.row, seed.col)));
-        let any = K::TAKES_BACK && seeds.iter().any(is_lost);
+        let any = K::has_lost(self.edges.chart(), seeds, &self.times);
         if any {
             self.seed(seeds);
         }
@@ -90,7 +80,7 @@ impl<R: Real, K: FrontKind<R>> PointFronts<R, K> {
         self.accept(point, arrival, SEED, false)
     }
 
-    /// Accepts a front that a scan, numbered from 1, brings to a point ([`FrontKind::accept`]). Returns the
+    /// Accepts a front that a scan, numbered from 1, brings to a point ([`accept`](super::fronts::FrontKind::accept)). Returns the
     /// change of the front.
     #[inline]
     pub(super) fn accept(
@@ -113,7 +103,7 @@ impl<R: Real, K: FrontKind<R>> PointFronts<R, K> {
 
 /// Further methods for the shaders' twins.
 #[cfg(any(test, feature = "twins"))]
-impl<R: Real, K: FrontKind<R>> PointFronts<R, K> {
+impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
     /// Returns the change of the front at a point since `before`, as [`Self::accept`] measures it.
     pub(super) fn change_from(&self, before: &Self, point: usize) -> R::Bits {
         K::change(before.at(point), self.at(point))

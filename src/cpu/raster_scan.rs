@@ -2,7 +2,7 @@
 
 use super::Progress;
 use super::behind::Behind;
-use super::fronts::{FrontKind, for_kind};
+use super::fronts::{PointKind, for_kind};
 use super::point_fronts::PointFronts;
 use super::solution::Solution;
 use crate::Stop;
@@ -20,7 +20,7 @@ pub fn raster_scan<R: Real>(
     for_kind!(edges, wavefront, kind => solve(PointFronts::start(edges, kind, seeds), seeds, stop))
 }
 
-fn solve<R: Real, K: FrontKind<R>>(
+fn solve<R: Real, K: PointKind<R>>(
     mut fronts: PointFronts<R, K>,
     seeds: &[Seed],
     stop: Stop,

@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use crate::lanes::Instructions;
 use crate::surface::{Direction, Lines};
 
 /// One of the four scans of an iteration, numbered from 1: down, up, right and left.
@@ -29,6 +30,12 @@ impl Scan {
     /// Returns whether the scan passes lines in ascending order of their index.
     pub(super) fn is_forward(self) -> bool {
         self.0 % 2 == 1
+    }
+
+    /// Returns whether another scan passes the same lines in the opposite order.
+    #[cfg(any(test, feature = "twins"))]
+    pub(super) fn is_opposite(self, other: Self) -> bool {
+        self != other && self.by_rows() == other.by_rows()
     }
 
     /// Returns a range of lines, or of bands of lines, in the order of the scan.
@@ -74,6 +81,17 @@ impl Scan {
     pub(super) fn bit(self) -> u8 {
         1 << self.0
     }
+}
+
+/// Options of the updates of a scan. `renews`: whether a scan may replace a front that the same scan direction
+/// brought earlier. `limit`: the time after which fronts do not matter, or +infinity. Points that such fronts
+/// alone reach are not updated, and changes of later fronts are not passed on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct UpdateOptions {
+    pub scan: Scan,
+    pub renews: bool,
+    pub limit: f64,
+    pub instructions: Instructions,
 }
 
 #[cfg(test)]

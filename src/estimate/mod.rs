@@ -135,13 +135,16 @@ fn estimate<R: Precision>(
         && let Some(fine) = surface.halved_floor()
     {
         let map = in_precision::<R>(surface, sources, options)?;
-        return floor_plan::estimate(map, &fine, sources, options);
+        let options = options.clone().with_targets(None);
+        return floor_plan::estimate(map, &fine, sources, &options);
     }
     // This comes first, since a surface that is too small needs no map.
     let coarse = surface.coarsened(&grid_points(surface, sources))?;
     let map = in_precision::<R>(surface, sources, options)?;
     // All grids use one engine, since their differences are the estimate.
-    let options = &options.clone().with_engine(options.engine.as_for(&map.report));
+    // Targets are points of the finest grid.
+    let engine = options.engine.as_for(&map.report);
+    let options = &options.clone().with_engine(engine).with_targets(None);
     let first = Level::new(surface, coarse, sources, &map, options)?;
     let second = first.coarser(options)?;
     let weights = Weights::of(map.report.wavefront);

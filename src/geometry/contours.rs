@@ -86,7 +86,8 @@ pub struct Contour {
     /// The distance.
     pub level: f64,
     /// The curves of the contour. Each is either closed, or open with its ends at the surface's border, at a
-    /// hole or at the limit of the map.
+    /// hole or at the limit of the map. They end on both sides of the seams of a closed surface;
+    /// [`join_over_seams`](super::join_over_seams) joins them there.
     ///
     /// Nearer points lie to the left of each curve, as seen in a picture of the grid with rows downwards.
     /// Curves around the source run counter-clockwise.

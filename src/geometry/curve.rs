@@ -6,6 +6,9 @@ use crate::Surface;
 use crate::surface::{Sample, grid_crossings};
 
 /// A polyline in the parameter domain. Its vertices may lie anywhere between grid points.
+///
+/// On a closed surface ([`Surface::with_gluing`]) a curve may pass seams. Two vertices in turn are then the
+/// same place of the surface at different rows and columns: the curve *jumps*. See [`Self::jumps`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
     /// The row and column of each vertex, fractional, in order.
@@ -63,14 +66,14 @@ impl Curve {
 
     /// Returns the length of the curve on the surface, in the surface's unit. The length is the sum of the
     /// straight segments between the places where the curve crosses the grid's lines. A slowness does not
-    /// change it.
+    /// change it. Jumps have no length.
     ///
     /// # Errors
     /// If a part of the curve lies off the surface.
     pub fn length(&self, surface: &Surface) -> Result<f64, CurveError> {
         let points: Vec<DVec2> = self.points().map(DVec2::from).collect();
         let mut length = 0.0;
-        for ends in points.windows(2) {
+        for ends in points.windows(2).filter(|ends| !surface.are_copies(ends[0], ends[1])) {
             let places = grid_crossings(ends[0], ends[1])
                 .into_iter()
                 .map(|cut| sample(surface, ends[0].lerp(ends[1], cut)))
@@ -78,6 +81,40 @@ impl Curve {
             length += places.windows(2).map(|step| step[0].length_to(step[1])).sum::<f64>();
         }
         Ok(length)
+    }
+
+    /// Returns the indices of the vertices to which the curve jumps over a seam from the vertex before. The
+    /// vertex before the first one of a closed curve is the last one.
+    pub fn jumps(&self, surface: &Surface) -> Vec<usize> {
+        if !surface.is_glued() {
+            return Vec::new();
+        }
+        let vertices: Vec<DVec2> = self.vertices.iter().copied().map(DVec2::from).collect();
+        let jumps = |&index: &usize| match index.checked_sub(1) {
+            Some(before) => surface.are_copies(vertices[before], vertices[index]),
+            None => self.closed && surface.are_copies(vertices[vertices.len() - 1], vertices[0]),
+        };
+        (0..vertices.len()).filter(jumps).collect()
+    }
+
+    /// Returns the parts of the curve between its jumps, which can be drawn in the parameter domain.
+    pub fn parts(&self, surface: &Surface) -> Vec<Self> {
+        let jumps = self.jumps(surface);
+        let Some(&first) = jumps.first() else { return vec![self.clone()] };
+        let mut vertices = self.vertices.clone();
+        let mut ends: Vec<usize> = jumps.iter().skip(1).map(|jump| jump - first).collect();
+        if self.closed {
+            vertices.rotate_left(first);
+        } else {
+            ends = jumps;
+        }
+        ends.push(vertices.len());
+        let mut start = 0;
+        let part = |end| {
+            let vertices = vertices[std::mem::replace(&mut start, end)..end].to_vec();
+            Self { vertices, closed: false }
+        };
+        ends.into_iter().map(part).filter(|part| part.vertices.len() > 1).collect()
     }
 }
 

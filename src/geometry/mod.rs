@@ -1,6 +1,7 @@
 //! Computes geometry from distance maps: contours, geodesic paths, directions, log maps, Voronoi regions,
 //! offset curves, cut loci, even samples and canonical forms.
 
+mod across_seams;
 mod area;
 mod arrivals;
 #[cfg(feature = "canonical")]
@@ -19,6 +20,7 @@ mod ridges;
 mod sampling;
 mod voronoi;
 
+pub use across_seams::join_over_seams;
 pub use area::area;
 pub use contours::{Contour, LevelError, Levels, MOST_LEVELS, contours};
 pub use curve::{Curve, CurveError};

@@ -2,12 +2,12 @@
 
 use glam::{DMat2, DVec2};
 
-use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, ring};
+use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Offset, Real, ring};
 
 /// One neighbour: its index offset, the edge to it, and the edge from it to the next neighbour.
 #[derive(Clone, Copy, Debug)]
 struct Neighbour {
-    offset: isize,
+    offset: Offset,
     edge: EdgeSlot,
     base: EdgeSlot,
 }
@@ -25,7 +25,7 @@ impl<'a> Neighbourhood<'a> {
         let neighbourhood = Direction::ALL.map(|to| {
             let offset = chart.offset(to);
             let base = EdgeSlot::new(chart, offset, to.base());
-            Neighbour { offset, edge: EdgeSlot::new(chart, 0, to), base }
+            Neighbour { offset, edge: EdgeSlot::of(chart, to), base }
         });
         Self { edges, neighbourhood }
     }
@@ -37,13 +37,13 @@ impl<'a> Neighbourhood<'a> {
     /// Returns the index of the neighbour in direction `to`.
     #[inline]
     pub(super) fn neighbour(&self, point: usize, to: usize) -> usize {
-        point.wrapping_add_signed(self.neighbourhood[to].offset)
+        self.neighbourhood[to].offset.from(point)
     }
 
     /// Returns the indices of all eight neighbours.
     #[inline]
     pub(super) fn neighbours(&self, point: usize) -> impl Iterator<Item = usize> {
-        self.neighbourhood.iter().map(move |neighbour| point.wrapping_add_signed(neighbour.offset))
+        self.neighbourhood.iter().map(move |neighbour| neighbour.offset.from(point))
     }
 
     /// Returns the length of the edge to a neighbour, or [`Real::FAR`] if there is no such edge.

@@ -17,6 +17,7 @@ mod error;
 mod exr;
 mod file_spacing;
 mod georeference;
+mod grid;
 mod limits;
 mod map_file;
 mod matrix_file;
@@ -26,14 +27,16 @@ mod places;
 mod ply;
 mod png;
 mod raster;
+mod sparse_file;
 mod surface_file;
 mod tiff;
 
-pub use arrays::{Grid, read_mask, read_metric, read_slowness};
+pub use arrays::{read_mask, read_metric, read_slowness};
 pub use atomic::{OutputFile, StagedFile};
 pub use curves::{Attribute, CurveFormat, Drawing, Polyline};
 pub use error::IoError;
 pub use georeference::{CoordinateSystem, Georeference};
+pub use grid::Grid;
 pub use limits::{MAX_POINTS, checked_points};
 pub use map_file::{MapFormat, MapValue, read_map, write_bearings_tiff, write_labels_tiff};
 pub use matrix_file::{
@@ -43,6 +46,7 @@ pub use matrix_file::{
 pub use npy::write_npy;
 pub use places::{GridFrame, PlaceFile, PlacedCurve, PlacedPoint};
 pub use ply::write_ply;
+pub use sparse_file::write_sparse_npz;
 pub use surface_file::SurfaceFile;
 pub use tiff::GeoTags;
 

@@ -258,6 +258,10 @@ impl NpyElement for i32 {
     const DESCR: &'static str = if cfg!(target_endian = "little") { "<i4" } else { ">i4" };
 }
 
+impl NpyElement for i64 {
+    const DESCR: &'static str = if cfg!(target_endian = "little") { "<i8" } else { ">i8" };
+}
+
 impl NpyElement for f64 {
     const DESCR: &'static str = if cfg!(target_endian = "little") { "<f8" } else { ">f8" };
 }

@@ -14,6 +14,8 @@ pub(super) struct RowEngine<'a> {
     surface: &'a Surface,
     wavefront: Wavefront,
     pub monitor: Monitor,
+    /// The distance after which points are unreached.
+    radius: f64,
     kind: Kind<'a>,
 }
 
@@ -43,7 +45,7 @@ impl<'a> RowEngine<'a> {
         wavefront: Wavefront,
         options: &Options,
     ) -> Result<Self, Error> {
-        let monitor = options.monitor();
+        let (monitor, radius) = (options.monitor(), options.checked_radius()?);
         let kind = match &options.engine {
             Engine::Auto | Engine::Cpu => {
                 let edges = EdgeLengths::measured(surface, || monitor.check())?;
@@ -62,7 +64,7 @@ impl<'a> RowEngine<'a> {
                 Kind::Vulkan(Box::new(OnDevice { pairwise, surface: on_device, solver }))
             }
         };
-        Ok(Self { surface, wavefront, monitor, kind })
+        Ok(Self { surface, wavefront, monitor, radius, kind })
     }
 
     /// Returns the engine for the report.
@@ -135,14 +137,32 @@ impl<'a> RowEngine<'a> {
         into: &mut [f32],
         done: &(dyn Fn(usize) + Sync),
     ) -> Result<Convergence, Error> {
-        let (surface, wavefront) = (self.surface, self.wavefront);
+        let convergence = self.solve_whole(sources, stop, into, done)?;
+        if self.radius < f64::INFINITY {
+            let beyond = |distance: &&mut f32| f64::from(**distance) > self.radius;
+            into.par_iter_mut().filter(beyond).for_each(|distance| *distance = f32::INFINITY);
+        }
+        Ok(convergence)
+    }
+
+    /// Computes the same rows. Distances after the radius may be left.
+    fn solve_whole(
+        &mut self,
+        sources: &[usize],
+        stop: Stop,
+        into: &mut [f32],
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Result<Convergence, Error> {
+        let (surface, wavefront, radius) = (self.surface, self.wavefront, self.radius);
         match &mut self.kind {
             Kind::Lanes(lanes) => Ok(lanes.solve(sources, stop, into, (&self.monitor, done))),
             Kind::Maps(edges) => {
                 // Threads are busy with maps of their own.
                 let new = || {
-                    RotatedScan::in_order(edges, wavefront, Order::Lines)
-                        .with_monitor(self.monitor.clone())
+                    let solver = RotatedScan::in_order(edges, wavefront, Order::Lines);
+                    let mut solver = solver.with_monitor(self.monitor.clone());
+                    solver.set_radius(radius);
+                    solver
                 };
                 let done = (&self.monitor, done);
                 Ok(map_by_map(surface, sources, into, done, new, |solver, seed| {

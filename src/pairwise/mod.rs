@@ -26,16 +26,20 @@
 mod batches;
 mod engine;
 mod lanes;
+mod nearest;
 mod report;
 mod rows;
+mod sparse;
 
 use std::time::{Duration, Instant};
 
 use crate::surface::Surface;
 use crate::{Convergence, Error, Options, Stop};
 use engine::RowEngine;
+pub use nearest::{NearPoint, nearest_points};
 pub use report::PairwiseReport;
 pub use rows::Rows;
+pub use sparse::{SparseRows, pairs_within};
 
 /// Computes rows of the distance matrix of a surface. Data that all rows share is prepared once.
 ///
@@ -49,8 +53,10 @@ pub struct Pairwise<'a> {
 }
 
 impl<'a> Pairwise<'a> {
-    /// Prepares a surface. Options have the same meaning as for a single map, with two exceptions.
-    /// [`Options::schedule`] must not be set, since rows do not have a schedule.
+    /// Prepares a surface. Options have the same meaning as for a single map, with three exceptions.
+    /// [`Options::schedule`] must not be set, since rows do not have a schedule, nor must
+    /// [`Options::targets`]. With [`Options::radius`] larger distances are +infinity; [`pairs_within`] computes
+    /// the others alone.
     /// [`Engine::Auto`](crate::Engine::Auto) means the CPU.
     ///
     /// The CPU computes sixteen maps at once in SIMD lanes ([`PairwiseScan`](crate::cpu::PairwiseScan)).
@@ -58,17 +64,11 @@ impl<'a> Pairwise<'a> {
     /// threads are used.
     ///
     /// # Errors
-    /// If an option is out of range or does not suit the surface, a schedule is set, an edge of the surface
+    /// If an option is out of range or does not suit the surface, targets or a schedule are set, an edge of the surface
     /// is too long or too short for single precision, or the requested Vulkan device cannot be used.
     pub fn new(surface: &'a Surface, options: &Options) -> Result<Self, Error> {
         let stop = options.stop::<f32>(surface)?;
-        if options.schedule.is_some() {
-            return Err(Error::Options(
-                "a schedule is for single maps; the rows of a matrix have one order of updates on \
-                 each engine, leave the schedule out"
-                    .into(),
-            ));
-        }
+        options.check_for_rows()?;
         let wavefront = options.wavefront_of_rows(surface)?;
         let engine = RowEngine::new(surface, wavefront, options)?;
         Ok(Self { surface, engine, stop })

@@ -267,7 +267,7 @@ impl<R: Real> EdgeLengths<R> {
     pub fn length(&self, row: usize, col: usize, to: Direction) -> R {
         let chart = self.chart();
         assert!(row < chart.rows && col < chart.cols, "point outside the grid");
-        self.at(chart.bordered(row, col), EdgeSlot::new(chart, 0, to))
+        self.at(chart.bordered(row, col), EdgeSlot::of(chart, to))
     }
 
     /// Returns the even grid if the surface is a floor plan ([`Surface::is_floor_plan`]).
@@ -296,13 +296,13 @@ impl<R: Real> EdgeLengths<R> {
 
     #[inline]
     pub(crate) fn at(&self, point: usize, slot: EdgeSlot) -> R {
-        self.shared.lengths[slot.stored][point.wrapping_add_signed(slot.offset)]
+        self.shared.lengths[slot.stored][slot.offset.from(point)]
     }
 
     /// Returns the lengths of the edges in one slot for `points` points of a row, beginning with `first`.
     #[inline(always)]
     pub(crate) fn row(&self, first: usize, slot: EdgeSlot, points: usize) -> &[R] {
-        &self.shared.lengths[slot.stored][first.wrapping_add_signed(slot.offset)..][..points]
+        &self.shared.lengths[slot.stored][slot.offset.from(first)..][..points]
     }
 
     /// Returns two sets of eight lengths for each of a row's points in `cols`: the lengths of its edges, and
@@ -313,7 +313,7 @@ impl<R: Real> EdgeLengths<R> {
         let first = chart.bordered(row, cols.start);
         let along = |slot: EdgeSlot| self.row(first, slot, cols.len());
         [
-            Direction::ALL.map(|to| along(EdgeSlot::new(chart, 0, to))),
+            Direction::ALL.map(|to| along(EdgeSlot::of(chart, to))),
             Direction::ALL.map(|to| along(EdgeSlot::new(chart, chart.offset(to), to.base()))),
         ]
     }

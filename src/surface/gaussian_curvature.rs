@@ -98,7 +98,7 @@ impl<R: Real> Loop for Settled<'_, R> {
         let Self { edges, row, fans, line } = self;
         let (chart, cols) = (edges.chart(), line.len());
         let first = chart.bordered(row, 0);
-        let lengths = Direction::ALL.map(|to| edges.row(first, EdgeSlot::new(chart, 0, to), cols));
+        let lengths = Direction::ALL.map(|to| edges.row(first, EdgeSlot::of(chart, to), cols));
         let around = Direction::ALL.map(|to| &fans[chart.beside(first, to)..][..cols]);
         let own = &fans[first..][..cols];
         for (col, curvature) in line.iter_mut().enumerate() {
@@ -226,7 +226,7 @@ fn slowed<R: Real>(edges: &EdgeLengths<R>, slowness: &[R], point: usize, gaussia
     }
     let rise = around.map(|at| (slowness[at] / own).ln());
     let squared = |from: usize, to: Direction| {
-        let length = edges.at(from, EdgeSlot::new(chart, 0, to));
+        let length = edges.at(from, EdgeSlot::of(chart, to));
         let length = on_surface(length, [slowness[from], slowness[chart.beside(from, to)]]);
         length * length
     };

@@ -34,7 +34,8 @@ mod window;
 
 pub use arc::EdgeRule;
 pub(crate) use chart::{
-    Block, Cell, Edge, EdgeSlot, Lines, Tiling, corner_weights, grid_crossings, ring, triangles,
+    Block, Cell, Edge, EdgeSlot, Lines, Offset, Tiling, corner_weights, grid_crossings, ring,
+    triangles,
 };
 pub use chart::{Chart, Direction};
 pub use coarsen::Coarsened;

@@ -9,7 +9,7 @@
 //! part is obtuse, and it is split again. Where a hole or the border ends the unfolding first, no path from
 //! any grid point comes through the remaining part, and it is not used either.
 
-use super::chart::{Direction, EdgeSlot, STORED};
+use super::chart::{Direction, EdgeSlot, Offset, STORED};
 use super::edges::EdgeLengths;
 use super::obtuse::is_obtuse;
 use super::real::{Real, max, min};
@@ -26,12 +26,11 @@ impl<R: Real> EdgeLengths<R> {
         let Some((stored, is_of_neighbour)) = STORED_AT[(3 * down + right + 4) as usize] else {
             return R::FAR;
         };
-        let step = down * self.chart().stride() as isize + right;
-        let length =
-            self.at(point, EdgeSlot { stored, offset: if is_of_neighbour { step } else { 0 } });
+        let step = self.chart().offset_by((down, right));
+        let offset = if is_of_neighbour { step } else { Offset::NONE };
+        let length = self.at(point, EdgeSlot { stored, offset });
         let Some(slowness) = self.slowness().filter(|_| length < R::FAR) else { return length };
-        let there = point.wrapping_add_signed(step);
-        (length + length) / (slowness[point] + slowness[there])
+        (length + length) / (slowness[point] + slowness[step.from(point)])
     }
 
     /// Splits a point's triangle between two neighbours in successive directions, if it is obtuse. Calls
@@ -53,8 +52,7 @@ impl<R: Real> EdgeLengths<R> {
         let [first, second] = directions;
         let [a, b] = if first.next() == second { directions } else { [second, first] };
         let base = (b.step().0 - a.step().0, b.step().1 - a.step().1);
-        let point_at =
-            |(down, right): Step| x0.wrapping_add_signed(down * chart.stride() as isize + right);
+        let point_at = |step: Step| chart.offset_by(step).from(x0);
         let [la, lb, c] = [
             self.along(x0, a.step()),
             self.along(x0, b.step()),

@@ -22,7 +22,7 @@ use super::carried::Kept;
 use super::inside::InsideSources;
 use crate::constants::{ALIKE, ALIKE_AT_ANCHOR, BENDS_BACK, LINES_BACK};
 use crate::surface::{
-    Chart, Direction, EdgeLengths, EdgeSlot, EvenGrid, Real, Seed, is_corner, is_open, min,
+    Chart, Direction, EdgeLengths, EdgeSlot, EvenGrid, Offset, Real, Seed, is_corner, is_open, min,
 };
 
 /// A floor plan as the update sees it: a flat, evenly spaced grid with holes.
@@ -34,7 +34,7 @@ pub(crate) struct Floor<R> {
     /// Neighbours to which each point of the bordered array has edges, one bit each.
     edges: Vec<u8>,
     /// Offsets of the eight neighbours in the bordered array.
-    around: [isize; 8],
+    around: [Offset; 8],
     /// Tables indexed by the edges of a point: whether it is a corner, and which of the eight sectors between
     /// neighbouring directions lead into a hole.
     corners: [bool; 256],
@@ -163,7 +163,7 @@ impl<R: Real> Floor<R> {
     /// Makes a floor with these edges. `grid` is the grid of a floor plan ([`EdgeLengths::floor`]).
     pub(crate) fn new(lengths: &EdgeLengths<R>, grid: EvenGrid) -> Self {
         let chart = lengths.chart();
-        let slots = Direction::ALL.map(|to| EdgeSlot::new(chart, 0, to));
+        let slots = Direction::ALL.map(|to| EdgeSlot::of(chart, to));
         let mut edges = vec![0; chart.bordered_points()];
         chart.rows_mut(&mut edges).enumerate().for_each(|(row, inner)| {
             for (bit, &slot) in slots.iter().enumerate() {
@@ -213,7 +213,7 @@ impl<R: Real> Floor<R> {
     #[inline]
     fn neighbour(&self, point: usize, to: usize) -> Option<usize> {
         let is_there = self.edges[point] >> to & 1 != 0;
-        is_there.then(|| point.wrapping_add_signed(self.around[to]))
+        is_there.then(|| self.around[to].from(point))
     }
 
     /// Returns whether a point is present and has neighbours.
@@ -538,7 +538,7 @@ impl<R: Real> Floor<R> {
         let is_left = toward == (ahead + 2) % 8;
         let blocked = |point: usize| self.blocked[usize::from(self.edges[point])];
         let beside = |to: usize| 1u8 << to | 1u8 << ((to + 7) % 8);
-        let past = |point: usize, to: usize| point.wrapping_add_signed(self.around[to]);
+        let past = |point: usize, to: usize| self.around[to].from(point);
 
         // Along edges, one of the cells on both sides must be present.
         if aside == R::zero() || aside == lines {

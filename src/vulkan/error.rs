@@ -243,10 +243,10 @@ pub enum VulkanError {
     /// Contours or paths were made for another surface.
     #[error("the contours or paths were made for another surface than the recording's")]
     OtherSurface,
-    /// Contours, paths or regions cannot be made or recorded as requested.
+    /// Contours, paths, regions, directions or a log map cannot be made or recorded as requested.
     #[error("no {what}: {reason}")]
     Curves {
-        /// Kind of the result: contours, paths or regions.
+        /// Kind of the result.
         what: &'static str,
         /// Reason for the failure.
         reason: String,

@@ -7,7 +7,7 @@ const HEADER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi/geosweep.h")
 const SOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi");
 
 /// Files in the order of the header.
-const FILES: [&str; 16] = [
+const FILES: [&str; 18] = [
     "status",
     "requirements",
     "choices",
@@ -23,6 +23,8 @@ const FILES: [&str; 16] = [
     "contours",
     "paths",
     "regions",
+    "directions",
+    "log_map",
     "profile",
 ];
 /// Files that declare nothing for C.

@@ -1,7 +1,7 @@
 //! Calls that come at the wrong time: a surface without edges or a map, a slot in flight, a destroyed object.
 //! Each gives an error or a value in the outcome. `tests/vulkan/embed/misuse.rs` tests the same in Rust.
 
-use std::ptr::null_mut;
+use std::ptr::{null, null_mut};
 
 use geosweep::ash::vk;
 use geosweep::capi::*;
@@ -416,6 +416,70 @@ fn regions_are_those_of_the_nearest_source() {
     }
     unsafe {
         ok(geosweep_regions_destroy(regions));
+        ok(geosweep_surface_destroy(surface));
+        ok(geosweep_plan_destroy(plan));
+    }
+    session.end([to]);
+}
+
+/// On a plane, directions lead straight to the source, and the log map has the points' places.
+#[test]
+fn directions_and_log_maps_of_a_plane() {
+    let mut session = Session::new(Host::new());
+    let data = [0.5f32; (ROWS * COLS) as usize];
+    let points = [heights(&data)];
+    let surface = session.surface(&surface_info(ROWS, COLS, &points));
+    let plan = session.plan(ROWS, COLS, &method(GeosweepWavefront::Curved, 12));
+    let sources = [geosweep_source_at(2.0, 3.0)];
+    let (mut directions, mut log_map) = (null_mut(), null_mut());
+    let (mut stated, mut taken) = ([0; 2], [0; 2]);
+    unsafe {
+        ok(geosweep_directions_create(surface, null(), &mut directions));
+        ok(geosweep_log_map_create(surface, null(), &mut log_map));
+        ok(geosweep_directions_bytes_for(session.solver, ROWS, COLS, &mut stated[0]));
+        ok(geosweep_log_map_bytes_for(session.solver, ROWS, COLS, &mut stated[1]));
+        ok(geosweep_directions_bytes(directions, &mut taken[0]));
+        ok(geosweep_log_map_bytes(log_map, &mut taken[1]));
+        let none: GeosweepHostImage = zero();
+        wrong(geosweep_directions_create(surface, &none, &mut null_mut()), "null handle");
+        wrong(geosweep_log_map_set_image(log_map, &none), "belongs to the library");
+    }
+    assert_eq!(stated, taken);
+    let bytes = u64::from(ROWS * COLS) * 8;
+    let to = session.host.buffer(bytes, true);
+    let frame = frame(plan, &sources);
+    let device = session.host.device.clone();
+    session.read(|commands, image| unsafe {
+        ok(geosweep_record_frame(surface, commands, &frame, image));
+        let of = GeosweepDirectionFrame { sources: frame.sources, reader: COPY, ..zero() };
+        ok(geosweep_record_directions(surface, commands, directions, &of, null_mut()));
+        let of = GeosweepLogMapFrame { sources: frame.sources, reader: COPY, ..zero() };
+        let mut found = zero::<GeosweepImage>();
+        ok(geosweep_record_log_map(surface, commands, log_map, &of, &mut found));
+        let mut same = zero::<GeosweepImage>();
+        ok(geosweep_log_map_image(log_map, COPY.layout, &mut same));
+        assert_eq!(found.image, same.image);
+        let wrong_radius = GeosweepLogMapFrame { radius: -1.0, ..of };
+        wrong(
+            geosweep_record_log_map(surface, commands, log_map, &wrong_radius, null_mut()),
+            "not positive",
+        );
+        let layers = vk::ImageSubresourceLayers::default()
+            .aspect_mask(vk::ImageAspectFlags::COLOR)
+            .layer_count(1);
+        let extent = vk::Extent3D { width: COLS, height: ROWS, depth: 1 };
+        let part = vk::BufferImageCopy::default().image_subresource(layers).image_extent(extent);
+        device.cmd_copy_image_to_buffer(commands, found.image, COPY.layout, to.handle, &[part]);
+        GeosweepStatus::Success
+    });
+    for (index, found) in to.floats()[..(2 * ROWS * COLS) as usize].chunks(2).enumerate() {
+        let (row, col) = ((index as u32 / COLS) as f32, (index as u32 % COLS) as f32);
+        let off = f32::hypot(found[0] - (col - 3.0), found[1] - (row - 2.0));
+        assert!(off < 1e-3, "{found:?} at {row},{col}");
+    }
+    unsafe {
+        ok(geosweep_directions_destroy(directions));
+        ok(geosweep_log_map_destroy(log_map));
         ok(geosweep_surface_destroy(surface));
         ok(geosweep_plan_destroy(plan));
     }

@@ -2,8 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
+use geosweep::geometry::{Curve, PathTracer, contours, join_over_seams};
 use geosweep::glam::DVec3;
-use geosweep::surface::{Gluing, GluingError, GridSide, Run, Seam, SurfaceError};
+use geosweep::surface::{EdgeLengths, Gluing, GluingError, GridSide, Run, Seam, SurfaceError};
 use geosweep::{
     Engine, Options, Sources, Spacing, Surface, Wavefront, distance_map, distance_map_f64,
 };
@@ -64,6 +65,16 @@ fn errors(
     Errors { mean, on_seams, largest, iterations }
 }
 
+/// Returns a cylinder of radius 1 with square cells.
+fn tube(rows: usize, cols: usize) -> Surface {
+    let step = TAU / (cols - 1) as f64;
+    let cylinder = grid(rows, cols, |row, col| {
+        let angle = step * (col % (cols - 1)) as f64;
+        DVec3::new(angle.cos(), angle.sin(), step * row as f64)
+    });
+    cylinder.with_gluing(Gluing::columns()).unwrap()
+}
+
 #[test]
 fn unrolled_surfaces_are_exact_up_to_rounding() {
     let (rows, cols) = (61, 97);
@@ -72,11 +83,7 @@ fn unrolled_surfaces_are_exact_up_to_rounding() {
     let (row, col) = (20.0, 3.0);
     let all = |_| true;
 
-    let cylinder = grid(rows, cols, |row, col| {
-        let angle = step * (col % 96) as f64;
-        DVec3::new(angle.cos(), angle.sin(), step * row as f64)
-    });
-    let cylinder = cylinder.with_gluing(Gluing::columns()).unwrap();
+    let cylinder = tube(rows, cols);
     let exact = |r: usize, c: usize| step * round(c as f64, col, 96.0).hypot(r as f64 - row);
     let found = errors("cylinder", &cylinder, [row, col], exact, all);
     assert!(found.mean < 4e-7 && found.on_seams < 6e-7 && found.largest < 3e-6);
@@ -278,4 +285,117 @@ fn what_does_not_coincide_is_refused() {
     assert!(matches!(refused(tube, Gluing::rows()), GluingError::Twice { .. }));
     let two = Gluing::Runs(vec![[run(0, 5), run(4, 5)]; 2]);
     assert!(matches!(refused(flat(5, 5), two), GluingError::Twice { .. }));
+}
+
+/// Traces paths from some places and compares their lengths with closed forms. Returns the number of paths that
+/// jump over a seam.
+fn trace(
+    name: &str,
+    surface: &Surface,
+    source: [f64; 2],
+    exact: impl Fn([f64; 2]) -> f64,
+) -> usize {
+    let sources = Sources::point(source[0], source[1]);
+    let map = distance_map(surface, &sources, &curved()).unwrap();
+    let edges = EdgeLengths::new(surface).unwrap();
+    let paths = PathTracer::new(surface, &edges, &sources, &map.distances).unwrap();
+    let chart = surface.chart();
+    let places = (1..=150).map(|k| {
+        let share = |by: f64| (f64::from(k) * by).fract();
+        [share(0.618_034) * (chart.rows - 1) as f64, share(0.754_878) * (chart.cols - 1) as f64]
+    });
+    let (mut jumping, mut sum, mut largest, mut count) = (0, 0.0, 0f64, 0);
+    for start in places {
+        let [row, col] = start.map(|at| at as usize);
+        if ![(0, 0), (0, 1), (1, 0), (1, 1)].iter().all(|(r, c)| surface.has(row + r, col + c)) {
+            continue;
+        }
+        let path = paths.trace(start).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let vertices = &path.curve.vertices;
+        assert_eq!(vertices.first(), Some(&start), "{name}");
+        assert_eq!(vertices.last(), Some(&source), "{name} from {start:?}");
+        let excess = (path.length - exact(start)).abs() / exact(start);
+        (sum, largest, count) = (sum + excess, largest.max(excess), count + 1);
+        let (jumps, steps) = (path.curve.jumps(surface), vertices.windows(2).enumerate());
+        jumping += usize::from(!jumps.is_empty());
+        for (index, step) in steps.filter(|(index, _)| !jumps.contains(&(index + 1))) {
+            let apart = (step[1][0] - step[0][0]).abs().max((step[1][1] - step[0][1]).abs());
+            assert!(apart <= 1.0 + 1e-9, "{name}: a step of {apart} cells at vertex {index}");
+        }
+        let parts = path.curve.parts(surface);
+        let along: f64 = parts.iter().map(|part| part.length(surface).unwrap()).sum();
+        assert!((along - path.curve.length(surface).unwrap()).abs() <= 1e-9 * along, "{name}");
+    }
+    let mean = sum / f64::from(count);
+    println!("{name}: {jumping} of {count} paths jump, mean {mean:.1e}, largest {largest:.1e}");
+    assert!(mean < 2e-4 && largest < 2e-3, "{name}: mean {mean:e}, largest {largest:e}");
+    jumping
+}
+
+#[test]
+fn paths_pass_seams() {
+    let round = |a: f64, b: f64, n: f64| (a - b).abs().min(n - (a - b).abs());
+    let tube = flat(41, 65).with_gluing(Gluing::columns()).unwrap();
+    let exact = |[r, c]: [f64; 2]| round(c, 5.0, 64.0).hypot(r - 20.0);
+    assert!(trace("tube", &tube, [20.0, 5.0], exact) > 40);
+    // The source is on the seam: paths from either side end at the place that was given.
+    let exact = |[r, c]: [f64; 2]| round(c, 64.0, 64.0).hypot(r - 20.0);
+    assert!(trace("tube from its seam", &tube, [20.0, 64.0], exact) > 40);
+
+    let moebius = flat(41, 65).with_gluing(Gluing::flipped_columns()).unwrap();
+    let exact = |[r, c]: [f64; 2]| {
+        let images = [(r, 0.0), (40.0 - r, 64.0), (40.0 - r, -64.0)];
+        let images = images.map(|(r, by)| (c + by - 5.0).hypot(r - 12.0));
+        images.into_iter().fold(f64::INFINITY, f64::min)
+    };
+    assert!(trace("Moebius strip", &moebius, [12.0, 5.0], exact) > 40);
+
+    let on_sphere = |name, surface: &Surface, source: [usize; 2]| {
+        let place = |at: [f64; 2]| {
+            let curve = Curve { vertices: vec![at], closed: false };
+            curve.lift(surface).unwrap()[0].normalize()
+        };
+        let source = source.map(|at| at as f64);
+        let from = place(source);
+        let exact = |at| place(at).cross(from).length().atan2(place(at).dot(from));
+        trace(name, surface, source, exact)
+    };
+    assert!(on_sphere("globe", &globe(81, 161), [30, 10]) > 30);
+    assert!(on_sphere("globe from a pole", &globe(81, 161), [0, 40]) > 100);
+    assert!(on_sphere("octahedral map", &octahedral(40), [30, 20]) > 30);
+    assert!(on_sphere("cube", &cube(31), [10, 20]) > 60);
+}
+
+#[test]
+fn contours_close_over_seams() {
+    type Circle = fn(f64) -> f64;
+    let (on_plane, on_sphere): (Circle, Circle) = (|radius| radius, f64::sin);
+    let check = |name: &str,
+                 surface: &Surface,
+                 source: [usize; 2],
+                 levels: &[f64],
+                 radius: Circle| {
+        let sources = Sources::point(source[0] as f64, source[1] as f64);
+        let map = distance_map(surface, &sources, &curved()).unwrap();
+        for contour in contours(&map, &sources, levels) {
+            let count = contour.curves.len();
+            let curves = join_over_seams(contour.curves, surface);
+            let length: f64 = curves.iter().map(|curve| curve.length(surface).unwrap()).sum();
+            let expected = TAU * radius(contour.level);
+            println!(
+                "{name} at {}: {count} parts, {} curves, {length}",
+                contour.level,
+                curves.len()
+            );
+            assert_eq!((curves.len(), curves[0].closed), (1, true), "{name} at {}", contour.level);
+            assert!((length - expected).abs() < 5e-3 * expected, "{name}: {length} {expected}");
+            for line in curves[0].lift(surface).unwrap().windows(2) {
+                assert!(line[0].distance(line[1]) < 0.15, "{name}");
+            }
+        }
+    };
+    check("tube", &tube(61, 97), [30, 2], &[0.3, 1.0, 1.5], on_plane);
+    check("globe", &globe(81, 161), [30, 3], &[0.4, 1.0, 1.6, 2.5], on_sphere);
+    check("octahedral map", &octahedral(40), [25, 18], &[0.4, 1.0, 1.6, 2.5], on_sphere);
+    check("cube", &cube(31), [10, 20], &[0.4, 1.0, 1.6, 2.5], on_sphere);
 }

@@ -367,6 +367,7 @@ fn every_iteration_lowers_the_map_or_leaves_it() {
 /// and some blocks are skipped. Blocks have one line, a few lines, or more lines than the grid.
 #[test]
 fn scans_of_blocks_that_are_due_are_whole_scans() {
+    use twins::ScanOrder::{InPairs, InTurn};
     for (name, surface) in random_surfaces().into_iter().step_by(5) {
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
         let seeds = Sources::point(20.0, 30.5).and_point(0.0, 0.0, 1.0).seeds(&surface);
@@ -374,16 +375,20 @@ fn scans_of_blocks_that_are_due_are_whole_scans() {
         for wavefront in Wavefront::FOR_ANY_SURFACE {
             for lines in [1, 4, 7, 100] {
                 let stop = Stop::within(1e-6).or_after(60);
-                let whole = twins::scan_in_turn(&edges, &seeds, wavefront, stop);
-                let (due, visits) = twins::scan_due(&edges, &seeds, wavefront, stop, lines);
-                let what = format!("{name}, {wavefront}, {lines} lines");
-                assert_eq!(whole.distances(), due.distances(), "{what}");
-                assert_eq!(whole.iterations, due.iterations, "{what}");
-                assert_eq!(whole.residual, due.residual, "{what}");
-                assert_eq!(visits.len(), due.iterations as usize, "{what}");
-                let all = visits.iter().flatten().flatten();
-                let skipped = all.filter(|&&visited| !visited).count();
-                assert!(lines == 100 || skipped > 0, "{what}");
+                let in_turn = twins::scan_in_turn(&edges, &seeds, wavefront, stop);
+                let in_pairs = twins::scan_in_pairs(&edges, &seeds, wavefront, stop, lines);
+                for (order, whole) in [(InTurn, &in_turn), (InPairs, &in_pairs)] {
+                    let (due, visits) =
+                        twins::scan_due(&edges, &seeds, wavefront, stop, (order, lines));
+                    let what = format!("{name}, {wavefront}, {order:?}, {lines} lines");
+                    assert_eq!(whole.distances(), due.distances(), "{what}");
+                    assert_eq!(whole.iterations, due.iterations, "{what}");
+                    assert_eq!(whole.residual, due.residual, "{what}");
+                    assert_eq!(visits.len(), due.iterations as usize, "{what}");
+                    let all = visits.iter().flatten().flatten();
+                    let skipped = all.filter(|&&visited| !visited).count();
+                    assert!(lines == 100 || skipped > 0, "{what}");
+                }
             }
         }
     }

@@ -24,6 +24,7 @@ mod patches;
 mod paths;
 mod paths_around_holes;
 mod properties;
+mod radius;
 mod ridges;
 mod rotated_scan;
 mod sampling;

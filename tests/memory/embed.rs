@@ -7,8 +7,9 @@ use geosweep::Wavefront;
 use geosweep::ash::vk;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, ContourFrame, Frame, LevelInput, Lookup, PathFrame, PathsInfo, PointSource,
-    Points, Reader, RegionFrame, SourceBuffer, SourceInput, StartInput, SurfaceFrame, SurfaceInfo,
+    self, Access, ContourFrame, DirectionFrame, Frame, LevelInput, LogMapFrame, Lookup, PathFrame,
+    PathsInfo, PointSource, Points, Reader, RegionFrame, SourceBuffer, SourceInput, StartInput,
+    SurfaceFrame, SurfaceInfo,
 };
 use geosweep::vulkan::profile::{Grain, Profile, Slots};
 use geosweep::vulkan::{Method, Schedule};
@@ -66,6 +67,8 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
     let mut paths = solver.paths(&device, allocator, &surface, info).unwrap();
     let regions = solver.regions(&device, allocator, &surface, Wavefront::Curved);
     let mut regions = regions.unwrap();
+    let mut directions = solver.directions(&device, allocator, &surface).unwrap();
+    let mut log_map = solver.log_map(&device, allocator, &surface).unwrap();
     host.run(|commands| solver.record(&device, commands, &surface).prepare());
 
     // With this device, only commands reach the real one.
@@ -119,6 +122,10 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
             recording.paths(&paths, &frame).unwrap();
             let frame = RegionFrame::new(inputs[1 - number % 2], Access::VERTEX_READ);
             recording.regions(&regions, &frame).unwrap();
+            let frame = DirectionFrame::new(inputs[1 - number % 2], Reader::COMPUTE);
+            recording.directions(&directions, &frame).unwrap();
+            let frame = LogMapFrame::new(inputs[1 - number % 2], Reader::COMPUTE);
+            recording.log_map(&log_map, &frame).unwrap();
             recording.end(Access::TRANSFER_READ);
             assert_eq!(allocations() - before, 0, "{schedule}, frame {number}");
             assert_eq!(DEVICE_CALLS.load(Ordering::Relaxed), 0, "{schedule}, frame {number}");
@@ -139,6 +146,8 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
     contours.destroy(&device, host.allocator());
     paths.destroy(&device, host.allocator());
     regions.destroy(&device, host.allocator());
+    directions.destroy(&device, host.allocator());
+    log_map.destroy(&device, host.allocator());
     surface.destroy(&device, host.allocator());
     solver.destroy(&device);
     [points, sources, places, found].into_iter().for_each(|buffer| host.free(buffer));

@@ -220,6 +220,10 @@ fn twin(
     stop: Stop,
 ) -> Solution<f32> {
     match schedule {
+        Schedule::Raster if tuning.scan_pairs => {
+            let lines = tuning.scan_lines as usize;
+            twins::scan_in_pairs(edges, seeds, wavefront, stop, lines)
+        }
         Schedule::Raster => twins::scan_in_turn(edges, seeds, wavefront, stop),
         Schedule::AllPoints => twins::all_points(edges, seeds, wavefront, stop),
         Schedule::Tiles => {

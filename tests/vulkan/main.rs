@@ -10,6 +10,7 @@ mod headless;
 mod host;
 mod pairwise;
 mod profile;
+mod scan_pairs;
 #[cfg(feature = "shaderc")]
 mod spirv;
 mod staging;

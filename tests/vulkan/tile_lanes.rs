@@ -24,16 +24,16 @@ fn solver(tile_lanes: TileLanes, tile: u32, tile_edges: bool, inner: u32) -> Hea
     solver.with_tuning(tuning).unwrap()
 }
 
-fn assert_nothing_said(solver: &HeadlessSolver) {
+pub fn assert_nothing_said(solver: &HeadlessSolver) {
     let said = solver.validation_log().expect("validation is on").messages();
     assert!(said.is_empty(), "{said:?}");
 }
 
-struct Problem {
-    what: &'static str,
-    surface: Surface,
-    seeds: Vec<Seed>,
-    wavefronts: &'static [Wavefront],
+pub struct Problem {
+    pub what: &'static str,
+    pub surface: Surface,
+    pub seeds: Vec<Seed>,
+    pub wavefronts: &'static [Wavefront],
 }
 
 impl Problem {
@@ -50,7 +50,7 @@ impl Problem {
 
 /// With holes, obtuse triangles, an uneven slowness, fronts of several origins, and anchors; no side is a
 /// multiple of that of a tile.
-fn problems() -> Vec<Problem> {
+pub fn problems() -> Vec<Problem> {
     use Wavefront::{Anchored, Circular, Curved, Planar};
     let middle = |surface: &Surface| {
         let (row, col) = some_point(surface);

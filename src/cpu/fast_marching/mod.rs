@@ -5,13 +5,14 @@ mod connections;
 pub use connections::Connections;
 
 use std::cmp::{Ordering, Reverse};
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::{BinaryHeap, HashMap, HashSet};
 
 use super::behind::Behind;
-use super::fronts::{Anchored, FrontKind, FrontOver, TriangleKind};
+use super::fronts::{Anchored, FrontOver, PointKind, TriangleKind};
+use super::limit::Limit;
 use super::point_fronts::PointFronts;
 use super::solution::Solution;
-use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Groups, Real, Seed};
+use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Groups, Offset, Real, Seed};
 use crate::update::{Kept, Triangle, Wavefront};
 
 /// Solves by fast marching (Algorithm 1). Points are fixed in the order in which the front reaches them. A
@@ -37,23 +38,34 @@ pub fn fast_marching_with<R: Real>(
     seeds: &[Seed],
     wavefront: Wavefront,
 ) -> Solution<R> {
+    limited_march(edges, connections, seeds, wavefront, Limit::NONE)
+}
+
+/// Does the same as [`fast_marching_with`], and ends at the limit. Later times are provisional.
+pub(crate) fn limited_march<R: Real>(
+    edges: &EdgeLengths<R>,
+    connections: &Connections<R>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    limit: Limit,
+) -> Solution<R> {
     match FrontOver::new(edges, wavefront) {
-        FrontOver::Planar(kind) => by_triangles(edges, connections, seeds, kind),
-        FrontOver::Circular(kind) => by_triangles(edges, connections, seeds, kind),
-        FrontOver::Curved(kind) => by_triangles(edges, connections, seeds, kind),
-        FrontOver::SlowedPlanar(kind) => by_triangles(edges, connections, seeds, kind),
-        FrontOver::SlowedCurved(kind) => by_triangles(edges, connections, seeds, kind),
-        FrontOver::Anchored(kind) => by_anchors(edges, seeds, kind),
+        FrontOver::Planar(kind) => by_triangles(edges, connections, seeds, kind, limit),
+        FrontOver::Circular(kind) => by_triangles(edges, connections, seeds, kind, limit),
+        FrontOver::Curved(kind) => by_triangles(edges, connections, seeds, kind, limit),
+        FrontOver::SlowedPlanar(kind) => by_triangles(edges, connections, seeds, kind, limit),
+        FrontOver::SlowedCurved(kind) => by_triangles(edges, connections, seeds, kind, limit),
+        FrontOver::Anchored(kind) => by_anchors(edges, seeds, kind, limit),
     }
 }
 
 /// Returns the edges from a fixed point to its neighbours, and the triangles at the fixed point as each
 /// neighbour sees them.
-fn neighbours(chart: Chart) -> [(isize, EdgeSlot, Behind); 8] {
+fn neighbours(chart: Chart) -> [(Offset, EdgeSlot, Behind); 8] {
     Direction::ALL.map(|to| {
         let back = to.opposite();
         let behind = Behind::new(chart, [back.previous(), back, back.next()]);
-        (chart.offset(to), EdgeSlot::new(chart, 0, to), behind)
+        (chart.offset(to), EdgeSlot::of(chart, to), behind)
     })
 }
 
@@ -62,9 +74,10 @@ fn by_triangles<R: Real, K: TriangleKind<R>>(
     connections: &Connections<R>,
     seeds: &[Seed],
     kind: K,
+    limit: Limit,
 ) -> Solution<R> {
     let neighbours = neighbours(edges.chart());
-    let mut march = March::start(PointFronts::start(edges, kind, seeds), seeds);
+    let mut march = March::start(PointFronts::start(edges, kind, seeds), seeds, limit);
     let copies = CopiesOf::new(edges);
     while let Some(point) = march.next() {
         for &x0 in copies.of(point).iter().filter(|&&x0| x0 as usize != point) {
@@ -72,7 +85,7 @@ fn by_triangles<R: Real, K: TriangleKind<R>>(
             march.lower(x0 as usize, arrival, K::time(arrival));
         }
         for (offset, edge, behind) in &neighbours {
-            let x0 = point.wrapping_add_signed(*offset);
+            let x0 = offset.from(point);
             if march.is_fixed(x0) || edges.at(point, *edge) >= R::FAR {
                 continue;
             }
@@ -100,12 +113,17 @@ fn by_triangles<R: Real, K: TriangleKind<R>>(
 
 /// Solves over a floor plan, which is exact. A fixed point has been reached on its shortest path and has
 /// passed its anchor on to its neighbours. See `update/anchored.rs`.
-fn by_anchors<R: Real>(edges: &EdgeLengths<R>, seeds: &[Seed], kind: Anchored<R>) -> Solution<R> {
+fn by_anchors<R: Real>(
+    edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    kind: Anchored<R>,
+    limit: Limit,
+) -> Solution<R> {
     let neighbours = neighbours(edges.chart());
-    let mut march = March::start(PointFronts::start(edges, kind, seeds), seeds);
+    let mut march = March::start(PointFronts::start(edges, kind, seeds), seeds, limit);
     while let Some(point) = march.next() {
         for (offset, edge, behind) in &neighbours {
-            let x0 = point.wrapping_add_signed(*offset);
+            let x0 = offset.from(point);
             if march.is_fixed(x0) || edges.at(point, *edge) >= R::FAR {
                 continue;
             }
@@ -134,29 +152,45 @@ impl<'a> CopiesOf<'a> {
 }
 
 /// The fronts, flags of the fixed points, and the heap of the points that may be fixed next.
-struct March<R: Real, K: FrontKind<R>> {
+struct March<R: Real, K: PointKind<R>> {
     fronts: PointFronts<R, K>,
     fixed: Vec<bool>,
     heap: BinaryHeap<Reverse<Arrival<R>>>,
+    limit: Limit,
+    /// The targets of the limit, as indices of the bordered array.
+    targets: HashSet<usize>,
 }
 
-impl<R: Real, K: FrontKind<R>> March<R, K> {
-    fn start(fronts: PointFronts<R, K>, seeds: &[Seed]) -> Self {
+impl<R: Real, K: PointKind<R>> March<R, K> {
+    fn start(fronts: PointFronts<R, K>, seeds: &[Seed], limit: Limit) -> Self {
         let chart = fronts.edges.chart();
         let heap = seeds
             .iter()
             .map(|seed| chart.bordered(seed.row, seed.col))
             .map(|point| Reverse(Arrival { time: fronts.time(point), point }))
             .collect();
-        Self { fronts, fixed: vec![false; chart.bordered_points()], heap }
+        let targets = limit.targets().iter().map(|&[row, col]| chart.bordered(row, col)).collect();
+        Self { fronts, fixed: vec![false; chart.bordered_points()], heap, limit, targets }
     }
 
-    /// Fixes the earliest point that is not fixed yet, and returns it.
+    /// Fixes the earliest point that is not fixed yet, and returns it. Returns `None` after the last one, and
+    /// at the limit.
     fn next(&mut self) -> Option<usize> {
         loop {
-            let Reverse(Arrival { point, .. }) = self.heap.pop()?;
+            let Reverse(Arrival { point, time }) = self.heap.pop()?;
+            if time.wide() > self.limit.time() {
+                return None;
+            }
             // A point also stays in the heap with its previous, larger times.
             if !std::mem::replace(&mut self.fixed[point], true) {
+                if self.targets.contains(&point) {
+                    let chart = self.fronts.edges.chart();
+                    let (fixed, fronts) = (&self.fixed, &self.fronts);
+                    self.limit.lower(|[row, col]| {
+                        let target = chart.bordered(row, col);
+                        if fixed[target] { fronts.time(target).wide() } else { f64::INFINITY }
+                    });
+                }
                 return Some(point);
             }
         }

@@ -10,16 +10,15 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
-use super::kind::FrontKind;
+use super::kind::{FrontKind, PointKind};
+use super::lanes::LaneKind;
 use super::surface_array::SurfaceArray;
 use crate::constants::ANCHOR_COUNTS;
 use crate::cpu::behind::Behind;
-use crate::cpu::rotated::line::GridLines;
-use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
-use crate::cpu::rotated::span::{Before, Span};
+use crate::cpu::rotated::line::ScanLine;
+use crate::cpu::rotated::span::{Before, LargestChanges, Span};
 use crate::cpu::rotated::tiles::TILE;
-use crate::cpu::scan::Scan;
-use crate::lanes::prefetch;
+use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Chart, EdgeLengths, EvenGrid, Real, Seed, TAG, Tagged, min};
 use crate::update::{Anchor, Carried, Floor, Kept, is_shorter};
 
@@ -64,9 +63,6 @@ impl<R: Real> Anchored<R> {
 impl<R: Real> FrontKind<R> for Anchored<R> {
     type Carried = Anchor<R>;
     type Arrival = KeptAnchored<R>;
-    type SurfaceData = HolesBehind<R>;
-
-    const NEEDS_EDGES: bool = false;
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> KeptAnchored<R> {
         Kept { time: R::of(seed.time), carried: self.floor.anchor_of(seed) }
@@ -74,18 +70,6 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
 
     fn forget(&mut self) {
         self.floor.forget();
-    }
-
-    #[inline]
-    fn reach(
-        &self,
-        _: &EdgeLengths<R>,
-        point: usize,
-        behind: &Behind,
-        seen: impl Fn(usize) -> KeptAnchored<R>,
-    ) -> KeptAnchored<R> {
-        let way = self.floor.reach(point, behind.middle() as usize, seen);
-        Kept { time: way.time, carried: Anchor::new(way.anchor) }
     }
 
     /// Accepts an arrival that is shorter than the present front by more than rounding. If the scan `renews`,
@@ -132,6 +116,26 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
         let turn = if turns { R::of(ANCHOR_COUNTS).in_units() } else { R::Bits::default() };
         before.time.units_between(after.time).max(turn)
     }
+}
+
+impl<R: Real> PointKind<R> for Anchored<R> {
+    #[inline]
+    fn reach(
+        &self,
+        _: &EdgeLengths<R>,
+        point: usize,
+        behind: &Behind,
+        seen: impl Fn(usize) -> KeptAnchored<R>,
+    ) -> KeptAnchored<R> {
+        let way = self.floor.reach(point, behind.middle() as usize, seen);
+        Kept { time: way.time, carried: Anchor::new(way.anchor) }
+    }
+}
+
+impl<R: Real> LaneKind<R> for Anchored<R> {
+    type SurfaceData = HolesBehind<R>;
+    type OfLine<'k> = &'k Floor<R>;
+    const NEEDS_EDGES: bool = false;
 
     fn surface_data(&self, chart: Chart) -> SurfaceArray<HolesBehind<R>> {
         let mut holes = vec![HolesBehind(R::one().with_tag(TAG)); chart.bordered_points()];
@@ -149,16 +153,41 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
         self.floor.bytes()
     }
 
-    fn update(
-        &self,
-        lines: &mut GridLines<'_, R, Self::Carried, Self::SurfaceData>,
-        line: usize,
-        points: &Range<usize>,
+    fn of_line(&self, _: [usize; 2], _: Scan) -> &Floor<R> {
+        &self.floor
+    }
+
+    #[inline(always)]
+    fn update_span(
+        floor: &&Floor<R>,
+        line: &mut ScanLine<'_, '_, R, Self::Carried, Self::SurfaceData>,
+        [start, points]: [usize; 2],
+        _: &[(usize, Option<Self::Arrival>)],
         options: UpdateOptions,
-        changed: &mut [bool],
-    ) -> Updated<R::Bits> {
-        let line = AnchoredLine { floor: &self.floor, lines, line, points, scan: options.scan };
-        options.instructions.run(LineUpdate { line, options, changed })
+        changes: &mut LargestChanges<R>,
+    ) -> Option<bool> {
+        let span = line.span_without_edges(start, points);
+        let renewed = span.is_renewed(points, options);
+        if span.leads(points) & !renewed {
+            return None;
+        }
+        let mut brought = Brought { times: [R::FAR; TILE], anchors: [Anchor::default(); TILE] };
+        brought.bring(floor, line, &span, [start, points], options);
+        let (mut times, mut anchors) = ([R::zero(); TILE], [Anchor::default(); TILE]);
+        let mut any = false;
+        for i in 0..points {
+            let before = Kept { time: span.times[i], carried: span.carried[i] };
+            let arrival = Kept { time: brought.times[i], carried: brought.anchors[i] };
+            let after = Self::accept(before, arrival, options.scan.0, options.renews);
+            changes.note(i, Self::change(before, after));
+            any |= (before.time.units_between(after.time) > R::Bits::default())
+                | before.carried.differs(after.carried);
+            (times[i], anchors[i]) = (after.time, after.carried);
+        }
+        if any {
+            line.set(start, &times[..points], &anchors[..points]);
+        }
+        Some(any)
     }
 
     /// Decides this only where one anchor serves all points behind. Where there are several, there is work to
@@ -172,7 +201,7 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
         points: usize,
         options: UpdateOptions,
     ) -> bool {
-        if span.is_renewed(points, options.scan.0, options.renews) {
+        if span.is_renewed(points, options) {
             return false;
         }
         if span.leads(points) {
@@ -190,9 +219,9 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
         }
         let at = before.edges.chart().entry(first).into();
         let rays = self.floor.rays(at, options.scan.ahead(), [0, 1], |x| before.front(x));
-        let mut settled = true;
+        let (mut settled, limit) = (true, R::of(options.limit));
         for (i, &time) in span.times[..points].iter().enumerate() {
-            settled &= !is_shorter(rays.time(i, span.times_behind[1][i]), time);
+            settled &= !is_shorter(rays.time(i, span.times_behind[1][i]), min(time, limit));
         }
         settled
     }
@@ -209,130 +238,17 @@ fn is_of_one<R: Real>(
     a.is(anchor) & b.is(anchor) & c.is(anchor) & holes.is_none_for(scan)
 }
 
-/// A line while a scan updates it.
-struct AnchoredLine<'l, 'g, R> {
-    floor: &'l Floor<R>,
-    lines: &'l mut GridLines<'g, R, Anchor<R>, HolesBehind<R>>,
-    line: usize,
-    points: &'l Range<usize>,
-    scan: Scan,
-}
+/// A line of points with anchors.
+type AnchoredLine<'l, 'g, R> = ScanLine<'l, 'g, R, Anchor<R>, HolesBehind<R>>;
 
-impl<R: Real> Spans for AnchoredLine<'_, '_, R> {
-    type Changes = R::Bits;
-    type Bits = R::Bits;
+/// Adjacent points of such a line.
+type AnchoredSpan<'a, R> = Span<'a, R, Anchor<R>, HolesBehind<R>>;
 
-    #[inline(always)]
-    fn points(&self) -> usize {
-        self.points.len()
-    }
-
-    #[inline(always)]
-    fn prefetch_next(&self, start: usize) {
-        // Before the first line and after the last one there is no line, and nothing is read.
-        let (lines, start) = (&self.lines, self.points.start + start);
-        let ahead = |stride: usize| stride as isize * if self.scan.is_forward() { 1 } else { -1 };
-        let place = lines.at(self.line, start) as isize + ahead(lines.stride);
-        prefetch(lines.times, place);
-        prefetch(lines.carried, place);
-        let on_surface = lines.on_surface(self.line, start) as isize;
-        prefetch(lines.surface_data, on_surface + ahead(lines.surface.0));
-    }
-
-    #[inline(always)]
-    fn update(
-        &mut self,
-        start: usize,
-        points: usize,
-        options: UpdateOptions,
-        largest: &mut R::Bits,
-    ) -> Option<bool> {
-        let (lines, start) = (&*self.lines, self.points.start + start);
-        let line_behind = lines.line_behind(self.line, options.scan);
-        let (here, there) = (lines.at(self.line, start), lines.at(line_behind, start) - 1);
-        let (times, anchors) = (&lines.times[here..][..points], &lines.carried[here..][..points]);
-        let behind = LineBehind {
-            times: &lines.times[there..][..points + 2],
-            anchors: &lines.carried[there..][..points + 2],
-            holes: &lines.surface_data[lines.on_surface(self.line, start)..][..points],
-        };
-        let (mut renewed, mut leads) = (false, true);
-        for i in 0..points {
-            renewed |= options.renews & anchors[i].is_from(options.scan.0);
-            leads &= behind.first(i) >= times[i];
-        }
-        if leads & !renewed {
-            return None;
-        }
-        let mut is_one = behind.times[0] < R::FAR;
-        for i in 0..points {
-            is_one &= behind.has(i, behind.anchors[0], options.scan);
-        }
-        let first = lines.position(self.line, start, options.scan);
-        let mut brought = Brought { times: [R::FAR; TILE], anchors: [Anchor::default(); TILE] };
-        if is_one {
-            brought.bring_from_one(self.floor, lines, &behind, first, 0..points, options.scan);
-        } else {
-            let may_come = |i: usize| {
-                behind.first(i) < times[i] || options.renews && anchors[i].is_from(options.scan.0)
-            };
-            brought.bring_from_several(
-                self.floor,
-                lines,
-                &behind,
-                first,
-                points,
-                options.scan,
-                may_come,
-            );
-        }
-        let (mut new_times, mut new_anchors) = ([R::zero(); TILE], [Anchor::default(); TILE]);
-        let mut changes = [R::Bits::default(); TILE];
-        let mut any = false;
-        for i in 0..points {
-            let before = Kept { time: times[i], carried: anchors[i] };
-            let arrival = Kept { time: brought.times[i], carried: brought.anchors[i] };
-            let after = Anchored::accept(before, arrival, options.scan.0, options.renews);
-            changes[i] = Anchored::change(before, after);
-            any |= (before.time.units_between(after.time) > R::Bits::default())
-                | before.carried.differs(after.carried);
-            (new_times[i], new_anchors[i]) = (after.time, after.carried);
-        }
-        if any {
-            self.lines.times[here..][..points].copy_from_slice(&new_times[..points]);
-            self.lines.carried[here..][..points].copy_from_slice(&new_anchors[..points]);
-        }
-        *largest = (*largest).max(changes.into_iter().max().unwrap_or_default());
-        Some(any)
-    }
-
-    #[inline(always)]
-    fn largest(changes: R::Bits) -> R::Bits {
-        changes
-    }
-}
-
-/// The points behind a span, from the one before its first point to the one after its last.
-struct LineBehind<'a, R> {
-    times: &'a [R],
-    anchors: &'a [Anchor<R>],
-    /// Holes behind the points of the span.
-    holes: &'a [HolesBehind<R>],
-}
-
-impl<R: Real> LineBehind<'_, R> {
-    /// Returns the earliest time of the three points behind a point.
-    #[inline(always)]
-    fn first(&self, i: usize) -> R {
-        min(self.times[i], min(self.times[i + 1], self.times[i + 2]))
-    }
-
-    /// Returns whether all three points behind have this anchor and no hole is near.
-    #[inline(always)]
-    fn has(&self, i: usize, anchor: Anchor<R>, scan: Scan) -> bool {
-        let behind = [self.anchors[i], self.anchors[i + 1], self.anchors[i + 2]];
-        is_of_one(anchor, behind, self.holes[i], scan)
-    }
+/// Returns whether all three points behind point `i` have this anchor and no hole is near.
+#[inline(always)]
+fn has<R: Real>(span: &AnchoredSpan<R>, i: usize, anchor: Anchor<R>, scan: Scan) -> bool {
+    let [before, beside, after] = span.carried_behind;
+    is_of_one(anchor, [before[i], beside[i], after[i]], span.surface_data[i], scan)
 }
 
 /// The fronts that a scan brings to the points of a span.
@@ -342,66 +258,78 @@ struct Brought<R> {
 }
 
 impl<R: Real> Brought<R> {
-    /// Computes the fronts at points whose neighbours behind all have one anchor and no hole near.
+    /// Computes the fronts at a span of points of a line, given their start and number.
     #[inline(always)]
-    fn bring_from_one(
+    fn bring(
         &mut self,
         floor: &Floor<R>,
-        lines: &GridLines<R, Anchor<R>, HolesBehind<R>>,
-        behind: &LineBehind<R>,
-        first: [usize; 2],
-        points: Range<usize>,
-        scan: Scan,
+        line: &AnchoredLine<R>,
+        span: &AnchoredSpan<R>,
+        [start, points]: [usize; 2],
+        options: UpdateOptions,
     ) {
-        let i = points.start;
-        let (ahead, along) = (scan.ahead(), if scan.by_rows() { [0, 1] } else { [1, 0] });
-        let rays = floor.rays(further(first, i, scan), ahead, along, |x| lines.front(x));
-        self.anchors[points.clone()].fill(behind.anchors[i]);
-        let beside = &behind.times[points.start + 1..points.end + 1];
-        for (i, (time, &behind)) in self.times[points].iter_mut().zip(beside).enumerate() {
-            *time = rays.time(i, behind);
+        let (scan, first) = (options.scan, further(line.first, start, options.scan));
+        let [anchors, ..] = span.carried_behind;
+        let mut is_one = span.times_behind[0][0] < R::FAR;
+        for i in 0..points {
+            is_one &= has(span, i, anchors[0], scan);
         }
-    }
-
-    /// Computes the fronts at other points: as many as possible at once, and the rest one after another.
-    #[allow(clippy::too_many_arguments)]
-    #[inline(always)]
-    fn bring_from_several(
-        &mut self,
-        floor: &Floor<R>,
-        lines: &GridLines<R, Anchor<R>, HolesBehind<R>>,
-        behind: &LineBehind<R>,
-        first: [usize; 2],
-        points: usize,
-        scan: Scan,
-        may_come: impl Fn(usize) -> bool,
-    ) {
+        if is_one {
+            self.bring_from_one(floor, line, span, first, 0..points, scan);
+            return;
+        }
+        let [before, beside, after] = span.times_behind;
+        let may_come = |i: usize| {
+            min(before[i], min(beside[i], after[i])) < span.times[i]
+                || options.renews && span.carried[i].is_from(scan.0)
+        };
         let (mut wanted, mut of_one) = ([false; TILE], [false; TILE]);
         for i in 0..points {
             wanted[i] = may_come(i);
-            of_one[i] = behind.has(i, behind.anchors[i], scan);
+            of_one[i] = has(span, i, anchors[i], scan);
         }
+        // As many points as possible at once, and the rest one after another.
         let mut i = 0;
         while i < points {
             if !wanted[i] {
                 i += 1;
                 continue;
             }
-            if of_one[i] && behind.times[i] < R::FAR {
-                let anchor = behind.anchors[i];
-                let goes_on = |&other: &usize| of_one[other] && behind.anchors[other].is(anchor);
+            if of_one[i] && before[i] < R::FAR {
+                let goes_on = |&other: &usize| of_one[other] && anchors[other].is(anchors[i]);
                 let run = (i..points).take_while(goes_on).count();
-                self.bring_from_one(floor, lines, behind, first, i..i + run, scan);
+                self.bring_from_one(floor, line, span, first, i..i + run, scan);
                 i += run;
                 continue;
             }
             let [row, col] = further(first, i, scan);
-            let point = lines.place.edges.chart().entry_index(row, col);
+            let point = line.place.edges.chart().entry_index(row, col);
             if floor.has(point) {
-                let arrival = reach(floor, lines, point, scan);
+                let arrival = reach(floor, line, point, scan);
                 (self.times[i], self.anchors[i]) = (arrival.time, arrival.carried);
             }
             i += 1;
+        }
+    }
+
+    /// Computes the fronts at points whose neighbours behind all have one anchor and no hole near.
+    #[inline(always)]
+    fn bring_from_one(
+        &mut self,
+        floor: &Floor<R>,
+        line: &AnchoredLine<R>,
+        span: &AnchoredSpan<R>,
+        first: [usize; 2],
+        points: Range<usize>,
+        scan: Scan,
+    ) {
+        let i = points.start;
+        let (ahead, along) = (scan.ahead(), if scan.by_rows() { [0, 1] } else { [1, 0] });
+        let rays = floor.rays(further(first, i, scan), ahead, along, |x| line.front(x));
+        self.anchors[points.clone()].fill(span.carried_behind[0][i]);
+        let beside = &span.times_behind[1][points.clone()];
+        for (i, (time, &behind)) in self.times[points].iter_mut().zip(beside).enumerate() {
+            *time = rays.time(i, behind);
         }
     }
 }
@@ -416,10 +344,10 @@ fn further([row, col]: [usize; 2], by: usize, scan: Scan) -> [usize; 2] {
 #[inline(never)]
 fn reach<R: Real>(
     floor: &Floor<R>,
-    lines: &GridLines<R, Anchor<R>, HolesBehind<R>>,
+    line: &AnchoredLine<R>,
     point: usize,
     scan: Scan,
 ) -> KeptAnchored<R> {
-    let way = floor.reach(point, scan.back() as usize, |x| lines.front(x));
+    let way = floor.reach(point, scan.back() as usize, |x| line.front(x));
     Kept { time: way.time, carried: Anchor::new(way.anchor) }
 }

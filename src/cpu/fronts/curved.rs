@@ -3,17 +3,18 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::kind::{FrontKind, TriangleKind, in_span};
+use super::kind::{FrontKind, TriangleKind, Triangular};
+use super::lanes::{LaneKind, Splits, splits_of_line};
 use super::origins::{LineOrigins, OriginTable, SpanOrigins};
 use super::surface_array::SurfaceArray;
 use crate::constants::IN_SIGHT;
-use crate::cpu::behind::{Behind, TriangleSlots};
+use crate::cpu::behind::TriangleSlots;
 use crate::cpu::bend_units;
 use crate::cpu::rotated::line::{GridLines, ScanLine};
-use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::rotated::settled::{Visited, from_curved};
-use crate::cpu::rotated::span::{Before, Span};
+use crate::cpu::rotated::span::{Before, LargestChanges, Span};
 use crate::cpu::rotated::tiles::TILE;
+use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Chart, Direction, EdgeLengths, Origins, Real, Seed, max, min};
 use crate::update::{
     Carried, Curvature, Curvatures, EXACT, Front, Kept, Sighted, Steps, Triangle, curved,
@@ -80,7 +81,6 @@ impl<R: Real> Curved<R> {
 impl<R: Real> FrontKind<R> for Curved<R> {
     type Carried = Curvature<R>;
     type Arrival = Front<R>;
-    type SurfaceData = R;
     const TAKES_BACK: bool = true;
 
     fn expect(&mut self, seeds: &[Seed]) {
@@ -98,19 +98,6 @@ impl<R: Real> FrontKind<R> for Curved<R> {
         self.origins.forget();
         self.table.clear();
         self.has_names = false;
-    }
-
-    #[inline]
-    fn reach(
-        &self,
-        edges: &EdgeLengths<R>,
-        point: usize,
-        behind: &Behind,
-        seen: impl Fn(usize) -> KeptCurved<R>,
-    ) -> Front<R> {
-        let [a, b] =
-            behind.triangles().each_ref().map(|slots| self.through(edges, point, slots, &seen));
-        Front::first(a, b)
     }
 
     #[inline(always)]
@@ -138,35 +125,60 @@ impl<R: Real> FrontKind<R> for Curved<R> {
         let bend = after.carried.bend_from(before.carried, after.time);
         before.time.units_between(after.time).max(bend_units(bend))
     }
+}
+
+impl<R: Real> LaneKind<R> for Curved<R> {
+    type SurfaceData = R;
+    type OfLine<'k> = CurvedLine<'k, R>;
+    const TELLS_BENDS: bool = true;
 
     fn surface_data(&self, _: Chart) -> SurfaceArray<R> {
         SurfaceArray::OfEdges(self.gaussian.clone())
     }
 
-    fn update(
+    fn of_line(&self, first: [usize; 2], scan: Scan) -> CurvedLine<'_, R> {
+        let origins = self.has_numbers().then(|| LineOrigins::new(&self.table, first, scan));
+        CurvedLine { causal: self.origins.are_causal(), origins }
+    }
+
+    fn splits(
         &self,
-        lines: &mut GridLines<'_, R, Self::Carried, Self::SurfaceData>,
+        lines: &GridLines<'_, R, Self::Carried, Self::SurfaceData>,
         line: usize,
         points: &Range<usize>,
+    ) -> Option<Splits<Self::Arrival>> {
+        splits_of_line(self, lines, line, points)
+    }
+
+    #[inline(always)]
+    fn update_span(
+        of_line: &CurvedLine<'_, R>,
+        line: &mut ScanLine<'_, '_, R, Self::Carried, Self::SurfaceData>,
+        [start, points]: [usize; 2],
+        splits: &[(usize, Option<Self::Arrival>)],
         options: UpdateOptions,
-        changed: &mut [bool],
-    ) -> Updated<R::Bits> {
-        let splits = self.splits_of_line(lines, line, points, options.scan);
-        let first = lines.position(line, points.start, options.scan);
-        let origins =
-            self.has_numbers().then(|| LineOrigins::new(&self.table, first, options.scan));
-        let line = lines.line(line, points, options.scan);
-        let causal = self.origins.are_causal();
-        match &splits {
-            None => {
-                let line = CurvedLine::<_, false> { line, parts: &[], causal, origins };
-                options.instructions.run(LineUpdate { line, options, changed })
+        changes: &mut LargestChanges<R>,
+    ) -> Option<bool> {
+        let has_numbers = of_line.origins.is_some();
+        let span = line.span(start, points);
+        let first = if splits.is_empty() {
+            if leaves::<_, false>(&span, points, options, has_numbers) {
+                return None;
             }
-            Some(parts) => {
-                let line = CurvedLine::<_, true> { line, parts, causal, origins };
-                options.instructions.run(LineUpdate { line, options, changed })
+            of_line.first_fronts::<false>(line, [start, points], span, options)
+        } else {
+            let is_alone = splits.iter().all(|(_, front)| front.is_none());
+            if is_alone && leaves::<_, true>(&span, points, options, has_numbers) {
+                return None;
             }
-        }
+            let mut first = of_line.first_fronts::<true>(line, [start, points], span, options);
+            first.lower(splits, start);
+            first
+        };
+        let Accepted { times, curvatures, any } =
+            accept_all(&span, points, &first, options, has_numbers, changes);
+        line.set(start, &times[..points], &curvatures[..points]);
+        Some(any)
     }
 
     #[inline(always)]
@@ -181,6 +193,8 @@ impl<R: Real> FrontKind<R> for Curved<R> {
         leaves::<_, false>(&span, points, options, self.has_numbers())
     }
 }
+
+impl<R> Triangular for Curved<R> {}
 
 impl<R: Real> TriangleKind<R> for Curved<R> {
     #[inline]
@@ -293,7 +307,7 @@ fn leaves<R: Real, const SPLIT: bool>(
     options: UpdateOptions,
     has_numbers: bool,
 ) -> bool {
-    if span.is_renewed(points, options.scan.0, options.renews) {
+    if span.is_renewed(points, options) {
         return false;
     }
     if span.leads(points) {
@@ -304,9 +318,9 @@ fn leaves<R: Real, const SPLIT: bool>(
         return false;
     }
     let [before, beside, after] = span.carried_behind;
-    let mut settled = true;
+    let (mut settled, limit) = (true, R::of(options.limit));
     for i in 0..points {
-        let visited: Visited<R> = span.visited::<SPLIT>(i);
+        let visited: Visited<R> = span.visited::<SPLIT>(i, limit);
         let [left, right] = visited.triangles;
         let [k_before, k_beside, k_after] =
             [before[i].value(), beside[i].value(), after[i].value()];
@@ -319,118 +333,26 @@ fn leaves<R: Real, const SPLIT: bool>(
     settled
 }
 
-/// A line while a scan updates it. `SPLIT` tells whether some of its triangles are obtuse.
-struct CurvedLine<'a, R, const SPLIT: bool> {
-    line: ScanLine<'a, R, Curvature<R>, R>,
-    /// The points with obtuse triangles, and the fronts that arrive through parts of these.
-    parts: &'a [(usize, Option<Front<R>>)],
+/// Data of curved fronts that the update of a line needs.
+pub(in crate::cpu) struct CurvedLine<'k, R> {
     /// See [`Curvatures::causal`].
     causal: bool,
     /// The origins, if fronts carry their numbers.
-    origins: Option<LineOrigins<'a, R>>,
+    origins: Option<LineOrigins<'k, R>>,
 }
 
-/// The largest changes, by their place in the span.
-struct BentChanges<R: Real> {
-    /// Changes of arrival times ([`Real::units_between`]).
-    times: [R::Bits; TILE],
-    /// Changes of curvatures times the arrival time, in units above zero.
-    bends: [R::Bits; TILE],
-}
-
-impl<R: Real> Default for BentChanges<R> {
-    #[inline(always)]
-    fn default() -> Self {
-        let none = [R::Bits::default(); TILE];
-        Self { times: none, bends: none }
-    }
-}
-
-impl<R: Real, const SPLIT: bool> Spans for CurvedLine<'_, R, SPLIT> {
-    type Changes = BentChanges<R>;
-    type Bits = R::Bits;
-
-    #[inline(always)]
-    fn points(&self) -> usize {
-        self.line.times.len()
-    }
-
-    #[inline(always)]
-    fn prefetch_next(&self, start: usize) {
-        self.line.prefetch_next(start);
-    }
-
-    #[inline(always)]
-    fn update(
-        &mut self,
-        start: usize,
-        points: usize,
-        options: UpdateOptions,
-        changes: &mut BentChanges<R>,
-    ) -> Option<bool> {
-        let span = self.line.span(start, points);
-        let parts = if SPLIT { in_span(self.parts, start, points) } else { &[] };
-        let has_numbers = self.origins.is_some();
-        let first = if parts.is_empty() {
-            if leaves::<_, false>(&span, points, options, has_numbers) {
-                return None;
-            }
-            self.first_fronts::<false>(start, span, points, options)
-        } else {
-            let is_alone = parts.iter().all(|(_, front)| front.is_none());
-            if is_alone && leaves::<_, true>(&span, points, options, has_numbers) {
-                return None;
-            }
-            let mut first = self.first_fronts::<true>(start, span, points, options);
-            for &(point, front) in parts {
-                if let Some(front) = front {
-                    let i = point - start;
-                    first.set(i, Front::first(first.get(i), front));
-                }
-            }
-            first
-        };
-        let (mut times, mut curvatures) = ([R::zero(); TILE], [Curvature::default(); TILE]);
-        let mut any = false;
-        for i in 0..points {
-            let before = Kept { time: span.times[i], carried: span.carried[i] };
-            let after = accept(before, first.get(i), options.scan.0, options.renews);
-            (times[i], curvatures[i]) = (after.time, after.carried);
-            let [bent_before, bent] = [before.carried.value(), after.carried.value()];
-            let change = before.time.units_between(after.time);
-            any |= change.max(bent_before.units_between(bent)) > R::Bits::default();
-            changes.times[i] = change.max(changes.times[i]);
-            // As integers, whose maximum compilers find in SIMD lanes.
-            let bend = match has_numbers {
-                true => after.carried.bend_from(before.carried, after.time),
-                false => (bent - bent_before).abs() * after.time,
-            };
-            changes.bends[i] = R::zero().units_between(bend).max(changes.bends[i]);
-        }
-        self.line.times[start..][..points].copy_from_slice(&times[..points]);
-        self.line.carried[start..][..points].copy_from_slice(&curvatures[..points]);
-        Some(any)
-    }
-
-    #[inline(always)]
-    fn largest(changes: BentChanges<R>) -> R::Bits {
-        let largest = |of: [R::Bits; TILE]| of.into_iter().max().unwrap_or_default();
-        largest(changes.times).max(bend_units(R::from_bits(largest(changes.bends))))
-    }
-}
-
-impl<R: Real, const SPLIT: bool> CurvedLine<'_, R, SPLIT> {
+impl<R: Real> CurvedLine<'_, R> {
     /// Returns the first fronts to reach a span of points. `OBTUSE` tells whether some of their triangles
     /// are obtuse.
     #[inline(always)]
     fn first_fronts<const OBTUSE: bool>(
         &self,
-        start: usize,
+        line: &ScanLine<'_, '_, R, Curvature<R>, R>,
+        [start, points]: [usize; 2],
         span: Span<'_, R, Curvature<R>, R>,
-        points: usize,
         options: UpdateOptions,
     ) -> FirstFronts<R> {
-        let gaussian_behind = self.line.ground_behind(start, points);
+        let gaussian_behind = line.surface_behind(start, points);
         let bent = Bent::<_, OBTUSE> { span, gaussian_behind, causal: self.causal };
         let origins =
             self.origins.as_ref().and_then(|origins| origins.behind(start, &span, points));
@@ -442,6 +364,44 @@ impl<R: Real, const SPLIT: bool> CurvedLine<'_, R, SPLIT> {
             first_fronts::<R, false, true, OBTUSE>(&bent, points, options)
         }
     }
+}
+
+/// Fronts at the points of a span after an update.
+pub(super) struct Accepted<R> {
+    pub times: [R; TILE],
+    pub curvatures: [Curvature<R>; TILE],
+    /// Whether any of them has changed.
+    pub any: bool,
+}
+
+/// Accepts the first fronts to reach a span of points. `has_numbers` tells whether fronts may carry numbers of
+/// origins.
+#[inline(always)]
+pub(super) fn accept_all<R: Real, G>(
+    span: &Span<'_, R, Curvature<R>, G>,
+    points: usize,
+    first: &FirstFronts<R>,
+    options: UpdateOptions,
+    has_numbers: bool,
+    changes: &mut LargestChanges<R>,
+) -> Accepted<R> {
+    let (mut times, mut curvatures) = ([R::zero(); TILE], [Curvature::default(); TILE]);
+    let mut any = false;
+    for i in 0..points {
+        let before = Kept { time: span.times[i], carried: span.carried[i] };
+        let after = accept(before, first.get(i), options.scan.0, options.renews);
+        (times[i], curvatures[i]) = (after.time, after.carried);
+        let [bent_before, bent] = [before.carried.value(), after.carried.value()];
+        let change = before.time.units_between(after.time);
+        any |= change.max(bent_before.units_between(bent)) > R::Bits::default();
+        changes.note(i, change);
+        let bend = match has_numbers {
+            true => after.carried.bend_from(before.carried, after.time),
+            false => (bent - bent_before).abs() * after.time,
+        };
+        changes.note_bend(i, bend);
+    }
+    Accepted { times, curvatures, any }
 }
 
 /// A span of points, and the Gaussian curvature behind them.
@@ -545,6 +505,18 @@ impl<R: Real> FirstFronts<R> {
     pub(super) fn get(&self, i: usize) -> Front<R> {
         let whole = self.whole[i] > R::zero();
         Front { time: self.times[i], curvature: self.curvatures[i], whole }
+    }
+
+    /// Takes the fronts through parts of obtuse triangles where these are first, in the span that begins with
+    /// point `start` of the line.
+    #[inline(always)]
+    pub(super) fn lower(&mut self, splits: &[(usize, Option<Front<R>>)], start: usize) {
+        for &(point, front) in splits {
+            if let Some(front) = front {
+                let i = point - start;
+                self.set(i, Front::first(self.get(i), front));
+            }
+        }
     }
 
     #[inline(always)]

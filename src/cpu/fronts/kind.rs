@@ -1,21 +1,12 @@
-//! Defines what solvers require of a kind of front.
+//! Defines what solvers require of a kind of front, and of one whose points they update one by one.
 
-use std::ops::Range;
-
-use bytemuck::Pod;
-
-use super::surface_array::SurfaceArray;
 use crate::cpu::behind::{Behind, TriangleSlots};
-use crate::cpu::rotated::line::GridLines;
-use crate::cpu::rotated::line_update::{UpdateOptions, Updated};
-use crate::cpu::rotated::span::{Before, Span};
-use crate::cpu::scan::Scan;
-use crate::surface::{Chart, Direction, EdgeLengths, Part, Real, Seed};
-use crate::update::{Carried, Kept, Triangle};
+use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
+use crate::update::{Carried, Kept, Triangle, tag_of};
 
-/// A kind of front over a surface. It defines what points carry, what is needed of
-/// the surface, and how fronts start, continue and are compared. The first half is for solvers that update
-/// points one by one, the second half for those that update lines in SIMD lanes.
+/// A kind of front over a surface. It defines what points carry, and how fronts start, are accepted and
+/// compared. How they continue is defined by [`PointKind`] for solvers that update points one by one, and by
+/// [`LaneKind`](super::LaneKind) for those that update lines in SIMD lanes.
 pub(in crate::cpu) trait FrontKind<R: Real>:
     Clone + std::fmt::Debug + Send + Sync + 'static
 {
@@ -44,16 +35,6 @@ pub(in crate::cpu) trait FrontKind<R: Real>:
     /// Forgets the seeds of the last map.
     fn forget(&mut self) {}
 
-    /// Returns the first front that reaches a point through the triangles behind it. `seen` gives the fronts
-    /// at other points.
-    fn reach(
-        &self,
-        edges: &EdgeLengths<R>,
-        point: usize,
-        behind: &Behind,
-        seen: impl Fn(usize) -> Kept<R, Self::Carried>,
-    ) -> Self::Arrival;
-
     /// Returns the front at a point after `arrival` has reached it, brought by `scan` (numbered from one).
     /// The arrival is taken if it is the first, or if the scan `renews` a front that it brought earlier.
     fn accept(
@@ -72,45 +53,48 @@ pub(in crate::cpu) trait FrontKind<R: Real>:
     /// Returns how much a front has changed, in units of its arrival time ([`Real::units_between`]).
     fn change(before: Kept<R, Self::Carried>, after: Kept<R, Self::Carried>) -> R::Bits;
 
-    /// Data that is needed of each point of the surface.
-    type SurfaceData: Pod + Send + Sync + std::fmt::Debug;
-
-    /// Whether updates in SIMD lanes need edge lengths.
-    const NEEDS_EDGES: bool = true;
-
-    /// Returns the data of the surface, as a bordered array.
-    fn surface_data(&self, chart: Chart) -> SurfaceArray<Self::SurfaceData>;
-
-    /// Returns the number of bytes held, without the data of the surface.
-    fn bytes(&self) -> usize {
-        0
+    /// Starts the fronts of seeds, in bordered arrays of arrival times and of what fronts carry. Calls
+    /// `started` with each seed, its point in the arrays, and the fronts there before and after.
+    fn start(
+        &mut self,
+        chart: Chart,
+        seeds: &[Seed],
+        (times, carried): (&mut [R], &mut [Self::Carried]),
+        mut started: impl FnMut(&Seed, usize, [Kept<R, Self::Carried>; 2]),
+    ) {
+        self.expect(seeds);
+        for seed in seeds {
+            let point = chart.bordered(seed.row, seed.col);
+            let arrival = self.arrival_of_seed(seed);
+            let before = Kept { time: times[point], carried: carried[point] };
+            let after = Self::accept(before, arrival, tag_of(seed), false);
+            (times[point], carried[point]) = (after.time, after.carried);
+            started(seed, point, [before, after]);
+        }
     }
 
-    /// Updates points of a line from the line behind, and marks the spans of
-    /// [`TILE`](crate::cpu::rotated::tiles::TILE) points that have changed.
-    fn update(
-        &self,
-        lines: &mut GridLines<'_, R, Self::Carried, Self::SurfaceData>,
-        line: usize,
-        points: &Range<usize>,
-        options: UpdateOptions,
-        changed: &mut [bool],
-    ) -> Updated<R::Bits>;
+    /// Returns whether a seed is lost ([`Seed::is_lost`]), given arrival times as a bordered array.
+    fn has_lost(chart: Chart, seeds: &[Seed], times: &[R]) -> bool {
+        let is_lost = |seed: &Seed| seed.is_lost(times[chart.bordered(seed.row, seed.col)]);
+        Self::TAKES_BACK && seeds.iter().any(is_lost)
+    }
+}
 
-    /// Returns whether a scan leaves `points` points in a row unchanged, starting with the point `first`. It
-    /// must be inlined into loops over SIMD lanes.
-    fn leaves(
+/// A kind of front whose points can be updated one by one.
+pub(in crate::cpu) trait PointKind<R: Real>: FrontKind<R> {
+    /// Returns the first front that reaches a point through the triangles behind it. `seen` gives the fronts
+    /// at other points.
+    fn reach(
         &self,
-        before: &Before<'_, R, Self::Carried, Self::SurfaceData>,
-        first: usize,
-        span: Span<'_, R, Self::Carried, Self::SurfaceData>,
-        points: usize,
-        options: UpdateOptions,
-    ) -> bool;
+        edges: &EdgeLengths<R>,
+        point: usize,
+        behind: &Behind,
+        seen: impl Fn(usize) -> Kept<R, Self::Carried>,
+    ) -> Self::Arrival;
 }
 
 /// A kind of front that can be updated from a single triangle.
-pub(in crate::cpu) trait TriangleKind<R: Real>: FrontKind<R> {
+pub(in crate::cpu) trait TriangleKind<R: Real>: FrontKind<R> + Triangular {
     /// Returns the front that reaches x0 through the triangle with x1 and x2. `carried` is the data of the
     /// fronts there. See [`crate::update::Curvatures`] for `alone`.
     fn arrival(
@@ -178,81 +162,6 @@ pub(in crate::cpu) trait TriangleKind<R: Real>: FrontKind<R> {
         first
     }
 
-    /// Finds the fronts that reach the points of a line through parts of obtuse triangles behind them.
-    /// Returns them by the points' places in the line, or `None` if no triangle there is obtuse.
-    fn splits_of_line(
-        &self,
-        lines: &GridLines<'_, R, Self::Carried, Self::SurfaceData>,
-        line: usize,
-        points: &Range<usize>,
-        scan: Scan,
-    ) -> Option<Splits<Self::Arrival>> {
-        let edges = lines.place.edges;
-        edges.obtuse_triangles()?;
-        let [row, col] = lines.position(line, points.start, scan);
-        let (of_line, first) = if scan.by_rows() { (row, col) } else { (col, row) };
-        let Some(side) = edges.stored_parts_on_side(scan.back()) else {
-            return Some(self.splits_found_now(lines, [row, col], points.len(), scan));
-        };
-        let triangles = side.within(of_line, first..first + points.len());
-        if triangles.is_empty() {
-            return None;
-        }
-        let chart = edges.chart();
-        let mut found: Splits<Self::Arrival> = Vec::new();
-        for (place, parts) in triangles.parts() {
-            let (row, col) = scan.lines().place(of_line, place);
-            let point = chart.entry_index(row, col);
-            let arrivals = parts.map(|Part { corners: [x1, x2], lengths, slowness }| {
-                let [a, b] = [x1, x2].map(|x| lines.front(x));
-                let [l1, l2, c] = lengths;
-                let triangle = Triangle { t1: a.time, t2: b.time, l1, l2, c };
-                let carried = [a.carried, b.carried];
-                self.arrival_over([point, x1, x2], triangle, carried, slowness)
-            });
-            let arrival = arrivals.reduce(Self::earlier);
-            match found.last_mut() {
-                // The point's other triangle.
-                Some((last, other)) if *last == place - first => {
-                    *other = [*other, arrival].into_iter().flatten().reduce(Self::earlier);
-                }
-                _ => found.push((place - first, arrival)),
-            }
-        }
-        Some(found)
-    }
-
-    /// Finds the same fronts for parts that are not stored, from a point on.
-    fn splits_found_now(
-        &self,
-        lines: &GridLines<'_, R, Self::Carried, Self::SurfaceData>,
-        [row, col]: [usize; 2],
-        points: usize,
-        scan: Scan,
-    ) -> Splits<Self::Arrival> {
-        let mut found = Vec::new();
-        let edges = lines.place.edges;
-        let Some(obtuse) = edges.obtuse_triangles() else { return found };
-        let (chart, by_rows) = (edges.chart(), scan.by_rows());
-        let behind = Behind::of(chart, scan);
-        let (of_line, first) = if by_rows { (row, col) } else { (col, row) };
-        for &at in edges.obtuse_points(by_rows, of_line, first..first + points) {
-            let at = at as usize;
-            let (row, col) = scan.lines().place(of_line, at);
-            let point = chart.entry_index(row, col);
-            if obtuse[point] & behind.bits() == 0 {
-                continue;
-            }
-            let of_point =
-                behind.triangles().iter().filter(|slots| obtuse[point] & slots.bit() != 0);
-            let arrivals = of_point.filter_map(|slots| {
-                self.through_parts(edges, point, slots.directions(), |x| lines.front(x))
-            });
-            found.push((at - first, arrivals.reduce(Self::earlier)));
-        }
-        found
-    }
-
     /// Returns the front through one of a point's triangles, including the parts of an obtuse one.
     #[inline]
     fn through(
@@ -283,13 +192,21 @@ pub(in crate::cpu) trait TriangleKind<R: Real>: FrontKind<R> {
     fn circle(radius: R) -> Self::Carried;
 }
 
-/// The points of a line that have obtuse triangles, in order, by their places in the line. Each has the front
-/// that arrives through parts of these triangles, if any.
-pub(super) type Splits<A> = Vec<(usize, Option<A>)>;
+/// Marks each [`TriangleKind`]. The marker has no parameter, so that the compiler can tell these kinds from
+/// others in the implementation below.
+pub(in crate::cpu) trait Triangular {}
 
-/// Returns the entries for `points` points from `start` on, out of entries for points of a line in order.
-#[inline(always)]
-pub(super) fn in_span<A>(found: &[(usize, A)], start: usize, points: usize) -> &[(usize, A)] {
-    let before = |end: usize| found.partition_point(|&(place, _)| place < end);
-    if found.is_empty() { found } else { &found[before(start)..before(start + points)] }
+impl<R: Real, K: TriangleKind<R> + Triangular> PointKind<R> for K {
+    #[inline]
+    fn reach(
+        &self,
+        edges: &EdgeLengths<R>,
+        point: usize,
+        behind: &Behind,
+        seen: impl Fn(usize) -> Kept<R, K::Carried>,
+    ) -> K::Arrival {
+        let [a, b] =
+            behind.triangles().each_ref().map(|slots| self.through(edges, point, slots, &seen));
+        Self::earlier(a, b)
+    }
 }

@@ -1,7 +1,6 @@
 //! Provides what fronts over an uneven slowness need of a span of points.
 
 use crate::cpu::rotated::span::Span;
-use crate::cpu::rotated::tiles::TILE;
 use crate::surface::Real;
 use crate::update::{Carried, Triangle};
 
@@ -31,33 +30,5 @@ impl<R: Real, C: Carried, G, O: Fn(usize) -> R, B: Fn(usize, usize) -> R> Seen<'
         let (triangle, slowness) = self.triangle::<LEFT>(i);
         let [own, x1, x2] = slowness;
         if LEFT { (triangle, slowness) } else { (triangle.mirrored(), [own, x2, x1]) }
-    }
-}
-
-/// The largest changes of arrival times, by their place in the span.
-pub(super) struct TimeChanges<R: Real>([R::Bits; TILE]);
-
-impl<R: Real> Default for TimeChanges<R> {
-    #[inline(always)]
-    fn default() -> Self {
-        Self([R::Bits::default(); TILE])
-    }
-}
-
-impl<R: Real> TimeChanges<R> {
-    /// Notes the changes of a span. Returns whether any time has changed.
-    #[inline(always)]
-    pub(super) fn note(&mut self, before: &[R], after: &[R]) -> bool {
-        let mut any = false;
-        for (largest, (before, after)) in self.0.iter_mut().zip(before.iter().zip(after)) {
-            let change = before.units_between(*after);
-            any |= change > R::Bits::default();
-            *largest = change.max(*largest);
-        }
-        any
-    }
-
-    pub(super) fn largest(self) -> R::Bits {
-        self.0.into_iter().max().unwrap_or_default()
     }
 }

@@ -3,17 +3,17 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::curved::{FirstFronts, KeptCurved, accept, first};
-use super::kind::{FrontKind, TriangleKind, in_span};
+use super::curved::{Accepted, FirstFronts, KeptCurved, accept, accept_all, first};
+use super::kind::{FrontKind, TriangleKind, Triangular};
+use super::lanes::{LaneKind, Splits, splits_of_line};
 use super::slowed::Seen;
 use super::surface_array::SurfaceArray;
 use crate::cpu::behind::Behind;
 use crate::cpu::bend_units;
 use crate::cpu::rotated::line::{GridLines, ScanLine};
-use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
-use crate::cpu::rotated::span::{Before, Span};
-use crate::cpu::rotated::tiles::TILE;
-use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed};
+use crate::cpu::rotated::span::{Before, LargestChanges, Span};
+use crate::cpu::scan::{Scan, UpdateOptions};
+use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed, min};
 use crate::update::{
     Curvature, Curvatures, Front, Kept, Triangle, curved_slowed, is_settled_slowed,
 };
@@ -44,7 +44,6 @@ impl<R: Real> SlowedCurved<R> {
 impl<R: Real> FrontKind<R> for SlowedCurved<R> {
     type Carried = Curvature<R>;
     type Arrival = Front<R>;
-    type SurfaceData = SurfaceData<R>;
     const TAKES_BACK: bool = true;
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> Front<R> {
@@ -54,19 +53,6 @@ impl<R: Real> FrontKind<R> for SlowedCurved<R> {
 
     fn forget(&mut self) {
         self.origins.forget();
-    }
-
-    #[inline]
-    fn reach(
-        &self,
-        edges: &EdgeLengths<R>,
-        point: usize,
-        behind: &Behind,
-        seen: impl Fn(usize) -> KeptCurved<R>,
-    ) -> Front<R> {
-        let [a, b] =
-            behind.triangles().each_ref().map(|slots| self.through(edges, point, slots, &seen));
-        Front::first(a, b)
     }
 
     fn released(carried: Curvature<R>) -> Curvature<R> {
@@ -92,25 +78,71 @@ impl<R: Real> FrontKind<R> for SlowedCurved<R> {
         let bend = (after.carried.value() - before.carried.value()).abs() * after.time;
         before.time.units_between(after.time).max(bend_units(bend))
     }
+}
+
+impl<R: Real> LaneKind<R> for SlowedCurved<R> {
+    type SurfaceData = SurfaceData<R>;
+    /// See [`Curvatures::causal`].
+    type OfLine<'k> = bool;
+    const TELLS_BENDS: bool = true;
 
     fn surface_data(&self, _: Chart) -> SurfaceArray<SurfaceData<R>> {
         let points = self.gaussian.iter().zip(&*self.slowness);
         SurfaceArray::Own(points.map(|(&gaussian, &slowness)| [gaussian, slowness]).collect())
     }
 
-    fn update(
+    fn of_line(&self, _: [usize; 2], _: Scan) -> bool {
+        self.origins.are_causal()
+    }
+
+    fn splits(
         &self,
-        lines: &mut GridLines<'_, R, Self::Carried, Self::SurfaceData>,
+        lines: &GridLines<'_, R, Self::Carried, Self::SurfaceData>,
         line: usize,
         points: &Range<usize>,
+    ) -> Option<Splits<Self::Arrival>> {
+        splits_of_line(self, lines, line, points)
+    }
+
+    #[inline(always)]
+    fn update_span(
+        &causal: &bool,
+        line: &mut ScanLine<'_, '_, R, Self::Carried, Self::SurfaceData>,
+        [start, points]: [usize; 2],
+        splits: &[(usize, Option<Self::Arrival>)],
         options: UpdateOptions,
-        changed: &mut [bool],
-    ) -> Updated<R::Bits> {
-        let splits = self.splits_of_line(lines, line, points, options.scan).unwrap_or_default();
-        let parts: Vec<_> = splits.into_iter().filter_map(|(at, some)| Some((at, some?))).collect();
-        let line = lines.line(line, points, options.scan);
-        let line = CurvedLine { line, parts: &parts, causal: self.origins.are_causal() };
-        options.instructions.run(LineUpdate { line, options, changed })
+        changes: &mut LargestChanges<R>,
+    ) -> Option<bool> {
+        let span = line.span(start, points);
+        let surface_data = line.surface_behind(start, points);
+        let seen = Seen {
+            span: &span,
+            own: |i: usize| span.surface_data[i][SLOWNESS],
+            behind: |k: usize, i: usize| surface_data[k][i][SLOWNESS],
+        };
+        let is_alone = splits.iter().all(|(_, front)| front.is_none());
+        if is_alone && leaves(&seen, points, options) {
+            return None;
+        }
+        let mut first = FirstFronts::default();
+        for (i, own) in span.surface_data[..points].iter().enumerate() {
+            let k = [0, 1, 2].map(|at| span.carried_behind[at][i].value());
+            let g = [0, 1, 2].map(|at| surface_data[at][i][GAUSSIAN]);
+            let (own, alone) = (own[GAUSSIAN], span.is_alone(i));
+            let (triangle, slowness) = seen.triangle::<true>(i);
+            let bends =
+                Curvatures { fronts: [k[0], k[1]], surface: [own, g[0], g[1]], alone, causal };
+            let left = curved_slowed(triangle, bends, slowness);
+            let (triangle, slowness) = seen.triangle::<false>(i);
+            let bends =
+                Curvatures { fronts: [k[1], k[2]], surface: [own, g[1], g[2]], alone, causal };
+            first.set(i, Front::first(left, curved_slowed(triangle, bends, slowness)));
+        }
+        first.lower(splits, start);
+        let Accepted { times, curvatures, any } =
+            accept_all(&span, points, &first, options, false, changes);
+        line.set(start, &times[..points], &curvatures[..points]);
+        Some(any)
     }
 
     #[inline(always)]
@@ -123,7 +155,7 @@ impl<R: Real> FrontKind<R> for SlowedCurved<R> {
         options: UpdateOptions,
     ) -> bool {
         let behind = Behind::of(before.edges.chart(), options.scan);
-        let at = behind.points().map(|offset| first.wrapping_add_signed(offset));
+        let at = behind.points().map(|offset| offset.from(first));
         let surface_data = at.map(|at| &before.surface_data[at..][..points]);
         let seen = Seen {
             span: &span,
@@ -141,6 +173,8 @@ impl<R: Real> SlowedCurved<R> {
         Curvatures { fronts, surface, alone, causal: self.origins.are_causal() }
     }
 }
+
+impl<R> Triangular for SlowedCurved<R> {}
 
 impl<R: Real> TriangleKind<R> for SlowedCurved<R> {
     #[inline]
@@ -195,16 +229,16 @@ fn leaves<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
     options: UpdateOptions,
 ) -> bool {
     let span = seen.span;
-    if span.is_renewed(points, options.scan.0, options.renews) {
+    if span.is_renewed(points, options) {
         return false;
     }
     if span.leads(points) {
         return true;
     }
     let [before, beside, after] = span.carried_behind;
-    let mut settled = true;
+    let (mut settled, limit) = (true, R::of(options.limit));
     for i in 0..points {
-        let now = span.times[i];
+        let now = min(span.times[i], limit);
         let beside = beside[i].value();
         let (left, left_slowness) = seen.seen_from_beside::<true>(i);
         let (right, right_slowness) = seen.seen_from_beside::<false>(i);
@@ -213,114 +247,4 @@ fn leaves<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
             & is_settled_slowed(right, Some([of_right, beside]), right_slowness, now);
     }
     settled
-}
-
-/// The largest changes, by their place in the span: of arrival times, and of curvatures times the arrival
-/// time.
-struct Changes<R: Real> {
-    times: [R::Bits; TILE],
-    bends: [R::Bits; TILE],
-}
-
-impl<R: Real> Default for Changes<R> {
-    #[inline(always)]
-    fn default() -> Self {
-        let none = [R::Bits::default(); TILE];
-        Self { times: none, bends: none }
-    }
-}
-
-impl<R: Real> Changes<R> {
-    /// Notes the change of point `i`. Returns whether the front has changed at all.
-    #[inline(always)]
-    fn note(&mut self, i: usize, before: KeptCurved<R>, after: KeptCurved<R>) -> bool {
-        let [bent_before, bent] = [before.carried.value(), after.carried.value()];
-        let change = before.time.units_between(after.time);
-        self.times[i] = change.max(self.times[i]);
-        // As integers, whose maximum compilers find in SIMD lanes.
-        let bend = (bent - bent_before).abs() * after.time;
-        self.bends[i] = R::zero().units_between(bend).max(self.bends[i]);
-        change.max(bent_before.units_between(bent)) > R::Bits::default()
-    }
-}
-
-/// A line while a scan updates it.
-struct CurvedLine<'a, R> {
-    line: ScanLine<'a, R, Curvature<R>, SurfaceData<R>>,
-    /// Fronts that arrive through parts of obtuse triangles, by the point's place in the line.
-    parts: &'a [(usize, Front<R>)],
-    /// See [`Curvatures::causal`].
-    causal: bool,
-}
-
-impl<R: Real> Spans for CurvedLine<'_, R> {
-    type Changes = Changes<R>;
-    type Bits = R::Bits;
-
-    #[inline(always)]
-    fn points(&self) -> usize {
-        self.line.times.len()
-    }
-
-    #[inline(always)]
-    fn prefetch_next(&self, start: usize) {
-        self.line.prefetch_next(start);
-    }
-
-    #[inline(always)]
-    fn update(
-        &mut self,
-        start: usize,
-        points: usize,
-        options: UpdateOptions,
-        changes: &mut Changes<R>,
-    ) -> Option<bool> {
-        let span = self.line.span(start, points);
-        let surface_data = self.line.ground_behind(start, points);
-        let seen = Seen {
-            span: &span,
-            own: |i: usize| span.surface_data[i][SLOWNESS],
-            behind: |k: usize, i: usize| surface_data[k][i][SLOWNESS],
-        };
-        let parts = in_span(self.parts, start, points);
-        if parts.is_empty() && leaves(&seen, points, options) {
-            return None;
-        }
-        let mut first = FirstFronts::default();
-        for (i, own) in span.surface_data[..points].iter().enumerate() {
-            let k = [0, 1, 2].map(|at| span.carried_behind[at][i].value());
-            let g = [0, 1, 2].map(|at| surface_data[at][i][GAUSSIAN]);
-            let own = own[GAUSSIAN];
-            let (alone, causal) = (span.is_alone(i), self.causal);
-            let (triangle, slowness) = seen.triangle::<true>(i);
-            let bends =
-                Curvatures { fronts: [k[0], k[1]], surface: [own, g[0], g[1]], alone, causal };
-            let left = curved_slowed(triangle, bends, slowness);
-            let (triangle, slowness) = seen.triangle::<false>(i);
-            let bends =
-                Curvatures { fronts: [k[1], k[2]], surface: [own, g[1], g[2]], alone, causal };
-            first.set(i, Front::first(left, curved_slowed(triangle, bends, slowness)));
-        }
-        for &(point, front) in parts {
-            let i = point - start;
-            first.set(i, Front::first(first.get(i), front));
-        }
-        let (mut times, mut curvatures) = ([R::zero(); TILE], [Curvature::default(); TILE]);
-        let mut any = false;
-        for i in 0..points {
-            let before = Kept { time: span.times[i], carried: span.carried[i] };
-            let after = accept(before, first.get(i), options.scan.0, options.renews);
-            (times[i], curvatures[i]) = (after.time, after.carried);
-            any |= changes.note(i, before, after);
-        }
-        self.line.times[start..][..points].copy_from_slice(&times[..points]);
-        self.line.carried[start..][..points].copy_from_slice(&curvatures[..points]);
-        Some(any)
-    }
-
-    #[inline(always)]
-    fn largest(changes: Changes<R>) -> R::Bits {
-        let largest = |of: [R::Bits; TILE]| of.into_iter().max().unwrap_or_default();
-        largest(changes.times).max(bend_units(R::from_bits(largest(changes.bends))))
-    }
 }

@@ -3,15 +3,16 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::kind::{FrontKind, TriangleKind, in_span};
-use super::slowed::{Seen, TimeChanges};
+use super::kind::{FrontKind, TriangleKind, Triangular};
+use super::lanes::{LaneKind, Splits, splits_of_line};
+use super::slowed::Seen;
 use super::surface_array::SurfaceArray;
 use crate::cpu::behind::Behind;
 use crate::cpu::rotated::line::{GridLines, ScanLine};
-use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
-use crate::cpu::rotated::span::{Before, Span};
+use crate::cpu::rotated::span::{Before, LargestChanges, Span};
 use crate::cpu::rotated::tiles::TILE;
-use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
+use crate::cpu::scan::{Scan, UpdateOptions};
+use crate::surface::{Chart, Real, Seed, min};
 use crate::update::{Kept, Triangle, is_settled_slowed, planar_slowed};
 
 /// The front of [`crate::Wavefront::Planar`] over a surface with an uneven slowness.
@@ -31,23 +32,9 @@ impl<R: Real> SlowedPlanar<R> {
 impl<R: Real> FrontKind<R> for SlowedPlanar<R> {
     type Carried = ();
     type Arrival = R;
-    type SurfaceData = R;
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> R {
         R::of(seed.time)
-    }
-
-    #[inline]
-    fn reach(
-        &self,
-        edges: &EdgeLengths<R>,
-        point: usize,
-        behind: &Behind,
-        seen: impl Fn(usize) -> Kept<R, ()>,
-    ) -> R {
-        let [a, b] =
-            behind.triangles().each_ref().map(|slots| self.through(edges, point, slots, &seen));
-        min(a, b)
     }
 
     #[inline(always)]
@@ -68,23 +55,63 @@ impl<R: Real> FrontKind<R> for SlowedPlanar<R> {
     fn change(before: Kept<R, ()>, after: Kept<R, ()>) -> R::Bits {
         before.time.units_between(after.time)
     }
+}
+
+impl<R: Real> LaneKind<R> for SlowedPlanar<R> {
+    type SurfaceData = R;
+    type OfLine<'k> = ();
 
     fn surface_data(&self, _: Chart) -> SurfaceArray<R> {
         SurfaceArray::OfEdges(self.slowness.clone())
     }
 
-    fn update(
+    fn of_line(&self, _: [usize; 2], _: Scan) {}
+
+    fn splits(
         &self,
-        lines: &mut GridLines<'_, R, Self::Carried, Self::SurfaceData>,
+        lines: &GridLines<'_, R, Self::Carried, Self::SurfaceData>,
         line: usize,
         points: &Range<usize>,
+    ) -> Option<Splits<Self::Arrival>> {
+        splits_of_line(self, lines, line, points)
+    }
+
+    #[inline(always)]
+    fn update_span(
+        _: &(),
+        line: &mut ScanLine<'_, '_, R, Self::Carried, Self::SurfaceData>,
+        [start, points]: [usize; 2],
+        splits: &[(usize, Option<Self::Arrival>)],
         options: UpdateOptions,
-        changed: &mut [bool],
-    ) -> Updated<R::Bits> {
-        let splits = self.splits_of_line(lines, line, points, options.scan).unwrap_or_default();
-        let parts: Vec<_> = splits.into_iter().filter_map(|(at, some)| Some((at, some?))).collect();
-        let line = PlanarLine { line: lines.line(line, points, options.scan), parts: &parts };
-        options.instructions.run(LineUpdate { line, options, changed })
+        changes: &mut LargestChanges<R>,
+    ) -> Option<bool> {
+        let span = line.span(start, points);
+        let behind = line.surface_behind(start, points);
+        let seen = Seen {
+            span: &span,
+            own: |i: usize| span.surface_data[i],
+            behind: |k: usize, i: usize| behind[k][i],
+        };
+        let is_alone = splits.iter().all(|(_, time)| time.is_none());
+        if is_alone && (span.leads(points) || stays(&seen, points, options.limit)) {
+            return None;
+        }
+        let mut after = [R::zero(); TILE];
+        for (i, after) in after[..points].iter_mut().enumerate() {
+            let (left, left_slowness) = seen.triangle::<true>(i);
+            let (right, right_slowness) = seen.triangle::<false>(i);
+            let time =
+                min(planar_slowed(left, left_slowness), planar_slowed(right, right_slowness));
+            *after = min(span.times[i], time);
+        }
+        for &(point, time) in splits {
+            if let Some(time) = time {
+                after[point - start] = min(after[point - start], time);
+            }
+        }
+        let any = changes.note_times(span.times, &after[..points]);
+        line.set(start, &after[..points], &[]);
+        Some(any)
     }
 
     #[inline(always)]
@@ -100,7 +127,7 @@ impl<R: Real> FrontKind<R> for SlowedPlanar<R> {
             return true;
         }
         let behind = Behind::of(before.edges.chart(), options.scan);
-        let at = behind.points().map(|offset| first.wrapping_add_signed(offset));
+        let at = behind.points().map(|offset| offset.from(first));
         let slowness_behind = at.map(|at| &before.surface_data[at..][..points]);
         stays(
             &Seen {
@@ -109,9 +136,12 @@ impl<R: Real> FrontKind<R> for SlowedPlanar<R> {
                 behind: |k: usize, i: usize| slowness_behind[k][i],
             },
             points,
+            options.limit,
         )
     }
 }
+
+impl<R> Triangular for SlowedPlanar<R> {}
 
 impl<R: Real> TriangleKind<R> for SlowedPlanar<R> {
     #[inline]
@@ -153,76 +183,15 @@ impl<R: Real> TriangleKind<R> for SlowedPlanar<R> {
 fn stays<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
     seen: &Seen<'_, R, (), R, O, B>,
     points: usize,
+    limit: f64,
 ) -> bool {
-    let mut settled = true;
+    let (mut settled, limit) = (true, R::of(limit));
     for i in 0..points {
-        let now = seen.span.times[i];
+        let now = min(seen.span.times[i], limit);
         let (left, left_slowness) = seen.seen_from_beside::<true>(i);
         let (right, right_slowness) = seen.seen_from_beside::<false>(i);
         settled &= is_settled_slowed(left, None, left_slowness, now)
             & is_settled_slowed(right, None, right_slowness, now);
     }
     settled
-}
-
-/// A line while a scan updates it.
-struct PlanarLine<'a, R> {
-    line: ScanLine<'a, R, (), R>,
-    /// Arrival times through parts of obtuse triangles, by the point's place in the line.
-    parts: &'a [(usize, R)],
-}
-
-impl<R: Real> Spans for PlanarLine<'_, R> {
-    type Changes = TimeChanges<R>;
-    type Bits = R::Bits;
-
-    #[inline(always)]
-    fn points(&self) -> usize {
-        self.line.times.len()
-    }
-
-    #[inline(always)]
-    fn prefetch_next(&self, start: usize) {
-        self.line.prefetch_next(start);
-    }
-
-    #[inline(always)]
-    fn update(
-        &mut self,
-        start: usize,
-        points: usize,
-        _: UpdateOptions,
-        changes: &mut TimeChanges<R>,
-    ) -> Option<bool> {
-        let span = self.line.span(start, points);
-        let behind = self.line.ground_behind(start, points);
-        let seen = Seen {
-            span: &span,
-            own: |i: usize| span.surface_data[i],
-            behind: |k: usize, i: usize| behind[k][i],
-        };
-        let parts = in_span(self.parts, start, points);
-        if parts.is_empty() && (span.leads(points) || stays(&seen, points)) {
-            return None;
-        }
-        let mut after = [R::zero(); TILE];
-        for (i, after) in after[..points].iter_mut().enumerate() {
-            let (left, left_slowness) = seen.triangle::<true>(i);
-            let (right, right_slowness) = seen.triangle::<false>(i);
-            let time =
-                min(planar_slowed(left, left_slowness), planar_slowed(right, right_slowness));
-            *after = min(span.times[i], time);
-        }
-        for &(point, time) in parts {
-            after[point - start] = min(after[point - start], time);
-        }
-        let any = changes.note(span.times, &after[..points]);
-        self.line.times[start..][..points].copy_from_slice(&after[..points]);
-        Some(any)
-    }
-
-    #[inline(always)]
-    fn largest(changes: TimeChanges<R>) -> R::Bits {
-        changes.largest()
-    }
 }

@@ -2,15 +2,15 @@
 
 use std::ops::Range;
 
-use super::kind::{FrontKind, TriangleKind, in_span};
+use super::kind::{FrontKind, TriangleKind, Triangular};
+use super::lanes::{LaneKind, Splits, splits_of_line};
 use super::surface_array::SurfaceArray;
-use crate::cpu::behind::Behind;
 use crate::cpu::rotated::line::{GridLines, ScanLine};
-use crate::cpu::rotated::line_update::{LineUpdate, Spans, UpdateOptions, Updated};
 use crate::cpu::rotated::settled::Visited;
-use crate::cpu::rotated::span::{Before, Span};
+use crate::cpu::rotated::span::{Before, LargestChanges, Span};
 use crate::cpu::rotated::tiles::TILE;
-use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed, min};
+use crate::cpu::scan::{Scan, UpdateOptions};
+use crate::surface::{Chart, Origins, Real, Seed, min};
 use crate::update::{Kept, Triangle};
 
 /// The differences between such fronts.
@@ -44,7 +44,6 @@ fn at<R>(time: R) -> Kept<R, ()> {
 impl<R: Real, S: Straight> FrontKind<R> for S {
     type Carried = ();
     type Arrival = R;
-    type SurfaceData = ();
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> R {
         if let Some(origins) = self.origins() {
@@ -57,19 +56,6 @@ impl<R: Real, S: Straight> FrontKind<R> for S {
         if let Some(origins) = self.origins() {
             origins.forget();
         }
-    }
-
-    #[inline]
-    fn reach(
-        &self,
-        edges: &EdgeLengths<R>,
-        point: usize,
-        behind: &Behind,
-        seen: impl Fn(usize) -> Kept<R, ()>,
-    ) -> R {
-        let [a, b] =
-            behind.triangles().each_ref().map(|slots| self.through(edges, point, slots, &seen));
-        min(a, b)
     }
 
     #[inline(always)]
@@ -90,31 +76,68 @@ impl<R: Real, S: Straight> FrontKind<R> for S {
     fn change(before: Kept<R, ()>, after: Kept<R, ()>) -> R::Bits {
         before.time.units_between(after.time)
     }
+}
+
+impl<R: Real, S: Straight> LaneKind<R> for S {
+    type SurfaceData = ();
+    type OfLine<'k> = S;
 
     fn surface_data(&self, chart: Chart) -> SurfaceArray<()> {
         SurfaceArray::Own(vec![(); chart.bordered_points()])
     }
 
-    fn update(
+    fn of_line(&self, _: [usize; 2], _: Scan) -> S {
+        *self
+    }
+
+    fn splits(
         &self,
-        lines: &mut GridLines<'_, R, Self::Carried, Self::SurfaceData>,
+        lines: &GridLines<'_, R, Self::Carried, Self::SurfaceData>,
         line: usize,
         points: &Range<usize>,
+    ) -> Option<Splits<Self::Arrival>> {
+        splits_of_line(self, lines, line, points)
+    }
+
+    #[inline(always)]
+    fn update_span(
+        kind: &S,
+        line: &mut ScanLine<'_, '_, R, Self::Carried, Self::SurfaceData>,
+        [start, points]: [usize; 2],
+        splits: &[(usize, Option<Self::Arrival>)],
         options: UpdateOptions,
-        changed: &mut [bool],
-    ) -> Updated<R::Bits> {
-        let splits = self.splits_of_line(lines, line, points, options.scan);
-        let line = lines.line(line, points, options.scan);
-        match &splits {
-            None => {
-                let line = StraightLine::<_, _, false> { line, parts: &[], kind: *self };
-                options.instructions.run(LineUpdate { line, options, changed })
+        changes: &mut LargestChanges<R>,
+    ) -> Option<bool> {
+        let span = line.span(start, points);
+        let mut before = [R::zero(); TILE];
+        before[..points].copy_from_slice(span.times);
+        let after = if splits.is_empty() {
+            if span.leads(points) {
+                return None;
             }
-            Some(parts) => {
-                let line = StraightLine::<_, _, true> { line, parts, kind: *self };
-                options.instructions.run(LineUpdate { line, options, changed })
+            // If no point has been reached, all of them are about to be, and the test would be wasted.
+            let is_new = options.limit == f64::INFINITY && span.is_unreached(points);
+            if !is_new && stays::<R, S, false>(&span, points, options.limit) {
+                return None;
             }
-        }
+            through_both::<R, S, false>(*kind, &span, &before, points)
+        } else {
+            let (mut now, mut any) = (before, false);
+            for &(point, time) in splits {
+                if let Some(time) = time {
+                    let i = point - start;
+                    now[i] = S::first(now[i], time);
+                    any |= now[i] < before[i];
+                }
+            }
+            if !any && (span.leads(points) || stays::<R, S, true>(&span, points, options.limit)) {
+                return None;
+            }
+            through_both::<R, S, true>(*kind, &span, &now, points)
+        };
+        let any = changes.note_times(&before[..points], &after[..points]);
+        line.set(start, &after[..points], &[]);
+        Some(any)
     }
 
     #[inline(always)]
@@ -124,11 +147,13 @@ impl<R: Real, S: Straight> FrontKind<R> for S {
         _: usize,
         span: Span<'_, R, Self::Carried, Self::SurfaceData>,
         points: usize,
-        _: UpdateOptions,
+        options: UpdateOptions,
     ) -> bool {
-        span.leads(points) || stays::<R, S, false>(&span, points)
+        span.leads(points) || stays::<R, S, false>(&span, points, options.limit)
     }
 }
+
+impl<S: Straight> Triangular for S {}
 
 impl<R: Real, S: Straight> TriangleKind<R> for S {
     #[inline]
@@ -153,98 +178,19 @@ impl<R: Real, S: Straight> TriangleKind<R> for S {
 
 /// Returns whether no front arrives earlier at any of the points.
 #[inline(always)]
-fn stays<R: Real, S: Straight, const SPLIT: bool>(span: &Span<R, (), ()>, points: usize) -> bool {
-    let mut settled = true;
+fn stays<R: Real, S: Straight, const SPLIT: bool>(
+    span: &Span<R, (), ()>,
+    points: usize,
+    limit: f64,
+) -> bool {
+    let (mut settled, limit) = (true, R::of(limit));
     for i in 0..points {
-        let visited: Visited<R> = span.visited::<SPLIT>(i);
+        let visited: Visited<R> = span.visited::<SPLIT>(i, limit);
         let [left, right] = visited.triangles;
         let of = [S::is_settled(left, visited.now), S::is_settled(right, visited.now)];
         settled &= visited.stays(of);
     }
     settled
-}
-
-/// A line while a scan updates it. `SPLIT` tells whether some of its triangles are obtuse.
-struct StraightLine<'a, R, S, const SPLIT: bool> {
-    line: ScanLine<'a, R, (), ()>,
-    /// The points with obtuse triangles, and the arrival times through parts of these.
-    parts: &'a [(usize, Option<R>)],
-    kind: S,
-}
-
-/// The largest changes of arrival times, by their place in the span.
-struct TimeChanges<R: Real>([R::Bits; TILE]);
-
-impl<R: Real> Default for TimeChanges<R> {
-    #[inline(always)]
-    fn default() -> Self {
-        Self([R::Bits::default(); TILE])
-    }
-}
-
-impl<R: Real, S: Straight, const SPLIT: bool> Spans for StraightLine<'_, R, S, SPLIT> {
-    type Changes = TimeChanges<R>;
-    type Bits = R::Bits;
-
-    #[inline(always)]
-    fn points(&self) -> usize {
-        self.line.times.len()
-    }
-
-    #[inline(always)]
-    fn prefetch_next(&self, start: usize) {
-        self.line.prefetch_next(start);
-    }
-
-    #[inline(always)]
-    fn update(
-        &mut self,
-        start: usize,
-        points: usize,
-        _: UpdateOptions,
-        changes: &mut TimeChanges<R>,
-    ) -> Option<bool> {
-        let span = self.line.span(start, points);
-        let parts = if SPLIT { in_span(self.parts, start, points) } else { &[] };
-        let mut before = [R::zero(); TILE];
-        before[..points].copy_from_slice(span.times);
-        let after = if parts.is_empty() {
-            if span.leads(points) {
-                return None;
-            }
-            // If no point has been reached, all of them are about to be, and the test would be wasted.
-            if !span.is_unreached(points) && stays::<R, S, false>(&span, points) {
-                return None;
-            }
-            through_both::<R, S, false>(self.kind, &span, &before, points)
-        } else {
-            let (mut now, mut any) = (before, false);
-            for &(point, time) in parts {
-                if let Some(time) = time {
-                    let i = point - start;
-                    now[i] = S::first(now[i], time);
-                    any |= now[i] < before[i];
-                }
-            }
-            if !any && (span.leads(points) || stays::<R, S, true>(&span, points)) {
-                return None;
-            }
-            through_both::<R, S, true>(self.kind, &span, &now, points)
-        };
-        let mut any = false;
-        for (i, largest) in changes.0[..points].iter_mut().enumerate() {
-            let change = before[i].units_between(after[i]);
-            any |= change > R::Bits::default();
-            *largest = change.max(*largest);
-        }
-        self.line.times[start..][..points].copy_from_slice(&after[..points]);
-        Some(any)
-    }
-
-    #[inline(always)]
-    fn largest(changes: TimeChanges<R>) -> R::Bits {
-        changes.0.into_iter().max().unwrap_or_default()
-    }
 }
 
 /// Returns, for each point, the earlier of the arrival time `now` and the one through one of its two

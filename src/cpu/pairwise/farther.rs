@@ -2,7 +2,6 @@
 //! are points with obtuse triangles, whose parts reach further.
 
 use super::marks::WORD;
-use super::pending::SCANS;
 use crate::cpu::scan::Scan;
 use crate::surface::{EdgeLengths, Lines};
 
@@ -71,7 +70,7 @@ impl Concerns {
         let chart = edges.chart();
         let turned = chart.by(lines);
         let mut found = Vec::new();
-        for scan in SCANS.into_iter().filter(|scan| scan.lines() == lines) {
+        for scan in Scan::ALL.into_iter().filter(|scan| scan.lines() == lines) {
             let Some(parts) = edges.parts_on_side(scan.back()) else { continue };
             for line in 0..turned.rows {
                 for (place, parts) in parts.within(line + 1, 1..turned.cols + 1).parts() {
@@ -125,7 +124,7 @@ mod tests {
             let mut pending = Pending::new(chart, farther.clone());
             pending.start(0);
             pending.touch(row, col);
-            for scan in SCANS {
+            for scan in Scan::ALL {
                 let turned = chart.by(scan.lines());
                 let (of_change, changed) = scan.lines().place(row, col);
                 let parts = edges.parts_on_side(scan.back()).unwrap();

@@ -15,13 +15,13 @@ mod scans;
 mod stage;
 
 use super::Instructions;
+use super::scan::Scan;
 use crate::surface::{Chart, Direction, EdgeLengths, Real};
 use crate::update::Wavefront;
 use crate::{Convergence, Stop};
 use circular::Circular;
 use kernel::{FanSlots, LANES};
 use maps::Known;
-use pending::SCANS;
 use planar::Planar;
 use scans::{BatchSolver, Scans};
 
@@ -156,7 +156,7 @@ impl PairwiseScan {
 /// Returns whether the angle between two successive edges around a point exceeds a right angle, even by too
 /// little to count as obtuse.
 fn has_wide_angles(edges: &EdgeLengths<f32>) -> bool {
-    let fans = SCANS.map(|scan| FanSlots::new(edges.chart(), scan));
+    let fans = Scan::ALL.map(|scan| FanSlots::new(edges.chart(), scan));
     edges.chart().places().any(|(row, col)| {
         let point = edges.chart().bordered(row, col);
         fans.iter().any(|slots| slots.fan(edges, point).triangles().into_iter().any(is_wide))

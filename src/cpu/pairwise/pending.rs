@@ -129,9 +129,6 @@ fn index(scan: Scan) -> usize {
     usize::from(scan.0) - 1
 }
 
-/// The scans of an iteration, in their order (paper, figure 3, second row).
-pub(super) const SCANS: [Scan; 4] = [Scan::DOWN, Scan::UP, Scan::RIGHT, Scan::LEFT];
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -147,7 +144,7 @@ mod tests {
     }
 
     fn assert_quiet(pending: &mut Pending) {
-        for scan in SCANS {
+        for scan in Scan::ALL {
             let lines = pending.chart.by(scan.lines()).rows;
             assert!((0..lines).all(|line| take(pending, scan, line).is_empty()));
         }
@@ -166,7 +163,7 @@ mod tests {
 
     #[test]
     fn a_change_wakes_its_neighbours_ahead_of_each_scan() {
-        for scan in SCANS {
+        for scan in Scan::ALL {
             let mut pending = Pending::new(Chart { rows: 80, cols: 90 }, Arc::default());
             pending.start(0);
             let (line, point) = scan.lines().place(65, 64);
@@ -185,7 +182,7 @@ mod tests {
     fn known_points_are_not_visited() {
         let chart = Chart { rows: 4, cols: 5 };
         for known in 1..=20 {
-            for scan in SCANS {
+            for scan in Scan::ALL {
                 let mut pending = Pending::new(chart, Arc::default());
                 pending.start(known);
                 let mut visited = Vec::new();

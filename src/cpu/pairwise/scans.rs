@@ -8,11 +8,10 @@ use super::maps::{Known, Maps};
 use super::marks::WORD;
 use super::outward::Passing;
 use super::parts::{Parts, VisitParts};
-use super::pending::SCANS;
 use crate::cpu::scan::Scan;
 use crate::cpu::{Instructions, Progress};
 use crate::lanes::Loop;
-use crate::surface::{Chart, EdgeLengths};
+use crate::surface::{Chart, EdgeLengths, Offset};
 use crate::{Convergence, Stop};
 
 /// The coefficients of a surface for one kind of front, and working memory for as many batches as have been
@@ -46,14 +45,14 @@ pub(super) trait BatchSolver: Send + Sync {
 impl<K: Kernel> Scans<K> {
     pub(super) fn new(edges: &EdgeLengths<f32>) -> Self {
         let chart = edges.chart();
-        let coefficients = SCANS.map(|scan| {
+        let coefficients = Scan::ALL.map(|scan| {
             let slots = FanSlots::new(chart, scan);
             let at = |row, col| K::coefficients(slots.fan(edges, chart.bordered(row, col)));
             let lines = chart.by(scan.lines());
             let places = lines.places().map(|(line, point)| scan.lines().place(line, point));
             places.map(|(row, col)| at(row, col)).collect()
         });
-        let parts = SCANS.map(|scan| Parts::new(edges, scan));
+        let parts = Scan::ALL.map(|scan| Parts::new(edges, scan));
         let farther = Arc::new(Farther::new(edges));
         Self { chart, coefficients, parts, farther, spare: Mutex::default() }
     }
@@ -69,7 +68,7 @@ impl<K: Kernel> Scans<K> {
         let wakes = (stop.tolerance / f64::from(f32::EPSILON)) as u32;
         loop {
             let mut largest = 0;
-            for scan in SCANS {
+            for scan in Scan::ALL {
                 largest = largest.max(self.scan::<TRACKS>(maps, scan, wakes, instructions));
             }
             maps.outward = None;
@@ -93,7 +92,7 @@ impl<K: Kernel> Scans<K> {
     ) -> u32 {
         let Maps { points, pending, outward, changed, .. } = maps;
         let (chart, lines) = (self.chart, self.chart.by(scan.lines()));
-        let step = chart.offset(scan.lines().along()).unsigned_abs();
+        let step = chart.stride_along(scan.lines());
         let behind = chart.offset(scan.back());
         let index = usize::from(scan.0) - 1;
         let (coefficients, parts) = (&self.coefficients[index], &self.parts[index]);
@@ -184,7 +183,7 @@ struct MarkedLine<'a, K: Kernel> {
     /// neighbour behind.
     first: usize,
     step: usize,
-    behind: isize,
+    behind: Offset,
     coefficients: &'a [K::Coefficients],
     marks: &'a mut [u64],
     /// A mask for each map, with all bits set for those that pass the line.
@@ -211,7 +210,7 @@ impl<K: Kernel, const TRACKS: bool, const ALL: bool> Loop for Visit<'_, K, TRACK
                 visits &= visits - 1;
                 let point = k * WORD + bit as usize;
                 let here = first + point * step;
-                let beside = here.wrapping_add_signed(behind);
+                let beside = behind.from(here);
                 let behind = [&points[beside - step], &points[beside], &points[beside + step]];
                 let (mut state, coefficients) = (points[here], &coefficients[point]);
                 if K::may_change(&state, behind, coefficients) {

@@ -10,26 +10,25 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::line_update::UpdateOptions;
 use super::span::{Before, Span, prefetch_next_row};
 use super::tiles::{TILE, Tiles};
 use crate::cpu::behind::Behind;
-use crate::cpu::fronts::FrontKind;
-use crate::cpu::scan::Scan;
+use crate::cpu::fronts::LaneKind;
+use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::lanes::Loop;
-use crate::surface::{Direction, Real};
+use crate::surface::Real;
 
 /// Finds the tiles in which up to four scans have work that start from the same fronts. Returns the number of examined
 /// points. Points examined for two scans count twice. Rows of tiles are examined in parallel if the tiles are
 /// those of the whole grid.
-pub(in crate::cpu) fn find_due<R: Real, K: FrontKind<R>>(
+pub(in crate::cpu) fn find_due<R: Real, K: LaneKind<R>>(
     kind: &K,
     before: Before<R, K::Carried, K::SurfaceData>,
     tiles: &mut Tiles,
     scans: &[UpdateOptions],
 ) -> u64 {
     let (chart, window, place) = (before.edges.chart(), before.fronts.window, tiles.place());
-    let strides = [window.own(), chart].map(|chart| chart.offset(Direction::South));
+    let strides = [window.own(), chart].map(|chart| chart.stride() as isize);
     let seen: [Option<_>; 4] = std::array::from_fn(|scan| {
         let options = *scans.get(scan)?;
         Some((options, Behind::of(chart, options.scan), window.behind(options.scan)))
@@ -42,7 +41,7 @@ pub(in crate::cpu) fn find_due<R: Real, K: FrontKind<R>>(
                 for run in runs(beside, options.scan) {
                     let due = &mut due[run.clone()];
                     let cols = place.cols(run);
-                    looked += cols.len() as u64;
+                    let points = cols.len() as u64;
                     let first = chart.bordered(row, cols.start);
                     let behinds = (behind, in_window);
                     let span = before.span(behinds, [row, cols.start], cols.len());
@@ -52,7 +51,7 @@ pub(in crate::cpu) fn find_due<R: Real, K: FrontKind<R>>(
                     let obtuse = obtuse.map(|bits| (&bits[first..][..cols.len()], behind.bits()));
                     let look =
                         Look::<R, K> { kind, before, first, span, obtuse, strides, options, due };
-                    options.instructions.run(look);
+                    looked += points - options.instructions.run(look);
                 }
             }
         }
@@ -74,8 +73,8 @@ fn runs(beside: &[u8], scan: Scan) -> impl Iterator<Item = Range<usize>> {
 }
 
 /// A check of whether a scan has work in the tiles along a row of points. It adds the scan to `due` of those
-/// tiles.
-struct Look<'l, R: Real, K: FrontKind<R>> {
+/// tiles, and returns the number of points that it has left out since they are beyond the limit.
+struct Look<'l, R: Real, K: LaneKind<R>> {
     kind: &'l K,
     before: &'l Before<'l, R, K::Carried, K::SurfaceData>,
     /// The first point, as an index into bordered arrays of the grid.
@@ -89,15 +88,22 @@ struct Look<'l, R: Real, K: FrontKind<R>> {
     due: &'l mut [u8],
 }
 
-impl<R: Real, K: FrontKind<R>> Loop for Look<'_, R, K> {
-    type Output = ();
+impl<R: Real, K: LaneKind<R>> Loop for Look<'_, R, K> {
+    type Output = u64;
 
     #[inline(always)]
-    fn run(self) {
+    fn run(self) -> u64 {
         let Self { kind, before, first, span, obtuse, strides, options, due } = self;
-        let points = span.times.len();
+        let (points, mut beyond) = (span.times.len(), 0);
         for (tile, due) in due.iter_mut().enumerate() {
             prefetch_next_row(&span, strides, tile * TILE, K::NEEDS_EDGES);
+            let in_span = points.min(TILE);
+            let at = (tile * TILE).min(points - in_span);
+            let is_limited = options.limit < f64::INFINITY;
+            if is_limited && span.part(at, in_span).is_beyond(in_span, options.limit) {
+                beyond += (points - tile * TILE).min(TILE) as u64;
+                continue;
+            }
             if *due & options.scan.bit() != 0 {
                 continue;
             }
@@ -124,6 +130,7 @@ impl<R: Real, K: FrontKind<R>> Loop for Look<'_, R, K> {
                 *due |= options.scan.bit();
             }
         }
+        beyond
     }
 }
 
@@ -132,6 +139,7 @@ mod tests {
     use super::*;
     use crate::cpu::Instructions;
     use crate::cpu::fronts::{Curved, for_triangle_kind};
+    use crate::cpu::rotated::line_update::Changed;
     use crate::cpu::rotated::window::{Fronts, Window};
     use crate::surface::{Chart, EdgeLengths};
     use crate::update::{Curvature, Front, Wavefront};
@@ -141,7 +149,7 @@ mod tests {
 
     /// Returns the scans that have work around a point in the middle, given arrival times and the data that
     /// fronts carry.
-    fn due<K: FrontKind<f32>>(
+    fn due<K: LaneKind<f32>>(
         edges: &EdgeLengths<f32>,
         kind: &K,
         instructions: Instructions,
@@ -162,9 +170,10 @@ mod tests {
         tiles.touch(MIDDLE[0], MIDDLE[1]);
         let mut found = Vec::new();
         for scans in [DOWN_UP, RIGHT_LEFT] {
-            let options = |scan| UpdateOptions { scan, renews: true, instructions };
+            let options =
+                |scan| UpdateOptions { scan, renews: true, limit: f64::INFINITY, instructions };
             assert!(find_due(kind, before, &mut tiles, &scans.map(options)) > 0);
-            let quiet = vec![false; tiles.len()];
+            let quiet = vec![Changed::No; tiles.len()];
             for scan in scans {
                 let mut runs = Vec::new();
                 let any = tiles.bands(scan).any(|band| {

@@ -3,17 +3,19 @@
 use super::scan_copy::ScanCopy;
 use super::tiles::Tiles;
 use crate::cpu::fronts::FrontKind;
-use crate::surface::{EdgeLengths, Real};
+use crate::surface::{EdgeLengths, Real, min};
 use crate::update::{Carried, EXACT, EXCHANGED, Kept};
 
 /// Gives each copy of a point the first front that a scan has brought to any of them, and returns the largest
 /// change. Fronts that an earlier exchange has brought do not count: those from which they were copied may
-/// have been renewed since. The fronts before and after are the same in both `copies` of the map.
+/// have been renewed since. The fronts before and after are the same in both `copies` of the map. Changes after
+/// `limit` are not passed on.
 pub(in crate::cpu) fn exchange<R: Real, K: FrontKind<R>>(
     edges: &EdgeLengths<R>,
     copies: &mut [ScanCopy<R, K::Carried>; 2],
     tiles: &mut Tiles,
     renews: bool,
+    limit: f64,
 ) -> R::Bits {
     let mut largest = R::Bits::default();
     let Some(groups) = edges.copies() else { return largest };
@@ -44,7 +46,10 @@ pub(in crate::cpu) fn exchange<R: Real, K: FrontKind<R>>(
             }
             largest = largest.max(K::change(before, after));
             let (row, col) = edges.chart().bordered_position(point as usize);
-            tiles.touch(row, col);
+            match min(before.time, after.time).wide() <= limit {
+                true => tiles.touch(row, col),
+                false => tiles.note(row, col),
+            }
         }
     }
     largest

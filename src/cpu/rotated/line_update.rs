@@ -1,91 +1,167 @@
 //! Updates one line of points from the line behind it. Rotated scans consist of such updates.
 //!
 //! The loops have no branches, so that the compiler maps points to SIMD lanes; see [`Loop`]. The update of a
-//! point depends on the kind of front (`fronts/`).
+//! span of points depends on the kind of front (`fronts/`).
 
+use std::ops::Range;
+
+use super::line::{GridLines, ScanLine};
+use super::span::LargestChanges;
 use super::tiles::TILE;
-use crate::cpu::Instructions;
-use crate::cpu::scan::Scan;
+use crate::cpu::fronts::LaneKind;
+use crate::cpu::scan::UpdateOptions;
 use crate::lanes::Loop;
+use crate::surface::{Real, min};
+use crate::update::Carried;
 
-/// Options of a line update. `renews`: whether a scan may replace a front that the same scan direction
-/// brought earlier.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::cpu) struct UpdateOptions {
-    pub scan: Scan,
-    pub renews: bool,
-    pub instructions: Instructions,
+/// How updates have changed some points. The largest of several counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::cpu) enum Changed {
+    #[default]
+    No,
+    /// Only fronts have changed that are later than the limit.
+    Beyond,
+    /// Fronts have changed that may reach other points before the limit.
+    Within,
 }
 
-/// Result of updating one or more lines: the largest change ([`crate::surface::Real::units_between`]) and the
-/// number of updated points. Settled points are skipped and not counted.
+/// Result of updating one or more lines: the largest change ([`Real::units_between`]), the number of updated
+/// points, and the number of those that were left out since they are beyond the limit. Settled points are
+/// skipped and not counted.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::cpu) struct Updated<B> {
     pub largest: B,
     pub points: u64,
+    pub beyond: u64,
 }
 
 impl<B: Ord> Updated<B> {
     #[inline(always)]
     pub(in crate::cpu) fn and(self, other: Self) -> Self {
-        Self { largest: self.largest.max(other.largest), points: self.points + other.points }
+        Self {
+            largest: self.largest.max(other.largest),
+            points: self.points + other.points,
+            beyond: self.beyond + other.beyond,
+        }
     }
 }
 
-/// A line whose points are updated span by span. All methods must be inlined into [`Loop::run`].
-pub(in crate::cpu) trait Spans {
-    /// The largest changes so far. They may be kept apart by their place in the span, for the sake of SIMD
-    /// lanes.
-    type Changes: Default;
-    type Bits: Ord + Default;
-
-    /// Returns the number of points.
-    fn points(&self) -> usize;
-
-    /// Prefetches the data that the update of the next line needs, from the point `start` on.
-    fn prefetch_next(&self, start: usize);
-
-    /// Updates `points` points from `start` on. Returns whether anything has changed, tags included, or
-    /// `None` if all of the points are settled.
-    fn update(
-        &mut self,
-        start: usize,
-        points: usize,
-        options: UpdateOptions,
-        changes: &mut Self::Changes,
-    ) -> Option<bool>;
-
-    fn largest(changes: Self::Changes) -> Self::Bits;
+/// Updates points of a line from the line behind, and marks the spans of [`TILE`] points that have changed.
+pub(in crate::cpu) fn update_line<R: Real, K: LaneKind<R>>(
+    kind: &K,
+    lines: &mut GridLines<'_, R, K::Carried, K::SurfaceData>,
+    line: usize,
+    points: &Range<usize>,
+    options: UpdateOptions,
+    changed: &mut [Changed],
+) -> Updated<R::Bits> {
+    let splits = kind.splits(lines, line, points);
+    let line = lines.line(line, points, K::NEEDS_EDGES);
+    let of_line = kind.of_line(line.first, options.scan);
+    match &splits {
+        None => {
+            let update = LineUpdate::<R, K, false> { of_line, line, splits: &[], options, changed };
+            options.instructions.run(update)
+        }
+        Some(splits) => {
+            let update = LineUpdate::<R, K, true> { of_line, line, splits, options, changed };
+            options.instructions.run(update)
+        }
+    }
 }
 
-/// The update of a line by a scan. `changed` marks the spans of [`TILE`] points that the update changes.
-pub(in crate::cpu) struct LineUpdate<'a, L> {
-    pub line: L,
-    pub options: UpdateOptions,
-    pub changed: &'a mut [bool],
+/// The update of a line by a scan. `SPLIT` tells whether some of its triangles are obtuse.
+struct LineUpdate<'l, 'g, R: Real, K: LaneKind<R>, const SPLIT: bool> {
+    of_line: K::OfLine<'l>,
+    line: ScanLine<'l, 'g, R, K::Carried, K::SurfaceData>,
+    /// The points with obtuse triangles, and the fronts that arrive through parts of these.
+    splits: &'l [(usize, Option<K::Arrival>)],
+    options: UpdateOptions,
+    /// Marks of the spans that the update changes.
+    changed: &'l mut [Changed],
 }
 
 /// Updates each span of [`TILE`] points. If the line has a remainder, the last span overlaps the one
 /// before. This does no harm: updated points stay as they are.
-impl<L: Spans> Loop for LineUpdate<'_, L> {
-    type Output = Updated<L::Bits>;
+impl<R: Real, K: LaneKind<R>, const SPLIT: bool> Loop for LineUpdate<'_, '_, R, K, SPLIT> {
+    type Output = Updated<R::Bits>;
 
     #[inline(always)]
-    fn run(self) -> Updated<L::Bits> {
-        let Self { mut line, options, changed } = self;
-        let points = line.points();
-        let (mut changes, mut updated) = (L::Changes::default(), 0);
+    fn run(self) -> Updated<R::Bits> {
+        // Locals may stay in registers, and fields of an argument may not.
+        let Self { of_line, mut line, splits, options, changed } = self;
+        let (points, is_limited) = (line.points, options.limit < f64::INFINITY);
+        let (mut changes, mut updated, mut beyond) = (LargestChanges::default(), 0, 0);
         for (tile, changed) in changed.iter_mut().enumerate() {
-            line.prefetch_next(tile * TILE);
+            line.prefetch_next(tile * TILE, K::NEEDS_EDGES);
+            let in_tile = (points - tile * TILE).min(TILE) as u64;
+            let mut before = None;
+            if is_limited {
+                let in_span = points.min(TILE);
+                let start = (tile * TILE).min(points - in_span);
+                if line.span_without_edges(start, in_span).is_beyond(in_span, options.limit) {
+                    beyond += in_tile;
+                    continue;
+                }
+                before = Some(FrontsBefore::new(&line, start, in_span));
+            }
             // Two calls, since a number of points that is known at compile time needs no loop.
             let any = match points.checked_sub(TILE) {
-                Some(last) => line.update((tile * TILE).min(last), TILE, options, &mut changes),
-                None => line.update(0, points, options, &mut changes),
+                Some(last) => {
+                    let span = [(tile * TILE).min(last), TILE];
+                    let splits = if SPLIT { in_span(splits, span) } else { &[] };
+                    K::update_span(&of_line, &mut line, span, splits, options, &mut changes)
+                }
+                None => {
+                    let span = [0, points];
+                    K::update_span(&of_line, &mut line, span, splits, options, &mut changes)
+                }
             };
             let Some(any) = any else { continue };
-            *changed |= any;
-            updated += (points - tile * TILE).min(TILE) as u64;
+            let any = match before {
+                _ if !any => Changed::No,
+                Some(before) if !before.changes_within(&line, options.limit) => Changed::Beyond,
+                _ => Changed::Within,
+            };
+            *changed = any.max(*changed);
+            updated += in_tile;
         }
-        Updated { largest: L::largest(changes), points: updated }
+        Updated { largest: changes.largest(K::TELLS_BENDS), points: updated, beyond }
     }
+}
+
+/// The fronts at a span of points before its update.
+struct FrontsBefore<R, C> {
+    times: [R; TILE],
+    carried: [C; TILE],
+    start: usize,
+    points: usize,
+}
+
+impl<R: Real, C: Carried> FrontsBefore<R, C> {
+    #[inline(never)]
+    fn new<G>(line: &ScanLine<'_, '_, R, C, G>, start: usize, points: usize) -> Self {
+        let (mut times, mut carried) = ([R::zero(); TILE], [C::default(); TILE]);
+        let span = line.span_without_edges(start, points);
+        times[..points].copy_from_slice(span.times);
+        carried[..points].copy_from_slice(&span.carried[..points]);
+        Self { times, carried, start, points }
+    }
+
+    /// Returns whether the update has changed a front that is or was no later than the limit.
+    #[inline(never)]
+    fn changes_within<G>(&self, line: &ScanLine<'_, '_, R, C, G>, limit: f64) -> bool {
+        let span = line.span_without_edges(self.start, self.points);
+        (0..self.points).any(|i| {
+            let differs = span.times[i] != self.times[i] || span.carried[i] != self.carried[i];
+            differs && min(span.times[i], self.times[i]).wide() <= limit
+        })
+    }
+}
+
+/// Returns the entries for `points` points from `start` on, out of entries for points of a line in order.
+#[inline(always)]
+fn in_span<A>(found: &[(usize, A)], [start, points]: [usize; 2]) -> &[(usize, A)] {
+    let before = |end: usize| found.partition_point(|&(place, _)| place < end);
+    if found.is_empty() { found } else { &found[before(start)..before(start + points)] }
 }

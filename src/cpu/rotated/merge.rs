@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::line_update::Changed;
 use super::scan_copy::ScanCopy;
 use super::tiles::{TILE, Tiles};
 use crate::cpu::Instructions;
@@ -53,11 +54,12 @@ fn merge_band(
     chart: Chart,
     tiles: &Tiles,
     band: usize,
-    changed: [&[bool]; 2],
+    changed: [&[Changed]; 2],
     mut merge: impl FnMut(Range<usize>, [bool; 2]),
 ) {
     let places = tiles.in_band(Scan::DOWN);
-    let changed = |place| changed.map(|changed| changed[tiles.index(Scan::DOWN, band, place)]);
+    let changed =
+        |place| changed.map(|changed| changed[tiles.index(Scan::DOWN, band, place)] > Changed::No);
     let mut place = 0;
     while place < places {
         let (start, of_run) = (place, changed(place));

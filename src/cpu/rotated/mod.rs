@@ -24,6 +24,5 @@ pub(in crate::cpu) mod window;
 
 pub use order::Order;
 pub use patches::PatchCounts;
-pub(crate) use rotated_scan::monitored_scan;
 pub use rotated_scan::{RotatedScan, rotated_scan};
 pub(crate) use settled::Visited;

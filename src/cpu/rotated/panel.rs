@@ -118,7 +118,6 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         };
         let held = ..self.lines * self.stride;
         GridLines {
-            stride: self.stride,
             behind: Behind::of(turned, scan.over_lines()),
             times: &mut self.times[held],
             carried: &mut self.carried[held],
@@ -127,10 +126,11 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
             surface: (self.stride, 0),
             place: LinesInGrid {
                 edges: grid.edges,
+                scan,
+                stride: self.stride,
                 first: self.first,
                 before: 0,
                 beyond: Some(Beyond {
-                    scan,
                     points: rows.start + 1..rows.end + 1,
                     lines: self.first..self.first + self.lines,
                     near,

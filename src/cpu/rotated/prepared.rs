@@ -4,13 +4,13 @@ use super::panel::{Grid, Panel};
 use super::transposed::TransposedEdges;
 use crate::Monitor;
 use crate::cpu::Instructions;
-use crate::cpu::fronts::{FrontKind, SurfaceArray};
+use crate::cpu::fronts::{LaneKind, SurfaceArray};
 use crate::cpu::scan::Scan;
 use crate::surface::{Chart, EdgeLengths, Real};
 
 /// A kind of front over a surface, and the surface's data in the order that scans need.
 #[derive(Clone, Debug)]
-pub(in crate::cpu) struct Prepared<R: Real, K: FrontKind<R>> {
+pub(in crate::cpu) struct Prepared<R: Real, K: LaneKind<R>> {
     pub edges: EdgeLengths<R>,
     pub kind: K,
     /// Data of each surface point that the front needs.
@@ -28,7 +28,7 @@ pub(in crate::cpu) struct Prepared<R: Real, K: FrontKind<R>> {
 /// take more than 40 bytes per point, and the arrays to transpose lie in near caches.
 const TRANSPOSED_FROM: usize = 256 * 256;
 
-impl<R: Real, K: FrontKind<R>> Prepared<R, K> {
+impl<R: Real, K: LaneKind<R>> Prepared<R, K> {
     pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, kind: K) -> Self {
         if K::NEEDS_EDGES {
             // Found here, since the threads of a scan would wait for one another.

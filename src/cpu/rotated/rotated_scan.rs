@@ -6,10 +6,12 @@ use super::scanner::Scanner;
 use super::scans::Scans;
 use crate::cpu::Instructions;
 use crate::cpu::fronts::for_kind;
+use crate::cpu::limit::Limit;
+use crate::cpu::outlook::outlook;
 use crate::cpu::solution::{Solution, distances};
-use crate::surface::{Chart, EdgeLengths, Real, Seed};
+use crate::surface::{Chart, EdgeLengths, FAR, Real, Seed};
 use crate::update::Wavefront;
-use crate::{Convergence, Monitor, Stop};
+use crate::{Convergence, Monitor, Stop, Targets};
 
 /// Solves by the scans rotated by 45 degrees (figure 3, second row): down and up, then right and left. All
 /// points of a row or column are updated at once, in SIMD lanes; see [`RotatedScan`].
@@ -19,21 +21,14 @@ pub fn rotated_scan<R: Real>(
     wavefront: Wavefront,
     stop: Stop,
 ) -> Solution<R> {
-    monitored_scan(edges, seeds, wavefront, stop, Monitor::default())
+    let mut solver = RotatedScan::new(edges, wavefront);
+    let convergence = solver.solve(seeds, stop);
+    solver.into_solution(convergence)
 }
 
-/// Does the same as [`rotated_scan`], and tells `monitor`. If that cancels the map, it is incomplete.
-pub(crate) fn monitored_scan<R: Real>(
-    edges: &EdgeLengths<R>,
-    seeds: &[Seed],
-    wavefront: Wavefront,
-    stop: Stop,
-    monitor: Monitor,
-) -> Solution<R> {
-    let mut solver = RotatedScan::new(edges, wavefront).with_monitor(monitor);
-    let Convergence { iterations, residual } = solver.solve(seeds, stop);
-    Solution::new(edges.chart(), solver.scanner.into_times(), iterations, residual)
-}
+/// By which shares a map that goes to targets is solved further than estimated, and then further again each
+/// time that it has not reached them. After the last one there is no limit.
+const FURTHER: [f64; 6] = [0.02, 0.06, 0.15, 0.3, 0.6, 1.0];
 
 /// A solver by rotated scans for many maps of one surface, one after another. It allocates memory once, by
 /// patches during the first map. It keeps the edge lengths alive with a clone, which shares their arrays.
@@ -52,7 +47,13 @@ pub(crate) fn monitored_scan<R: Real>(
 /// one that a patch without iterations left has not seen.
 #[derive(Debug)]
 pub struct RotatedScan<R> {
+    edges: EdgeLengths<R>,
     chart: Chart,
+    /// The time after which fronts do not matter, and the one after which the last map has no distances.
+    radius: f64,
+    end: f64,
+    /// Number of points that were visited to estimate the times of targets.
+    foreseen: u64,
     /// The scanner for one kind of front.
     scanner: Box<dyn Scans<R>>,
 }
@@ -89,7 +90,9 @@ impl<R: Real> RotatedScan<R> {
             Some(plan) => Box::new(PatchScanner::new(edges, kind, plan)),
             None => Box::new(Scanner::new(edges, kind)),
         });
-        Self { chart: edges.chart(), scanner }
+        let (edges, chart) = (edges.clone(), edges.chart());
+        let end = f64::INFINITY;
+        Self { edges, chart, radius: end, end, foreseen: 0, scanner }
     }
 
     /// Sets the instructions. The map does not depend on them.
@@ -109,9 +112,81 @@ impl<R: Real> RotatedScan<R> {
         self
     }
 
+    /// Sets a radius: points whose front would arrive later are unreached. Distances within the radius are
+    /// those of the whole map. Only tiles are visited that a front reaches within the radius, so that the work
+    /// is proportional to their area. With +infinity there is no limit.
+    ///
+    /// ```
+    /// use geosweep::cpu::RotatedScan;
+    /// use geosweep::surface::{EdgeLengths, Seed, builtin::Builtin};
+    /// use geosweep::{Stop, Wavefront};
+    ///
+    /// let edges = EdgeLengths::<f32>::new(&Builtin::Plane.surface(401, 401)?)?;
+    /// let (stop, seeds) = (Stop::within(1e-6).or_after(1000), [Seed::at_source(200, 200, 0.0)]);
+    /// let mut whole = RotatedScan::new(&edges, Wavefront::Planar);
+    /// whole.solve(&seeds, stop);
+    /// let farthest = whole.distances()[0];
+    /// let mut near = RotatedScan::new(&edges, Wavefront::Planar);
+    /// near.set_radius(f64::from(0.2 * farthest));
+    /// near.solve(&seeds, stop);
+    /// assert!(near.distances()[0].is_infinite());
+    /// assert!(near.visits() * 10 < whole.visits());
+    /// # Ok::<(), geosweep::surface::SurfaceError>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If the radius is NaN.
+    pub fn set_radius(&mut self, radius: f64) {
+        assert!(!radius.is_nan(), "the radius is a number");
+        self.radius = radius;
+    }
+
     /// Computes the distance map of `seeds`.
     pub fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        (self.end, self.foreseen) = (self.radius, 0);
+        self.scanner.set_limit(Limit::at(self.radius));
         self.scanner.solve(seeds, stop)
+    }
+
+    /// Computes the part of the distance map of `seeds` that is no farther than the targets need
+    /// ([`Targets`]). It ends when no front that is under way can come to them earlier.
+    ///
+    /// The map is solved at first as far as a coarse estimate of the targets' times says. While targets are
+    /// not reached, the same map is solved further. Once they are, later fronts than theirs go no further.
+    ///
+    /// # Panics
+    /// If a target lies outside the grid.
+    pub fn solve_to(&mut self, seeds: &[Seed], targets: &Targets, stop: Stop) -> Convergence {
+        let (chart, radius) = (self.chart, self.radius);
+        let inside = |&[row, col]: &[usize; 2]| row < chart.rows && col < chart.cols;
+        assert!(targets.points().iter().all(inside), "a target lies outside the grid");
+        let (estimate, foreseen) = outlook(&self.edges, seeds, targets);
+        self.foreseen = foreseen;
+        self.scanner.set_limit(Limit::to(targets, radius.min(estimate * (1.0 + FURTHER[0]))));
+        let mut convergence = self.scanner.solve(seeds, stop);
+        let mut further = FURTHER[1..].iter();
+        loop {
+            let limit = self.scanner.limit();
+            let times = self.scanner.times();
+            let last = targets.last(|[row, col]| times[chart.bordered(row, col)].wide());
+            let left = stop.iterations.saturating_sub(convergence.iterations);
+            if last <= limit || limit >= radius || left == 0 {
+                self.end = if last < FAR { radius.min(last) } else { radius };
+                return convergence;
+            }
+            let next = match further.next() {
+                // Provisional times are no earlier than the final ones.
+                _ if last < FAR => last * (1.0 + FURTHER[0]),
+                Some(share) => limit * (1.0 + share),
+                None => f64::INFINITY,
+            };
+            let limit = Limit::to(targets, radius.min(next));
+            let stop = Stop { iterations: left, ..stop };
+            if let Some(more) = self.scanner.go_on(seeds, stop, limit) {
+                let iterations = convergence.iterations + more.iterations;
+                convergence = Convergence { iterations, residual: more.residual };
+            }
+        }
     }
 
     /// Adds sources to the last map, as [`crate::vulkan::HeadlessSolver::add`] does on a device. Only tiles that the
@@ -143,12 +218,39 @@ impl<R: Real> RotatedScan<R> {
     /// # Ok::<(), geosweep::surface::SurfaceError>(())
     /// ```
     pub fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        let limit = Limit::at(self.radius);
+        // The last map may have ended earlier.
+        match self.scanner.limit() < self.radius {
+            true => drop(self.scanner.go_on(&[], stop, limit)),
+            false => self.scanner.set_limit(limit),
+        }
+        self.end = self.radius;
         self.scanner.add(seeds, stop)
     }
 
     /// Returns the distances of the last map, row-major. They are +infinity where the sources do not reach.
     pub fn distances(&self) -> Vec<R> {
-        distances(self.chart, self.scanner.times())
+        distances(self.chart, self.scanner.times(), self.end)
+    }
+
+    /// Returns the points that the last map has reached, as grid indices in ascending order, with their
+    /// distances. The work is proportional to the area that it has reached, except in patches.
+    pub fn reached(&self) -> Vec<(usize, R)> {
+        let (chart, times) = (self.chart, self.scanner.times());
+        let places = self.scanner.used().into_iter().flat_map(|block| block.places());
+        let points = places
+            .map(|(row, col)| (chart.index(row, col), times[chart.bordered(row, col)]))
+            .filter(|(_, time)| *time < R::FAR && time.wide() <= self.end);
+        let mut points: Vec<_> = points.collect();
+        points.sort_unstable_by_key(|&(point, _)| point);
+        points
+    }
+
+    /// Returns the last map.
+    pub(crate) fn into_solution(self, convergence: Convergence) -> Solution<R> {
+        let Convergence { iterations, residual } = convergence;
+        let times = self.scanner.into_times();
+        Solution::new(self.chart, times, iterations, residual).ending_at(self.end)
     }
 
     /// Returns the rounds and visits of the last map, if it was solved by patches.
@@ -159,7 +261,7 @@ impl<R: Real> RotatedScan<R> {
     /// Returns the number of point visits of the last map. A visit reads what the point's update needs.
     /// Points that are examined before a scan, to decide whether to visit them, count as well.
     pub fn visits(&self) -> u64 {
-        self.scanner.visits()
+        self.foreseen + self.scanner.visits()
     }
 
     /// Returns the number of point updates of the last map. Each update uses one or two triangles. There are
@@ -181,6 +283,8 @@ impl<R: Real> RotatedScan<R> {
 
 impl<R: Real> Clone for RotatedScan<R> {
     fn clone(&self) -> Self {
-        Self { chart: self.chart, scanner: self.scanner.boxed() }
+        let (edges, scanner) = (self.edges.clone(), self.scanner.boxed());
+        let Self { chart, radius, end, foreseen, .. } = *self;
+        Self { edges, chart, radius, end, foreseen, scanner }
     }
 }

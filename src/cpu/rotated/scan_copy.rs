@@ -3,14 +3,14 @@
 use std::ops::Range;
 
 use super::line::{Beyond, GridLines, LinesInGrid};
-use super::line_update::{UpdateOptions, Updated};
+use super::line_update::{Changed, Updated, update_line};
 use super::panel::{Grid, Panel};
 use super::tiles::Tiles;
 use super::window::{Fronts, Window};
 use crate::Monitor;
 use crate::cpu::behind::Behind;
-use crate::cpu::fronts::FrontKind;
-use crate::cpu::scan::Scan;
+use crate::cpu::fronts::LaneKind;
+use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Block, Chart, Real};
 use crate::update::Carried;
 
@@ -21,11 +21,11 @@ pub(in crate::cpu) struct ScanCopy<R, C> {
     /// Arrival times and the data that fronts carry, as bordered arrays.
     pub times: Vec<R>,
     pub carried: Vec<C>,
-    /// Flags of the tiles that the scan has changed.
-    pub changed: Vec<bool>,
-    /// The spans of a band to visit, and flags of the tiles of one span that have changed.
+    /// How the scan has changed each tile.
+    pub changed: Vec<Changed>,
+    /// The spans of a band to visit, and how the tiles of one span have changed.
     runs: Vec<Range<usize>>,
-    marks: Vec<bool>,
+    marks: Vec<Changed>,
     /// Number of visits and updates of a point since the start of the map.
     pub visits: u64,
     pub updates: u64,
@@ -48,7 +48,7 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
             window,
             times: vec![R::FAR; points],
             carried: vec![C::default(); points],
-            changed: vec![false; tiles.len()],
+            changed: vec![Changed::No; tiles.len()],
             runs: Vec::with_capacity(longest_band),
             marks: Vec::with_capacity(longest_band),
             visits: 0,
@@ -83,16 +83,21 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
         Fronts { window: self.window, times: &self.times, carried: &self.carried }
     }
 
-    /// Resets all points to unreached.
-    pub(in crate::cpu) fn forget(&mut self) {
+    /// Resets all points that have been reached to unreached. `tiles` tells which ones these are.
+    pub(in crate::cpu) fn forget(&mut self, tiles: &Tiles) {
         (self.visits, self.updates) = (0, 0);
-        self.times.fill(R::FAR);
-        self.carried.fill(C::default());
+        for Block { rows, cols } in tiles.used() {
+            for row in rows {
+                let first = self.window.index(row, cols.start);
+                self.times[first..][..cols.len()].fill(R::FAR);
+                self.carried[first..][..cols.len()].fill(C::default());
+            }
+        }
     }
 
     /// Visits the tiles that are due, and those ahead of the scan's own changes. Returns the largest change.
     /// `far` has the fronts of the whole grid, if the window is smaller.
-    pub(in crate::cpu) fn scan<K: FrontKind<R, Carried = C>>(
+    pub(in crate::cpu) fn scan<K: LaneKind<R, Carried = C>>(
         &mut self,
         kind: &K,
         on: On<'_, R, C, K::SurfaceData>,
@@ -117,7 +122,7 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
     }
 
     /// Scans a span of a band.
-    fn scan_run<K: FrontKind<R, Carried = C>>(
+    fn scan_run<K: LaneKind<R, Carried = C>>(
         &mut self,
         kind: &K,
         On { grid, panel, far, .. }: &mut On<'_, R, C, K::SurfaceData>,
@@ -128,26 +133,33 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
         let (grid, far, scan, window) = (*grid, *far, options.scan, self.window);
         let points = |run| tiles.lines(scan, band, run);
         let Block { rows: lines, cols: along } = points(run.clone());
-        self.visits += (lines.len() * along.len()) as u64;
+        let visited = (lines.len() * along.len()) as u64;
         self.marks.clear();
-        self.marks.resize(run.len(), false);
+        self.marks.resize(run.len(), Changed::No);
         let marks = &mut self.marks;
         let mut update = |here: &mut GridLines<R, C, K::SurfaceData>| {
-            let update = |line| kind.update(here, here.number(line), &along, options, marks);
+            let update =
+                |line| update_line(kind, here, here.place.number(line), &along, options, marks);
             scan.in_order(lines.clone()).map(update).fold(Updated::default(), Updated::and)
         };
         let changed = |place| tiles.index(scan, band, place);
         if scan.by_rows() {
             let fronts = (self.times.as_mut_slice(), self.carried.as_mut_slice());
             let updated = update(&mut rows(grid, window, fronts, far, scan));
-            marked(run, &self.marks).for_each(|place| self.changed[changed(place)] = true);
+            for (place, of_tile) in marked(run, &self.marks) {
+                let changed = &mut self.changed[changed(place)];
+                *changed = of_tile.max(*changed);
+            }
+            self.visits += visited - updated.beyond;
             return updated;
         }
         let fronts = Fronts { window, times: &self.times, carried: &self.carried };
         panel.load(grid, fronts, &points(run.clone()).by(scan.lines()), scan, options.instructions);
         let updated = update(&mut panel.lines(grid, [Some(fronts), far], &along, scan));
-        for place in marked(run, &self.marks) {
-            self.changed[changed(place)] = true;
+        self.visits += visited - updated.beyond;
+        for (place, of_tile) in marked(run, &self.marks) {
+            let changed = &mut self.changed[changed(place)];
+            *changed = of_tile.max(*changed);
             let fronts = (self.times.as_mut_slice(), self.carried.as_mut_slice());
             let points = points(place..place + 1).by(scan.lines());
             panel.store(fronts, window, points, options.instructions);
@@ -170,25 +182,33 @@ where
     let (chart, (first, before)) = (grid.edges.chart(), window.first());
     let Block { rows, cols } = window.block();
     let beyond = far.is_some().then(|| Beyond {
-        scan,
         points: cols.start + 1..cols.end + 1,
         lines: rows.start + 1..rows.end + 1,
         near: None,
         far,
     });
     GridLines {
-        stride: window.own().stride(),
         behind: Behind::of(chart, scan),
         times,
         carried,
         surface_data: grid.surface_data,
         edges: grid.edges.planes(),
         surface: (chart.stride(), first),
-        place: LinesInGrid { edges: grid.edges, first, before, beyond },
+        place: LinesInGrid {
+            edges: grid.edges,
+            scan,
+            stride: window.own().stride(),
+            first,
+            before,
+            beyond,
+        },
     }
 }
 
-/// Returns those of `tiles` that are marked.
-fn marked<'a>(tiles: &Range<usize>, marks: &'a [bool]) -> impl Iterator<Item = usize> + use<'a> {
-    tiles.clone().zip(marks).filter(|&(_, &marked)| marked).map(|(tile, _)| tile)
+/// Returns those of `tiles` that have changed, with their marks.
+fn marked<'a>(
+    tiles: &Range<usize>,
+    marks: &'a [Changed],
+) -> impl Iterator<Item = (usize, Changed)> + use<'a> {
+    tiles.clone().zip(marks.iter().copied()).filter(|&(_, marked)| marked > Changed::No)
 }

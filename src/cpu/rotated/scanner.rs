@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::due::find_due;
 use super::exchange::exchange;
-use super::line_update::UpdateOptions;
+use super::line_update::Changed;
 use super::merge::merge;
 use super::panel::Panel;
 use super::prepared::Prepared;
@@ -14,21 +14,23 @@ use super::span::Before;
 use super::tiles::Tiles;
 use super::window::Window;
 use crate::cpu::Instructions;
-use crate::cpu::fronts::FrontKind;
+use crate::cpu::fronts::LaneKind;
+use crate::cpu::limit::Limit;
 use crate::cpu::progress::Progress;
-use crate::cpu::scan::Scan;
-use crate::surface::{EdgeLengths, Real, Seed};
-use crate::update::{Kept, tag_of};
+use crate::cpu::scan::{Scan, UpdateOptions};
+use crate::surface::{Block, EdgeLengths, Real, Seed};
+use crate::update::Kept;
 use crate::{Convergence, Monitor, Stop};
 
 /// A solver for one kind of front; see [`crate::cpu::RotatedScan`].
 #[derive(Clone, Debug)]
-pub(in crate::cpu) struct Scanner<R: Real, K: FrontKind<R>> {
+pub(in crate::cpu) struct Scanner<R: Real, K: LaneKind<R>> {
     pub(in crate::cpu) on: Prepared<R, K>,
     tiles: Tiles,
     /// The fronts as two opposite scans see them. Between pairs of scans both copies are equal.
     copies: [ScanCopy<R, K::Carried>; 2],
     panels: [Panel<R, K::Carried, K::SurfaceData>; 2],
+    limit: Limit,
     /// Number of points that were examined before scans started.
     looked: u64,
 }
@@ -38,14 +40,21 @@ pub(in crate::cpu) struct Scanner<R: Real, K: FrontKind<R>> {
 /// hills, of which one takes 20, not storing them takes 1.3 to 1.8 times as long.
 pub(in crate::cpu) const FEW_ITERATIONS: u32 = 3;
 
-impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
+impl<R: Real, K: LaneKind<R>> Scanner<R, K> {
     pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, kind: K) -> Self {
         let (on, window) = (Prepared::new(edges, kind), Window::whole(edges.chart()));
         let tiles = Tiles::new(window, &window.block());
         // Each copy is allocated by the thread that will use it.
         let copy = || (ScanCopy::new(window, &tiles), on.panel());
         let ((a, panel_a), (b, panel_b)) = rayon::join(copy, copy);
-        Self { on, tiles, copies: [a, b], panels: [panel_a, panel_b], looked: 0 }
+        Self {
+            on,
+            tiles,
+            copies: [a, b],
+            panels: [panel_a, panel_b],
+            limit: Limit::NONE,
+            looked: 0,
+        }
     }
 
     fn converge(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
@@ -54,6 +63,7 @@ impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
             let vertical = self.scan([Scan::DOWN, Scan::UP], progress.renews());
             let horizontal = self.scan([Scan::RIGHT, Scan::LEFT], progress.renews());
             let is_done = progress.is_done::<R>(vertical.max(horizontal));
+            self.lower_limit();
             self.on.monitor.note(progress.iterations, progress.residual);
             if self.on.monitor.is_cancelled() {
                 return progress.convergence();
@@ -64,15 +74,17 @@ impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
                 }
                 continue;
             }
-            let chart = self.on.chart();
-            let is_lost =
-                |seed: &Seed| seed.is_lost(self.times()[chart.bordered(seed.row, seed.col)]);
-            let goes_on = K::TAKES_BACK && !progress.is_last() && seeds.iter().any(is_lost);
-            if !goes_on {
+            if progress.is_last() || !K::has_lost(self.on.chart(), seeds, self.times()) {
                 return progress.convergence();
             }
             self.seed(seeds);
         }
+    }
+
+    /// Lowers the limit to the time that the targets need.
+    fn lower_limit(&mut self) {
+        let (chart, times) = (self.on.chart(), &self.copies[0].times);
+        self.limit.lower(|[row, col]| times[chart.bordered(row, col)].wide());
     }
 
     /// Returns the front at a point of the last map.
@@ -86,29 +98,24 @@ impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
     fn forget(&mut self) {
         self.looked = 0;
         self.on.kind.forget();
-        self.copies.par_iter_mut().for_each(ScanCopy::forget);
+        let tiles = &self.tiles;
+        self.copies.par_iter_mut().for_each(|copy| copy.forget(tiles));
         self.tiles.reset();
     }
 
     /// Starts fronts from those seeds that arrive before the map.
     fn seed(&mut self, seeds: &[Seed]) {
-        let chart = self.on.chart();
-        self.on.kind.expect(seeds);
-        for seed in seeds {
-            let point = chart.bordered(seed.row, seed.col);
-            let arrival = self.on.kind.arrival_of_seed(seed);
-            let mut changed = false;
-            for ScanCopy { times, carried, .. } in &mut self.copies {
-                let kept = Kept { time: times[point], carried: carried[point] };
-                changed |= R::of(seed.time) < kept.time;
-                let front = K::accept(kept, arrival, tag_of(seed), false);
-                (times[point], carried[point]) = (front.time, front.carried);
+        let (chart, tiles) = (self.on.chart(), &mut self.tiles);
+        let [copy, other] = &mut self.copies;
+        let fronts = (copy.times.as_mut_slice(), copy.carried.as_mut_slice());
+        self.on.kind.start(chart, seeds, fronts, |seed, point, [before, after]| {
+            (other.times[point], other.carried[point]) = (after.time, after.carried);
+            if R::of(seed.time) < before.time {
+                tiles.touch(seed.row, seed.col);
             }
-            if changed {
-                self.tiles.touch(seed.row, seed.col);
-            }
-        }
-        exchange::<R, K>(&self.on.edges, &mut self.copies, &mut self.tiles, false);
+        });
+        let limit = self.limit.time();
+        exchange::<R, K>(&self.on.edges, &mut self.copies, &mut self.tiles, false, limit);
     }
 
     /// Runs two opposite scans and returns the largest change.
@@ -116,7 +123,8 @@ impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
         let Prepared { edges, kind, instructions, monitor, .. } = &self.on;
         let instructions = *instructions;
         let grid = self.on.grid();
-        let options = scans.map(|scan| UpdateOptions { scan, renews, instructions });
+        let limit = self.limit.time();
+        let options = scans.map(|scan| UpdateOptions { scan, renews, limit, instructions });
         let fronts = self.copies[0].fronts();
         let before = Before { edges, fronts, far: None, surface_data: grid.surface_data };
         self.looked += find_due(kind, before, &mut self.tiles, &options);
@@ -128,12 +136,12 @@ impl<R: Real, K: FrontKind<R>> Scanner<R, K> {
         );
         merge::<R, K>(edges.chart(), tiles, [first, second], scans, instructions);
         self.tiles.passed(scans, [&self.copies[0].changed, &self.copies[1].changed]);
-        self.copies.iter_mut().for_each(|copy| copy.changed.fill(false));
-        a.max(b).max(exchange::<R, K>(edges, &mut self.copies, &mut self.tiles, renews))
+        self.copies.iter_mut().for_each(|copy| copy.changed.fill(Changed::No));
+        a.max(b).max(exchange::<R, K>(edges, &mut self.copies, &mut self.tiles, renews, limit))
     }
 }
 
-impl<R: Real, K: FrontKind<R>> Scans<R> for Scanner<R, K> {
+impl<R: Real, K: LaneKind<R>> Scans<R> for Scanner<R, K> {
     fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         // Enters the thread pool once, and not for each pair of scans.
         rayon::scope(|_| {
@@ -153,6 +161,29 @@ impl<R: Real, K: FrontKind<R>> Scans<R> for Scanner<R, K> {
         self.seed(seeds);
         // Enters the thread pool once, and not for each pair of scans.
         rayon::scope(|_| self.converge(seeds, stop))
+    }
+
+    fn go_on(&mut self, seeds: &[Seed], stop: Stop, limit: Limit) -> Option<Convergence> {
+        let before = std::mem::replace(&mut self.limit, limit).time();
+        let beyond = |&time: &R| time.wide() > before && time < R::FAR;
+        let fronts = self.copies[0].fronts();
+        let place = |(row, col)| (fronts.of(row, col).time, (row, col));
+        let points = self.tiles.used().flat_map(|block| block.places()).map(place);
+        let found: Vec<_> = points.filter(|(time, _)| beyond(time)).map(|(_, at)| at).collect();
+        found.iter().for_each(|&(row, col)| self.tiles.touch(row, col));
+        (!found.is_empty()).then(|| rayon::scope(|_| self.converge(seeds, stop)))
+    }
+
+    fn used(&self) -> Vec<Block> {
+        self.tiles.used().collect()
+    }
+
+    fn set_limit(&mut self, limit: Limit) {
+        self.limit = limit;
+    }
+
+    fn limit(&self) -> f64 {
+        self.limit.time()
     }
 
     fn set_instructions(&mut self, instructions: Instructions) {

@@ -2,7 +2,8 @@
 
 use super::patches::PatchCounts;
 use crate::cpu::Instructions;
-use crate::surface::Seed;
+use crate::cpu::limit::Limit;
+use crate::surface::{Block, Seed};
 use crate::{Convergence, Monitor, Stop};
 
 /// A solver for the maps of one surface, of any kind of front. Kinds are types, so that scans are compiled
@@ -14,6 +15,18 @@ pub(in crate::cpu) trait Scans<R>: std::fmt::Debug + Send + Sync {
     /// Adds sources to the last map, which is a warm start. Only tiles that the new fronts reach first are
     /// visited. A map that has not converged goes on.
     fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence;
+
+    /// Continues the last map to a later limit. Returns `None` if fronts reach nothing more.
+    fn go_on(&mut self, seeds: &[Seed], stop: Stop, limit: Limit) -> Option<Convergence>;
+
+    /// Returns blocks of the grid that hold all points that the last map has reached.
+    fn used(&self) -> Vec<Block>;
+
+    /// Sets the limit of the next map. It falls with the times of its targets.
+    fn set_limit(&mut self, limit: Limit);
+
+    /// Returns the present limit. Times after it are provisional.
+    fn limit(&self) -> f64;
 
     fn set_instructions(&mut self, instructions: Instructions);
 

@@ -1,10 +1,14 @@
-//! Describes adjacent points as an update sees them: their own data and the data of the points behind.
+//! Describes adjacent points as an update sees them: their own data and the data of the points behind. Holds
+//! what all updates of them share.
 
 use super::settled::Visited;
+use super::tiles::TILE;
 use super::window::Fronts;
 use crate::cpu::behind::Behind;
+use crate::cpu::bend_units;
+use crate::cpu::scan::UpdateOptions;
 use crate::lanes::prefetch;
-use crate::surface::{EdgeLengths, Real, min};
+use crate::surface::{EdgeLengths, Offset, Real, min};
 use crate::update::{Carried, Kept, Triangle};
 
 /// A span of adjacent points of a row or column, the neighbours behind each of them, and the triangles between.
@@ -81,12 +85,12 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         if LEFT { triangle.mirrored() } else { triangle }
     }
 
-    /// Returns point `i` before its update.
+    /// Returns point `i` before its update. Fronts that arrive after `limit` are not wanted.
     #[inline(always)]
-    pub(in crate::cpu) fn visited<const SPLIT: bool>(&self, i: usize) -> Visited<R> {
+    pub(in crate::cpu) fn visited<const SPLIT: bool>(&self, i: usize, limit: R) -> Visited<R> {
         let triangles =
             [self.triangle::<true, SPLIT>(i), self.triangle::<false, SPLIT>(i).mirrored()];
-        Visited { now: self.times[i], triangles }
+        Visited { now: min(self.times[i], limit), triangles }
     }
 
     /// Returns whether no point is reached later than a neighbour behind it.
@@ -110,12 +114,25 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         unreached
     }
 
-    /// Returns whether the scan `renews` fronts and has brought one of these.
+    /// Returns whether neither the points nor those behind them are reached by a time, so that no update there
+    /// matters.
     #[inline(always)]
-    pub(in crate::cpu) fn is_renewed(&self, points: usize, scan: u8, renews: bool) -> bool {
-        let mut renewed = false;
+    pub(in crate::cpu) fn is_beyond(&self, points: usize, limit: f64) -> bool {
+        let [before, beside, after] = self.times_behind;
+        let mut first = R::FAR;
         for i in 0..points {
-            renewed |= renews & self.carried[i].is_from(scan);
+            first = min(first, min(self.times[i], min(before[i], min(beside[i], after[i]))));
+        }
+        first.wide() > limit
+    }
+
+    /// Returns whether the scan renews fronts and has brought one of these that is no later than the limit.
+    #[inline(always)]
+    pub(in crate::cpu) fn is_renewed(&self, points: usize, options: UpdateOptions) -> bool {
+        let UpdateOptions { scan, renews, limit, .. } = options;
+        let (mut renewed, limit) = (false, R::of(limit));
+        for i in 0..points {
+            renewed |= renews & self.carried[i].is_from(scan.0) & (self.times[i] <= limit);
         }
         renewed
     }
@@ -124,6 +141,59 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
     #[inline(always)]
     pub(in crate::cpu) fn comes_from_left(&self, points: usize) -> bool {
         self.times_behind[0][0] <= self.times_behind[2][points - 1]
+    }
+}
+
+/// The largest changes of a line's fronts. They are kept apart by their place in the span, for the sake of
+/// SIMD lanes, and as integers, whose maximum compilers find in these.
+pub(in crate::cpu) struct LargestChanges<R: Real> {
+    /// Changes of arrival times ([`Real::units_between`]).
+    times: [R::Bits; TILE],
+    /// Changes of curvatures times the arrival time, in units above zero.
+    bends: [R::Bits; TILE],
+}
+
+impl<R: Real> Default for LargestChanges<R> {
+    #[inline(always)]
+    fn default() -> Self {
+        let none = [R::Bits::default(); TILE];
+        Self { times: none, bends: none }
+    }
+}
+
+impl<R: Real> LargestChanges<R> {
+    /// Notes the changes of arrival times of a span. Returns whether any time has changed.
+    #[inline(always)]
+    pub(in crate::cpu) fn note_times(&mut self, before: &[R], after: &[R]) -> bool {
+        let after = &after[..before.len()];
+        let mut any = false;
+        for (i, largest) in self.times[..before.len()].iter_mut().enumerate() {
+            let change = before[i].units_between(after[i]);
+            any |= change > R::Bits::default();
+            *largest = change.max(*largest);
+        }
+        any
+    }
+
+    /// Notes a change of the front at point `i` of a span, in units of the arrival time.
+    #[inline(always)]
+    pub(in crate::cpu) fn note(&mut self, i: usize, change: R::Bits) {
+        self.times[i] = change.max(self.times[i]);
+    }
+
+    /// Notes a change of curvature, times the arrival time.
+    #[inline(always)]
+    pub(in crate::cpu) fn note_bend(&mut self, i: usize, bend: R) {
+        self.bends[i] = R::zero().units_between(bend).max(self.bends[i]);
+    }
+
+    /// Returns the largest change, in units of the arrival time. `bends` tells whether changes of curvature
+    /// were noted.
+    #[inline(always)]
+    pub(in crate::cpu) fn largest(self, bends: bool) -> R::Bits {
+        let largest = |of: [R::Bits; TILE]| of.into_iter().max().unwrap_or_default();
+        let times = largest(self.times);
+        if bends { times.max(bend_units(R::from_bits(largest(self.bends)))) } else { times }
     }
 }
 
@@ -153,13 +223,13 @@ impl<'a, R: Real, C: Carried, G> Before<'a, R, C, G> {
     /// the grid, and as offsets in the window ([`super::window::Window::behind`]).
     pub(in crate::cpu) fn span(
         &self,
-        (behind, in_window): (&Behind, [isize; 3]),
+        (behind, in_window): (&Behind, [Offset; 3]),
         [row, col]: [usize; 2],
         points: usize,
     ) -> Span<'a, R, C, G> {
         let Fronts { window, times, carried } = self.fronts;
         let (here, first) = (window.index(row, col), window.grid().bordered(row, col));
-        let at = in_window.map(|offset| here.wrapping_add_signed(offset));
+        let at = in_window.map(|offset| offset.from(here));
         Span {
             times: part(times, here, points),
             carried: part(carried, here, points),

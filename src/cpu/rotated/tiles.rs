@@ -5,9 +5,9 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::line_update::UpdateOptions;
+use super::line_update::Changed;
 use super::window::Window;
-use crate::cpu::scan::Scan;
+use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Block, Chart, Tiling};
 
 /// Number of points on a side of a tile. A front moves at most one point per line. So within a band of `TILE`
@@ -25,6 +25,8 @@ pub(in crate::cpu) struct Tiles {
     chart: Chart,
     /// The tiles that scans may change. Those around them are seen only.
     inner: Block,
+    /// Whether the tile has points that have been reached.
+    used: Vec<bool>,
     /// Scans that have yet to see the tile's last change.
     pending: Vec<u8>,
     /// Scans of the current pair that have to examine the tile, which is beside or ahead of such a change.
@@ -77,7 +79,8 @@ impl Tiles {
         let (first, last) = (inner.first(), (inner.rows.end - 1, inner.cols.end - 1));
         let ((row, col), (last_row, last_col)) = (place.tile_of(first), place.tile_of(last));
         let inner = Block { rows: row..last_row + 1, cols: col..last_col + 1 };
-        Self { place, chart, inner, pending: none(), beside: none(), due: none() }
+        let used = vec![false; chart.points()];
+        Self { place, chart, inner, used, pending: none(), beside: none(), due: none() }
     }
 
     /// Returns the positions of the tiles.
@@ -87,7 +90,7 @@ impl Tiles {
 
     /// Returns the number of bytes held.
     pub(in crate::cpu) fn bytes(&self) -> usize {
-        self.pending.len() + self.beside.len() + self.due.len()
+        self.used.len() + self.pending.len() + self.beside.len() + self.due.len()
     }
 
     /// Returns the number of tiles.
@@ -98,12 +101,37 @@ impl Tiles {
     /// Forgets all changes.
     pub(in crate::cpu) fn reset(&mut self) {
         self.pending.fill(0);
+        self.used.fill(false);
+    }
+
+    /// Returns blocks of points, row by row of tiles, that hold all points that have been reached.
+    pub(in crate::cpu) fn used(&self) -> impl Iterator<Item = Block> {
+        let runs = move |row: usize| {
+            let used = &self.used[row * self.chart.cols..][..self.chart.cols];
+            let mut end = 0;
+            std::iter::from_fn(move || {
+                let start = end + used[end..].iter().position(|&used| used)?;
+                end = start + used[start..].iter().take_while(|&&used| used).count();
+                Some((row, start..end))
+            })
+        };
+        (0..self.chart.rows).flat_map(runs).map(|(row, tiles)| Block {
+            rows: self.place.rows(row..row + 1),
+            cols: self.place.cols(tiles),
+        })
+    }
+
+    /// Notes that a point has been reached, in a way that concerns no scan.
+    pub(in crate::cpu) fn note(&mut self, row: usize, col: usize) {
+        let (row, col) = self.place.tile_of((row, col));
+        self.used[self.chart.index(row, col)] = true;
     }
 
     /// Notes that a point has changed and that no scan has seen the change.
     pub(in crate::cpu) fn touch(&mut self, row: usize, col: usize) {
         let (row, col) = self.place.tile_of((row, col));
-        self.pending[self.chart.index(row, col)] = ALL;
+        let tile = self.chart.index(row, col);
+        (self.pending[tile], self.used[tile]) = (ALL, true);
     }
 
     /// Returns whether a scan has work in some tile.
@@ -119,11 +147,11 @@ impl Tiles {
     /// Returns, for each row of inner tiles, the block from the first to the last of some tiles.
     pub(in crate::cpu) fn spans<'t>(
         &'t self,
-        some: &'t [bool],
+        some: &'t [Changed],
     ) -> impl Iterator<Item = Block> + 't {
         let cols = &self.inner.cols;
         self.inner.rows.clone().filter_map(move |row| {
-            let is_some = |col: &usize| some[self.chart.index(row, *col)];
+            let is_some = |col: &usize| some[self.chart.index(row, *col)] > Changed::No;
             let (first, last) = (cols.clone().find(is_some)?, cols.clone().rev().find(is_some)?);
             Some(Block {
                 rows: self.place.rows(row..row + 1),
@@ -201,7 +229,7 @@ impl Tiles {
         &self,
         scan: Scan,
         band: usize,
-        changed: &[bool],
+        changed: &[Changed],
         runs: &mut Vec<Range<usize>>,
     ) {
         runs.clear();
@@ -210,7 +238,9 @@ impl Tiles {
         let behind = tiles.neighbour(band, 0, back).map(|(behind, _)| behind);
         let news = |place: usize| {
             self.due[self.index(scan, band, place)] & scan.bit() != 0
-                || behind.is_some_and(|behind| changed[self.index(scan, behind, place)])
+                || behind.is_some_and(|behind| {
+                    changed[self.index(scan, behind, place)] == Changed::Within
+                })
         };
         for place in inner.clone().filter(|&place| news(place)) {
             let Range { start, end } = tiles.around((band, place), 1).cols;
@@ -223,17 +253,18 @@ impl Tiles {
     }
 
     /// Notes that some scans have passed side by side and which tiles they have changed. Each sees the others'
-    /// changes only now. An empty list of changes has none.
+    /// changes only now. Changes beyond the limit concern no scan. An empty list of changes has none.
     pub(in crate::cpu) fn passed<const N: usize>(
         &mut self,
         scans: [Scan; N],
-        changed: [&[bool]; N],
+        changed: [&[Changed]; N],
     ) {
         let seen = !scans.iter().fold(0, |all, scan| all | scan.bit());
-        for (tile, pending) in self.pending.iter_mut().enumerate() {
+        for (tile, (pending, used)) in self.pending.iter_mut().zip(&mut self.used).enumerate() {
             *pending &= seen;
             for (scan, changed) in scans.iter().zip(changed) {
-                if changed.get(tile).is_some_and(|changed| *changed) {
+                *used |= changed.get(tile).is_some_and(|changed| *changed > Changed::No);
+                if changed.get(tile) == Some(&Changed::Within) {
                     *pending |= ALL & !scan.bit();
                 }
             }
@@ -245,7 +276,7 @@ impl Tiles {
 mod tests {
     use super::*;
 
-    fn runs(tiles: &Tiles, scan: Scan, band: usize, changed: &[bool]) -> Vec<[usize; 2]> {
+    fn runs(tiles: &Tiles, scan: Scan, band: usize, changed: &[Changed]) -> Vec<[usize; 2]> {
         let mut runs = Vec::new();
         tiles.runs(scan, band, changed, &mut runs);
         runs.into_iter().map(|run| [run.start, run.end]).collect()
@@ -260,6 +291,7 @@ mod tests {
         scans.map(|scan| UpdateOptions {
             scan,
             renews: true,
+            limit: f64::INFINITY,
             instructions: crate::cpu::Instructions::best(),
         })
     }
@@ -276,7 +308,7 @@ mod tests {
         let window = Window::new(grid, &Block { rows: 48..112, cols: 32..112 });
         let inner = Block { rows: 64..96, cols: 48..96 };
         let mut tiles = Tiles::new(window, &inner);
-        let quiet = vec![false; tiles.len()];
+        let quiet = vec![Changed::No; tiles.len()];
         // Above the inner tiles, and beside them.
         tiles.touch(50, 60);
         tiles.touch(70, 100);
@@ -297,7 +329,7 @@ mod tests {
     fn a_scan_visits_what_lies_beside_and_ahead_of_a_change() {
         let mut tiles = whole(70, 160);
         tiles.touch(40, 100);
-        let quiet = vec![false; tiles.len()];
+        let quiet = vec![Changed::No; tiles.len()];
         // The source lies in tile 2, 6. A scan may go on beside tiles that are due.
         all_due(&mut tiles, [Scan::DOWN, Scan::UP]);
         assert_eq!(runs(&tiles, Scan::DOWN, 1, &quiet), [[0; 2]; 0]);
@@ -307,7 +339,7 @@ mod tests {
         assert_eq!(runs(&tiles, Scan::UP, 1, &quiet), [[4, 9]]);
         assert_eq!(runs(&tiles, Scan::UP, 3, &quiet), [[0; 2]; 0]);
         let mut changed = quiet.clone();
-        changed[tiles.index(Scan::DOWN, 2, 1)] = true;
+        changed[tiles.index(Scan::DOWN, 2, 1)] = Changed::Within;
         assert_eq!(runs(&tiles, Scan::DOWN, 3, &changed), [[0, 3], [4, 9]]);
         assert_eq!(runs(&tiles, Scan::DOWN, 2, &changed), [[4, 9]]);
         all_due(&mut tiles, [Scan::RIGHT, Scan::LEFT]);
@@ -321,10 +353,10 @@ mod tests {
     fn what_is_not_due_is_visited_after_changes_alone() {
         let mut tiles = whole(70, 160);
         tiles.touch(40, 100);
-        let mut changed = vec![false; tiles.len()];
+        let mut changed = vec![Changed::No; tiles.len()];
         tiles.rows_beside_changes(&hows([Scan::DOWN, Scan::UP])).for_each(|_| {});
         assert_eq!(runs(&tiles, Scan::DOWN, 3, &changed), [[0; 2]; 0]);
-        changed[tiles.index(Scan::DOWN, 2, 6)] = true;
+        changed[tiles.index(Scan::DOWN, 2, 6)] = Changed::Within;
         assert_eq!(runs(&tiles, Scan::DOWN, 3, &changed), [[5, 8]]);
     }
 
@@ -332,7 +364,8 @@ mod tests {
     fn what_a_scan_has_changed_is_pending_for_the_others() {
         let mut tiles = whole(16, 64);
         tiles.touch(3, 3);
-        let (quiet, down) = (vec![false; 4], vec![true, false, false, false]);
+        let (quiet, mut down) = (vec![Changed::No; 4], vec![Changed::No; 4]);
+        (down[0], down[1]) = (Changed::Within, Changed::Beyond);
         tiles.passed([Scan::DOWN, Scan::UP], [&down, &quiet]);
         all_due(&mut tiles, [Scan::DOWN, Scan::UP]);
         assert_eq!(runs(&tiles, Scan::DOWN, 0, &quiet), [[0; 2]; 0]);

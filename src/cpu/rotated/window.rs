@@ -6,7 +6,7 @@
 
 use crate::cpu::behind::Behind;
 use crate::cpu::scan::Scan;
-use crate::surface::{Block, Chart, Real};
+use crate::surface::{Block, Chart, Offset, Real};
 use crate::update::{Carried, Kept};
 
 /// A block of the grid, whose fronts a bordered array holds.
@@ -57,7 +57,7 @@ impl Window {
     }
 
     /// Returns the neighbours that a scan has just passed, as offsets in the window's arrays.
-    pub(in crate::cpu) fn behind(self, scan: Scan) -> [isize; 3] {
+    pub(in crate::cpu) fn behind(self, scan: Scan) -> [Offset; 3] {
         Behind::of(self.own, scan).points()
     }
 }
@@ -123,6 +123,6 @@ mod tests {
         let carried = vec![(); times.len()];
         let fronts = Fronts { window, times: &times, carried: &carried };
         assert!(fronts.at((0, 0)).is_some() && fronts.at((10, 12)).is_some());
-        assert_eq!(window.behind(Scan::DOWN), [-14, -13, -12]);
+        assert_eq!(window.behind(Scan::DOWN).map(|offset| offset.from(14)), [0, 1, 2]);
     }
 }

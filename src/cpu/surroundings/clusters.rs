@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::Surroundings;
+use super::around::Surroundings;
 use crate::surface::{Direction, Origin, Seed, Sources, Surface};
 use crate::update::Wavefront;
 

@@ -11,7 +11,7 @@ use std::ops::RangeInclusive;
 
 use glam::DVec2;
 
-use super::Surroundings;
+use super::around::Surroundings;
 use crate::surface::{Direction, EdgeLengths, Origin, Real, Seed, Surface};
 
 /// Number of rows and columns around a crowded place.

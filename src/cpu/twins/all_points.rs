@@ -3,7 +3,7 @@
 
 use super::behind;
 use crate::Stop;
-use crate::cpu::fronts::{FrontKind, for_kind};
+use crate::cpu::fronts::{PointKind, for_kind};
 use crate::cpu::point_fronts::PointFronts;
 use crate::cpu::{Progress, Solution};
 use crate::surface::{EdgeLengths, Real, Seed};
@@ -20,7 +20,7 @@ pub fn all_points<R: Real>(
     for_kind!(edges, wavefront, kind => solve(PointFronts::start(edges, kind, seeds), stop))
 }
 
-fn solve<R: Real, K: FrontKind<R>>(mut old: PointFronts<R, K>, stop: Stop) -> Solution<R> {
+fn solve<R: Real, K: PointKind<R>>(mut old: PointFronts<R, K>, stop: Stop) -> Solution<R> {
     let chart = old.edges.chart();
     let scans = behind(chart);
     let mut new = old.clone();

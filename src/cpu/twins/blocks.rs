@@ -1,10 +1,11 @@
-//! Implements rotated raster scans that skip blocks of lines in which nothing can change. The twin of
-//! `glsl/passes/blocks.glsl`.
+//! Implements rotated raster scans in blocks of lines, in turn or in pairs, that skip blocks in which nothing
+//! can change. The twin of `glsl/passes/blocks.glsl`.
 
 use super::behind;
+use super::phases::{Part, ScanOrder};
 use crate::Stop;
 use crate::constants::SPLIT_REACH;
-use crate::cpu::fronts::{FrontKind, for_kind};
+use crate::cpu::fronts::{PointKind, for_kind};
 use crate::cpu::point_fronts::PointFronts;
 use crate::cpu::scan::Scan;
 use crate::cpu::{Progress, Solution};
@@ -15,28 +16,48 @@ use crate::update::Wavefront;
 /// blocks of rows or of columns, starting with the first.
 pub type Visits = [Vec<bool>; 4];
 
-/// Solves as [`super::scan_in_turn`] does, bit for bit, in blocks of `lines` lines of texels. A line of
-/// texels is a pair of rows or columns. A scan visits a block if a point in it, or on the line of texels
-/// behind it, has changed since the scan's last visit. Also returns the blocks that each iteration has
-/// visited.
+/// Solves as [`super::scan_in_turn`] or [`super::scan_in_pairs`] does, bit for bit, in blocks of `lines`
+/// lines of texels. A line of texels is a pair of rows or columns. A scan visits a block if a point in it, or
+/// on the line of texels behind it, has changed since the scan's last visit. Also returns the blocks that
+/// each iteration has visited.
 pub fn scan_due<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
     wavefront: Wavefront,
     stop: Stop,
-    lines: usize,
+    (order, lines): (ScanOrder, usize),
 ) -> (Solution<R>, Vec<Visits>) {
     for_kind!(edges, wavefront, kind => {
-        solve(PointFronts::start(edges, kind, seeds), seeds, stop, lines)
+        let mut visits = Vec::new();
+        let fronts = PointFronts::start(edges, kind, seeds);
+        let solution = solve(fronts, seeds, stop, (order, lines), Some(&mut visits));
+        (solution, visits)
     })
 }
 
-fn solve<R: Real, K: FrontKind<R>>(
+/// Solves by scans in pairs ([`ScanOrder::InPairs`]), whose halves meet between blocks of `lines` lines of
+/// texels. Each iteration equals that of the shader.
+pub fn scan_in_pairs<R: Real>(
+    edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    stop: Stop,
+    lines: usize,
+) -> Solution<R> {
+    for_kind!(edges, wavefront, kind => {
+        let fronts = PointFronts::start(edges, kind, seeds);
+        solve(fronts, seeds, stop, (ScanOrder::InPairs, lines), None)
+    })
+}
+
+/// Solves from the fronts at seeds. Visits only the blocks that are due if `visits` are wanted.
+fn solve<R: Real, K: PointKind<R>>(
     mut fronts: PointFronts<R, K>,
     seeds: &[Seed],
     stop: Stop,
-    lines: usize,
-) -> (Solution<R>, Vec<Visits>) {
+    (order, lines): (ScanOrder, usize),
+    mut visits: Option<&mut Vec<Visits>>,
+) -> Solution<R> {
     let chart = fronts.edges.chart();
     let behind = behind(chart);
     let mut progress = Progress::new(stop);
@@ -44,36 +65,45 @@ fn solve<R: Real, K: FrontKind<R>>(
     for seed in seeds {
         due.changed((seed.row, seed.col), None);
     }
-    let mut visits = Vec::new();
+    let phases = order.phases(chart, lines);
     loop {
         let (mut change, renews) = (R::Bits::default(), progress.renews());
         let mut visited: Visits = due.blocks.each_ref().map(|blocks| vec![false; blocks.len()]);
-        for scan in 0..4 {
-            let order = Scan::ALL[scan];
-            let turned = chart.by(order.lines());
-            for block in order.in_order(0..visited[scan].len()) {
-                if !std::mem::take(&mut due.blocks[scan][block]) {
-                    continue;
-                }
-                visited[scan][block] = true;
-                let of_block = Tiling::new(turned, 2 * lines).rows(block..block + 1);
-                for line in order.in_order(of_block) {
-                    for along in 0..turned.cols {
-                        let (row, col) = order.lines().place(line, along);
-                        let point = chart.bordered(row, col);
-                        let before = fronts.at(point);
-                        let front = fronts.reach(point, &behind[scan]);
-                        change = change.max(fronts.accept(point, front, scan as u8 + 1, renews));
-                        if fronts.at(point) != before {
-                            due.changed((row, col), Some(scan));
+        for parts in &phases {
+            let before = fronts.clone();
+            for part in parts {
+                let (scan, order) = (usize::from(part.scan.0) - 1, part.scan);
+                let turned = chart.by(order.lines());
+                for block in order.in_order(part.blocks.clone()) {
+                    let is_due = std::mem::take(&mut due.blocks[scan][block]);
+                    if visits.is_some() && !is_due {
+                        continue;
+                    }
+                    visited[scan][block] = true;
+                    let of_block = Tiling::new(turned, 2 * lines).rows(block..block + 1);
+                    for line in order.in_order(of_block) {
+                        for along in 0..turned.cols {
+                            let (row, col) = order.lines().place(line, along);
+                            let point = chart.bordered(row, col);
+                            let own = fronts.at(point);
+                            let seen = |x| part.sees(&fronts, &before, x);
+                            let front = fronts.reach_seen(point, &behind[scan], seen);
+                            change = change.max(fronts.accept(point, front, order.0, renews));
+                            if fronts.at(point) != own {
+                                due.changed((row, col), Some(part));
+                            }
                         }
                     }
                 }
             }
+            due.end_phase();
         }
-        visits.push(visited);
-        if progress.is_done::<R>(change) {
-            return (fronts.finish(progress.iterations, progress.residual), visits);
+        if let Some(visits) = &mut visits {
+            visits.push(visited);
+        }
+        let is_done = progress.is_done::<R>(change);
+        if is_done && (progress.is_last() || visits.is_some() || !fronts.restore(seeds)) {
+            return fronts.finish(progress.iterations, progress.residual);
         }
     }
 }
@@ -83,23 +113,38 @@ struct Due {
     /// Number of lines of texels in a block.
     lines: usize,
     blocks: [Vec<bool>; 4],
+    /// Blocks that see a line which the opposite scan has changed while they may be visited themselves. They
+    /// become due once both scans have ended their phase.
+    after: Vec<(usize, usize)>,
 }
 
 impl Due {
     fn new(chart: Chart, lines: usize) -> Self {
         let tiles = Tiling::new(chart, 2 * lines).tiles();
-        Self { lines, blocks: Scan::ALL.map(|scan| vec![false; tiles.by(scan.lines()).rows]) }
+        let blocks = Scan::ALL.map(|scan| vec![false; tiles.by(scan.lines()).rows]);
+        Self { lines, blocks, after: Vec::new() }
     }
 
-    /// Records that a point, given by row and column, has changed. `by` is the scan that changed it, or
-    /// `None` before the first iteration. That scan need not visit the block again for it.
-    fn changed(&mut self, (row, col): (usize, usize), by: Option<usize>) {
+    /// Makes the blocks due that have waited for the end of a phase.
+    fn end_phase(&mut self) {
+        for (scan, block) in self.after.drain(..) {
+            self.blocks[scan][block] = true;
+        }
+    }
+
+    /// Records that a point, given by row and column, has changed. `by` is what changed it, or `None` before
+    /// the first iteration. The scan that changed it need not visit the block again for it.
+    fn changed(&mut self, (row, col): (usize, usize), by: Option<&Part>) {
         for (scan, order) in Scan::ALL.into_iter().enumerate() {
             let texel = order.lines().place(row, col).0 / 2;
             let (block, line) = (texel / self.lines, texel % self.lines);
-            if by != Some(scan) {
+            if by.is_none_or(|part| part.scan != order) {
                 self.blocks[scan][block] = true;
             }
+            // The opposite scan sees the lines of this phase only in its own blocks.
+            let is_across = |ahead: usize| {
+                by.is_some_and(|part| part.scan.is_opposite(order) && !part.blocks.contains(&ahead))
+            };
             // The last lines of the block, in the order of the scan, are seen by the blocks ahead.
             let forward = order.is_forward();
             let after = if forward { self.lines - 1 - line } else { line };
@@ -107,8 +152,13 @@ impl Due {
             for blocks in (1..).take_while(|blocks| after + (blocks - 1) * self.lines < reach) {
                 let ahead =
                     if forward { block.checked_add(blocks) } else { block.checked_sub(blocks) };
-                if let Some(due) = ahead.and_then(|ahead| self.blocks[scan].get_mut(ahead)) {
-                    *due = true;
+                let Some(ahead) = ahead.filter(|&ahead| ahead < self.blocks[scan].len()) else {
+                    break;
+                };
+                if is_across(ahead) {
+                    self.after.push((scan, ahead));
+                } else {
+                    self.blocks[scan][ahead] = true;
                 }
             }
         }

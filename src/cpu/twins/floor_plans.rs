@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::{Rounds, all_points, scan_in_turn, tile_rounds};
+use super::{Rounds, all_points, scan_in_pairs, scan_in_turn, tile_rounds};
 use crate::Stop;
 use crate::accuracy::Errors;
 use crate::cpu::{RotatedScan, Solution, raster_scan, rotated_scan};
@@ -315,8 +315,15 @@ fn anchored_fronts_over_floor_plans_are_exact_in_all_schedules() {
             Rounds { tile: 16, inner: 4, recorded: 8, few: Some(0) },
         )
     };
-    let schedules: [(&str, Scan<f32>); 3] =
-        [("raster", scan_in_turn), ("all points", all_points), ("tiles", rounds)];
+    let in_pairs = |edges: &EdgeLengths<f32>, seeds: &[Seed], wavefront, stop| {
+        scan_in_pairs(edges, seeds, wavefront, stop, 4)
+    };
+    let schedules: [(&str, Scan<f32>); 4] = [
+        ("raster", scan_in_turn),
+        ("raster, in pairs", in_pairs),
+        ("all points", all_points),
+        ("tiles", rounds),
+    ];
     for ((name, schedule), kind) in
         schedules.into_iter().flat_map(|schedule| Kind::ALL.map(|kind| (schedule, kind)))
     {

@@ -6,13 +6,15 @@ mod all_points;
 mod blocks;
 #[cfg(test)]
 mod floor_plans;
+mod phases;
 mod regions;
 mod scan;
 mod surroundings;
 mod tile_round;
 
 pub use all_points::all_points;
-pub use blocks::{Visits, scan_due};
+pub use blocks::{Visits, scan_due, scan_in_pairs};
+pub use phases::ScanOrder;
 pub use regions::regions;
 pub use scan::{scan_in_turn, scan_outward};
 pub use surroundings::{CentralSource, surroundings};

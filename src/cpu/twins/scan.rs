@@ -2,7 +2,7 @@
 
 use super::behind;
 use crate::Stop;
-use crate::cpu::fronts::{FrontKind, for_kind};
+use crate::cpu::fronts::{PointKind, for_kind};
 use crate::cpu::point_fronts::PointFronts;
 use crate::cpu::{Progress, Solution};
 use crate::surface::{EdgeLengths, Real, Seed};
@@ -47,7 +47,7 @@ fn solve<R: Real>(
 }
 
 /// Scans from the fronts at seeds, and returns the progress.
-pub(super) fn scan<R: Real, K: FrontKind<R>>(
+pub(super) fn scan<R: Real, K: PointKind<R>>(
     fronts: &mut PointFronts<R, K>,
     seeds: &[Seed],
     stop: Stop,

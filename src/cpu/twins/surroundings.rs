@@ -8,7 +8,7 @@ use glam::DVec2;
 use super::behind;
 use crate::constants::{SURROUNDINGS_STEPS, SURROUNDINGS_TEXELS};
 use crate::cpu::Solution;
-use crate::cpu::fronts::{FrontKind, for_kind};
+use crate::cpu::fronts::{PointKind, for_kind};
 use crate::cpu::point_fronts::PointFronts;
 use crate::surface::{Chart, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
@@ -35,7 +35,7 @@ pub fn surroundings<R: Real>(
     for_kind!(edges, wavefront, kind => solve(edges, kind, sources, wavefront.is_curved()))
 }
 
-fn solve<R: Real, K: FrontKind<R>>(
+fn solve<R: Real, K: PointKind<R>>(
     edges: &EdgeLengths<R>,
     kind: K,
     sources: &[CentralSource],
@@ -123,7 +123,7 @@ impl Window {
 
     /// Returns the time up to which no front from elsewhere is first. `first` is the start time of the
     /// earliest source.
-    fn exact_until<R: Real, K: FrontKind<R>>(
+    fn exact_until<R: Real, K: PointKind<R>>(
         &self,
         alone: &PointFronts<R, K>,
         start: f64,

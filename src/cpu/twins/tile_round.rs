@@ -6,7 +6,7 @@ use crate::Stop;
 use crate::constants::{BAND_SIDES, PATIENCE, SPLIT_REACH};
 use crate::cpu::Solution;
 use crate::cpu::behind::Behind;
-use crate::cpu::fronts::{FrontKind, for_kind};
+use crate::cpu::fronts::{PointKind, for_kind};
 use crate::cpu::point_fronts::PointFronts;
 use crate::cpu::rotated::typical_edge::typical_edge;
 use crate::cpu::scan::Scan;
@@ -54,7 +54,7 @@ pub fn tile_rounds_counted<R: Real>(
     })
 }
 
-fn solve<R: Real, K: FrontKind<R>>(
+fn solve<R: Real, K: PointKind<R>>(
     fronts: PointFronts<R, K>,
     seeds: &[Seed],
     stop: Stop,
@@ -82,7 +82,7 @@ fn solve<R: Real, K: FrontKind<R>>(
 }
 
 /// The tiles of a grid and the fronts in them.
-struct Tiles<R: Real, K: FrontKind<R>> {
+struct Tiles<R: Real, K: PointKind<R>> {
     chart: Chart,
     tiling: Tiling,
     /// Distance from which other points may see a point.
@@ -118,7 +118,7 @@ struct Visit<B> {
     reached: bool,
 }
 
-impl<R: Real, K: FrontKind<R>> Tiles<R, K> {
+impl<R: Real, K: PointKind<R>> Tiles<R, K> {
     fn new(fronts: PointFronts<R, K>, seeds: &[Seed], stop: Stop, rounds: Rounds) -> Self {
         let chart = fronts.edges.chart();
         let is_split = fronts.edges.has_obtuse_triangles();

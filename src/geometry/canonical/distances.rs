@@ -1,21 +1,8 @@
 //! Holds and checks the matrix of all pairwise distances.
 
-use std::ops::RangeInclusive;
-
 use rayon::prelude::*;
 
-use super::CanonicalError;
-
-/// The largest allowed difference between the two distances of a pair of points, as a fraction of the largest
-/// distance of the matrix.
-///
-/// On coarse grids the distances of a planar wavefront differ by up to a few hundredths. A matrix with larger
-/// differences is not a matrix of distances.
-pub const ASYMMETRY: f32 = 0.05;
-
-/// The allowed range of the largest distance. Within it, squared distances stay in the range of single
-/// precision.
-pub const EXTENT: RangeInclusive<f32> = 1e-15..=1e15;
+use super::error::{ASYMMETRY, CanonicalError, EXTENT};
 
 /// The distances between all pairs of n points: a symmetric n x n matrix with a zero diagonal and finite
 /// values.

@@ -1,4 +1,17 @@
-//! Defines the errors of canonical forms. Each message says what to do.
+//! Defines the errors of canonical forms, and the limits that matrices must keep. Each message says what to do.
+
+use std::ops::RangeInclusive;
+
+/// The largest allowed difference between the two distances of a pair of points, as a fraction of the largest
+/// distance of the matrix.
+///
+/// On coarse grids the distances of a planar wavefront differ by up to a few hundredths. A matrix with larger
+/// differences is not a matrix of distances.
+pub const ASYMMETRY: f32 = 0.05;
+
+/// The allowed range of the largest distance. Within it, squared distances stay in the range of single
+/// precision.
+pub const EXTENT: RangeInclusive<f32> = 1e-15..=1e15;
 
 /// The reason why a canonical form cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -50,7 +63,7 @@ pub enum CanonicalError {
         "the distance from point {from} to point {to} is {there}, and {back} back; a matrix of \
          distances is symmetric but for errors below {} of the largest, so symmetrise it if this \
          is meant",
-        super::ASYMMETRY
+        ASYMMETRY
     )]
     Asymmetric {
         /// Row of the matrix.
@@ -88,8 +101,8 @@ pub enum CanonicalError {
     #[error(
         "the largest distance is {largest:e}; choose a unit of length in which it lies between \
          {:e} and {:e}",
-        super::EXTENT.start(),
-        super::EXTENT.end()
+        EXTENT.start(),
+        EXTENT.end()
     )]
     Extent {
         /// The largest distance.

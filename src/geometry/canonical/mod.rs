@@ -44,8 +44,8 @@ mod guttman;
 mod smacof;
 
 pub use alignment::{Alignment, align};
-pub use distances::{ASYMMETRY, Distances, EXTENT};
-pub use error::CanonicalError;
+pub use distances::Distances;
+pub use error::{ASYMMETRY, CanonicalError, EXTENT};
 pub use form::CanonicalForm;
 pub use smacof::{
     DEFAULT_TOLERANCE, FormOptions, FormStep, Start, canonical_form, canonical_form_with,

@@ -6,7 +6,7 @@ use super::bearing::{NO_BEARING, compass, east_and_north, grass};
 use super::departures::{Departures, Start};
 use crate::Error;
 use crate::geometry::{NO_REGION, Voronoi};
-use crate::surface::{Chart, EdgeLengths, GluingError, Source, Sources, Surface, UNGLUED};
+use crate::surface::{Chart, EdgeLengths, GluingError, Real, Source, Sources, Surface, UNGLUED};
 
 /// The logarithmic map of one or several point sources: for each grid point the direction in which its
 /// shortest path leaves the nearest source, times its distance from that source.
@@ -121,6 +121,21 @@ impl LogMap {
             labels,
             bases: starts.iter().map(Basis::of).collect(),
         })
+    }
+
+    /// Returns the part of the log map where a map of the same grid is reached: elsewhere there are no
+    /// coordinates. With a map within a radius ([`crate::Options::radius`]) it is the log map of that disc.
+    ///
+    /// # Panics
+    /// If there are not as many distances as grid points.
+    pub fn where_reached<R: Real>(mut self, distances: &[R]) -> Self {
+        assert_eq!(distances.len(), self.coordinates.len(), "one distance for each grid point");
+        for (coordinates, distance) in self.coordinates.iter_mut().zip(distances) {
+            if !distance.is_finite() {
+                *coordinates = [f32::NAN; 2];
+            }
+        }
+        self
     }
 
     /// Returns the compass bearing in which each point's shortest path leaves its source, row-major, in

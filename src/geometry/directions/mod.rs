@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use super::order::bordered;
 use super::{MapError, PathError, PathTracer};
 use crate::Surface;
-use crate::surface::{EdgeLengths, Sources};
+use crate::surface::{EdgeLengths, Sources, UNGLUED};
 pub use bearing::NO_BEARING;
 use bearing::{compass, east_and_north, grass};
 use frame::Frame;
@@ -168,10 +168,10 @@ fn tracer<'a>(
     sources: &Sources,
     distances: &[f32],
 ) -> Result<PathTracer<'a>, MapError> {
+    surface.check_open("the search for directions", UNGLUED)?;
     PathTracer::new(surface, edges, sources, distances).map_err(|error| match error {
         PathError::Source(error) => MapError::Source(error),
         PathError::Shape { found, rows, cols } => MapError::Shape { found, rows, cols },
-        PathError::Glued(error) => MapError::Glued(error),
         _ => unreachable!("no path is traced"),
     })
 }

@@ -17,6 +17,7 @@ use super::corners::Corners;
 use super::goals::Goals;
 use super::linked_path::{SharedParts, Trace};
 use super::place::Place;
+use super::seams::{Seams, SourcePart};
 use super::tracer::Tracer;
 use crate::Stop;
 use crate::cpu::RotatedScan;
@@ -158,9 +159,18 @@ impl Tracer<'_> {
         let chart = window.chart();
         let times = chart.with_border(&solver.distances(), f32::INFINITY);
         let there = |point: usize| times[point] < f32::INFINITY;
-        let goals = Goals::new(chart, &Sources::point(at.x, at.y), there);
-        let (corners, shared_parts) = (Corners::default(), SharedParts::default());
-        Some(Tracer { edges, times, start: 0.0, goals, corners, shortens: false, shared_parts })
+        let part = |own| vec![SourcePart { ends: own, own }];
+        let goals = Goals::new(chart, &Sources::point(at.x, at.y), there, part);
+        Some(Tracer {
+            edges,
+            times,
+            start: 0.0,
+            goals,
+            corners: Corners::default(),
+            shortens: false,
+            shared_parts: SharedParts::default(),
+            seams: Seams::default(),
+        })
     }
 }
 

@@ -32,7 +32,7 @@ impl PathTracer<'_> {
         let chart = tracer.chart();
         let line = tracer.line(moment, Place::Point(point), tracer.time(point), usize::MAX)?;
         let (to, end) = match line.end {
-            End::Source(source, at) => (at, LineEnd::Source(source)),
+            End::Source { source, at, .. } => (at, LineEnd::Source(source)),
             End::Place(place @ Place::Point(end)) => (place.at(chart), LineEnd::Point(end)),
             End::Place(place @ Place::Edge { first, along, .. }) => {
                 (place.at(chart), LineEnd::Edge([first, chart.beside(first, along)]))

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use glam::DVec2;
 
 use super::cell::{CellLengths, Weights};
+use super::seams::SourcePart;
 use crate::surface::{Chart, Source, Sources, corner_weights, grid_crossings};
 
 /// The part of a source that lies in one cell: a straight segment or a point.
@@ -12,8 +13,8 @@ use crate::surface::{Chart, Source, Sources, corner_weights, grid_crossings};
 struct Goal {
     source: usize,
     initial: f64,
-    /// The rows and columns of both ends. `weights` are the weights of these places in the cell.
-    ends: [DVec2; 2],
+    part: SourcePart,
+    /// The weights of both ends in the cell.
     weights: [Weights; 2],
 }
 
@@ -24,6 +25,8 @@ pub(super) struct NearestSource {
     pub source: usize,
     /// The row and column of the place.
     pub at: DVec2,
+    /// The same place in the source as it was given. It differs on a seam of a closed surface.
+    pub own: DVec2,
     /// The arrival time at the source, which is its initial value.
     pub time: f64,
     pub distance: f64,
@@ -45,8 +48,13 @@ const ON_LINE: f64 = 1e-9;
 
 impl Goals {
     /// Distributes the sources over the cells. `there` tells which points of the bordered array are points of
-    /// the surface.
-    pub(super) fn new(chart: Chart, sources: &Sources, there: impl Fn(usize) -> bool) -> Self {
+    /// the surface. `parts` returns a segment and its copies on a closed surface.
+    pub(super) fn new(
+        chart: Chart,
+        sources: &Sources,
+        there: impl Fn(usize) -> bool,
+        parts: impl Fn([DVec2; 2]) -> Vec<SourcePart>,
+    ) -> Self {
         let mut goals = Self {
             touched: vec![false; chart.bordered_points()],
             range: [usize::MAX, 0],
@@ -57,7 +65,9 @@ impl Goals {
                 Source::Point { at, initial } => (std::slice::from_ref(at), *initial),
                 Source::Curve { vertices, initial } => (vertices.as_slice(), *initial),
             };
-            let mut add = |ends| goals.add(chart, index, initial, ends, &there);
+            let mut add = |own| {
+                parts(own).iter().for_each(|part| goals.add(chart, index, initial, part, &there));
+            };
             if let [single] = vertices {
                 add([*single; 2]);
             }
@@ -76,7 +86,7 @@ impl Goals {
         chart: Chart,
         source: usize,
         initial: f64,
-        ends: [DVec2; 2],
+        &SourcePart { ends, own }: &SourcePart,
         there: impl Fn(usize) -> bool,
     ) {
         let middle = 0.5 * (ends[0] + ends[1]);
@@ -87,7 +97,12 @@ impl Goals {
                 let there = chart.bordered_corners(north_west).map(&there);
                 let weights = ends.map(|end| corner_weights(there, end - corner));
                 let [Some(first), Some(last)] = weights else { continue };
-                let goal = Goal { source, initial, ends, weights: [first, last] };
+                let goal = Goal {
+                    source,
+                    initial,
+                    part: SourcePart { ends, own },
+                    weights: [first, last],
+                };
                 self.by_cell.entry(north_west).or_default().push(goal);
                 self.touched[north_west] = true;
                 let [first, last] = self.range;
@@ -128,7 +143,8 @@ impl Goal {
         let square = first + foot * (last - first - (1.0 - foot) * along);
         NearestSource {
             source: self.source,
-            at: self.ends[0].lerp(self.ends[1], foot),
+            at: self.part.ends[0].lerp(self.part.ends[1], foot),
+            own: self.part.own[0].lerp(self.part.own[1], foot),
             time: self.initial,
             distance: square.max(0.0).sqrt(),
         }

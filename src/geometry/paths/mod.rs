@@ -26,6 +26,7 @@ mod first_line;
 mod goals;
 mod linked_path;
 mod place;
+mod seams;
 mod search;
 mod shared_parts;
 mod taut;
@@ -37,21 +38,22 @@ use rayon::prelude::*;
 
 use super::Curve;
 use crate::shown::exact;
-use crate::surface::{
-    Chart, EdgeLengths, GluingError, Source, SourceError, Sources, Surface, UNGLUED,
-};
+use crate::surface::{Chart, EdgeLengths, Source, SourceError, Sources, Surface};
 use corners::Corners;
 pub(super) use first_line::{FirstLine, LineEnd};
 use goals::Goals;
 use linked_path::{SharedParts, Trace};
 use place::Stuck;
+use seams::{Seams, parts_of_source};
 use tracer::Tracer;
 
 /// A shortest path from a place to a source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
     /// The path from the start to the source; both ends are exact. The vertices lie on the grid's edges, and
-    /// the path is straight between them. If the start is at the source, there is a single vertex.
+    /// the path is straight between them. If the start is at the source, there is a single vertex. Where the
+    /// path passes a seam of a closed surface, two vertices in turn are the same place of the surface at
+    /// different rows and columns.
     pub curve: Curve,
     /// The map's value at the start. Between grid points it is the earliest arrival along a straight line
     /// across the cell.
@@ -71,9 +73,6 @@ pub enum PathError {
     /// A source does not lie on the surface.
     #[error(transparent)]
     Source(#[from] SourceError),
-    /// The surface is glued.
-    #[error(transparent)]
-    Glued(#[from] GluingError),
     /// The number of distances differs from the number of grid points.
     #[error("{found} distances do not fill a grid of {rows} x {cols} points")]
     Shape {
@@ -174,14 +173,13 @@ impl<'a> PathTracer<'a> {
     /// [`crate::DistanceMap::distances`]. `edges` are the edge lengths of `surface`.
     ///
     /// # Errors
-    /// [`PathError::Shape`], [`PathError::Source`], and [`PathError::Glued`]: paths do not pass seams yet.
+    /// [`PathError::Shape`], [`PathError::Source`].
     pub fn new(
         surface: &'a Surface,
         edges: &'a EdgeLengths<f32>,
         sources: &Sources,
         distances: &[f32],
     ) -> Result<Self, PathError> {
-        surface.check_open("the tracing of paths", UNGLUED)?;
         let chart = surface.chart();
         let Chart { rows, cols } = chart;
         for found in [distances.len(), edges.chart().points()] {
@@ -191,7 +189,8 @@ impl<'a> PathTracer<'a> {
         }
         sources.seeds(surface)?;
         let times = chart.with_border(distances, f32::INFINITY);
-        let goals = Goals::new(chart, sources, |point| times[point] < f32::INFINITY);
+        let parts = |own| parts_of_source(surface, own);
+        let goals = Goals::new(chart, sources, |point| times[point] < f32::INFINITY, parts);
         let place = |source: &Source| match source {
             Source::Point { at, .. } => Some(*at),
             Source::Curve { vertices, .. } => vertices.first().copied(),
@@ -199,7 +198,9 @@ impl<'a> PathTracer<'a> {
         let around = sources.iter().find_map(place).unwrap_or_default();
         let corners = Corners::new(chart, &times);
         let (start, shared_parts) = (sources.start(), SharedParts::default());
-        let tracer = Tracer { edges, times, start, goals, corners, shortens: true, shared_parts };
+        let seams = Seams::new(edges);
+        let tracer =
+            Tracer { edges, times, start, goals, corners, shortens: true, shared_parts, seams };
         Ok(Self { surface, tracer, around })
     }
 

@@ -15,6 +15,8 @@ use crate::surface::{Chart, Direction, EdgeSlot, FAR};
 /// A straight line of a path across a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CellLine {
+    /// The copy of the place from which the line starts, if it is not the place itself.
+    pub copy: Option<Place>,
     pub end: End,
     /// The arrival time at the end of the line.
     pub time: f64,
@@ -26,7 +28,12 @@ pub(super) struct CellLine {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum End {
     Place(Place),
-    Source(usize, DVec2),
+    Source {
+        source: usize,
+        at: DVec2,
+        /// The same place in the source as it was given.
+        own: DVec2,
+    },
 }
 
 impl CellLine {
@@ -47,6 +54,12 @@ impl CellLine {
             (a, b) if a != b => a,
             _ => self.arrival() < other.arrival(),
         }
+    }
+
+    /// Returns whether this line arrives so much earlier than a straight line to a source in sight that it is
+    /// preferred.
+    fn beats_sight_of(&self, source: &Self) -> bool {
+        source.time + (1.0 - FITS) * source.length > self.arrival()
     }
 
     /// Returns whether the line arrives no later than the map's value. Then no other line can be much better.
@@ -80,6 +93,8 @@ impl Tracer<'_> {
     /// Returns the straight line across a cell on which the wavefront arrives first and which ends at a time
     /// below `below`. If the path comes from the cell `from`, the cell on the other side of the edge is tried
     /// first. `moment` is the time from which squared times are counted.
+    ///
+    /// On a seam the line may cross a cell beside a copy of the place.
     pub(super) fn line(
         &self,
         moment: f64,
@@ -87,6 +102,25 @@ impl Tracer<'_> {
         below: f64,
         from: usize,
     ) -> Option<CellLine> {
+        let own = self.line_from(moment, place, below, from);
+        if self.seams.is_none() {
+            return own;
+        }
+        let copies = self.seams.others(self.chart(), place).into_iter().filter_map(|copy| {
+            let line = self.line_from(moment, copy, below, from)?;
+            Some(CellLine { copy: Some(copy), ..line })
+        });
+        own.into_iter().chain(copies).reduce(|best, line| match (best.end, line.end) {
+            // A source in sight is preferred, as within one chart.
+            (End::Source { .. }, End::Place(_)) if !line.beats_sight_of(&best) => best,
+            (End::Place(_), End::Source { .. }) if !best.beats_sight_of(&line) => line,
+            _ if line.is_better(&best, below) => line,
+            _ => best,
+        })
+    }
+
+    /// Returns the line from a place, across one of the cells that contain it.
+    fn line_from(&self, moment: f64, place: Place, below: f64, from: usize) -> Option<CellLine> {
         let (mut cells, count) = place.cells(self.chart());
         if cells[0].0 == from {
             cells[..count].rotate_left(1);
@@ -105,14 +139,15 @@ impl Tracer<'_> {
                 break;
             }
         }
-        let line = |NearestSource { source, at, time, distance }| CellLine {
-            end: End::Source(source, at),
+        let line = |NearestSource { source, at, own, time, distance }| CellLine {
+            copy: None,
+            end: End::Source { source, at, own },
             time,
             length: distance,
             cell: usize::MAX,
         };
         let in_sight = source.map(line).filter(|line| match best {
-            Some(best) => line.time + (1.0 - FITS) * line.length <= best.arrival(),
+            Some(best) => !best.beats_sight_of(line),
             None => line.time <= below + ROUNDING * below.abs(),
         });
         in_sight.or(best)
@@ -132,7 +167,8 @@ impl Tracer<'_> {
         let reached = cell.corners.map(|corner| self.is_reached(corner));
         let support = weights.iter().filter(|weight| **weight > 0.0).count();
         let mut offer = |end: Place, time: f64, length: f64| {
-            let line = CellLine { end: End::Place(end), time, length, cell: north_west };
+            let line =
+                CellLine { copy: None, end: End::Place(end), time, length, cell: north_west };
             let better = best.is_none_or(|best| line.is_better(&best, below));
             if better && time < below {
                 *best = Some(line);
@@ -206,11 +242,17 @@ impl Tracer<'_> {
             }
             for to in Direction::ALL {
                 let there = self.chart().beside(point, to);
-                let slot = EdgeSlot::new(self.chart(), 0, to);
+                let slot = EdgeSlot::of(self.chart(), to);
                 let is_edge = f64::from(self.edges.at(point, slot)) < 0.5 * FAR;
                 if is_edge && self.is_reached(there) && !back.contains_key(&there) {
                     back.insert(there, point);
                     open.push(Reverse((self.times[there].to_bits(), there)));
+                }
+            }
+            for copy in self.seams.copies(point) {
+                if !back.contains_key(&copy) {
+                    back.insert(copy, point);
+                    open.push(Reverse((self.times[copy].to_bits(), copy)));
                 }
             }
         }

@@ -8,6 +8,7 @@ use super::corners::Corners;
 use super::goals::Goals;
 use super::linked_path::SharedParts;
 use super::place::Place;
+use super::seams::Seams;
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, corner_weights};
 
 /// A map prepared for tracing.
@@ -23,6 +24,7 @@ pub(super) struct Tracer<'a> {
     /// Whether paths are shortened beyond what the map alone gives.
     pub shortens: bool,
     pub shared_parts: SharedParts,
+    pub seams: Seams,
 }
 
 impl Tracer<'_> {
@@ -93,12 +95,10 @@ impl Tracer<'_> {
         [first - step, first, last, last + step].map(|point| self.time(point))
     }
 
+    /// Returns the length of the edge between two neighbours. It is zero between copies of a point.
     pub(super) fn length(&self, a: usize, b: usize) -> f64 {
-        let to = Direction::ALL
-            .into_iter()
-            .find(|&to| self.chart().beside(a, to) == b)
-            .expect("the points are neighbours");
-        self.edges.at(a, EdgeSlot::new(self.chart(), 0, to)).into()
+        let to = Direction::ALL.into_iter().find(|&to| self.chart().beside(a, to) == b);
+        to.map_or(0.0, |to| self.edges.at(a, EdgeSlot::of(self.chart(), to)).into())
     }
 
     /// Returns the earliest of the grid points of the edge or cell in which the place lies.

@@ -116,12 +116,18 @@ impl Walk {
         if self.arrival == f64::INFINITY {
             self.arrival = line.arrival();
         }
+        if let Some(copy) = line.copy {
+            self.vertices.push(tracer.at(copy));
+            self.lengths.push(self.length);
+        }
         self.length += line.length;
         match line.end {
-            End::Source(source, at) => {
+            End::Source { source, at, own } => {
                 // A path that starts at its source has a single vertex.
-                if self.vertices.last() != Some(&at) {
-                    self.vertices.push(at);
+                for at in [at, own] {
+                    if self.vertices.last() != Some(&at) {
+                        self.vertices.push(at);
+                    }
                 }
                 Ok(Some(HeadEnd::Source { source, initial: line.time }))
             }

@@ -5,10 +5,21 @@ use std::collections::HashMap;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use super::known::NO_REGION;
 use super::source_fronts::SourceFronts;
-use super::{Border, NO_REGION};
+use crate::geometry::Curve;
 use crate::geometry::chains::{Segment, join};
 use crate::surface::{Cell, Edge, triangles};
+
+/// A border between two regions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Border {
+    /// The regions on the left and on the right of the border, as seen in a picture of the grid with rows
+    /// downwards. The smaller number comes first.
+    pub regions: [u32; 2],
+    /// The curve of the border.
+    pub curve: Curve,
+}
 
 /// A triangle that several regions share, and the fraction of its area that each region has.
 #[derive(Clone, Debug)]

@@ -8,11 +8,11 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use super::NO_REGION;
+use super::known::NO_REGION;
 use crate::geometry::neighbourhood::Neighbourhood;
 use crate::geometry::order::rank;
 use crate::lanes::{Instructions, Loop};
-use crate::surface::{Direction, Real};
+use crate::surface::{Direction, Offset, Real};
 
 /// Labels taken from the earliest neighbours.
 pub(super) struct Guess {
@@ -82,15 +82,11 @@ impl Guess {
 
 /// Gives the label at the end of a chain of links to all points of the chain. Other threads that follow the
 /// same chain write the same values.
-fn resolve(labels: &[AtomicU32], offsets: &[isize; 8], point: usize) {
+fn resolve(labels: &[AtomicU32], offsets: &[Offset; 8], point: usize) {
     let next = |point: usize| {
         let link = labels[point].load(Relaxed);
         let is_link = link & LINK != 0 && link != NO_REGION;
-        if is_link {
-            Ok(point.wrapping_add_signed(offsets[(link & 7) as usize]))
-        } else {
-            Err(link)
-        }
+        if is_link { Ok(offsets[(link & 7) as usize].from(point)) } else { Err(link) }
     };
     let mut end = point;
     let label = loop {

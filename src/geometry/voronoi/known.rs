@@ -1,8 +1,10 @@
 //! Stores which wavefronts are known at each point, and when they arrive there.
 
-use super::NO_REGION;
 use crate::geometry::order::rank;
 use crate::surface::Real;
+
+/// The label of points in no region: holes, and points that no source reaches.
+pub const NO_REGION: u32 = u32::MAX;
 
 /// The end of a list of wavefronts, and the label of a point that has not been visited.
 pub(super) const NONE: u32 = NO_REGION;

@@ -11,15 +11,14 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
+use super::MapError;
 use super::area::{of_triangles, rows};
-use super::{Curve, MapError};
 use crate::Surface;
 use crate::surface::{EdgeLengths, Sources, UNGLUED};
+pub use borders::Border;
 use borders::Split;
+pub use known::NO_REGION;
 use source_fronts::SourceFronts;
-
-/// The label of points in no region: holes, and points that no source reaches.
-pub const NO_REGION: u32 = u32::MAX;
 
 /// The Voronoi regions of several sources, and the borders between them.
 #[derive(Clone, Debug)]
@@ -32,16 +31,6 @@ pub struct Voronoi {
     /// The triangles on borders, with the fraction of each region.
     splits: Vec<Split>,
     regions: usize,
-}
-
-/// A border between two regions.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Border {
-    /// The regions on the left and on the right of the border, as seen in a picture of the grid with rows
-    /// downwards. The smaller number comes first.
-    pub regions: [u32; 2],
-    /// The curve of the border.
-    pub curve: Curve,
 }
 
 impl Voronoi {

@@ -7,7 +7,7 @@ use ::geojson::{
 };
 use glam::DVec3;
 
-use super::{Attribute, Drawing, Polyline};
+use super::drawing::{Attribute, Drawing, Polyline};
 use crate::io::{CoordinateSystem, Georeference};
 
 /// Number of digits after the decimal point: a tenth of a millimetre.

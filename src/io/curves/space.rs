@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::super::ply;
-use super::{Drawing, Polyline};
+use super::drawing::{Drawing, Polyline};
 
 /// Writes binary, little-endian PLY: vertices with colours, and edges between them.
 pub fn write_ply(writer: &mut impl Write, drawing: &Drawing) -> io::Result<()> {

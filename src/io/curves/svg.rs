@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use ::svg::Document;
 use ::svg::node::element::{Group, Path, Rectangle, Style, Title};
 
-use super::{Drawing, Polyline};
+use super::drawing::{Drawing, Polyline};
 
 /// Lines have the same width at any scale: it is in pixels, not in grid steps.
 const STYLE: &str = "\
@@ -33,13 +33,22 @@ pub fn write(writer: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
 }
 
 fn path(polyline: &Polyline) -> Path {
-    let mut data = String::new();
-    for (index, [row, col]) in polyline.curve.vertices.iter().enumerate() {
-        let command = if index == 0 { "M" } else { "L" };
+    let (mut data, Polyline { curve, jumps, .. }) = (String::new(), polyline);
+    for (index, [row, col]) in curve.vertices.iter().enumerate() {
+        let starts = index == 0 || jumps.binary_search(&index).is_ok();
+        let command = if starts { "M" } else { "L" };
         let _ = write!(data, "{command}{col:.4},{row:.4}");
     }
-    if polyline.curve.closed || polyline.curve.vertices.len() == 1 {
-        data.push('Z');
+    match curve.vertices[..] {
+        [_] => data.push('Z'),
+        [[row, col], ..] if curve.closed && jumps.first() != Some(&0) => {
+            if jumps.is_empty() {
+                data.push('Z');
+            } else {
+                let _ = write!(data, "L{col:.4},{row:.4}");
+            }
+        }
+        _ => {}
     }
     let [red, green, blue] = polyline.color;
     let path = Path::new()

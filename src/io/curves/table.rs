@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::super::npy;
-use super::Drawing;
+use super::drawing::Drawing;
 
 const SEPARATOR: [f64; 5] = [f64::NAN; 5];
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{MatrixLayout, with_suffix};
+use super::MatrixLayout;
 use crate::io::npy::shape_text;
 use crate::io::{IoError, OutputFile};
 use crate::surface::{EdgeLengths, Surface, SurfaceError};
@@ -126,6 +126,13 @@ impl Checkpoint {
 
 fn path(part: &Path) -> PathBuf {
     with_suffix(part, ".json")
+}
+
+/// Returns the path with a suffix after its name.
+pub(super) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(suffix);
+    name.into()
 }
 
 fn described(made_from: Provenance, layout: MatrixLayout) -> Provenance {

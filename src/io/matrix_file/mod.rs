@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::{IoError, OutputFile};
-use checkpoint::Checkpoint;
+use checkpoint::{Checkpoint, with_suffix};
 pub use checkpoint::{Provenance, surface_checksum};
 pub use layout::{Element, MatrixLayout};
 pub use read::{SquareMatrix, is_distance_matrix, read_matrix};
@@ -267,12 +267,6 @@ fn check_header(file: &mut File, part: &Path, layout: &MatrixLayout) -> Result<(
 /// Returns the path of the unfinished matrix.
 fn part_path(output: &OutputFile) -> PathBuf {
     with_suffix(output.target(), ".part")
-}
-
-fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
-    let mut name = path.as_os_str().to_owned();
-    name.push(suffix);
-    name.into()
 }
 
 fn lock(file: &File, part: &Path) -> Result<(), IoError> {

@@ -6,7 +6,7 @@ use std::io::Read;
 use flate2::read::ZlibDecoder;
 use weezl::LzwStatus;
 
-use super::Cure;
+use super::cure::Cure;
 use crate::io::limits::{check_decoded, ratio};
 
 /// A supported compression.

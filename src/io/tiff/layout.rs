@@ -1,8 +1,9 @@
 //! Reads the layout of a picture: its size, the type of its numbers, and the location of its strips or tiles.
 
 use super::compression::Compression;
+use super::cure::Cure;
 use super::directory::Directory;
-use super::{Cure, tag};
+use super::tag;
 use crate::io::limits::checked_points;
 
 /// The layout of a picture.

@@ -5,6 +5,7 @@
 
 mod band;
 mod compression;
+mod cure;
 mod directory;
 mod epsg_units;
 mod gdal;
@@ -16,6 +17,7 @@ mod write;
 use std::path::Path;
 
 use band::read_band;
+use cure::Cure;
 use directory::{Directory, File};
 use gdal::Metadata;
 pub use geo_tags::GeoTags;
@@ -46,16 +48,6 @@ pub(super) enum Role {
     Values,
     /// Zero or not zero. Indices into a table of colours are accepted.
     Mask,
-}
-
-/// The conversion of an unsupported file to a supported one.
-struct Cure<'a>(&'a Path);
-
-impl Cure<'_> {
-    /// Returns the command line of GDAL's tool with the given options.
-    fn translate(&self, options: &str) -> String {
-        format!("gdal_translate {options} {} plain.tif", self.0.display())
-    }
 }
 
 /// Bits of NewSubfileType: a smaller version of another picture, and a mask of one.

@@ -64,19 +64,6 @@ impl Chart {
         (place.x + 1.0) as usize * self.stride() + (place.y + 1.0) as usize
     }
 
-    /// Returns the difference between the indices of a neighbour and of the point itself, both in a bordered
-    /// array.
-    pub(crate) const fn offset(self, to: Direction) -> isize {
-        let (down, right) = to.step();
-        down * self.stride() as isize + right
-    }
-
-    /// Returns the index of a point's neighbour in a bordered array.
-    #[inline(always)]
-    pub(crate) const fn beside(self, point: usize, to: Direction) -> usize {
-        point.wrapping_add_signed(self.offset(to))
-    }
-
     /// Returns the indices in a bordered array of the corners of the cell to the south-east of a point:
     /// north-west, north-east, south-west and south-east.
     #[inline(always)]
@@ -183,13 +170,10 @@ mod tests {
     const CHART: Chart = Chart { rows: 4, cols: 5 };
 
     #[test]
-    fn offsets_agree_with_bordered_indices() {
-        let here = CHART.bordered(2, 2);
+    fn entries_agree_with_bordered_indices() {
         for direction in Direction::ALL {
             let (row, col) = CHART.neighbour(2, 2, direction).unwrap();
             let there = CHART.bordered(row, col);
-            assert_eq!(there as isize - here as isize, CHART.offset(direction));
-            assert_eq!(CHART.beside(here, direction), there);
             assert_eq!(CHART.bordered_position(there), (row, col));
             let (row, col) = CHART.entry(there);
             assert_eq!(CHART.entry_index(row, col), there);

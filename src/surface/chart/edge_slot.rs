@@ -1,6 +1,6 @@
 //! Determines at which point the length of an edge is stored.
 
-use super::{Chart, Direction};
+use super::{Chart, Direction, Offset};
 
 /// The directions whose edges are stored at a point, in this order, on the CPU and in the shaders.
 pub(crate) const STORED: [Direction; 4] =
@@ -9,7 +9,7 @@ pub(crate) const STORED: [Direction; 4] =
 /// The storage location of the length of an edge: an offset from the point, and an index into [`STORED`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EdgeSlot {
-    pub offset: isize,
+    pub offset: Offset,
     pub stored: usize,
 }
 
@@ -17,15 +17,20 @@ impl EdgeSlot {
     /// Returns the lengths of this edge for `points` points of a row, beginning with `first`. `planes` are
     /// bordered arrays, one for each direction of [`STORED`].
     pub(crate) fn row<R>(self, planes: [&[R]; 4], first: usize, points: usize) -> &[R] {
-        &planes[self.stored][first.wrapping_add_signed(self.offset)..][..points]
+        &planes[self.stored][self.offset.from(first)..][..points]
     }
 
-    /// Returns the slot of the edge from the point `at` (an offset from the point for which the slot is used)
-    /// in the direction `to`.
-    pub(crate) fn new(chart: Chart, at: isize, to: Direction) -> Self {
+    /// Returns the slot of a point's edge in the direction `to`.
+    pub(crate) fn of(chart: Chart, to: Direction) -> Self {
+        Self::new(chart, Offset::NONE, to)
+    }
+
+    /// Returns the slot of the edge in the direction `to` from the point that lies `at` from the one for which
+    /// the slot is used.
+    pub(crate) fn new(chart: Chart, at: Offset, to: Direction) -> Self {
         match STORED.iter().position(|&direction| direction == to) {
             Some(stored) => Self { offset: at, stored },
-            None => Self::new(chart, at + chart.offset(to), to.opposite()),
+            None => Self::new(chart, at.and(chart.offset(to)), to.opposite()),
         }
     }
 }

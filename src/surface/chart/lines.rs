@@ -44,6 +44,11 @@ impl Chart {
         Self { rows: self.cols, cols: self.rows }
     }
 
+    /// Returns the distance in a bordered array from a point of a line to the next one.
+    pub(crate) const fn stride_along(self, lines: Lines) -> usize {
+        self.offset(lines.along()).distance()
+    }
+
     /// Returns the chart whose rows are this one's lines.
     pub(crate) const fn by(self, lines: Lines) -> Self {
         match lines {

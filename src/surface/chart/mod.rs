@@ -12,6 +12,7 @@ mod cells;
 mod direction;
 mod edge_slot;
 mod lines;
+mod offset;
 mod tiling;
 mod triangles;
 
@@ -21,6 +22,7 @@ pub use direction::Direction;
 pub(crate) use direction::ring;
 pub(crate) use edge_slot::{EdgeSlot, STORED};
 pub(crate) use lines::Lines;
+pub(crate) use offset::Offset;
 pub(crate) use tiling::Tiling;
 pub(crate) use triangles::{Edge, triangles};
 

@@ -54,7 +54,7 @@ impl<R: Real> EdgeLengths<R> {
                 continue;
             }
             let exists =
-                |from: usize, to: Direction| self.at(from, EdgeSlot::new(chart, 0, to)) < R::FAR;
+                |from: usize, to: Direction| self.at(from, EdgeSlot::of(chart, to)) < R::FAR;
             let is_whole = Direction::ALL
                 .into_iter()
                 .all(|to| exists(point, to) && exists(chart.beside(point, to), to.base()));
@@ -98,7 +98,7 @@ impl<R: Real> EdgeLengths<R> {
     /// Returns the other three corners of a point's cell, in order around it, if all are present.
     fn cell(&self, chart: Chart, point: usize, to: Direction) -> Option<[usize; 3]> {
         let ways = [to.previous(), to, to.next()];
-        let exist = ways.iter().all(|&way| self.at(point, EdgeSlot::new(chart, 0, way)) < R::FAR);
+        let exist = ways.iter().all(|&way| self.at(point, EdgeSlot::of(chart, way)) < R::FAR);
         exist.then(|| ways.map(|way| chart.beside(point, way)))
     }
 }

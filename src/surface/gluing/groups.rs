@@ -43,6 +43,11 @@ impl Groups {
         self.starts.windows(2).map(|range| &self.members[range[0] as usize..range[1] as usize])
     }
 
+    /// Returns the members of a group.
+    pub(crate) fn get(&self, number: usize) -> &[u32] {
+        &self.members[self.starts[number] as usize..self.starts[number + 1] as usize]
+    }
+
     /// Returns the start of each group in [`Self::members`], and their number at the end.
     pub fn starts(&self) -> &[u32] {
         &self.starts
@@ -62,7 +67,7 @@ impl Groups {
     }
 
     /// Returns the number of each member's group.
-    pub(super) fn numbers(&self) -> HashMap<u32, usize> {
+    pub(crate) fn numbers(&self) -> HashMap<u32, usize> {
         let of_group = |(number, group): (usize, &[u32])| {
             group.iter().map(|&index| (index, number)).collect::<Vec<_>>()
         };

@@ -22,6 +22,7 @@ pub use error::GluingError;
 pub use groups::Groups;
 pub(super) use strips::Strips;
 
+use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 use super::{Direction, GridSide, Seam, Surface, SurfaceError};
@@ -117,6 +118,8 @@ pub struct Run {
 pub(crate) struct Glued {
     /// Groups of copies, by their row-major indices.
     groups: Groups,
+    /// The number of each member's group.
+    numbers: HashMap<u32, usize>,
     /// Where the grid goes on beyond its sides.
     lattice: Lattice,
 }
@@ -127,9 +130,8 @@ pub(crate) const UNGLUED: &str = "leave the gluing out, and the surface is cut o
 impl Glued {
     /// Returns whether the two points of each pair are one. The result is false without pairs.
     fn has_glued(&self, pairs: &[[usize; 2]]) -> bool {
-        let numbers = self.groups.numbers();
         let is_one = |pair: &[usize; 2]| {
-            let [a, b] = pair.map(|index| numbers.get(&(index as u32)));
+            let [a, b] = pair.map(|index| self.numbers.get(&(index as u32)));
             pair[0] == pair[1] || a.is_some() && a == b
         };
         !pairs.is_empty() && pairs.iter().all(is_one)
@@ -159,7 +161,8 @@ impl Surface {
         let old = before.iter().flat_map(|before| before.groups.pairs());
         let groups = Groups::of(old.chain(pairs));
         self.floor = OnceLock::new();
-        self.glued = Some(Arc::new(Glued { groups, lattice }));
+        let numbers = groups.numbers();
+        self.glued = Some(Arc::new(Glued { groups, numbers, lattice }));
         self.agree()?;
         self.non_empty()
     }

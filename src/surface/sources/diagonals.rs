@@ -7,7 +7,7 @@
 
 use glam::DVec2;
 
-use super::Seed;
+use super::seed::Seed;
 use crate::surface::Surface;
 
 /// Returns the seeds of a floor plan, each followed by the points beside the diagonal through its source, if

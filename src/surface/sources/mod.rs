@@ -1,19 +1,24 @@
 //! Defines sources, where the wavefront starts, and converts them to initial values at grid points.
 
 mod diagonals;
+mod error;
 mod origin;
 mod pieces;
 mod rise;
+mod seed;
 
 use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::{FAR, Real, Surface};
-use crate::shown::exact;
+use super::Surface;
 pub(crate) use diagonals::with_diagonals;
+use error::LARGEST_INITIAL;
+pub use error::SourceError;
 pub use origin::Origin;
 use pieces::{Pieces, Vertex, bends, straight_runs};
+pub(crate) use seed::Origins;
+pub use seed::Seed;
 
 /// One source. Rows and columns may be fractional, and count from 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,9 +39,6 @@ pub enum Source {
     },
 }
 
-/// Upper limit of the magnitude of initial values. The difference of two of them lies below [`FAR`].
-const LARGEST_INITIAL: f64 = 0.5 * FAR;
-
 /// The sources of one distance map. The map holds the distance to the nearest source, initial values
 /// included.
 ///
@@ -47,192 +49,6 @@ const LARGEST_INITIAL: f64 = 0.5 * FAR;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sources(Vec<Source>);
-
-/// An initial value at a grid point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seed {
-    /// Row of the point.
-    pub row: usize,
-    /// Column of the point.
-    pub col: usize,
-    /// Arrival time at the point.
-    pub time: f64,
-    /// Curvature of the front at the point, for the curved wavefront: 1 over the distance from a point
-    /// source, [`Seed::AT_SOURCE`] at the source itself, 0 beside a straight curve.
-    pub curvature: f64,
-    /// Row and column of the point source from which the front comes, if it is not this point itself. It is
-    /// the anchor of the points that follow ([`crate::Wavefront::Anchored`]).
-    pub from: Option<DVec2>,
-    /// The straight source from which the front comes, where that is known; see
-    /// [`Sources::seeds_with_origins`].
-    pub origin: Option<Origin>,
-    /// Whether the time is as exact as the edges allow (from a map of the source alone), and no front of
-    /// another source can arrive here first. Curved fronts then do not replace the seed, except for those of
-    /// sources that are added later.
-    pub exact: bool,
-}
-
-/// Relative tolerance of the difference between a seed's time and the length of the line to its origin.
-const OFF_LINE: f64 = 1e-3;
-
-/// Error of a curved update in units in the last place of the arrival time: a height over a base, and a sum.
-const SURELY_FIRST: f64 = 8.0;
-
-impl Seed {
-    /// Curvature of a front at its point source. It stands for infinity.
-    pub const AT_SOURCE: f64 = crate::constants::SOURCE_CURVATURE;
-
-    /// Returns a point source at a grid point.
-    pub fn at_source(row: usize, col: usize, time: f64) -> Self {
-        Self { row, col, time, curvature: Self::AT_SOURCE, from: None, origin: None, exact: false }
-    }
-
-    /// Returns the time at which a curved front starts here. Beside a curve it is earlier by some units in
-    /// the last place.
-    ///
-    /// A front that leaves the curve passes this point at the same time up to rounding, with a curvature that
-    /// includes that of the surface. Without the shift it would be left to chance which of both fronts stays,
-    /// and two maps of a rough surface would differ by hundredths. There is no shift at the ends of a curve,
-    /// where the front from beside the end is flatter and should stay.
-    pub(crate) fn start_of_curved<R: Real>(&self) -> R {
-        let is_beside =
-            !self.exact && self.from.is_none() && (self.curvature * self.time).abs() < 0.5;
-        let rounding = self.time.abs() * SURELY_FIRST * R::epsilon().wide();
-        R::of(if is_beside { self.time - rounding } else { self.time })
-    }
-
-    /// Returns whether the arrival time of a map is later than this seed by more than rounding. In that case
-    /// a preliminary front replaced the seed and was withdrawn later. Solvers then start from the seed again.
-    pub(crate) fn is_lost<R: Real>(&self, time: R) -> bool {
-        let start = R::of(self.time);
-        // Fronts that carry their origin start along the line from the origin, measured in one of the
-        // engine's triangles.
-        let rounding =
-            R::of(if self.origin.is_some() { OFF_LINE } else { 8.0 * R::epsilon().wide() });
-        time - start > start.abs() * rounding
-    }
-
-    /// Returns row and column as a place.
-    pub(crate) fn place(&self) -> DVec2 {
-        DVec2::new(self.row as f64, self.col as f64)
-    }
-}
-
-/// The origins of the fronts of a map, which decide whether updates must be causal. A causal update does not
-/// depend on neighbours that arrive later.
-///
-/// Without causal updates, fronts of several sources that meet would settle in more than one way, or never.
-/// The same holds for a single front that meets itself because a slowness or a steep surface bends it.
-/// Otherwise a single point source does not need causal updates; without them it is more accurate in
-/// stretched cells.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Origins {
-    /// Whether the front of one origin may meet itself.
-    meets_itself: bool,
-    first: Option<DVec2>,
-    causal: bool,
-}
-
-impl Origins {
-    /// Returns the state without origins. `meets_itself` says whether a front may meet itself on the surface
-    /// ([`super::EdgeLengths::front_meets_itself`]).
-    pub(crate) fn none(meets_itself: bool) -> Self {
-        Self { meets_itself, first: None, causal: false }
-    }
-
-    /// Forgets all origins, before another map.
-    pub(crate) fn forget(&mut self) {
-        *self = Self::none(self.meets_itself);
-    }
-
-    /// Adds the origin of a seed. Each seed of a curve is its own origin.
-    pub(crate) fn add(&mut self, seed: &Seed) {
-        let origin = seed.from.unwrap_or(seed.place());
-        self.causal |= *self.first.get_or_insert(origin) != origin;
-    }
-
-    pub(crate) fn are_causal(&self) -> bool {
-        self.causal || self.meets_itself
-    }
-
-    /// Returns whether there are several origins, or one that is not a point.
-    pub(crate) fn are_several(&self) -> bool {
-        self.causal
-    }
-}
-
-/// The reason why a source cannot be used.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SourceError {
-    /// No source was given.
-    #[error("no source given; a distance map needs at least one")]
-    None,
-    /// The source lies off the grid.
-    #[error(
-        "source {},{} lies outside the grid: rows run from 0 to {last_row}, columns from 0 to {last_col}",
-        exact(*row),
-        exact(*col)
-    )]
-    Outside {
-        /// Row of the source.
-        row: f64,
-        /// Column of the source.
-        col: f64,
-        /// The grid's last row.
-        last_row: usize,
-        /// The grid's last column.
-        last_col: usize,
-    },
-    /// The source lies in a hole.
-    #[error(
-        "source {row},{col} lies in a hole of the surface (NaN or masked out); move it to a point of the surface"
-    )]
-    Hole {
-        /// Row of the source.
-        row: f64,
-        /// Column of the source.
-        col: f64,
-    },
-    /// The grid of every second row and column has no point beside the source.
-    #[error(
-        "every second row and column has no point beside the source at row {row}, column {col}, only holes, so that its error cannot be estimated"
-    )]
-    NotOnCoarseGrid {
-        /// Row of a point beside the source.
-        row: usize,
-        /// Column of that point.
-        col: usize,
-    },
-    /// The curvature of a front at its source is not usable.
-    #[error(
-        "the curvature {curvature} of source {row},{col} is negative, infinite or no number: give 0 for a point"
-    )]
-    Curvature {
-        /// Row of the source.
-        row: f64,
-        /// Column of the source.
-        col: f64,
-        /// The given curvature.
-        curvature: f64,
-    },
-    /// An initial value is NaN, infinite or too large for single precision.
-    #[error(
-        "the initial value {} of source {row},{col} is not a finite number below {LARGEST_INITIAL:e} in size; subtract the smallest initial value from all, or choose a larger unit",
-        exact(*initial)
-    )]
-    Initial {
-        /// Row of the source.
-        row: f64,
-        /// Column of the source.
-        col: f64,
-        /// The initial value.
-        initial: f64,
-    },
-    /// A curve has no vertex.
-    #[error("a source curve has no vertex; give at least one row and column")]
-    EmptyCurve,
-}
 
 impl Source {
     /// Returns the arrival time at the source.

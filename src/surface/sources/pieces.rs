@@ -4,8 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DVec2, DVec3};
 
+use super::Origin;
+use super::error::SourceError;
 use super::rise::Rise;
-use super::{Origin, Seed, SourceError};
+use super::seed::Seed;
 use crate::surface::{Cell, Sample, Surface, corner_weights, grid_crossings};
 
 /// The course of a curve through one of its vertices.

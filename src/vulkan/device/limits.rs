@@ -3,9 +3,15 @@
 use ash::vk;
 
 use super::requirements;
-use crate::constants::{BORDER, LAYERS};
+use crate::constants::{BORDER, LAYERS, MOST_GROUPS};
 use crate::surface::Chart;
 use crate::vulkan::{TexelChart, VulkanError};
+
+/// Returns how many of `count` workgroups form a column, so that there are no more columns than every device
+/// accepts.
+pub(crate) fn column_of(count: u32) -> u32 {
+    count.div_ceil(MOST_GROUPS).max(1)
+}
 
 /// Limits of a device's images and memory.
 #[derive(Clone, Debug)]

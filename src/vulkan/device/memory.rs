@@ -11,7 +11,11 @@ use crate::vulkan::VulkanError;
 pub(crate) const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 /// Format of images of distances.
 pub(crate) const RESULT_FORMAT: vk::Format = vk::Format::R32_SFLOAT;
-/// Usage of both kinds of images. It lets hosts sample them and copy from them.
+/// Format of images of directions.
+pub(crate) const DIRECTION_FORMAT: vk::Format = vk::Format::R16G16_SFLOAT;
+/// Format of images of log maps.
+pub(crate) const LOG_MAP_FORMAT: vk::Format = vk::Format::R32G32_SFLOAT;
+/// Usage of images that shaders write. It lets hosts sample them and copy from them.
 pub(crate) const IMAGE_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
     vk::ImageUsageFlags::STORAGE.as_raw()
         | vk::ImageUsageFlags::SAMPLED.as_raw()
@@ -116,6 +120,15 @@ impl Image {
     }
 }
 
+/// Returns the usage of images of a format. Not all devices let shaders write images of two components, so
+/// that these receive copies of buffers.
+fn usage(format: vk::Format) -> vk::ImageUsageFlags {
+    match format {
+        FORMAT | RESULT_FORMAT => IMAGE_USAGE,
+        _ => IMAGE_USAGE & !vk::ImageUsageFlags::STORAGE,
+    }
+}
+
 impl ImageInfo<'_> {
     fn create(&self, device: &ash::Device) -> Result<vk::Image, VulkanError> {
         let mut info = vk::ImageCreateInfo::default()
@@ -126,7 +139,7 @@ impl ImageInfo<'_> {
             .array_layers(self.layers)
             .samples(vk::SampleCountFlags::TYPE_1)
             .tiling(vk::ImageTiling::OPTIMAL)
-            .usage(IMAGE_USAGE);
+            .usage(usage(self.format));
         if self.families.len() > 1 {
             info =
                 info.sharing_mode(vk::SharingMode::CONCURRENT).queue_family_indices(self.families);

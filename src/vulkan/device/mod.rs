@@ -8,6 +8,7 @@ pub(in crate::vulkan) mod device_memory;
 pub(in crate::vulkan) mod devices;
 pub(in crate::vulkan) mod driver;
 pub(in crate::vulkan) mod instance;
+pub(in crate::vulkan) mod labels;
 pub(in crate::vulkan) mod limits;
 pub(crate) mod memory;
 pub(in crate::vulkan) mod passes;

@@ -7,8 +7,6 @@ use bytemuck::Pod;
 use super::shaders;
 use super::shaders::{Constant, Shader};
 use crate::update::Wavefront;
-use crate::vulkan::profile::PassKind;
-use crate::vulkan::profile::PassKind::*;
 use crate::vulkan::schedules::plan::Scan;
 use crate::vulkan::schedules::plan::Scan::{Down, Left, Right, Up};
 use crate::vulkan::{TileLanes, Tuning};
@@ -18,12 +16,12 @@ use crate::vulkan::{TileLanes, Tuning};
 pub(crate) struct Row {
     /// Shader, with its bindings, specialization constants and push constants.
     pub(crate) shader: &'static Shader,
-    /// Kind of the pass in profiles; `None` if it only measures the device.
-    pub(crate) kind: Option<PassKind>,
     /// Whether each wavefront has a pipeline of its own.
     pub(crate) depends_on_wavefront: bool,
     /// Width of the workgroups, if a constant sets it.
     width: Option<Width>,
+    /// Scan that the pass runs, if it is one.
+    scan: Option<Scan>,
     /// Shaders in its place with [`TileLanes::Points`] and [`TileLanes::Shuffled`]. Their interfaces are the
     /// same.
     pub(crate) of_points: Option<[&'static Shader; 2]>,
@@ -41,13 +39,13 @@ enum Width {
 }
 
 impl Row {
-    const fn new(shader: &'static Shader, kind: Option<PassKind>, width: Option<Width>) -> Self {
+    const fn new(shader: &'static Shader, width: Option<Width>, scan: Option<Scan>) -> Self {
         assert!(
             shader.depends_on(Constant::LocalSizeX) == width.is_some(),
             "the row of a shader with a constant for the width of its workgroups says the width"
         );
         let depends_on_wavefront = shader.depends_on(Constant::Wavefront);
-        Self { shader, kind, depends_on_wavefront, width, of_points: None }
+        Self { shader, depends_on_wavefront, width, scan, of_points: None }
     }
 
     const fn of_points(self, points: &'static Shader, shuffled: &'static Shader) -> Self {
@@ -124,13 +122,15 @@ impl<P: Pod> CommonPass<P> {
 macro_rules! passes {
     (@width) => { None };
     (@width $width:ident) => { Some(Width::$width) };
+    (@scan) => { None };
+    (@scan $scan:ident) => { Some($scan) };
     (@row $row:expr) => { $row };
     (@row $row:expr, $points:ident, $shuffled:ident) => {
         $row.of_points(&shaders::$points::SHADER, &shaders::$shuffled::SHADER)
     };
     (
-        common { $($common:ident: $common_shader:ident, $common_kind:expr;)* }
-        others { $($name:ident: $shader:ident $(or $points:ident or $shuffled:ident)?, $kind:expr $(, $width:ident)?;)* }
+        common { $($common:ident: $common_shader:ident;)* }
+        others { $($name:ident: $shader:ident $(or $points:ident or $shuffled:ident)? $(, $width:ident $($scan:ident)?)?;)* }
     ) => {
         #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
         enum Number { $($common,)* $($name),* }
@@ -147,8 +147,8 @@ macro_rules! passes {
 
         /// All passes.
         pub(crate) static TABLE: [Row; [$(Number::$common,)* $(Number::$name),*].len()] = [
-            $(Row::new(&shaders::$common_shader::SHADER, $common_kind, None),)*
-            $(passes!(@row Row::new(&shaders::$shader::SHADER, $kind, passes!(@width $($width)?)) $(, $points, $shuffled)?)),*
+            $(Row::new(&shaders::$common_shader::SHADER, None, None),)*
+            $(passes!(@row Row::new(&shaders::$shader::SHADER, passes!(@width $($width)?), passes!(@scan $($($scan)?)?)) $(, $points, $shuffled)?)),*
         ];
 
         /// Size of the largest block of push constants, in bytes. Every device offers 128 bytes.
@@ -159,56 +159,61 @@ macro_rules! passes {
     };
 }
 
-// The columns are the name of a pass, its shader (and those of [`Row::of_points`]), its kind in
-// profiles, and the width of its workgroups if a constant sets it.
+// The columns are the name of a pass, its shader (and those of [`Row::of_points`]), and the width of its
+// workgroups if a constant sets it, with the direction of a scan.
 passes! {
     common {
-        POINTS_FROM_BUFFER: points_from_buffer, Some(Points);
-        POINTS_FROM_IMAGE: points_from_image, Some(Points);
-        EDGES_FROM_POSITIONS: edges_from_positions, Some(Edges);
-        EDGES_FROM_HEIGHTS: edges_from_heights, Some(Edges);
-        EDGES_FROM_METRIC: edges_from_metric, Some(Edges);
-        TYPICAL_EDGE: typical_edge, Some(Edges);
-        FAN_CURVATURE: fan_curvature, Some(Curvature);
-        GAUSSIAN_CURVATURE: gaussian_curvature, Some(Curvature);
-        SOURCES: sources, Some(Sources);
-        SEED: seed, Some(Seed);
-        MERGE_SURROUNDINGS: merge_surroundings, Some(Surroundings);
-        SETTLE: settle, Some(Settle);
-        COUNT: progress, Some(Count);
-        RESULT: result, Some(Distances);
-        UNPACK: unpack, Some(Unpack);
-        LOOKUP: lookup, Some(Lookup);
+        POINTS_FROM_BUFFER: points_from_buffer;
+        POINTS_FROM_IMAGE: points_from_image;
+        EDGES_FROM_POSITIONS: edges_from_positions;
+        EDGES_FROM_HEIGHTS: edges_from_heights;
+        EDGES_FROM_METRIC: edges_from_metric;
+        TYPICAL_EDGE: typical_edge;
+        FAN_CURVATURE: fan_curvature;
+        GAUSSIAN_CURVATURE: gaussian_curvature;
+        SOURCES: sources;
+        SEED: seed;
+        MERGE_SURROUNDINGS: merge_surroundings;
+        SETTLE: settle;
+        COUNT: progress;
+        RESULT: result;
+        UNPACK: unpack;
+        LOOKUP: lookup;
     }
     others {
-        SURROUNDINGS: surroundings, Some(Surroundings);
-        SCAN_DOWN: scan, Some(Scan(Down)), Scans;
-        SCAN_UP: scan, Some(Scan(Up)), Scans;
-        SCAN_RIGHT: scan, Some(Scan(Right)), Scans;
-        SCAN_LEFT: scan, Some(Scan(Left)), Scans;
-        ALL_POINTS: all_points, Some(AllPoints);
-        TILES: tiles or tiles_points or tiles_shuffled, Some(Tiles), Tiles;
-        CONTOUR_COUNTS: contour_counts, Some(Contours);
-        CONTOUR_OFFSETS: contour_offsets, Some(Contours);
-        CONTOUR_SEGMENTS: contour_segments, Some(Contours);
-        PATH_STARTS: path_starts, Some(Paths);
-        PATHS: paths, Some(Paths);
-        LIFT_FROM_BUFFER: lift_from_buffer, Some(Lift);
-        LIFT_FROM_IMAGE: lift_from_image, Some(Lift);
-        REGION_STARTS: region_starts, Some(Regions);
-        REGION_WAYS: region_ways, Some(Regions);
-        REGION_FLOW: region_flow, Some(Regions);
-        REGION_LABELS: region_labels, Some(Regions);
-        PAIRWISE_FANS: pairwise_fans, Some(Fans);
-        PAIRWISE_SHARED: pairwise_shared, Some(Workgroups), Maps;
-        PAIRWISE_START: pairwise_start, Some(Seed);
-        PAIRWISE_SCAN_DOWN: pairwise_scan, Some(Scan(Down)), Scans;
-        PAIRWISE_SCAN_UP: pairwise_scan, Some(Scan(Up)), Scans;
-        PAIRWISE_SCAN_RIGHT: pairwise_scan, Some(Scan(Right)), Scans;
-        PAIRWISE_SCAN_LEFT: pairwise_scan, Some(Scan(Left)), Scans;
-        PAIRWISE_COUNT: pairwise_count, Some(Count);
-        CEILING_COPY: ceiling_copy, None;
-        CEILING_UPDATES: ceiling_updates, None;
+        SURROUNDINGS: surroundings;
+        SCAN_DOWN: scan, Scans Down;
+        SCAN_UP: scan, Scans Up;
+        SCAN_RIGHT: scan, Scans Right;
+        SCAN_LEFT: scan, Scans Left;
+        ALL_POINTS: all_points;
+        TILES: tiles or tiles_points or tiles_shuffled, Tiles;
+        CONTOUR_COUNTS: contour_counts;
+        CONTOUR_OFFSETS: contour_offsets;
+        CONTOUR_SEGMENTS: contour_segments;
+        PATH_STARTS: path_starts;
+        PATHS: paths;
+        LIFT_FROM_BUFFER: lift_from_buffer;
+        LIFT_FROM_IMAGE: lift_from_image;
+        REGION_STARTS: region_starts;
+        REGION_WAYS: region_ways;
+        REGION_FLOW: region_flow;
+        REGION_LABELS: region_labels;
+        WAY_STARTS: way_starts;
+        DIRECTIONS: directions;
+        LOG_MAP_WAYS: log_map_ways;
+        LOG_MAP_STEPS: log_map_steps;
+        LOG_MAP_ROUNDS: log_map_rounds;
+        PAIRWISE_FANS: pairwise_fans;
+        PAIRWISE_SHARED: pairwise_shared, Maps;
+        PAIRWISE_START: pairwise_start;
+        PAIRWISE_SCAN_DOWN: pairwise_scan, Scans Down;
+        PAIRWISE_SCAN_UP: pairwise_scan, Scans Up;
+        PAIRWISE_SCAN_RIGHT: pairwise_scan, Scans Right;
+        PAIRWISE_SCAN_LEFT: pairwise_scan, Scans Left;
+        PAIRWISE_COUNT: pairwise_count;
+        CEILING_COPY: ceiling_copy;
+        CEILING_UPDATES: ceiling_updates;
     }
 }
 
@@ -301,16 +306,11 @@ impl Row {
         (bits[0] + 2 * bits[1] + 4 * bits[2]) * Wavefront::ALL.len() + wavefront
     }
 
-    /// Returns the direction of the scan, if the pass is one.
-    fn scan(&self) -> Option<Scan> {
-        if let Some(Scan(scan)) = self.kind { Some(scan) } else { None }
-    }
-
     /// Returns the numbers and values of the specialization constants.
     pub(crate) fn constants(&self, of: &Specialization) -> Vec<(u32, i32)> {
         let Specialization { tuning, on_processor, variant, map } = *of;
         let Variant { wavefront, splits, slowed, named } = variant;
-        let ahead = self.scan().map_or((0, 0), Scan::ahead);
+        let ahead = self.scan.map_or((0, 0), Scan::ahead);
         let width = self.width.map_or(0, |width| match width {
             Width::Scans => tuning.scan_width,
             Width::Tiles if tuning.tile_lanes == TileLanes::Pairs => tuning.tile / 2,
@@ -327,6 +327,7 @@ impl Row {
             Constant::OnProcessor => on_processor.into(),
             Constant::LocalSizeX => width as i32,
             Constant::Lines => tuning.scan_lines as i32,
+            Constant::Pairs => tuning.scan_pairs.into(),
             Constant::Tile => tuning.tile as i32,
             Constant::Inner => tuning.inner as i32,
             Constant::EdgesShared => tuning.tile_edges.into(),
@@ -342,7 +343,7 @@ impl Row {
     /// Returns the pipeline's name in debuggers and drivers.
     pub(crate) fn name(&self, variant: Variant) -> String {
         let wavefront = variant.wavefront;
-        let scan = self.scan().map_or(String::new(), |scan| format!(" {}", scan.name()));
+        let scan = self.scan.map_or(String::new(), |scan| format!(" {}", scan.name()));
         let wavefront = match self.depends_on_wavefront {
             true => format!(", {wavefront}"),
             false => String::new(),

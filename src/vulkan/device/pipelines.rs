@@ -10,13 +10,13 @@ use std::thread;
 use ash::vk;
 use bytemuck::Pod;
 
+use super::labels::Labels;
 use super::memory::Image;
 use super::passes::{
     CommonPass, MapSize, PUSH_CONSTANT_BYTES, Pass, Row, Specialization, TABLE, Variant,
 };
 use super::shaders::{Shader, set_0, set_1, set_2};
 use crate::update::Wavefront;
-use crate::vulkan::profile::Labels;
 use crate::vulkan::{Tuning, VulkanError};
 
 /// Pipeline whose push constants are of type `P`.
@@ -31,6 +31,9 @@ pub(crate) struct Pipeline<P> {
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     pub(crate) tuning: Tuning,
+    /// Whether a barrier separates scans that go in a pair. It is not needed, but the validation layers report
+    /// it as missing: they track images and buffers as a whole, not the texels that a scan accesses.
+    pub(crate) separates_pairs: bool,
     /// Whether the device computes on a processor's cores.
     on_processor: bool,
     /// Labels and names for tools, if the host enables them.
@@ -115,6 +118,7 @@ impl Pipelines {
         };
         let mut new = Self {
             tuning,
+            separates_pairs: false,
             on_processor,
             labels,
             flags,

@@ -1,4 +1,5 @@
-//! Manages the descriptor sets of contours, paths and regions, which read inputs of their surface.
+//! Manages the descriptor sets of contours, paths, regions, directions and log maps, which read inputs of
+//! their surface.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -74,7 +75,7 @@ impl BoundSets {
         let mut others = (1..=count).map(|next| (self.current + next) % count);
         let waits = |at: &usize| self.flight.waits_for(self.versions[*at].used.load(Relaxed));
         let free = others.find(|at| !waits(at));
-        let what = "inputs of contours, paths or regions";
+        let what = "inputs of contours, paths, regions, directions or log maps";
         let free = free.ok_or(VulkanError::InputInFlight { what, number: 0 })?;
         let of = &mut self.versions[free];
         for (set, content) in of.sets.iter_mut().zip(contents) {

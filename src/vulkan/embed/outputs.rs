@@ -28,10 +28,8 @@ pub struct HostImage {
 }
 
 impl HostImage {
-    pub(super) fn check(&self) -> Result<(), VulkanError> {
-        let refuse = |reason: &str| {
-            Err(VulkanError::HostBuffer { what: "distances", reason: reason.into() })
-        };
+    pub(super) fn check(&self, what: &'static str) -> Result<(), VulkanError> {
+        let refuse = |reason: &str| Err(VulkanError::HostBuffer { what, reason: reason.into() });
         if self.image == vk::Image::null() {
             return refuse("the image is the null handle");
         }
@@ -63,7 +61,7 @@ impl FrameSurface {
         if self.results.is_empty() {
             return Err(VulkanError::OwnResults);
         }
-        image.check()?;
+        image.check("distances")?;
         let content = Content::Result(image.view);
         self.sets.results[slot].replace(device, &self.flight, ("distances", slot), content)?;
         self.results[slot] = image;

@@ -5,16 +5,17 @@ use ash::{khr, vk};
 use super::plan::Plan;
 use crate::surface::Chart;
 use crate::update::{Setting, Wavefront};
+use crate::vulkan::device::labels::Labels;
 use crate::vulkan::device::limits::Limits;
 use crate::vulkan::device::passes::{COMMON, SURROUNDINGS, Variant};
 use crate::vulkan::device::pipelines::{Cache, Pipeline, Pipelines};
 use crate::vulkan::device::requirements;
 use crate::vulkan::device::shaders::surroundings;
-use crate::vulkan::profile::{self, Labels};
+use crate::vulkan::profile;
 use crate::vulkan::{Method, Schedule, Tuning, VulkanError};
 
-/// Pipelines of a device of the host. Each is created once and serves all surfaces. Those of contours, paths
-/// and regions are created with the first of these.
+/// Pipelines of a device of the host. Each is created once and serves all surfaces. Those of contours, paths,
+/// regions, directions and log maps are created with the first of these.
 ///
 /// A solver holds no reference to the device: the host passes the device to each method. The host keeps the
 /// device alive until it has called [`Solver::destroy`].
@@ -38,7 +39,9 @@ pub struct Tools {
     /// With several slots, it is then an error to record a slot whose last recording has not run. A recording
     /// that was discarded also counts as not run, unless its command buffer is recorded anew or
     /// [`super::FrameSurface::discard`] is called. Recordings without an outcome are tracked too
-    /// ([`super::FrameSurface::is_in_flight`]), at the cost of one fill and two barriers each.
+    /// ([`super::FrameSurface::is_in_flight`]), at the cost of one fill and two barriers each. A barrier then
+    /// separates raster scans that go in a pair ([`crate::vulkan::Tuning::scan_pairs`]), which synchronization
+    /// validation may report otherwise.
     pub checks: bool,
 }
 
@@ -115,7 +118,9 @@ impl Solver {
         let tuning = Tuning::of(instance, physical_device);
         let limits = Limits::of(instance, physical_device);
         let on_processor = limits.kind == vk::PhysicalDeviceType::CPU;
-        let pipelines = Pipelines::new(device, (tuning, on_processor), labels, tools.executables)?;
+        let mut pipelines =
+            Pipelines::new(device, (tuning, on_processor), labels, tools.executables)?;
+        pipelines.separates_pairs = tools.checks;
         pipelines.set_cache(cache);
         let mut new = Self { pipelines, limits, checks: tools.checks };
         // One call creates all pipelines, so that several threads can share the work.
@@ -140,7 +145,8 @@ impl Solver {
     /// The cache belongs to the host, which fills it from a file, merges it, saves it and destroys it. It
     /// must be alive whenever this solver creates pipelines: in [`Solver::with_cache`] and
     /// [`Solver::add_passes`], with the first surface that has a slowness, and with the first
-    /// [`super::Contours`], [`super::Paths`] and [`super::Regions`] (of each wavefront). Pipelines do not
+    /// [`super::Contours`], [`super::Paths`], [`super::Regions`] (of each wavefront), [`super::Directions`] and
+    /// [`super::LogMap`]. Pipelines do not
     /// need it once they are created. This solver uses the cache from one thread at a time. For other uses at
     /// the same time, the rules of `vkCreateComputePipelines` apply.
     pub fn set_pipeline_cache(&self, cache: vk::PipelineCache) {

@@ -125,7 +125,7 @@ impl<'a> SurfaceInfo<'a> {
             let reason = format!("{given} results are given for {slots} slots");
             return Err(VulkanError::HostBuffer { what: "distances", reason });
         }
-        self.results.iter().try_for_each(HostImage::check)
+        self.results.iter().try_for_each(|image| image.check("distances"))
     }
 }
 

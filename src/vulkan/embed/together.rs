@@ -9,7 +9,8 @@ use super::recording::Recording;
 use super::solver::Solver;
 use super::surface::FrameSurface;
 use crate::vulkan::VulkanError;
-use crate::vulkan::record::{Commands, MOST_TOGETHER, Recorder, Turn};
+use crate::vulkan::device::barrier::MOST_TOGETHER;
+use crate::vulkan::record::{Commands, Recorder, Turn};
 
 /// Frame of one of several surfaces that [`Solver::record_frames`] records together.
 #[derive(Clone, Copy, Debug)]
@@ -107,7 +108,7 @@ impl Solver {
             let recording = self.recording_of(device, commands, &frames[number]);
             (recording.in_turn(&turn), &frames[number].frame)
         };
-        turn.take(&all, count, |number| {
+        turn.take((all.device, all.buffer), count, |number| {
             let (recording, frame) = recording(number);
             recording.begin(frame.before);
             if let Some((points, read)) = frame.points.zip(recording.points_of(frame)) {
@@ -135,7 +136,7 @@ impl Solver {
             let recording = self.recording_of(device, commands, of);
             Some((recording.next_outcome(of.frame.slot), recording.next_note()))
         });
-        turn.take(&all, count, |number| {
+        turn.take((all.device, all.buffer), count, |number| {
             let ((recording, frame), Some((outcome, note))) = (recording(number), serials[number])
             else {
                 return;

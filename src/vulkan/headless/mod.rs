@@ -19,5 +19,5 @@ pub(crate) fn check_open(surface: &Surface) -> Result<(), super::VulkanError> {
 
 pub use ceilings::DeviceCeilings;
 pub use solver::HeadlessSolver;
-pub use solving::{HeadlessSolution, Method};
+pub use solving::HeadlessSolution;
 pub use surface_on_device::SurfaceOnDevice;

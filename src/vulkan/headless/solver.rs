@@ -93,7 +93,11 @@ impl HeadlessSolver {
         let cache = store.as_ref().map_or(vk::PipelineCache::null(), PipelineStore::cache);
         let cache = Cache::shared(cache);
         match embed::Solver::made_with(instance, physical_device, device, &[], tools, cache) {
-            Ok(for_device) => Ok(Self { for_device, context, store, monitor: Monitor::default() }),
+            Ok(mut for_device) => {
+                let is_validated = context.instance.validation_log().is_some();
+                for_device.pipelines.separates_pairs = is_validated;
+                Ok(Self { for_device, context, store, monitor: Monitor::default() })
+            }
             Err(error) => {
                 store.iter_mut().for_each(|store| store.destroy(device));
                 Err(error)
@@ -197,6 +201,7 @@ mod tests {
     use crate::surface::{Seed, Sources, Spacing, Surface};
     use crate::vulkan::device::barrier::tests::without;
     use crate::vulkan::device::barrier::{Access, CLEAR, COPY, PASS, SHADER, SHADER_WRITE};
+    use crate::vulkan::schedules::raster;
     use crate::vulkan::{Method, Schedule};
 
     const STOP: Stop = Stop::within(1e-6).or_after(100);
@@ -268,6 +273,59 @@ mod tests {
         }
         drop((on_device, solver));
         assert_eq!(log.messages(), Vec::<String>::new());
+    }
+
+    fn in_pairs(scan_width: u32, scan_lines: u32) -> HeadlessSolver {
+        let solver = solver();
+        let sizes = Tuning { scan_width, scan_lines, scan_pairs: true, ..solver.tuning() };
+        solver.with_tuning(sizes).unwrap()
+    }
+
+    /// Neither scan of a pair depends on the other one. The layers are off, so that no barrier separates the
+    /// scans. Lines fit a workgroup of 64 texels, which takes blocks in turn, and not one of 16.
+    #[test]
+    fn scans_of_a_pair_can_run_in_any_order() {
+        let surface = hill();
+        for (scan_width, scan_lines) in [(16, 1), (64, 4)] {
+            let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
+            let solver = HeadlessSolver::open(&DeviceChoice::Name(device), false).unwrap();
+            let sizes = Tuning { scan_width, scan_lines, scan_pairs: true, ..solver.tuning() };
+            let mut solver = solver.with_tuning(sizes).unwrap();
+            let mut on_device = solver.upload(&surface).unwrap();
+            for wavefront in Wavefront::FOR_ANY_SURFACE {
+                let method = method(wavefront, Schedule::Raster);
+                let [in_order, reversed] = [false, true].map(|reversed| {
+                    raster::tests::IS_REVERSED.set(reversed);
+                    let map = solver.solve(&mut on_device, &seeds(&surface), method);
+                    raster::tests::IS_REVERSED.set(false);
+                    map.unwrap()
+                });
+                assert_eq!(in_order.distances, reversed.distances, "{wavefront}, {sizes:?}");
+                assert_eq!(in_order.iterations, reversed.iterations, "{wavefront}, {sizes:?}");
+            }
+        }
+    }
+
+    /// Under the layers a barrier separates the scans of a pair. All others are those of other runs.
+    #[test]
+    fn all_barriers_of_pairs_in_place_leave_no_message() {
+        let surface = hill();
+        for (width, lines) in [(16, 4), (64, 4)] {
+            let mut solver = in_pairs(width, lines);
+            let mut on_device = solver.upload(&surface).unwrap();
+            for wavefront in Wavefront::FOR_ANY_SURFACE {
+                let method = method(wavefront, Schedule::Raster);
+                solver.solve(&mut on_device, &seeds(&surface), method).unwrap();
+                solver.add(&mut on_device, &seeds(&surface), method).unwrap();
+            }
+            let log = solver.validation_log().unwrap().messages();
+            assert_eq!(log, Vec::<String>::new());
+            let result = without(is_between_passes, || {
+                let method = method(Wavefront::Planar, Schedule::Raster);
+                solver.solve(&mut on_device, &seeds(&surface), method)
+            });
+            assert!(matches!(result, Err(VulkanError::Validation(_))), "{result:?}");
+        }
     }
 
     #[test]

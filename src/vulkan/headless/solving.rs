@@ -4,7 +4,6 @@ use std::time::{Duration, Instant};
 
 use super::context::{CommandBuffer, Flight, Submitter, Unwatched};
 use super::surface_on_device::{Start, SurfaceOnDevice};
-use crate::Stop;
 use crate::surface::Seed;
 use crate::update::Wavefront;
 use crate::vulkan::device::passes::Variant;
@@ -13,46 +12,11 @@ use crate::vulkan::grid_images::GridImages;
 use crate::vulkan::profile::{Detail, Session, SolveProfile};
 use crate::vulkan::record::{Commands, Recorder};
 use crate::vulkan::schedules;
+use crate::vulkan::schedules::method::Method;
 use crate::vulkan::schedules::plan;
 use crate::vulkan::schedules::plan::{Reached, Step};
 use crate::vulkan::upload::{SeedTexel, seed_texels};
 use crate::vulkan::{HeadlessSolver, Schedule, VulkanError};
-
-/// Parameters of solving a map on a device.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Method {
-    /// Front assumed inside a triangle. [`Wavefront::Anchored`] requires a floor plan
-    /// ([`crate::Surface::is_floor_plan`]) of at most 33 million points, and at most 4096 sources inside
-    /// cells. All other maps are solved with [`Wavefront::Curved`] in its place.
-    pub wavefront: Wavefront,
-    /// Order of updates. `None` selects [`Schedule::best_on`] the device.
-    pub schedule: Option<Schedule>,
-    /// Stopping criterion. It counts the iterations of the schedule.
-    pub stop: Stop,
-}
-
-impl Method {
-    /// Returns the method that solves with `wavefront` until `stop`, in the best order for the device.
-    pub fn new(wavefront: Wavefront, stop: Stop) -> Self {
-        Self { wavefront, schedule: None, stop }
-    }
-
-    /// Sets [`Method::wavefront`].
-    pub fn with_wavefront(self, wavefront: Wavefront) -> Self {
-        Self { wavefront, ..self }
-    }
-
-    /// Sets [`Method::schedule`].
-    pub fn with_schedule(self, schedule: impl Into<Option<Schedule>>) -> Self {
-        Self { schedule: schedule.into(), ..self }
-    }
-
-    /// Sets [`Method::stop`].
-    pub fn with_stop(self, stop: Stop) -> Self {
-        Self { stop, ..self }
-    }
-}
 
 /// Distance map computed by the Vulkan engine.
 #[derive(Clone, Debug)]
@@ -351,8 +315,7 @@ impl HeadlessSolver {
 
 /// Records part `number` of a plan's steps. After the last part it records the copy of the outcome.
 fn record_part(recorder: &Recorder, variant: Variant, parts: &[&[Step]], number: usize) {
-    let before = parts[..number].last().and_then(|part| part.last());
-    recorder.steps_after(before, variant, parts[number]);
+    recorder.steps(variant, parts[number]);
     if number + 1 == parts.len() {
         recorder.outcome(0);
     }

@@ -359,7 +359,9 @@ impl PairwiseOnDevice {
             return Vec::new();
         }
         // Each map has workgroups of its own, so that there are enough without blocks in turn.
-        let portions = Portions { across: 0, ..tuning.portions(self.wavefront, self.texels) };
+        // They also keep a device at work without pairs of scans.
+        let portions = tuning.portions(self.wavefront, self.texels);
+        let portions = Portions { across: 0, pairs: false, ..portions };
         Schedule::Raster.plan(self.texels, portions, reached, most)
     }
 

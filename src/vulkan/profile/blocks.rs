@@ -2,7 +2,8 @@
 
 use super::pass::{PassKind, PassRecord};
 use super::work::Work;
-use crate::vulkan::schedules::plan::Scan;
+use crate::vulkan::schedules::Iteration;
+use crate::vulkan::schedules::plan::{Scan, ScanPair};
 use crate::vulkan::schedules::progress::VISITS;
 use crate::vulkan::{TexelChart, Tuning};
 
@@ -12,6 +13,8 @@ pub(crate) struct Blocks {
     pub(crate) texels: TexelChart,
     pub(crate) tuning: Tuning,
     pub(crate) curved: bool,
+    /// Whether opposite scans go in pairs.
+    pub(crate) pairs: bool,
     /// Scan of the first block. `block` is that block's number from the start of the grid.
     pub(crate) scan: Scan,
     pub(crate) block: u32,
@@ -36,6 +39,7 @@ impl Blocks {
     pub(super) fn beyond(&self, record: &PassRecord) -> u32 {
         match record.kind {
             PassKind::Scan(scan) if self.in_turn[scan as usize] => record.dispatches,
+            PassKind::Pair(pair) if self.in_turn[pair.scans()[0] as usize] => record.dispatches,
             _ => 0,
         }
     }
@@ -49,9 +53,12 @@ impl Blocks {
         }
         let has_visited = |number: u32| visits[number as usize / 32] >> (number % 32) & 1 != 0;
         let (mut texels, mut groups) = (0, 0);
-        let place = self.place();
-        for number in numbers.filter(|&number| !has_visited(number)) {
-            let (of_block, along) = self.block(place + number - self.first);
+        let &Self { texels: grid, pairs, in_turn, .. } = self;
+        let lines = self.tuning.scan_lines;
+        let order = Iteration { texels: grid, lines, in_turn, pairs }.blocks();
+        let blocks = order.into_iter().skip_while(|&block| block != (self.scan, self.block));
+        for (_, block) in numbers.zip(blocks).filter(|&(number, _)| !has_visited(number)) {
+            let (of_block, along) = self.block(block);
             texels += of_block;
             groups += along;
         }
@@ -60,45 +67,18 @@ impl Blocks {
         Some(PassRecord { groups, work, ..record })
     }
 
-    /// Returns the number of lines of a scan, their length in texels, and the number of its blocks.
-    fn of_scan(&self, scan: Scan) -> (u32, u32, u32) {
+    /// Returns the texels and workgroups of a block of a scan. Workgroups that are dispatched in any case do
+    /// not count.
+    fn block(&self, (scan, number): (Scan, u32)) -> (u64, u32) {
         let [cols, rows] = self.texels.inner();
-        let by_rows = matches!(scan, Scan::Down | Scan::Up);
+        let by_rows = ScanPair::of(scan) == ScanPair::DownUp;
         let (lines, length) = if by_rows { (rows, cols) } else { (cols, rows) };
-        (lines, length, lines.div_ceil(self.tuning.scan_lines))
-    }
-
-    /// Returns the position of `block` in the order of its scan. Given a position, it returns the block
-    /// there.
-    fn in_order(scan: Scan, block: u32, blocks: u32) -> u32 {
-        let forward = matches!(scan, Scan::Down | Scan::Right);
-        if forward { block } else { blocks - 1 - block }
-    }
-
-    /// Returns the position of the first block in the iteration, counted in the order of its scans.
-    fn place(&self) -> u32 {
-        let blocks = |scan| self.of_scan(scan).2;
-        let before = Scan::ALL.into_iter().take(self.scan as usize).map(blocks);
-        before.sum::<u32>() + Self::in_order(self.scan, self.block, blocks(self.scan))
-    }
-
-    /// Returns the texels and workgroups of the block at `place`. Workgroups that are dispatched in any case
-    /// do not count.
-    fn block(&self, mut place: u32) -> (u64, u32) {
         let block = self.tuning.scan_lines;
-        for scan in Scan::ALL {
-            let (lines, length, blocks) = self.of_scan(scan);
-            if place < blocks {
-                let number = Self::in_order(scan, place, blocks);
-                let lines = block.min(lines - number * block);
-                let groups = match self.in_turn[scan as usize] {
-                    true => 0,
-                    false => length.div_ceil(self.tuning.scan_texels()),
-                };
-                return (u64::from(lines) * u64::from(length), groups);
-            }
-            place -= blocks;
-        }
-        (0, 0)
+        let lines = block.min(lines - number * block);
+        let groups = match self.in_turn[scan as usize] {
+            true => 0,
+            false => length.div_ceil(self.tuning.scan_texels()),
+        };
+        (u64::from(lines) * u64::from(length), groups)
     }
 }

@@ -46,7 +46,6 @@ mod capabilities;
 mod clock;
 mod decisions;
 mod executables;
-mod labels;
 mod pass;
 mod presence;
 mod scope;
@@ -62,7 +61,6 @@ pub use clock::Clock;
 pub(crate) use decisions::BEFORE as BEFORE_BYTES;
 pub(crate) use executables::executables;
 pub use executables::{Executable, Statistic};
-pub(crate) use labels::{Group, Labels};
 pub use pass::{Area, Grain, PassKind, PassRecord};
 #[cfg(test)]
 pub(crate) use presence::{Decisions, decided};

@@ -4,7 +4,7 @@ use std::ffi::CStr;
 use std::ops::Range;
 
 use super::work::Work;
-use crate::vulkan::schedules::plan::Scan;
+use crate::vulkan::schedules::plan::{Scan, ScanPair};
 
 /// Kind of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -32,6 +32,8 @@ pub enum PassKind {
     Seed,
     /// Runs one of the four rotated scans, or a block of its lines.
     Scan(Scan),
+    /// Runs two opposite scans at the same time, or a block of lines of one of them.
+    Pair(ScanPair),
     /// Updates all points at once.
     AllPoints,
     /// Updates the tiles on the list of a round.
@@ -69,6 +71,10 @@ pub enum PassKind {
     Lift,
     /// Finds the regions nearest to each source, in passes over all points.
     Regions,
+    /// Finds the directions of the ways back.
+    Directions,
+    /// Computes a log map, in passes over all points.
+    LogMap,
 }
 
 impl PassKind {
@@ -99,6 +105,8 @@ impl PassKind {
             Self::Scan(Scan::Up) => c"scan up",
             Self::Scan(Scan::Right) => c"scan right",
             Self::Scan(Scan::Left) => c"scan left",
+            Self::Pair(ScanPair::DownUp) => c"scan down and up",
+            Self::Pair(ScanPair::RightLeft) => c"scan right and left",
             Self::AllPoints => c"all points",
             Self::Tiles => c"tiles",
             Self::Settle => c"settle",
@@ -116,6 +124,8 @@ impl PassKind {
             Self::Paths => c"paths",
             Self::Lift => c"lift",
             Self::Regions => c"regions",
+            Self::Directions => c"directions",
+            Self::LogMap => c"log map",
         }
     }
 }
@@ -148,13 +158,12 @@ impl PassKind {
         use PassKind::*;
         match self {
             Forget | Start | Resume | Sources | Surroundings | Seed => Part::Start,
-            Scan(_) | AllPoints | Count => Part::Iteration,
+            Scan(_) | Pair(_) | AllPoints | Count => Part::Iteration,
             Tiles | Settle => Part::Rounds,
             Decisions => Part::Notes,
             Prepare | Points | Edges | Curvature | Iteration | Portion | Fans | Workgroups
-            | Outcome | Distances | Unpack | Lookup | Contours | Paths | Lift | Regions => {
-                Part::Outside
-            }
+            | Outcome | Distances | Unpack | Lookup | Contours | Paths | Lift | Regions
+            | Directions | LogMap => Part::Outside,
         }
     }
 }
@@ -170,8 +179,8 @@ pub enum Grain {
     /// A record for each iteration: its scans, or its updates of all points, with the count that ends it.
     /// With tiles, a record for each round.
     Iterations,
-    /// A record for each scan, with all its blocks of lines, of which there may be a hundred or more, and the
-    /// barriers between them.
+    /// A record for each scan, or for each pair of scans that go at the same time, with all its blocks of
+    /// lines, of which there may be a hundred or more, and the barriers between them.
     #[default]
     Scans,
     /// A record for each dispatch.
@@ -215,7 +224,7 @@ impl Grain {
     pub(crate) fn gathers(self, kind: PassKind) -> bool {
         match kind {
             PassKind::Iteration | PassKind::Portion => true,
-            PassKind::Scan(_) => self != Self::Blocks,
+            PassKind::Scan(_) | PassKind::Pair(_) => self != Self::Blocks,
             _ => false,
         }
     }
@@ -332,7 +341,7 @@ impl PassRecord {
     /// Returns whether the pass was dispatched and visited nothing: it lies beyond convergence, or no block
     /// of its scan was due, or its list of tiles was empty.
     pub fn is_idle(&self) -> bool {
-        let is_scan = matches!(self.kind, PassKind::Scan(_));
+        let is_scan = matches!(self.kind, PassKind::Scan(_) | PassKind::Pair(_));
         let has_no_groups = self.groups.is_some_and(|groups| groups.contains(&0));
         has_no_groups || is_scan && self.work.texels == Some(0)
     }

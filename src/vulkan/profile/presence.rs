@@ -5,7 +5,6 @@ use super::blocks::Blocks;
 use super::pass::{Area, PassKind, PassRecord};
 use super::work::Work;
 use crate::constants::LAYERS;
-use crate::vulkan::schedules::plan::Scan;
 use crate::vulkan::{TexelChart, Tuning};
 
 /// Bytes of a texel of four 32-bit numbers.
@@ -142,13 +141,11 @@ pub(crate) struct StepCounter {
     pub(crate) iteration: u32,
     /// Number of dispatches of scans so far.
     pub(crate) scans: u32,
-    /// Iteration and scan of the last block of lines.
-    pub(crate) last: Option<(u32, Scan)>,
 }
 
 impl StepCounter {
     pub(crate) fn new(texels: TexelChart, tuning: Tuning, curved: bool) -> Self {
-        Self { texels, tuning, curved, iteration: 0, scans: 0, last: None }
+        Self { texels, tuning, curved, iteration: 0, scans: 0 }
     }
 
     /// Returns the record of a pass in the current iteration.

@@ -2,10 +2,10 @@
 
 use ash::vk;
 
-use super::labels::Labels;
 use super::pass::PassRecord;
 use super::presence::Presence;
 use super::slots::Profile;
+use crate::vulkan::device::labels::Labels;
 
 /// Profile and labels that observe the recording of a command buffer.
 #[derive(Clone, Copy)]

@@ -8,11 +8,11 @@ use gpu_allocator::MemoryLocation;
 
 use super::calibration::Calibration;
 use super::capabilities::Capabilities;
-use super::labels::Labels;
 use super::pass::{Grain, PassKind, PassRecord};
 use super::slots::{Decided, Profile, QueryRange, Resolved, Slots, results};
 use crate::constants::{HAS_WAITED, ROUNDS};
 use crate::vulkan::VulkanError;
+use crate::vulkan::device::labels::Labels;
 use crate::vulkan::device::memory::{Buffer, BufferInfo};
 use crate::vulkan::headless::context::{CommandBuffer, Context, Submitter};
 

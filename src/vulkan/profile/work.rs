@@ -56,8 +56,9 @@ use crate::vulkan::upload::SEED_BYTES;
 /// texels around a source count as lying on the grid and as belonging to no other source. Looked-up places
 /// and starts of paths count as lying on the grid where the map is reached. There is room for all contours.
 /// The counts leave out what depends on positions and is little beside the rest: the lengths of edges around
-/// a source, the tiles that seeds and rounds put on lists, the levels that a search for contours examines,
-/// and the numbers by which rounds are counted.
+/// a source, the tiles that seeds and rounds put on lists, the levels that a search for contours examines, the
+/// numbers by which rounds are counted, and the four by which blocks past the middle of the grid are due after
+/// pairs of scans.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     /// Number of visited texels, of 2 x 2 points each. A tile counts as a whole even where it reaches beyond

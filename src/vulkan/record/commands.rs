@@ -9,9 +9,11 @@ use super::turn::Turn;
 use crate::constants::{MOST_GROUPS, WORKGROUP};
 use crate::vulkan::device::barrier;
 use crate::vulkan::device::descriptors::Sets;
+use crate::vulkan::device::labels::Group;
+use crate::vulkan::device::limits::column_of;
 use crate::vulkan::device::passes::PUSH_CONSTANT_BYTES;
 use crate::vulkan::device::pipelines::{Pipeline, Pipelines};
-use crate::vulkan::profile::{Group, PassKind, PassRecord, Presence, Profile, Scope, Watch, Work};
+use crate::vulkan::profile::{PassKind, PassRecord, Presence, Profile, Scope, Watch, Work};
 
 /// Command buffer that is being recorded.
 #[derive(Clone, Copy)]
@@ -56,12 +58,6 @@ impl Groups {
         let column = column_of(count);
         Self::These([count.div_ceil(column), column, 1])
     }
-}
-
-/// Returns how many of `count` workgroups form a column, so that there are no more columns than every device
-/// accepts.
-pub(crate) fn column_of(count: u32) -> u32 {
-    count.div_ceil(MOST_GROUPS).max(1)
 }
 
 impl<'a> Commands<'a> {

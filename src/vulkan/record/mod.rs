@@ -7,6 +7,9 @@ mod recorder;
 mod surface;
 mod turn;
 
-pub(crate) use commands::{Commands, Groups, column_of};
+pub(crate) use commands::{Commands, Groups};
 pub(crate) use recorder::{Recorder, dispatched};
-pub(crate) use turn::{MOST_TOGETHER, Turn};
+pub(crate) use turn::Turn;
+
+#[cfg(feature = "capi")]
+pub(crate) use super::device::barrier::MOST_TOGETHER;

@@ -9,12 +9,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use ash::vk;
 
-use super::commands::Commands;
 use crate::vulkan::device::barrier;
-use crate::vulkan::device::barrier::{Access, ImageBarrier};
-
-/// Largest number of recordings that share barriers. Each brings at most one image to a barrier.
-pub(crate) const MOST_TOGETHER: usize = 64;
+use crate::vulkan::device::barrier::{Access, ImageBarrier, MOST_TOGETHER};
 
 /// Part of the recordings that is appended, with the barriers after it.
 #[derive(Debug, Default)]
@@ -77,9 +73,14 @@ impl Turn {
         self.part.fetch_add(1, Relaxed);
     }
 
-    /// Appends `count` recordings part by part. `record` traverses the recording with a given number. What
+    /// Appends `count` recordings to a command buffer part by part. `record` traverses the recording with a given number. What
     /// `record` does besides recording is done as often as there are parts.
-    pub(crate) fn take(&self, commands: &Commands, count: usize, record: impl Fn(usize)) {
+    pub(crate) fn take(
+        &self,
+        (device, buffer): (&ash::Device, vk::CommandBuffer),
+        count: usize,
+        record: impl Fn(usize),
+    ) {
         for wanted in 0.. {
             self.wanted.store(wanted, Relaxed);
             let mut parts = 0;
@@ -88,7 +89,7 @@ impl Turn {
                 record(number);
                 parts = parts.max(self.part.load(Relaxed));
             }
-            self.merged().append(commands);
+            self.merged().append(device, buffer);
             if wanted >= parts {
                 break;
             }
@@ -103,10 +104,9 @@ impl Merged {
         self.after = (self.after.0 | after.0, self.after.1 | after.1);
     }
 
-    fn append(&mut self, commands: &Commands) {
+    fn append(&mut self, device: &ash::Device, buffer: vk::CommandBuffer) {
         if self.is_there {
             let images = &self.images[..self.count];
-            let Commands { device, buffer, .. } = *commands;
             barrier::merged(device, buffer, self.before, self.after, images);
         }
         let none = (vk::PipelineStageFlags::empty(), vk::AccessFlags::empty());

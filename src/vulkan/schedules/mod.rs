@@ -3,22 +3,24 @@
 //! choice of the schedule.
 
 mod all_points;
+pub(in crate::vulkan) mod method;
 mod order;
 pub mod plan;
 pub(in crate::vulkan) mod progress;
-mod raster;
+pub(in crate::vulkan) mod raster;
 pub(in crate::vulkan) mod schedule;
 mod tiles;
 
 use ash::vk;
 
+use super::device::barrier::MOST_TOGETHER;
 use super::device::barrier::{CLEAR, COPY, PASS, PASS_AND_HOST, TRANSFER};
 use super::device::passes::{COUNT, SEED, SETTLE, Variant};
 use super::grid_images::TILE_WORDS;
 use super::profile::{
     self, Grain, PassKind, PassRecord, Presence, Profile, Scope, StepCounter, Work,
 };
-use super::record::{Groups, MOST_TOGETHER, Recorder};
+use super::record::{Groups, Recorder};
 use super::{Schedule, TexelChart, Tuning};
 use crate::Stop;
 use crate::constants::{FRONTS_ARE_ADDED, FRONTS_MEET, WORKGROUP};
@@ -27,7 +29,8 @@ use plan::{Portions, Reached, Step};
 use progress::{VISITS, offset};
 
 use order::{Order, Steps};
-pub(super) use raster::block_of;
+use raster::halves_of;
+pub(super) use raster::{Iteration, block_of};
 
 impl Schedule {
     fn order(self) -> &'static dyn Order {
@@ -49,9 +52,9 @@ impl Schedule {
     /// use geosweep::vulkan::{Schedule, TexelChart, plan};
     /// let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
     /// let source = plan::Reached { rows: 1..2, cols: 1..2 };
-    /// let (lines, across, iterations) = (1, 0, 4);
+    /// let (lines, across, pairs, iterations) = (1, 0, false, 4);
     /// let (tile, rounds, visits) = (16, None, 1 << 22);
-    /// let portions = plan::Portions { lines, across, iterations, tile, rounds, visits };
+    /// let portions = plan::Portions { lines, across, pairs, iterations, tile, rounds, visits };
     /// let steps = Schedule::Raster.plan(texels, portions, Some(source), 100);
     /// // From a corner, the first scan visits about half of the texels.
     /// assert!(plan::texels_scanned(&steps[..32]) < 32 * 32 * 6 / 10);
@@ -107,7 +110,10 @@ impl Steps<'_, '_> {
     fn run(&mut self, step: &Step) {
         match order_of(step) {
             Some(order) => order.record(self, step),
-            None => self.dispatch(COUNT.pass(), 0, &[], Groups::line(1)),
+            None => {
+                let halves = halves_of(self.recorder.grid.texels, self.recorder.pipelines.tuning);
+                self.dispatch(COUNT.pass(), 0, &halves, Groups::line(1));
+            }
         }
     }
 }
@@ -162,64 +168,61 @@ impl Recorder<'_> {
 
     /// Records the steps of a plan, whose pipelines were made for `variant`.
     pub(crate) fn steps(&self, variant: impl Into<Variant>, steps: &[Step]) {
-        self.steps_after(None, variant, steps);
-    }
-
-    /// Records a part of a plan's steps. `before` is the last step of the previous recording.
-    pub(crate) fn steps_after(
-        &self,
-        before: Option<&Step>,
-        variant: impl Into<Variant>,
-        steps: &[Step],
-    ) {
         let variant = variant.into();
         let mut open: Option<Scope> = None;
         let (texels, tuning) = (self.grid.texels, self.pipelines.tuning);
         let carries = variant.wavefront.has_two_layers();
         let mut counter = StepCounter::new(texels, tuning, carries);
-        if let Some(Step::Scan(pass)) = before {
-            counter.last = Some((counter.iteration, pass.scan));
-        }
         let notes = self.visits_noted(steps);
         let visits = u64::from(notes.div_ceil(32)) * size_of::<u32>() as u64;
         self.decided_before(visits);
         let mut recording = Steps { recorder: self, variant, bound: None, notes, scans: 0 };
-        for step in steps {
-            Scope::go_on(&mut open, self.watch(), || account(&mut counter, step));
-            recording.run(step);
+        for together in plan::at_once(steps) {
+            for (number, step) in raster::in_order(together).enumerate() {
+                if number > 0 {
+                    self.between_scans();
+                }
+                Scope::go_on(&mut open, self.watch(), || account(&mut counter, step));
+                recording.run(step);
+            }
             self.barrier(PASS, PASS);
         }
         drop(open);
         self.decided_after(visits);
     }
 
-    /// Records the steps of plans on several surfaces: all steps with the same number, then one barrier for
-    /// all.
+    /// Records the steps of plans on several surfaces: the next of each that run at the same time, then one
+    /// barrier for all.
     pub(crate) fn steps_together(all: &[Option<(Self, Variant, &[Step])>]) {
-        let count = all.len().min(MOST_TOGETHER);
-        let mut recordings: [Option<Steps>; MOST_TOGETHER] = [const { None }; MOST_TOGETHER];
-        let mut longest = 0;
-        for (recording, of) in recordings.iter_mut().zip(all) {
-            let Some((recorder, variant, steps)) = of else { continue };
+        let mut recordings: [_; MOST_TOGETHER] = std::array::from_fn(|number| {
+            let (recorder, variant, steps) = all.get(number)?.as_ref()?;
             let variant = *variant;
-            *recording = Some(Steps { recorder, variant, bound: None, notes: 0, scans: 0 });
-            longest = longest.max(steps.len());
-        }
-        for number in 0..longest {
+            let recording = Steps { recorder, variant, bound: None, notes: 0, scans: 0 };
+            Some((recording, plan::at_once(steps)))
+        });
+        loop {
             let mut last = None;
-            for (recording, of) in recordings[..count].iter_mut().zip(all) {
-                let (Some(recording), Some((recorder, _, steps))) = (recording, of) else {
-                    continue;
-                };
-                let Some(step) = steps.get(number) else { continue };
+            for (recording, groups) in recordings.iter_mut().flatten() {
+                let Some(together) = groups.next() else { continue };
                 // Passes of other surfaces have been bound meanwhile.
                 recording.bound = None;
-                recording.run(step);
-                last = Some(recorder);
+                for (number, step) in together.iter().enumerate() {
+                    if number > 0 {
+                        recording.recorder.between_scans();
+                    }
+                    recording.run(step);
+                }
+                last = Some(recording.recorder);
             }
-            if let Some(recorder) = last {
-                recorder.barrier(PASS, PASS);
-            }
+            let Some(recorder) = last else { break };
+            recorder.barrier(PASS, PASS);
+        }
+    }
+
+    /// Separates two scans of a pair for the validation layers.
+    fn between_scans(&self) {
+        if self.pipelines.separates_pairs {
+            self.barrier(PASS, PASS);
         }
     }
 
@@ -285,7 +288,7 @@ pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
             // The work of an iteration beyond convergence is known only later, so that a portion takes room
             // for all of its iterations.
             Grain::Iterations | Grain::Portions => true,
-            Grain::Scans => matches!(&pair[1], Step::Scan(after) if before.scan == after.scan),
+            Grain::Scans => matches!(&pair[1], Step::Scan(after) if before.goes_with(after)),
             Grain::Blocks => false,
         },
         Step::AllPoints { .. } => matches!(grain, Grain::Iterations | Grain::Portions),
@@ -416,7 +419,46 @@ mod tests {
         }
     }
 
-    /// Repeats the previous check on the same grid with one dispatch for each scan.
+    /// Repeats the previous check on the same grid with scans in pairs. The device has visited the last block
+    /// of rows in both scans, and the last column in the scan left.
+    #[test]
+    fn blocks_of_pairs_that_were_not_due_are_skipped() {
+        let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();
+        let tuning = Tuning { scan_pairs: true, ..TUNING };
+        let portions = Portions { across: 0, ..tuning.portions(Wavefront::Planar, texels) };
+        let steps = Schedule::Raster.plan(texels, portions, None, 2);
+        assert_eq!(records(&steps, Grain::Blocks), 2 * (2 * 3 + 2 * 5 + 1));
+        assert_eq!(records(&steps, Grain::Scans), 2 * (2 + 1));
+        let mut counter = StepCounter::new(texels, tuning, false);
+        let found: Vec<_> = steps.iter().map(|step| account(&mut counter, step)).collect();
+        let mut visits = [0; VISIT_WORDS as usize];
+        // The steps are down 0 and up 2, down 1, down 2 and up 1, up 0, then right 0 and left 4.
+        for number in [1, 3, 7] {
+            visits[0] |= 1 << number;
+        }
+        let decisions = Decisions { after: 2, visits: &visits, ..Decisions::default() };
+        let (mut visited, mut skipped) = ([0; 2], [0; 2]);
+        for (number, &(record, presence)) in found.iter().enumerate().take(16) {
+            let found = decided(record, presence, Some(decisions));
+            assert_eq!(found.is_idle(), ![1, 3, 7].contains(&number), "{number}");
+            let PassKind::Pair(pair) = found.kind else { panic!("{found:?}") };
+            visited[pair as usize] += found.work.texels.unwrap();
+            skipped[pair as usize] += found.work.skipped.unwrap();
+        }
+        assert_eq!(visited, [2 * 2 * 17, 10]);
+        assert_eq!(skipped, visited.map(|texels| 2 * 10 * 17 - texels));
+        let merged = found[..6].iter().copied().reduce(|(mut record, mut presence), next| {
+            record.absorb(&next.0);
+            presence.absorb(next.1);
+            (record, presence)
+        });
+        let (record, presence) = merged.unwrap();
+        let found = decided(record, presence, Some(decisions));
+        assert_eq!((found.work.texels, found.dispatches), (Some(2 * 2 * 17), 6));
+        assert_eq!(found.groups, Some([2, 1, 1]));
+    }
+
+    /// Repeats the first of these checks on the same grid with one dispatch for each scan.
     #[test]
     fn blocks_in_turn_are_skipped_one_by_one() {
         let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();

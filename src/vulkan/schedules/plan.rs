@@ -1,12 +1,17 @@
 //! Lists the passes of a recording as plain values that need no device: [`crate::vulkan::Schedule::plan`].
 //!
 //! An iteration of the raster schedule is four rotated scans. A scan is one dispatch for each block of lines
-//! (rows or columns) of texels, each followed by a barrier. In the first iteration from sources that the host
+//! (rows or columns) of texels, each followed by a barrier. Scans go in turn, or two opposite scans go in a
+//! pair, each in one half of the grid: then a dispatch of both is followed by one barrier. In the first iteration from sources that the host
 //! knows, bounds take the place of the paper's scissor test. What lies outside the box that the fronts can
 //! have reached is infinite before and after, and is not visited. Scans of further iterations are dispatched
 //! indirectly, with arguments that the device sets, where a dispatch is a block. A scan then visits the blocks in which, or on the line behind which,
 //! something has changed since its last visit (`glsl/passes/blocks.glsl`). It visits nothing once the map has
 //! converged. The host reads nothing for this.
+//!
+//! A pair of scans has two phases. In the first one, both come from the ends of the grid to its middle. In the
+//! second one, they go on into the other half. Both write the same image of fronts, at different texels, and
+//! neither reads what the other one writes in the phase: past the middle, they read the image from before.
 //!
 //! If a line fits a workgroup, a dispatch takes many blocks in turn, since dispatches that wait for one
 //! another are the main cost of small grids. The workgroup checks for each block whether it is due, and
@@ -55,6 +60,36 @@ impl Scan {
     }
 }
 
+/// Two opposite scans that go in a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ScanPair {
+    /// [`Scan::Down`] and [`Scan::Up`].
+    DownUp,
+    /// [`Scan::Right`] and [`Scan::Left`].
+    RightLeft,
+}
+
+impl ScanPair {
+    /// Both pairs, in the order of an iteration.
+    pub const ALL: [Self; 2] = [Self::DownUp, Self::RightLeft];
+
+    /// Returns the pair that a scan belongs to.
+    pub fn of(scan: Scan) -> Self {
+        match scan {
+            Scan::Down | Scan::Up => Self::DownUp,
+            Scan::Right | Scan::Left => Self::RightLeft,
+        }
+    }
+
+    /// Returns the scan towards larger rows or columns, then the opposite one.
+    pub fn scans(self) -> [Scan; 2] {
+        match self {
+            Self::DownUp => [Scan::Down, Scan::Up],
+            Self::RightLeft => [Scan::Right, Scan::Left],
+        }
+    }
+}
+
 /// Block of lines of texels of a scan, or its lines within bounds, or several blocks. Blocks follow one
 /// another from the first row, or column, of the grid on, in whichever direction the scan goes. Rows and
 /// columns of texels include the border of the images.
@@ -76,9 +111,26 @@ pub struct ScanPass {
     /// Whether one workgroup takes several blocks of lines, one after the other. It skips those that are not
     /// due.
     pub in_turn: bool,
+    /// Number of lines of the scan that this iteration leaves out before the pass, by bounds.
+    pub left_out: u32,
+    /// First row or column of texels of the grid's last half, if the scan goes in a pair with the opposite one.
+    pub middle: Option<u32>,
+    /// Whether the next pass is the opposite scan's pass of the same step. Neither depends on the other, and no
+    /// barrier is between them.
+    pub beside_next: bool,
 }
 
 impl ScanPass {
+    /// Returns the pair of scans in which the pass goes, if any.
+    pub(in crate::vulkan) fn pair(&self) -> Option<ScanPair> {
+        self.middle.map(|_| ScanPair::of(self.scan))
+    }
+
+    /// Returns whether another pass is of the same scan, or of the same pair of scans.
+    pub(in crate::vulkan) fn goes_with(&self, other: &Self) -> bool {
+        self.pair() == other.pair() && (self.middle.is_some() || self.scan == other.scan)
+    }
+
     /// Returns the number of blocks of `lines` lines in the pass.
     pub(in crate::vulkan) fn blocks(&self, lines: u32) -> u32 {
         if self.in_turn { self.lines.div_ceil(lines) } else { 1 }
@@ -91,7 +143,8 @@ impl ScanPass {
 }
 
 /// Step of a recording. After each step, its writes are visible to the following steps, and what it has read
-/// may be overwritten.
+/// may be overwritten. A pass of a scan that goes in a pair may run at the same time as the next one:
+/// [`ScanPass::beside_next`].
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Step {
     /// Updates a block of lines of a scan.
@@ -115,6 +168,18 @@ pub enum Step {
     Count,
 }
 
+impl Step {
+    /// Returns whether the next step runs at the same time.
+    fn is_beside_next(&self) -> bool {
+        matches!(self, Self::Scan(pass) if pass.beside_next)
+    }
+}
+
+/// Returns the steps that run at the same time, in the order of the plan. A barrier follows each group.
+pub(in crate::vulkan) fn at_once(steps: &[Step]) -> impl Iterator<Item = &[Step]> {
+    steps.chunk_by(|step, _| step.is_beside_next())
+}
+
 /// Rectangle of texels outside which no point has been reached.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Reached {
@@ -128,10 +193,13 @@ impl Reached {
     /// Returns the smallest rectangle around texels, given by row and column; `None` if there are no texels.
     pub fn around(texels: impl IntoIterator<Item = (u32, u32)>) -> Option<Self> {
         let point = |(row, col): (u32, u32)| Self { rows: row..row + 1, cols: col..col + 1 };
-        texels.into_iter().map(point).reduce(|a, b| Self {
-            rows: a.rows.start.min(b.rows.start)..a.rows.end.max(b.rows.end),
-            cols: a.cols.start.min(b.cols.start)..a.cols.end.max(b.cols.end),
-        })
+        texels.into_iter().map(point).reduce(|a, b| a.around_both(&b))
+    }
+
+    /// Returns the smallest rectangle around this one and another.
+    pub(super) fn around_both(&self, other: &Self) -> Self {
+        let around = |a: &Range<u32>, b: &Range<u32>| a.start.min(b.start)..a.end.max(b.end);
+        Self { rows: around(&self.rows, &other.rows), cols: around(&self.cols, &other.cols) }
     }
 
     /// Returns the rectangle of the whole grid.
@@ -148,6 +216,8 @@ pub struct Portions {
     /// Largest number of texels of a line for which a dispatch of a scan takes many blocks in turn. With 0 no
     /// dispatch does.
     pub across: u32,
+    /// Whether opposite scans go in pairs: [`crate::vulkan::Tuning::scan_pairs`].
+    pub pairs: bool,
     /// Largest number of iterations of four scans in a recording.
     pub iterations: u32,
     /// Number of points on a side of a tile.
@@ -182,7 +252,8 @@ impl Portions {
 /// use geosweep::vulkan::{Schedule, TexelChart, plan};
 /// let texels = TexelChart::new(Chart { rows: 8192, cols: 8192 }).unwrap();
 /// let visits = 1 << 22;
-/// let portions = plan::Portions { lines: 8, across: 0, iterations: 4, tile: 16, rounds: None, visits };
+/// let (lines, across, pairs) = (8, 0, false);
+/// let portions = plan::Portions { lines, across, pairs, iterations: 4, tile: 16, rounds: None, visits };
 /// let steps = Schedule::Raster.plan(texels, portions, None, 100);
 /// // One iteration, in eighths of scans.
 /// assert_eq!(plan::iterations(&steps), 1);
@@ -198,14 +269,15 @@ pub fn parts(steps: &[Step], texels: TexelChart, visits: u64) -> Vec<&[Step]> {
         return vec![steps];
     }
     let mut parts = Vec::new();
-    let (mut start, mut visited) = (0, 0);
-    for (number, step) in steps.iter().enumerate() {
-        let more = visits_of(step);
+    let (mut start, mut end, mut visited) = (0, 0, 0);
+    for together in at_once(steps) {
+        let more: u64 = together.iter().map(visits_of).sum();
         if visited > 0 && more > 0 && visited + more > visits / 2 {
-            parts.push(&steps[start..number]);
-            (start, visited) = (number, 0);
+            parts.push(&steps[start..end]);
+            (start, visited) = (end, 0);
         }
         visited += more;
+        end += together.len();
     }
     parts.push(&steps[start..]);
     parts
@@ -259,6 +331,23 @@ mod tests {
                 assert!(reached.is_some() || parts.len() as u64 >= shares, "{}", parts.len());
             }
         }
+    }
+
+    /// A texel is visited by both scans of a pair, so that a step of a pair has two blocks.
+    #[test]
+    fn steps_of_a_pair_are_not_cut_apart() {
+        let texels = texels(64);
+        let portions = Portions {
+            visits: 1,
+            across: 0,
+            pairs: true,
+            ..TUNING.portions(Wavefront::Planar, texels)
+        };
+        let steps = Schedule::Raster.plan(texels, portions, None, 1);
+        let parts: Vec<_> = parts(&steps, texels, 1).iter().map(|part| part.len()).collect();
+        // Eight blocks are four steps in each phase of both pairs.
+        assert_eq!(parts, [vec![2; 15], vec![3]].concat());
+        assert_eq!(at_once(&steps).count(), 16 + 1);
     }
 
     #[test]

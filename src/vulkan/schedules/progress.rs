@@ -7,8 +7,8 @@ use bytemuck::{AnyBitPattern, NoUninit, Zeroable};
 
 use crate::Stop;
 use crate::constants::{ROUND_WORDS, VISIT_WORDS};
+use crate::vulkan::device::limits::column_of;
 pub(crate) use crate::vulkan::device::shaders::progress::Progress;
-use crate::vulkan::record::column_of;
 
 /// Outcome of a map's iterations: the first part of [`Progress`].
 #[derive(Clone, Copy, Debug, AnyBitPattern, NoUninit)]

@@ -3,13 +3,14 @@
 use std::ops::Range;
 
 use super::order::{Order, Steps};
-use super::plan::{Portions, Reached, Scan, ScanPass, Step};
+use super::plan::{Portions, Reached, Scan, ScanPair, ScanPass, Step};
 use crate::constants::{BORDER, SCANS_FOLLOW};
-use crate::vulkan::TexelChart;
 use crate::vulkan::device::passes::SCANS;
+use crate::vulkan::device::shaders::progress::Push as Halves;
 use crate::vulkan::device::shaders::scan::Push;
 use crate::vulkan::profile::{Area, Blocks, PassKind, PassRecord, Presence, StepCounter, Work};
 use crate::vulkan::record::{Groups, Recorder};
+use crate::vulkan::{TexelChart, Tuning};
 
 pub(super) struct Raster;
 
@@ -49,21 +50,15 @@ impl Order for Raster {
         most: u32,
     ) -> Vec<Step> {
         let mut steps = Vec::new();
-        let in_turn = |scan| along(texels, scan).len() as u32 <= portions.across;
-        let reached = reached.filter(|_| !Scan::ALL.into_iter().any(in_turn));
+        let in_turn = Scan::ALL.map(|scan| along(texels, scan).len() as u32 <= portions.across);
+        let reached = reached.filter(|_| !in_turn.contains(&true));
         let mut always = reached.is_some();
         let mut reached = reached.unwrap_or_else(|| Reached::everywhere(texels));
         let visits = Scan::ALL.len() as u64;
+        let order = Iteration { texels, lines: portions.lines, in_turn, pairs: portions.pairs };
         for _ in 0..most.min(portions.iterations_of(visits, texels, portions.iterations)) {
-            for (index, scan) in Scan::ALL.into_iter().enumerate() {
-                let (in_turn, writes) = (in_turn(scan), 1 - index % 2);
-                let together = if in_turn { (LINES_IN_TURN / portions.lines).max(1) } else { 1 };
-                let lines = together * portions.lines;
-                let passes = scan_passes(texels, scan, lines, &mut reached);
-                let passes =
-                    passes.into_iter().map(|pass| ScanPass { always, writes, in_turn, ..pass });
-                steps.extend(passes.map(Step::Scan));
-            }
+            let passes = order.passes(&mut reached);
+            steps.extend(passes.into_iter().map(|pass| Step::Scan(ScanPass { always, ..pass })));
             steps.push(Step::Count);
             (always, reached) = (false, Reached::everywhere(texels));
         }
@@ -119,7 +114,6 @@ impl Order for Raster {
 
     fn account(&self, counter: &mut StepCounter, step: &Step) -> (PassRecord, Presence) {
         let Step::Scan(pass) = step else { return counter.count() };
-        let (inner_rows, inner_cols) = (counter.texels.inner_rows(), counter.texels.inner_cols());
         let forward = matches!(pass.scan, Scan::Down | Scan::Right);
         let block = if forward {
             pass.line..pass.line + pass.lines
@@ -127,20 +121,9 @@ impl Order for Raster {
             pass.line + 1 - pass.lines..pass.line + 1
         };
         let by_rows = matches!(pass.scan, Scan::Down | Scan::Up);
-        let (inner_lines, length) = if by_rows {
-            (inner_rows, inner_cols.len() as u64)
-        } else {
-            (inner_cols, inner_rows.len() as u64)
-        };
-        let is_first = counter.last != Some((counter.iteration, pass.scan));
-        counter.last = Some((counter.iteration, pass.scan));
-        let passed_over = match is_first {
-            false => 0,
-            true if forward => block.start - inner_lines.start,
-            true => inner_lines.end - block.end,
-        };
+        let length = along(counter.texels, pass.scan).len() as u64;
         let visited = u64::from(pass.lines) * pass.texels.len() as u64;
-        let skipped = length * u64::from(pass.lines + passed_over) - visited;
+        let skipped = length * u64::from(pass.lines + pass.left_out) - visited;
         let area = if by_rows {
             Area::new(block, pass.texels.clone())
         } else {
@@ -155,20 +138,24 @@ impl Order for Raster {
             area: Some(area),
             groups: Some([along.div_ceil(counter.tuning.scan_texels()), 1, 1]),
             work: Work::of_scan(visited, skipped, counter.curved),
-            ..PassRecord::new(PassKind::Scan(pass.scan))
+            ..PassRecord::new(pass.pair().map_or(PassKind::Scan(pass.scan), PassKind::Pair))
         };
         let (texels, tuning, curved) = (counter.texels, counter.tuning, counter.curved);
         let (scan, block) = (pass.scan, block_number(pass, tuning.scan_lines));
         let first = counter.scans;
         counter.scans += count;
-        let mut in_turn = [false; 4];
-        in_turn[scan as usize] = pass.in_turn;
+        let pairs = pass.middle.is_some();
+        let in_turn = Scan::ALL.map(|other| {
+            let same = other == scan || pairs && ScanPair::of(other) == ScanPair::of(scan);
+            same && pass.in_turn
+        });
         let presence = match pass.always {
             true => Presence::Always,
             false => Presence::Scans(Blocks {
                 texels,
                 tuning,
                 curved,
+                pairs,
                 scan,
                 block,
                 in_turn,
@@ -180,11 +167,32 @@ impl Order for Raster {
     }
 }
 
+/// Returns the lines of texels that a scan passes: rows or columns.
+fn lines_of(texels: TexelChart, scan: Scan) -> Range<u32> {
+    match ScanPair::of(scan) {
+        ScanPair::DownUp => texels.inner_rows(),
+        ScanPair::RightLeft => texels.inner_cols(),
+    }
+}
+
+/// Returns the number of the first block in the last half of a scan's lines.
+fn middle_block(lines: &Range<u32>, block: u32) -> u32 {
+    (lines.len() as u32).div_ceil(block).div_ceil(2)
+}
+
+/// Returns the push constants of the count that ends an iteration.
+pub(super) fn halves_of(texels: TexelChart, tuning: Tuning) -> Halves {
+    let lines = tuning.scan_lines;
+    let of = [Scan::Down, Scan::Right].map(|scan| lines_of(texels, scan));
+    let middle = of.map(|of| middle_block(&of, lines) as i32);
+    Halves { middle, pitch: texels.block_pitch(lines) as i32 }
+}
+
 /// Returns the texels of a line of a scan.
 fn along(texels: TexelChart, scan: Scan) -> Range<u32> {
-    match scan {
-        Scan::Down | Scan::Up => texels.inner_cols(),
-        Scan::Right | Scan::Left => texels.inner_rows(),
+    match ScanPair::of(scan) {
+        ScanPair::DownUp => texels.inner_cols(),
+        ScanPair::RightLeft => texels.inner_rows(),
     }
 }
 
@@ -205,60 +213,184 @@ pub(crate) fn block_of(pass: &ScanPass, texels: TexelChart, lines: u32) -> Push 
         pitch: texels.block_pitch(lines) as i32,
         note: -1,
         in_turn: pass.in_turn.into(),
+        middle: pass.middle.unwrap_or(0) as i32,
     }
 }
 
-/// Returns the passes of one scan, and widens `reached` to the box that can have been reached after it.
-///
-/// A line of texels holds two lines of points. For each line of points that the scan passes, a front advances
-/// by one point along the line. That is one texel for each line of texels.
-fn scan_passes(texels: TexelChart, scan: Scan, block: u32, reached: &mut Reached) -> Vec<ScanPass> {
-    let (inner_rows, inner_cols) = (texels.inner_rows(), texels.inner_cols());
-    let (lines, inner_lines, along, inner_along) = match scan {
-        Scan::Down | Scan::Up => (&mut reached.rows, inner_rows, &mut reached.cols, inner_cols),
-        Scan::Right | Scan::Left => (&mut reached.cols, inner_cols, &mut reached.rows, inner_rows),
-    };
-    let forward = matches!(scan, Scan::Down | Scan::Right);
-    let visited = if forward { lines.start..inner_lines.end } else { inner_lines.start..lines.end };
-    let mut passes = Vec::with_capacity(visited.len().div_ceil(block as usize));
-    let mut passed = 0;
-    while passed < visited.len() as u32 {
-        let left = visited.len() as u32 - passed;
-        let line = if forward { visited.start + passed } else { visited.end - 1 - passed };
-        // Blocks have the same places as if all lines were visited.
-        let in_block = (line - inner_lines.start) % block;
-        let count = if forward { block - in_block } else { in_block + 1 }.min(left);
-        along.start = along.start.saturating_sub(count).max(inner_along.start);
-        along.end = (along.end + count).min(inner_along.end);
-        let texels = along.clone();
-        passes.push(ScanPass {
-            scan,
-            line,
-            lines: count,
-            texels,
-            writes: 1,
-            always: true,
-            in_turn: false,
-        });
-        passed += count;
+/// Returns the steps of a plan that run at the same time, in the order in which they are recorded. Tests
+/// reverse it, since some devices run them one after another anyway.
+pub(super) fn in_order(together: &[Step]) -> impl Iterator<Item = &Step> {
+    #[cfg(test)]
+    let is_reversed = tests::IS_REVERSED.get();
+    #[cfg(not(test))]
+    let is_reversed = false;
+    let last = together.len() - 1;
+    (0..together.len()).map(move |k| &together[if is_reversed { last - k } else { k }])
+}
+
+/// Order of the passes of an iteration.
+pub(crate) struct Iteration {
+    pub(crate) texels: TexelChart,
+    /// Number of lines in a block.
+    pub(crate) lines: u32,
+    /// Whether each of the four scans takes its blocks in turn.
+    pub(crate) in_turn: [bool; 4],
+    /// Whether opposite scans go in pairs.
+    pub(crate) pairs: bool,
+}
+
+impl Iteration {
+    /// Returns the passes of the iteration, and widens `reached` to the box that can have been reached after
+    /// it.
+    fn passes(&self, reached: &mut Reached) -> Vec<ScanPass> {
+        let mut all = Vec::new();
+        if !self.pairs {
+            for (index, scan) in Scan::ALL.into_iter().enumerate() {
+                let lines = lines_of(self.texels, scan);
+                all.extend(self.scan_passes(scan, lines, 1 - index % 2, None, reached));
+            }
+        } else {
+            for pair in ScanPair::ALL {
+                let lines = lines_of(self.texels, pair.scans()[0]);
+                let middle = lines.start + middle_block(&lines, self.lines) * self.lines;
+                let middle = middle.min(lines.end);
+                let halves = [lines.start..middle, middle..lines.end];
+                for phase in 0..2 {
+                    // Neither scan sees what the other one reaches in the phase.
+                    let mut found = [reached.clone(), reached.clone()];
+                    let [mut forth, mut back] = [0, 1].map(|way| {
+                        let (scan, half) = (pair.scans()[way], halves[way ^ phase].clone());
+                        let writes = 1 - phase;
+                        let found = &mut found[way];
+                        self.scan_passes(scan, half, writes, Some(middle), found).into_iter()
+                    });
+                    *reached = found[0].around_both(&found[1]);
+                    loop {
+                        let step = [forth.next(), back.next()];
+                        let beside_next = step.iter().all(Option::is_some);
+                        let [forth, back] = step;
+                        if forth.is_none() && back.is_none() {
+                            break;
+                        }
+                        all.extend(forth.map(|pass| ScanPass { beside_next, ..pass }));
+                        all.extend(back);
+                    }
+                }
+            }
+        }
+        let mut has_begun = [false; 4];
+        for pass in &mut all {
+            let lines = lines_of(self.texels, pass.scan);
+            if !std::mem::replace(&mut has_begun[pass.scan as usize], true) {
+                let forward = matches!(pass.scan, Scan::Down | Scan::Right);
+                pass.left_out =
+                    if forward { pass.line - lines.start } else { lines.end - 1 - pass.line };
+            }
+        }
+        all
     }
-    lines.start = lines.start.min(visited.start);
-    lines.end = lines.end.max(visited.end);
-    passes
+
+    /// Returns the scan and the number of each block of an iteration without bounds, in the order in which
+    /// they are recorded.
+    pub(crate) fn blocks(&self) -> Vec<(Scan, u32)> {
+        let passes = self.passes(&mut Reached::everywhere(self.texels));
+        let blocks = passes.iter().flat_map(|pass| {
+            let first = block_number(pass, self.lines);
+            let forward = matches!(pass.scan, Scan::Down | Scan::Right);
+            let number = move |k| if forward { first + k } else { first - k };
+            (0..pass.blocks(self.lines)).map(move |k| (pass.scan, number(k)))
+        });
+        blocks.collect()
+    }
+
+    /// Returns the passes of a scan over its lines in `half`, which may be the whole grid, and widens
+    /// `reached` to the box that can have been reached after them.
+    ///
+    /// A line of texels holds two lines of points. For each line of points that the scan passes, a front
+    /// advances by one point along the line. That is one texel for each line of texels.
+    fn scan_passes(
+        &self,
+        scan: Scan,
+        half: Range<u32>,
+        writes: usize,
+        middle: Option<u32>,
+        reached: &mut Reached,
+    ) -> Vec<ScanPass> {
+        let in_turn = self.in_turn[scan as usize];
+        let together = if in_turn { (LINES_IN_TURN / self.lines).max(1) } else { 1 };
+        let block = together * self.lines;
+        let inner_along = along(self.texels, scan);
+        let (lines, along) = match ScanPair::of(scan) {
+            ScanPair::DownUp => (&mut reached.rows, &mut reached.cols),
+            ScanPair::RightLeft => (&mut reached.cols, &mut reached.rows),
+        };
+        let forward = matches!(scan, Scan::Down | Scan::Right);
+        let visited = if forward {
+            lines.start.max(half.start)..half.end
+        } else {
+            half.start..lines.end.min(half.end)
+        };
+        let mut passes = Vec::with_capacity(visited.len().div_ceil(block as usize));
+        if visited.is_empty() {
+            return passes;
+        }
+        let mut passed = 0;
+        while passed < visited.len() as u32 {
+            let left = visited.len() as u32 - passed;
+            let line = if forward { visited.start + passed } else { visited.end - 1 - passed };
+            // Blocks have the same places as if all lines were visited.
+            let in_block = (line - half.start) % block;
+            let count = if forward { block - in_block } else { in_block + 1 }.min(left);
+            along.start = along.start.saturating_sub(count).max(inner_along.start);
+            along.end = (along.end + count).min(inner_along.end);
+            let texels = along.clone();
+            passes.push(ScanPass {
+                scan,
+                line,
+                lines: count,
+                texels,
+                writes,
+                always: true,
+                in_turn,
+                left_out: 0,
+                middle,
+                beside_next: false,
+            });
+            passed += count;
+        }
+        lines.start = lines.start.min(visited.start);
+        lines.end = lines.end.max(visited.end);
+        passes
+    }
 }
 
 #[cfg(test)]
-mod tests {
+pub(in crate::vulkan) mod tests {
     use super::*;
+    use std::cell::Cell;
+
+    use super::super::plan;
     use crate::surface::Chart;
     use crate::vulkan::schedules::plan::texels_scanned;
+
+    thread_local! {
+        /// Whether scans of a pair are recorded in the opposite order.
+        pub(in crate::vulkan) static IS_REVERSED: Cell<bool> = const { Cell::new(false) };
+    }
 
     fn texels(rows: usize, cols: usize) -> TexelChart {
         TexelChart::new(Chart { rows, cols }).unwrap()
     }
 
-    const POINTS: Portions =
-        Portions { lines: 1, across: 0, iterations: 4, tile: 16, rounds: None, visits: u64::MAX };
+    const POINTS: Portions = Portions {
+        lines: 1,
+        across: 0,
+        pairs: false,
+        iterations: 4,
+        tile: 16,
+        rounds: None,
+        visits: u64::MAX,
+    };
 
     fn scans(steps: &[Step]) -> impl Iterator<Item = &ScanPass> {
         steps.iter().filter_map(|step| if let Step::Scan(pass) = step { Some(pass) } else { None })
@@ -268,10 +400,42 @@ mod tests {
         Raster.plan(texels, Portions { lines, ..POINTS }, reached, 1)
     }
 
+    fn in_pairs(texels: TexelChart, lines: u32, reached: Option<Reached>) -> Vec<Step> {
+        Raster.plan(texels, Portions { lines, pairs: true, ..POINTS }, reached, 1)
+    }
+
     #[test]
     fn an_iteration_without_bounds_visits_every_texel_four_times() {
         for lines in [1, 3, 8] {
             assert_eq!(texels_scanned(&raster(texels(7, 10), lines, None)), 4 * 4 * 5);
+            assert_eq!(texels_scanned(&in_pairs(texels(7, 10), lines, None)), 4 * 4 * 5);
+        }
+    }
+
+    /// Four rows of texels in blocks of three are two blocks, and nine columns are three.
+    #[test]
+    fn scans_of_a_pair_go_in_opposite_halves() {
+        let steps = in_pairs(texels(8, 18), 3, None);
+        let groups: Vec<Vec<_>> = plan::at_once(&steps)
+            .map(|together| {
+                scans(together).map(|pass| (pass.scan, pass.line, pass.lines)).collect()
+            })
+            .collect();
+        use Scan::*;
+        let expected: [&[_]; 7] = [
+            &[(Down, 1, 3), (Up, 4, 1)],
+            &[(Down, 4, 1), (Up, 3, 3)],
+            &[(Right, 1, 3), (Left, 9, 3)],
+            &[(Right, 4, 3)],
+            &[(Right, 7, 3), (Left, 6, 3)],
+            &[(Left, 3, 3)],
+            // The count.
+            &[],
+        ];
+        assert_eq!(groups, expected);
+        for pass in scans(&steps) {
+            let middle = if pass.pair() == Some(ScanPair::DownUp) { 4 } else { 7 };
+            assert_eq!(pass.middle, Some(middle));
         }
     }
 
@@ -293,8 +457,10 @@ mod tests {
     fn blocks_of_all_scans_lie_on_one_another() {
         let texels = texels(27, 38);
         let bounds = Reached { rows: 6..8, cols: 10..11 };
-        for reached in [None, Some(bounds)] {
-            for pass in scans(&raster(texels, 4, reached)) {
+        let of_both =
+            |of: Option<Reached>| [raster, in_pairs].map(|plan| plan(texels, 4, of.clone()));
+        for steps in [None, Some(bounds)].into_iter().flat_map(of_both) {
+            for pass in scans(&steps) {
                 let (x, y) = pass.scan.ahead();
                 let ends = [0, pass.lines as i32 - 1].map(|k| pass.line as i32 + k * (x + y) - 1);
                 assert_eq!(ends[0] / 4, ends[1] / 4, "{pass:?}");
@@ -302,46 +468,78 @@ mod tests {
         }
     }
 
-    /// Marks the points that a front can reach, one by one, by the neighbourhoods of the scans.
+    /// Marks the points that a front can reach, one by one, by the neighbourhoods of the scans. Of two scans
+    /// that go at the same time, neither sees what the other one reaches. The image that a scan, or a phase of
+    /// two scans, writes has all points that the other image has.
     #[test]
-    fn nothing_outside_the_bounds_can_be_reached() {
+    fn nothing_outside_the_bounds_can_be_reached_and_nothing_reached_is_left_out() {
         let (rows, cols) = (13usize, 18usize);
         let texels = texels(rows, cols);
-        let sources = [(0, 0), (6, 9), (12, 17), (3, 16)];
-        for (source, lines) in sources.into_iter().flat_map(|source| [(source, 1), (source, 4)]) {
+        let sources = [(0, 0), (6, 9), (12, 17), (3, 16), (7, 3)];
+        for (source, lines) in sources.into_iter().flat_map(|source| [1, 2, 4].map(|l| (source, l)))
+        {
             let (row, col, _) = TexelChart::texel_of(source.0, source.1);
-            let reached = Reached::around([(row, col)]);
-            let mut points = vec![vec![false; cols]; rows];
-            points[source.0][source.1] = true;
-            for pass in scans(&raster(texels, lines, reached)) {
-                let (dx, dy) = pass.scan.ahead();
-                let forward = dx + dy > 0;
-                // These are all points of the line's two rows or columns, in bounds or not.
-                for half in 0..2 * pass.lines as usize {
-                    let first = 2 * (pass.line as usize - 1);
-                    let line = if forward { first + half } else { first + 1 - half };
-                    let length = if dy != 0 { cols } else { rows };
-                    for k in 0..length {
-                        let (row, col) = if dy != 0 { (line, k) } else { (k, line) };
-                        let reachable = (-1..=1).any(|side| {
-                            let row = row as i32 - dy + if dx != 0 { side } else { 0 };
-                            let col = col as i32 - dx + if dy != 0 { side } else { 0 };
-                            (0..rows as i32).contains(&row)
-                                && (0..cols as i32).contains(&col)
-                                && points[row as usize][col as usize]
-                        });
-                        if reachable && row < rows && col < cols {
-                            points[row][col] = true;
-                            let along = (k / 2 + 1) as u32;
-                            assert!(
-                                pass.texels.contains(&along),
-                                "{source:?} {pass:?} {row},{col}"
-                            );
-                        }
+            for plan in [raster, in_pairs] {
+                let steps = plan(texels, lines, Reached::around([(row, col)]));
+                let passes: Vec<_> = scans(&steps).collect();
+                let mut points = vec![vec![false; cols]; rows];
+                points[source.0][source.1] = true;
+                let phases = passes.chunk_by(|a, b| a.writes == b.writes);
+                for phase in phases {
+                    let before = points.clone();
+                    let mut written = vec![vec![false; cols]; rows];
+                    for pass in phase {
+                        reach(pass, &mut points, &before, &mut written);
+                    }
+                    for (before, written) in before.iter().flatten().zip(written.iter().flatten()) {
+                        assert!(written >= before, "{source:?} {phase:?}");
                     }
                 }
+                assert!(points.iter().flatten().all(|&reached| reached));
             }
-            assert!(points.iter().flatten().all(|&reached| reached));
+        }
+    }
+
+    /// Marks what a pass reaches, and which points of the grid it writes. Asserts that it writes what it
+    /// reaches.
+    fn reach(
+        pass: &ScanPass,
+        points: &mut [Vec<bool>],
+        before: &[Vec<bool>],
+        written: &mut [Vec<bool>],
+    ) {
+        let (rows, cols) = (points.len(), points[0].len());
+        let (dx, dy) = pass.scan.ahead();
+        let forward = dx + dy > 0;
+        let is_first_half = |line: u32| pass.middle.is_some_and(|middle| line < middle);
+        // These are all points of the line's two rows or columns, in bounds or not.
+        for half in 0..2 * pass.lines as usize {
+            let first = 2 * (pass.line as usize - 1);
+            let line = if forward { first + half } else { first + 1 - half };
+            let length = if dy != 0 { cols } else { rows };
+            for k in 0..length {
+                let (row, col) = if dy != 0 { (line, k) } else { (k, line) };
+                if row >= rows || col >= cols {
+                    continue;
+                }
+                let reachable = (-1..=1).any(|side| {
+                    let row = row as i32 - dy + if dx != 0 { side } else { 0 };
+                    let col = col as i32 - dx + if dy != 0 { side } else { 0 };
+                    if !(0..rows as i32).contains(&row) || !(0..cols as i32).contains(&col) {
+                        return false;
+                    }
+                    let behind = if dy != 0 { row } else { col } as u32 / 2 + 1;
+                    let is_across = is_first_half(behind) != is_first_half(pass.line);
+                    let seen = if is_across { before } else { &*points };
+                    seen[row as usize][col as usize]
+                });
+                let along = (k / 2 + 1) as u32;
+                written[row][col] |= pass.texels.contains(&along);
+                if reachable {
+                    points[row][col] = true;
+                    assert!(pass.texels.contains(&along), "{pass:?} {row},{col}");
+                }
+            }
         }
     }
 
@@ -366,6 +564,16 @@ mod tests {
         assert!(of(Scan::Right).eq([(true, 1, 60, 10), (true, 61, 10, 2)]));
         assert!(of(Scan::Left).eq([(true, 70, 10, 2), (true, 60, 60, 10)]));
         assert_eq!(texels_scanned(&steps), 4 * 60 * 70);
+        // In pairs they are six blocks in each half.
+        let steps = Raster.plan(texels, Portions { pairs: true, ..portions }, None, 1);
+        let of = |scan| {
+            let passes = scans(&steps).filter(move |pass| pass.scan == scan);
+            passes.map(|pass| (pass.in_turn, pass.line, pass.lines, pass.blocks(6)))
+        };
+        assert!(of(Scan::Right).eq([(true, 1, 36, 6), (true, 37, 34, 6)]));
+        assert!(of(Scan::Left).eq([(true, 70, 34, 6), (true, 36, 36, 6)]));
+        assert_eq!(of(Scan::Up).count(), 10);
+        assert_eq!(texels_scanned(&steps), 4 * 60 * 70);
     }
 
     #[test]
@@ -374,5 +582,10 @@ mod tests {
         let mut writes: Vec<_> = scans(&steps).map(|pass| (pass.scan, pass.writes)).collect();
         writes.dedup();
         assert_eq!(writes, [(Scan::Down, 1), (Scan::Up, 0), (Scan::Right, 1), (Scan::Left, 0)]);
+        let steps = in_pairs(texels(5, 6), 1, None);
+        let mut writes: Vec<_> = scans(&steps).map(|pass| (pass.pair(), pass.writes)).collect();
+        writes.dedup();
+        let [rows, cols] = ScanPair::ALL.map(Some);
+        assert_eq!(writes, [(rows, 1), (rows, 0), (cols, 1), (cols, 0)]);
     }
 }

@@ -14,7 +14,7 @@ use crate::vulkan::{TexelChart, TileLanes, VulkanError};
 /// Order of updates on the device. All orders lead to the same map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Schedule {
-    /// The schedule of the paper: four rotated scans over the whole grid, one after another. A dispatch takes
+    /// The schedule of the paper: four rotated scans over the whole grid, in turn or in pairs. A dispatch takes
     /// several lines of texels.
     Raster,
     /// Updates of all points at once from their eight triangles, repeated. A front advances by one point per
@@ -82,6 +82,13 @@ pub struct Tuning {
     /// Lines of texels in a block, which one dispatch of a raster scan takes. At each end of a workgroup
     /// `scan_lines - 1` texels are computed by its neighbour too.
     pub scan_lines: u32,
+    /// Whether opposite raster scans go in pairs, each in one half of the grid at a time. An iteration then has
+    /// half as many barriers, and a device may work on both scans at once. Otherwise the four scans go in turn.
+    /// The map is the same. Validation layers that track images and buffers as a whole, as those before 1.3.290
+    /// do, would report a hazard between the two scans, which access different texels. Where
+    /// [`crate::vulkan::HeadlessSolver`] turns the layers on, and with [`crate::vulkan::embed::Tools::checks`],
+    /// a barrier separates the two.
+    pub scan_pairs: bool,
     /// Number of points on a side of a tile; even.
     pub tile: u32,
     /// Largest number of iterations of four scans inside a tile in one round.
@@ -142,6 +149,7 @@ impl Tuning {
     pub const ON_CPU: Self = Self {
         scan_width: 64,
         scan_lines: 4,
+        scan_pairs: false,
         tile: 16,
         inner: 4,
         tile_lanes: TileLanes::Pairs,
@@ -151,12 +159,14 @@ impl Tuning {
         staged: false,
     };
     /// Sizes for GPUs. Those of scans are not measured: they save dispatches at the cost of an eighth more
-    /// updates. With one iteration in a tile in place of four, maps by tiles of 16 points take an NVIDIA H200
+    /// updates. Pairs of scans are chosen by count: on spheres, hills and mazes they take as many iterations as
+    /// scans in turn, with half the barriers. With one iteration in a tile in place of four, maps by tiles of 16 points take an NVIDIA H200
     /// 0.55 to 0.65 of the time from 256 to 4096 points a side, and the same time at 64 points. Tiles of 32
     /// points take half as many rounds. A prototype with them took 0.5 of the time of one with tiles of 16.
     const ON_GPU: Self = Self {
         scan_width: 128,
         scan_lines: 8,
+        scan_pairs: true,
         tile: 32,
         inner: 1,
         tile_lanes: TileLanes::Points,
@@ -237,6 +247,7 @@ impl Tuning {
         Portions {
             lines: self.scan_lines,
             across: self.scan_texels(),
+            pairs: self.scan_pairs,
             iterations: self.together.unwrap_or(iterations),
             tile: self.tile,
             rounds: self.together,

@@ -5,12 +5,20 @@ mod changes;
 mod costs;
 mod creation;
 mod curves;
+#[cfg(feature = "formats")]
+#[allow(dead_code, clippy::duplicate_mod)] // as for `render`
+#[path = "../../../examples/decal.rs"]
+mod decal;
 mod edges;
 #[path = "../../../examples/embed.rs"]
 mod example;
 mod families;
 mod faults;
 mod frames;
+#[cfg(feature = "formats")]
+#[allow(dead_code, clippy::duplicate_mod)] // as for `render`
+#[path = "../../../examples/horde.rs"]
+mod horde;
 mod in_flight;
 mod inputs;
 mod misuse;
@@ -58,5 +66,35 @@ fn the_renderer_draws_the_requested_frame() {
     assert_eq!(changed(&draw(1.1, 150.0, 210.0)), 0.0);
     assert!(changed(&draw(1.1, 60.0, 100.0)) > 0.5);
     assert!(changed(&draw(1.6, 150.0, 210.0)) > 0.5);
+    assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
+}
+
+/// Agents walk, and their trails are in the picture.
+#[test]
+#[cfg(feature = "formats")]
+fn the_horde_walks() {
+    let mut host = horde::Host::with_synchronization_validation();
+    let [ways, links] = [false, true].map(|links| horde::march(&mut host, links, 4));
+    for march in [&ways, &links] {
+        assert_eq!(march.arrived, 0);
+        // Eight steps of a quarter of a cell in each frame, over slopes.
+        assert!((8.0..9.5).contains(&march.walked), "{}", march.walked);
+    }
+    assert!(ways.pixels != links.pixels);
+    assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
+}
+
+/// Both decals and the stroke are in the picture.
+#[test]
+#[cfg(feature = "formats")]
+fn decals_are_drawn() {
+    let mut host = decal::Host::with_synchronization_validation();
+    let pixels = decal::draw(&mut host, 3);
+    let is_ink = |pixel: &&[u8; 3]| pixel[0] > 150 && pixel[1] < 90 && pixel[2] < 90;
+    for half in 0..2 {
+        let of_half = pixels.iter().flat_map(|row| &row[half * row.len() / 2..][..row.len() / 2]);
+        let inked = of_half.filter(is_ink).count();
+        assert!(inked > 1000, "{half}: {inked}");
+    }
     assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
 }

@@ -3,7 +3,7 @@
 use geosweep::surface::Seed;
 use geosweep::vulkan::plan::{Reached, Step};
 use geosweep::vulkan::profile::{Capability, Detail, PassKind, PassRecord, SolveProfile};
-use geosweep::vulkan::{HeadlessSolver, Method, Schedule, SurfaceOnDevice, TexelChart};
+use geosweep::vulkan::{HeadlessSolver, Method, Schedule, SurfaceOnDevice, TexelChart, Tuning};
 use geosweep::{Surface, Wavefront};
 
 use crate::common::{CONVERGED, device_choice, rough, seeds_at, some_point};
@@ -22,9 +22,19 @@ pub struct Bench {
 
 impl Bench {
     pub fn new(rows: usize, cols: usize, left_out: &[Capability]) -> Self {
+        Self::with(rows, cols, HeadlessSolver::for_profiling(&device_choice(), left_out).unwrap())
+    }
+
+    /// Returns a bench on which scans go in pairs.
+    pub fn in_pairs(rows: usize, cols: usize) -> Self {
+        let solver = HeadlessSolver::for_profiling(&device_choice(), &[]).unwrap();
+        let tuning = Tuning { scan_pairs: true, ..solver.tuning() };
+        Self::with(rows, cols, solver.with_tuning(tuning).unwrap())
+    }
+
+    fn with(rows: usize, cols: usize, solver: HeadlessSolver) -> Self {
         let surface = rough(rows, cols, 0);
         let seeds = seeds_at(&surface, some_point(&surface));
-        let solver = HeadlessSolver::for_profiling(&device_choice(), left_out).unwrap();
         let on_device = solver.upload(&surface).unwrap();
         Self { surface, seeds, solver, on_device }
     }

@@ -11,4 +11,5 @@ mod renderer;
 mod spans;
 mod submissions;
 mod times;
+mod ways;
 mod work;

@@ -40,7 +40,7 @@ fn each_iteration_visits_the_maps_that_have_not_converged() {
         pairwise.solve(solver, on_device, &sources, CONVERGED, &mut plain).unwrap();
 
         // The first recording is bounded by the surroundings of all sources.
-        let sizes = Portions { across: 0, ..tuning.portions(wavefront, texels) };
+        let sizes = Portions { across: 0, pairs: false, ..tuning.portions(wavefront, texels) };
         let places = sources.iter().flatten().map(|&source| {
             let (row, col) = chart.position(source);
             let (row, col, _) = TexelChart::texel_of(row, col);

@@ -22,7 +22,7 @@ fn in_parts(solver: HeadlessSolver) -> HeadlessSolver {
 
 /// Returns a tuning that is the same on every device.
 fn whole(solver: &HeadlessSolver) -> Tuning {
-    Tuning { scan_width: 64, scan_lines: 4, ..solver.tuning() }
+    Tuning { scan_width: 64, scan_lines: 4, scan_pairs: false, ..solver.tuning() }
 }
 
 fn texels(submission: &SubmissionRecord) -> u64 {

@@ -1,12 +1,12 @@
 //! Work of passes, compared with the tests' own counts.
 
 use geosweep::Wavefront;
-use geosweep::cpu::twins::scan_due;
+use geosweep::cpu::twins::{ScanOrder, scan_due};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::vulkan::Schedule;
-use geosweep::vulkan::plan::{Scan, Step};
+use geosweep::vulkan::plan::{Scan, ScanPair, Step};
 use geosweep::vulkan::profile::{Detail, Grain, PassKind, PassRecord};
+use geosweep::vulkan::{Schedule, Tuning};
 
 use crate::common::{seeds_at, some_point};
 use crate::profile::bench::{Bench, method, of_kind, sum};
@@ -26,10 +26,18 @@ fn texels_visited_and_skipped_are_those_of_the_plan() {
     }
 }
 
-/// Marks in a grid of booleans the texels of every block of the plan that was due according to the twin.
-/// Compares the records of the device's passes with the marks, scan by scan. The first iteration must be the
-/// same. In later ones, the device rounds some fronts differently from the twin, and a change of the last
-/// digit also makes a block due: up to a tenth of the texels may differ.
+#[test]
+fn texels_of_pairs_are_those_of_the_plan() {
+    for ((rows, cols), grain) in [((61, 90), Grain::Scans), ((121, 130), Grain::Blocks)] {
+        let mut bench = Bench::in_pairs(rows, cols);
+        hold_against_the_plan(&mut bench, grain, Wavefront::Planar, 4);
+    }
+}
+
+/// Marks in grids of booleans the texels of every block of the plan that was due according to the twin.
+/// Compares the records of the device's passes with the marks, scan by scan or pair by pair. The first
+/// iteration must be the same. In later ones, the device rounds some fronts differently from the twin, and a
+/// change of the last digit also makes a block due: up to a tenth of the texels may differ.
 fn hold_against_the_plan(bench: &mut Bench, grain: Grain, wavefront: Wavefront, iterations: usize) {
     let detail = Detail { grain, ..Detail::default() };
     let method = method(wavefront, Schedule::Raster);
@@ -37,9 +45,16 @@ fn hold_against_the_plan(bench: &mut Bench, grain: Grain, wavefront: Wavefront, 
     let recordings = of_kind(&profile, PassKind::Count).count() / iterations;
     let (texels, portions) = bench.steps(method, recordings);
     let (height, width) = (texels.inner_rows().len(), texels.inner_cols().len());
-    let lines = bench.solver.tuning().scan_lines;
+    let Tuning { scan_lines: lines, scan_pairs, .. } = bench.solver.tuning();
     let edges = EdgeLengths::<f32>::new(&bench.surface).unwrap();
-    let (_, due) = scan_due(&edges, &bench.seeds, wavefront, method.stop, lines as usize);
+    let order = if scan_pairs { ScanOrder::InPairs } else { ScanOrder::InTurn };
+    let by_blocks = (order, lines as usize);
+    let (_, due) = scan_due(&edges, &bench.seeds, wavefront, method.stop, by_blocks);
+    // The scans of which records tell, together or each by itself.
+    let told: Vec<(PassKind, Vec<Scan>)> = match scan_pairs {
+        true => ScanPair::ALL.map(|pair| (PassKind::Pair(pair), pair.scans().into())).into(),
+        false => Scan::ALL.map(|scan| (PassKind::Scan(scan), vec![scan])).into(),
+    };
     let (mut skipped_by_bounds, mut not_due) = (0, 0);
     let (mut expected, mut different) = (0, 0);
     let mut iteration = 0;
@@ -47,48 +62,51 @@ fn hold_against_the_plan(bench: &mut Bench, grain: Grain, wavefront: Wavefront, 
         // No step follows the last count.
         let iterations = step_list.split(|step| *step == Step::Count);
         for steps in iterations.filter(|steps| !steps.is_empty()) {
-            for scan in Scan::ALL {
-                let mut marks = vec![false; height * width];
-                let mut passes = 0;
-                for pass in steps.iter().filter_map(|step| match step {
-                    Step::Scan(pass) if pass.scan == scan => Some(pass),
-                    _ => None,
-                }) {
-                    passes += 1;
-                    for k in 0..pass.lines as i32 {
-                        let (dx, dy) = scan.ahead();
-                        let line = (pass.line as i32 + k * (dx + dy)) as usize - 1;
-                        let block = line / lines as usize;
-                        let of_iteration = due.get(iteration as usize);
-                        let is_due = of_iteration.is_some_and(|due| due[scan as usize][block]);
-                        if !pass.always && !is_due {
-                            not_due += u32::from(of_iteration.is_some());
-                            continue;
-                        }
-                        for along in pass.texels.clone() {
-                            let along = along as usize - 1;
-                            let (row, col) = if dy != 0 { (line, along) } else { (along, line) };
-                            assert!(!marks[row * width + col], "visited twice: {pass:?}");
-                            marks[row * width + col] = true;
+            for (kind, scans) in &told {
+                let (mut passes, mut visited) = (0, 0);
+                for &scan in scans {
+                    let mut marks = vec![false; height * width];
+                    for pass in steps.iter().filter_map(|step| match step {
+                        Step::Scan(pass) if pass.scan == scan => Some(pass),
+                        _ => None,
+                    }) {
+                        passes += 1;
+                        for k in 0..pass.lines as i32 {
+                            let (dx, dy) = scan.ahead();
+                            let line = (pass.line as i32 + k * (dx + dy)) as usize - 1;
+                            let block = line / lines as usize;
+                            let of_iteration = due.get(iteration as usize);
+                            let is_due = of_iteration.is_some_and(|due| due[scan as usize][block]);
+                            if !pass.always && !is_due {
+                                not_due += u32::from(of_iteration.is_some());
+                                continue;
+                            }
+                            for along in pass.texels.clone() {
+                                let along = along as usize - 1;
+                                let (row, col) =
+                                    if dy != 0 { (line, along) } else { (along, line) };
+                                assert!(!marks[row * width + col], "visited twice: {pass:?}");
+                                marks[row * width + col] = true;
+                            }
                         }
                     }
+                    visited += marks.iter().filter(|&&mark| mark).count() as u64;
                 }
-                let visited = marks.iter().filter(|&&mark| mark).count() as u64;
-                let of_scan: Vec<_> = of_kind(&profile, PassKind::Scan(scan))
+                let of_scans: Vec<_> = of_kind(&profile, *kind)
                     .filter(|pass| pass.iteration == Some(iteration))
                     .collect();
                 let records = if grain == Grain::Blocks { passes } else { 1 };
-                assert_eq!(of_scan.len(), records, "{scan:?} of {iteration}");
-                let dispatches: u32 = of_scan.iter().map(|pass| pass.dispatches).sum();
+                assert_eq!(of_scans.len(), records, "{kind:?} of {iteration}");
+                let dispatches: u32 = of_scans.iter().map(|pass| pass.dispatches).sum();
                 assert_eq!(dispatches as usize, passes);
-                let found = sum(&of_scan, |pass| pass.work.texels);
+                let found = sum(&of_scans, |pass| pass.work.texels);
                 if iteration == 0 || iteration as usize >= due.len() {
-                    assert_eq!(found, visited, "{scan:?} of {iteration}");
+                    assert_eq!(found, visited, "{kind:?} of {iteration}");
                 }
                 expected += visited;
                 different += found.abs_diff(visited);
-                let all = (height * width) as u64;
-                assert_eq!(sum(&of_scan, |pass| pass.work.skipped), all - found);
+                let all = (scans.len() * height * width) as u64;
+                assert_eq!(sum(&of_scans, |pass| pass.work.skipped), all - found);
                 skipped_by_bounds += if iteration == 0 { all - visited } else { 0 };
             }
             iteration += 1;
@@ -195,8 +213,10 @@ fn bytes_agree_with_a_count_by_hand() {
         [(Wavefront::Planar, 16 + 64, 16), (Wavefront::Curved, 32 + 64 + 16, 32)]
     {
         let profile = bench.profile(method(wavefront, Schedule::Raster), Detail::default());
-        let scans: Vec<_> =
-            profile.passes().filter(|pass| matches!(pass.kind, PassKind::Scan(_))).collect();
+        let scans: Vec<_> = profile
+            .passes()
+            .filter(|pass| matches!(pass.kind, PassKind::Scan(_) | PassKind::Pair(_)))
+            .collect();
         let texels = sum(&scans, |pass| pass.work.texels);
         assert!(texels >= 8);
         assert_eq!(sum(&scans, |pass| pass.work.bytes_read), texels * read);
@@ -211,8 +231,8 @@ fn bytes_agree_with_a_count_by_hand() {
     }
 }
 
-/// The progress has 916 numbers: nine of the state of a map, three by which the grid is dispatched, six of
-/// each of 128 rounds and of the next, the largest change of 128 rounds, whether a point was reached, and how
+/// The progress has 920 numbers: nine of the state of a map, three by which the grid is dispatched, one of each
+/// scan for blocks past the middle, six of each of 128 rounds and of the next, the largest change of 128 rounds, whether a point was reached, and how
 /// many texels have converged. A tile has six. For scans, blocks of four lines have three in each, and one on
 /// each side of the longer side of the grid. A count reads seven numbers and writes five, in the last
 /// iteration two more; beyond, it reads one.
@@ -232,7 +252,7 @@ fn counts_and_starts_agree_with_a_count_by_hand() {
             assert_eq!(moved(pass), Some(by_hand), "{schedule}: {pass:?}");
         }
         let start = of_kind(&profile, PassKind::Start).next().unwrap();
-        let progress = 4 * (9 + 3 + 6 * (128 + 1) + 128 + 2);
+        let progress = 4 * (9 + 3 + 4 + 6 * (128 + 1) + 128 + 2);
         let lines = u64::from(bench.solver.tuning().scan_lines);
         let blocks = if schedule == Schedule::Raster { 4 * (45u64.div_ceil(lines) + 2) } else { 0 };
         assert_eq!(moved(start), Some((0, progress + 4 * 6 * tiles + 4 * 3 * blocks)));
@@ -307,7 +327,9 @@ fn the_device_counts_the_invocations_of_the_groups_in_the_records() {
         let mut counted = 0;
         for pass in profile.passes() {
             let group = match pass.kind {
-                PassKind::Scan(_) | PassKind::AllPoints | PassKind::Tiles => Some(group),
+                PassKind::Scan(_) | PassKind::Pair(_) | PassKind::AllPoints | PassKind::Tiles => {
+                    Some(group)
+                }
                 PassKind::Seed | PassKind::Unpack => Some(64),
                 _ => None,
             };

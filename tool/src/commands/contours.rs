@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use geosweep::geometry::{Levels, contours};
+use geosweep::geometry::{Levels, contours, join_over_seams};
 use geosweep::shown::excerpt;
 
 use super::level_curves::{LevelCurves, comment, range};
@@ -85,7 +85,11 @@ pub fn run(args: &Args) -> Outcome {
     let files = CurveFiles::new(&args.output)?;
     let problem = args.problem.solve(&files, None, None)?;
     let levels = args.levels.levels().on(&problem.map, &problem.sources)?;
-    let found = contours(&problem.map, &problem.sources, &levels);
+    let mut found = contours(&problem.map, &problem.sources, &levels);
+    for contour in &mut found {
+        let curves = std::mem::take(&mut contour.curves);
+        contour.curves = join_over_seams(curves, &problem.scene.surface);
+    }
     comment(&found, &problem)?;
     if found.is_empty() {
         say("note", format_args!("no curve: {}", range(&problem.map)));

@@ -186,6 +186,7 @@ impl DirectionOutputs {
             .transpose()?;
         let is_log = self.log_map.is_some() || self.source_direction.is_some();
         let log_map = is_log.then(|| LogMap::new(surface, sources)).transpose()?;
+        let log_map = log_map.map(|log_map| log_map.where_reached(&map.distances));
         drop(spinner);
         let write = Write { scene, map: &map };
         if let Some((output, ways)) = self.back_direction.zip(ways.as_ref()) {

@@ -13,7 +13,7 @@ use super::directions::{DirectionArgs, DirectionOutputs, SignArgs};
 use crate::output::{Written, check_outputs, commit, stage_picture, wanted_png};
 use crate::picture::Picture;
 use crate::precision::{InPrecision, Number, Precision};
-use crate::problem::{self, MapSummary, Scene, SolverArgs, SourceArgs, SurfaceArgs};
+use crate::problem::{self, LimitArgs, MapSummary, Scene, SolverArgs, SourceArgs, SurfaceArgs};
 use crate::terminal::{Outcome, Spinner, print_json, say};
 
 /// The arguments of `geosweep distance`.
@@ -33,6 +33,8 @@ pub struct Args {
     surface: SurfaceArgs,
     #[command(flatten)]
     solver: SolverArgs,
+    #[command(flatten)]
+    limits: LimitArgs,
 
     /// Precision in which the map is computed and written
     #[arg(long, value_enum, default_value_t, help_heading = "Accuracy")]
@@ -91,6 +93,10 @@ Examples:
   The way back at each point for a GIS, and the nearest of two sources:
     geosweep distance dem.tif --source 120,85 --source 30,200 -o map.tif \\
       --back-direction back.tif --back-link link.tif --nearest nearest.tif
+  Only what is within 500 m of a well, and only as far as the nearest of two villages:
+    geosweep distance dem.tif --source 120,85 --radius 500 -o near.tif
+    geosweep distance dem.tif --source 120,85 --target 30,41 --target 200,17 \
+      --target-mode any -o way.tif
   A built-in surface, with an estimate of each distance's error:
     geosweep distance builtin:sphere:257x257 --source 0,0 -o sphere.npy \\
       --error error.npy",
@@ -109,6 +115,7 @@ impl InPrecision for &Args {
         let options = self.solver.options()?;
         let outputs = Outputs::new(self)?;
         let scene = self.surface.read()?;
+        let options = self.limits.options(options, &scene.frame())?;
         let sources = self.sources.sources(&scene.frame())?;
         let solved = {
             let _spinner = Spinner::new("computing distances");
@@ -118,6 +125,7 @@ impl InPrecision for &Args {
         problem::comment_on_starts::<R>(&scene.surface, &sources);
         problem::comment_on_size::<R>(&scene.surface);
         problem::comment_on_corners(&scene.surface, &solved.map);
+        problem::comment_on_targets(&solved.map, &options);
         let quantity = scene.quantity(self.unit.as_deref().or(scene.unit));
         let sign = &self.directions.sign;
         let written = outputs.write(&scene, &sources, sign, &quantity, &solved)?;
@@ -216,7 +224,8 @@ impl Outputs {
         let maps = map.iter().chain(&error).map(|(file, _)| file);
         let files: Vec<_> = maps.chain(&picture).chain(directions.files()).collect();
         let inputs = problem::inputs(&args.surface, &args.sources);
-        check_outputs(&files, inputs.chain(args.directions.input()))?;
+        let targets = args.limits.files().map(AsRef::as_ref);
+        check_outputs(&files, inputs.chain(targets).chain(args.directions.input()))?;
         Ok(Self { map, error, picture, directions })
     }
 

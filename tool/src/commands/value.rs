@@ -5,11 +5,12 @@ use std::process::ExitCode;
 use geosweep::geometry::{PathError, PathTracer};
 use geosweep::shown::exact;
 use geosweep::surface::EdgeLengths;
+use serde::Serialize;
 
 use crate::numbers::place;
 use crate::output::check_outputs;
-use crate::problem::{self, SolverArgs, SourceArgs, SurfaceArgs};
-use crate::terminal::{Outcome, print};
+use crate::problem::{self, MapSummary, SolverArgs, SourceArgs, SurfaceArgs};
+use crate::terminal::{Outcome, print, print_json};
 
 /// The arguments of `geosweep value`.
 #[derive(clap::Args)]
@@ -26,6 +27,26 @@ pub struct Args {
     surface: SurfaceArgs,
     #[command(flatten)]
     solver: SolverArgs,
+
+    /// Print one JSON object (docs/json.md) in place of lines: what `distance` prints of the map, and values,
+    /// an object with row, col and distance for each place
+    #[arg(long, help_heading = "Reports")]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    #[serde(flatten)]
+    map: MapSummary<'a>,
+    values: Vec<Value>,
+}
+
+/// The distance of a place.
+#[derive(Serialize)]
+struct Value {
+    row: f64,
+    col: f64,
+    distance: f32,
 }
 
 fn examples() -> String {
@@ -54,8 +75,17 @@ pub fn run(args: &Args) -> Outcome {
     // A distance does not depend on how the path is pulled taut.
     let paths = PathTracer::new(&scene.surface, &edges, &sources, &map.distances)?.along_the_map();
     let found: Vec<_> = paths.trace_all(&args.at).into_iter().collect::<Result<_, PathError>>()?;
-    for ([row, col], path) in args.at.iter().zip(found) {
-        print(format!("{},{},{}", exact(*row), exact(*col), path.distance as f32))?;
+    let values = args.at.iter().zip(found).map(|(&[row, col], path)| {
+        let distance = path.distance as f32;
+        Value { row, col, distance }
+    });
+    if args.json {
+        let map = MapSummary::new(&scene.surface, &map);
+        print_json("value", &Summary { map, values: values.collect() })?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    for Value { row, col, distance } in values {
+        print(format!("{},{},{distance}", exact(row), exact(col)))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -4,6 +4,7 @@
 mod args;
 mod curve_files;
 mod gluing;
+mod limits;
 mod picture;
 mod solver;
 mod sources;
@@ -20,6 +21,7 @@ use geosweep::{DistanceMap, Options, Report, Sources, Surface, UsedEngine};
 
 pub use args::{Problem, ProblemArgs};
 pub use curve_files::CurveFiles;
+pub use limits::{LimitArgs, comment_on_targets};
 pub use picture::PictureArgs;
 pub use solver::SolverArgs;
 pub use sources::{SourceArgs, remark};
@@ -99,6 +101,9 @@ pub fn done_with(
     };
     let points = match points - reached {
         0 => format!("{}, all reached", counted(*points as u64, "point")),
+        unreached if report.ends_at.is_some() => {
+            format!("{points} points, {unreached} of them beyond the part that was asked for")
+        }
         unreached if report.converged => {
             format!("{points} points, {unreached} of them cannot be reached")
         }

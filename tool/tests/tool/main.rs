@@ -12,6 +12,7 @@ mod documentation;
 mod estimate;
 mod figures;
 mod formats;
+mod limits;
 mod notices;
 mod offsets;
 mod pairwise;

@@ -21,11 +21,11 @@ use super::typical_edge::typical_edge;
 use super::window::{Fronts, Window};
 use crate::constants::SPLIT_REACH;
 use crate::cpu::Instructions;
-use crate::cpu::fronts::FrontKind;
+use crate::cpu::fronts::LaneKind;
+use crate::cpu::limit::Limit;
 use crate::cpu::progress::Progress;
 use crate::cpu::scan::Scan;
 use crate::surface::{Block, EdgeLengths, Real, Seed, Tiling, relative_change};
-use crate::update::{Kept, tag_of};
 use crate::{Convergence, Monitor, Stop};
 use order::Dues;
 use room::{Pool, Room};
@@ -41,6 +41,7 @@ macro_rules! visits {
             tiling: $scanner.tiling,
             reach: $reach,
             inner: $scanner.plan.inner,
+            limit: $scanner.limit.time(),
         }
     };
 }
@@ -108,9 +109,10 @@ struct Woken<'p, R: Real> {
 
 /// A solver by patches for one kind of front.
 #[derive(Clone, Debug)]
-pub(in crate::cpu) struct PatchScanner<R: Real, K: FrontKind<R>> {
+pub(in crate::cpu) struct PatchScanner<R: Real, K: LaneKind<R>> {
     pub(in crate::cpu) on: Prepared<R, K>,
     plan: Plan,
+    limit: Limit,
     tiling: Tiling,
     patches: Vec<Patch>,
     dues: Dues<R>,
@@ -128,7 +130,7 @@ pub(in crate::cpu) struct PatchScanner<R: Real, K: FrontKind<R>> {
     unseen: R::Bits,
 }
 
-impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
+impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
     pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, kind: K, plan: Plan) -> Self {
         assert!(plan.side.is_multiple_of(TILE), "patches consist of tiles");
         let (chart, on) = (edges.chart(), Prepared::new(edges, kind));
@@ -151,6 +153,7 @@ impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
         Self {
             on,
             plan,
+            limit: Limit::NONE,
             tiling,
             dues: Dues::new(tiling.tiles(), band, lag),
             patches,
@@ -196,23 +199,23 @@ impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
 
     /// Starts fronts from those seeds that arrive before the map.
     fn seed(&mut self, seeds: &[Seed]) {
-        let chart = self.on.chart();
-        self.on.kind.expect(seeds);
-        for seed in seeds {
-            let point = chart.bordered(seed.row, seed.col);
-            let arrival = self.on.kind.arrival_of_seed(seed);
-            let kept = Kept { time: self.times[point], carried: self.carried[point] };
-            let front = K::accept(kept, arrival, tag_of(seed), false);
-            (self.times[point], self.carried[point]) = (front.time, front.carried);
-            if R::of(seed.time) >= kept.time {
-                continue;
+        let (chart, mut earlier) = (self.on.chart(), Vec::new());
+        let fronts = (self.times.as_mut_slice(), self.carried.as_mut_slice());
+        self.on.kind.start(chart, seeds, fronts, |seed, _, [before, after]| {
+            if R::of(seed.time) < before.time {
+                earlier.push(((seed.row, seed.col), after.time));
             }
-            for (row, col) in chart.around((seed.row, seed.col), self.reach()).places() {
-                let ((row, col), _) = self.tiling.tile_of((row, col));
-                let patch = self.tiling.tiles().index(row, col);
-                self.patches[patch].tiles.touch(seed.row, seed.col);
-                self.dues.enlist(patch, front.time);
-            }
+        });
+        earlier.into_iter().for_each(|(place, time)| self.touch(place, time));
+    }
+
+    /// Notes, for all patches that see it, that a point has changed at a time.
+    fn touch(&mut self, (row, col): (usize, usize), time: R) {
+        for (near_row, near_col) in self.on.chart().around((row, col), self.reach()).places() {
+            let ((tile_row, tile_col), _) = self.tiling.tile_of((near_row, near_col));
+            let patch = self.tiling.tiles().index(tile_row, tile_col);
+            self.patches[patch].tiles.touch(row, col);
+            self.dues.enlist(patch, time);
         }
     }
 
@@ -227,13 +230,10 @@ impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
         self.counts.patches = self.patches.len() as u64;
         let mut many = u64::from(FEW_ITERATIONS) * self.counts.patches;
         loop {
-            let round = self.dues.next_round(self.plan.most);
+            let round = self.dues.next_round(self.plan.most, R::of(self.limit.time()));
             if round.is_empty() {
-                let chart = self.on.chart();
-                let is_lost =
-                    |seed: &Seed| seed.is_lost(self.times[chart.bordered(seed.row, seed.col)]);
                 let is_last = self.patches.iter().any(|patch| patch.progress.is_last());
-                if !K::TAKES_BACK || is_last || !seeds.iter().any(is_lost) {
+                if is_last || !K::has_lost(self.on.chart(), seeds, &self.times) {
                     return self.convergence();
                 }
                 self.seed(seeds);
@@ -245,6 +245,8 @@ impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
             if self.on.monitor.is_cancelled() {
                 return self.convergence();
             }
+            let (chart, times) = (self.on.chart(), &self.times);
+            self.limit.lower(|[row, col]| times[chart.bordered(row, col)].wide());
             self.pass_on(&round, tolerance);
             if self.counts.iterations > many {
                 many = u64::MAX;
@@ -346,7 +348,7 @@ impl<R: Real, K: FrontKind<R>> PatchScanner<R, K> {
     }
 }
 
-impl<R: Real, K: FrontKind<R>> Scans<R> for PatchScanner<R, K> {
+impl<R: Real, K: LaneKind<R>> Scans<R> for PatchScanner<R, K> {
     fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         rayon::scope(|_| {
             if self.on.prepare() {
@@ -370,6 +372,32 @@ impl<R: Real, K: FrontKind<R>> Scans<R> for PatchScanner<R, K> {
             }
             self.converge(seeds, stop)
         })
+    }
+
+    fn go_on(&mut self, seeds: &[Seed], stop: Stop, limit: Limit) -> Option<Convergence> {
+        let before = std::mem::replace(&mut self.limit, limit).time();
+        self.start(stop);
+        let chart = self.on.chart();
+        let beyond = |time: R| time.wide() > before && time < R::FAR;
+        let found: Vec<_> = chart
+            .places()
+            .map(|(row, col)| ((row, col), self.times[chart.bordered(row, col)]))
+            .filter(|&(_, time)| beyond(time))
+            .collect();
+        found.iter().for_each(|&(place, time)| self.touch(place, time));
+        (!found.is_empty()).then(|| rayon::scope(|_| self.converge(seeds, stop)))
+    }
+
+    fn used(&self) -> Vec<Block> {
+        vec![Window::whole(self.on.chart()).block()]
+    }
+
+    fn set_limit(&mut self, limit: Limit) {
+        self.limit = limit;
+    }
+
+    fn limit(&self) -> f64 {
+        self.limit.time()
     }
 
     fn set_instructions(&mut self, instructions: Instructions) {

@@ -31,11 +31,12 @@ impl<R: Real> Dues<R> {
     }
 
     /// Takes the patches of the next round, at most `most` and the earliest ones of these, in ascending order.
-    pub(super) fn next_round(&mut self, most: usize) -> Vec<usize> {
+    /// Patches that are due later than `limit` are never visited.
+    pub(super) fn next_round(&mut self, most: usize, limit: R) -> Vec<usize> {
         let Some(first) = self.due.iter().flatten().copied().reduce(R::min) else {
             return Vec::new();
         };
-        let last = first + self.band;
+        let last = (first + self.band).min(limit);
         let is_next = |patch: usize, time: R| time <= last && !self.waits(patch, time);
         let due = self.due.iter().enumerate().filter_map(|(patch, due)| Some((patch, (*due)?)));
         let mut round: Vec<_> = due.filter(|&(patch, time)| is_next(patch, time)).collect();
@@ -75,23 +76,31 @@ mod tests {
     fn a_patch_waits_for_a_neighbour_that_is_due_before_it() {
         // Patches 0, 1 and 5 touch one another, and patch 3 lies apart.
         let mut dues = dues(&[(0, 2.0), (1, 4.0), (5, 2.5), (3, 7.0), (3, 6.0)]);
-        assert_eq!(dues.next_round(9), [0, 3, 5]);
+        assert_eq!(dues.next_round(9, f32::INFINITY), [0, 3, 5]);
         assert_eq!((dues.of(1), dues.of(3)), (Some(4.0), None));
-        assert_eq!(dues.next_round(9), [1]);
-        assert!(dues.next_round(9).is_empty());
+        assert_eq!(dues.next_round(9, f32::INFINITY), [1]);
+        assert!(dues.next_round(9, f32::INFINITY).is_empty());
     }
 
     #[test]
     fn patches_far_from_the_first_front_wait() {
         let mut dues = dues(&[(0, 1.0), (11, 11.5), (3, 11.0)]);
-        assert_eq!(dues.next_round(9), [0, 3]);
-        assert_eq!(dues.next_round(9), [11]);
+        assert_eq!(dues.next_round(9, f32::INFINITY), [0, 3]);
+        assert_eq!(dues.next_round(9, f32::INFINITY), [11]);
+    }
+
+    #[test]
+    fn patches_that_are_due_after_the_limit_are_not_visited() {
+        let mut dues = dues(&[(0, 1.0), (3, 4.0), (11, 4.5)]);
+        assert_eq!(dues.next_round(9, 4.0), [0, 3]);
+        assert!(dues.next_round(9, 4.0).is_empty());
+        assert_eq!(dues.next_round(9, 5.0), [11]);
     }
 
     #[test]
     fn rounds_take_the_earliest_patches_if_there_are_too_many() {
         let mut dues = dues(&[(0, 3.0), (2, 1.0), (8, 2.0), (10, 2.0)]);
-        assert_eq!(dues.next_round(2), [2, 8]);
-        assert_eq!(dues.next_round(2), [0, 10]);
+        assert_eq!(dues.next_round(2, f32::INFINITY), [2, 8]);
+        assert_eq!(dues.next_round(2, f32::INFINITY), [0, 10]);
     }
 }

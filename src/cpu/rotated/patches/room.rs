@@ -3,6 +3,7 @@
 use std::sync::Mutex;
 
 use super::News;
+use crate::cpu::rotated::line_update::Changed;
 use crate::cpu::rotated::panel::Panel;
 use crate::cpu::rotated::scan_copy::ScanCopy;
 use crate::cpu::rotated::tiles::Tiles;
@@ -16,8 +17,8 @@ pub(super) struct Room<R: Real, C> {
     pub copy: ScanCopy<R, C>,
     /// Blocks that hold all tiles of the patch that have changed.
     changed: Vec<Block>,
-    /// Flags of the window's tiles that have changed.
-    pub marks: Vec<bool>,
+    /// How the window's tiles have changed.
+    pub marks: Vec<Changed>,
     /// News for the neighbours.
     pub news: Vec<News<R>>,
     /// Number of iterations of the visit.
@@ -64,7 +65,7 @@ impl<R: Real, C: Carried> Room<R, C> {
         times.resize(own.bordered_points(), R::FAR);
         carried.resize(own.bordered_points(), C::default());
         changed.clear();
-        changed.resize(tiles.len(), false);
+        changed.resize(tiles.len(), Changed::No);
         own.fill_border_rows(times, R::FAR);
         own.fill_border_rows(carried, C::default());
         for row in rows {
@@ -79,7 +80,7 @@ impl<R: Real, C: Carried> Room<R, C> {
     }
 
     /// Notes which tiles have changed.
-    pub(super) fn note_changes(&mut self, tiles: &Tiles, changed: &[bool]) {
+    pub(super) fn note_changes(&mut self, tiles: &Tiles, changed: &[Changed]) {
         self.changed.extend(tiles.spans(changed));
     }
 

@@ -2,21 +2,21 @@
 
 use super::room::{Pool, Room};
 use super::{News, Patch, Woken};
-use crate::cpu::fronts::FrontKind;
+use crate::cpu::fronts::LaneKind;
 use crate::cpu::rotated::due::find_due;
-use crate::cpu::rotated::line_update::UpdateOptions;
+use crate::cpu::rotated::line_update::Changed;
 use crate::cpu::rotated::panel::Panel;
 use crate::cpu::rotated::prepared::Prepared;
 use crate::cpu::rotated::scan_copy::On;
 use crate::cpu::rotated::span::Before;
 use crate::cpu::rotated::tiles::TILE;
 use crate::cpu::rotated::window::Fronts;
-use crate::cpu::scan::Scan;
+use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Block, Real, Tiling, min};
 use crate::update::{Carried, Kept};
 
 /// Data that the visits of a round share.
-pub(super) struct Visits<'v, R: Real, K: FrontKind<R>> {
+pub(super) struct Visits<'v, R: Real, K: LaneKind<R>> {
     pub on: &'v Prepared<R, K>,
     /// The fronts of the whole grid before the round.
     pub far: Fronts<'v, R, K::Carried>,
@@ -26,13 +26,15 @@ pub(super) struct Visits<'v, R: Real, K: FrontKind<R>> {
     pub reach: usize,
     /// Largest number of iterations.
     pub inner: u32,
+    /// See [`UpdateOptions`].
+    pub limit: f64,
 }
 
-impl<R: Real, K: FrontKind<R>> Visits<'_, R, K> {
+impl<R: Real, K: LaneKind<R>> Visits<'_, R, K> {
     /// Finds out whether a scan has work in a patch, after changes around it. If none has, all have seen them.
     pub(super) fn look(&self, Woken { patch, looked, is_due, .. }: &mut Woken<R>) {
         let renews = patch.progress.renews();
-        let options = |scan| UpdateOptions { scan, renews, instructions: self.on.instructions };
+        let options = |scan| self.options(scan, renews);
         let grid = self.on.grid();
         let before = Before {
             edges: grid.edges,
@@ -45,6 +47,10 @@ impl<R: Real, K: FrontKind<R>> Visits<'_, R, K> {
         if !*is_due {
             patch.tiles.passed(Scan::ALL, [&[]; 4]);
         }
+    }
+
+    fn options(&self, scan: Scan, renews: bool) -> UpdateOptions {
+        UpdateOptions { scan, renews, limit: self.limit, instructions: self.on.instructions }
     }
 
     /// Visits a patch, given its number.
@@ -70,14 +76,14 @@ impl<R: Real, K: FrontKind<R>> Visits<'_, R, K> {
         let scans = in_order(room.copy.fronts(), &patch.block);
         let mut changed = std::mem::take(&mut room.marks);
         changed.clear();
-        changed.resize(patch.tiles.len(), false);
+        changed.resize(patch.tiles.len(), Changed::No);
         while room.iterations < self.inner && !room.settled && !patch.progress.is_last() {
             let renews = patch.progress.renews();
             let mut change = R::Bits::default();
             for scan in scans {
                 change = change.max(self.scan(patch, room, panel, scan, renews));
                 for (all, tile) in changed.iter_mut().zip(&mut room.copy.changed) {
-                    *all |= std::mem::take(tile);
+                    *all = std::mem::take(tile).max(*all);
                 }
             }
             room.iterations += 1;
@@ -102,7 +108,7 @@ impl<R: Real, K: FrontKind<R>> Visits<'_, R, K> {
             return R::Bits::default();
         }
         let (grid, far) = (self.on.grid(), Some(self.far));
-        let options = UpdateOptions { scan, renews, instructions: self.on.instructions };
+        let options = self.options(scan, renews);
         let fronts = room.copy.fronts();
         let before = Before { edges: grid.edges, fronts, far, surface_data: grid.surface_data };
         room.looked += find_due(&self.on.kind, before, tiles, &[options]);
@@ -129,7 +135,7 @@ impl<R: Real, K: FrontKind<R>> Visits<'_, R, K> {
                 let seen = within(changed, &block, self.reach);
                 for tile in tiles_of(&seen) {
                     let (change, time) = self.change(room, &tile);
-                    if change > R::Bits::default() {
+                    if change > R::Bits::default() && time.wide() <= self.limit {
                         news.push(News { to, at: tile.first(), time, change });
                     }
                 }

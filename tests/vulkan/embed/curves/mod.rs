@@ -1,7 +1,9 @@
 //! Contours, paths and regions in the host's buffers, compared with the CPU's on the same map.
 
 pub mod contours;
+pub mod directions;
 mod draw;
+mod log_map;
 mod paths;
 mod regions;
 

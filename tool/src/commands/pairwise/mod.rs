@@ -1,6 +1,7 @@
 //! Implements `geosweep pairwise`, which computes the distances between all points of a surface.
 
 mod sources;
+mod sparse;
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -36,9 +37,9 @@ pub struct Args {
     #[command(flatten)]
     surface: SurfaceArgs,
     /// Output file for the distances: .npy, float32, (n, n) for the n points of the grid in row-major order.
-    /// Distances of holes are +infinity, and so are those between points that no path connects. Optional with
-    /// --json, to time the solver alone
-    #[arg(short, long, value_name = "D.npy", required_unless_present = "json")]
+    /// Distances of holes are +infinity, and so are those between points that no path connects. With --format
+    /// csr it is .npz. Optional with --json, to time the solver alone
+    #[arg(short, long, value_name = "D.npy|D.npz", required_unless_present = "json")]
     output: Option<PathBuf>,
     /// Compute only the rows of these points, (k, n). This is a range A..B of rows of the matrix, without B,
     /// or a file: .npy, (k,), with rows of the matrix; or points of the grid in a table, an .npy array or
@@ -55,6 +56,13 @@ pub struct Args {
     /// holes and where no sample reaches
     #[arg(long, value_name = "LABELS.npy", requires = "sample", help_heading = "Matrix")]
     labels: Option<PathBuf>,
+    /// Write no distance above this one, in the unit of the surface. In whole rows it is +infinity. With
+    /// --format csr only the distances within the radius are computed and stored
+    #[arg(long, value_name = "R", allow_hyphen_values = true, help_heading = "Matrix")]
+    radius: Option<f64>,
+    /// Form of the matrix
+    #[arg(long, value_enum, default_value_t, help_heading = "Matrix")]
+    format: MatrixForm,
     /// Type of the numbers
     #[arg(long, default_value = "float32", value_parser = one_of(&NUMBERS))]
     #[arg(help_heading = "Matrix")]
@@ -80,9 +88,18 @@ pub struct Args {
     /// Print one JSON object (docs/json.md): precision, rows, cols and points of the grid, matrix_rows,
     /// matrix_cols, engine, device, wavefront, iterations (of the slowest map), converged, residual,
     /// solve_seconds, distances_per_second, resumed_rows, memory_bytes (without the surface), disk_bytes,
-    /// samples (with --sample, an array of [row, column])
+    /// samples (with --sample, an array of [row, column]), stored (with --format csr, the number of distances)
     #[arg(long, help_heading = "Reports")]
     json: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+enum MatrixForm {
+    /// Whole rows, an .npy array
+    #[default]
+    Npy,
+    /// The distances within --radius, the diagonal included, in an .npz archive for SciPy's load_npz
+    Csr,
 }
 
 const NUMBERS: [(Element, &str); 2] = [
@@ -108,6 +125,7 @@ Examples:
   geosweep pairwise face.npy -o distances.npy --wavefront circular
   geosweep pairwise dem.tif -o rows.npy --sources 4096..8192 --resume
   geosweep pairwise scan.npy -o rows.npy --sample 200 --labels regions.npy
+  geosweep pairwise dem.tif -o near.npz --radius 500 --format csr
   geosweep pairwise builtin:torus:64x64 -o d.npy --upper --numbers float16 --symmetrize --json",
         builtin_names()
     )
@@ -139,6 +157,9 @@ fn sample_size(text: &str) -> Result<usize, String> {
 }
 
 pub fn run(args: &Args) -> Outcome {
+    if args.format == MatrixForm::Csr {
+        return run_sparse(args);
+    }
     let Outputs { matrix, labels } = Outputs::new(args)?;
     let scene = args.surface.read()?;
     let surface = &scene.surface;
@@ -147,7 +168,7 @@ pub fn run(args: &Args) -> Outcome {
         Some(samples) => (samples.points.clone(), vec![0.0; samples.points.len()]),
         None => args.sources(&scene)?,
     };
-    let options = args.solver.options()?;
+    let options = args.options()?;
     let mut pairwise = Pairwise::new(surface, &options)?;
     let points = pairwise.points();
     let layout = MatrixLayout {
@@ -234,6 +255,21 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Computes and writes the distances within a radius.
+fn run_sparse(args: &Args) -> Outcome {
+    let output = sparse::output(args)?;
+    let scene = args.surface.read()?;
+    let (sources, starts) = match args.sample {
+        Some(count) => {
+            let points = Samples::new(&scene.surface, count)?.points;
+            let starts = vec![0.0; points.len()];
+            (points, starts)
+        }
+        None => args.sources(&scene)?,
+    };
+    sparse::run(args, &scene, (&sources, &starts), &args.options()?, output)
+}
+
 /// The files to write. They are checked before the computation starts.
 struct Outputs {
     matrix: Option<OutputFile>,
@@ -252,6 +288,10 @@ impl Outputs {
 }
 
 impl Args {
+    fn options(&self) -> Result<geosweep::Options, String> {
+        Ok(self.solver.options()?.with_radius(self.radius))
+    }
+
     /// Returns the grid points of the rows, and the start values of their distances.
     fn sources(&self, scene: &Scene) -> Result<(Vec<usize>, Vec<f64>), Box<dyn Error>> {
         let surface = &scene.surface;
@@ -294,7 +334,7 @@ impl Args {
         sources: &[usize],
         starts: &[f64],
     ) -> Result<Provenance, Box<dyn Error>> {
-        let options = self.solver.options()?;
+        let options = self.options()?;
         let wavefront = options.wavefront.map_or("auto", |wavefront| wavefront.name());
         let engine = match &options.engine {
             Engine::Auto | Engine::Cpu => "cpu".into(),
@@ -322,6 +362,7 @@ impl Args {
             .with("engine", engine)
             .with("tolerance", options.tolerance.unwrap_or(DEFAULT_TOLERANCE))
             .with("iterations", options.iterations.map_or("default".into(), |n| n.to_string()))
+            .with("radius", options.radius.map_or("none".into(), |radius| radius.to_string()))
             .with("from symmetry", self.from_symmetry))
     }
 }
@@ -430,6 +471,7 @@ struct Summary<'a> {
     memory_bytes: usize,
     disk_bytes: u64,
     samples: Option<Vec<(usize, usize)>>,
+    stored: Option<usize>,
 }
 
 impl<'a> Summary<'a> {
@@ -459,6 +501,13 @@ impl<'a> Summary<'a> {
             memory_bytes,
             disk_bytes,
             samples,
+            stored: None,
         }
+    }
+
+    /// Returns the same for a sparse matrix of some distances.
+    fn with_stored(self, stored: usize) -> Self {
+        let distances_per_second = stored as f64 / self.solve_seconds;
+        Self { stored: Some(stored), distances_per_second, ..self }
     }
 }

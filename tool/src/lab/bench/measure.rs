@@ -140,8 +140,8 @@ pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
                 let solver = HeadlessSolver::for_profiling(&plan.device, &Capability::ALL)?;
                 match plan.tuning {
                     Some(tuning) => {
-                        let Tuning { tile_lanes, staged, .. } = solver.tuning();
-                        let tuning = Tuning { tile_lanes, staged, ..tuning };
+                        let Tuning { scan_pairs, tile_lanes, staged, .. } = solver.tuning();
+                        let tuning = Tuning { scan_pairs, tile_lanes, staged, ..tuning };
                         let tuning = solver.place_edges(tuning);
                         solver.with_tuning(tuning)
                     }

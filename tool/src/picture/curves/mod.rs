@@ -193,14 +193,17 @@ impl CurvePicture<'_> {
 
     /// Returns polylines with their half widths in pixels and their colours, in the order of drawing.
     fn strokes(&self, thickness: f32) -> impl Iterator<Item = (Vec<[f64; 2]>, f32, Color)> {
-        let rims = self.lines.iter().filter_map(move |line| {
-            let radius = line.radius * thickness + RIM_WIDTH;
-            Some((line.vertices.clone(), radius, line.rim?))
+        let lines = self.lines.iter().flat_map(|line| {
+            let whole = Curve { vertices: line.vertices.clone(), closed: false };
+            let parts =
+                if line.vertices.len() > 1 { whole.parts(self.surface) } else { vec![whole] };
+            parts.into_iter().map(move |part| (part.vertices, line))
         });
-        let lines = self
-            .lines
-            .iter()
-            .map(move |line| (line.vertices.clone(), line.radius * thickness, line.color));
+        let rims = lines.clone().filter_map(move |(vertices, line)| {
+            Some((vertices, line.radius * thickness + RIM_WIDTH, line.rim?))
+        });
+        let lines =
+            lines.map(move |(vertices, line)| (vertices, line.radius * thickness, line.color));
         let marks = self.marks.iter().flat_map(move |mark| {
             let radius = mark.radius * thickness;
             [(radius + RIM_WIDTH, RIM), (radius, mark.color)]

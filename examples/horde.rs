@@ -1,0 +1,245 @@
+//! Ten thousand agents walk to a tower over terrain that is cratered while they walk. Every frame one command
+//! buffer makes the terrain, computes the distances to the tower and the directions of all ways back, and
+//! moves the agents along them. Nothing is read back but the picture of their trails, with two sums.
+//!
+//! `cargo run --release --features formats --example horde -- horde.png`
+//!
+//! With `--links` agents walk to one of eight neighbours instead, as agents on grids usually do. Their trails
+//! keep to eight directions, and are longer.
+
+#[path = "../tests/common/host/mod.rs"]
+mod host;
+
+use std::error::Error;
+
+use geosweep::surface::Chart;
+use geosweep::vulkan::embed::{
+    self, Access, DirectionFrame, Frame, PointKind, PointMemory, PointSource, Points, Reader,
+    SourceInput, SurfaceInfo,
+};
+use geosweep::vulkan::{Method, Schedule};
+use geosweep::{Spacing, Stop, Wavefront};
+
+pub(crate) use host::Host;
+
+const SIDE: usize = 192;
+const AGENTS: u32 = 10_000;
+const FRAMES: u32 = 110;
+/// Pixels for each cell.
+const FINE: usize = 4;
+const WIDTH: usize = FINE * (SIDE - 1);
+const TOWER: [f32; 2] = [96.0, 176.0];
+
+/// What the passes share. A crater opens every twenty frames, across the agents' way.
+const SHARED: &str = "
+    const SIDE = 192u;
+    const WIDTH = 764u;
+    const AGENTS = 10000u;
+    const TOWER = vec2<f32>(176.0, 96.0);
+    fn height(at: vec2<f32>, frame: f32) -> f32 {
+        var craters = array<vec3<f32>, 4>(vec3<f32>(80.0, 96.0, 10.0), vec3<f32>(112.0, 60.0, 30.0),
+                                          vec3<f32>(118.0, 118.0, 50.0), vec3<f32>(146.0, 88.0, 65.0));
+        var z = 5.0 * sin(0.05 * at.x + 1.0) * cos(0.06 * at.y) + 2.0 * sin(0.11 * at.y - 0.07 * at.x);
+        for (var i = 0; i < 4; i++) {
+            let far = distance(at, craters[i].xy) / 15.0;
+            let rim = 10.0 * exp(-12.0 * (far - 1.0) * (far - 1.0));
+            let bowl = 26.0 * (1.0 - smoothstep(0.3, 1.0, far));
+            z += select(0.0, rim - bowl, frame >= craters[i].z);
+        }
+        return z;
+    }";
+
+/// One invocation is one grid point.
+const TERRAIN: &str = "
+    @group(0) @binding(0) var<storage, read> frame: array<f32>;
+    @group(0) @binding(1) var<storage, read_write> heights: array<f32>;
+    @compute @workgroup_size(64)
+    fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+        if (id.x >= SIDE * SIDE) { return; }
+        heights[id.x] = height(vec2<f32>(vec2<u32>(id.x % SIDE, id.x / SIDE)), frame[0]);
+    }";
+
+/// One invocation is one agent. `heading` is one of the two functions below.
+const WALK: &str = "
+    @group(0) @binding(0) var<storage, read> frame: array<f32>;
+    @group(0) @binding(1) var<storage, read_write> agents: array<vec2<f32>>;
+    @group(0) @binding(2) var<storage, read_write> trails: array<atomic<u32>>;
+    @group(0) @binding(3) var field: texture_2d<f32>;
+    fn start(agent: u32) -> vec2<f32> {
+        let a = fract(f32(agent) * 0.75487767);
+        let b = fract(f32(agent) * 0.56984029);
+        return vec2<f32>(4.0 + 14.0 * a, 12.0 + 168.0 * b);
+    }
+    @compute @workgroup_size(64)
+    fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+        if (id.x >= AGENTS) { return; }
+        var place = agents[id.x];
+        if (frame[0] == 0.0) { place = start(id.x); }
+        // Two sums follow the pixels: the agents at the tower, and 16ths of cells walked.
+        for (var step = 0; step < 8 && distance(place, TOWER) > 2.0; step++) {
+            let next = clamp(place + 0.25 * heading(place), vec2<f32>(0.0), vec2<f32>(f32(SIDE - 1u)));
+            let way = vec3<f32>(next - place, height(next, frame[0]) - height(place, frame[0]));
+            atomicAdd(&trails[WIDTH * WIDTH + 1u], u32(16.0 * length(way) + 0.5));
+            place = next;
+            let pixel = min(vec2<u32>(4.0 * place), vec2<u32>(WIDTH - 1u));
+            atomicAdd(&trails[pixel.y * WIDTH + pixel.x], 1u);
+            if (distance(place, TOWER) <= 2.0) { atomicAdd(&trails[WIDTH * WIDTH], 1u); }
+        }
+        agents[id.x] = place;
+    }";
+
+/// Samples the directions bilinearly. Where ways lead apart, the nearest texel is as good as any.
+const ALONG_DIRECTIONS: &str = "
+    fn heading(place: vec2<f32>) -> vec2<f32> {
+        let low = min(vec2<i32>(place), vec2<i32>(i32(SIDE) - 2));
+        let part = place - vec2<f32>(low);
+        let north = mix(textureLoad(field, low, 0).xy, textureLoad(field, low + vec2<i32>(1, 0), 0).xy, part.x);
+        let south = mix(textureLoad(field, low + vec2<i32>(0, 1), 0).xy,
+                        textureLoad(field, low + vec2<i32>(1, 1), 0).xy, part.x);
+        let way = mix(north, south, part.y);
+        if (length(way) > 0.5) { return normalize(way); }
+        return textureLoad(field, vec2<i32>(round(place)), 0).xy;
+    }";
+
+/// Goes to the neighbour from which the distance falls most steeply.
+const ALONG_LINKS: &str = "
+    fn heading(place: vec2<f32>) -> vec2<f32> {
+        let at = vec2<i32>(round(place));
+        var best = 0.0;
+        var link = at;
+        for (var i = 0; i < 9; i++) {
+            let to = clamp(at + vec2<i32>(i % 3 - 1, i / 3 - 1), vec2<i32>(0), vec2<i32>(i32(SIDE) - 1));
+            let away = max(distance(vec2<f32>(to), vec2<f32>(at)), 0.5);
+            let fall = (textureLoad(field, at, 0).x - textureLoad(field, to, 0).x) / away;
+            if (fall > best) { best = fall; link = to; }
+        }
+        let way = vec2<f32>(link) - place;
+        return way / max(length(way), 1e-3);
+    }";
+
+/// One invocation is one pixel: shaded terrain, and the trails over it.
+const PAINT: &str = "
+    @group(0) @binding(0) var<storage, read> frame: array<f32>;
+    @group(0) @binding(1) var<storage, read> agents: array<vec2<f32>>;
+    @group(0) @binding(2) var<storage, read_write> trails: array<u32>;
+    @compute @workgroup_size(64)
+    fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+        if (id.x >= WIDTH * WIDTH) { return; }
+        let at = 0.25 * (vec2<f32>(vec2<u32>(id.x % WIDTH, id.x / WIDTH)) + 0.5);
+        let z = height(at, frame[0]);
+        let slope = vec2<f32>(height(at + vec2<f32>(0.5, 0.0), frame[0]) - height(at - vec2<f32>(0.5, 0.0), frame[0]),
+                              height(at + vec2<f32>(0.0, 0.5), frame[0]) - height(at - vec2<f32>(0.0, 0.5), frame[0]));
+        let light = dot(normalize(vec3<f32>(-slope, 1.0)), normalize(vec3<f32>(-0.6, -0.7, 0.9)));
+        let ground = mix(vec3<f32>(0.36, 0.33, 0.28), vec3<f32>(0.72, 0.71, 0.58), clamp(0.5 + 0.04 * z, 0.0, 1.0));
+        var colour = ground * (0.35 + 0.75 * max(light, 0.0));
+        let trail = 1.0 - exp(-0.12 * f32(trails[id.x]));
+        colour = mix(colour, mix(vec3<f32>(0.15, 0.35, 0.75), vec3<f32>(0.95, 0.97, 1.0), trail * trail), 0.85 * trail);
+        colour = select(colour, vec3<f32>(0.80, 0.10, 0.14), distance(at, TOWER) < 2.5);
+        trails[id.x] = pack4x8unorm(vec4<f32>(colour, 1.0));
+    }";
+
+/// What comes of a march.
+pub(crate) struct March {
+    /// Rows of pixels.
+    pub pixels: Vec<u8>,
+    /// Number of agents that have arrived.
+    pub arrived: u32,
+    /// Mean length of their ways over the terrain, in cells.
+    pub walked: f64,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (options, paths): (Vec<String>, Vec<_>) =
+        std::env::args().skip(1).partition(|argument| argument.starts_with('-'));
+    let links = options.iter().any(|option| option == "--links");
+    let path = paths.first().map_or("horde.png", String::as_str);
+    let March { pixels, arrived, walked } = march(&mut Host::without_validation(), links, FRAMES);
+    let file = std::io::BufWriter::new(std::fs::File::create(path)?);
+    let mut encoder = png::Encoder::new(file, WIDTH as u32, WIDTH as u32);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&pixels)?;
+    writer.finish()?;
+    println!(
+        "{arrived} of {AGENTS} agents have arrived, on ways of {walked:.1} cells; wrote {path}"
+    );
+    Ok(())
+}
+
+/// Lets the agents walk for some frames, along directions or along links from point to point.
+pub(crate) fn march(host: &mut Host, links: bool, frames: u32) -> March {
+    let device = host.device.clone();
+    let chart = Chart { rows: SIDE, cols: SIDE };
+    let mut time = host.buffer_of(&[0.0]);
+    let heights = host.buffer(4 * chart.points() as u64, false);
+    let agents = host.buffer(8 * u64::from(AGENTS), false);
+    let trails = host.buffer_of(&vec![0.0; WIDTH * WIDTH + 2]);
+
+    // Once: the solver, the surface, the directions, and the host's own passes.
+    let passes = [(Schedule::Raster, Wavefront::Curved)];
+    let solver = embed::Solver::new(&host.instance, host.physical_device, &device, &passes);
+    let mut solver = solver.expect("the device meets the requirements");
+    let memory = PointMemory::Buffer { buffer: heights.handle, offset: 0, stride: 4 };
+    let kind = PointKind::Heights(Spacing::square(1.0));
+    let inputs = [Points { memory, kind, slowness: None }];
+    let info = SurfaceInfo::new(chart).with_points(&inputs);
+    let surface = solver.surface(&device, host.allocator(), &info);
+    let mut surface = surface.expect("there is memory");
+    let directions = solver.directions(&device, host.allocator(), &surface);
+    let mut directions = directions.expect("there is memory");
+    let method = Method::new(Wavefront::Curved, Stop::within(1e-4).or_after(100));
+    let plan = solver.plan(chart, method, 12).expect("the passes are there");
+    host.run(|commands| solver.record(&device, commands, &surface).prepare());
+    let pass = |text: &str, buffers: &[_], texture| {
+        host.pass(&format!("{SHARED}{text}"), buffers, texture)
+    };
+    let terrain = pass(TERRAIN, &[time.handle, heights.handle], None);
+    let (heading, field) = match links {
+        true => (ALONG_LINKS, surface.result(0, Reader::COMPUTE.layout).expect("there is a slot")),
+        false => (ALONG_DIRECTIONS, directions.image(Reader::COMPUTE.layout)),
+    };
+    let buffers = [time.handle, agents.handle, trails.handle];
+    let walk = pass(&format!("{heading}{WALK}"), &buffers, Some(field.view));
+    let paint = pass(PAINT, &buffers, None);
+
+    for frame in 0..frames {
+        time.floats_mut()[0] = frame as f32;
+        host.run(|commands| {
+            host.dispatch(commands, &terrain, chart.points().div_ceil(64) as u32);
+            let tower = [PointSource::at(TOWER[0], TOWER[1])];
+            let sources = SourceInput::Inline(&tower);
+            let recording = solver.record(&device, commands, &surface);
+            let map = Frame::new(&plan, sources, Reader::COMPUTE)
+                .with_before(Access::COMPUTE_WRITE)
+                .with_points(0);
+            recording.frame(&map).expect("the frame is right");
+            let ways = DirectionFrame::new(sources, Reader::COMPUTE);
+            recording.directions(&directions, &ways).expect("the frame is right");
+            host.dispatch(commands, &walk, AGENTS.div_ceil(64));
+        });
+        let outcome = surface.outcome(0).expect("there is a slot");
+        assert!(outcome.converged, "{outcome:?}");
+    }
+    host.run(|commands| {
+        host.dispatch(commands, &paint, (WIDTH * WIDTH).div_ceil(64) as u32);
+        host.barrier(commands, Access::COMPUTE_WRITE, Access::HOST_READ);
+    });
+
+    let bytes = trails.bytes();
+    let sum = |number: usize| {
+        let at = 4 * (WIDTH * WIDTH + number);
+        u32::from_ne_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
+    };
+    let march = March {
+        pixels: bytes[..4 * WIDTH * WIDTH].to_vec(),
+        arrived: sum(0),
+        walked: f64::from(sum(1)) / 16.0 / f64::from(AGENTS),
+    };
+    directions.destroy(&device, host.allocator());
+    surface.destroy(&device, host.allocator());
+    solver.destroy(&device);
+    [terrain, walk, paint].into_iter().for_each(|pass| host.destroy_pass(pass));
+    [time, heights, agents, trails].into_iter().for_each(|buffer| host.free(buffer));
+    march
+}

@@ -1,0 +1,30 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Computes the direction in which the way back leaves each grid point, as a unit vector in columns and rows.
+// One invocation is one point.
+// Twin: src/geometry/directions, in double precision.
+
+#include "shared/constants.glsl"
+#include "shared/chart.glsl"
+#include "shared/edge_image.glsl"
+#include "shared/cell.glsl"
+#include "shared/times.glsl"
+#include "shared/start.glsl"
+#include "passes/path_cell.glsl"
+#include "passes/path_profile.glsl"
+#include "passes/path_places.glsl"
+#include "passes/local_metric.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+#include "passes/ways.glsl"
+#include "shared/source.glsl"
+#include "passes/path_line.glsl"
+#include "passes/way.glsl"
+
+void main() {
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    if (is_beyond(at, grid)) return;
+    vec2 way = is_reached(time_at(at)) ? way_from(at) : vec2(0.0);
+    ways[word_of(1, index_of(at))] = packHalf2x16(way);
+}

@@ -1,0 +1,76 @@
+// Computes the metric of the surface from the lengths of its edges. Lengths over a slowness are travel times.
+// Include after edge_image.glsl.
+// Twin: src/geometry/directions/frame.rs, from positions.
+
+// The metric at a place, in steps of columns (c) and rows (r).
+struct Metric {
+    float cc;
+    float rr;
+    float cr;
+};
+
+// Returns the mean square of the lengths of two edges that lie in line, or of the one that exists, or -1.
+float mean_square(float a, float b) {
+    if (a >= FAR && b >= FAR) return -1.0;
+    if (a >= FAR) return b * b;
+    return b >= FAR ? a * a : 0.5 * (a * a + b * b);
+}
+
+// Returns the metric at a grid point, in units of a length that is comparable with its edges. It has a
+// component that is not positive where no edge leads along columns or rows.
+Metric metric_of_point(ivec2 at, float unit) {
+    ivec2 point = point_at(at);
+    vec4 own = imageLoad(edges, point) / unit;
+    float west = imageLoad(edges, point + ivec2(-1, 0)).x / unit;
+    float south = imageLoad(edges, point + ivec2(0, 1)).y / unit;
+    float south_west = imageLoad(edges, point + ivec2(-1, 1)).z / unit;
+    float south_east = imageLoad(edges, point + ivec2(1, 1)).w / unit;
+    float far = FAR / unit;
+    // Lengths that do not exist stay so.
+    own = mix(own, vec4(FAR), greaterThanEqual(own, vec4(0.5 * far)));
+    if (west >= 0.5 * far) west = FAR;
+    if (south >= 0.5 * far) south = FAR;
+    if (south_west >= 0.5 * far) south_west = FAR;
+    if (south_east >= 0.5 * far) south_east = FAR;
+    Metric metric;
+    metric.cc = mean_square(own.x, west);
+    metric.rr = mean_square(own.y, south);
+    float falling = mean_square(own.w, south_east);
+    float rising = mean_square(own.z, south_west);
+    metric.cr = 0.0;
+    if (falling >= 0.0 && rising >= 0.0) {
+        metric.cr = 0.25 * (falling - rising);
+    } else if (falling >= 0.0) {
+        metric.cr = 0.5 * (falling - metric.cc - metric.rr);
+    } else if (rising >= 0.0) {
+        metric.cr = 0.5 * (metric.cc + metric.rr - rising);
+    }
+    return metric;
+}
+
+// Returns whether a metric is positive and not too flat for single precision.
+bool is_usable(Metric metric) {
+    return metric.cc > 0.0 && metric.rr > 0.0
+        && metric.cc * metric.rr - metric.cr * metric.cr > 1e-6 * metric.cc * metric.rr;
+}
+
+// Returns the longest edge along columns and rows at a point, or 0 if there is none.
+float longest_edge(ivec2 at) {
+    float longest = 0.0;
+    for (int i = 0; i < 8; i += 2) {
+        float size = edge_length(point_at(at), NEIGHBOURS[i]);
+        if (size < FAR) longest = max(longest, size);
+    }
+    return longest;
+}
+
+// Returns the product of two steps.
+float product(Metric metric, vec2 a, vec2 b) {
+    return metric.cc * a.x * b.x + metric.cr * (a.x * b.y + a.y * b.x) + metric.rr * a.y * b.y;
+}
+
+// Returns the step whose products with columns and rows are given.
+vec2 raised(Metric metric, vec2 lower) {
+    float whole = metric.cc * metric.rr - metric.cr * metric.cr;
+    return vec2(metric.rr * lower.x - metric.cr * lower.y, metric.cc * lower.y - metric.cr * lower.x) / whole;
+}

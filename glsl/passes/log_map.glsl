@@ -1,0 +1,63 @@
+// Follows the ways of a log map between grid points, for log_map_*.comp. Include after ways.glsl and
+// cell.glsl.
+//
+// A way leads some number of cells back towards the source. It is that of the points around a place, so that
+// two ways follow from one of half the length. All ways are equally long in the grid: the places to which
+// those of neighbours lead lie side by side, and mean the same between them.
+
+// The source of a point whose place in the log map is not known yet.
+const uint NO_LABEL = 0xffffffffu;
+// Stands for a way from a point that has none: holes, and what is beyond the radius.
+const vec2 NO_WAY = vec2(-4.0);
+
+bool is_way(vec2 way) {
+    return way.x > NO_WAY.x;
+}
+
+// The points around a place that have a way, with their weights.
+struct Around {
+    ivec4 points;
+    vec4 weights;
+    int nearest; // the one with the largest weight; -1 if there is none
+};
+
+// `which` is the copy of the ways.
+Around around(vec2 place, int which) {
+    Around found;
+    vec2 first = floor(place);
+    found.weights = bilinear(place - first);
+    found.points = corners_row_major(ivec2(first), grid.x);
+    found.nearest = -1;
+    float heaviest = 0.0;
+    for (int i = 0; i < 4; i++) {
+        if (found.weights[i] <= 0.0 || !is_way(read_pair(which, found.points[i]))) {
+            found.weights[i] = 0.0;
+        } else if (found.weights[i] > heaviest) {
+            heaviest = found.weights[i];
+            found.nearest = i;
+        }
+    }
+    return found;
+}
+
+vec2 place_of_point(int index) {
+    return vec2(from_row_major(index, grid.x));
+}
+
+// Returns the place to which the way from a place leads. Points whose ways lead elsewhere, as across the cut
+// locus, do not count.
+vec2 carried_back(vec2 place, Around around, int which) {
+    if (around.nearest < 0) return place;
+    vec2 on = read_pair(which, around.points[around.nearest]);
+    vec2 sum = vec2(0.0);
+    float all = 0.0;
+    for (int i = 0; i < 4; i++) {
+        if (around.weights[i] == 0.0) continue;
+        vec2 to = read_pair(which, around.points[i]);
+        vec2 apart = abs(to - on);
+        if (max(apart.x, apart.y) > NEAR_PLACES) continue;
+        sum += around.weights[i] * (to - place_of_point(around.points[i]));
+        all += around.weights[i];
+    }
+    return back_on_grid(place + sum / all, grid);
+}

@@ -1,0 +1,170 @@
+// Finds the straight line on which the front arrives first at a place of a path. Include after times.glsl,
+// path_cell.glsl, path_profile.glsl, path_places.glsl and source.glsl.
+//
+// The including shader defines find_source().
+// Twin: src/geometry/paths/search.rs.
+
+// Twice the distance from 1 to the next number.
+const float ROUNDING = 2.4e-7;
+// Triangles with a smaller squared sine, at the nearer end of the side, are too flat for single precision.
+const float FLAT_TRIANGLE = 3e-7;
+
+// A straight line of a path.
+struct Line {
+    bool exists;
+    int source;   // source at its end; -1 if it ends elsewhere
+    Place end;
+    float time;   // time at its end, relative to the moment from which times of a step count
+    float size;
+    ivec2 cell;
+};
+
+Line best;
+
+vec2 position(Place place) {
+    return vec2(place.first) + place.share;
+}
+
+// Returns the number of cells in which a place lies.
+int cells_around(Place place) {
+    return (place.share.x == 0.0 ? 2 : 1) * (place.share.y == 0.0 ? 2 : 1);
+}
+
+// Returns the offset of one of a place's cells from its south-eastern cell, in columns to the west and rows
+// to the north.
+ivec2 offset_of(Place place, int index) {
+    if (place.share.x > 0.0) return ivec2(0, index);
+    return to_corner(index);
+}
+
+vec4 weights_in(Place place, ivec2 cell) {
+    return bilinear(place.share + vec2(place.first - cell));
+}
+
+// Computes the weights of a place inside a cell. Places on grid lines need only two of the corners and do not
+// use this.
+bool weights_inside(Place place, Cell cell, out vec4 weights) {
+    return corner_weights(reached_corners(cell), place.share, weights);
+}
+
+// Returns whether the time falls along a line by at least LEAST_FALL of its length.
+bool falls(Line line, Path path) {
+    float slack = ROUNDING * abs(path.moment + path.below);
+    return path.below - line.time >= LEAST_FALL * line.size - slack;
+}
+
+// Replaces the best line by another one that is better and ends lower than the place of the path. A line that
+// falls is better than one that does not. Among equals, the one on which the front arrives first is better.
+void offer(Place end, float time, float size, Path path, ivec2 cell) {
+    Line line = Line(true, -1, end, time, size, cell);
+    bool is_better = !best.exists || time + size < best.time + best.size;
+    if (best.exists && falls(line, path) != falls(best, path)) is_better = falls(line, path);
+    if (is_better && time < path.below) best = line;
+}
+
+// Looks for a better line through a cell.
+void cross_cell(Cell cell, vec4 weights, Path path) {
+    float moment = path.moment;
+    vec4 squares = squares_from(cell, weights);
+    bvec4 reached = reached_corners(cell);
+    int support = 0;
+    for (int i = 0; i < 4; i++) support += weights[i] > 0.0 ? 1 : 0;
+    for (int side = 0; side < 4; side++) {
+        int a = SIDES[side].x;
+        int b = SIDES[side].y;
+        // Skips the place's own edge, and edges that end at the place.
+        float own = weights[a] + weights[b];
+        if (support == 1 ? own > 0.0 : support == 2 && own > 0.9999999) continue;
+        ivec2 point = cell.first + to_corner(a);
+        ivec2 step = to_corner(b) - to_corner(a);
+        vec2 ends = vec2(squares[a], squares[b]);
+        float base = cell.squares[a][b];
+        float nearer = min(ends.x, ends.y);
+        float skew = max(ends.x, ends.y) - nearer - base;
+        float whole = 4.0 * nearer * base;
+        bool is_flat = whole - skew * skew <= FLAT_TRIANGLE * whole;
+        // The start lies on the side as far as single precision can tell.
+        bool is_beside = is_flat && support > 2 && base > 0.0;
+        if (reached[a] && reached[b] && max(ends.x, ends.y) < 0.5 * NO_EDGE
+            && (is_beside || !is_flat)) {
+            vec4 times = vec4(time_at(point - step), cell.times[a], cell.times[b],
+                              time_at(point + 2 * step));
+            Profile profile = profile_of(times, path.start, cell.unit, base);
+            float foot = clamp(0.5 + 0.5 * (ends.x - ends.y) / base, 0.0, 1.0);
+            Crossing found = is_beside ? crossing_at(profile, ends, base, foot)
+                                       : crossing(profile, ends, base);
+            int end = found.share > 0.5 ? b : a;
+            float away = found.share > 0.5 ? 1.0 - found.share : found.share;
+            // A line that passes a point closely ends there, unless the point is reached later than the start
+            // of the line.
+            if (away == 0.0 || (away < AT_POINT && cell.times[end] - moment < path.below)) {
+                Place there = Place(cell.first + to_corner(end), vec2(0.0));
+                float size = cell.unit * sqrt(max(squares[end], 0.0));
+                offer(there, cell.times[end] - moment, size, path, cell.first);
+            } else {
+                float time = cell.times[a] - moment + cell.unit * found.time;
+                Place there = Place(point, found.share * vec2(step));
+                offer(there, time, cell.unit * found.distance, path, cell.first);
+            }
+            continue;
+        }
+        // Without a triangle, paths run along edges.
+        for (int k = 0; k < 2; k++) {
+            int end = SIDES[side][k];
+            bool along = support == 1 || weights[end] > 0.0 || support > 2;
+            if (reached[end] && along && squares[end] < 0.5 * NO_EDGE) {
+                Place there = Place(cell.first + to_corner(end), vec2(0.0));
+                float size = cell.unit * sqrt(max(squares[end], 0.0));
+                offer(there, cell.times[end] - moment, size, path, cell.first);
+            }
+        }
+    }
+}
+
+// Replaces the nearest source by another one, if that lies in the cell and its front arrives earlier at a
+// place in the cell, over a straight line.
+void try_source(int number, Cell cell, vec4 weights, float moment, inout Line nearest) {
+    Source other = source(number);
+    vec2 uv = place_of(other) - vec2(cell.first);
+    bool inside = all(greaterThanEqual(uv, vec2(0.0))) && all(lessThanEqual(uv, vec2(1.0)));
+    vec4 there;
+    if (!inside || !counts(other) || !corner_weights(reached_corners(cell), uv, there)) return;
+    float time = other.time - moment;
+    float size = cell.unit * distance_of(cell, weights, there);
+    if (!nearest.exists || time + size < nearest.time + nearest.size) {
+        nearest = Line(true, number, Place(cell.first, uv), time, size, ivec2(-2));
+    }
+}
+
+// Finds the source in a cell from which the front arrives first at a place in the cell, over a straight line.
+void find_source(Cell cell, vec4 weights, float moment, inout Line nearest);
+
+// Returns the straight line across a cell on which the front arrives first, among those that end lower than
+// the place of the path. The cell beside the one from which the path comes is tried first.
+Line line_from(Path path) {
+    Place place = path.place;
+    int cells = cells_around(place);
+    int first = place.first - offset_of(place, 0) == path.from ? 1 : 0;
+    best.exists = false;
+    Line nearest;
+    nearest.exists = false;
+    bool is_known = path.below < UNKNOWN;
+    for (int i = 0; i < cells; i++) {
+        Cell cell = cell_at(place.first - offset_of(place, (first + i) % cells));
+        if (cell.unit == 0.0) continue;
+        vec4 weights = weights_in(place, cell.first);
+        if (cells == 1) weights_inside(place, cell, weights);
+        cross_cell(cell, weights, path);
+        // A source in the cell is near, and so its time is not much earlier.
+        if (!is_known || path.moment + path.below - path.latest <= 4.0 * cell.unit) {
+            find_source(cell, weights, path.moment, nearest);
+        }
+        bool fits =
+            best.exists && is_known && best.time + best.size <= path.below + FITS * best.size;
+        if (cells == 2 && fits && !nearest.exists) break;
+    }
+    bool in_sight = nearest.exists
+        && (best.exists ? nearest.time + (1.0 - FITS) * nearest.size <= best.time + best.size
+                        : nearest.time <= path.below);
+    return in_sight ? nearest : best;
+}

@@ -1,0 +1,35 @@
+// Defines where a path is, and its state. Include after chart.glsl.
+
+// A time that is not known yet.
+const float UNKNOWN = 1e20;
+const ivec2 NO_CELL = ivec2(-2);
+
+// A place: a grid point, and a share of a cell to the east and south of it.
+struct Place {
+    ivec2 first;
+    vec2 share;
+};
+
+struct Path {
+    // The record.
+    uint vertices;
+    uint status;
+    int source;
+    float time;
+    float size;
+    // The state: the place, and the arrival time there, relative to `moment`.
+    Place place;
+    float below;
+    float moment;
+    float lowest;   // earliest time of the grid points passed
+    ivec2 from;     // cell through which the path came
+    vec2 last;      // its last vertex, column and row
+    float start;    // time from which squared times count
+    float earliest; // earliest and latest of the sources' initial values
+    float latest;
+    int own;        // source to which it is known to lead; -1 if not known, -2 if not certain
+};
+
+bool is_point(Place place) {
+    return place.share == vec2(0.0);
+}

@@ -1,0 +1,141 @@
+// Finds the direction in which the way back leaves a grid point. Where squared times are smooth and the
+// source is not near, it is that of their gradient; elsewhere it is that of the path's first line. Include
+// after path_line.glsl, local_metric.glsl, start.glsl and ways.glsl.
+// Twin: src/geometry/directions/ways.rs, which also finds the corners from which squared times count.
+
+// Largest change of second differences that counts as smooth, as a part of the squared length of a step.
+const float SMOOTH = 0.5;
+// Largest relative difference between the length of the gradient and the one that the eikonal equation
+// demands.
+const float OFF_LENGTH = 0.1;
+// Least cosine of the angle between the gradient and the first line.
+const float ALIKE_WAYS = 0.985;
+// Nearer to the source than this, in cells, fronts of several sources can meet without a visible kink.
+const float NEAR_SOURCE = 8.0;
+
+float earliest_start() {
+    return time_of(~ways[0]);
+}
+
+float latest_start() {
+    return time_of(ways[1]);
+}
+
+// Returns the number of the source whose own front is the earliest at a point of its cell, or -1.
+int source_beside(ivec2 at) {
+    uint number = in_grid(at, grid) ? ways[word_of(0, index_of(at))] : 0u;
+    return number == 0u ? -1 : int(~number);
+}
+
+// The sources beside the cell's corners are those that matter.
+void find_source(Cell cell, vec4 weights, float moment, inout Line nearest) {
+    int before = -1;
+    for (int i = 0; i < 4; i++) {
+        int number = source_beside(cell.first + to_corner(i));
+        if (number >= 0 && number != before) try_source(number, cell, weights, moment, nearest);
+        before = number;
+    }
+}
+
+// Returns a path that begins at a grid point. `start` is the time from which squared times count.
+Path path_from(ivec2 at, float start) {
+    Path path;
+    path.place = Place(at, vec2(0.0));
+    path.moment = time_at(at);
+    path.below = 0.0;
+    path.from = NO_CELL;
+    path.start = start;
+    // Sources are looked up, so that no test of time saves anything.
+    path.latest = FAR;
+    return path;
+}
+
+// Returns the squared time since the start at a point, less that at another one, in squared units. It is FAR
+// if the point is not reached.
+float excess_at(ivec2 at, float time, vec2 start_and_unit) {
+    float other = time_at(at);
+    if (!is_reached(other)) return FAR;
+    float start = start_and_unit.x;
+    return ((other - time) / start_and_unit.y) * (((other - start) + (time - start)) / start_and_unit.y);
+}
+
+// Computes the slope of the squared time along a grid line. Returns false where it is not smooth.
+bool slope_along(ivec2 at, ivec2 along, float time, vec2 start_and_unit, float limit, out float slope) {
+    float back = excess_at(at - along, time, start_and_unit);
+    float ahead = excess_at(at + along, time, start_and_unit);
+    slope = 0.0;
+    if (back >= FAR || ahead >= FAR) return false;
+    slope = 0.5 * (ahead - back);
+    float bend = ahead + back;
+    float far_back = excess_at(at - 2 * along, time, start_and_unit);
+    float far_ahead = excess_at(at + 2 * along, time, start_and_unit);
+    bool has_back = far_back < FAR;
+    bool has_ahead = far_ahead < FAR;
+    float bend_back = has_back ? far_back - 2.0 * back : bend;
+    float bend_ahead = has_ahead ? far_ahead - 2.0 * ahead : bend;
+    float low = min(bend, min(bend_back, bend_ahead));
+    float high = max(bend, max(bend_back, bend_ahead));
+    if (high - low <= limit) {
+        if (has_back && has_ahead) slope = (8.0 * (ahead - back) - (far_ahead - far_back)) / 12.0;
+        return has_back || has_ahead || low >= -limit;
+    }
+    // With a kink further away, the three points in the middle are smooth. Then their second difference
+    // agrees with the larger of the other two, which the kink lowers.
+    return has_back && has_ahead && abs(max(bend_back, bend_ahead) - bend) <= limit;
+}
+
+// Computes the direction of steepest descent at a point as a step of columns and rows. Returns false if the
+// map is not smooth there.
+bool descent(ivec2 at, float time, float start, Metric metric, float unit, out vec2 step) {
+    step = vec2(0.0);
+    float since = (time - start) / unit;
+    if (!is_usable(metric) || since <= 0.0) return false;
+    float noise = 16.0 * since * abs(time / unit) * ROUNDING;
+    vec2 slopes;
+    if (!slope_along(at, ivec2(1, 0), time, vec2(start, unit), SMOOTH * metric.cc + noise, slopes.x)
+        || !slope_along(at, ivec2(0, 1), time, vec2(start, unit), SMOOTH * metric.rr + noise, slopes.y)) {
+        return false;
+    }
+    step = -raised(metric, slopes);
+    float size = sqrt(max(product(metric, step, step), 0.0)) / (2.0 * since);
+    return abs(size - 1.0) < OFF_LENGTH;
+}
+
+// Returns the step from a point to the earliest neighbour, or zero if all are later.
+vec2 to_earliest(ivec2 at, float time) {
+    vec2 step = vec2(0.0);
+    for (int i = 0; i < 8; i++) {
+        float other = time_at(at + NEIGHBOURS[i]);
+        if (other < time && edge_length(point_at(at), NEIGHBOURS[i]) < FAR) {
+            time = other;
+            step = vec2(NEIGHBOURS[i]);
+        }
+    }
+    return step;
+}
+
+// Returns the direction in which the way back leaves a point that is reached, as a step of columns and rows
+// of unit length. It is zero at a source, and where no neighbour is earlier.
+vec2 way_from(ivec2 at) {
+    float time = time_at(at);
+    float start = earliest_start();
+    float unit = longest_edge(at);
+    if (unit == 0.0) return vec2(0.0);
+    Metric metric = metric_of_point(at, unit);
+    vec2 downhill = vec2(0.0);
+    bool is_smooth = source_beside(at) < 0 && descent(at, time, start, metric, unit, downhill);
+    if (is_smooth && (time - start) / unit > NEAR_SOURCE) return normalize(downhill);
+    Line line = line_from(path_from(at, start));
+    vec2 step;
+    if (!line.exists) {
+        step = to_earliest(at, time);
+    } else {
+        step = position(line.end) - vec2(at);
+        float both = product(metric, step, step) * product(metric, downhill, downhill);
+        if (is_smooth && line.source < 0 && product(metric, step, downhill) > ALIKE_WAYS * sqrt(both)) {
+            step = downhill;
+        }
+    }
+    float size = length(step);
+    return size > 0.0 ? step / size : vec2(0.0);
+}

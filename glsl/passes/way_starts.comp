@@ -1,0 +1,50 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Finds for each grid point around a source when the source's own front arrives there over a straight line,
+// and in a second pass the number of the first source whose front is the earliest. One invocation is one
+// source. Atomics whose order does not matter find both.
+// Twin: src/geometry/paths/goals.rs, which lists the sources of each cell.
+
+#include "shared/constants.glsl"
+#include "shared/chart.glsl"
+#include "shared/edge_image.glsl"
+#include "shared/cell.glsl"
+#include "shared/times.glsl"
+#include "shared/start.glsl"
+#include "passes/path_cell.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+#include "passes/ways.glsl"
+#include "shared/source.glsl"
+
+void main() {
+    int number = int(gl_GlobalInvocationID.x);
+    if (number >= count) return;
+    Source own = source(number);
+    if (!counts(own)) return;
+    if (turn == 0) {
+        atomicMax(ways[0], ~rank_of(own.time));
+        atomicMax(ways[1], rank_of(own.time));
+    }
+    for (int i = 0; i < 4; i++) {
+        ivec2 first = ivec2(place_of(own)) - to_corner(i);
+        vec2 uv = place_of(own) - vec2(first);
+        if (any(greaterThan(uv, vec2(1.0)))) continue;
+        Cell cell = cell_at(first);
+        bvec4 reached = reached_corners(cell);
+        vec4 there;
+        if (cell.unit == 0.0 || !corner_weights(reached, uv, there)) continue;
+        vec4 squares = squares_from(cell, there);
+        for (int j = 0; j < 4; j++) {
+            if (!reached[j] || squares[j] >= 0.5 * NO_EDGE) continue;
+            int index = index_of(first + to_corner(j));
+            uint start = ~rank_of(own.time + cell.unit * sqrt(max(squares[j], 0.0)));
+            if (turn == 0) {
+                atomicMax(ways[word_of(1, index)], start);
+            } else if (ways[word_of(1, index)] == start) {
+                atomicMax(ways[word_of(0, index)], ~uint(number));
+            }
+        }
+    }
+}

@@ -1,0 +1,81 @@
+"""Sparse matrices of distances: pairs within a radius, and nearest points."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _geosweep
+from ._optional import needed
+from ._settings import Engine, Wavefront, grid_points, settings
+from ._surface import Surface
+from ._warnings import check
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+
+def pairs(
+    surface: Surface,
+    points: ArrayLike | None = None,
+    *,
+    radius: float | None = None,
+    k: int | None = None,
+    wavefront: Wavefront = "auto",
+    engine: Engine = "auto",
+    tolerance: float | None = None,
+    iterations: int | None = None,
+    threads: int | None = None,
+    strict: bool = False,
+) -> "csr_array":
+    """Compute the distances between points that are close, as a sparse matrix (n, n).
+
+    Parameters
+    ----------
+    surface
+        The surface.
+    points
+        Rows and columns (n, 2) of grid points; all M N, in row-major order, by default.
+    radius
+        Largest distance of a pair.
+    k
+        Number of others, the nearest ones, in each row. A radius may limit them further.
+    wavefront, engine, tolerance, iterations, threads, strict
+        As in `Surface.solve`.
+
+    Returns
+    -------
+    matrix
+        Distances from each point (rows) to others (columns). Points that are farther, or not
+        reached, have no entry, nor have a point and itself or its equals. Needs SciPy.
+
+    Examples
+    --------
+    >>> import numpy as np, geosweep as gs
+    >>> plane = gs.Surface.from_heights(np.zeros((9, 9)))
+    >>> near = gs.pairs(plane, [(0, 0), (0, 3), (8, 8)], radius=5.0)
+    >>> near[[0], [1]].item(), near.nnz
+    (3.0, 2)
+    """
+    sparse = needed("scipy.sparse", "sparse", "pairs()")
+    if radius is None and k is None:
+        raise ValueError("give a radius or k, or compute all distances with pairwise()")
+    if k is not None and k < 1:
+        raise ValueError(f"k={k!r}: at least one is needed")
+    chosen = settings(engine, None, wavefront, tolerance, iterations, threads, radius)
+    rows, cols = surface.shape
+    places = np.argwhere(np.ones((rows, cols))) if points is None else grid_points("points", points)
+    if (places >= (rows, cols)).any():
+        raise ValueError(f"points must lie from (0, 0) to ({rows - 1}, {cols - 1})")
+    if k is not None:
+        csr = _geosweep.nearest_others(surface._surface, places.tolist(), k, chosen)
+        return sparse.csr_array(csr, shape=(len(places), len(places)))
+    of_grid = places[:, 0] * cols + places[:, 1]
+    found = _geosweep.within(surface._surface, of_grid.tolist(), chosen)
+    csr, iterations, residual, converged = found
+    check(converged, {"iterations": iterations, "residual": residual}, strict)
+    matrix = sparse.csr_array(csr, shape=(len(places), rows * cols))[:, of_grid]
+    # A point's own entry is 0.
+    matrix.setdiag(0)
+    matrix.eliminate_zeros()
+    return matrix

@@ -1,0 +1,197 @@
+//! Directions of the ways back, in an image for shaders of the same frame.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::arguments::{Output, reference};
+use super::frame::{GeosweepAccess, GeosweepReader, GeosweepSources, access, reader, sources};
+use super::objects::{exclusive, hand_out, land, object, take};
+use super::plan::chart;
+use super::record::{output_unless_null, record};
+use super::solver::{GeosweepSolver, Shared};
+use super::status::{Failure, GeosweepStatus, guard};
+use super::surface::{GeosweepImage, GeosweepSurface};
+use super::surface_info::GeosweepHostImage;
+use crate::vulkan::embed::{self, Recording};
+
+/// Image of the directions in which ways lead back to the sources, and the passes that find them. A texel of
+/// `VK_FORMAT_R16G16_SFLOAT` is a unit vector in columns and rows. It is 0, 0 at sources and at points that
+/// are not reached. Frames in flight on one queue share it.
+pub struct GeosweepDirections {
+    pub(super) shared: Arc<Shared>,
+    directions: embed::Directions,
+}
+
+/// Sources to which ways lead back, and the commands that read the image.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepDirectionFrame {
+    /// Access that has written the sources.
+    pub before: GeosweepAccess,
+    /// All sources of the map, with those that were added to it.
+    pub sources: GeosweepSources,
+    /// Access that reads the image, in this frame and in the previous one, and its layout.
+    pub reader: GeosweepReader,
+}
+
+/// Computes the bytes of device memory that directions will take, before they are created: 12 (8 with an
+/// image of yours) per grid point.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_directions_bytes_for(
+    solver: *const GeosweepSolver,
+    rows: u32,
+    cols: u32,
+    bytes: *mut u64,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (solver, output) = unsafe { (object(solver, "solver")?, Output::new(bytes, "bytes")?) };
+        let Shared { solver, device, .. } = &**solver.shared();
+        output.write(solver.bytes_for_directions(device, chart(rows, cols)?)?);
+        Ok(())
+    })
+}
+
+/// Creates directions of a surface, for maps with any wavefront. Allocates device memory and compiles passes.
+/// Without an `image` of yours, an image is allocated too; it has the format `VK_FORMAT_R16G16_SFLOAT`. Your
+/// image has at least cols x rows texels of that format, and its usage contains
+/// `VK_IMAGE_USAGE_TRANSFER_DST_BIT`. `geosweep_directions_destroy` destroys the directions.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_directions_create(
+    surface: *const GeosweepSurface,
+    image: *const GeosweepHostImage,
+    directions: *mut *mut GeosweepDirections,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (surface, output, image) = unsafe {
+            let image = if image.is_null() { None } else { Some(reference(image, "image")?) };
+            (object(surface, "surface")?, Output::new(directions, "directions")?, image)
+        };
+        let GeosweepSurface { shared, surface, .. } = surface;
+        let (solver, device, mut allocator) = (&shared.solver, &shared.device, shared.allocator());
+        let directions = match image {
+            None => solver.directions(device, &mut allocator, surface)?,
+            Some(image) => {
+                solver.directions_into(device, &mut allocator, surface, (*image).into())?
+            }
+        };
+        hand_out(output, GeosweepDirections { shared: Arc::clone(shared), directions });
+        Ok(())
+    })
+}
+
+/// Makes directions write to another image of yours in later recordings. They must have been created with an
+/// image of yours. Recordings in flight continue to use the image before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_directions_set_image(
+    directions: *mut GeosweepDirections,
+    image: *const GeosweepHostImage,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (of, image) =
+            unsafe { (exclusive(directions, "directions")?, reference(image, "image")?) };
+        Ok(of.directions.set_image((*image).into())?)
+    })
+}
+
+/// Returns the bytes of device memory that directions take.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_directions_bytes(
+    directions: *const GeosweepDirections,
+    bytes: *mut u64,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (of, output) =
+            unsafe { (object(directions, "directions")?, Output::new(bytes, "bytes")?) };
+        output.write(of.directions.bytes());
+        Ok(())
+    })
+}
+
+/// Returns the image, also before it is recorded. `layout` is that of the reader for which it is recorded.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_directions_image(
+    directions: *const GeosweepDirections,
+    layout: vk::ImageLayout,
+    image: *mut GeosweepImage,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (of, output) =
+            unsafe { (object(directions, "directions")?, Output::new(image, "image")?) };
+        output.write(of.directions.image(layout).into());
+        Ok(())
+    })
+}
+
+/// Finds the direction in which the way back leaves each grid point. Call this after the map was recorded, in
+/// the same command buffer or after `geosweep_record_begin`. Writes the image to `result` unless that is
+/// null.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_record_directions(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+    directions: *const GeosweepDirections,
+    frame: *const GeosweepDirectionFrame,
+    result: *mut GeosweepImage,
+) -> GeosweepStatus {
+    let append = |_: &_, recording: Recording| {
+        // SAFETY: the caller's promise.
+        let (output, of, given, sources) = unsafe {
+            let output = output_unless_null(result)?;
+            let of = object(directions, "directions")?;
+            let given = reference(frame, "frame")?;
+            (output, of, given, sources(&given.sources, "frame->sources.sources")?)
+        };
+        let frame = embed::DirectionFrame::new(sources, reader(given.reader, "frame->reader")?)
+            .with_before(access(given.before, "frame->before")?);
+        let image = recording.directions(&of.directions, &frame)?;
+        if let Some(output) = output {
+            output.write(image.into());
+        }
+        Ok::<_, Failure>(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { record(surface, commands, append) }
+}
+
+/// Makes directions read the surface's sources that `geosweep_surface_set_sources` has set since they were
+/// created. Recordings in flight continue to read the sources before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_directions_rebind(
+    directions: *mut GeosweepDirections,
+    surface: *const GeosweepSurface,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (of, surface) =
+            unsafe { (exclusive(directions, "directions")?, object(surface, "surface")?) };
+        let Shared { device, solver, .. } = &*surface.shared;
+        Ok(of.directions.rebind(device, solver, &surface.surface)?)
+    })
+}
+
+/// Destroys directions, before or after the surface. No submitted work may still use the directions; a solver
+/// with checks verifies that. Null is allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_directions_destroy(
+    directions: *mut GeosweepDirections,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let Some(_) =
+            (unsafe { land(directions, "directions", |of| of.directions.is_in_flight()) })?
+        else {
+            return Ok(());
+        };
+        // SAFETY: the caller's promise.
+        let Some(directions) = unsafe { take(directions, "directions") }? else { return Ok(()) };
+        let GeosweepDirections { shared, mut directions } = directions;
+        directions.destroy(&shared.device, &mut shared.allocator());
+        Ok(())
+    })
+}

@@ -1,0 +1,195 @@
+//! Log maps, in an image for shaders of the same frame.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::arguments::{Output, reference};
+use super::frame::{GeosweepAccess, GeosweepReader, GeosweepSources, access, reader, sources};
+use super::objects::{exclusive, hand_out, land, object, take};
+use super::plan::chart;
+use super::record::{output_unless_null, record};
+use super::solver::{GeosweepSolver, Shared};
+use super::status::{Failure, GeosweepStatus, guard};
+use super::surface::{GeosweepImage, GeosweepSurface};
+use super::surface_info::GeosweepHostImage;
+use crate::vulkan::embed::{self, Recording};
+
+/// Image of the log map of point sources, and the passes that compute it. A texel of
+/// `VK_FORMAT_R32G32_SFLOAT` is (u, v): the direction in which the shortest path to the point leaves its
+/// source, times the distance. u is along the columns at the source, v at a right angle to it, on the side of
+/// increasing rows. Frames in flight on one queue share it.
+pub struct GeosweepLogMap {
+    pub(super) shared: Arc<Shared>,
+    log_map: embed::LogMap,
+}
+
+/// Sources of the log map, and the commands that read the image.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepLogMapFrame {
+    /// Access that has written the sources.
+    pub before: GeosweepAccess,
+    /// All sources of the map, with those that were added to it.
+    pub sources: GeosweepSources,
+    /// Access that reads the image, in this frame and in the previous one, and its layout.
+    pub reader: GeosweepReader,
+    /// Largest distance of points that get coordinates; 0 for no limit. Of several initial values, the
+    /// distance counts from the latest.
+    pub radius: f32,
+    /// Value of u and v at points that are not reached or beyond the radius.
+    pub unreached: f32,
+}
+
+/// Computes the bytes of device memory that a log map will take, before it is created: 40 (32 with an image
+/// of yours) per grid point.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_log_map_bytes_for(
+    solver: *const GeosweepSolver,
+    rows: u32,
+    cols: u32,
+    bytes: *mut u64,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (solver, output) = unsafe { (object(solver, "solver")?, Output::new(bytes, "bytes")?) };
+        let Shared { solver, device, .. } = &**solver.shared();
+        output.write(solver.bytes_for_log_map(device, chart(rows, cols)?)?);
+        Ok(())
+    })
+}
+
+/// Creates a log map of a surface, for maps with any wavefront. Allocates device memory and compiles passes.
+/// Without an `image` of yours, an image is allocated too; it has the format `VK_FORMAT_R32G32_SFLOAT`. Your
+/// image has at least cols x rows texels of that format, and its usage contains
+/// `VK_IMAGE_USAGE_TRANSFER_DST_BIT`. `geosweep_log_map_destroy` destroys the log map.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_log_map_create(
+    surface: *const GeosweepSurface,
+    image: *const GeosweepHostImage,
+    log_map: *mut *mut GeosweepLogMap,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (surface, output, image) = unsafe {
+            let image = if image.is_null() { None } else { Some(reference(image, "image")?) };
+            (object(surface, "surface")?, Output::new(log_map, "log_map")?, image)
+        };
+        let GeosweepSurface { shared, surface, .. } = surface;
+        let (solver, device, mut allocator) = (&shared.solver, &shared.device, shared.allocator());
+        let log_map = match image {
+            None => solver.log_map(device, &mut allocator, surface)?,
+            Some(image) => solver.log_map_into(device, &mut allocator, surface, (*image).into())?,
+        };
+        hand_out(output, GeosweepLogMap { shared: Arc::clone(shared), log_map });
+        Ok(())
+    })
+}
+
+/// Makes a log map write to another image of yours in later recordings. It must have been created with an
+/// image of yours. Recordings in flight continue to use the image before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_log_map_set_image(
+    log_map: *mut GeosweepLogMap,
+    image: *const GeosweepHostImage,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (of, image) = unsafe { (exclusive(log_map, "log_map")?, reference(image, "image")?) };
+        Ok(of.log_map.set_image((*image).into())?)
+    })
+}
+
+/// Returns the bytes of device memory that a log map takes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_log_map_bytes(
+    log_map: *const GeosweepLogMap,
+    bytes: *mut u64,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (of, output) = unsafe { (object(log_map, "log_map")?, Output::new(bytes, "bytes")?) };
+        output.write(of.log_map.bytes());
+        Ok(())
+    })
+}
+
+/// Returns the image, also before it is recorded. `layout` is that of the reader for which it is recorded.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_log_map_image(
+    log_map: *const GeosweepLogMap,
+    layout: vk::ImageLayout,
+    image: *mut GeosweepImage,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (of, output) = unsafe { (object(log_map, "log_map")?, Output::new(image, "image")?) };
+        output.write(of.log_map.image(layout).into());
+        Ok(())
+    })
+}
+
+/// Computes the log map of the sources of the map. Call this after the map was recorded, in the same command
+/// buffer or after `geosweep_record_begin`. Writes the image to `result` unless that is null.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_record_log_map(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+    log_map: *const GeosweepLogMap,
+    frame: *const GeosweepLogMapFrame,
+    result: *mut GeosweepImage,
+) -> GeosweepStatus {
+    let append = |_: &_, recording: Recording| {
+        // SAFETY: the caller's promise.
+        let (output, of, given, sources) = unsafe {
+            let output = output_unless_null(result)?;
+            let of = object(log_map, "log_map")?;
+            let given = reference(frame, "frame")?;
+            (output, of, given, sources(&given.sources, "frame->sources.sources")?)
+        };
+        let frame = embed::LogMapFrame::new(sources, reader(given.reader, "frame->reader")?)
+            .with_before(access(given.before, "frame->before")?)
+            .with_unreached(given.unreached)
+            .with_radius(if given.radius == 0.0 { f32::INFINITY } else { given.radius });
+        let image = recording.log_map(&of.log_map, &frame)?;
+        if let Some(output) = output {
+            output.write(image.into());
+        }
+        Ok::<_, Failure>(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { record(surface, commands, append) }
+}
+
+/// Makes a log map read the surface's sources that `geosweep_surface_set_sources` has set since it was
+/// created. Recordings in flight continue to read the sources before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_log_map_rebind(
+    log_map: *mut GeosweepLogMap,
+    surface: *const GeosweepSurface,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (of, surface) =
+            unsafe { (exclusive(log_map, "log_map")?, object(surface, "surface")?) };
+        let Shared { device, solver, .. } = &*surface.shared;
+        Ok(of.log_map.rebind(device, solver, &surface.surface)?)
+    })
+}
+
+/// Destroys a log map, before or after the surface. No submitted work may still use the log map; a solver
+/// with checks verifies that. Null is allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_log_map_destroy(log_map: *mut GeosweepLogMap) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let Some(_) = (unsafe { land(log_map, "log_map", |of| of.log_map.is_in_flight()) })? else {
+            return Ok(());
+        };
+        // SAFETY: the caller's promise.
+        let Some(log_map) = unsafe { take(log_map, "log_map") }? else { return Ok(()) };
+        let GeosweepLogMap { shared, mut log_map } = log_map;
+        log_map.destroy(&shared.device, &mut shared.allocator());
+        Ok(())
+    })
+}

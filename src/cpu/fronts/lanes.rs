@@ -1,0 +1,150 @@
+//! Defines what solvers require of a kind of front whose lines they update in SIMD lanes.
+
+use std::ops::Range;
+
+use bytemuck::Pod;
+
+use super::kind::{FrontKind, TriangleKind};
+use super::surface_array::SurfaceArray;
+use crate::cpu::behind::Behind;
+use crate::cpu::rotated::line::{GridLines, ScanLine};
+use crate::cpu::rotated::span::{Before, LargestChanges, Span};
+use crate::cpu::scan::{Scan, UpdateOptions};
+use crate::surface::{Chart, Part, Real};
+use crate::update::Triangle;
+
+/// A kind of front whose points can be updated line by line, in SIMD lanes.
+pub(in crate::cpu) trait LaneKind<R: Real>: FrontKind<R> {
+    /// Data that is needed of each point of the surface.
+    type SurfaceData: Pod + Send + Sync + std::fmt::Debug;
+
+    /// Whether updates in SIMD lanes need edge lengths.
+    const NEEDS_EDGES: bool = true;
+
+    /// Whether updates note changes of curvature ([`LargestChanges::note_bend`]).
+    const TELLS_BENDS: bool = false;
+
+    /// Returns the data of the surface, as a bordered array.
+    fn surface_data(&self, chart: Chart) -> SurfaceArray<Self::SurfaceData>;
+
+    /// Returns the number of bytes held, without the data of the surface.
+    fn bytes(&self) -> usize {
+        0
+    }
+
+    /// What the updates of a line's spans need of the kind.
+    type OfLine<'k>;
+
+    /// Prepares the update of a line, given the row and column of its first point, counted from the border.
+    fn of_line(&self, first: [usize; 2], scan: Scan) -> Self::OfLine<'_>;
+
+    /// Finds the fronts that reach the points of a line through parts of obtuse triangles behind them.
+    /// Returns `None` if no triangle there is obtuse.
+    fn splits(
+        &self,
+        _lines: &GridLines<'_, R, Self::Carried, Self::SurfaceData>,
+        _line: usize,
+        _points: &Range<usize>,
+    ) -> Option<Splits<Self::Arrival>> {
+        None
+    }
+
+    /// Updates some points of a line, given their start and number, and the `splits` among them. Returns
+    /// whether anything has changed, tags included, or `None` if all of the points are settled. It must be
+    /// inlined into loops over SIMD lanes.
+    fn update_span(
+        of_line: &Self::OfLine<'_>,
+        line: &mut ScanLine<'_, '_, R, Self::Carried, Self::SurfaceData>,
+        span: [usize; 2],
+        splits: &[(usize, Option<Self::Arrival>)],
+        options: UpdateOptions,
+        changes: &mut LargestChanges<R>,
+    ) -> Option<bool>;
+
+    /// Returns whether a scan leaves `points` points in a row unchanged, starting with the point `first`. It
+    /// must be inlined into loops over SIMD lanes.
+    fn leaves(
+        &self,
+        before: &Before<'_, R, Self::Carried, Self::SurfaceData>,
+        first: usize,
+        span: Span<'_, R, Self::Carried, Self::SurfaceData>,
+        points: usize,
+        options: UpdateOptions,
+    ) -> bool;
+}
+
+/// Finds the fronts that reach the points of a line through parts of obtuse triangles behind them.
+/// Returns them by the points' places in the line, or `None` if no triangle there is obtuse.
+pub(super) fn splits_of_line<R: Real, K: TriangleKind<R>, G>(
+    kind: &K,
+    lines: &GridLines<'_, R, K::Carried, G>,
+    line: usize,
+    points: &Range<usize>,
+) -> Option<Splits<K::Arrival>> {
+    let (edges, scan) = (lines.place.edges, lines.place.scan);
+    edges.obtuse_triangles()?;
+    let [row, col] = lines.place.position(line, points.start);
+    let (of_line, first) = if scan.by_rows() { (row, col) } else { (col, row) };
+    let Some(side) = edges.stored_parts_on_side(scan.back()) else {
+        return Some(splits_found_now(kind, lines, [row, col], points.len()));
+    };
+    let triangles = side.within(of_line, first..first + points.len());
+    if triangles.is_empty() {
+        return None;
+    }
+    let chart = edges.chart();
+    let mut found: Splits<K::Arrival> = Vec::new();
+    for (place, parts) in triangles.parts() {
+        let (row, col) = scan.lines().place(of_line, place);
+        let point = chart.entry_index(row, col);
+        let arrivals = parts.map(|Part { corners: [x1, x2], lengths, slowness }| {
+            let [a, b] = [x1, x2].map(|x| lines.front(x));
+            let [l1, l2, c] = lengths;
+            let triangle = Triangle { t1: a.time, t2: b.time, l1, l2, c };
+            let carried = [a.carried, b.carried];
+            kind.arrival_over([point, x1, x2], triangle, carried, slowness)
+        });
+        let arrival = arrivals.reduce(K::earlier);
+        match found.last_mut() {
+            // The point's other triangle.
+            Some((last, other)) if *last == place - first => {
+                *other = [*other, arrival].into_iter().flatten().reduce(K::earlier);
+            }
+            _ => found.push((place - first, arrival)),
+        }
+    }
+    Some(found)
+}
+
+/// Finds the same fronts for parts that are not stored, from a point on.
+fn splits_found_now<R: Real, K: TriangleKind<R>, G>(
+    kind: &K,
+    lines: &GridLines<'_, R, K::Carried, G>,
+    [row, col]: [usize; 2],
+    points: usize,
+) -> Splits<K::Arrival> {
+    let mut found = Vec::new();
+    let (edges, scan) = (lines.place.edges, lines.place.scan);
+    let Some(obtuse) = edges.obtuse_triangles() else { return found };
+    let (chart, by_rows) = (edges.chart(), scan.by_rows());
+    let behind = Behind::of(chart, scan);
+    let (of_line, first) = if by_rows { (row, col) } else { (col, row) };
+    for &at in edges.obtuse_points(by_rows, of_line, first..first + points) {
+        let at = at as usize;
+        let (row, col) = scan.lines().place(of_line, at);
+        let point = chart.entry_index(row, col);
+        if obtuse[point] & behind.bits() == 0 {
+            continue;
+        }
+        let of_point = behind.triangles().iter().filter(|slots| obtuse[point] & slots.bit() != 0);
+        let arrivals = of_point.filter_map(|slots| {
+            kind.through_parts(edges, point, slots.directions(), |x| lines.front(x))
+        });
+        found.push((at - first, arrivals.reduce(K::earlier)));
+    }
+    found
+}
+
+/// The points of a line that have obtuse triangles, in order, by their places in the line. Each has the front
+/// that arrives through parts of these triangles, if any.
+pub(in crate::cpu) type Splits<A> = Vec<(usize, Option<A>)>;

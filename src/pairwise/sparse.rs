@@ -1,0 +1,151 @@
+//! Computes sparse rows of the distance matrix: the distances to all points within a radius.
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::PairwiseReport;
+use crate::cpu::{Order, RotatedScan};
+use crate::surface::{EdgeLengths, Seed, Surface};
+use crate::{Convergence, Engine, Error, Options, Stop, UsedEngine};
+
+/// Rows of a distance matrix that hold the distances within a radius, in compressed sparse row format (CSR), as
+/// SciPy's `csr_array` holds them.
+///
+/// The entries of row r are those from `indptr[r]` to before `indptr[r + 1]`. Columns are grid points in
+/// row-major order. A row has its own point, at distance 0. The row of a hole is empty.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct SparseRows {
+    /// Number of columns, which is the number of grid points.
+    pub cols: usize,
+    /// The first entry of each row, and the number of all entries.
+    pub indptr: Vec<usize>,
+    /// The column of each entry, ascending in each row.
+    pub indices: Vec<u32>,
+    /// The distance of each entry.
+    pub data: Vec<f32>,
+}
+
+impl SparseRows {
+    /// Returns the number of rows.
+    pub fn rows(&self) -> usize {
+        self.indptr.len() - 1
+    }
+
+    /// Returns the columns and the distances of a row.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn row(&self, row: usize) -> impl Iterator<Item = (usize, f32)> {
+        let entries = self.indptr[row]..self.indptr[row + 1];
+        let columns = self.indices[entries.clone()].iter().map(|&column| column as usize);
+        columns.zip(self.data[entries].iter().copied())
+    }
+}
+
+/// Computes the distances from each of some points, given by their grid indices, to all points within the
+/// radius of `options`. The work is proportional to the area within the radius of all rows together. Rows are
+/// computed by all of rayon's threads.
+///
+/// The options have the same meaning as for [`Pairwise`](super::Pairwise). The rows are those of its matrix,
+/// without the larger distances.
+///
+/// ```
+/// use geosweep::pairwise::pairs_within;
+/// use geosweep::{Options, Spacing, Surface};
+///
+/// let surface = Surface::from_heights(5, 5, vec![0.0; 25], Spacing::square(1.0))?;
+/// let (pairs, report) = pairs_within(&surface, &[0, 12], &Options::default().with_radius(1.0))?;
+/// assert!(report.converged());
+/// // The corner has two neighbours, and the middle four.
+/// assert_eq!(pairs.indptr, [0, 3, 8]);
+/// assert_eq!(pairs.indices, [0, 1, 5, 7, 11, 12, 13, 17]);
+/// assert_eq!(pairs.data[..3], [0.0, 1.0, 1.0]);
+/// # Ok::<(), geosweep::Error>(())
+/// ```
+///
+/// # Errors
+/// If there is no radius or it is not positive, another option is out of range, targets or a schedule are set,
+/// an engine other than the CPU's raster scans is requested, a source is outside the grid, or an edge of the
+/// surface is too long or too short for single precision.
+pub fn pairs_within(
+    surface: &Surface,
+    sources: &[usize],
+    options: &Options,
+) -> Result<(SparseRows, PairwiseReport), Error> {
+    let fault = |message: String| Err(Error::Options(message));
+    let (stop, radius) = (options.stop::<f32>(surface)?, options.checked_radius()?);
+    if radius.is_infinite() {
+        return fault("sparse rows need a radius; give one, or compute whole rows".into());
+    }
+    options.check_for_rows()?;
+    if !matches!(options.engine, Engine::Auto | Engine::Cpu) {
+        return fault("sparse rows are computed by the CPU engine; leave the engine out".into());
+    }
+    let points = surface.chart().points();
+    if let Some(outside) = sources.iter().find(|&&source| source >= points) {
+        let message =
+            format!("there is no point {outside}; the grid has points 0 to {}", points - 1);
+        return fault(message);
+    }
+    let (wavefront, monitor) = (options.wavefront_of_rows(surface)?, options.monitor());
+    let edges = EdgeLengths::measured(surface, || monitor.check())?;
+    let start = Instant::now();
+    let solver = || {
+        let solver = RotatedScan::in_order(&edges, wavefront, Order::Lines);
+        let mut solver = solver.with_monitor(monitor.clone());
+        solver.set_radius(radius);
+        solver
+    };
+    let row = |solver: &mut RotatedScan<f32>, &source: &usize| {
+        monitor.check()?;
+        Ok::<_, Error>(sparse_row(solver, surface, source, stop))
+    };
+    let solved: Vec<_> = sources.par_iter().map_init(solver, row).collect::<Result<_, _>>()?;
+    monitor.check()?;
+    let (mut rows, mut convergence) = (SparseRows::with_cols(points), Convergence::NONE);
+    for (row, of_row) in solved {
+        convergence = convergence.worse(of_row);
+        rows.push(row);
+    }
+    let report = PairwiseReport {
+        engine: UsedEngine::Cpu,
+        device: None,
+        wavefront,
+        rows: sources.len(),
+        points,
+        iterations: convergence.iterations,
+        residual: convergence.residual,
+        tolerance: stop.tolerance,
+        solve_time: start.elapsed(),
+    };
+    Ok((rows, report))
+}
+
+impl SparseRows {
+    fn with_cols(cols: usize) -> Self {
+        Self { cols, indptr: vec![0], indices: Vec::new(), data: Vec::new() }
+    }
+
+    fn push(&mut self, row: Vec<(usize, f32)>) {
+        self.indices.extend(row.iter().map(|&(column, _)| column as u32));
+        self.data.extend(row.iter().map(|&(_, distance)| distance));
+        self.indptr.push(self.data.len());
+    }
+}
+
+/// Returns the entries of a row in order.
+fn sparse_row(
+    solver: &mut RotatedScan<f32>,
+    surface: &Surface,
+    source: usize,
+    stop: Stop,
+) -> (Vec<(usize, f32)>, Convergence) {
+    let (row, col) = surface.chart().position(source);
+    if !surface.has(row, col) {
+        return (Vec::new(), Convergence::NONE);
+    }
+    let convergence = solver.solve(&[Seed::at_source(row, col, 0.0)], stop);
+    (solver.reached(), convergence)
+}

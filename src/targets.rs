@@ -1,0 +1,80 @@
+//! The points that a map is computed for, if it is not the whole surface.
+
+/// Grid points at which the computation of a map may end.
+///
+/// A map with targets ends when no front that is still under way can come to them earlier. Points that are
+/// farther than the targets are unreached: their distance is +infinity.
+///
+/// ```
+/// use geosweep::{Options, Sources, Spacing, Surface, Targets, distance_map};
+///
+/// let surface = Surface::from_heights(40, 50, vec![0.0; 2000], Spacing::square(1.0))?;
+/// let options = Options::default().with_targets(Targets::any([[20, 26], [20, 40]]));
+/// let map = distance_map(&surface, &Sources::point(20.0, 20.0), &options)?;
+/// // The nearest target is 6 steps away, and nothing farther is reached.
+/// assert_eq!(map.report.max_distance, 6.0);
+/// assert!(map.distance(20, 40).is_infinite());
+/// # Ok::<(), geosweep::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Targets {
+    points: Vec<[usize; 2]>,
+    /// Number of points whose distances are needed.
+    needed: usize,
+}
+
+impl Targets {
+    /// The map ends when all of these points, given by row and column, have their distances. If one of them
+    /// cannot be reached, all points that can be are.
+    pub fn all(points: impl IntoIterator<Item = [usize; 2]>) -> Self {
+        Self::nearest(usize::MAX, points)
+    }
+
+    /// The map ends when the nearest of these points, given by row and column, has its distance.
+    pub fn any(points: impl IntoIterator<Item = [usize; 2]>) -> Self {
+        Self::nearest(1, points)
+    }
+
+    /// The map ends when the `count` nearest of these points, given by row and column, have their distances.
+    pub fn nearest(count: usize, points: impl IntoIterator<Item = [usize; 2]>) -> Self {
+        let points: Vec<_> = points.into_iter().collect();
+        let needed = count.clamp(1, points.len().max(1));
+        Self { points, needed }
+    }
+
+    /// Returns the points, by row and column.
+    pub fn points(&self) -> &[[usize; 2]] {
+        &self.points
+    }
+
+    /// Returns the number of points whose distances are needed, the nearest ones.
+    pub fn needed(&self) -> usize {
+        self.needed
+    }
+
+    /// Returns the time after which no front matters to the targets, given the times at points: that of the
+    /// last target that is needed. It is +infinity if there is no target.
+    pub(crate) fn last(&self, time: impl Fn([usize; 2]) -> f64) -> f64 {
+        let mut times: Vec<_> = self.points.iter().map(|&point| time(point)).collect();
+        if times.is_empty() {
+            return f64::INFINITY;
+        }
+        *times.select_nth_unstable_by(self.needed - 1, f64::total_cmp).1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_time_is_that_of_the_last_target_needed() {
+        let points = [[0, 3], [0, 9], [0, 5]];
+        let last = |targets: Targets| targets.last(|[_, col]| col as f64);
+        assert_eq!(last(Targets::all(points)), 9.0);
+        assert_eq!(last(Targets::any(points)), 3.0);
+        assert_eq!(last(Targets::nearest(2, points)), 5.0);
+        assert_eq!(last(Targets::nearest(7, points)), 9.0);
+        assert_eq!(last(Targets::all([])), f64::INFINITY);
+    }
+}

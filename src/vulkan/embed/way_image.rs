@@ -1,0 +1,295 @@
+//! Holds an image with two numbers for each grid point, and the buffer in which passes compute it.
+
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+
+use super::access::{Access, Reader};
+use super::bound_sets::BoundSets;
+use super::curves;
+use super::host_sets::{self, Content, HostSet, Part};
+use super::inputs::{PointSource, SourceInput};
+use super::outputs::HostImage;
+use super::recording::{Recording, grid_size};
+use super::solver::Solver;
+use super::surface::{FrameSurface, ResultImage};
+use crate::constants::WAYS_HEADER;
+use crate::surface::Chart;
+use crate::vulkan::VulkanError;
+use crate::vulkan::device::barrier::{CLEAR, COPY, SHADER, SHADER_WRITE, TRANSFER};
+use crate::vulkan::device::device_memory::DeviceMemory;
+use crate::vulkan::device::limits::Limits;
+use crate::vulkan::device::memory::{Buffer, BufferInfo, Image, ImageInfo};
+use crate::vulkan::device::pipelines::Pipeline;
+use crate::vulkan::device::shaders::way_starts::Push;
+use crate::vulkan::profile::{PassKind, PassRecord, Work};
+use crate::vulkan::record::dispatched;
+
+const WORD: u64 = size_of::<u32>() as u64;
+
+/// Image and buffer of directions or a log map of a surface.
+#[derive(Debug)]
+pub(super) struct WayImage {
+    kind: WayKind,
+    chart: Chart,
+    buffer: Option<Buffer>,
+    image: Option<Image>,
+    /// Host's image; `None` if there is one of its own.
+    hosts: Option<HostImage>,
+    /// Descriptor sets of the inline sources, followed by those of the surface's source buffers.
+    sets: Option<BoundSets>,
+}
+
+/// What the image holds, and where the buffer has it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WayKind {
+    pub(super) what: &'static str,
+    pub(super) format: vk::Format,
+    pub(super) pass: PassKind,
+    /// Number of words of the buffer for each grid point, after the header.
+    pub(super) point_words: u64,
+    /// Number of these words before those of the image.
+    pub(super) words_before: u64,
+}
+
+impl WayKind {
+    fn buffer(self, limits: &Limits, chart: Chart) -> Result<BufferInfo, VulkanError> {
+        let words = self.point_words.saturating_mul(chart.points() as u64);
+        let size = WORD.saturating_mul(words.saturating_add(WAYS_HEADER.into()));
+        curves::check_bytes(self.what, limits, size)?;
+        Ok(BufferInfo { name: self.what, size, location: MemoryLocation::GpuOnly })
+    }
+
+    fn image(self, chart: Chart) -> ImageInfo<'static> {
+        let extent = extent(chart);
+        ImageInfo { name: self.what, format: self.format, extent, layers: 1, families: &[] }
+    }
+
+    /// Returns the bytes taken from the allocator, without the image if the host provides it.
+    pub(super) fn bytes_for(
+        self,
+        device: &ash::Device,
+        limits: &Limits,
+        chart: Chart,
+    ) -> Result<u64, VulkanError> {
+        limits.texels(chart)?;
+        Ok(self.buffer(limits, chart)?.bytes(device)? + self.image(chart).bytes(device)?)
+    }
+}
+
+fn extent(chart: Chart) -> vk::Extent3D {
+    vk::Extent3D { width: chart.cols as u32, height: chart.rows as u32, depth: 1 }
+}
+
+impl WayImage {
+    pub(super) fn new(
+        device: &ash::Device,
+        allocator: &mut dyn DeviceMemory,
+        (solver, surface): (&Solver, &FrameSurface),
+        kind: WayKind,
+        hosts: Option<HostImage>,
+    ) -> Result<Self, VulkanError> {
+        let chart = surface.grid.chart;
+        if let Some(image) = hosts {
+            image.check(kind.what)?;
+        }
+        let mut new = Self { kind, chart, buffer: None, image: None, hosts, sets: None };
+        match new.fill(device, allocator, solver, surface) {
+            Ok(()) => Ok(new),
+            Err(error) => {
+                new.destroy(device, allocator);
+                Err(error)
+            }
+        }
+    }
+
+    fn fill(
+        &mut self,
+        device: &ash::Device,
+        allocator: &mut dyn DeviceMemory,
+        solver: &Solver,
+        surface: &FrameSurface,
+    ) -> Result<(), VulkanError> {
+        let (kind, pipelines) = (self.kind, &solver.pipelines);
+        let buffer = Buffer::new(device, allocator, kind.buffer(&solver.limits, self.chart)?)?;
+        pipelines.name(kind.what, buffer.buffer);
+        self.buffer = Some(buffer);
+        if self.hosts.is_none() {
+            let image = Image::new(device, allocator, kind.image(self.chart))?;
+            pipelines.name_image(kind.what, &image);
+            self.image = Some(image);
+        }
+        let contents = self.contents((device, &solver.limits), surface)?;
+        self.sets = Some(BoundSets::new(device, pipelines, surface, &contents)?);
+        Ok(())
+    }
+
+    fn contents(
+        &self,
+        on: (&ash::Device, &Limits),
+        surface: &FrameSurface,
+    ) -> Result<Vec<Content>, VulkanError> {
+        let bytes = self.kind.buffer(on.1, self.chart)?.size;
+        let output = Part::new(on, self.kind.what, self.output(), 0, bytes)?;
+        let sources = host_sets::all_sources(on, &surface.grid, &surface.sources)?;
+        Ok(sources.into_iter().map(|input| input.and_output(output)).collect())
+    }
+
+    fn output(&self) -> vk::Buffer {
+        self.buffer.as_ref().map_or(vk::Buffer::null(), |buffer| buffer.buffer)
+    }
+
+    pub(super) fn image(&self, layout: vk::ImageLayout) -> ResultImage {
+        let (image, view) = match (&self.hosts, &self.image) {
+            (Some(HostImage { image, view }), _) => (*image, *view),
+            (None, Some(image)) => (image.image, image.view),
+            (None, None) => (vk::Image::null(), vk::ImageView::null()),
+        };
+        let vk::Extent3D { width, height, .. } = extent(self.chart);
+        let extent = vk::Extent2D { width, height };
+        ResultImage { image, view, format: self.kind.format, extent, layout }
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        let buffer = self.buffer.as_ref().map_or(0, Buffer::bytes);
+        buffer + self.image.as_ref().map_or(0, Image::bytes)
+    }
+
+    pub(super) fn rebind(
+        &mut self,
+        device: &ash::Device,
+        solver: &Solver,
+        surface: &FrameSurface,
+    ) -> Result<(), VulkanError> {
+        self.sets.as_ref().ok_or(VulkanError::Destroyed)?.check_surface(surface)?;
+        let contents = self.contents((device, &solver.limits), surface)?;
+        let sets = self.sets.as_mut().ok_or(VulkanError::Destroyed)?;
+        sets.rebind(device, surface, &contents)
+    }
+
+    pub(super) fn set_image(&mut self, image: HostImage) -> Result<(), VulkanError> {
+        self.sets.as_ref().ok_or(VulkanError::Destroyed)?;
+        let what = self.kind.what;
+        if self.hosts.is_none() {
+            let reason = "the image belongs to the library: begin with an image of yours".into();
+            return Err(VulkanError::HostBuffer { what, reason });
+        }
+        image.check(what)?;
+        self.hosts = Some(image);
+        Ok(())
+    }
+
+    pub(super) fn is_in_flight(&self) -> bool {
+        self.sets.as_ref().is_some_and(BoundSets::are_in_flight)
+    }
+
+    pub(super) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
+        if let Some(mut sets) = self.sets.take() {
+            sets.destroy(device);
+        }
+        if let Some(mut buffer) = self.buffer.take() {
+            buffer.destroy(device, allocator);
+        }
+        if let Some(mut image) = self.image.take() {
+            image.destroy(device, allocator);
+        }
+        self.hosts = None;
+    }
+
+    /// Records the passes that find the sources beside each grid point, after which others may be recorded.
+    /// The first of `pipelines` is that pass. Returns what records others.
+    pub(super) fn start<'a>(
+        &'a self,
+        recording: &'a Recording<'a>,
+        sources: SourceInput,
+        before: Access,
+        starts: Pipeline<Push>,
+    ) -> Result<WayPasses<'a>, VulkanError> {
+        let surface = recording.surface;
+        let sets = self.sets.as_ref().ok_or(VulkanError::Destroyed)?;
+        sets.check_surface(surface)?;
+        recording.check_sources(sources)?;
+        sets.check_sources(surface, sources)?;
+        surface.state.check_map()?;
+        let recorder = &recording.recorder;
+        let (stages, access) = before.side();
+        let ours = (TRANSFER.0 | SHADER.0, TRANSFER.1 | SHADER.1);
+        recorder.barrier((stages | ours.0, access | ours.1), ours);
+        // Sources beside points, and their arrival times, follow the header.
+        let cleared = WORD * (u64::from(WAYS_HEADER) + 2 * self.chart.points() as u64);
+        let work = Work::of_bytes(0, cleared);
+        let record = PassRecord { dispatches: 0, work, ..PassRecord::new(self.kind.pass) };
+        let pass = recorder.pass_with(record);
+        recorder.fill(self.output(), 0, cleared);
+        drop(pass);
+        recorder.barrier(CLEAR, SHADER);
+        if let SourceInput::Inline(sources) = sources {
+            recorder.write_sources(bytemuck::cast_slice(sources));
+        }
+        let (inline, of_buffer) = (sets.sets()[0], |number| sets.sets()[1 + number]);
+        let (set, count) = recording.sources_in(sources, inline, of_buffer);
+        let push = Push {
+            grid: grid_size(self.chart),
+            first_word: set.first_word,
+            count: count as i32,
+            turn: 0,
+            radius: f32::INFINITY,
+            unreached: 0.0,
+        };
+        let passes = WayPasses { recording, of: self, set, push };
+        for turn in [0, 1] {
+            let bytes = size_of::<PointSource>() as u64 * u64::from(count);
+            // How many points around them are accessed depends on their places, and is not counted.
+            let work = Work { bytes_read: Some(bytes), ..Work::default() };
+            passes.run(starts, [count, 1], Push { turn, ..push }, work);
+        }
+        Ok(passes)
+    }
+}
+
+/// Recorder of the passes of an image, once the sources beside each point are known.
+pub(super) struct WayPasses<'a> {
+    recording: &'a Recording<'a>,
+    of: &'a WayImage,
+    set: HostSet,
+    pub(super) push: Push,
+}
+
+impl WayPasses<'_> {
+    fn run(&self, pipeline: Pipeline<Push>, size: [u32; 2], push: Push, work: Work) {
+        let recorder = &self.recording.recorder;
+        let _pass = recorder.pass_with(PassRecord { work, ..dispatched(self.of.kind.pass, size) });
+        recorder.host_pass(pipeline, self.set.set, &push, size);
+        recorder.barrier(SHADER_WRITE, SHADER);
+    }
+
+    /// Records a pass over all grid points. How much it reads depends on the map.
+    pub(super) fn over_points(&self, pipeline: Pipeline<Push>, push: Push) {
+        let Chart { rows, cols } = self.of.chart;
+        self.run(pipeline, [cols as u32, rows as u32], push, Work::default());
+    }
+
+    /// Records the copy to the image, for `reader`. These are the last commands of a recording.
+    pub(super) fn end(self, reader: Reader) -> ResultImage {
+        let Self { recording, of, .. } = self;
+        let (recorder, kind) = (&recording.recorder, of.kind);
+        let result = of.image(reader.layout);
+        let points = of.chart.points() as u64;
+        let start = WORD * (u64::from(WAYS_HEADER) + kind.words_before * points);
+        let texel = if kind.format == vk::Format::R16G16_SFLOAT { WORD } else { 2 * WORD };
+        let pass = recorder.pass_of_copy(kind.pass, texel * points);
+        recorder.barrier(SHADER_WRITE, COPY);
+        let (stages, access) = reader.access.side();
+        let before = (stages | CLEAR.0, access | CLEAR.1);
+        let layouts = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::GENERAL);
+        recorder.image_barrier(result.image, before, CLEAR, layouts);
+        let whole = (vk::Offset3D::default(), extent(of.chart));
+        recorder.copy_to_image((of.output(), start), result.image, whole);
+        let layouts = (vk::ImageLayout::GENERAL, reader.layout);
+        recorder.image_barrier(result.image, CLEAR, reader.access.side(), layouts);
+        drop(pass);
+        if let Some(sets) = &of.sets {
+            sets.are_used(recording.note());
+        }
+        result
+    }
+}
