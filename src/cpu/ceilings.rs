@@ -8,7 +8,7 @@ use super::Instructions;
 use super::behind::Behind;
 use super::fronts::{LaneKind, SurfaceArray, TriangleKind, for_triangle_kind};
 use super::rotated::line::{GridLines, LinesInGrid};
-use super::rotated::line_update::update_line;
+use super::rotated::line_update::{Changed, update_line};
 use super::rotated::tiles::TILE;
 use super::scan::{Scan, UpdateOptions};
 use crate::surface::{EdgeLengths, Real, Spacing, Surface};
