@@ -45,7 +45,8 @@ fn on_ways<T: Send>(
     found.map_err(errors::value)
 }
 
-/// Returns the way back at each point: a bearing (M, N), or a vector (M, N, 2) in the grid or (M, N, 3) in space.
+/// Returns the way back at each point: a bearing (M, N), or a vector in the grid (M, N, 2) or in space
+/// (M, N, 3).
 #[pyfunction]
 pub fn back_direction<'py>(py: Python<'py>, map: &Map, unit: &str) -> PyResult<Bound<'py, PyAny>> {
     let shape = map.on.shape();

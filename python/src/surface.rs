@@ -118,7 +118,8 @@ impl Surface {
         Ok(work::detached(py, || glue.apply(self.inner.surface.clone()))??.into())
     }
 
-    /// Descriptions of the sides of the grid that coincide, are neighbours or are one point, and are not glued.
+    /// Descriptions of the sides of the grid that coincide, are neighbours or are one point, and are not
+    /// glued.
     #[getter]
     fn seams(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         let seams = work::detached(py, || self.inner.surface.seams())?;
@@ -163,7 +164,8 @@ impl Surface {
         }
     }
 
-    /// A copy of the heights, of the coordinates x, y, z of each point, or of the metric's three entries, row-major.
+    /// A copy of the heights, of the coordinates x, y, z of each point, or of the metric's three entries,
+    /// row-major.
     fn values<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let values = match self.inner.surface.geometry() {
             Geometry::Heights { heights, .. } => heights.to_vec(),
