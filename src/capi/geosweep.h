@@ -701,6 +701,55 @@ typedef struct GeosweepLogMapFrame {
     float unreached;
 } GeosweepLogMapFrame;
 
+// A map on the CPU: its surface, its sources, and the part of it that is needed.
+typedef struct GeosweepMapInfo {
+    // Number of rows of grid points.
+    uint32_t rows;
+    // Number of columns of grid points.
+    uint32_t cols;
+    // Points in the program's memory: `points.data` is not null.
+    struct GeosweepPoints points;
+    // Rule by which edges are measured.
+    GeosweepEdgeRule edge_rule;
+    // Shape of the wavefront.
+    GeosweepWavefront wavefront;
+    // Point sources. Their `curvature` is not used.
+    const struct GeosweepSource *sources;
+    // Number of sources; at least 1.
+    uint32_t source_count;
+    // Number of targets, or 0 for no targets.
+    uint32_t target_count;
+    // Targets, two numbers each: row and column of a grid point. The map ends when the nearest
+    // `targets_needed` of them have their distances. Points that are farther are not reached.
+    const uint32_t *targets;
+    // Number of targets whose distances are needed, or 0 for all of them.
+    uint32_t targets_needed;
+    // Largest distance of the map, or 0 for no limit. Points that are farther are not reached.
+    double radius;
+} GeosweepMapInfo;
+
+// Arrays to which a map on the CPU is written, row by row. Each may be null.
+typedef struct GeosweepMapOutputs {
+    // Distances: a float for each point, `INFINITY` where no source reaches.
+    float *distances;
+    // The way back from each point: two floats, the rows and columns of a step of length 1 in the grid. It
+    // is 0 at sources and NaN where no source reaches.
+    float *back_directions;
+    // The next grid point on the way back: 0 at sources, 1 to 8 for the neighbours clockwise from east, -1
+    // where no source reaches.
+    int8_t *back_links;
+    // The index of the nearest source, or -1.
+    int32_t *nearest;
+    // The log map: two floats for each point, the direction in which its shortest path leaves the source
+    // times the distance, along the columns and at a right angle to them. NaN where no source reaches. It
+    // takes nine maps in double precision.
+    float *log_map;
+    // Distances that are negative where `inside` is not 0.
+    float *signed_distances;
+    // For `signed_distances`: a byte for each point, not 0 inside.
+    const uint8_t *inside;
+} GeosweepMapOutputs;
+
 // A pass of a frame, or several passes that are timed together. Unknown members are `GEOSWEEP_UNKNOWN`.
 typedef struct GeosweepPass {
     // Name of the pass in captures, such as "scan down". It is never freed.
@@ -1267,6 +1316,12 @@ enum GeosweepStatus geosweep_log_map_rebind(struct GeosweepLogMap *log_map,
 // Destroys a log map, before or after the surface. No submitted work may still use the log map; a solver
 // with checks verifies that. Null is allowed.
 enum GeosweepStatus geosweep_log_map_destroy(struct GeosweepLogMap *log_map);
+
+// Computes a map on the CPU, without a solver and a device, and writes what is asked for. It takes as long as
+// the map does. With a radius or targets, its work is that of the part that is reached. If the targets cannot be
+// reached, the map is whole.
+enum GeosweepStatus geosweep_cpu_map(const struct GeosweepMapInfo *info,
+                                     const struct GeosweepMapOutputs *outputs);
 
 // Creates a profile for frames of a surface with this plan on a queue of this family.
 // `geosweep_profile_destroy` destroys it. If the family's queues cannot write timestamps, the status is

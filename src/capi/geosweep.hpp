@@ -620,6 +620,11 @@ public:
     }
 };
 
+/* Computes a map on the CPU, without a device, and writes what is asked for. */
+inline void cpu_map(const GeosweepMapInfo &info, const GeosweepMapOutputs &outputs) {
+    check(geosweep_cpu_map(&info, &outputs));
+}
+
 }  // namespace geosweep
 
 #endif  /* GEOSWEEP_HPP */

@@ -33,6 +33,7 @@
 mod arguments;
 mod choices;
 mod contours;
+mod cpu_map;
 mod curves;
 mod directions;
 mod frame;
@@ -54,6 +55,7 @@ mod surface_info;
 
 pub use choices::{GeosweepEdgeRule, GeosweepSchedule, GeosweepWavefront};
 pub use contours::*;
+pub use cpu_map::*;
 pub use curves::*;
 pub use directions::*;
 pub use frame::{

@@ -7,7 +7,7 @@ const HEADER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi/geosweep.h")
 const SOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi");
 
 /// Files in the order of the header.
-const FILES: [&str; 18] = [
+const FILES: [&str; 19] = [
     "status",
     "requirements",
     "choices",
@@ -25,6 +25,7 @@ const FILES: [&str; 18] = [
     "regions",
     "directions",
     "log_map",
+    "cpu_map",
     "profile",
 ];
 /// Files that declare nothing for C.

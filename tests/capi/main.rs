@@ -12,6 +12,7 @@ mod allocations;
 mod build;
 mod caches;
 mod cmake;
+mod cpu_maps;
 mod curves;
 mod faults;
 mod header;

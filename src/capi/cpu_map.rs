@@ -1,0 +1,204 @@
+//! Maps on the CPU in one call, and what is made of them.
+
+use super::arguments::{list, reference, usable};
+use super::choices::{EdgeRuleNumber, WavefrontNumber, edge_rule, wavefront};
+use super::frame::GeosweepSource;
+use super::plan::chart;
+use super::points::{Form, GeosweepPoints};
+use super::status::{Failure, GeosweepStatus, guard};
+use crate::geometry::{BackDirections, LogMap, Nearest, signed_distances_by_mask};
+use crate::surface::{Chart, EdgeLengths, Sources, Surface};
+use crate::{Engine, Options, Targets, distance_map};
+
+/// Largest number of sources, and of targets, of a map on the CPU.
+const MOST_PLACES: usize = 1 << 24;
+
+/// A map on the CPU: its surface, its sources, and the part of it that is needed.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepMapInfo {
+    /// Number of rows of grid points.
+    pub rows: u32,
+    /// Number of columns of grid points.
+    pub cols: u32,
+    /// Points in the program's memory: `points.data` is not null.
+    pub points: GeosweepPoints,
+    /// Rule by which edges are measured.
+    pub edge_rule: EdgeRuleNumber,
+    /// Shape of the wavefront.
+    pub wavefront: WavefrontNumber,
+    /// Point sources. Their `curvature` is not used.
+    pub sources: *const GeosweepSource,
+    /// Number of sources; at least 1.
+    pub source_count: u32,
+    /// Number of targets, or 0 for no targets.
+    pub target_count: u32,
+    /// Targets, two numbers each: row and column of a grid point. The map ends when the nearest
+    /// `targets_needed` of them have their distances. Points that are farther are not reached.
+    pub targets: *const u32,
+    /// Number of targets whose distances are needed, or 0 for all of them.
+    pub targets_needed: u32,
+    /// Largest distance of the map, or 0 for no limit. Points that are farther are not reached.
+    pub radius: f64,
+}
+
+/// Arrays to which a map on the CPU is written, row by row. Each may be null.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepMapOutputs {
+    /// Distances: a float for each point, `INFINITY` where no source reaches.
+    pub distances: *mut f32,
+    /// The way back from each point: two floats, the rows and columns of a step of length 1 in the grid. It
+    /// is 0 at sources and NaN where no source reaches.
+    pub back_directions: *mut f32,
+    /// The next grid point on the way back: 0 at sources, 1 to 8 for the neighbours clockwise from east, -1
+    /// where no source reaches.
+    pub back_links: *mut i8,
+    /// The index of the nearest source, or -1.
+    pub nearest: *mut i32,
+    /// The log map: two floats for each point, the direction in which its shortest path leaves the source
+    /// times the distance, along the columns and at a right angle to them. NaN where no source reaches. It
+    /// takes nine maps in double precision.
+    pub log_map: *mut f32,
+    /// Distances that are negative where `inside` is not 0.
+    pub signed_distances: *mut f32,
+    /// For `signed_distances`: a byte for each point, not 0 inside.
+    pub inside: *const u8,
+}
+
+impl GeosweepMapInfo {
+    /// Reads the surface.
+    ///
+    /// # Safety
+    /// The arrays have the sizes that the layout requires.
+    unsafe fn surface(&self, chart: Chart) -> Result<Surface, Failure> {
+        let Form::InProgram(layout, arrays) = Form::of(&self.points, "info->points")? else {
+            let reason = "is null: a map on the CPU reads points in the program's memory";
+            return Err(Failure::argument("info->points.data", reason));
+        };
+        let rule = edge_rule(self.edge_rule, "info->edge_rule")?;
+        // SAFETY: the caller's promise.
+        unsafe { layout.read(arrays, chart, rule, "info->points.") }
+    }
+
+    /// Returns the sources and the options.
+    ///
+    /// # Safety
+    /// The arrays have as many entries as their counts say.
+    unsafe fn problem(&self) -> Result<(Sources, Options), Failure> {
+        let fault = |name: &str, reason: &str| Err(Failure::argument(name, reason));
+        // SAFETY: the caller's promise.
+        let (given, targets) = unsafe {
+            (
+                list(self.sources, self.source_count, MOST_PLACES, "info->sources")?,
+                list(
+                    self.targets,
+                    self.target_count.saturating_mul(2),
+                    MOST_PLACES,
+                    "info->targets",
+                )?,
+            )
+        };
+        if given.is_empty() {
+            return fault("info->source_count", "is 0: a map has at least one source");
+        }
+        let mut sources = Sources::default();
+        for &GeosweepSource { row, col, time, .. } in given {
+            sources = sources.and_point(row.into(), col.into(), time.into());
+        }
+        let front = wavefront(self.wavefront, "info->wavefront")?;
+        let mut options = Options::default().with_engine(Engine::Cpu).with_wavefront(front);
+        if self.radius != 0.0 {
+            options = options.with_radius(self.radius);
+        }
+        if !targets.is_empty() {
+            let points = targets.chunks_exact(2).map(|at| [at[0] as usize, at[1] as usize]);
+            let needed = match self.targets_needed {
+                0 => usize::MAX,
+                needed => needed as usize,
+            };
+            options = options.with_targets(Targets::nearest(needed, points));
+        }
+        Ok((sources, options))
+    }
+}
+
+/// Copies values to an array of the program, unless it is null.
+///
+/// # Safety
+/// The array has as many entries.
+unsafe fn put<T: Copy>(to: *mut T, values: &[T], name: &str) -> Result<(), Failure> {
+    if to.is_null() {
+        return Ok(());
+    }
+    usable(to, name)?;
+    // SAFETY: the caller's promise.
+    unsafe { std::ptr::copy_nonoverlapping(values.as_ptr(), to, values.len()) };
+    Ok(())
+}
+
+/// Computes a map on the CPU, without a solver and a device, and writes what is asked for. It takes as long as
+/// the map does. With a radius or targets, its work is that of the part that is reached. If the targets cannot be
+/// reached, the map is whole.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_cpu_map(
+    info: *const GeosweepMapInfo,
+    outputs: *const GeosweepMapOutputs,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (info, to) = unsafe { (reference(info, "info")?, reference(outputs, "outputs")?) };
+        let chart = chart(info.rows, info.cols)?;
+        // SAFETY: the caller's promise.
+        let (surface, (sources, options)) = unsafe { (info.surface(chart)?, info.problem()?) };
+        let failed = |error: &dyn std::fmt::Display| Failure::argument("info:", error);
+        let map = distance_map(&surface, &sources, &options).map_err(|error| failed(&error))?;
+        let edges = || EdgeLengths::<f32>::new(&surface).map_err(|error| failed(&error));
+        // All is computed before anything is written, so that a failure leaves the arrays as they were.
+        let wants_ways = !to.back_directions.is_null() || !to.back_links.is_null();
+        let edges_of_ways = wants_ways.then(edges).transpose()?;
+        let ways = edges_of_ways.as_ref().map(|edges| {
+            let ways = BackDirections::new(&surface, edges, &sources, &map.distances);
+            ways.map_err(|error| failed(&error))
+        });
+        let ways = ways.transpose()?;
+        let nearest = (!to.nearest.is_null()).then(|| {
+            let nearest = Nearest::new(&surface, &edges()?, &sources, &map.distances);
+            nearest.map_err(|error| failed(&error))
+        });
+        let nearest = nearest.transpose()?;
+        let log_map = (!to.log_map.is_null()).then(|| {
+            let log_map = LogMap::new(&surface, &sources).map_err(|error| failed(&error))?;
+            Ok::<_, Failure>(log_map.where_reached(&map.distances))
+        });
+        let log_map = log_map.transpose()?;
+        let signed = (!to.signed_distances.is_null()).then(|| {
+            let points = u32::try_from(chart.points()).unwrap_or(u32::MAX);
+            // SAFETY: the caller's promise.
+            let inside = unsafe { list(to.inside, points, usize::MAX, "outputs->inside")? };
+            let inside: Vec<_> = inside.iter().map(|&inside| inside != 0).collect();
+            let signed = signed_distances_by_mask(chart, &map.distances, &inside);
+            signed.map_err(|error| failed(&error))
+        });
+        let signed = signed.transpose()?;
+        // SAFETY: all arrays have an entry for each point, by the caller's promise.
+        unsafe {
+            put(to.distances, &map.distances, "outputs->distances")?;
+            if let Some(ways) = ways {
+                let steps = ways.in_chart();
+                put(to.back_directions, steps.as_flattened(), "outputs->back_directions")?;
+                put(to.back_links, &ways.links(), "outputs->back_links")?;
+            }
+            if let Some(nearest) = nearest {
+                put(to.nearest, &nearest.sources, "outputs->nearest")?;
+            }
+            if let Some(log_map) = log_map {
+                put(to.log_map, log_map.coordinates.as_flattened(), "outputs->log_map")?;
+            }
+            if let Some(signed) = signed {
+                put(to.signed_distances, &signed, "outputs->signed_distances")?;
+            }
+        }
+        Ok(())
+    })
+}
