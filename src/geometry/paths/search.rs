@@ -1,6 +1,7 @@
 //! Searches for the next line of a path among all straight lines across a cell.
 
 use std::cmp::Reverse;
+use std::collections::hash_map::Entry;
 use std::collections::{BinaryHeap, HashMap};
 
 use glam::DVec2;
@@ -250,8 +251,8 @@ impl Tracer<'_> {
                 }
             }
             for copy in self.seams.copies(point) {
-                if !back.contains_key(&copy) {
-                    back.insert(copy, point);
+                if let Entry::Vacant(unseen) = back.entry(copy) {
+                    unseen.insert(point);
                     open.push(Reverse((self.times[copy].to_bits(), copy)));
                 }
             }
