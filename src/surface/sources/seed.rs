@@ -21,7 +21,7 @@ pub struct Seed {
     /// the anchor of the points that follow ([`crate::Wavefront::Anchored`]).
     pub from: Option<DVec2>,
     /// The straight source from which the front comes, where that is known; see
-    /// [`Sources::seeds_with_origins`].
+    /// [`Sources::seeds_with_origins`](super::Sources::seeds_with_origins).
     pub origin: Option<Origin>,
     /// Whether the time is as exact as the edges allow (from a map of the source alone), and no front of
     /// another source can arrive here first. Curved fronts then do not replace the seed, except for those of
