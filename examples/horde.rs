@@ -30,7 +30,7 @@ const FINE: usize = 4;
 const WIDTH: usize = FINE * (SIDE - 1);
 const TOWER: [f32; 2] = [96.0, 176.0];
 
-/// What the passes share. A crater opens every twenty frames, across the agents' way.
+/// The passes share these constants and functions. A crater opens every twenty frames, across the agents' way.
 const SHARED: &str = "
     const SIDE = 192u;
     const WIDTH = 764u;
@@ -138,7 +138,7 @@ const PAINT: &str = "
         trails[id.x] = pack4x8unorm(vec4<f32>(colour, 1.0));
     }";
 
-/// What comes of a march.
+/// The result of a march.
 pub(crate) struct March {
     /// Rows of pixels.
     pub pixels: Vec<u8>,

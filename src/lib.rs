@@ -57,6 +57,7 @@ mod auto;
 pub mod capi;
 mod constants;
 pub mod cpu;
+mod engine;
 mod error;
 mod estimate;
 pub mod geometry;
@@ -67,6 +68,7 @@ mod map;
 mod method;
 mod monitor;
 mod name;
+mod options;
 pub mod pairwise;
 pub mod shown;
 mod solve;
@@ -77,6 +79,7 @@ pub mod update;
 pub mod vulkan;
 
 pub use ash;
+pub use engine::Engine;
 pub use error::Error;
 pub use estimate::{ErrorEstimate, estimate_error, estimate_error_f64};
 pub use glam;
@@ -84,9 +87,8 @@ pub use gpu_allocator;
 pub use map::{DistanceMap, Report, UsedEngine};
 pub use monitor::Monitor;
 pub use name::UnknownName;
-pub use solve::{
-    DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, Engine, Options, distance_map, distance_map_f64,
-};
+pub use options::{DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, Options};
+pub use solve::{distance_map, distance_map_f64};
 pub use stop::{Convergence, Stop};
 pub use surface::{EdgeRule, MetricTensor, Source, Sources, Spacing, Surface};
 pub use targets::Targets;

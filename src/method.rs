@@ -13,7 +13,7 @@ impl Options {
     pub fn method(&self, surface: &Surface, sources: &Sources) -> Result<vulkan::Method, Error> {
         Ok(vulkan::Method::new(
             self.resolve_wavefront(surface, sources)?,
-            self.stop::<f32>(surface)?,
+            self.stop(surface, crate::DEFAULT_TOLERANCE)?,
         )
         .with_schedule(self.schedule))
     }

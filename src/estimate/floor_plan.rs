@@ -6,7 +6,8 @@
 //! lights is twice as many points wide.
 
 use super::ErrorEstimate;
-use crate::solve::{Options, Precision, in_precision};
+use crate::Options;
+use crate::solve::{Precision, in_precision};
 use crate::surface::{Source, Sources, Surface};
 use crate::{DistanceMap, Error};
 

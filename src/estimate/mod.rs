@@ -17,7 +17,8 @@ mod floor_plan;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use crate::solve::{Options, Precision, Problem, in_precision};
+use crate::Options;
+use crate::solve::{Precision, Problem, in_precision};
 use crate::surface::{
     Coarsened, Real, Seed, Source, SourceError, Sources, Surface, SurfaceError, UNGLUED,
 };

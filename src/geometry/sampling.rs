@@ -113,7 +113,7 @@ impl<'a> FarthestPoints<'a> {
         let start = first.start();
         seeds.iter_mut().for_each(|seed| seed.time -= start);
         let options = Options::default();
-        let stop = options.stop::<f32>(surface)?;
+        let stop = options.stop(surface, crate::DEFAULT_TOLERANCE)?;
         // The wavefront must suit several sources, since more samples follow.
         let wavefront = options.wavefront_of(surface, SourceKind::several(first))?;
         let seeds = wavefront.seeds(surface, seeds);

@@ -67,7 +67,7 @@ impl<'a> Pairwise<'a> {
     /// If an option is out of range or does not suit the surface, targets or a schedule are set, an edge of the surface
     /// is too long or too short for single precision, or the requested Vulkan device cannot be used.
     pub fn new(surface: &'a Surface, options: &Options) -> Result<Self, Error> {
-        let stop = options.stop::<f32>(surface)?;
+        let stop = options.stop(surface, crate::DEFAULT_TOLERANCE)?;
         options.check_for_rows()?;
         let wavefront = options.wavefront_of_rows(surface)?;
         let engine = RowEngine::new(surface, wavefront, options)?;

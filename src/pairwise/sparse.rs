@@ -75,7 +75,8 @@ pub fn pairs_within(
     options: &Options,
 ) -> Result<(SparseRows, PairwiseReport), Error> {
     let fault = |message: String| Err(Error::Options(message));
-    let (stop, radius) = (options.stop::<f32>(surface)?, options.checked_radius()?);
+    let (stop, radius) =
+        (options.stop(surface, crate::DEFAULT_TOLERANCE)?, options.checked_radius()?);
     if radius.is_infinite() {
         return fault("sparse rows need a radius; give one, or compute whole rows".into());
     }

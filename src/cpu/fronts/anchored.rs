@@ -288,7 +288,7 @@ impl<R: Real> Brought<R> {
             wanted[i] = may_come(i);
             of_one[i] = has(span, i, anchors[i], scan);
         }
-        // As many points as possible at once, and the rest one after another.
+        // This updates as many points as possible at once, and the rest one after another.
         let mut i = 0;
         while i < points {
             if !wanted[i] {

@@ -32,7 +32,7 @@ pub(in crate::cpu) trait LaneKind<R: Real>: FrontKind<R> {
         0
     }
 
-    /// What the updates of a line's spans need of the kind.
+    /// The data of the kind that the updates of a line's spans need.
     type OfLine<'k>;
 
     /// Prepares the update of a line, given the row and column of its first point, counted from the border.

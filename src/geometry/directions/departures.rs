@@ -15,9 +15,9 @@ use rayon::prelude::*;
 
 use super::frame::Frame;
 use super::stencil::{SIDE, Samples, derivative_beside_kink};
+use crate::Options;
 use crate::cpu::RotatedScan;
 use crate::geometry::NO_REGION;
-use crate::solve::Options;
 use crate::surface::{Direction, EdgeLengths, Real, Source, Sources, Surface};
 use crate::{Engine, Error};
 
@@ -92,7 +92,7 @@ impl<'a> Departures<'a> {
     pub(super) fn new(surface: &'a Surface, starts: &'a [Start]) -> Result<Self, Error> {
         let options = Options::default().with_engine(Engine::Cpu);
         let sources: Sources = starts.iter().map(|start| start.source(DVec2::ZERO)).collect();
-        let stop = options.stop::<f64>(surface)?;
+        let stop = options.stop(surface, crate::DEFAULT_TOLERANCE_F64)?;
         let wavefront = options.resolve_wavefront(surface, &sources)?;
         let edges = EdgeLengths::<f64>::new(surface)?;
         let start = sources.start();

@@ -25,7 +25,7 @@ pub(super) struct NearestSource {
     pub source: usize,
     /// The row and column of the place.
     pub at: DVec2,
-    /// The same place in the source as it was given. It differs on a seam of a closed surface.
+    /// The place in the source as it was given. It differs from `at` on a seam of a closed surface.
     pub own: DVec2,
     /// The arrival time at the source, which is its initial value.
     pub time: f64,

@@ -92,7 +92,7 @@ fn place_between(chart: Chart, [from, to]: [usize; 2], share: f64) -> Option<Pla
 pub(super) struct SourcePart {
     /// The rows and columns of both ends in the cell.
     pub ends: [DVec2; 2],
-    /// The same places in the source as it was given. They differ if the cell holds a copy of them.
+    /// The places of both ends in the source as it was given. They differ from `ends` if the cell holds copies.
     pub own: [DVec2; 2],
 }
 

@@ -32,7 +32,7 @@ pub(super) enum End {
     Source {
         source: usize,
         at: DVec2,
-        /// The same place in the source as it was given.
+        /// The place in the source as it was given, of which `at` may be a copy.
         own: DVec2,
     },
 }

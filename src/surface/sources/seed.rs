@@ -79,7 +79,7 @@ impl Seed {
 /// depend on neighbours that arrive later.
 ///
 /// Without causal updates, fronts of several sources that meet would settle in more than one way, or never.
-/// The same holds for a single front that meets itself because a slowness or a steep surface bends it.
+/// A single front that meets itself, because a slowness or a steep surface bends it, needs them too.
 /// Otherwise a single point source does not need causal updates; without them it is more accurate in
 /// stretched cells.
 #[derive(Clone, Copy, Debug, Default)]

@@ -39,7 +39,7 @@ pub(super) struct WayImage {
     sets: Option<BoundSets>,
 }
 
-/// What the image holds, and where the buffer has it.
+/// The contents of the image, and their place in the buffer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WayKind {
     pub(super) what: &'static str,

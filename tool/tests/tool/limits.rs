@@ -99,7 +99,7 @@ fn sparse_pairs_are_those_of_the_whole_rows() {
         let name = name.as_bytes();
         assert!(archive.windows(name.len()).any(|window| window == name));
     }
-    // What is refused writes nothing, which a new folder shows.
+    // Refused commands write nothing, which a new folder shows.
     let bench = Workbench::new();
     bench.refuses(
         &bench.run(words(&format!("pairwise {surface} --format csr -o d.npz"))),

@@ -1,0 +1,217 @@
+//! Holds the options of maps, and checks them.
+
+#[cfg(doc)]
+use crate::distance_map_f64;
+use crate::surface::{Sources, Surface};
+use crate::update::{EngineKind, Setting, SourceKind, Wavefront};
+use crate::vulkan::Schedule;
+use crate::{Engine, Error, Monitor, Stop, Targets};
+
+/// Default of [`Options::tolerance`], near the rounding of single precision.
+pub const DEFAULT_TOLERANCE: f64 = 1e-6;
+/// Default of [`Options::tolerance`] in [`distance_map_f64`], near the rounding of double precision.
+pub const DEFAULT_TOLERANCE_F64: f64 = 1e-13;
+
+/// Options of a map. The default suits most surfaces.
+///
+/// ```
+/// use geosweep::{Engine, Options, Wavefront};
+///
+/// let options = Options::default().with_engine(Engine::Cpu).with_wavefront(Wavefront::Curved);
+/// assert_eq!(options.wavefront, Some(Wavefront::Curved));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Options {
+    /// The engine that computes the map.
+    pub engine: Engine,
+    /// The wavefront assumed inside a triangle. With `None` it is chosen as follows:
+    ///
+    /// - [`Wavefront::Anchored`] over floor plans ([`Surface::is_floor_plan`]) from points, where it is
+    ///   exact;
+    /// - [`Wavefront::Planar`] on surfaces that turn at random, on surfaces whose slowness jumps in many
+    ///   places, and for fast marching;
+    /// - [`Wavefront::Curved`] elsewhere, also over a slowness. It is the most accurate one on smooth
+    ///   surfaces and from curves, and as good as the circular one on rough terrain.
+    ///
+    /// A map with curved fronts takes about twice the time of one with circular fronts. A map with anchors
+    /// takes less time than one with curved fronts.
+    pub wavefront: Option<Wavefront>,
+    /// The order of updates on a Vulkan device. It makes no difference to the map. With `None` it is
+    /// [`Schedule::best_on`] the device. The CPU engines have one order each.
+    pub schedule: Option<Schedule>,
+    /// Relative change below which iterations stop: no arrival time fell by more than this fraction in an
+    /// iteration. With `None` it is [`DEFAULT_TOLERANCE`], or [`DEFAULT_TOLERANCE_F64`] in double precision.
+    pub tolerance: Option<f64>,
+    /// Maximum number of iterations of four scans. With `None` it is ten for each row and column, more than
+    /// any surface but a labyrinth needs.
+    pub iterations: Option<u32>,
+    /// Largest distance of the map, in its unit. Points that are farther are unreached: their distance is
+    /// +infinity. Distances within the radius are those of the whole map. With `None` or +infinity there is no
+    /// limit. On the CPU the work is proportional to the area within the radius, except for measuring the
+    /// surface.
+    pub radius: Option<f64>,
+    /// The points that the map is for. It ends when no front can come to them earlier, and points that are
+    /// farther are unreached. On the CPU the work is about that of the radius which the targets need. A
+    /// target that cannot be reached makes the map whole, and its distance is +infinity.
+    pub targets: Option<Targets>,
+    /// Follows the computation from another thread, which may cancel it.
+    pub monitor: Option<Monitor>,
+}
+
+impl Options {
+    /// Sets [`Options::engine`].
+    pub fn with_engine(self, engine: Engine) -> Self {
+        Self { engine, ..self }
+    }
+
+    /// Sets [`Options::wavefront`].
+    pub fn with_wavefront(self, wavefront: impl Into<Option<Wavefront>>) -> Self {
+        Self { wavefront: wavefront.into(), ..self }
+    }
+
+    /// Sets [`Options::schedule`].
+    pub fn with_schedule(self, schedule: impl Into<Option<Schedule>>) -> Self {
+        Self { schedule: schedule.into(), ..self }
+    }
+
+    /// Sets [`Options::tolerance`].
+    pub fn with_tolerance(self, tolerance: impl Into<Option<f64>>) -> Self {
+        Self { tolerance: tolerance.into(), ..self }
+    }
+
+    /// Sets [`Options::iterations`].
+    pub fn with_iterations(self, iterations: impl Into<Option<u32>>) -> Self {
+        Self { iterations: iterations.into(), ..self }
+    }
+
+    /// Sets [`Options::radius`].
+    ///
+    /// ```
+    /// use geosweep::{Options, Sources, Spacing, Surface, distance_map};
+    ///
+    /// let surface = Surface::from_heights(40, 50, vec![0.0; 2000], Spacing::square(1.0))?;
+    /// let options = Options::default().with_radius(5.0);
+    /// let map = distance_map(&surface, &Sources::point(20.0, 20.0), &options)?;
+    /// assert!(map.distance(24, 23) == 5.0 && map.distance(24, 24).is_infinite());
+    /// # Ok::<(), geosweep::Error>(())
+    /// ```
+    pub fn with_radius(self, radius: impl Into<Option<f64>>) -> Self {
+        Self { radius: radius.into(), ..self }
+    }
+
+    /// Sets [`Options::targets`].
+    pub fn with_targets(self, targets: impl Into<Option<Targets>>) -> Self {
+        Self { targets: targets.into(), ..self }
+    }
+
+    /// Sets the monitor of a computation.
+    pub fn with_monitor(self, monitor: impl Into<Option<Monitor>>) -> Self {
+        Self { monitor: monitor.into(), ..self }
+    }
+
+    /// Returns the monitor, or one that nobody watches.
+    pub(crate) fn monitor(&self) -> Monitor {
+        self.monitor.clone().unwrap_or_default()
+    }
+
+    /// Returns when iterations stop. `tolerance` is the one of the precision, if none is given.
+    pub(crate) fn stop(&self, surface: &Surface, tolerance: f64) -> Result<Stop, Error> {
+        let tolerance = self.tolerance.unwrap_or(tolerance);
+        if !(0.0..1.0).contains(&tolerance) {
+            let message = format!("tolerance {tolerance} is not in the range from 0 to 1");
+            return Err(Error::Options(message));
+        }
+        let enough = 10 * (surface.rows() + surface.cols());
+        let iterations = self.iterations.unwrap_or(u32::try_from(enough).unwrap_or(u32::MAX));
+        if iterations == 0 {
+            return Err(Error::Options("at least one iteration is needed".into()));
+        }
+        Ok(Stop::within(tolerance).or_after(iterations))
+    }
+
+    /// Returns the radius, +infinity if there is none.
+    pub(crate) fn checked_radius(&self) -> Result<f64, Error> {
+        let radius = self.radius.unwrap_or(f64::INFINITY);
+        if radius > 0.0 {
+            return Ok(radius);
+        }
+        let message =
+            format!("the radius {radius} is not a positive number; leave it out for no limit");
+        Err(Error::Options(message))
+    }
+
+    /// Checks the options that rows of a distance matrix do not have.
+    pub(crate) fn check_for_rows(&self) -> Result<(), Error> {
+        let fault = |message: &str| Err(Error::Options(message.into()));
+        if self.schedule.is_some() {
+            return fault(
+                "a schedule is for single maps; the rows of a matrix have one order of updates on \
+                 each engine, leave the schedule out",
+            );
+        }
+        if self.targets.is_some() {
+            return fault(
+                "targets are for single maps; leave them out, or compute rows within a radius",
+            );
+        }
+        Ok(())
+    }
+
+    /// Returns the targets, which are points of the surface.
+    pub(crate) fn checked_targets(&self, surface: &Surface) -> Result<Option<Targets>, Error> {
+        let Some(targets) = &self.targets else { return Ok(None) };
+        let fault = |message: String| Err(Error::Options(message));
+        if targets.points().is_empty() {
+            return fault("there is no target; leave the targets out for the whole map".into());
+        }
+        let (rows, cols) = (surface.rows(), surface.cols());
+        for &[row, col] in targets.points() {
+            if row >= rows || col >= cols {
+                return fault(format!(
+                    "the target ({row}, {col}) is outside the grid of {rows} x {cols} points"
+                ));
+            }
+            if !surface.has(row, col) {
+                return fault(format!(
+                    "the target ({row}, {col}) is in a hole; choose a point of the surface"
+                ));
+            }
+        }
+        Ok(Some(targets.clone()))
+    }
+
+    /// Returns the wavefront of a map.
+    pub(crate) fn resolve_wavefront(
+        &self,
+        surface: &Surface,
+        sources: &Sources,
+    ) -> Result<Wavefront, Error> {
+        self.wavefront_of(surface, SourceKind::of(sources))
+    }
+
+    /// Returns the wavefront of a map from sources of a known kind.
+    pub(crate) fn wavefront_of(
+        &self,
+        surface: &Surface,
+        sources: SourceKind,
+    ) -> Result<Wavefront, Error> {
+        let engine = match self.engine {
+            Engine::FastMarching => EngineKind::FastMarching,
+            Engine::Auto | Engine::Vulkan(_) | Engine::Cpu => EngineKind::Map,
+        };
+        let setting = Setting::new(surface, sources, engine);
+        Ok(Wavefront::resolve(self.wavefront, setting)?)
+    }
+
+    /// Returns the wavefront of the rows of a distance matrix.
+    pub(crate) fn wavefront_of_rows(&self, surface: &Surface) -> Result<Wavefront, Error> {
+        let engine = match self.engine {
+            Engine::FastMarching => EngineKind::FastMarching,
+            Engine::Auto | Engine::Cpu => EngineKind::Matrix,
+            Engine::Vulkan(_) => EngineKind::MatrixOnDevice,
+        };
+        let setting = Setting::new(surface, SourceKind::POINT, engine);
+        Ok(Wavefront::resolve(self.wavefront, setting)?)
+    }
+}
