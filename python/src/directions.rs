@@ -113,8 +113,9 @@ type Basis = ([f64; 2], [f64; 2], [f64; 2], Option<[[f64; 3]; 2]>);
 #[pyfunction]
 pub fn log_map(py: Python<'_>, map: &Map) -> PyResult<LogMap> {
     use geosweep::geometry::LogMapError;
-    let made =
-        work::detached(py, || geosweep::geometry::LogMap::new(&map.on.surface, &map.sources))?;
+    let made = work::stoppable(py, |monitor| {
+        geosweep::geometry::LogMap::watched(&map.on.surface, &map.sources, monitor)
+    })?;
     let inner = made.map_err(|error| match error {
         LogMapError::Map(error) => errors::of(error),
         error => errors::value(error),

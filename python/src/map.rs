@@ -21,6 +21,9 @@ pub enum Distances {
     Double(DistanceMap<f64>),
 }
 
+/// The number of paths that are traced between two looks for Ctrl-C: tens of milliseconds on large grids.
+const PATHS_AT_ONCE: usize = 256;
+
 /// The entries of a report.
 pub type ReportItems = BTreeMap<&'static str, Py<PyAny>>;
 
@@ -114,12 +117,14 @@ impl Map {
         py: Python<'py>,
         ends: Vec<[f64; 2]>,
     ) -> PyResult<Vec<(Bound<'py, PyArray2<f64>>, f64, usize)>> {
-        let traced = work::detached(py, || {
+        let traced = work::stoppable(py, |monitor| {
             let map = self.single();
             let edges = self.on.edges().map_err(|error| error.to_string())?;
-            let paths = PathTracer::new(&self.on.surface, edges, &self.sources, &map.distances);
-            let paths = paths.map_err(|error| error.to_string())?.trace_all(&ends);
-            paths.into_iter().collect::<Result<Vec<_>, _>>().map_err(|error| error.to_string())
+            let tracer = PathTracer::new(&self.on.surface, edges, &self.sources, &map.distances);
+            let tracer = tracer.map_err(|error| error.to_string())?;
+            let parts = ends.chunks(PATHS_AT_ONCE).take_while(|_| !monitor.is_cancelled());
+            let paths = parts.flat_map(|part| tracer.trace_all(part));
+            paths.collect::<Result<Vec<_>, _>>().map_err(|error| error.to_string())
         })?;
         traced
             .map_err(errors::value)?

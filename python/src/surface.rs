@@ -279,10 +279,11 @@ impl Surface {
         count: usize,
     ) -> PyResult<(Vec<(usize, usize)>, f32)> {
         let sources = sources(&points, &lines)?;
-        let sampled = work::detached(py, || {
+        let sampled = work::stoppable(py, |monitor| {
             let inner = &self.inner;
             let mut samples = FarthestPoints::new(&inner.surface, inner.edges()?, &sources)?;
-            let found = samples.by_ref().take(count).map(|at| (at.row, at.col)).collect();
+            let wanted = samples.by_ref().take(count).take_while(|_| !monitor.is_cancelled());
+            let found = wanted.map(|at| (at.row, at.col)).collect();
             Ok((found, samples.radius()))
         })?;
         sampled.map_err(errors::of)

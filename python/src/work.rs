@@ -69,6 +69,12 @@ pub fn watched<T: Send>(
     })
 }
 
+/// Runs `work` like [`watched`], on the threads that all calls share and without a callback.
+pub fn stoppable<T: Send>(py: Python<'_>, work: impl FnOnce(&Monitor) -> T + Send) -> PyResult<T> {
+    let monitor = Monitor::default();
+    watched(py, None, &monitor, |_| Ok(()), || work(&monitor))
+}
+
 /// Runs `start` in this thread. What it spawns runs on `threads` threads.
 fn in_scope<'s, T>(threads: Option<usize>, start: impl FnOnce(&Scope<'s>) -> T) -> PyResult<T> {
     thread_local! {

@@ -1,6 +1,7 @@
 """Tests of the package, as users call it."""
 
 import os
+import signal
 import threading
 import time
 import warnings
@@ -63,10 +64,10 @@ def test_positions_and_a_metric_agree_with_heights() -> None:
         assert np.allclose(surface.solve((2, 3)).distance, of_heights, rtol=1e-5)
 
 
-def test_memory_is_shared() -> None:
+def test_a_map_is_written_into_the_array_of_the_caller() -> None:
     z = hill()
     m = gs.Surface.from_heights(z).solve((3, 4))
-    assert np.shares_memory(m.distance, m.distance) and not m.distance.flags.writeable
+    assert not m.distance.flags.writeable
     out = np.empty((ROWS, COLS), np.float32)
     assert gs.distance(z, (3, 4), out=out) is out
     assert np.array_equal(out, m.distance)
@@ -81,6 +82,29 @@ def test_a_surface_keeps_a_copy_unless_told_otherwise() -> None:
     before = surface.solve((3, 4)).distance
     z[:] = 0.0
     assert np.array_equal(surface.solve((3, 4)).distance, before)
+
+
+@pytest.mark.parametrize("kind", ["heights", "positions"])
+def test_a_surface_without_a_copy_reads_the_array_of_the_caller(kind: str) -> None:
+    rows, cols = np.mgrid[:ROWS, :COLS].astype(float)
+    array = hill() if kind == "heights" else np.stack([cols, rows, hill()], axis=-1)
+    make = gs.Surface.from_heights if kind == "heights" else gs.Surface.from_positions
+    surface = make(array, copy=False)
+    array[..., -1 if kind == "positions" else slice(None)] = 0.0
+    flat = np.hypot(rows - 3, cols - 4)
+    assert np.allclose(surface.solve((3, 4)).distance, flat, rtol=1e-5)
+
+
+def test_results_are_views_of_memory_that_outlives_the_map() -> None:
+    surface = gs.Surface.from_heights(hill(), mask=hill() < 7.9)
+    m = surface.solve((3, 4))
+    assert np.shares_memory(m.distance, m.distance)
+    assert np.shares_memory(surface.present, surface.present)
+    out = np.empty((ROWS, COLS), np.float32)
+    assert np.shares_memory(surface.solve((3, 4), out=out).distance, out)
+    present = surface.present
+    del surface
+    assert np.array_equal(present, np.isfinite(m.distance))
 
 
 def test_sources_have_starts_and_may_be_lines() -> None:
@@ -185,6 +209,27 @@ def test_an_exception_in_the_callback_ends_the_solve() -> None:
     with pytest.raises(KeyboardInterrupt):
         surface.solve((0, 0), wavefront="curved", engine="cpu", progress=stop)
     assert len(raised) == 1 and time.monotonic() - raised[0] < 3.0
+
+
+@pytest.mark.parametrize("what", ["solve", "paths", "log_map", "farthest_points"])
+def test_ctrl_c_ends_a_computation(what: str) -> None:
+    mask = winding(1025)
+    maze = gs.Surface.from_heights(np.zeros(mask.shape), mask=mask)
+    rows = np.arange(513.0)
+    surface = gs.Surface.from_heights(30 * np.sin(rows / 9)[:, None] * np.cos(rows / 7))
+    m = surface.solve((100, 100), engine="cpu")
+    ends = np.random.default_rng(3).uniform(0, 512, (200000, 2))
+    call = {
+        "solve": lambda: maze.solve((0, 0), wavefront="curved", engine="cpu"),
+        "paths": lambda: m.paths(ends),
+        "log_map": m.log_map,
+        "farthest_points": lambda: surface.farthest_points((0, 0), 100000),
+    }[what]
+    timer = threading.Timer(0.1, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        call()
+    timer.join()
 
 
 def test_threads_do_not_disturb_one_another() -> None:

@@ -4,7 +4,7 @@ use geosweep::geometry::{BackDirections, LogMap, LogMapError, NO_LINK, Nearest};
 use geosweep::glam::{DMat2, DVec2};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::{Engine, Options, Sources, Spacing, Surface, distance_map};
+use geosweep::{Engine, Error, Monitor, Options, Sources, Spacing, Surface, distance_map};
 
 use crate::common::rough;
 
@@ -255,6 +255,15 @@ fn paths_leave_their_source_in_the_direction_of_the_log_map() {
     let curve = LogMap::new(&surface, &Sources::curve([[1.0, 1.0], [5.0, 2.0]]));
     assert!(matches!(curve, Err(LogMapError::Curve { source_index: 0 })));
     assert!(LogMap::new(&surface, &Sources::point(0.0, 10.0)).is_err());
+}
+
+#[test]
+fn a_cancelled_log_map_is_an_error() {
+    let monitor = Monitor::default();
+    let found = |monitor| LogMap::watched(&flat(15, 15), &Sources::point(3.0, 4.0), monitor);
+    assert!(found(&monitor).is_ok());
+    monitor.cancel();
+    assert!(matches!(found(&monitor), Err(LogMapError::Map(Error::Cancelled))));
 }
 
 #[test]

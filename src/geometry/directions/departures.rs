@@ -15,11 +15,10 @@ use rayon::prelude::*;
 
 use super::frame::Frame;
 use super::stencil::{SIDE, Samples, derivative_beside_kink};
-use crate::Options;
 use crate::cpu::RotatedScan;
 use crate::geometry::NO_REGION;
 use crate::surface::{Direction, EdgeLengths, Real, Source, Sources, Surface};
-use crate::{Engine, Error};
+use crate::{Engine, Error, Monitor, Options};
 
 /// The steps by which sources move, on each side.
 const MOVES: isize = 2;
@@ -88,15 +87,19 @@ pub(super) struct Departures<'a> {
 const AXES: [Direction; 2] = [Direction::South, Direction::East];
 
 impl<'a> Departures<'a> {
-    /// Computes the maps.
-    pub(super) fn new(surface: &'a Surface, starts: &'a [Start]) -> Result<Self, Error> {
+    /// Computes the maps, unless `monitor` cancels them.
+    pub(super) fn new(
+        surface: &'a Surface,
+        starts: &'a [Start],
+        monitor: &Monitor,
+    ) -> Result<Self, Error> {
         let options = Options::default().with_engine(Engine::Cpu);
         let sources: Sources = starts.iter().map(|start| start.source(DVec2::ZERO)).collect();
         let stop = options.stop(surface, crate::DEFAULT_TOLERANCE_F64)?;
         let wavefront = options.resolve_wavefront(surface, &sources)?;
-        let edges = EdgeLengths::<f64>::new(surface)?;
+        let edges = EdgeLengths::<f64>::measured(surface, || monitor.check())?;
         let start = sources.start();
-        let mut solver = RotatedScan::new(&edges, wavefront);
+        let mut solver = RotatedScan::new(&edges, wavefront).with_monitor(monitor.clone());
         let mut solve = |sources: &Sources| -> Result<Times, Error> {
             let mut seeds = sources.seeds_with_origins(surface)?;
             for seed in &mut seeds {
@@ -104,6 +107,7 @@ impl<'a> Departures<'a> {
                 seed.origin = seed.origin.map(|origin| origin.started_earlier(start));
             }
             solver.solve(&wavefront.seeds(surface, seeds), stop);
+            monitor.check()?;
             Ok(solver.distances())
         };
         let times = solve(&sources)?;

@@ -4,9 +4,9 @@ use glam::DVec2;
 
 use super::bearing::{NO_BEARING, compass, east_and_north, grass};
 use super::departures::{Departures, Start};
-use crate::Error;
 use crate::geometry::{NO_REGION, Voronoi};
 use crate::surface::{Chart, EdgeLengths, GluingError, Real, Source, Sources, Surface, UNGLUED};
+use crate::{Error, Monitor};
 
 /// The logarithmic map of one or several point sources: for each grid point the direction in which its
 /// shortest path leaves the nearest source, times its distance from that source.
@@ -101,6 +101,18 @@ impl LogMap {
     /// If a source is a curve or lies off the surface, there is none, the surface is glued, or the maps cannot be
     /// computed.
     pub fn new(surface: &Surface, sources: &Sources) -> Result<Self, LogMapError> {
+        Self::watched(surface, sources, &Monitor::default())
+    }
+
+    /// Computes the log map like [`LogMap::new`], until `monitor` cancels it.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] within [`LogMapError::Map`] if it was cancelled, and those of [`LogMap::new`].
+    pub fn watched(
+        surface: &Surface,
+        sources: &Sources,
+        monitor: &Monitor,
+    ) -> Result<Self, LogMapError> {
         surface.check_open("the log map", UNGLUED)?;
         let mut starts = Vec::new();
         // Sources off the surface are refused before anything is asked of the surface there.
@@ -112,7 +124,7 @@ impl LogMap {
             let start = Start::new(surface, *at, *initial);
             starts.push(start.ok_or(LogMapError::NoPlane { row: at.x, col: at.y })?);
         }
-        let departures = Departures::new(surface, &starts)?;
+        let departures = Departures::new(surface, &starts, monitor)?;
         let labels = labels(surface, sources, &departures)?;
         let found = departures.find(&labels);
         Ok(Self {

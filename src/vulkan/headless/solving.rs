@@ -191,6 +191,9 @@ impl HeadlessSolver {
                 record_part(&recorder, variant, &parts, number);
             })?;
             submitter.submit(first)?;
+            if self.monitor.is_cancelled() {
+                break;
+            }
         }
         let mut outcome = images.record(0).outcome;
         while !outcome.is_done() && !self.monitor.is_cancelled() {
