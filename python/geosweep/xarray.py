@@ -200,6 +200,10 @@ class GeoMap:
         found = self.map.back_direction(unit)
         return self._grid.back("back_direction", found, "direction of the way back, in degrees")
 
+    def back_link(self) -> "xr.DataArray":
+        """Return the code of the next grid point on the way back; see `DistanceMap.back_link`."""
+        return self._grid.back("back_link", self.map.back_link(), "next cell on the way back")
+
     def error(self) -> "xr.DataArray":
         """Estimate the error of each distance; see `DistanceMap.error`."""
         return self._grid.back("error", self.map.error(), "estimated error of the distance")

@@ -59,6 +59,8 @@ def test_every_orientation_gives_the_same_map(orientation: str) -> None:
     assert np.array_equal(same.values, da.geosweep.distance(source).values)
     bearing = turned.geosweep.solve(source[:1]).back_direction()
     assert bearing.squeeze().sel(x=X[7], y=Y[39]).item() == pytest.approx(360, abs=30)
+    link = turned.geosweep.solve(source[:1]).back_link()
+    assert link.dims == turned.dims and link.squeeze().sel(x=X[7], y=Y[39]).item() in (6, 7, 8)
 
 
 def test_masks_slowness_and_holes() -> None:
