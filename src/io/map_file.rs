@@ -156,6 +156,21 @@ pub fn write_bearings_tiff(
     tiff::encode::<Gray32Float>(writer, [rows, cols], bearings, "-1", geo_tags)
 }
 
+/// Writes vectors as a GeoTIFF of two channels in single precision. Points without a vector are NaN, which is
+/// the no-data value.
+///
+/// # Errors
+/// The errors of the writer.
+pub fn write_vectors_tiff(
+    writer: &mut (impl Write + Seek),
+    rows: usize,
+    cols: usize,
+    vectors: &[[f32; 2]],
+    geo_tags: Option<&GeoTags>,
+) -> io::Result<()> {
+    tiff::encode::<tiff::Pair32Float>(writer, [rows, cols], vectors.as_flattened(), "nan", geo_tags)
+}
+
 /// Reads a map, or any other grid of numbers. The file has one of the formats of [`MapFormat`], or is an
 /// `.npz` with one array (or one named `map` or `distances` among several), or an ESRI ASCII grid.
 ///

@@ -8,9 +8,10 @@ use std::process::Command;
 use geosweep::Spacing;
 use geosweep::io::{
     CoordinateSystem, Grid, MapFormat, SurfaceFile, read_map, read_mask, read_slowness,
-    write_labels_tiff,
+    write_labels_tiff, write_vectors_tiff,
 };
 use geosweep::surface::Geometry;
+use tiff::decoder::{Decoder, DecodingResult};
 
 fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/maps/gdal")
@@ -171,12 +172,17 @@ fn maps_lie_where_their_surface_does() {
     for (name, _, _) in places() {
         let source = fixtures().join(format!("{name}.tif"));
         let surface = SurfaceFile::read(&source).unwrap();
-        let [map, labels] = ["m.tif", "l.tif"].map(|file| folder.path().join(file));
+        let files = ["m.tif", "l.tif", "v.tif"];
+        let [map, labels, vectors] = files.map(|file| folder.path().join(file));
         let mut file = fs::File::create(&map).unwrap();
         MapFormat::Tiff.write(&mut file, 5, 7, &distances, surface.geo_tags()).unwrap();
         let mut file = fs::File::create(&labels).unwrap();
         let numbers: Vec<i32> = (-1..34).collect();
         write_labels_tiff(&mut file, 5, 7, &numbers, surface.geo_tags()).unwrap();
+        let mut file = fs::File::create(&vectors).unwrap();
+        let ways: Vec<[f32; 2]> =
+            (0..35).map(|index| [index as f32, -2.0 * index as f32]).collect();
+        write_vectors_tiff(&mut file, 5, 7, &ways, surface.geo_tags()).unwrap();
 
         let written = SurfaceFile::read(&map).unwrap();
         assert_eq!(written.georeference().unwrap(), surface.georeference().unwrap(), "{name}");
@@ -186,6 +192,12 @@ fn maps_lie_where_their_surface_does() {
         assert!(!written.into_surface(Some(Spacing::square(1.0))).unwrap().has(0, 3), "{name}");
         let values = read_map(&labels).unwrap().values;
         assert!(values[0].is_nan() && values[1..].iter().zip(0..).all(|(a, b)| *a == f64::from(b)));
+        let mut decoder = Decoder::new(fs::File::open(&vectors).unwrap()).unwrap();
+        assert_eq!(decoder.dimensions().unwrap(), (7, 5));
+        let DecodingResult::F32(bands) = decoder.read_image().unwrap() else {
+            panic!("the bands are of single precision")
+        };
+        assert_eq!(bands, ways.as_flattened());
 
         // GDAL finds the same.
         let describe = |path: &Path| {
@@ -196,5 +208,6 @@ fn maps_lie_where_their_surface_does() {
         let place = expected.lines().next().unwrap();
         assert_eq!(describe(&map).unwrap(), format!("{place}\ninf 1\n"), "{name}");
         assert_eq!(describe(&labels).unwrap(), format!("{place}\n-1.0 1\n"), "{name}");
+        assert_eq!(describe(&vectors).unwrap(), format!("{place}\nnan 2\n"), "{name}");
     }
 }

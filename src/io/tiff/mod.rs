@@ -1,4 +1,4 @@
-//! Reads TIFF rasters with the information of GeoTIFF and GDAL, and writes maps.
+//! Reads TIFF rasters with the information of GeoTIFF and GDAL, and writes maps and fields of vectors.
 //!
 //! Files are read as GDAL reads them. A feature that changes values or locations and is not supported is an
 //! error, which contains the command that converts the file.
@@ -22,7 +22,7 @@ use directory::{Directory, File};
 use gdal::Metadata;
 pub use geo_tags::GeoTags;
 use layout::{Layout, Photometric};
-pub(super) use write::encode;
+pub(super) use write::{Pair32Float, encode};
 
 use super::file_spacing::FileSpacing;
 use super::limits::check_memory;

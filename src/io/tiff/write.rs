@@ -1,15 +1,34 @@
-//! Writes maps as GeoTIFF.
+//! Writes maps and fields of vectors as GeoTIFF.
 
 use std::io::{self, Seek, Write};
 
 use ::tiff::TiffError;
 use ::tiff::encoder::colortype::ColorType as Channel;
 use ::tiff::encoder::{TiffEncoder, TiffValue};
-use ::tiff::tags::Tag;
+use ::tiff::tags::{PhotometricInterpretation, SampleFormat, Tag};
 
 use super::GeoTags;
 
-/// Writes values as one grey channel with a no-data value and, if it is known, their location.
+/// Two channels of single precision, interleaved, which are no colours.
+pub enum Pair32Float {}
+
+impl Channel for Pair32Float {
+    type Inner = f32;
+    const TIFF_VALUE: PhotometricInterpretation = PhotometricInterpretation::BlackIsZero;
+    const BITS_PER_SAMPLE: &'static [u16] = &[32; 2];
+    const SAMPLE_FORMAT: &'static [SampleFormat] = &[SampleFormat::IEEEFP; 2];
+
+    /// Only compressed integers are predicted from their neighbours; these values are written as they are.
+    fn horizontal_predict(row: &[f32], result: &mut Vec<f32>) {
+        result.extend_from_slice(row);
+    }
+}
+
+/// The value of the tag `ExtraSamples` for a channel without a stated meaning.
+const UNSPECIFIED: u16 = 0;
+
+/// Writes values as channels with a no-data value and, if it is known, their location. Channels beyond the first
+/// have no stated meaning.
 pub fn encode<C: Channel>(
     writer: &mut (impl Write + Seek),
     [rows, cols]: [usize; 2],
@@ -26,6 +45,10 @@ where
         let mut encoder = TiffEncoder::new(writer)?;
         let mut image = encoder.new_image::<C>(cols, rows)?;
         image.encoder().write_tag(Tag::GdalNodata, no_data)?;
+        let further = vec![UNSPECIFIED; C::BITS_PER_SAMPLE.len() - 1];
+        if !further.is_empty() {
+            image.encoder().write_tag(Tag::ExtraSamples, further.as_slice())?;
+        }
         if let Some(tags) = geo_tags {
             tags.write(image.encoder())?;
         }

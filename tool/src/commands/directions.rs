@@ -9,12 +9,13 @@ use geosweep::geometry::{
 };
 use geosweep::io::{
     OutputFile, StagedFile, read_mask, write_bearings_tiff, write_labels_tiff, write_npy,
+    write_vectors_tiff,
 };
 use geosweep::surface::{EdgeLengths, Real};
 use geosweep::{DistanceMap, Sources};
 
 use super::labels::has_extension;
-use crate::output::{stage_picture, wanted_file, wanted_png};
+use crate::output::{stage_picture, wanted_png};
 use crate::picture::Arrows;
 use crate::precision::Number;
 use crate::problem::Scene;
@@ -43,11 +44,11 @@ pub struct DirectionArgs {
     /// as --back-direction
     #[arg(long, value_name = "FILE", group = "directions", help_heading = "Directions")]
     source_direction: Option<PathBuf>,
-    /// Output file for the log map of point sources: .npy (M, N, 2), float32. It has u and v, the direction in
+    /// Output file for the log map of point sources: .npy (M, N, 2) or .tif of two bands, float32. It has u and v, the direction in
     /// which the way of each point leaves its source times the distance; u runs along the columns at the
     /// source, v at a right angle to it, to larger rows. NaN where no source reaches. Takes nine maps in double
     /// precision on the CPU
-    #[arg(long, value_name = "FILE.npy", group = "directions", help_heading = "Directions")]
+    #[arg(long, value_name = "FILE", group = "directions", help_heading = "Directions")]
     log_map: Option<PathBuf>,
     /// Draw the way back at each point, as colours and arrows
     #[arg(long, value_name = "FILE.png", group = "directions", help_heading = "Directions")]
@@ -76,8 +77,8 @@ enum DirectionFormat {
     Compass,
     /// Degrees counter-clockwise from east, above 0 and up to 360: for r.path of GRASS
     Grass,
-    /// Rows and columns of a step of length 1 in the grid: .npy (M, N, 2), 0 at the sources and NaN where no
-    /// source reaches
+    /// Rows and columns of a step of length 1 in the grid: .npy (M, N, 2) or .tif of two bands, 0 at the sources
+    /// and NaN (no-data) where no source reaches
     Vector,
 }
 
@@ -95,12 +96,9 @@ pub struct DirectionOutputs {
 impl DirectionArgs {
     pub fn outputs(&self) -> Result<DirectionOutputs, Box<dyn Error>> {
         let format = self.direction_format;
-        let of_bearings = |path: Option<&PathBuf>| match format {
-            DirectionFormat::Vector => wanted_file(path, "a field of vectors is", "npy"),
-            _ => path.map(|path| grid_output(path, "directions are")).transpose(),
+        let grid = |path: &Option<PathBuf>, what| {
+            path.as_ref().map(|path| grid_output(path, what)).transpose()
         };
-        let of_labels =
-            |path: Option<&PathBuf>, what| path.map(|path| grid_output(path, what)).transpose();
         if format == DirectionFormat::Vector && self.source_direction.is_some() {
             return Err("--source-direction is in degrees; choose --direction-format compass or \
                         grass, or write --log-map, which has vectors"
@@ -108,11 +106,11 @@ impl DirectionArgs {
         }
         Ok(DirectionOutputs {
             format,
-            back_direction: of_bearings(self.back_direction.as_ref())?,
-            back_link: of_labels(self.back_link.as_ref(), "back links are")?,
-            nearest: of_labels(self.nearest.as_ref(), "nearest sources are")?,
-            source_direction: of_bearings(self.source_direction.as_ref())?,
-            log_map: wanted_file(self.log_map.as_ref(), "a log map is", "npy")?,
+            back_direction: grid(&self.back_direction, "directions are")?,
+            back_link: grid(&self.back_link, "back links are")?,
+            nearest: grid(&self.nearest, "nearest sources are")?,
+            source_direction: grid(&self.source_direction, "directions are")?,
+            log_map: grid(&self.log_map, "a log map is")?,
             picture: wanted_png(self.direction_picture.as_ref())?,
         })
     }
@@ -265,6 +263,10 @@ impl Write<'_> {
         vectors: &[[f32; 2]],
     ) -> Result<StagedFile, Box<dyn Error>> {
         let [rows, cols] = self.shape();
-        Ok(output.stage(|writer| write_npy(writer, &[rows, cols, 2], vectors.as_flattened()))?)
+        let is_array = has_extension(output.path(), &["npy"]);
+        Ok(output.stage(|writer| match is_array {
+            true => write_npy(writer, &[rows, cols, 2], vectors.as_flattened()),
+            false => write_vectors_tiff(writer, rows, cols, vectors, self.scene.geo_tags.as_ref()),
+        })?)
     }
 }

@@ -1,6 +1,9 @@
 //! Directions, links, nearest sources, log maps and signed distances through the tool.
 
+use std::fs::File;
+
 use geosweep::io::{SurfaceFile, read_map};
+use tiff::decoder::{Decoder, DecodingResult};
 
 use crate::workbench::{Workbench, done, map, run};
 
@@ -30,6 +33,16 @@ fn directions_are_written_where_the_surface_lies() {
     }
     assert_eq!([at("b.tif", 6, 8), at("l.tif", 6, 8), at("n.tif", 6, 8)], [0.0, 0.0, 1.0]);
 
+    let vectors = "--direction-format vector --back-direction v.tif --log-map u.tif";
+    done(&bench, &format!("distance {dem} -s 3,4 --engine cpu {vectors}"));
+    for (file, at, expected) in [("v.tif", (3, 1), [0.0, 1.0]), ("u.tif", (5, 7), [30.0, 20.0])] {
+        let (row, col) = at;
+        let mut decoder = Decoder::new(File::open(bench.output(file)).unwrap()).unwrap();
+        let DecodingResult::F32(bands) = decoder.read_image().unwrap() else { panic!("{file}") };
+        let found = [bands[2 * (9 * row + col)], bands[2 * (9 * row + col) + 1]];
+        approx::assert_abs_diff_eq!(found.as_slice(), expected.as_slice(), epsilon = 1e-3);
+    }
+
     let grass = "--direction-format grass --back-direction g.npy";
     done(&bench, &format!("distance {dem} -s 3,4 --engine cpu {grass}"));
     approx::assert_abs_diff_eq!(at("g.npy", 3, 1), 360.0, epsilon = 1e-3);
@@ -53,8 +66,8 @@ fn invalid_requests_for_directions_are_refused() {
     let flat = bench.flat(21, 21);
     for (words, parts) in [
         ("--back-direction b.png", ["b.png", ".npy or .tif"]),
-        ("--direction-format vector --back-direction b.tif", ["b.tif", ".npy"]),
-        ("--log-map l.tif", ["l.tif", ".npy"]),
+        ("--direction-format vector --back-direction b.csv", ["b.csv", ".npy or .tif"]),
+        ("--log-map l.png", ["l.png", ".npy or .tif"]),
         ("--back-link b.npy --nearest b.npy", ["b.npy", "two outputs"]),
         ("--signed -o d.npy", ["source 0 is a point", "closed curves"]),
         ("--signed", ["--output", "required"]),
