@@ -53,7 +53,7 @@ impl Scene {
         bytes
     }
 
-    fn directions(&mut self, directions: &embed::Directions, sources: SourceInput) -> Field {
+    pub fn directions(&mut self, directions: &embed::Directions, sources: SourceInput) -> Field {
         let frame = DirectionFrame::new(sources, Reader::COPY);
         let bytes = self.copy_of(4, |recording| {
             let image = recording.directions(directions, &frame).unwrap();
@@ -65,7 +65,7 @@ impl Scene {
         Field { ways, bytes }
     }
 
-    fn new_directions(&mut self) -> embed::Directions {
+    pub fn new_directions(&mut self) -> embed::Directions {
         let stage = &mut self.stage;
         let device = stage.host.device.clone();
         let allocator = stage.host.allocator();
@@ -75,7 +75,7 @@ impl Scene {
         new
     }
 
-    fn end_with(mut self, mut directions: embed::Directions) {
+    pub fn end_with(mut self, mut directions: embed::Directions) {
         let device = self.stage.host.device.clone();
         directions.destroy(&device, self.stage.host.allocator());
         directions.destroy(&device, self.stage.host.allocator());

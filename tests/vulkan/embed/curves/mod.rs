@@ -6,6 +6,7 @@ mod draw;
 mod log_map;
 mod paths;
 mod regions;
+mod walks;
 
 use geosweep::ash::vk;
 use geosweep::surface::Chart;
