@@ -53,10 +53,9 @@ pub struct Pairwise<'a> {
 }
 
 impl<'a> Pairwise<'a> {
-    /// Prepares a surface. Options have the same meaning as for a single map, with three exceptions.
-    /// [`Options::schedule`] must not be set, since rows do not have a schedule, nor must
-    /// [`Options::targets`]. With [`Options::radius`] larger distances are +infinity; [`pairs_within`] computes
-    /// the others alone.
+    /// Prepares a surface. Options have the same meaning as for a single map, with these exceptions.
+    /// [`Options::schedule`] and [`Options::targets`] must not be set, since rows have neither. Distances beyond
+    /// [`Options::radius`] are +infinity; [`pairs_within`] computes only those within it.
     /// [`Engine::Auto`](crate::Engine::Auto) means the CPU.
     ///
     /// The CPU computes sixteen maps at once in SIMD lanes ([`PairwiseScan`](crate::cpu::PairwiseScan)).
