@@ -63,8 +63,8 @@ impl<'a> Pairwise<'a> {
     /// threads are used.
     ///
     /// # Errors
-    /// If an option is out of range or does not suit the surface, targets or a schedule are set, an edge of the surface
-    /// is too long or too short for single precision, or the requested Vulkan device cannot be used.
+    /// If an option is out of range or does not suit the surface, targets or a schedule are set, an edge of the
+    /// surface is too long or too short for single precision, or the requested Vulkan device cannot be used.
     pub fn new(surface: &'a Surface, options: &Options) -> Result<Self, Error> {
         let stop = options.stop(surface, crate::DEFAULT_TOLERANCE)?;
         options.check_for_rows()?;
