@@ -16,11 +16,11 @@ const OPENING: f64 = 0.25;
 /// Seconds in which the pipelines of a map are compiled where no file keeps them.
 const COMPILING: f64 = 1.0;
 
-/// Returns the cost of a point. Measured on an NVIDIA H200 and 16 cores of its host (docs/devices): a sphere
-/// of 4096 x 4096 points. The CPU measures edges in 3 ns (estimated from smaller grids) and solves maps in 9
-/// (planar fronts) and 23 (curved). The GPU is set up in 7 and solves maps in 2, and the host takes
-/// distances in 1 to 2. On the CPU, circular fronts take 1.3 times as long as planar ones (docs/speed.md), and
-/// anchored ones as long as curved ones.
+/// Returns the cost of a point, as measured on an NVIDIA H200 and 16 cores of its host (docs/devices) on a
+/// sphere of 4096 x 4096 points. The CPU measures edges in 3 ns (estimated from smaller grids) and solves maps
+/// in 9 ns (planar fronts) and 23 ns (curved). The GPU is set up in 7 ns and solves maps in 2 ns, and the host
+/// takes distances in 1 to 2 ns. On the CPU, circular fronts take 1.3 times as long as planar ones
+/// (docs/speed.md), and anchored ones as long as curved ones.
 fn costs(wavefront: Wavefront) -> Costs {
     match wavefront {
         Wavefront::Planar => Costs { cpu: 12.0, gpu: 10.0 },

@@ -8,9 +8,8 @@ use crate::{Convergence, Error};
 /// A view on a computation that runs in another thread: how far it is, and a way to cancel it. Clones share
 /// the same state.
 ///
-/// A computation that is cancelled ends with [`Error::Cancelled`] after the band of lines, the part of the
-/// edges or the submission to a device that it is at: on the CPU within milliseconds. Fast marching
-/// goes on to its end.
+/// A computation that is cancelled ends with [`Error::Cancelled`] after the current band of lines, part of the
+/// edges or submission to a device: on the CPU within milliseconds. Fast marching goes on to its end.
 ///
 /// ```
 /// use geosweep::{Error, Monitor, Options, Sources, Spacing, Surface, distance_map};

@@ -51,9 +51,9 @@ pub struct Options {
     /// limit. On the CPU the work is proportional to the area within the radius, except for measuring the
     /// surface.
     pub radius: Option<f64>,
-    /// The points that the map is for. It ends when no front can come to them earlier, and points that are
-    /// farther are unreached. On the CPU the work is about that of the radius which the targets need. A
-    /// target that cannot be reached makes the map whole, and its distance is +infinity.
+    /// The targets of the map. It ends when no front can come to them earlier, and points that are farther are
+    /// unreached. On the CPU the work is about that of the radius that the targets need. A target that cannot
+    /// be reached makes the map whole, and its distance is +infinity.
     pub targets: Option<Targets>,
     /// Follows the computation from another thread, which may cancel it.
     pub monitor: Option<Monitor>,

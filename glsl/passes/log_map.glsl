@@ -1,9 +1,9 @@
 // Follows the ways of a log map between grid points, for log_map_*.comp. Include after ways.glsl and
 // cell.glsl.
 //
-// A way leads some number of cells back towards the source. It is that of the points around a place, so that
-// two ways follow from one of half the length. All ways are equally long in the grid: the places to which
-// those of neighbours lead lie side by side, and mean the same between them.
+// A way leads a number of cells back towards the source. The way from a place between grid points is the mean
+// of the ways of the points around it, so a way can be doubled by the way from its end. All ways have the same
+// length in the grid. So the ways of neighbours lead to places side by side, and their mean is meaningful.
 
 // The source of a point whose place in the log map is not known yet.
 const uint NO_LABEL = 0xffffffffu;
@@ -21,7 +21,7 @@ struct Around {
     int nearest; // the one with the largest weight; -1 if there is none
 };
 
-// `which` is the copy of the ways.
+// Returns the points around a place that have a way. `which` is the copy of the ways.
 Around around(vec2 place, int which) {
     Around found;
     vec2 first = floor(place);

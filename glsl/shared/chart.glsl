@@ -88,7 +88,7 @@ float stored_length(vec4 lengths, ivec2 step) {
     return step.x == 0 ? lengths.y : step.x > 0 ? lengths.z : lengths.w;
 }
 
-// Returns that component.
+// Returns the index of the component of a point's lengths for a step to the east or north.
 int component_stored(ivec2 step) {
     if (step.y == 0) return 0;
     return step.x == 0 ? 1 : step.x > 0 ? 2 : 3;

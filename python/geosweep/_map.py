@@ -227,7 +227,7 @@ class DistanceMap:
     def error(self) -> Floats:
         """Estimate the error of each distance (M, N), by maps on other grids.
 
-        The estimate takes a map more and a third of one, over floor plans four to five.
+        This takes the time of one and a third maps, over floor plans that of four to five.
         """
         points, lines = self._problem[0]
         return self._surface.error(points, lines, *self._problem[1:])[0]

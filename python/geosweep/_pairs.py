@@ -39,15 +39,15 @@ def pairs(
     radius
         Largest distance of a pair.
     k
-        Number of others, the nearest ones, in each row. A radius may limit them further.
+        Number of nearest other points in each row. A radius may limit them further.
     wavefront, engine, tolerance, iterations, threads, strict
         As in `Surface.solve`.
 
     Returns
     -------
     matrix
-        Distances from each point (rows) to others (columns). Points that are farther, or not
-        reached, have no entry, nor have a point and itself or its equals. Needs SciPy.
+        Distances from each point (rows) to others (columns). There is no entry for points that
+        are farther or not reached, nor for a point and itself or an equal point. Needs SciPy.
 
     Examples
     --------

@@ -9,7 +9,7 @@ class ConvergenceWarning(UserWarning):
 
 
 class ConvergenceError(RuntimeError):
-    """What `ConvergenceWarning` tells, with ``strict=True``."""
+    """The iterations ran out before the distances had settled, with ``strict=True``."""
 
 
 class SeamWarning(UserWarning):

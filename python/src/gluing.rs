@@ -9,7 +9,7 @@ use crate::errors;
 /// The grid points along a line: row and column of its first and its last one.
 type Line = [(usize, usize); 2];
 
-/// How a surface is glued, as callers say it.
+/// The gluing of a surface, as callers give it.
 #[derive(FromPyObject)]
 pub enum Glue {
     /// The name of a gluing.

@@ -1,4 +1,5 @@
-//! Maps on the CPU in one call, and what is made of them.
+//! Computes maps on the CPU, and ways back, nearest sources, log maps and signed distances from them, in one
+//! call.
 
 use super::arguments::{list, reference, usable};
 use super::choices::{EdgeRuleNumber, WavefrontNumber, edge_rule, wavefront};
@@ -137,9 +138,9 @@ unsafe fn put<T: Copy>(to: *mut T, values: &[T], name: &str) -> Result<(), Failu
     Ok(())
 }
 
-/// Computes a map on the CPU, without a solver and a device, and writes what is asked for. It takes as long as
-/// the map does. With a radius or targets, its work is that of the part that is reached. If the targets cannot be
-/// reached, the map is whole.
+/// Computes a map on the CPU, without a solver and a device, and writes what is asked for. The call lasts until
+/// the map is finished. With a radius or targets, only the part of the map that is reached takes time. If the
+/// targets cannot be reached, the map is whole.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_cpu_map(
     info: *const GeosweepMapInfo,

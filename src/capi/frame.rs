@@ -132,7 +132,7 @@ pub(super) fn reader(given: GeosweepReader, name: &str) -> Result<Reader, Failur
 
 pub(super) fn unreached(given: f32, name: &str) -> Result<f32, Failure> {
     if given.is_nan() || given == 0.0 {
-        let reason = format!("is {given}: give infinity or a number that no distance is");
+        let reason = format!("is {given}: give infinity or a negative number");
         return Err(Failure::argument(name, reason));
     }
     Ok(given)

@@ -1317,9 +1317,9 @@ enum GeosweepStatus geosweep_log_map_rebind(struct GeosweepLogMap *log_map,
 // with checks verifies that. Null is allowed.
 enum GeosweepStatus geosweep_log_map_destroy(struct GeosweepLogMap *log_map);
 
-// Computes a map on the CPU, without a solver and a device, and writes what is asked for. It takes as long as
-// the map does. With a radius or targets, its work is that of the part that is reached. If the targets cannot be
-// reached, the map is whole.
+// Computes a map on the CPU, without a solver and a device, and writes what is asked for. The call lasts until
+// the map is finished. With a radius or targets, only the part of the map that is reached takes time. If the
+// targets cannot be reached, the map is whole.
 enum GeosweepStatus geosweep_cpu_map(const struct GeosweepMapInfo *info,
                                      const struct GeosweepMapOutputs *outputs);
 

@@ -114,7 +114,10 @@ impl Form {
         };
         let first = kind.floats();
         if given.slowness != 0 && given.slowness < first {
-            let reason = format!("is {}, and the first {first} floats are not it", given.slowness);
+            let reason = format!(
+                "is {}, and the first {first} floats of a point are others",
+                given.slowness
+            );
             return Err(Failure::argument(&field("slowness"), reason));
         }
         let given_memory = [!given.buffer.is_null(), !given.view.is_null(), !given.data.is_null()];

@@ -24,7 +24,7 @@ pub const GEOSWEEP_HEADER_VERSION: u32 = 7;
 /// which a few bytes are kept. Each recording gets one more fill and two more barriers.
 pub const GEOSWEEP_SOLVER_CHECKS: u32 = 1;
 
-/// Largest number of passes to create. There are nine kinds.
+/// Largest count of passes that is accepted. Only nine passes differ.
 const MOST_PASSES: usize = 64;
 /// Size in bytes of the first blocks of memory. A larger allocation gets its own block.
 const BLOCK_BYTES: u64 = 4 << 20;

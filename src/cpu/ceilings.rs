@@ -32,7 +32,7 @@ pub struct CpuCeilings {
 const COPIED: usize = 8 << 20;
 /// Number of points of a line. With all their data they take about 12 KiB.
 const POINTS: usize = 256;
-/// Duration up to which work is repeated.
+/// Minimum duration of a measurement. Work is repeated until it has passed.
 const LONG_ENOUGH: Duration = Duration::from_millis(20);
 /// Number of repeated measurements. The shortest counts, since other work only adds time.
 const TRIES: usize = 3;
@@ -119,8 +119,8 @@ impl<'a, K: TriangleKind<f32> + LaneKind<f32>> WarmLine<'a, K> {
         Self { edges, kind, surface_data, times, carried, changed: [Changed::No; POINTS / TILE] }
     }
 
-    /// Updates all points and returns their number. They are reset to unreached first, since reached ones
-    /// would be settled.
+    /// Updates all points and returns their number. They are reset to unreached first: a reached point would be
+    /// settled, and its update skipped.
     fn update(&mut self) -> u64 {
         let (chart, scan) = (self.edges.chart(), Scan::DOWN);
         chart.row_of_mut(&mut self.times, 1).fill(f32::FAR);

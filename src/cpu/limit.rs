@@ -11,7 +11,7 @@ pub(crate) struct Limit {
     targets: Option<Targets>,
 }
 
-/// Part of a target's time by which a front may still come later, as renewed fronts do.
+/// Margin after the targets' time, as a fraction of it. Renewed fronts may come later by less than this.
 const LATER: f64 = 1e-4;
 
 impl Limit {

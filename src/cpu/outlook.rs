@@ -13,7 +13,7 @@ use crate::update::{Triangle, planar};
 
 /// Number of rows and columns from one point to the next, where the grid is large enough.
 const LARGEST_STEP: usize = 8;
-/// Number of points that a side has at least, if the step is larger than 1.
+/// Minimum number of points on a side if the step is larger than 1.
 const LEAST_POINTS: usize = 24;
 
 /// Returns an estimate of the time at which fronts of the seeds have come to the targets, and the number of

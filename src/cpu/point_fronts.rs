@@ -63,7 +63,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         self.reach_seen(point, behind, |x| self.at(x))
     }
 
-    /// Returns the same as `reach`, with the fronts at other points given by `seen`.
+    /// Returns what [`Self::reach`] returns, with the fronts at other points given by `seen`.
     #[inline]
     pub(super) fn reach_seen(
         &self,
@@ -80,8 +80,8 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         self.accept(point, arrival, SEED, false)
     }
 
-    /// Accepts a front that a scan, numbered from 1, brings to a point ([`accept`](super::fronts::FrontKind::accept)). Returns the
-    /// change of the front.
+    /// Accepts a front that a scan, numbered from 1, brings to a point
+    /// ([`accept`](super::fronts::FrontKind::accept)). Returns the change of the front.
     #[inline]
     pub(super) fn accept(
         &mut self,
@@ -114,9 +114,9 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         self.set(point, from.at(point));
     }
 
-    /// Takes the first of the fronts at a point in four copies, after the scans numbered from 1 in the order
-    /// of the copies. Returns the change. A front that the copy's own scan has not brought does not count: it
-    /// stands for the present one. If it has been taken back, no front is left.
+    /// Takes the earliest of the fronts that four scans have left at a point, and returns the change. `copies`
+    /// are in the order of the scans. In each copy only a front that the copy's own scan brought counts. Any
+    /// other front there is the present one, and stays, unless it has been taken back.
     pub(super) fn take_first(&mut self, copies: &[Self; 4], point: usize) -> R::Bits {
         let before = self.at(point);
         let (mut taken, mut left): (Option<Kept<R, K::Carried>>, _) = (None, before);

@@ -10,7 +10,7 @@ use crate::surface::{Real, min, relative_change};
 use crate::{Convergence, Stop};
 
 /// Returns how much a change of curvature counts, in units of the arrival time. `bend` is the size of the
-/// change times the arrival time. However large, it does not count as a point's first front.
+/// change times the arrival time. A change of any size counts less than a point's first front.
 #[inline(always)]
 pub(crate) fn bend_units<R: Real>(bend: R) -> R::Bits {
     min(bend * R::of(CURVATURE_COUNTS), R::one()).in_units()

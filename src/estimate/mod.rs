@@ -8,9 +8,8 @@
 //! - curved: h^2.
 //!
 //! Let d1 be the growth of the distance from every point to every second one, and d2 that from there to every
-//! fourth one. The errors of these forms are 3 d1 - d2, (5 d1 - d2) / 3 and d1 / 3. On rough surfaces a
-//! curved front is of a lower order, which
-//! |d2| / |d1| over the whole map shows.
+//! fourth one. The errors of these forms are 3 d1 - d2, (5 d1 - d2) / 3 and d1 / 3. On rough surfaces a curved
+//! front is of a lower order, which |d2| / |d1| over the whole map shows.
 
 mod floor_plan;
 

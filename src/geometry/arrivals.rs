@@ -126,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn solves_what_is_far_from_linear() {
+    fn solves_functions_far_from_linear() {
         for target in [1e-6, 0.01, 0.3, 0.999] {
             approx::assert_abs_diff_eq!(
                 solve(target, |s| s * s * s),

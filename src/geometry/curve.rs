@@ -134,7 +134,7 @@ mod tests {
         let surface = Builtin::Cylinder.surface(33, 129).unwrap();
         let curve = Curve { vertices: vec![[8.5, 0.0], [8.5, 128.0]], closed: false };
         let exact = 1.5 * std::f64::consts::PI;
-        // 128 chords are short by the 24th of a squared 128th of the angle.
+        // Each of the 128 chords is shorter than its arc by a 24th of the squared angle.
         let chords = exact * (1.0 - (exact / 128.0).powi(2) / 24.0);
         let length = curve.length(&surface).unwrap();
         approx::assert_relative_eq!(length, chords, max_relative = 1e-7);
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_off_the_surface_is_said() {
+    fn curves_off_the_surface_are_errors() {
         let mut heights = vec![0.0; 25];
         heights[12] = f64::NAN;
         let surface = Surface::from_heights(5, 5, heights, Spacing::square(1.0)).unwrap();

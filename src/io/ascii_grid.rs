@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn errors_name_the_fault() {
         for (text, part) in [
             ("".into(), "nrows"),
             ("ncols 3\n".into(), "nrows"),

@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_memory_holds_is_refused() {
+    fn sizes_beyond_memory_are_refused() {
         assert_eq!(check_memory::<f64>(1000), Ok(()));
         assert!(check_memory::<f64>(usize::MAX / 8).unwrap_err().contains("MiB of memory"));
     }

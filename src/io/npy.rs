@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read() {
+    fn written_arrays_are_read() {
         let values: Vec<f32> = (0..24).map(|i| i as f32 / 7.0).collect();
         let mut bytes = Vec::new();
         write_npy(&mut bytes, &[2, 3, 4], &values).unwrap();

@@ -167,7 +167,7 @@ mod tests {
 
     /// Work that continues after any group must give the same bytes.
     #[test]
-    fn what_is_left_is_split_as_before() {
+    fn remaining_sources_are_split_as_before() {
         let list: Vec<usize> = (0..40).map(|k| k * 11 % 42).chain(3..30).chain([3, 3, 5]).collect();
         for batches in tilings() {
             let groups: Vec<_> =

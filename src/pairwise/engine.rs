@@ -145,7 +145,7 @@ impl<'a> RowEngine<'a> {
         Ok(convergence)
     }
 
-    /// Computes the same rows. Distances after the radius may be left.
+    /// Computes rows as [`Self::solve`] does, but may leave distances beyond the radius.
     fn solve_whole(
         &mut self,
         sources: &[usize],

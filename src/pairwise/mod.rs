@@ -53,10 +53,9 @@ pub struct Pairwise<'a> {
 }
 
 impl<'a> Pairwise<'a> {
-    /// Prepares a surface. Options have the same meaning as for a single map, with three exceptions.
-    /// [`Options::schedule`] must not be set, since rows do not have a schedule, nor must
-    /// [`Options::targets`]. With [`Options::radius`] larger distances are +infinity; [`pairs_within`] computes
-    /// the others alone.
+    /// Prepares a surface. Options have the same meaning as for a single map, with these exceptions.
+    /// [`Options::schedule`] and [`Options::targets`] must not be set, since rows have neither. Distances beyond
+    /// [`Options::radius`] are +infinity; [`pairs_within`] computes only those within it.
     /// [`Engine::Auto`](crate::Engine::Auto) means the CPU.
     ///
     /// The CPU computes sixteen maps at once in SIMD lanes ([`PairwiseScan`](crate::cpu::PairwiseScan)).
@@ -64,8 +63,8 @@ impl<'a> Pairwise<'a> {
     /// threads are used.
     ///
     /// # Errors
-    /// If an option is out of range or does not suit the surface, targets or a schedule are set, an edge of the surface
-    /// is too long or too short for single precision, or the requested Vulkan device cannot be used.
+    /// If an option is out of range or does not suit the surface, targets or a schedule are set, an edge of the
+    /// surface is too long or too short for single precision, or the requested Vulkan device cannot be used.
     pub fn new(surface: &'a Surface, options: &Options) -> Result<Self, Error> {
         let stop = options.stop(surface, crate::DEFAULT_TOLERANCE)?;
         options.check_for_rows()?;

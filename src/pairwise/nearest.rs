@@ -13,12 +13,12 @@ pub struct NearPoint {
     pub distance: f32,
 }
 
-/// Finds the `count` nearest of some grid points, by row and column, from a place (row and column), in the order
-/// of their distances. Points that are as far come in the order of the list. Points farther than the radius of
-/// `options`, and those that no path reaches, are left out. So the result may be shorter, or empty.
+/// Finds the `count` nearest of some grid points, by row and column, from a place (row and column), in the
+/// order of their distances. Points at equal distances come in the order of the list. Points farther than the
+/// radius of `options`, and those that no path reaches, are left out. So the result may be shorter, or empty.
 ///
-/// A distance is the same in both directions. So one map is solved, from the place outward, and only as far as
-/// the nearest points need.
+/// Distances are symmetric. So one map is solved, from the place outward, and only as far as the nearest points
+/// need.
 ///
 /// ```
 /// use geosweep::pairwise::nearest_points;

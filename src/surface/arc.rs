@@ -316,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn a_metric_and_a_plane_are_as_before() {
+    fn arcs_of_metrics_and_planes_are_chords() {
         let tensor = |i: usize| MetricTensor { rr: 1.0 + i as f64, rc: 0.1, cc: 2.0 };
         let metric = Surface::from_metric(5, 5, (0..25).map(tensor).collect()).unwrap();
         for surface in [metric, Builtin::ShearedPlane { degrees: 60.0 }.surface(9, 9).unwrap()] {

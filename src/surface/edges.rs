@@ -35,7 +35,8 @@ const LEAST_BAND: usize = 8;
 /// live long hold a clone. The memory is freed with the last one.
 #[derive(Clone, Debug)]
 pub struct EdgeLengths<R> {
-    /// Not to be followed again for each point in loops that have to be fast. They borrow the arrays before.
+    /// The shared arrays. Fast loops borrow an array before they start, so that they do not follow this pointer
+    /// for each point.
     pub(super) shared: Arc<SharedEdges<R>>,
     /// See [`Self::front_meets_itself`].
     beside_a_source: bool,
@@ -136,9 +137,8 @@ impl<R: Real> EdgeLengths<R> {
             chart.bordered(row, col)
         };
         let slowness = surface.bordered_slowness();
-        // With a slowness the rows above held weighted edges, which do not show the triangles' shapes on the
-        // surface.
-        // Edges beside seams have changed since.
+        // The cells were marked by other lengths than those of the surface: with a slowness the edges are
+        // weighted, and beside seams they have changed since.
         let obtuse = match (slowness.is_some() || surface.is_glued(), cells.any()) {
             (true, _) => ObtuseTriangles::default(),
             (false, true) => ObtuseTriangles::within(cells),
@@ -215,14 +215,14 @@ impl<R: Real> EdgeLengths<R> {
         !self.beside_a_source && (self.shared.slowed_unevenly || self.has_obtuse_triangles())
     }
 
-    /// Returns the same edges for a region around a single source, in which the front has not gone far enough
-    /// to meet itself.
+    /// Returns these edges for a region around a single source, in which the front has not gone far enough to
+    /// meet itself.
     pub(crate) fn beside_a_source(mut self) -> Self {
         self.beside_a_source = true;
         self
     }
 
-    /// Returns the same edges for a strip of a glued surface.
+    /// Returns these edges as those of a strip of a glued surface.
     pub(super) fn of_glued(mut self) -> Self {
         let shared = Arc::get_mut(&mut self.shared);
         shared.expect("edges that have just been measured have no clones").of_glued = true;
@@ -250,7 +250,7 @@ impl<R: Real> EdgeLengths<R> {
         self.shared.slowness.as_ref().map(|slowness| slowness.as_slice())
     }
 
-    /// Returns the same array for data that may outlive these edges.
+    /// Returns the array of [`Self::slowness`] for data that may outlive these edges.
     pub(crate) fn shared_slowness(&self) -> Option<Arc<Vec<R>>> {
         self.shared.slowness.clone()
     }

@@ -27,7 +27,7 @@ impl<R: Real> EdgeLengths<R> {
         self.kept_gaussian_curvature()
     }
 
-    /// Returns the same array for data that may outlive these edges.
+    /// Returns the array of [`Self::gaussian_curvature`] for data that may outlive these edges.
     pub(crate) fn shared_gaussian_curvature(&self) -> Arc<Vec<R>> {
         self.kept_gaussian_curvature().clone()
     }

@@ -196,7 +196,7 @@ impl Surface {
         self.inputs.slowness.is_some()
     }
 
-    /// Returns the same surface without a slowness.
+    /// Removes the slowness.
     pub(super) fn unweighted(mut self) -> Self {
         (self.inputs.slowness, self.floor) = (None, OnceLock::new());
         self

@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn factors_that_jump_are_a_slowness_and_what_bends_or_narrows_is_none() {
+    fn metrics_that_jump_by_a_factor_are_a_slowness_and_others_are_none() {
         let strip = |factor: f64| move |_, col| if col == 4 { factor } else { 1.0 };
         for factor in [0.01, 2.0, 1e4] {
             let at = strip(factor);

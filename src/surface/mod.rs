@@ -87,7 +87,7 @@ pub struct Surface {
     edge_rule: EdgeRule,
     /// The grid of a floor plan, once it has been requested.
     floor: OnceLock<Option<EvenGrid>>,
-    /// How sides of the grid are glued, if they are.
+    /// The gluing, if sides of the grid are glued.
     glued: Option<Arc<Glued>>,
 }
 
@@ -117,7 +117,7 @@ pub enum SurfaceError {
     },
     /// The grid cannot be coarsened.
     #[error(
-        "a grid of {rows} x {cols} points cannot be compared with every second point of it: each side needs one point or three and more, and some of them must be no holes"
+        "a grid of {rows} x {cols} points cannot be compared with every second point of it: each side needs one point, or at least three of which some are not holes"
     )]
     TooSmall {
         /// Number of rows of the grid.
@@ -349,10 +349,10 @@ impl Surface {
         self.has(row, col).then(|| self.geometry().position(self.chart, row, col))?
     }
 
-    /// Returns whether the surface is a floor plan: a flat, evenly spaced grid without a slowness and not
-    /// glued, with or without holes. The grid may be sheared as long as no triangle of neighbours is obtuse. It may have
-    /// about 30 million points at most. Over a floor plan, and from points, [`crate::Wavefront::Anchored`] is
-    /// exact.
+    /// Returns whether the surface is a floor plan: a flat, evenly spaced grid without a slowness and without
+    /// gluing, with or without holes. The grid may be sheared as long as no triangle of neighbours is obtuse.
+    /// It may have about 30 million points at most. Over a floor plan, and from points,
+    /// [`crate::Wavefront::Anchored`] is exact.
     ///
     /// ```
     /// use geosweep::{Spacing, Surface};

@@ -26,7 +26,7 @@ pub(crate) fn is_obtuse<R: Real>(side_squared: R, other_squared: R) -> bool {
 #[derive(Clone, Debug, Default)]
 pub(super) struct ObtuseTriangles {
     found: OnceLock<Option<Found>>,
-    /// Where to search, if that is known.
+    /// The cells to search, if they are known.
     marked: Option<MarkedCells>,
 }
 
@@ -107,7 +107,7 @@ impl Lines {
         Self { starts, places }
     }
 
-    /// Returns the same points by the lines across, of which there are `lines`.
+    /// Returns these points by the lines across, of which there are `lines`.
     fn turned(&self, lines: usize) -> Self {
         let mut starts = vec![0; lines + 1];
         for &place in &self.places {

@@ -67,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_floor_plan_has_none() {
+    fn other_surfaces_are_not_halved() {
         let heights = (0..16).map(|k| f64::from(k * k)).collect();
         let hill = Surface::from_heights(4, 4, heights, Spacing::square(1.0)).unwrap();
         assert!(hill.halved_floor().is_none());

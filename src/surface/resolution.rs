@@ -7,9 +7,9 @@ use crate::constants::{LOOKS, SHARP_COSINE, TURN_UNITS};
 
 /// Measure of how well a grid resolves a surface, from some thousands of its points.
 ///
-/// Where normals turn by tens of degrees from one point to the next, distances are those of some polyhedron.
-/// The curvature of the surface and of fronts on it is then meaningless. A height field with a forgotten
-/// spacing is a common case.
+/// On a surface whose normals turn by tens of degrees from one point to the next, distances are those of some
+/// polyhedron. The curvature of the surface and of fronts on it is then meaningless. A height field with a
+/// forgotten spacing is a common case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
     /// The share of the edges along rows and columns at whose ends the surface normals differ by more than 30

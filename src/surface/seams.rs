@@ -124,9 +124,9 @@ const MOST_UNEVEN: f64 = 2.0;
 const LEAST_COSINE: f64 = 0.5;
 
 impl Surface {
-    /// Returns the seams: where sides of the grid coincide or are neighbours, at points that are not holes, and
-    /// are not glued ([`Self::with_gluing`]).
-    /// Only a surface of positions can be seen to be closed; others have no seams.
+    /// Returns the seams: sides of the grid that coincide or are neighbours, at points that are not holes.
+    /// Seams that are glued ([`Self::with_gluing`]) are left out. Only a surface of positions can be seen to be
+    /// closed; others have no seams.
     ///
     /// ```
     /// use std::f64::consts::TAU;

@@ -45,7 +45,7 @@ impl<R: Real> Anchor<R> {
         number as usize
     }
 
-    /// Returns the same anchor with the tag of the scan that brought the front.
+    /// Returns this anchor with the tag of the scan that brought the front.
     #[inline(always)]
     pub(crate) fn brought_by(self, scan: u8) -> Self {
         Self(self.0.with_tag(scan))

@@ -153,7 +153,7 @@ fn dot<R: Real>(a: Step<R>, b: Step<R>) -> f64 {
 
 /// A path that is not straight.
 struct Detour {
-    /// The first corner at which the path curvatures. If it bends at none before, this is the last corner.
+    /// The first corner at which the path bends. If it bends at none before, this is the last corner.
     first_bend: usize,
     /// Whether the path bends to both sides.
     winds: bool,

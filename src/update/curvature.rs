@@ -63,7 +63,7 @@ impl<R: Real> Curvature<R> {
         alike & self.is_from(SEED) & Self::is_number(self.0)
     }
 
-    /// Returns the same value without the mark of an exact seed, so that other fronts may replace it.
+    /// Returns this value without the mark of an exact seed, so that other fronts may replace it.
     pub(crate) fn released(self) -> Self {
         if self.is_from(EXACT) { Self(self.0.with_tag(SEED | WHOLE as u8)) } else { self }
     }

@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn what_comes_along_a_diagonal_beside_a_hole_has_come_around_its_corner() {
+    fn fronts_along_a_diagonal_beside_a_hole_come_around_its_corner() {
         let far = f64::FAR;
         let edge = Triangle { t1: 5.0, t2: far, l1: 1.4, l2: far, c: far };
         let at = |g1: f64, alone| {

@@ -58,7 +58,7 @@ impl<R: Real> Triangle<R> {
         min(self.t1 + self.l1, self.t2 + self.l2)
     }
 
-    /// Returns the same triangle, or only its edges if it is obtuse at x0; see `surface/unfold.rs`.
+    /// Returns this triangle, or only its edges if it is obtuse at x0; see `surface/unfold.rs`.
     #[inline(always)]
     pub(crate) fn without_obtuse_face(self) -> Self {
         Self { c: if self.is_obtuse() { R::FAR } else { self.c }, ..self }
@@ -73,7 +73,7 @@ impl<R: Real> Triangle<R> {
         (c < R::FAR) & is_obtuse(side * side, other * other)
     }
 
-    /// Returns the same triangle with x1 and x2 exchanged.
+    /// Returns this triangle with x1 and x2 exchanged.
     #[inline(always)]
     pub(crate) fn mirrored(self) -> Self {
         let Self { t1, t2, l1, l2, c } = self;

@@ -41,7 +41,7 @@ impl<R: Real> Sighted<R> {
         Self { to, extent: (b - a).to_array().map(R::of), start: R::of(origin.start) }
     }
 
-    /// Returns the same origin as seen from a point at the given place.
+    /// Returns this origin as seen from a point at the given place.
     #[inline(always)]
     pub(crate) fn from(self, [row, col]: [R; 2]) -> Self {
         Self { to: [self.to[0] - row, self.to[1] - col], ..self }

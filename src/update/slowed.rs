@@ -2,7 +2,7 @@
 //! `glsl/update/slowed.glsl`.
 //!
 //! The slowness is linear along each edge. An edge costs its length times the mean slowness of its ends.
-//! Likewise, a ray from a place y of the base to x0 costs |y x0| times the mean slowness of its ends. A front
+//! A ray from a place y of the base to x0 costs |y x0| times the mean slowness of its ends. A front
 //! arrives along the ray for which the sum of its time at y and that cost is least ([`Slope`]). The costs of
 //! the edges do not give the shape of a triangle: an equilateral one between corners of slowness 1, 1 and 100
 //! would seem skewed. The shape is that of the lengths on the surface, the costs divided by the slowness.
@@ -27,8 +27,8 @@ fn jump_of<R: Real>([a, b, c]: [R; 3]) -> R {
 }
 
 impl<R: Real> Triangle<R> {
-    /// Returns the same triangle, or only its edges if it is obtuse at x0 on the surface, given the slowness
-    /// at x0, x1 and x2.
+    /// Returns this triangle, or only its edges if it is obtuse at x0 on the surface, given the slowness at x0,
+    /// x1 and x2.
     #[inline(always)]
     pub(crate) fn without_obtuse_face_on_surface(self, slowness: [R; 3]) -> Self {
         let is_obtuse = self.is_obtuse_on_surface(slowness);

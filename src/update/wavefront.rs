@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_asked_for_is_kept_or_refused() {
+    fn requested_wavefronts_are_kept_or_refused() {
         let floor = Setting::of_engine(true);
         for wavefront in Wavefront::ALL {
             for engine in [EngineKind::Map, EngineKind::FastMarching, EngineKind::Matrix] {

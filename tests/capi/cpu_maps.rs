@@ -1,4 +1,4 @@
-//! Maps on the CPU in one call of C, and what is made of them, against the library in Rust.
+//! Compares maps on the CPU in one call of C, and what C derives from them, with the library in Rust.
 
 use std::ptr::null;
 

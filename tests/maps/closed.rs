@@ -263,7 +263,7 @@ fn copies_of_a_source_are_one_source() {
 }
 
 #[test]
-fn what_does_not_coincide_is_refused() {
+fn sides_that_do_not_coincide_are_refused() {
     let refused = |surface: Surface, gluing: Gluing| match surface.with_gluing(gluing) {
         Err(SurfaceError::Gluing(error)) => error,
         other => panic!("{other:?}"),

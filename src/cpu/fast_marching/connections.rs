@@ -9,11 +9,10 @@ use crate::update::Triangle;
 /// The triangles that split obtuse ones, for [`crate::cpu::fast_marching_with`] (paper, end of section 3,
 /// after Spira and Kimmel).
 ///
-/// An obtuse triangle between the neighbours x0 + a and x0 + b is split by the grid point x0 + a + b. It is
-/// the only grid point that can lie between them with no other in between. The halves are split again until
-/// no angle is obtuse. A triangle is not split where that would reach over a hole or the border, or over a
-/// part that is a quarter slower or longer than what lies beside it. There, the ends of a connection would
-/// not tell what it passes over.
+/// An obtuse triangle between the neighbours x0 + a and x0 + b is split by the grid point x0 + a + b, the
+/// nearest one between their directions. The halves are split again until no angle is obtuse. A triangle is not
+/// split if a connection would cross a hole or the border, or cells whose slowness or lengths differ by a
+/// quarter from those beside them: the ends of a connection would not tell what it crosses.
 #[derive(Clone, Debug)]
 pub struct Connections<R> {
     triangles: Vec<Split<R>>,

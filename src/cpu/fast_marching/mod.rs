@@ -41,7 +41,7 @@ pub fn fast_marching_with<R: Real>(
     limited_march(edges, connections, seeds, wavefront, Limit::NONE)
 }
 
-/// Does the same as [`fast_marching_with`], and ends at the limit. Later times are provisional.
+/// Runs [`fast_marching_with`] up to a limit. Later times are provisional.
 pub(crate) fn limited_march<R: Real>(
     edges: &EdgeLengths<R>,
     connections: &Connections<R>,

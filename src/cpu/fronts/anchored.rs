@@ -32,7 +32,7 @@ pub(in crate::cpu) struct Anchored<R> {
 type KeptAnchored<R> = Kept<R, Anchor<R>>;
 
 /// Flags of the scans that have a hole behind a point: one of the three neighbours is missing, or there is a
-/// corner. For the other scans, one anchor behind the point is all that matters.
+/// corner. For all other scans the update depends on the anchors behind the point alone.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(transparent)]
 pub(in crate::cpu) struct HolesBehind<R>(R);
@@ -73,7 +73,7 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
     }
 
     /// Accepts an arrival that is shorter than the present front by more than rounding. If the scan `renews`,
-    /// also accepts what replaces a front that the same scan brought.
+    /// it also replaces a front that it brought itself.
     #[inline(always)]
     fn accept(
         kept: KeptAnchored<R>,
@@ -109,7 +109,8 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
         }
     }
 
-    /// A changed anchor matters to neighbouring points, though not to the map.
+    /// Returns the change of the arrival time. A changed anchor counts too: it matters to neighbouring points,
+    /// though not to the map.
     #[inline(always)]
     fn change(before: KeptAnchored<R>, after: KeptAnchored<R>) -> R::Bits {
         let turns = !before.carried.is(after.carried);
@@ -190,8 +191,8 @@ impl<R: Real> LaneKind<R> for Anchored<R> {
         Some(any)
     }
 
-    /// Decides this only where one anchor serves all points behind. Where there are several, there is work to
-    /// do.
+    /// Returns true only where all points behind have one anchor. Where there are several, the points are
+    /// updated.
     #[inline(always)]
     fn leaves(
         &self,

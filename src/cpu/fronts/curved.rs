@@ -109,7 +109,7 @@ impl<R: Real> FrontKind<R> for Curved<R> {
         kept.carried.front(kept.time)
     }
 
-    /// Takes the same front as [`Front::first`] if both arrive together.
+    /// Returns the earlier front. If both arrive together, [`Front::first`] decides.
     #[inline(always)]
     fn first(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R> {
         first(a, b)

@@ -26,7 +26,7 @@ pub(in crate::cpu) trait FrontKind<R: Real>:
     /// Returns the front that a seed starts.
     fn arrival_of_seed(&mut self, seed: &Seed) -> Self::Arrival;
 
-    /// Returns the same front, as one that may be replaced by those of sources that are added later
+    /// Returns the data of a front that may be replaced by fronts of sources that are added later
     /// ([`Seed::exact`]).
     fn released(carried: Self::Carried) -> Self::Carried {
         carried
@@ -105,8 +105,8 @@ pub(in crate::cpu) trait TriangleKind<R: Real>: FrontKind<R> + Triangular {
         alone: bool,
     ) -> Self::Arrival;
 
-    /// Returns the same through the face of one of a point's triangles. Of an obtuse one only the edges are
-    /// used.
+    /// Returns the front through the face of one of a point's triangles. Of an obtuse triangle only the edges
+    /// are used.
     #[inline]
     fn face_arrival(
         &self,
@@ -119,7 +119,7 @@ pub(in crate::cpu) trait TriangleKind<R: Real>: FrontKind<R> + Triangular {
         self.arrival(corners, Triangle { c, ..triangle }, carried, alone)
     }
 
-    /// Returns the same with an explicit slowness at x0, x1 and x2, by which the lengths are weighted,
+    /// Returns the front through a triangle whose lengths are weighted by the given slowness at x0, x1 and x2,
     /// instead of the slowness of the points. Fronts that depend on lengths alone ignore it.
     fn arrival_over(
         &self,

@@ -116,7 +116,7 @@ pub(super) fn splits_of_line<R: Real, K: TriangleKind<R>, G>(
     Some(found)
 }
 
-/// Finds the same fronts for parts that are not stored, from a point on.
+/// Finds the fronts through parts that are not stored, for `points` points from a row and column on.
 fn splits_found_now<R: Real, K: TriangleKind<R>, G>(
     kind: &K,
     lines: &GridLines<'_, R, K::Carried, G>,

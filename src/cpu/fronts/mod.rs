@@ -75,8 +75,7 @@ macro_rules! for_kind {
 }
 pub(super) use for_kind;
 
-/// Does the same as [`for_kind`] for solvers that need a [`TriangleKind`]. They use curved fronts for
-/// anchored ones.
+/// Works as [`for_kind`] for solvers that need a [`TriangleKind`]. Curved fronts stand in for anchored ones.
 macro_rules! for_triangle_kind {
     ($edges:expr, $wavefront:expr, $kind:ident => $solve:expr) => {
         match $crate::cpu::fronts::FrontOver::new($edges, $wavefront) {

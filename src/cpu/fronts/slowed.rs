@@ -24,7 +24,7 @@ impl<R: Real, C: Carried, G, O: Fn(usize) -> R, B: Fn(usize, usize) -> R> Seen<'
         (triangle.without_obtuse_face_on_surface(slowness), slowness)
     }
 
-    /// Returns the same triangle, with the neighbour behind across the grid's diagonal as x1.
+    /// Returns the triangle of [`Self::triangle`], with the neighbour across the grid's diagonal as x1.
     #[inline(always)]
     pub(super) fn seen_from_beside<const LEFT: bool>(&self, i: usize) -> (Triangle<R>, [R; 3]) {
         let (triangle, slowness) = self.triangle::<LEFT>(i);

@@ -145,7 +145,7 @@ mod tests {
 
     /// The fan has edges without a triangle, beside a source.
     #[test]
-    fn what_is_not_reached_is_never_kept() {
+    fn unreached_times_are_never_kept() {
         let far = f32::FAR;
         let fan = Fan { edges: [far, 1.0, far], bases: [far; 2] };
         let earliest = Reach::new(fan).earliest(far, 0.0, far);
@@ -157,7 +157,7 @@ mod tests {
     /// A front along one axis of the grid has its times from one scan, and the other scans do not change
     /// them.
     #[test]
-    fn the_scan_across_leaves_what_has_arrived() {
+    fn the_scan_across_leaves_arrived_fronts() {
         let diagonal = 2f32.sqrt();
         let fan = Fan { edges: [diagonal, 1.0, diagonal], bases: [1.0; 2] };
         // The scan comes from the west. The source lies to the north, at these angles from north.

@@ -18,9 +18,9 @@ use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::lanes::Loop;
 use crate::surface::Real;
 
-/// Finds the tiles in which up to four scans have work that start from the same fronts. Returns the number of examined
-/// points. Points examined for two scans count twice. Rows of tiles are examined in parallel if the tiles are
-/// those of the whole grid.
+/// Finds the tiles in which up to four scans have work that start from the same fronts. Returns the number of
+/// examined points. A point that is examined for two scans counts twice. Rows of tiles are examined in parallel
+/// if the tiles are those of the whole grid.
 pub(in crate::cpu) fn find_due<R: Real, K: LaneKind<R>>(
     kind: &K,
     before: Before<R, K::Carried, K::SurfaceData>,
@@ -107,7 +107,7 @@ impl<R: Real, K: LaneKind<R>> Loop for Look<'_, R, K> {
                 continue;
             }
             if *due & options.scan.bit() != 0 {
-                // Not read either.
+                // The points of a tile that is due anyway are not examined.
                 if is_limited {
                     left_out += of_tile;
                 }

@@ -44,10 +44,9 @@ pub(in crate::cpu) struct LinesInGrid<'a, R, C> {
     pub beyond: Option<Beyond<'a, R, C>>,
 }
 
-/// Fronts at points that are not in some lines.
+/// Fronts at points outside the arrays of some lines.
 pub(in crate::cpu) struct Beyond<'a, R, C> {
-    /// The entries of each line that are in the lines' arrays, and the lines, both counted from the border of
-    /// the grid.
+    /// The points of each line that the arrays hold, and the lines, both counted from the border of the grid.
     pub points: Range<usize>,
     pub lines: Range<usize>,
     /// The fronts at other points: as the scan sees them, and those of the whole grid.
@@ -100,7 +99,7 @@ impl<'a, R: Real, C: Carried, G> GridLines<'a, R, C, G> {
 }
 
 impl<R: Real, C: Carried> LinesInGrid<'_, R, C> {
-    /// Returns the number in the lines' arrays of a row or column of the grid.
+    /// Returns the number, in the lines' arrays, of a row or column of the grid.
     pub(in crate::cpu) fn number(&self, line: usize) -> usize {
         line + 1 - self.first
     }

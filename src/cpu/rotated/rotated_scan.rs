@@ -26,8 +26,9 @@ pub fn rotated_scan<R: Real>(
     solver.into_solution(convergence)
 }
 
-/// By which shares a map that goes to targets is solved further than estimated, and then further again each
-/// time that it has not reached them. After the last one there is no limit.
+/// Margins of a map that ends at targets, as fractions. At first the map is solved to the estimated time of the
+/// targets plus the first margin. While it has not reached them, it is solved further by the next margin. After
+/// the last one there is no limit.
 const FURTHER: [f64; 6] = [0.02, 0.06, 0.15, 0.3, 0.6, 1.0];
 
 /// A solver by rotated scans for many maps of one surface, one after another. It allocates memory once, by
@@ -42,9 +43,9 @@ const FURTHER: [f64; 6] = [0.02, 0.06, 0.15, 0.3, 0.6, 1.0];
 /// nothing: a front that turns back has to pass through the other pair of scans anyway. In either order the
 /// map is bit-identical for any number of threads. [`RotatedScan::new`] chooses the order by that number.
 ///
-/// By patches, the number of iterations of a map is that of the patch with most of them, and the same number
-/// limits them ([`Stop::iterations`]). The residual is the largest change of a last iteration, or the largest
-/// one that a patch without iterations left has not seen.
+/// With patches, the number of iterations of a map is that of the patch with the most, and [`Stop::iterations`]
+/// limits those of each patch. The residual is the largest change of a last iteration, or the largest one that
+/// a patch without iterations left has not seen.
 #[derive(Debug)]
 pub struct RotatedScan<R> {
     edges: EdgeLengths<R>,

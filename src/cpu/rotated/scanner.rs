@@ -36,8 +36,8 @@ pub(in crate::cpu) struct Scanner<R: Real, K: LaneKind<R>> {
 }
 
 /// Number of iterations of a map after which storing the parts of many obtuse triangles pays. On a plane
-/// sheared by 60 degrees, of which a map takes two, storing them at once takes half as long again; on steep
-/// hills, of which one takes 20, not storing them takes 1.3 to 1.8 times as long.
+/// sheared by 60 degrees a map takes two iterations, and storing the parts at once makes it take half as long
+/// again. On steep hills a map takes 20 iterations, and 1.3 to 1.8 times as long if the parts are not stored.
 pub(in crate::cpu) const FEW_ITERATIONS: u32 = 3;
 
 impl<R: Real, K: LaneKind<R>> Scanner<R, K> {

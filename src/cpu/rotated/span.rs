@@ -62,7 +62,7 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         if SPLIT { triangle.without_obtuse_face() } else { triangle }
     }
 
-    /// Returns the same triangle without reducing an obtuse one to its edges.
+    /// Returns the triangle of [`Self::triangle`] without reducing an obtuse one to its edges.
     #[inline(always)]
     pub(in crate::cpu) fn weighted_triangle<const LEFT: bool>(&self, i: usize) -> Triangle<R> {
         let x1 = if LEFT { 0 } else { 1 };
@@ -75,7 +75,7 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         }
     }
 
-    /// Returns the same triangle as `triangle`, with the neighbour beside point `i` as x1.
+    /// Returns the triangle of [`Self::triangle`], with the neighbour beside point `i` as x1.
     #[inline(always)]
     pub(in crate::cpu) fn seen_from_beside<const LEFT: bool, const SPLIT: bool>(
         &self,

@@ -253,7 +253,8 @@ impl Tiles {
     }
 
     /// Notes that some scans have passed side by side and which tiles they have changed. Each sees the others'
-    /// changes only now. Changes beyond the limit concern no scan. An empty list of changes has none.
+    /// changes only now. Changes beyond the limit concern no scan. An empty list stands for a scan without
+    /// changes.
     pub(in crate::cpu) fn passed<const N: usize>(
         &mut self,
         scans: [Scan; N],
@@ -350,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_due_is_visited_after_changes_alone() {
+    fn tiles_that_are_not_due_are_visited_only_after_changes() {
         let mut tiles = whole(70, 160);
         tiles.touch(40, 100);
         let mut changed = vec![Changed::No; tiles.len()];
@@ -361,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_scan_has_changed_is_pending_for_the_others() {
+    fn tiles_that_a_scan_has_changed_are_pending_for_the_others() {
         let mut tiles = whole(16, 64);
         tiles.touch(3, 3);
         let (quiet, mut down) = (vec![Changed::No; 4], vec![Changed::No; 4]);

@@ -89,7 +89,7 @@ impl Surroundings {
             || surface.has_copies((row, col))
     }
 
-    /// Returns the same as `seeds`, given the edges of the window and seeds in it.
+    /// Returns the fronts of [`Self::seeds`], given the edges of the window and seeds in it.
     fn arrived<K: TriangleKind<f64> + LaneKind<f64>>(
         &self,
         edges: &EdgeLengths<f64>,

@@ -107,9 +107,9 @@ fn earliest(seeds: impl Iterator<Item = Seed>) -> Vec<Seed> {
     earliest.into_values().collect()
 }
 
-/// Returns the same as `with_surroundings`, given the origins of all fronts. Of sources that lie close
-/// together it adds what each reaches by itself. Where cells are even, seeds keep their origins, which tell
-/// fronts apart.
+/// Returns the seeds of [`with_surroundings`], given the origins of all fronts. Around sources that lie close
+/// together it adds the fronts that each reaches by itself. Where cells are even, seeds keep their origins,
+/// which tell fronts apart.
 fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -> Vec<Seed> {
     let of_one = |origin: Option<Origin>| seeds.iter().all(|seed| seed.origin == origin);
     let is_lone = match seeds.first().map(|seed| seed.origin) {
@@ -251,7 +251,7 @@ mod tests {
                     let seeds = own(row, col);
                     let alone = iterations(&seeds);
                     let with = iterations(&wavefront.seeds(&surface, seeds));
-                    // Two, where one is enough from a grid point and another one confirms it.
+                    // From a grid point one iteration is enough, and a second one confirms it.
                     let most = at_point.max(3) + 1;
                     assert!(with <= most, "{builtin} {wavefront} {row} {col}: {with}, {at_point}");
                     saved += alone - with;
@@ -281,8 +281,8 @@ mod tests {
         }
     }
 
-    /// Without surroundings the mean error is 2.9e-6, since a causal front passes a triangle eight cells from
-    /// the source late.
+    /// Without surroundings a causal front passes a triangle eight cells from the source late, and the mean
+    /// error is 2.9e-6.
     #[test]
     fn a_lone_source_among_obtuse_triangles_has_surroundings_at_a_grid_point_too() {
         let peaks = Builtin::Peaks.surface(1025, 1025).unwrap();
@@ -306,7 +306,7 @@ mod tests {
 
     /// Around a wall the front comes from outside the surroundings, earlier than by any path inside.
     #[test]
-    fn what_comes_from_outside_the_surroundings_is_not_kept_off() {
+    fn fronts_from_outside_replace_those_of_the_surroundings() {
         let (rows, cols) = (130, 140);
         let fast = |k: usize| if k % cols > 80 { 0.01 } else { 1.0 };
         let plane = Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0));

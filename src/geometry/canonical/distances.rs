@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_matrix_of_distances_is_refused() {
+    fn invalid_matrices_are_refused() {
         let refused = |values: &[f32]| Distances::new(2, values.to_vec()).unwrap_err();
         assert_eq!(refused(&[0.0; 3]), CanonicalError::NotSquare { values: 3, points: 2 });
         assert!(matches!(

@@ -160,8 +160,8 @@ impl LogMap {
         self.bearings(surface, compass)
     }
 
-    /// Returns the same directions in degrees counter-clockwise from east, as GRASS counts them (90 is north,
-    /// 360 is east).
+    /// Returns the directions of [`Self::source_compass`] in degrees counter-clockwise from east, as GRASS
+    /// counts them (90 is north, 360 is east).
     ///
     /// # Panics
     /// If `surface` has another size than the log map.

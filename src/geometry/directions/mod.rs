@@ -116,9 +116,9 @@ impl<'a> BackDirections<'a> {
         self.bearings(compass)
     }
 
-    /// Returns the same bearing in degrees counter-clockwise from east, row-major: 90 is north, 180 west, 270
-    /// south and 360 east. It is 0 at the sources and [`NO_BEARING`] where no source reaches. These are the
-    /// directions that `r.path` of GRASS follows.
+    /// Returns the bearing of the way back in degrees counter-clockwise from east, row-major: 90 is north, 180
+    /// west, 270 south and 360 east. It is 0 at the sources and [`NO_BEARING`] where no source reaches. These
+    /// are the directions that `r.path` of GRASS follows.
     pub fn grass(&self) -> Vec<f32> {
         self.bearings(grass)
     }

@@ -60,7 +60,8 @@ pub enum OffsetError {
 /// than a cell away from the curve have gaps.
 ///
 /// # Errors
-/// If the surface is glued, if a source is a point or lies off the surface, or the map has another size than the surface.
+/// If the surface is glued, if a source is a point or lies off the surface, or the map has another size than
+/// the surface.
 ///
 /// # Panics
 /// If `edges` belong to a surface of another size.

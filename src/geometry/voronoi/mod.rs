@@ -49,7 +49,8 @@ impl Voronoi {
     /// away from it.
     ///
     /// # Errors
-    /// If the surface is glued, a source lies off the surface, or the number of distances differs from the number of grid points.
+    /// If the surface is glued, a source lies off the surface, or the number of distances differs from the
+    /// number of grid points.
     ///
     /// # Panics
     /// If `edges` belong to a surface of another size.

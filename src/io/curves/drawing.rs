@@ -22,7 +22,7 @@ pub struct Polyline {
     pub positions: Vec<DVec3>,
     /// Red, green and blue, for formats that show colours.
     pub color: [u8; 3],
-    /// Where the curve passes seams of a closed surface ([`Curve::jumps`]).
+    /// The vertices at which the curve jumps over a seam of a closed surface ([`Curve::jumps`]).
     pub jumps: Vec<usize>,
 }
 

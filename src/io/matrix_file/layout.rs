@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn what_half_precision_cannot_hold_is_refused() {
+    fn distances_beyond_half_precision_are_refused() {
         let layout = MatrixLayout {
             rows: 1,
             cols: 3,

@@ -123,7 +123,7 @@ impl MatrixFile {
         let found = file.metadata().map_err(error)?.len();
         if found < kept {
             let reason = format!(
-                "holds {found} bytes, and its checkpoint speaks of {kept}; remove it to begin anew"
+                "holds {found} bytes, and its checkpoint records {kept}; remove it to begin anew"
             );
             return Err(IoError::content(&part, reason));
         }
@@ -203,8 +203,8 @@ impl MatrixFile {
         self.finish_while(|| true).map(drop)
     }
 
-    /// Does the same as [`Self::finish`], which takes a while for a matrix that is made symmetric, and can be
-    /// interrupted. Once `go_on` returns false, the matrix is returned with all its rows, so that it can be
+    /// Finishes the matrix as [`Self::finish`] does, and can be interrupted: making a large matrix symmetric
+    /// takes a while. Once `go_on` returns false, the matrix is returned with all its rows, so that it can be
     /// paused or discarded.
     ///
     /// # Errors
@@ -260,7 +260,7 @@ fn check_header(file: &mut File, part: &Path, layout: &MatrixLayout) -> Result<(
         return Ok(());
     }
     let reason =
-        "does not begin as the matrix that its checkpoint speaks of; remove it to begin anew";
+        "does not begin as the matrix that its checkpoint describes; remove it to begin anew";
     Err(IoError::content(part, reason))
 }
 
@@ -310,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_left_is_resumed() {
+    fn interrupted_matrices_are_resumed() {
         assert_eq!(resumed_after(|_, _| {}).unwrap().rows(), 1);
     }
 

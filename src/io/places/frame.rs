@@ -195,7 +195,7 @@ mod tests {
         }
 
         #[test]
-        fn what_lies_outside_is_named_with_the_extent(row in -90.0..120.0f64, col in -90.0..140.0f64) {
+        fn places_outside_are_named_with_the_extent(row in -90.0..120.0f64, col in -90.0..140.0f64) {
             let utm = north_up([5e5, 4e6], 30.0, Some(CoordinateSystem::Projected(32616)));
             let at = utm.coordinates([row, col]);
             let is_inside = (-0.01..=29.01).contains(&row) && (-0.01..=49.01).contains(&col);

@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_geojson_is_refused_in_short() {
+    fn other_texts_are_refused_in_short() {
         let long = format!(r#"{{"type":"{}"}}"#, "x".repeat(100_000));
         let topology = r#"{"type":"Topology","objects":{}}"#;
         for text in ["{", "{}", "[[1,2],[3,4]]", topology, &long, r#"{"type":"Point"}"#] {

@@ -397,7 +397,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_is_named() {
+    fn missing_fields_are_named() {
         let missing = |tags: GeoTags| tags.georeference().unwrap_err();
         assert!(missing(GeoTags { tie_points: None, ..tags(&UTM) }).contains("ModelTiepoint"));
         assert!(missing(GeoTags { pixel_scale: None, ..tags(&UTM) }).contains("ModelPixelScale"));

@@ -4,7 +4,7 @@
 //! everything that depends on the grid's shape: a point's neighbours, which may be missing ([`Chart::at`]),
 //! the length of a line ([`Chart::walk`]), the lines, tiles, cells, edges and triangles, and the layout of
 //! arrays with a border. Code that asks for a neighbour does not compare with the number of rows or columns.
-//! Therefore a chart glued along its borders would be a change of this folder only.
+//! Gluing (`surface/gluing/`) leaves the chart as it is: copies of a point on a seam are different grid points.
 
 mod block;
 mod bordered;

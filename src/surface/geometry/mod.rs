@@ -29,7 +29,7 @@ pub struct Spacing {
 }
 
 impl Spacing {
-    /// Returns the same spacing in both directions.
+    /// Returns a spacing that is equal in both directions.
     pub fn square(spacing: f64) -> Self {
         Self { dx: spacing, dy: spacing }
     }

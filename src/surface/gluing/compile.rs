@@ -213,7 +213,7 @@ impl Surface {
         worst.map_or(Ok(()), |(_, error)| Err(error))
     }
 
-    /// Returns how far two points are apart, and what they may differ by in relation to.
+    /// Returns the distance between two points, and the size that it is compared with.
     fn apart(&self, [a, b]: [usize; 2], edge: f64) -> (f64, f64) {
         match self.geometry() {
             Geometry::Positions(positions) => (positions[a].distance(positions[b]), edge),

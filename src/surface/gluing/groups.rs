@@ -32,7 +32,7 @@ impl Groups {
         Self { starts, members }
     }
 
-    /// Returns the same groups with other indices, whose order is the same.
+    /// Returns these groups with other indices. The order of the indices must stay.
     pub(crate) fn mapped(&self, to: impl Fn(usize) -> usize) -> Self {
         let members = self.members.iter().map(|&index| to(index as usize) as u32).collect();
         Self { starts: self.starts.clone(), members }

@@ -1,9 +1,9 @@
-//! Knows where the grid goes on as a grid beyond its sides.
+//! Describes where the grid continues beyond its sides.
 
 use super::super::{Chart, GridSide, Seam};
 
-/// Whether the grid goes on from its last column to its first one and from its last row to its first one, and
-/// whether in reverse order.
+/// The sides at which the grid continues on the opposite side: from the last column to the first one, and from
+/// the last row to the first one. Each value says whether it continues in reverse order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Lattice {
     pub cols: Option<bool>,
@@ -11,7 +11,7 @@ pub(super) struct Lattice {
 }
 
 impl Lattice {
-    /// Returns how a seam makes the grid go on.
+    /// Returns the continuation of the grid over a seam.
     pub(super) fn of(seam: &Seam) -> Self {
         use GridSide::{FirstColumn, FirstRow, LastColumn, LastRow};
         match *seam {

@@ -29,7 +29,7 @@ use super::{Direction, GridSide, Seam, Surface, SurfaceError};
 use compile::Compiled;
 use lattice::Lattice;
 
-/// How sides of the grid are glued. Each variant names points that are the same point of the surface.
+/// A gluing of sides of the grid. Each variant names points that are the same point of the surface.
 ///
 /// ```
 /// use std::f64::consts::TAU;
@@ -120,7 +120,7 @@ pub(crate) struct Glued {
     groups: Groups,
     /// The number of each member's group.
     numbers: HashMap<u32, usize>,
-    /// Where the grid goes on beyond its sides.
+    /// The continuation of the grid beyond its sides.
     lattice: Lattice,
 }
 

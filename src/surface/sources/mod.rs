@@ -131,7 +131,7 @@ impl Sources {
         Ok(seeds)
     }
 
-    /// Returns the same seeds as [`Self::seeds`], with the straight source from which each seed's front comes
+    /// Returns the seeds of [`Self::seeds`], with the straight source from which each seed's front comes
     /// ([`Seed::origin`]).
     ///
     /// With them, curved fronts of several sources are exact over even grids, whatever the shape of their

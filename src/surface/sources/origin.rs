@@ -27,7 +27,7 @@ impl Origin {
         self.ends[0] == self.ends[1]
     }
 
-    /// Returns the same origin with a start that is earlier by `by`.
+    /// Returns this origin with a start that is earlier by `by`.
     pub(crate) fn started_earlier(self, by: f64) -> Self {
         Self { start: self.start - by, ..self }
     }

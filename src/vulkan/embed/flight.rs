@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_recorded_waits_until_it_or_a_later_one_has_run() {
+    fn recordings_wait_until_they_or_later_ones_have_run() {
         let mut records = vec![Record::zeroed(); 3];
         let flight = Flight::new(&records);
         assert_eq!(flight.waiting(), None);
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_thrown_away_is_not_waited_for() {
+    fn discarded_recordings_are_not_waited_for() {
         let records = vec![Record::zeroed(); 2];
         let flight = Flight::new(&records);
         let first = flight.next(commands(1), Some(0));

@@ -142,11 +142,10 @@ impl Solver {
     /// Sets the pipeline cache of the host with which pipelines are created from now on. A null handle means
     /// no cache.
     ///
-    /// The cache belongs to the host, which fills it from a file, merges it, saves it and destroys it. It
-    /// must be alive whenever this solver creates pipelines: in [`Solver::with_cache`] and
-    /// [`Solver::add_passes`], with the first surface that has a slowness, and with the first
-    /// [`super::Contours`], [`super::Paths`], [`super::Regions`] (of each wavefront), [`super::Directions`] and
-    /// [`super::LogMap`]. Pipelines do not
+    /// The cache belongs to the host, which fills it from a file, merges it, saves it and destroys it. It must
+    /// be alive whenever this solver creates pipelines: in [`Solver::with_cache`] and [`Solver::add_passes`],
+    /// with the first surface that has a slowness, and with the first [`super::Contours`], [`super::Paths`],
+    /// [`super::Regions`] (of each wavefront), [`super::Directions`] and [`super::LogMap`]. Pipelines do not
     /// need it once they are created. This solver uses the cache from one thread at a time. For other uses at
     /// the same time, the rules of `vkCreateComputePipelines` apply.
     pub fn set_pipeline_cache(&self, cache: vk::PipelineCache) {

@@ -38,7 +38,7 @@ const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct HeadlessSolver {
-    /// HeadlessSolver on the device, with the passes of the schedules and wavefronts used so far.
+    /// Solver on the device, with the passes of the schedules and wavefronts used so far.
     pub(in crate::vulkan) for_device: embed::Solver,
     pub(in crate::vulkan) context: Arc<Context>,
     /// Store that keeps pipelines between processes, if there is one.

@@ -96,7 +96,7 @@ impl HeadlessSolver {
         Ok(solution)
     }
 
-    /// Computes the same map as [`HeadlessSolver::solve`] and returns a record of every pass.
+    /// Computes a map as [`HeadlessSolver::solve`] does and returns a record of every pass.
     ///
     /// # Errors
     /// As [`HeadlessSolver::solve`], and [`VulkanError::NotForProfiling`] unless the solver was made by

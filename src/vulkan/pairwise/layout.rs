@@ -305,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_shared_memory_goes_into_images() {
+    fn maps_that_do_not_fit_shared_memory_go_into_images() {
         let of = |side| layout(square(side), Wavefront::Circular, &SMALLEST).schedule();
         assert_eq!((of(64), of(65)), (PairwiseSchedule::SharedMemory, PairwiseSchedule::Images));
     }

@@ -207,9 +207,9 @@ impl PairwiseOnDevice {
         self.solve_watched(solver, sources, stop, into, &mut Unwatched)
     }
 
-    /// Computes the same distances as [`PairwiseOnDevice::solve`] and returns a record of every pass of every
-    /// batch. The work of a pass is counted over all maps of its batch: an iteration visits those that have
-    /// not converged. Maps in shared memory are processed by pairs of points, so that no texels are counted.
+    /// Computes distances as [`PairwiseOnDevice::solve`] does and returns a record of every pass of every
+    /// batch. The work of a pass is counted over all maps of its batch: an iteration visits those that have not
+    /// converged. Maps in shared memory are processed by pairs of points, so that no texels are counted.
     ///
     /// # Errors
     /// As [`PairwiseOnDevice::solve`], and [`VulkanError::NotForProfiling`] unless the solver was made by

@@ -65,8 +65,8 @@ pub struct Work {
     /// the grid.
     pub texels: Option<u64>,
     /// Number of texels that a pass without bounds would have visited as well. It is the gain of the paper's
-    /// scissor test, of lists of tiles, and of passes beyond convergence. Lines that a scan skips
-    /// before its first block count to that block.
+    /// scissor test, of lists of tiles, and of passes beyond convergence. Lines that a scan skips before its
+    /// first block count to that block.
     pub skipped: Option<u64>,
     /// Number of bytes read.
     pub bytes_read: Option<u64>,

@@ -73,8 +73,8 @@ impl Turn {
         self.part.fetch_add(1, Relaxed);
     }
 
-    /// Appends `count` recordings to a command buffer part by part. `record` traverses the recording with a given number. What
-    /// `record` does besides recording is done as often as there are parts.
+    /// Appends `count` recordings to a command buffer part by part. `record` traverses the recording with a
+    /// given number. What `record` does besides recording is done as often as there are parts.
     pub(crate) fn take(
         &self,
         (device, buffer): (&ash::Device, vk::CommandBuffer),

@@ -2,12 +2,13 @@
 //!
 //! An iteration of the raster schedule is four rotated scans. A scan is one dispatch for each block of lines
 //! (rows or columns) of texels, each followed by a barrier. Scans go in turn, or two opposite scans go in a
-//! pair, each in one half of the grid: then a dispatch of both is followed by one barrier. In the first iteration from sources that the host
-//! knows, bounds take the place of the paper's scissor test. What lies outside the box that the fronts can
-//! have reached is infinite before and after, and is not visited. Scans of further iterations are dispatched
-//! indirectly, with arguments that the device sets, where a dispatch is a block. A scan then visits the blocks in which, or on the line behind which,
-//! something has changed since its last visit (`glsl/passes/blocks.glsl`). It visits nothing once the map has
-//! converged. The host reads nothing for this.
+//! pair, each in one half of the grid: then a dispatch of both is followed by one barrier. In the first
+//! iteration from sources that the host knows, bounds take the place of the paper's scissor test. What lies
+//! outside the box that the fronts can have reached is infinite before and after, and is not visited. Scans of
+//! further iterations are dispatched indirectly, with arguments that the device sets, where a dispatch is a
+//! block. A scan then visits the blocks in which, or on the line behind which, something has changed since its
+//! last visit (`glsl/passes/blocks.glsl`). It visits nothing once the map has converged. The host reads nothing
+//! for this.
 //!
 //! A pair of scans has two phases. In the first one, both come from the ends of the grid to its middle. In the
 //! second one, they go on into the other half. Both write the same image of fronts, at different texels, and

@@ -160,9 +160,10 @@ impl Tuning {
     };
     /// Sizes for GPUs. Those of scans are not measured: they save dispatches at the cost of an eighth more
     /// updates. Pairs of scans are chosen by count: on spheres, hills and mazes they take as many iterations as
-    /// scans in turn, with half the barriers. With one iteration in a tile in place of four, maps by tiles of 16 points take an NVIDIA H200
-    /// 0.55 to 0.65 of the time from 256 to 4096 points a side, and the same time at 64 points. Tiles of 32
-    /// points take half as many rounds. A prototype with them took 0.5 of the time of one with tiles of 16.
+    /// scans in turn, with half the barriers. With one iteration in a tile in place of four, maps by tiles of
+    /// 16 points take an NVIDIA H200 0.55 to 0.65 of the time from 256 to 4096 points a side, and the same time
+    /// at 64 points. Tiles of 32 points take half as many rounds. A prototype with them took 0.5 of the time of
+    /// one with tiles of 16.
     const ON_GPU: Self = Self {
         scan_width: 128,
         scan_lines: 8,

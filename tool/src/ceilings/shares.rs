@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_dispatched_is_counted() {
+    fn dispatches_are_counted() {
         // Two recordings of two iterations each: an iteration has four scans, each of which takes 32 lines of
         // texels in turn, and a count.
         let raster = work(Schedule::Raster);

@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn what_touches_nothing_has_a_color() {
+    fn regions_without_neighbours_have_a_color() {
         check(3, &[]);
         check(0, &[]);
     }

@@ -230,7 +230,7 @@ mod tests {
     use crate::surface::Chart;
 
     #[test]
-    fn a_neighbour_sees_what_lies_within_reach() {
+    fn a_neighbour_sees_changes_within_reach() {
         let block = |rows, cols| Block { rows, cols };
         let patch = block(64..128, 64..128);
         let seen = |other| within(&patch, &other, 2);

@@ -75,7 +75,7 @@ pub struct Args {
     #[arg(long, conflicts_with_all = ["sources", "sample"], help_heading = "Matrix")]
     symmetrize: bool,
     /// Start rows from the distances to points of earlier rows (eq. 20 of the paper), and do not compute
-    /// these again. Keeps the matrix in memory. Only for the planar and the point wavefront on the CPU
+    /// these again. Keeps the matrix in memory. Only for the planar and the circular wavefront on the CPU
     #[arg(long, conflicts_with_all = ["sources", "sample", "resume"])]
     #[arg(help_heading = "Solver")]
     from_symmetry: bool,
@@ -115,7 +115,7 @@ fn examples() -> String {
         "\
 Each row is written when it is finished, so that the matrix may be larger than memory. Its
 file is D.npy.part until it is complete. The curved wavefront is the most accurate. The
-point wavefront computes sixteen maps at once, many times faster, and is about as accurate
+circular wavefront computes sixteen maps at once, many times faster, and is about as accurate
 on surfaces with little curvature. The distances between two points in either direction
 are computed separately and differ by the solver's error; --symmetrize takes their mean.
 
@@ -505,7 +505,7 @@ impl<'a> Summary<'a> {
         }
     }
 
-    /// Returns the same for a sparse matrix of some distances.
+    /// Returns the summary of a sparse matrix with this number of stored distances.
     fn with_stored(self, stored: usize) -> Self {
         let distances_per_second = stored as f64 / self.solve_seconds;
         Self { stored: Some(stored), distances_per_second, ..self }

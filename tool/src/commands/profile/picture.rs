@@ -171,7 +171,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_shown_of_many_begins_with_the_first_and_ends_with_the_last() {
+    fn a_selection_has_the_first_and_the_last() {
         assert_eq!(spread(1, 4), [0]);
         assert_eq!(spread(3, 4), [0, 1, 2]);
         assert_eq!(spread(10, 4), [0, 3, 6, 9]);

@@ -19,7 +19,7 @@ use crate::picture::plot::{Axis, COLORS, Color, Line, Plot, Series, Sheet, Slope
 use crate::precision::Precision;
 use crate::terminal::{List, Outcome, print_json, progress};
 
-/// Output file for the picture
+/// The arguments of `geosweep figure convergence`.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {

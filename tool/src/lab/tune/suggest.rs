@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_together_is_not_suggested() {
+    fn values_that_do_not_fit_together_are_not_suggested() {
         let rows = [row(Knob::Lines, 32, 0.9, 0.0), row(Knob::Width, 32, 0.9, 0.0)];
         assert_eq!(suggested(UNTUNED, &rows), Tuning { scan_lines: 32, ..UNTUNED });
     }

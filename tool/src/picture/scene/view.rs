@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_fitted_lies_inside_with_a_margin() {
+    fn fitted_points_lie_inside_with_a_margin() {
         let corners = (0..8).map(|k| {
             DVec3::new(f64::from(k & 1), 3.0 * f64::from(k >> 1 & 1), 2.0 * f64::from(k >> 2))
         });
