@@ -16,6 +16,7 @@ mod estimate;
 #[cfg(feature = "formats")]
 mod formats;
 mod gdal;
+mod log_map_on_bumps;
 mod offset;
 mod origins;
 mod pairwise;
