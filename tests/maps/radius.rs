@@ -122,20 +122,21 @@ fn shares(
     [reached(&near) / reached(&whole), visits as f64 / all as f64]
 }
 
-/// The radius is 40 to 50 points. A span of sixteen points is visited as a whole, so smaller discs cost more.
+/// The radius is 40 to 90 points. A span of sixteen points is visited as a whole, so smaller discs cost more. Over
+/// hills the source's front is renewed in more iterations than elsewhere, so that they need the larger disc: at 45
+/// points curved fronts visit 2.36 times the area.
 #[test]
 fn visits_are_those_of_the_area_within_the_radius() {
-    for builtin in [Builtin::Plane, Builtin::Sphere, Builtin::Peaks] {
-        let surface = builtin.surface(1025, 1025).unwrap();
+    for (builtin, side) in [(Builtin::Plane, 1025), (Builtin::Sphere, 1025), (Builtin::Peaks, 2049)]
+    {
+        let surface = builtin.surface(side, side).unwrap();
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
-        let seeds = source([410, 461]).seeds(&surface).unwrap();
+        let seeds = source([side * 2 / 5, side * 9 / 20]).seeds(&surface).unwrap();
         for wavefront in [Wavefront::Planar, Wavefront::Curved] {
             let [area, visits] = shares((&edges, wavefront, Order::Lines), &seeds, 0.05);
             let ratio = visits / area;
             println!("{builtin} {wavefront}: area {area:.4}, visits {ratio:.2} times");
-            // Over hills the source's front is renewed in more iterations than elsewhere: 2.36 with curved fronts.
-            let most = if builtin == Builtin::Peaks { 2.5 } else { 2.2 };
-            assert!(ratio <= most, "{builtin} {wavefront}: {ratio:.2} times");
+            assert!(ratio <= 2.2, "{builtin} {wavefront}: {ratio:.2} times");
         }
     }
 }
@@ -165,9 +166,8 @@ fn targets_cost_little_more_than_the_radius_that_they_need() {
                     assert_is_part(&solver.distances(), &whole, distance, &what);
                     let ratio = solver.visits() as f64 / needed as f64;
                     println!("{what}: {ratio:.3} times the visits");
-                    // A patch is visited as a whole: 1.32 on the sheared plane.
-                    let most = if order == Order::Lines { 1.3 } else { 1.4 };
-                    assert!(ratio <= most, "{what}: {ratio:.3} times the visits");
+                    // A patch is visited as a whole, so patches come near the bound: 1.299 on the sheared plane.
+                    assert!(ratio <= 1.3, "{what}: {ratio:.3} times the visits");
                 }
             }
         }

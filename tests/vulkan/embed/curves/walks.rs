@@ -11,8 +11,10 @@ use super::Scene;
 use super::directions::Field;
 use crate::embed::stage::Kept;
 
-/// The length of a step in the grid. Agents that are not farther from the source than two steps have arrived.
-const STEP: f64 = 0.25;
+/// The length of a step in the grid. Where a way turns at a corner, an agent goes up to a step too far.
+const STEP: f64 = 0.1;
+/// Agents that are not farther from the source have arrived: beside the source, texels do not show the way.
+const ARRIVED: f64 = 1.0;
 
 /// A surface, its directions, and the source of the map; places are rows and columns.
 struct Ground<'a> {
@@ -22,28 +24,45 @@ struct Ground<'a> {
 }
 
 impl Ground<'_> {
-    /// Returns the corners of the cell around a place with their weights in bilinear interpolation.
-    fn corners(&self, place: DVec2) -> [([usize; 2], f64); 4] {
-        let chart = self.surface.chart();
-        let last = DVec2::new(chart.rows as f64 - 2.0, chart.cols as f64 - 2.0);
-        let low = place.floor().min(last);
+    /// Returns the corners of the cell around a place with their weights: bilinear ones, or those of the triangle
+    /// that is left if one corner is a hole. A weight below zero means that the place is beyond that triangle.
+    fn corners(&self, place: DVec2) -> Vec<([usize; 2], f64)> {
+        let low = place.floor().min(self.last() - 1.0);
         let part = place - low;
         let (row, col) = (low.x as usize, low.y as usize);
         let along = |k: usize, part: f64| if k == 0 { 1.0 - part } else { part };
-        [[0, 0], [0, 1], [1, 0], [1, 1]]
-            .map(|[i, j]| ([row + i, col + j], along(i, part.x) * along(j, part.y)))
+        let corners = [[0, 0], [0, 1], [1, 0], [1, 1]];
+        let has = |[i, j]: [usize; 2]| self.surface.has(row + i, col + j);
+        let mut holes = corners.into_iter().filter(|&corner| !has(corner));
+        let weighed: [_; 4] = match (holes.next(), holes.next()) {
+            (Some([i, j]), None) => {
+                // The steps from the hole, of which the two neighbours of the hole lack one each.
+                let [u, v] = [along(1 - i, part.x), along(1 - j, part.y)];
+                [
+                    ([1 - i, j], 1.0 - v),
+                    ([i, 1 - j], 1.0 - u),
+                    ([1 - i, 1 - j], u + v - 1.0),
+                    ([i, j], 0.0),
+                ]
+            }
+            _ => corners.map(|[i, j]| ([i, j], along(i, part.x) * along(j, part.y))),
+        };
+        weighed.into_iter().map(|([i, j], weight)| ([row + i, col + j], weight)).collect()
     }
 
-    /// Returns whether a place is on the grid and at no corner of its cell in a hole.
-    fn is_open(&self, place: DVec2) -> bool {
+    /// Returns the last row and column.
+    fn last(&self) -> DVec2 {
         let chart = self.surface.chart();
-        let last = DVec2::new(chart.rows as f64 - 1.0, chart.cols as f64 - 1.0);
-        let corners = |place| self.corners(place);
+        DVec2::new(chart.rows as f64 - 1.0, chart.cols as f64 - 1.0)
+    }
+
+    /// Returns whether a place is on the surface.
+    fn is_open(&self, place: DVec2) -> bool {
         place.cmpge(DVec2::ZERO).all()
-            && place.cmple(last).all()
-            && corners(place)
-                .iter()
-                .all(|&([row, col], weight)| weight == 0.0 || self.surface.has(row, col))
+            && place.cmple(self.last()).all()
+            && self.corners(place).iter().all(|&([row, col], weight)| {
+                weight == 0.0 || weight > 0.0 && self.surface.has(row, col)
+            })
     }
 
     /// Returns the position in space.
@@ -59,7 +78,7 @@ impl Ground<'_> {
             }
         };
         let weighed = self.corners(place).into_iter().filter(|&(_, weight)| weight > 0.0);
-        weighed.map(|(at_corner, weight)| weight * at(at_corner)).sum()
+        weighed.map(|(corner, weight)| weight * at(corner)).sum()
     }
 
     /// Returns the direction at a place: the interpolated one, or the nearest texel's where ways lead apart.
@@ -77,19 +96,24 @@ impl Ground<'_> {
         way(nearest.0)
     }
 
-    /// Returns the place after a step. At a wall, an agent slides along it.
+    /// Returns the place after a step. At a wall, an agent slides along it: along the grid or a diagonal.
     fn step(&self, place: DVec2) -> DVec2 {
         let by = STEP * self.heading(place);
-        let places = [by, DVec2::new(by.x, 0.0), DVec2::new(0.0, by.y)].map(|by| place + by);
-        places.into_iter().find(|&place| self.is_open(place)).unwrap_or(place)
+        let mut steps = [DVec2::X, DVec2::Y, DVec2::ONE, DVec2::new(1.0, -1.0)].map(|axis| {
+            let axis = axis.normalize();
+            by.dot(axis) * axis
+        });
+        steps.sort_by(|a, b| b.length().total_cmp(&a.length()));
+        let open = [by].into_iter().chain(steps).map(|by| place + by).find(|&at| self.is_open(at));
+        open.unwrap_or(place)
     }
 
     /// Returns the length of an agent's way to the source; `None` if it does not arrive.
     fn walk(&self, start: DVec2) -> Option<f64> {
         let (mut place, mut length) = (start, 0.0);
         let chart = self.surface.chart();
-        for _ in 0..8 * chart.points() {
-            if place.distance(self.source) <= 2.0 * STEP {
+        for _ in 0..20 * chart.points() {
+            if place.distance(self.source) <= ARRIVED {
                 return Some(length + self.position(place).distance(self.position(self.source)));
             }
             let next = self.step(place);
