@@ -1,5 +1,5 @@
-//! Agents that walk over a surface to its source. geosweep finds the directions of their ways after the map, and
-//! a compute pass moves them in the same frame. The program never reads them.
+//! Agents that walk over a surface to its source. geosweep finds the directions of their ways after the map,
+//! and a compute pass moves them in the same frame. The program never reads them.
 
 use geosweep::ash::vk;
 use geosweep::gpu_allocator::MemoryLocation;
@@ -95,7 +95,8 @@ impl Agents {
         self.steps.is_some()
     }
 
-    /// Records the passes that find the directions, if the map has changed, and the pass that moves the agents.
+    /// Records the passes that find the directions, if the map has changed, and the pass that moves the
+    /// agents.
     pub fn record(
         &mut self,
         gpu: &Gpu,

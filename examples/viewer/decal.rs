@@ -12,8 +12,8 @@ use crate::gpu::Gpu;
 use crate::sets::Sets;
 use crate::shaders;
 
-/// Sizes in spacings of lines: the first radius, its limits, and how much farther the log map reaches, so that
-/// the shader can interpolate at the decal's border. The last is more than a cell of any surface.
+/// Sizes in spacings of lines: the first radius, its limits, and how much farther the log map reaches, so
+/// that the shader can interpolate at the decal's border. The last is more than a cell of any surface.
 pub const RADIUS: f32 = 5.0;
 const LIMITS: [f32; 2] = [1.0, 15.0];
 const MARGIN: f32 = 0.8;
@@ -72,8 +72,8 @@ impl Decal {
         Self { look, log_map: None, outdated: true }
     }
 
-    /// Changes the look from the next frame on. Waits for the device when the log map is first shown, since it
-    /// may be using the sets.
+    /// Changes the look from the next frame on. Waits for the device when the log map is first shown, since
+    /// it may be using the sets.
     pub fn show(
         &mut self,
         gpu: &mut Gpu,
@@ -93,8 +93,8 @@ impl Decal {
         Ok(())
     }
 
-    /// Records the passes that compute the log map, if the map or the radius has changed, with `spacing` between
-    /// lines.
+    /// Records the passes that compute the log map, if the map or the radius has changed, with `spacing`
+    /// between lines.
     pub fn record(
         &mut self,
         gpu: &Gpu,

@@ -7,13 +7,13 @@
 //! distance as curves rather than in the fragment shader, and P draws the shortest path from under the
 //! pointer to the source. A lets ten thousand agents walk to the source along the image of directions, and N
 //! lets them step to one of eight neighbours instead, to compare. D puts a decal around the source by the log
-//! map; again, it projects the decal from above, and once more, it removes the decal. + and - change its size.
-//! Escape ends the program.
+//! map; again, it projects the decal from above, and once more, it removes the decal. + and - change its
+//! size. Escape ends the program.
 //!
 //! docs/figures/viewer.png: `--surface sheet --frames 60 --picture docs/figures/viewer.png`.
 //!
-//! The code that uses geosweep is in `map.rs`, `lines.rs`, `decal.rs` and `agents.rs`; the order of a frame's passes is in
-//! `viewer.rs`.
+//! The code that uses geosweep is in `map.rs`, `lines.rs`, `decal.rs` and `agents.rs`; the order of a frame's
+//! passes is in `viewer.rs`.
 
 mod agents;
 mod camera;

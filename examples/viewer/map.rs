@@ -1,5 +1,5 @@
-//! The distance map of a surface. Together with the lines, the decal and the agents on it, this is all that uses
-//! geosweep in this program.
+//! The distance map of a surface. Together with the lines, the decal and the agents on it, this is all that
+//! uses geosweep in this program.
 
 use geosweep::Stop;
 use geosweep::Wavefront;

@@ -151,14 +151,15 @@ impl Stage {
         let (set, points) = (self.set(frame), self.look.chart.points() as u32);
         let dispatch = |pipeline| layout.dispatch(gpu, commands, (pipeline, set), points);
         // The previous frame draws these points, and geosweep no longer uses them.
-        barrier(gpu, commands, Access::VERTEX_READ, Access::COMPUTE_WRITE);
+        let drawing = Access::VERTEX_READ.and(Access::FRAGMENT_READ);
+        barrier(gpu, commands, drawing, Access::COMPUTE_WRITE);
         if self.look.deforms {
             dispatch(passes.deform);
             barrier(gpu, commands, Access::COMPUTE_WRITE, Access::COMPUTE_READ);
             self.map.moved_points();
         }
         dispatch(passes.shade);
-        barrier(gpu, commands, Access::COMPUTE_WRITE, Access::VERTEX_READ);
+        barrier(gpu, commands, Access::COMPUTE_WRITE, drawing);
     }
 
     /// Records the passes that find lines and the log map. `changed` tells whether the map is new.

@@ -9,8 +9,8 @@ fn is_decal([r, g, b]: [u8; 3]) -> bool {
     r > g.saturating_add(50) && b > g.saturating_add(20)
 }
 
-/// Returns the fraction of the decal's border beside which the strong line of its distance is drawn in a picture
-/// without the decal.
+/// Returns the fraction of the decal's border beside which the strong line of its distance is drawn in a
+/// picture without the decal.
 fn part_beside_line(decal: &Grab, plain: &Grab) -> f64 {
     let (width, height) = (plain.width as i16, plain.height as i16);
     let [x, y] = plain.source().unwrap();
@@ -40,7 +40,8 @@ fn check_border(plain: &Grab, log_map: &Grab, projected: &Grab) {
     let beside = [log_map, projected].map(|grab| part_beside_line(grab, plain));
     println!("covered: {covered:.4?}, border beside the line: {beside:.3?}");
     assert!(covered[0] < 1e-3 && covered[1] > 0.004 && covered[2] > 0.004, "{covered:?}");
-    // Measured: 0.80 and 0.25 on the terrain, whose ridges hide parts of the border, 1.00 and 0.56 on the sheet.
+    // Measured: 0.80 and 0.25 on the terrain, whose ridges hide parts of the border; 1.00 and 0.56 on the
+    // sheet.
     assert!(beside[0] > 0.7 && beside[1] < 0.65, "{beside:?}");
 }
 

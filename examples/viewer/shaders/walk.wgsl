@@ -1,4 +1,4 @@
-// Moves agents along their ways, by `view.pace` on the surface. Whoever is at the source starts again far away.
+// Moves agents along their ways, by `view.pace` on the surface. An agent at the source starts again far away.
 // Dispatched with one thread an agent.
 
 @group(0) @binding(1) var<storage, read> positions: array<vec4<f32>>;
