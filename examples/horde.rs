@@ -59,7 +59,7 @@ const TERRAIN: &str = "
         heights[id.x] = height(vec2<f32>(vec2<u32>(id.x % SIDE, id.x / SIDE)), frame[0]);
     }";
 
-/// One invocation is one agent. `heading` is one of the two functions below.
+/// One invocation is one agent. `heading` is one of the functions below.
 const WALK: &str = "
     @group(0) @binding(0) var<storage, read> frame: array<f32>;
     @group(0) @binding(1) var<storage, read_write> agents: array<vec2<f32>>;
@@ -88,34 +88,16 @@ const WALK: &str = "
         agents[id.x] = place;
     }";
 
-/// Samples the directions bilinearly. Where ways lead apart, the nearest texel is as good as any.
-const ALONG_DIRECTIONS: &str = "
-    fn heading(place: vec2<f32>) -> vec2<f32> {
-        let low = min(vec2<i32>(place), vec2<i32>(i32(SIDE) - 2));
-        let part = place - vec2<f32>(low);
-        let north = mix(textureLoad(field, low, 0).xy, textureLoad(field, low + vec2<i32>(1, 0), 0).xy, part.x);
-        let south = mix(textureLoad(field, low + vec2<i32>(0, 1), 0).xy,
-                        textureLoad(field, low + vec2<i32>(1, 1), 0).xy, part.x);
-        let way = mix(north, south, part.y);
-        if (length(way) > 0.5) { return normalize(way); }
-        return textureLoad(field, vec2<i32>(round(place)), 0).xy;
-    }";
-
-/// Goes to the neighbour from which the distance falls most steeply.
-const ALONG_LINKS: &str = "
-    fn heading(place: vec2<f32>) -> vec2<f32> {
-        let at = vec2<i32>(round(place));
-        var best = 0.0;
-        var link = at;
-        for (var i = 0; i < 9; i++) {
-            let to = clamp(at + vec2<i32>(i % 3 - 1, i / 3 - 1), vec2<i32>(0), vec2<i32>(i32(SIDE) - 1));
-            let away = max(distance(vec2<f32>(to), vec2<f32>(at)), 0.5);
-            let fall = (textureLoad(field, at, 0).x - textureLoad(field, to, 0).x) / away;
-            if (fall > best) { best = fall; link = to; }
-        }
-        let way = vec2<f32>(link) - place;
-        return way / max(length(way), 1e-3);
-    }";
+/// The steps are those of the example `viewer`.
+const WAYS: &str = concat!(
+    include_str!("viewer/shaders/bilinear.wgsl"),
+    include_str!("viewer/shaders/ways.wgsl"),
+    "fn apart(a: vec2<i32>, b: vec2<i32>) -> f32 { return distance(vec2<f32>(a), vec2<f32>(b)); }"
+);
+const ALONG_DIRECTIONS: &str =
+    "fn heading(place: vec2<f32>) -> vec2<f32> { return along_directions(field, place); }";
+const ALONG_LINKS: &str =
+    "fn heading(place: vec2<f32>) -> vec2<f32> { return to_neighbour(field, place); }";
 
 /// One invocation is one pixel: shaded terrain, and the trails over it.
 const PAINT: &str = "
@@ -200,7 +182,7 @@ pub(crate) fn march(host: &mut Host, links: bool, frames: u32) -> March {
         false => (ALONG_DIRECTIONS, directions.image(Reader::COMPUTE.layout)),
     };
     let buffers = [time.handle, agents.handle, trails.handle];
-    let walk = pass(&format!("{heading}{WALK}"), &buffers, Some(field.view));
+    let walk = pass(&format!("{WAYS}{heading}{WALK}"), &buffers, Some(field.view));
     let paint = pass(PAINT, &buffers, None);
 
     for frame in 0..frames {

@@ -1,4 +1,5 @@
-//! The pass that draws the background, the shadow, the walls, the surface in its colors, and lines on it.
+//! The pass that draws the background, the shadow, the walls, the surface in its colors, and lines and agents
+//! on it.
 
 use std::ffi::CStr;
 
@@ -6,6 +7,8 @@ use geosweep::ash::vk;
 use geosweep::vulkan::embed::{CurveBuffer, CurveRecord};
 
 use crate::Result;
+use crate::agents::{self, Agents};
+use crate::decal::Placement;
 use crate::gpu::Gpu;
 use crate::shaders::{Draw, Layout};
 use crate::stage::Stage;
@@ -21,6 +24,10 @@ pub struct Drawing {
     shadow: vk::Pipeline,
     walls: vk::Pipeline,
     surface: vk::Pipeline,
+    /// Surface with a decal, by its placement.
+    log_map: vk::Pipeline,
+    projected: vk::Pipeline,
+    agents: vk::Pipeline,
     thin: vk::Pipeline,
     strong: vk::Pipeline,
     rim: vk::Pipeline,
@@ -33,6 +40,13 @@ impl Drawing {
         let walls = include_str!("shaders/wall.wgsl");
         let surface = include_str!("shaders/surface.wgsl");
         let lines = include_str!("shaders/line.wgsl");
+        let decal = concat!(
+            include_str!("shaders/point_at.wgsl"),
+            include_str!("shaders/surface.wgsl"),
+            include_str!("shaders/decal.wgsl")
+        );
+        let agents =
+            concat!(include_str!("shaders/point_at.wgsl"), include_str!("shaders/agent.wgsl"));
         let pipeline = |wgsl, vertex: &CStr, fragment: &CStr, topology, depth, blend| {
             let (samples, pass) = (target.samples, target.pass);
             // All other shaders generate their vertices, or take them from the grid's.
@@ -51,6 +65,9 @@ impl Drawing {
             shadow: pipeline(ground, c"shadow_vertex", c"shadow_fragment", strip, false, true)?,
             walls: pipeline(walls, c"vertex", c"fragment", list, true, false)?,
             surface: pipeline(surface, c"vertex", c"fragment", list, true, false)?,
+            log_map: pipeline(decal, c"vertex", c"log_map_fragment", list, true, false)?,
+            projected: pipeline(decal, c"vertex", c"projected_fragment", list, true, false)?,
+            agents: pipeline(agents, c"vertex", c"fragment", strip, true, true)?,
             thin: pipeline(lines, contour, c"thin_fragment", pieces, true, true)?,
             strong: pipeline(lines, contour, c"strong_fragment", pieces, true, true)?,
             rim: pipeline(lines, c"rim_vertex", c"rim_fragment", path, true, false)?,
@@ -85,7 +102,11 @@ impl Drawing {
                 bind(self.walls);
                 device.cmd_draw(commands, 6 * border, 1, 0, 0);
             }
-            bind(self.surface);
+            bind(match stage.decal.look.placement {
+                None => self.surface,
+                Some(Placement::LogMap) => self.log_map,
+                Some(Placement::Projected) => self.projected,
+            });
             let indices = stage.indices.handle;
             device.cmd_bind_index_buffer(commands, indices, 0, vk::IndexType::UINT32);
             device.cmd_draw_indexed(commands, stage.index_count, 1, 0, 0, 0);
@@ -102,12 +123,21 @@ impl Drawing {
             bind(self.path);
             draw_thick(gpu, commands, path, viewport, 2.5);
         }
+        if stage.agents.as_ref().is_some_and(Agents::are_shown) {
+            bind(self.agents);
+            // SAFETY: as above.
+            unsafe {
+                device.cmd_set_viewport(commands, 0, &[viewport]);
+                device.cmd_draw(commands, 4, agents::COUNT, 0, 0);
+            }
+        }
     }
 
     pub fn destroy(&self, gpu: &Gpu) {
         let lines = [self.thin, self.strong, self.rim, self.path];
-        let areas = [self.background, self.shadow, self.walls, self.surface];
-        for pipeline in areas.into_iter().chain(lines) {
+        let areas = [self.background, self.shadow, self.walls];
+        let surfaces = [self.surface, self.log_map, self.projected, self.agents];
+        for pipeline in areas.into_iter().chain(surfaces).chain(lines) {
             // SAFETY: nothing is in flight.
             unsafe { gpu.device.destroy_pipeline(pipeline, None) };
         }

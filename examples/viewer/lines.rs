@@ -49,7 +49,8 @@ impl Lines {
             let made = solver.contours(&device, gpu.allocator(), surface, CONTOUR_ROOM)?;
             self.contours = Some(made);
         }
-        (self.shows_contours, self.due) = (show, true);
+        self.due |= self.shows_contours != show;
+        self.shows_contours = show;
         Ok(())
     }
 

@@ -5,14 +5,19 @@
 //! A click or drag moves the source; a drag with the right button turns the camera, and the wheel zooms. S
 //! switches to the next surface, C to the next schedule, W to the next wavefront. L draws lines of equal
 //! distance as curves rather than in the fragment shader, and P draws the shortest path from under the
-//! pointer to the source. Escape ends the program.
+//! pointer to the source. A lets ten thousand agents walk to the source along the image of directions, and N
+//! lets them step to one of eight neighbours instead, to compare. D puts a decal around the source by the log
+//! map; again, it projects the decal from above, and once more, it removes the decal. + and - change its
+//! size. Escape ends the program.
 //!
 //! docs/figures/viewer.png: `--surface sheet --frames 60 --picture docs/figures/viewer.png`.
 //!
-//! The code that uses geosweep is in `map.rs` and `lines.rs`; the order of a frame's passes is in
-//! `viewer.rs`.
+//! The code that uses geosweep is in `map.rs`, `lines.rs`, `decal.rs` and `agents.rs`; the order of a frame's
+//! passes is in `viewer.rs`.
 
+mod agents;
 mod camera;
+mod decal;
 mod draw;
 mod frames;
 mod gpu;
@@ -23,7 +28,9 @@ mod options;
 mod pick;
 mod picture;
 mod pipelines;
+mod sets;
 mod shaders;
+mod shown;
 mod stage;
 mod surfaces;
 mod swapchain;

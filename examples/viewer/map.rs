@@ -1,5 +1,5 @@
-//! The distance map of a surface. Together with the lines on it, this is all that uses geosweep in this
-//! program.
+//! The distance map of a surface. Together with the lines, the decal and the agents on it, this is all that
+//! uses geosweep in this program.
 
 use geosweep::Stop;
 use geosweep::Wavefront;
@@ -91,7 +91,7 @@ impl Map {
 
     /// Returns the image of distances in a slot.
     pub fn image(&self, slot: usize) -> Result<ResultImage> {
-        Ok(self.surface.result(slot, Reader::FRAGMENT.layout)?)
+        Ok(self.surface.result(slot, reader().layout)?)
     }
 
     /// Returns the surface on which contours and paths are found.
@@ -165,11 +165,11 @@ impl Map {
                 recording.begin(Access::NONE);
                 recording.resume(&self.plan)?;
                 recording.outcome(slot)?;
-                recording.result(slot, Reader::FRAGMENT, UNREACHED)?;
+                recording.result(slot, reader(), UNREACHED)?;
             }
             Due::Solve | Due::Measure => {
                 recording.frame(
-                    &Frame::new(&self.plan, SourceInput::Buffer(0), Reader::FRAGMENT)
+                    &Frame::new(&self.plan, SourceInput::Buffer(0), reader())
                         .with_before(Access::COMPUTE_WRITE.and(Access::TRANSFER_WRITE))
                         .with_points((due == Due::Measure).then_some(0))
                         .with_slot(slot)
@@ -194,6 +194,11 @@ impl Due {
     fn at_least(self, other: Self) -> Self {
         if self == Self::Measure { self } else { other }
     }
+}
+
+/// Returns who reads the image: the surface's shader, and the pass that moves agents.
+fn reader() -> Reader {
+    Reader::sampled(Access::FRAGMENT_READ.and(Access::COMPUTE_READ))
 }
 
 /// Returns the picking pass's output for a source at a grid point.

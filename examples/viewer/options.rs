@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Parser;
 use geosweep::io::OutputFile;
 
+use crate::decal::Placement;
 use crate::surfaces::Name;
 
 /// Distance maps on the GPU, drawn in 3D.
@@ -19,6 +20,22 @@ pub struct Options {
     /// Size of the window
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size, default_value = "1200x700")]
     pub size: [u32; 2],
+    /// Show agents that walk to the source
+    #[arg(long)]
+    pub agents: bool,
+    /// Let agents step to one of eight neighbours, rather than along the image of directions
+    #[arg(long, requires = "agents")]
+    pub neighbours: bool,
+    /// Show a decal around the source, placed in this way
+    #[arg(
+        long,
+        value_enum,
+        value_name = "PLACEMENT",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "log-map"
+    )]
+    pub decal: Option<Placement>,
     /// A part of the device's name
     #[arg(long, value_name = "NAME")]
     pub device: Option<String>,

@@ -4,12 +4,13 @@
 
 use geosweep::ash::vk;
 use geosweep::gpu_allocator::MemoryLocation;
+use geosweep::vulkan::embed::Access;
 
 use crate::Result;
 use crate::gpu::Gpu;
 use crate::memory::{Buffer, Image, ImageUse, whole};
 use crate::shaders::{Draw, Layout};
-use crate::stage::Stage;
+use crate::stage::{Stage, barrier};
 
 /// Format of a source: four floats.
 const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
@@ -176,6 +177,8 @@ impl Pick {
             gpu.device.cmd_pipeline_barrier(commands, readers, copies, none, &[], &[], &[]);
             gpu.device.cmd_copy_image_to_buffer(commands, from, COPIED, to, &[copy]);
         }
+        let reads = Access::COMPUTE_READ.and(Access::FRAGMENT_READ);
+        barrier(gpu, commands, Access::TRANSFER_WRITE, reads);
     }
 
     pub fn destroy(&mut self, gpu: &mut Gpu) {

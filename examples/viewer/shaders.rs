@@ -16,24 +16,54 @@ pub struct Layout {
     pub pipeline: vk::PipelineLayout,
 }
 
-/// Types of the bindings 0, 1, ...
-pub const BINDINGS: [vk::DescriptorType; 6] = [
-    vk::DescriptorType::UNIFORM_BUFFER, // the view
-    vk::DescriptorType::STORAGE_BUFFER, // positions
-    vk::DescriptorType::STORAGE_BUFFER, // normals
-    vk::DescriptorType::STORAGE_BUFFER, // the palette
-    vk::DescriptorType::STORAGE_BUFFER, // distances of the corners
-    vk::DescriptorType::SAMPLED_IMAGE,  // distances
-];
+/// Size of the workgroups of all compute shaders.
+const GROUP: u32 = 64;
+
+/// Bindings of these descriptors.
+pub const VIEW: u32 = 0;
+pub const POSITIONS: u32 = 1;
+pub const NORMALS: u32 = 2;
+pub const PALETTE: u32 = 3;
+pub const CORNER_DISTANCES: u32 = 4;
+pub const DISTANCES: u32 = 5;
+pub const SOURCE: u32 = 6;
+pub const AGENTS: u32 = 7;
+pub const DIRECTIONS: u32 = 8;
+pub const LOG_MAP: u32 = 9;
+
+/// Type of each binding, and the stages that use it. No stage uses more than four storage buffers, as many as
+/// every device has.
+pub const BINDINGS: [(vk::DescriptorType, vk::ShaderStageFlags); 10] = {
+    const BUFFER: vk::DescriptorType = vk::DescriptorType::STORAGE_BUFFER;
+    const IMAGE: vk::DescriptorType = vk::DescriptorType::SAMPLED_IMAGE;
+    const COMPUTE: vk::ShaderStageFlags = vk::ShaderStageFlags::COMPUTE;
+    const FRAGMENT: vk::ShaderStageFlags = vk::ShaderStageFlags::FRAGMENT;
+    const ALL: vk::ShaderStageFlags = vk::ShaderStageFlags::from_raw(
+        vk::ShaderStageFlags::VERTEX.as_raw() | COMPUTE.as_raw() | FRAGMENT.as_raw(),
+    );
+    const POINTS: vk::ShaderStageFlags =
+        vk::ShaderStageFlags::from_raw(vk::ShaderStageFlags::VERTEX.as_raw() | COMPUTE.as_raw());
+    const MAPS: vk::ShaderStageFlags =
+        vk::ShaderStageFlags::from_raw(COMPUTE.as_raw() | FRAGMENT.as_raw());
+    [
+        (vk::DescriptorType::UNIFORM_BUFFER, ALL),
+        (BUFFER, ALL),
+        (BUFFER, POINTS),
+        (BUFFER, FRAGMENT),
+        (BUFFER, FRAGMENT),
+        (IMAGE, MAPS),
+        (BUFFER, MAPS),
+        (BUFFER, POINTS),
+        (IMAGE, COMPUTE),
+        (IMAGE, FRAGMENT),
+    ]
+};
 
 impl Layout {
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        let stages = vk::ShaderStageFlags::COMPUTE
-            | vk::ShaderStageFlags::VERTEX
-            | vk::ShaderStageFlags::FRAGMENT;
         let bindings: Vec<_> = (0..)
             .zip(BINDINGS)
-            .map(|(binding, kind)| {
+            .map(|(binding, (kind, stages))| {
                 vk::DescriptorSetLayoutBinding::default()
                     .binding(binding)
                     .descriptor_type(kind)
@@ -52,19 +82,37 @@ impl Layout {
         }
     }
 
-    /// Creates a compute pipeline with the entry point `main`.
-    pub fn compute(&self, gpu: &Gpu, wgsl: &str) -> Result<vk::Pipeline> {
+    /// Creates a compute pipeline with an entry point.
+    pub fn compute(&self, gpu: &Gpu, wgsl: &str, entry: &CStr) -> Result<vk::Pipeline> {
         let module = module(gpu, wgsl)?;
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)
             .module(module)
-            .name(c"main");
+            .name(entry);
         let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.pipeline);
         // SAFETY: module and layout are alive.
         unsafe {
             let made = gpu.device.create_compute_pipelines(Default::default(), &[info], None);
             gpu.device.destroy_shader_module(module, None);
             Ok(made.map_err(|(_, error)| error)?[0])
+        }
+    }
+
+    /// Records a compute pass with one thread for each of some items.
+    pub fn dispatch(
+        &self,
+        gpu: &Gpu,
+        commands: vk::CommandBuffer,
+        (pipeline, set): (vk::Pipeline, vk::DescriptorSet),
+        items: u32,
+    ) {
+        let (compute, sets) = (vk::PipelineBindPoint::COMPUTE, [set]);
+        let device = &gpu.device;
+        // SAFETY: the commands are being recorded, outside a render pass. All objects are alive.
+        unsafe {
+            device.cmd_bind_pipeline(commands, compute, pipeline);
+            device.cmd_bind_descriptor_sets(commands, compute, self.pipeline, 0, &sets, &[]);
+            device.cmd_dispatch(commands, items.div_ceil(GROUP), 1, 1);
         }
     }
 
@@ -165,7 +213,8 @@ fn spirv(wgsl: &str) -> Result<Vec<u32>> {
     // geosweep defines the curvature of a front at a source.
     let at_source = PointSource::at(0.0, 0.0).curvature;
     let view = include_str!("shaders/view.wgsl");
-    let wgsl = format!("{view}\nconst AT_SOURCE = f32({at_source:?});\n{wgsl}");
+    let bilinear = include_str!("shaders/bilinear.wgsl");
+    let wgsl = format!("{view}\nconst AT_SOURCE = f32({at_source:?});\n{bilinear}\n{wgsl}");
     let module = naga::front::wgsl::parse_str(&wgsl).map_err(|e| e.emit_to_string(&wgsl))?;
     let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(&module)

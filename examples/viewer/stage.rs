@@ -7,14 +7,18 @@ use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{Access, Solver};
 
 use crate::Result;
+use crate::agents::{Agents, WalkPasses};
 use crate::camera::Camera;
-use crate::frames::IN_FLIGHT;
+use crate::decal::Decal;
+use crate::frames::Frame;
 use crate::gpu::Gpu;
 use crate::lines::Lines;
 use crate::map::{self, Map};
 use crate::memory::Buffer;
 use crate::pick::{Pick, PickPass};
-use crate::shaders::{BINDINGS, Layout};
+use crate::sets::Sets;
+use crate::shaders::{self, Layout};
+use crate::shown::Shown;
 use crate::surfaces::{Look, Name};
 
 pub struct Stage {
@@ -23,6 +27,9 @@ pub struct Stage {
     pub map: Map,
     pub pick: Pick,
     pub lines: Lines,
+    pub decal: Decal,
+    /// Agents, created when they are first shown.
+    pub agents: Option<Agents>,
     pub indices: Buffer,
     pub index_count: u32,
     /// Whether normals must be computed.
@@ -31,9 +38,7 @@ pub struct Stage {
     normals: Buffer,
     corners: Buffer,
     distances: Buffer,
-    descriptors: vk::DescriptorPool,
-    /// Descriptor sets by frame in flight, and by slot of the map.
-    sets: Vec<[vk::DescriptorSet; IN_FLIGHT]>,
+    sets: Sets,
 }
 
 /// Compute passes that write points and normals.
@@ -80,8 +85,16 @@ impl Stage {
             distances: distances.handle,
         };
         let map = Map::new(gpu, shared.solver, look.chart, &memory)?;
-        let buffers = [positions.handle, normals.handle, shared.palette, distances.handle];
-        let (descriptors, sets) = descriptor_sets(gpu, shared, &map, buffers)?;
+        let sets = Sets::new(gpu, shared.layout, shared.views, &map)?;
+        for (binding, buffer) in [
+            (shaders::POSITIONS, positions.handle),
+            (shaders::NORMALS, normals.handle),
+            (shaders::PALETTE, shared.palette),
+            (shaders::CORNER_DISTANCES, distances.handle),
+            (shaders::SOURCE, pick.source.handle),
+        ] {
+            sets.bind_buffer(gpu, binding, buffer);
+        }
         let camera = look.camera;
         Ok(Self {
             look,
@@ -89,6 +102,8 @@ impl Stage {
             map,
             pick,
             lines,
+            decal: Decal::new(),
+            agents: None,
             indices,
             index_count,
             unshaded: true,
@@ -96,14 +111,28 @@ impl Stage {
             normals,
             corners,
             distances,
-            descriptors,
             sets,
         })
     }
 
     /// Returns the descriptors for a frame in flight, with the image of distances that is drawn.
     pub fn set(&self, frame: usize) -> vk::DescriptorSet {
-        self.sets[frame][self.map.slot()]
+        self.sets.get(frame, self.map.slot())
+    }
+
+    /// Changes what is shown from the next frame on.
+    pub fn show(&mut self, gpu: &mut Gpu, solver: &Solver, shown: &Shown) -> Result<()> {
+        let surface = self.map.surface();
+        self.lines.show_contours(gpu, solver, surface, shown.contours)?;
+        self.decal.show(gpu, solver, (surface, &self.sets), shown.decal)?;
+        let steps = shown.steps();
+        if steps.is_some() && self.agents.is_none() {
+            self.agents = Some(Agents::new(gpu, solver, surface, &self.sets)?);
+        }
+        if let Some(agents) = &mut self.agents {
+            agents.show(steps);
+        }
+        Ok(())
     }
 
     /// Records the passes that move the points, if they move, and compute normals.
@@ -119,41 +148,57 @@ impl Stage {
             return;
         }
         self.unshaded = false;
-        let sets = [self.set(frame)];
-        let groups = self.look.chart.points().div_ceil(64) as u32;
-        let dispatch = |pipeline| {
-            let compute = vk::PipelineBindPoint::COMPUTE;
-            // SAFETY: the commands are being recorded. All objects are alive.
-            unsafe {
-                gpu.device.cmd_bind_pipeline(commands, compute, pipeline);
-                gpu.device.cmd_bind_descriptor_sets(
-                    commands,
-                    compute,
-                    layout.pipeline,
-                    0,
-                    &sets,
-                    &[],
-                );
-                gpu.device.cmd_dispatch(commands, groups, 1, 1);
-            }
-        };
+        let (set, points) = (self.set(frame), self.look.chart.points() as u32);
+        let dispatch = |pipeline| layout.dispatch(gpu, commands, (pipeline, set), points);
         // The previous frame draws these points, and geosweep no longer uses them.
-        barrier(gpu, commands, Access::VERTEX_READ, Access::COMPUTE_WRITE);
+        let drawing = Access::VERTEX_READ.and(Access::FRAGMENT_READ);
+        barrier(gpu, commands, drawing, Access::COMPUTE_WRITE);
         if self.look.deforms {
             dispatch(passes.deform);
             barrier(gpu, commands, Access::COMPUTE_WRITE, Access::COMPUTE_READ);
             self.map.moved_points();
         }
         dispatch(passes.shade);
-        barrier(gpu, commands, Access::COMPUTE_WRITE, Access::VERTEX_READ);
+        barrier(gpu, commands, Access::COMPUTE_WRITE, drawing);
+    }
+
+    /// Records the passes that find lines and the log map. `changed` tells whether the map is new.
+    pub fn record_outputs(
+        &mut self,
+        gpu: &Gpu,
+        solver: &Solver,
+        commands: vk::CommandBuffer,
+        changed: bool,
+    ) -> Result<()> {
+        let (on, spacing) = ((self.map.surface(), changed), self.look.spacing);
+        self.lines.record(gpu, solver, commands, on, spacing)?;
+        self.decal.record(gpu, solver, commands, on, spacing)
+    }
+
+    /// Records the passes that find the agents' ways and move them.
+    pub fn record_agents(
+        &mut self,
+        gpu: &Gpu,
+        solver: &Solver,
+        passes: (&WalkPasses, &Layout),
+        frame: Frame,
+        changed: bool,
+    ) -> Result<()> {
+        let set = self.set(frame.index);
+        let Some(agents) = &mut self.agents else { return Ok(()) };
+        let on = (self.map.surface(), changed);
+        agents.record(gpu, solver, passes, (frame.commands, set), on)
     }
 
     pub fn destroy(&mut self, gpu: &mut Gpu) {
         self.lines.destroy(gpu);
         self.map.destroy(gpu);
         self.pick.destroy(gpu);
-        // SAFETY: nothing is in flight.
-        unsafe { gpu.device.destroy_descriptor_pool(self.descriptors, None) };
+        self.decal.destroy(gpu);
+        if let Some(agents) = &mut self.agents {
+            agents.destroy(gpu);
+        }
+        self.sets.destroy(gpu);
         for buffer in [
             &mut self.positions,
             &mut self.normals,
@@ -169,8 +214,8 @@ impl Stage {
 impl PointPasses {
     pub fn new(gpu: &Gpu, layout: &Layout) -> Result<Self> {
         Ok(Self {
-            deform: layout.compute(gpu, include_str!("shaders/deform.wgsl"))?,
-            shade: layout.compute(gpu, include_str!("shaders/shade.wgsl"))?,
+            deform: layout.compute(gpu, include_str!("shaders/deform.wgsl"), c"main")?,
+            shade: layout.compute(gpu, include_str!("shaders/shade.wgsl"), c"main")?,
         })
     }
 
@@ -203,58 +248,4 @@ fn indices(chart: Chart) -> Vec<u32> {
             [above - 1, left, above, above, left, last]
         })
         .collect()
-}
-
-type Sets = (vk::DescriptorPool, Vec<[vk::DescriptorSet; IN_FLIGHT]>);
-
-fn descriptor_sets(
-    gpu: &Gpu,
-    shared: &Shared,
-    map: &Map,
-    buffers: [vk::Buffer; 4],
-) -> Result<Sets> {
-    let count = (IN_FLIGHT * shared.views.len()) as u32;
-    let sizes =
-        BINDINGS.map(|kind| vk::DescriptorPoolSize::default().ty(kind).descriptor_count(count));
-    let info = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes);
-    let device = &gpu.device;
-    // SAFETY: everything that the infos point to is alive, and no set is in use.
-    unsafe {
-        let pool = device.create_descriptor_pool(&info, None)?;
-        let mut sets = Vec::new();
-        for view in shared.views {
-            let layouts = [shared.layout.set; IN_FLIGHT];
-            let info = vk::DescriptorSetAllocateInfo::default()
-                .descriptor_pool(pool)
-                .set_layouts(&layouts);
-            let by_slot: [_; IN_FLIGHT] = device
-                .allocate_descriptor_sets(&info)?
-                .try_into()
-                .map_err(|_| "Vulkan gave another number of descriptor sets")?;
-            for (slot, &set) in by_slot.iter().enumerate() {
-                for (binding, &buffer) in (0..).zip([view.handle].iter().chain(&buffers)) {
-                    let info =
-                        [vk::DescriptorBufferInfo::default().buffer(buffer).range(vk::WHOLE_SIZE)];
-                    let write = vk::WriteDescriptorSet::default()
-                        .dst_set(set)
-                        .dst_binding(binding)
-                        .descriptor_type(BINDINGS[binding as usize])
-                        .buffer_info(&info);
-                    device.update_descriptor_sets(&[write], &[]);
-                }
-                let image = map.image(slot)?;
-                let info = [vk::DescriptorImageInfo::default()
-                    .image_view(image.view)
-                    .image_layout(image.layout)];
-                let write = vk::WriteDescriptorSet::default()
-                    .dst_set(set)
-                    .dst_binding(5)
-                    .descriptor_type(BINDINGS[5])
-                    .image_info(&info);
-                device.update_descriptor_sets(&[write], &[]);
-            }
-            sets.push(by_slot);
-        }
-        Ok((pool, sets))
-    }
 }

@@ -19,17 +19,29 @@ pub struct View {
     grid: [u32; 2],
     spacing: f32,
     softness: f32,
+    decal: f32,
+    pace: f32,
+    /// Up to a multiple of 16 bytes.
+    unused: [f32; 2],
+}
+
+/// What changes from frame to frame, beside the camera.
+pub struct Driven {
+    /// Pointer in pixels from the upper left.
+    pub pointer: Vec2,
+    /// Time of the deformation, in seconds.
+    pub phase: f32,
+    /// Distance between lines; negative if lines are drawn as curves.
+    pub spacing: f32,
+    /// Radius of the decal.
+    pub decal: f32,
+    /// Length that agents walk.
+    pub pace: f32,
 }
 
 impl View {
-    /// Creates a view. `pointer` is in pixels from the upper left. `spacing` is negative if lines are drawn
-    /// as curves.
-    pub fn new(
-        camera: &Camera,
-        look: &Look,
-        size: Vec2,
-        (pointer, phase, spacing): (Vec2, f32, f32),
-    ) -> Self {
+    pub fn new(camera: &Camera, look: &Look, size: Vec2, driven: &Driven) -> Self {
+        let Driven { pointer, phase, spacing, decal, pace } = *driven;
         let projection = camera.projection(size);
         let chart = look.chart;
         Self {
@@ -43,6 +55,9 @@ impl View {
             grid: [chart.cols as u32, chart.rows as u32],
             spacing,
             softness: look.softness,
+            decal,
+            pace,
+            unused: [0.0; 2],
         }
     }
 }

@@ -11,6 +11,7 @@ use geosweep::vulkan::{PipelineStore, Schedule};
 use winit::window::Window;
 
 use crate::Result;
+use crate::agents::{self, Agents, WalkPasses};
 use crate::draw::{self, Drawing};
 use crate::frames::{self, Frame, Frames, IN_FLIGHT};
 use crate::gpu::Gpu;
@@ -21,11 +22,12 @@ use crate::pick::PickPass;
 use crate::picture::Picture;
 use crate::pipelines;
 use crate::shaders::Layout;
+use crate::shown::Shown;
 use crate::stage::{PointPasses, Shared, Stage};
 use crate::surfaces::Name;
 use crate::swapchain::{Swapchain, Target};
 use crate::timing::Timing;
-use crate::view::View;
+use crate::view::{Driven, View};
 
 /// Largest step of a deforming surface from frame to frame. It is the step too if the number of frames is
 /// given.
@@ -46,6 +48,7 @@ pub struct Viewer {
     frames: Frames,
     timing: Timing,
     point_passes: PointPasses,
+    walk_passes: WalkPasses,
     picking: PickPass,
     drawing: Drawing,
     palette: Buffer,
@@ -65,8 +68,7 @@ pub struct Viewer {
     picks: bool,
     /// Whether a path starts at the pointer.
     traces: bool,
-    /// Whether lines of equal distance are drawn as curves.
-    draws_contours: bool,
+    shown: Shown,
     /// Whether a change has not been drawn yet.
     stale: bool,
     /// Time of the deformation, in seconds.
@@ -87,6 +89,7 @@ impl Viewer {
         let frames = Frames::new(&gpu)?;
         let timing = Timing::new(&gpu)?;
         let point_passes = PointPasses::new(&gpu, &layout)?;
+        let walk_passes = WalkPasses::new(&gpu, &layout)?;
         let picking = PickPass::new(&gpu, &layout)?;
         let drawing = Drawing::new(&gpu, &layout, &target)?;
         let palette = draw::palette();
@@ -127,7 +130,8 @@ impl Viewer {
             }
             Ok(())
         })?;
-        Ok(Self {
+        let shown = Shown::new(&options);
+        let mut viewer = Self {
             options,
             gpu,
             layout,
@@ -137,6 +141,7 @@ impl Viewer {
             frames,
             timing,
             point_passes,
+            walk_passes,
             picking,
             drawing,
             palette,
@@ -151,20 +156,24 @@ impl Viewer {
             pointer: Vec2::ZERO,
             picks: false,
             traces: false,
-            draws_contours: false,
+            shown,
             stale: true,
             phase: 0.0,
             last_frame: None,
             drawn: 0,
             picture: None,
-        })
+        };
+        viewer.show()?;
+        Ok(viewer)
     }
 
     /// Returns whether a frame would show something new.
     pub fn wants_frame(&self) -> bool {
         let stage = &self.stages[self.current];
         let counts = self.options.frames.is_some();
-        self.stale || self.outdated || counts || stage.look.deforms || stage.map.is_due()
+        let walks = stage.agents.as_ref().is_some_and(Agents::are_shown);
+        let moves = stage.look.deforms || walks;
+        self.stale || self.outdated || counts || moves || stage.map.is_due()
     }
 
     /// Returns whether all requested frames have been drawn.
@@ -194,16 +203,15 @@ impl Viewer {
         lines.show_path(&mut self.gpu, &self.solver, map.surface())
     }
 
-    /// Switches between drawing lines of equal distance as curves and in the surface's shader.
-    pub fn switch_lines(&mut self) -> Result<()> {
-        self.draws_contours = !self.draws_contours;
-        self.show_contours()
+    /// Changes what is shown.
+    pub fn change(&mut self, change: impl FnOnce(&mut Shown)) -> Result<()> {
+        change(&mut self.shown);
+        self.show()
     }
 
-    fn show_contours(&mut self) -> Result<()> {
+    fn show(&mut self) -> Result<()> {
         self.stale = true;
-        let Stage { lines, map, .. } = &mut self.stages[self.current];
-        lines.show_contours(&mut self.gpu, &self.solver, map.surface(), self.draws_contours)
+        self.stages[self.current].show(&mut self.gpu, &self.solver, &self.shown)
     }
 
     pub fn orbit(&mut self, by: Vec2) {
@@ -219,7 +227,7 @@ impl Viewer {
 
     pub fn next_surface(&mut self) -> Result<()> {
         self.current = (self.current + 1) % self.stages.len();
-        self.show_contours()?;
+        self.show()?;
         self.use_method(self.schedule, self.wavefront)
     }
 
@@ -259,9 +267,7 @@ impl Viewer {
             "geosweep: {}, {rows} x {cols} points, {}, {} fronts",
             look.name, self.schedule, self.wavefront
         );
-        if self.draws_contours {
-            title += ", contours as lines";
-        }
+        title += &self.shown.title();
         if let Some(milliseconds) = self.timing.milliseconds() {
             title += &format!(", {milliseconds:.2} ms on {}", self.gpu.device_name());
         }
@@ -342,7 +348,7 @@ impl Viewer {
 
     /// Records all passes of a frame.
     fn record(&mut self, frame: Frame, image: usize) -> Result<()> {
-        self.step();
+        let pace = agents::PACE * self.step().as_secs_f32();
         let last = self.options.frames.is_some_and(|frames| self.drawn + 1 == frames);
         let Self { gpu, layout, timing, solver, .. } = self;
         let Some(swapchain) = &self.swapchain else { return Ok(()) };
@@ -350,9 +356,14 @@ impl Viewer {
         let (commands, number) = (frame.commands, frame.index);
         let size = Vec2::new(swapchain.size.width as f32, swapchain.size.height as f32);
         let spacing = stage.look.spacing;
-        let shaded = if self.draws_contours { -spacing } else { spacing };
-        let driven = (self.pointer, self.phase, shaded);
-        let view = View::new(&stage.camera, &stage.look, size, driven);
+        let driven = Driven {
+            pointer: self.pointer,
+            phase: self.phase,
+            spacing: if self.shown.contours { -spacing } else { spacing },
+            decal: stage.decal.look.radius * spacing,
+            pace: pace * spacing,
+        };
+        let view = View::new(&stage.camera, &stage.look, size, &driven);
         self.views[number].bytes_mut()[..size_of::<View>()]
             .copy_from_slice(bytemuck::bytes_of(&view));
 
@@ -370,8 +381,8 @@ impl Viewer {
             stage.map.record(gpu, solver, frame)?;
             timing.stop(gpu, frame);
         }
-        let Stage { lines, map, .. } = stage;
-        lines.record(gpu, solver, commands, (map.surface(), changed), spacing)?;
+        stage.record_outputs(gpu, solver, commands, changed)?;
+        stage.record_agents(gpu, solver, (&self.walk_passes, layout), frame, changed)?;
 
         let far = vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 };
         let clear = [vk::ClearValue::default(), vk::ClearValue { depth_stencil: far }];
@@ -397,8 +408,9 @@ impl Viewer {
         Ok(())
     }
 
-    /// Advances the time: by the same step if the number of frames is given, so that runs are alike.
-    fn step(&mut self) {
+    /// Advances the time, and returns by how much: by the same step if the number of frames is given, so that
+    /// runs are alike.
+    fn step(&mut self) -> Duration {
         let now = Instant::now();
         let last = self.last_frame.replace(now);
         let step = match self.options.frames {
@@ -408,6 +420,7 @@ impl Viewer {
         if self.stages[self.current].look.deforms {
             self.phase += step.as_secs_f32();
         }
+        step
     }
 
     /// Writes the picture, if one was requested, and destroys everything.
@@ -434,6 +447,7 @@ impl Viewer {
         self.drawing.destroy(gpu);
         self.picking.destroy(gpu);
         self.point_passes.destroy(gpu);
+        self.walk_passes.destroy(gpu);
         self.timing.destroy(gpu);
         self.frames.destroy(gpu);
         self.target.destroy(gpu);

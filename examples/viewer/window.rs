@@ -10,6 +10,7 @@ use winit::window::{Window, WindowId};
 
 use crate::Result;
 use crate::options::Options;
+use crate::shown::Shown;
 use crate::viewer::Viewer;
 
 struct App {
@@ -75,7 +76,13 @@ impl App {
                 "s" => viewer.next_surface()?,
                 "c" => viewer.next_schedule()?,
                 "w" => viewer.next_wavefront()?,
-                "l" => viewer.switch_lines()?,
+                "l" => viewer.change(Shown::switch_contours)?,
+                "a" => viewer.change(Shown::switch_agents)?,
+                "n" => viewer.change(Shown::switch_steps)?,
+                "d" => viewer.change(Shown::next_decal)?,
+                // Most keyboards have + above this.
+                "+" | "=" => viewer.change(Shown::enlarge_decal)?,
+                "-" => viewer.change(Shown::shrink_decal)?,
                 "p" => viewer.trace(self.pointer)?,
                 _ => {}
             },

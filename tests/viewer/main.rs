@@ -2,12 +2,16 @@
 //! active, and a message of theirs makes the viewer's exit status an error.
 #![cfg(all(feature = "formats", target_os = "linux"))]
 
+mod agents;
+mod decal;
+mod picture;
 mod rest;
 mod screen;
 
 use std::path::PathBuf;
 use std::process::{Child, Command, Output, Stdio};
 
+use picture::file;
 use screen::{ESCAPE, Grab, LEFT, RIGHT, Screen, WHEEL_UP, is_colored};
 use x11rb::protocol::xproto::Window;
 
@@ -309,20 +313,13 @@ fn the_picture_follows_the_camera_and_the_window() {
 #[test]
 fn counted_frames_of_a_moving_surface_are_the_same_every_time() {
     let screen = Screen::new();
-    let folder = tempfile::tempdir().unwrap();
-    let picture = |name: &str, arguments: &str| {
-        let path = folder.path().join(name);
-        let mut command = command(&screen, arguments);
-        check(&command.arg("--picture").arg(&path).output().unwrap());
-        std::fs::read(path).unwrap()
-    };
     let six = "--surface sheet --size 240x160 --frames 6";
-    let first = picture("first.png", six);
-    assert!(first == picture("again.png", six));
+    let first = file(&screen, six);
+    assert!(first == file(&screen, six));
     let later = "--surface sheet --size 240x160 --frames 7";
-    assert!(first != picture("later.png", later));
+    assert!(first != file(&screen, later));
     let elsewhere = "--surface sheet --size 240x160 --frames 6 --source 100,150.5";
-    assert!(first != picture("elsewhere.png", elsewhere));
+    assert!(first != file(&screen, elsewhere));
 }
 
 #[test]

@@ -41,21 +41,11 @@ fn pick_fragment(in: Fragment) -> @location(0) vec4<f32> {
     return vec4(cell.y, cell.x, 0.0, AT_SOURCE);
 }
 
-fn texel(cell: vec2<i32>) -> f32 {
-    return textureLoad(distances, min(cell, vec2<i32>(view.grid) - 1), 0).r;
-}
-
-// Bilinear by hand, since devices need not filter 32-bit floats; negative where something around
-// is not reached.
+// Negative where something around is not reached.
 fn distance_at(cell: vec2<f32>) -> f32 {
-    let corner = vec2<i32>(floor(cell));
-    let part = cell - floor(cell);
-    let a = texel(corner);
-    let b = texel(corner + vec2(1, 0));
-    let c = texel(corner + vec2(0, 1));
-    let d = texel(corner + vec2(1, 1));
-    let value = mix(mix(a, b, part.x), mix(c, d, part.x), part.y);
-    return select(value, -1.0, min(min(a, b), min(c, d)) < 0.0);
+    let texels = around(distances, cell);
+    let least = min(min(texels.a.x, texels.b.x), min(texels.c.x, texels.d.x));
+    return select(between(texels).x, -1.0, least < 0.0);
 }
 
 fn color_of(distance: f32) -> vec3<f32> {
@@ -74,22 +64,22 @@ fn line(distance: f32, slope: f32, width: f32) -> f32 {
     return cover * (1.0 - smoothstep(0.18, 0.45, slope));
 }
 
-@fragment
-fn fragment(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
-    let distance = distance_at(in.cell);
+// The surface's color with lines, before light falls on it.
+fn painted(distance: f32) -> vec3<f32> {
     let lines = distance / view.spacing;
     let slope = length(vec2(dpdx(lines), dpdy(lines)));
-    let reached = distance >= 0.0;
-
-    var color = select(vec3(0.30, 0.31, 0.33), color_of(distance), reached);
-    if reached {
-        // Every fifth line is a strong one. None at the source itself.
-        let thin = 0.62 * line(lines, slope, 1.1);
-        let strong = 0.95 * line(lines / 5.0, slope / 5.0, 2.4);
-        let ink = max(thin, strong) * smoothstep(0.3, 0.6, lines);
-        color = mix(color, color * 0.10, ink);
+    if distance < 0.0 {
+        return vec3(0.30, 0.31, 0.33);
     }
+    // Every fifth line is a strong one. None at the source itself.
+    let thin = 0.62 * line(lines, slope, 1.1);
+    let strong = 0.95 * line(lines / 5.0, slope / 5.0, 2.4);
+    let ink = max(thin, strong) * smoothstep(0.3, 0.6, lines);
+    return color_of(distance) * (1.0 - 0.90 * ink);
+}
 
+// Paint in the light, with the mark of the source.
+fn shown(in: Fragment, front: bool, distance: f32, paint: vec3<f32>) -> vec4<f32> {
     let toward_eye = normalize(view.eye - in.position);
     let up = normalize(in.normal);
     let normal = select(-up, up, front);
@@ -100,14 +90,20 @@ fn fragment(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) ve
     let lit = vec3(1.0, 0.96, 0.90) * 1.12 * sun + vec3(0.86, 0.93, 1.0) * 0.40 * sky * open;
     let halfway = normalize(light + toward_eye);
     let gloss = 0.10 * pow(max(dot(normal, halfway), 0.0), 40.0) * sun;
-    color = color * lit + gloss;
+    var color = paint * lit + gloss;
 
-    // The source: a white disc with a dark rim.
+    // A white disc with a dark rim.
     let radius = distance / view.pixel;
-    if reached && radius < 14.0 {
+    if distance >= 0.0 && radius < 14.0 {
         let disc = 1.0 - smoothstep(5.5, 7.0, radius);
         let rim = 1.0 - smoothstep(8.5, 10.0, radius);
         color = mix(mix(color, vec3(0.02), rim), vec3(0.95), disc);
     }
     return vec4(color + dither(in.clip.xy), 1.0);
+}
+
+@fragment
+fn fragment(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    let distance = distance_at(in.cell);
+    return shown(in, front, distance, painted(distance));
 }

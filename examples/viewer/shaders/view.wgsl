@@ -18,6 +18,10 @@ struct View {
     spacing: f32,
     // How soft the shadow on the ground is.
     softness: f32,
+    // Radius of the decal.
+    decal: f32,
+    // Length that agents walk this frame.
+    pace: f32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;

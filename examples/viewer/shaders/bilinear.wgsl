@@ -1,0 +1,29 @@
+// Values of an image between grid points, of which each has a texel.
+// By hand, since devices need not filter 32-bit floats.
+
+struct Around {
+    // Texels above left, above right, below left and below right.
+    a: vec2<f32>,
+    b: vec2<f32>,
+    c: vec2<f32>,
+    d: vec2<f32>,
+    // The place between them, from 0 to 1.
+    part: vec2<f32>,
+}
+
+// The texels around a column and a row.
+fn around(image: texture_2d<f32>, cell: vec2<f32>) -> Around {
+    let last = vec2<i32>(textureDimensions(image)) - 1;
+    let low = clamp(vec2<i32>(floor(cell)), vec2<i32>(0), last - 1);
+    let a = textureLoad(image, low, 0).xy;
+    let b = textureLoad(image, low + vec2<i32>(1, 0), 0).xy;
+    let c = textureLoad(image, low + vec2<i32>(0, 1), 0).xy;
+    let d = textureLoad(image, low + vec2<i32>(1, 1), 0).xy;
+    return Around(a, b, c, d, cell - vec2<f32>(low));
+}
+
+fn between(texels: Around) -> vec2<f32> {
+    let above = mix(texels.a, texels.b, texels.part.x);
+    let below = mix(texels.c, texels.d, texels.part.x);
+    return mix(above, below, texels.part.y);
+}

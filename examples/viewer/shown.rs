@@ -1,0 +1,72 @@
+//! What is shown on the surface: the keys switch it, and it stays from one surface to the next.
+
+use crate::agents::Steps;
+use crate::decal::{Look, Placement, RADIUS};
+use crate::options::Options;
+
+#[derive(Clone, Copy, Debug)]
+pub struct Shown {
+    /// Whether lines of equal distance are drawn as curves.
+    pub contours: bool,
+    pub decal: Look,
+    agents: bool,
+    /// How agents step, also while they are hidden.
+    steps: Steps,
+}
+
+impl Shown {
+    /// Returns what is shown at first.
+    pub fn new(options: &Options) -> Self {
+        let decal = Look { placement: options.decal, radius: RADIUS };
+        let steps = if options.neighbours { Steps::Neighbours } else { Steps::Directions };
+        Self { contours: false, decal, agents: options.agents, steps }
+    }
+
+    /// Returns how agents step; `None` while they are hidden.
+    pub fn steps(&self) -> Option<Steps> {
+        self.agents.then_some(self.steps)
+    }
+
+    pub fn switch_contours(&mut self) {
+        self.contours = !self.contours;
+    }
+
+    pub fn switch_agents(&mut self) {
+        self.agents = !self.agents;
+    }
+
+    pub fn switch_steps(&mut self) {
+        self.steps = match self.steps {
+            Steps::Directions => Steps::Neighbours,
+            Steps::Neighbours => Steps::Directions,
+        };
+    }
+
+    pub fn next_decal(&mut self) {
+        self.decal = self.decal.placed_otherwise();
+    }
+
+    pub fn enlarge_decal(&mut self) {
+        self.decal = self.decal.larger(1);
+    }
+
+    pub fn shrink_decal(&mut self) {
+        self.decal = self.decal.larger(-1);
+    }
+
+    /// Returns the part of the window's title that tells what is shown.
+    pub fn title(&self) -> String {
+        let contours = if self.contours { ", contours as lines" } else { "" };
+        let agents = match self.steps() {
+            None => "",
+            Some(Steps::Directions) => ", agents along directions",
+            Some(Steps::Neighbours) => ", agents to neighbours",
+        };
+        let decal = match self.decal.placement {
+            None => "",
+            Some(Placement::LogMap) => ", decal by the log map",
+            Some(Placement::Projected) => ", decal from above",
+        };
+        format!("{contours}{agents}{decal}")
+    }
+}
