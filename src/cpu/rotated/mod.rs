@@ -23,6 +23,6 @@ pub(in crate::cpu) mod typical_edge;
 pub(in crate::cpu) mod window;
 
 pub use order::Order;
-pub use patches::PatchCounts;
 pub use rotated_scan::{RotatedScan, rotated_scan};
+pub use scans::PatchCounts;
 pub(crate) use settled::Visited;
