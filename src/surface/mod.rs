@@ -19,7 +19,6 @@ mod iteration_bound;
 mod jump;
 mod measure;
 mod metric_curvature;
-mod metric_scale;
 mod obtuse;
 mod parts;
 mod points;
