@@ -2,20 +2,20 @@
 
 use rayon::prelude::*;
 
+use super::changed::Changed;
 use super::due::find_due;
 use super::exchange::exchange;
-use super::line_update::Changed;
 use super::merge::merge;
 use super::panel::Panel;
 use super::prepared::{FEW_ITERATIONS, Prepared};
 use super::scan_copy::{On, ScanCopy};
 use super::scans::Scans;
-use super::span::Before;
 use super::tiles::Tiles;
-use super::window::Window;
 use crate::cpu::Instructions;
 use crate::cpu::fronts::LaneKind;
 use crate::cpu::limit::Limit;
+use crate::cpu::lines::span::Before;
+use crate::cpu::lines::window::Window;
 use crate::cpu::progress::Progress;
 use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Block, EdgeLengths, Real, Seed};

@@ -15,13 +15,14 @@ use rayon::prelude::*;
 
 use super::prepared::{FEW_ITERATIONS, Prepared};
 use super::scans::{PatchCounts, Scans};
-use super::tiles::{TILE, Tiles};
+use super::tiles::Tiles;
 use super::typical_edge::typical_edge;
-use super::window::{Fronts, Window};
 use crate::constants::SPLIT_REACH;
 use crate::cpu::Instructions;
 use crate::cpu::fronts::LaneKind;
 use crate::cpu::limit::Limit;
+use crate::cpu::lines::span::TILE;
+use crate::cpu::lines::window::{Fronts, Window};
 use crate::cpu::progress::Progress;
 use crate::cpu::scan::Scan;
 use crate::surface::{Block, EdgeLengths, Real, Seed, Tiling, relative_change};
