@@ -1,4 +1,4 @@
-//! How updates change points: the marks by which lines tell the active set.
+//! Marks by which updates of lines tell the active set what has changed.
 
 /// How updates have changed some points. The largest of several counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
