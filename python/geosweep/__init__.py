@@ -9,9 +9,10 @@ from typing import Any
 
 from ._arrays import HostCopyWarning
 from ._geosweep import __version__
-from ._map import Basis, Curves, DistanceMap, LogMap, Path, Ridge, Voronoi
+from ._map import DistanceMap, LogMap
 from ._matrix import CanonicalForm, canonical_form, pairwise
 from ._pairs import pairs
+from ._results import Basis, Curves, Path, Ridge, Voronoi
 from ._sources import Lines
 from ._surface import Device, Surface, devices, distance, route
 from ._warnings import ConvergenceError, ConvergenceWarning, SeamWarning

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._arrays import Floats
-from ._map import Curves, Path, Voronoi
 from ._optional import needed
 from ._place import Place
+from ._results import Curves, Path, Voronoi
 from ._sources import Mixed
 
 if TYPE_CHECKING:

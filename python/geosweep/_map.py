@@ -1,12 +1,14 @@
 """The distance map, and geometry from it."""
 
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _geosweep
 from ._arrays import Floats, flags, numbers
+from ._plot import draw, round_levels
+from ._results import Basis, Curves, Path, Ridge, Voronoi
 from ._settings import Settings, refuse
 from ._sources import Native
 
@@ -14,59 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Direction = Literal["compass", "grass", "grid", "space"]
-
-
-class Path(NamedTuple):
-    """A shortest path."""
-
-    vertices: Floats
-    """Rows and columns (n, 2), from the end that was given to the source."""
-    length: float
-    """Length, in the map's unit."""
-    source: int
-    """Index of the source."""
-
-
-class Curves(NamedTuple):
-    """The curves of one level."""
-
-    level: float
-    """The distance."""
-    curves: list[Floats]
-    """Rows and columns (n, 2) of each curve. A closed one ends with its first vertex."""
-
-
-class Ridge(NamedTuple):
-    """A curve where wavefronts meet."""
-
-    vertices: Floats
-    """Rows and columns (n, 2)."""
-    angles: Floats
-    """Angle between the wavefronts at each vertex, in degrees."""
-
-
-class Voronoi(NamedTuple):
-    """The regions of the sources."""
-
-    labels: NDArray[np.int32]
-    """Index of the nearest source (M, N); -1 at holes and where no source reaches."""
-    borders: list[tuple[tuple[int, int], Floats]]
-    """The two regions on either side, and the vertices (n, 2), of each border."""
-    areas: Floats
-    """Area of each region."""
-
-
-class Basis(NamedTuple):
-    """The axes of a log map at its source: steps of unit length at a right angle."""
-
-    at: tuple[float, float]
-    """Row and column of the source."""
-    u: tuple[float, float]
-    """The axis of u in rows and columns, along the direction of the columns."""
-    v: tuple[float, float]
-    """The axis of v in rows and columns, on the side of increasing rows."""
-    in_space: Floats | None
-    """Both axes in space (2, 3); None if the surface is given by its metric."""
 
 
 class LogMap:
@@ -312,6 +261,16 @@ class DistanceMap:
         ax
             The axes, with rows downwards.
         """
-        from ._plot import draw
+        spacing = self._surface.spacing or (1.0, 1.0)
+        lines = self._lines(contours, paths)
+        return draw(ax, self.distance, spacing, lines, cmap, colorbar)
 
-        return draw(self, ax, contours, paths, cmap, colorbar)
+    def _lines(
+        self, contours: int | ArrayLike, paths: ArrayLike | None
+    ) -> tuple[list[Curves], list[Path]]:
+        """Return the lines of equal distance and the paths of a picture; see `plot`."""
+        levels = contours
+        if isinstance(contours, int):
+            levels = round_levels(self.distance, contours)
+        curves = self.contours(levels) if np.size(levels) else []
+        return curves, [] if paths is None else self.paths(paths)

@@ -4,11 +4,11 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import NDArray
 
 from ._arrays import Floats
-from ._map import DistanceMap
 from ._optional import needed
+from ._results import Curves, Path
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,27 +18,27 @@ ToAxes = Callable[[Floats], Floats]
 
 
 def draw(
-    m: DistanceMap,
     ax: "Axes | None",
-    contours: int | ArrayLike,
-    paths: ArrayLike | None,
+    distances: NDArray[Any],
+    spacing: tuple[float, float],
+    lines: tuple[list[Curves], list[Path]],
     cmap: str,
     colorbar: bool,
 ) -> "Axes":
     """Draw a map in rows and columns."""
-    rows, cols = m.distance.shape
-    dy, dx = m._surface.spacing or (1.0, 1.0)
+    rows, cols = distances.shape
+    dy, dx = spacing
     extent = (-0.5, cols - 0.5, rows - 0.5, -0.5)
-    ax = raster(ax, m.distance, extent, dy / dx, cmap, colorbar)
-    add_lines(ax, m, contours, paths, lambda places: places[:, ::-1])
+    ax = raster(ax, distances, extent, dy / dx, cmap, colorbar)
+    add_lines(ax, lines, lambda places: places[:, ::-1])
     ax.set_xlabel("column")
     ax.set_ylabel("row")
     return ax
 
 
-def _round_levels(m: DistanceMap, count: int) -> Floats:
+def round_levels(distances: NDArray[Any], count: int) -> Floats:
     """Return about ``count`` round distances between the least and the largest one."""
-    reached = m.distance[np.isfinite(m.distance)]
+    reached = distances[np.isfinite(distances)]
     if count == 0 or not reached.size or reached.min() == reached.max():
         return np.empty(0)
     ticker = needed("matplotlib.ticker", "plot", "plot()")
@@ -66,27 +66,19 @@ def raster(
     return ax
 
 
-def add_lines(
-    ax: "Axes",
-    m: DistanceMap,
-    contours: int | ArrayLike,
-    paths: ArrayLike | None,
-    to_axes: ToAxes,
-) -> None:
+def add_lines(ax: "Axes", lines: tuple[list[Curves], list[Path]], to_axes: ToAxes) -> None:
     """Draw lines of equal distance, with their distances, and paths."""
     collections = needed("matplotlib.collections", "plot", "plot()")
-    levels = _round_levels(m, contours) if isinstance(contours, int) else contours
-    if np.size(levels):
-        for level in m.contours(levels):
-            curves = [to_axes(curve) for curve in level.curves]
-            ax.add_collection(collections.LineCollection(curves, colors="white", linewidths=0.7))
-            longest = max(curves, key=len, default=None)
-            if longest is not None and len(longest) > 8:
-                x, y = longest[len(longest) // 2]
-                text = np.format_float_positional(level.level, 6, fractional=False, trim="-")
-                ax.text(x, y, text, color="white", fontsize=7, ha="center", va="center")
-    if paths is not None:
-        for path in m.paths(paths):
-            x, y = to_axes(path.vertices).T
-            ax.plot(x, y, color="crimson", linewidth=1.5)
-            ax.plot(x[:1], y[:1], "o", color="crimson", markersize=4)
+    levels, paths = lines
+    for level in levels:
+        curves = [to_axes(curve) for curve in level.curves]
+        ax.add_collection(collections.LineCollection(curves, colors="white", linewidths=0.7))
+        longest = max(curves, key=len, default=None)
+        if longest is not None and len(longest) > 8:
+            x, y = longest[len(longest) // 2]
+            text = np.format_float_positional(level.level, 6, fractional=False, trim="-")
+            ax.text(x, y, text, color="white", fontsize=7, ha="center", va="center")
+    for path in paths:
+        x, y = to_axes(path.vertices).T
+        ax.plot(x, y, color="crimson", linewidth=1.5)
+        ax.plot(x[:1], y[:1], "o", color="crimson", markersize=4)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _frames
+from . import _frames, _plot
 from ._arrays import Floats, numbers
 from ._map import DistanceMap
 from ._optional import needed
@@ -242,16 +242,14 @@ class GeoMap:
         colorbar: bool = True,
     ) -> "Axes":
         """Draw the map in its coordinates; see `DistanceMap.plot`."""
-        from . import _plot
-
         place = self._place
         (left, top), (right, bottom) = place.to_xy(
             np.array([[-0.5, -0.5], np.subtract(place.shape, 0.5)])
         )
         extent = (left, right, bottom, top)
+        lines = self.map._lines(contours, None if paths is None else _ends(paths, place))
         ax = _plot.raster(ax, self.map.distance, extent, 1.0, cmap, colorbar)
-        ends = None if paths is None else _ends(paths, place)
-        _plot.add_lines(ax, self.map, contours, ends, place.to_xy)
+        _plot.add_lines(ax, lines, place.to_xy)
         ax.ticklabel_format(style="plain", useOffset=False)
         ax.locator_params(axis="x", nbins=4)
         ax.set_xlabel("x")

@@ -9,7 +9,7 @@ use numpy::{PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::map::{Distances, Map};
-use crate::surface::OnGrid;
+use crate::on_grid::OnGrid;
 use crate::{arrays, errors, work};
 
 /// The index of the nearest source of each point, and the place on it.

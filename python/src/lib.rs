@@ -7,6 +7,7 @@ mod directions;
 mod errors;
 mod gluing;
 mod map;
+mod on_grid;
 mod pairs;
 mod pairwise;
 mod settings;

@@ -12,7 +12,7 @@ use numpy::{PyArray1, PyArray2, ToPyArray};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 
-use crate::surface::OnGrid;
+use crate::on_grid::OnGrid;
 use crate::{arrays, errors, work};
 
 /// A map in either precision.

@@ -1,10 +1,10 @@
 //! The surface: its constructors, and what is computed on it.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use geosweep::geometry::FarthestPoints;
 use geosweep::glam::DVec3;
-use geosweep::surface::{EdgeLengths, Geometry};
+use geosweep::surface::Geometry;
 use geosweep::{EdgeRule, MetricTensor, Monitor, Spacing, estimate_error, estimate_error_f64};
 use geosweep::{distance_map, distance_map_f64};
 use numpy::{
@@ -14,6 +14,7 @@ use pyo3::prelude::*;
 
 use crate::gluing::Glue;
 use crate::map::{Distances, Map, ReportItems, report};
+use crate::on_grid::OnGrid;
 use crate::settings::{Line, Settings, sources};
 use crate::{arrays, errors, work};
 
@@ -23,31 +24,9 @@ pub struct Surface {
     pub inner: Arc<OnGrid>,
 }
 
-/// A surface and its edges in single precision, which geometry on maps needs.
-pub struct OnGrid {
-    pub surface: geosweep::Surface,
-    edges: OnceLock<EdgeLengths<f32>>,
-}
-
-impl OnGrid {
-    /// Returns the edges, measured for the first call.
-    pub fn edges(&self) -> Result<&EdgeLengths<f32>, geosweep::Error> {
-        if self.edges.get().is_none() {
-            // If two threads measure at once, both find the same lengths.
-            let _ = self.edges.set(EdgeLengths::new(&self.surface)?);
-        }
-        Ok(self.edges.get().expect("edges that have just been set"))
-    }
-
-    /// Returns the numbers of rows and columns.
-    pub fn shape(&self) -> (usize, usize) {
-        (self.surface.rows(), self.surface.cols())
-    }
-}
-
 impl From<geosweep::Surface> for Surface {
     fn from(surface: geosweep::Surface) -> Self {
-        Self { inner: Arc::new(OnGrid { surface, edges: OnceLock::new() }) }
+        Self { inner: Arc::new(OnGrid::new(surface)) }
     }
 }
 

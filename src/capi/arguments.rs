@@ -1,6 +1,7 @@
 //! Checks pointers and numbers from C before they are used.
 
 use super::status::Failure;
+use crate::surface::Chart;
 
 pub(super) fn usable<T>(pointer: *const T, name: &str) -> Result<(), Failure> {
     if pointer.is_null() {
@@ -77,4 +78,14 @@ impl<T> Output<T> {
         // uninitialized.
         unsafe { self.0.write(value) };
     }
+}
+
+/// Returns the chart of a grid with this size.
+pub(super) fn chart(rows: u32, cols: u32) -> Result<Chart, Failure> {
+    for (name, size) in [("rows", rows), ("cols", cols)] {
+        if size == 0 {
+            return Err(Failure::argument(name, "is 0: a grid has at least one point"));
+        }
+    }
+    Ok(Chart { rows: rows as usize, cols: cols as usize })
 }

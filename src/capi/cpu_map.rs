@@ -1,10 +1,9 @@
 //! Computes maps on the CPU, and ways back, nearest sources, log maps and signed distances from them, in one
 //! call.
 
-use super::arguments::{list, reference, usable};
+use super::arguments::{chart, list, reference, usable};
 use super::choices::{EdgeRuleNumber, WavefrontNumber, edge_rule, wavefront};
 use super::frame::GeosweepSource;
-use super::plan::chart;
 use super::points::{Form, GeosweepPoints};
 use super::status::{Failure, GeosweepStatus, guard};
 use crate::geometry::{BackDirections, LogMap, Nearest, signed_distances_by_mask};

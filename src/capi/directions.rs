@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::arguments::{Output, reference};
+use super::arguments::{Output, chart, reference};
 use super::frame::{GeosweepAccess, GeosweepReader, GeosweepSources, access, reader, sources};
 use super::objects::{exclusive, hand_out, land, object, take};
-use super::plan::chart;
 use super::record::{output_unless_null, record};
-use super::solver::{GeosweepSolver, Shared};
+use super::shared::Shared;
+use super::solver::GeosweepSolver;
 use super::status::{Failure, GeosweepStatus, guard};
 use super::surface::{GeosweepImage, GeosweepSurface};
 use super::surface_info::GeosweepHostImage;

@@ -4,12 +4,10 @@ use ash::vk;
 use bytemuck::{Pod, Zeroable};
 
 use super::arguments::list;
-use super::objects::object;
 use super::plan::GeosweepPlan;
 use super::profile::GeosweepProfile;
 use super::status::Failure;
-use super::surface::GeosweepSurface;
-use crate::vulkan::embed::{self, Access, PointSource, Reader, SourceInput};
+use crate::vulkan::embed::{Access, PointSource, Reader, SourceInput};
 use crate::vulkan::grid_images::INLINE_SOURCES;
 
 /// Value of `GeosweepFrame::points` if the points have not changed since the last frame.
@@ -157,23 +155,6 @@ pub(super) unsafe fn sources<'a>(
     let sources = unsafe { list(given.sources, given.count, INLINE_SOURCES, name) }?;
     // Both types are four floats with the same meaning.
     Ok(SourceInput::Inline(bytemuck::cast_slice::<GeosweepSource, PointSource>(sources)))
-}
-
-/// Returns a plan of the surface's solver.
-///
-/// # Safety
-/// The pointer is null or a plan's.
-pub(super) unsafe fn plan<'a>(
-    plan: *const GeosweepPlan,
-    surface: &GeosweepSurface,
-    name: &str,
-) -> Result<&'a embed::Plan, Failure> {
-    // SAFETY: the caller's promise.
-    let plan = unsafe { object(plan, name) }?;
-    if !std::sync::Arc::ptr_eq(&plan.shared, &surface.shared) {
-        return Err(Failure::argument(name, "was made by another solver than the surface"));
-    }
-    Ok(&plan.plan)
 }
 
 /// Returns a source at a place, with distance 0.

@@ -4,16 +4,8 @@ use std::mem::MaybeUninit;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::arguments::{Output, usable};
-use super::contours::GeosweepContours;
-use super::directions::GeosweepDirections;
-use super::log_map::GeosweepLogMap;
-use super::paths::GeosweepPaths;
-use super::plan::GeosweepPlan;
-use super::profile::GeosweepProfile;
-use super::regions::GeosweepRegions;
-use super::solver::{GeosweepSolver, Shared};
+use super::shared::Shared;
 use super::status::Failure;
-use super::surface::GeosweepSurface;
 
 /// Target of a pointer that the program holds: a mark and the object.
 #[repr(C)]
@@ -34,32 +26,6 @@ pub(super) trait Object {
 
     /// Returns the shared state of the solver to which the object belongs.
     fn shared(&self) -> &Shared;
-}
-
-macro_rules! objects {
-    ($($kind:ident: $mark:literal, $shared:expr;)*) => {$(
-        impl Object for $kind {
-            const NAME: &'static str = stringify!($kind);
-            const MARK: u32 = $mark;
-
-            fn shared(&self) -> &Shared {
-                let shared: fn(&Self) -> &Shared = $shared;
-                shared(self)
-            }
-        }
-    )*};
-}
-
-objects! {
-    GeosweepSolver: 0x6753_0001, |solver| solver.shared();
-    GeosweepSurface: 0x6753_0002, |surface| &surface.shared;
-    GeosweepPlan: 0x6753_0003, |plan| &plan.shared;
-    GeosweepContours: 0x6753_0004, |contours| &contours.shared;
-    GeosweepPaths: 0x6753_0005, |paths| &paths.shared;
-    GeosweepRegions: 0x6753_0006, |regions| &regions.shared;
-    GeosweepProfile: 0x6753_0007, |profile| &profile.shared;
-    GeosweepDirections: 0x6753_0008, |directions| &directions.shared;
-    GeosweepLogMap: 0x6753_0009, |log_map| &log_map.shared;
 }
 
 /// Gives an object to the program, until [`take`] takes it back.

@@ -2,15 +2,16 @@
 
 use std::sync::Arc;
 
-use super::arguments::{Output, reference};
+use super::arguments::{Output, chart, reference};
 use super::choices::{
     ScheduleNumber, WavefrontNumber, schedule, schedule_number, wavefront, wavefront_number,
 };
 use super::objects::{hand_out, object, take};
-use super::solver::{GeosweepSolver, Shared};
+use super::shared::Shared;
+use super::solver::GeosweepSolver;
 use super::status::{Failure, GeosweepStatus, guard};
+use super::surface::GeosweepSurface;
 use crate::Stop;
-use crate::surface::Chart;
 use crate::vulkan::{Method, embed};
 
 /// Largest number of iterations in a recording. A plan lists their passes one by one.
@@ -144,12 +145,19 @@ pub unsafe extern "C" fn geosweep_plan_destroy(plan: *mut GeosweepPlan) -> Geosw
     })
 }
 
-/// Returns the chart of a grid with this size.
-pub(super) fn chart(rows: u32, cols: u32) -> Result<Chart, Failure> {
-    for (name, size) in [("rows", rows), ("cols", cols)] {
-        if size == 0 {
-            return Err(Failure::argument(name, "is 0: a grid has at least one point"));
-        }
+/// Returns a plan of the surface's solver.
+///
+/// # Safety
+/// The pointer is null or a plan's.
+pub(super) unsafe fn plan<'a>(
+    plan: *const GeosweepPlan,
+    surface: &GeosweepSurface,
+    name: &str,
+) -> Result<&'a embed::Plan, Failure> {
+    // SAFETY: the caller's promise.
+    let plan = unsafe { object(plan, name) }?;
+    if !Arc::ptr_eq(&plan.shared, &surface.shared) {
+        return Err(Failure::argument(name, "was made by another solver than the surface"));
     }
-    Ok(Chart { rows: rows as usize, cols: cols as usize })
+    Ok(&plan.plan)
 }

@@ -9,7 +9,7 @@ use gpu_allocator::MemoryLocation;
 
 use super::arguments::list;
 use super::choices::choose;
-use super::solver::Shared;
+use super::shared::Shared;
 use super::status::Failure;
 use crate::surface::{
     Chart, EdgeRule, Geometry, LONGEST_EDGE, MetricTensor, Spacing, Surface, SurfaceError,

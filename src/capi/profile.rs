@@ -9,9 +9,9 @@ use gpu_allocator::MemoryLocation;
 
 use super::arguments::Output;
 use super::choices::choose;
-use super::frame::plan;
 use super::objects::{hand_out, object, take};
-use super::solver::Shared;
+use super::plan::plan;
+use super::shared::Shared;
 use super::status::{Failure, GeosweepStatus, guard};
 use super::surface::GeosweepSurface;
 use crate::vulkan::VulkanError;

@@ -8,11 +8,11 @@ use ash::vk::Handle;
 use super::arguments::{Output, list, reference};
 use super::frame::{
     GEOSWEEP_POINTS_UNCHANGED, GeosweepAccess, GeosweepFrame, GeosweepReader, GeosweepSources,
-    access, plan, reader, sources, unreached,
+    access, reader, sources, unreached,
 };
 use super::objects::object;
-use super::plan::GeosweepPlan;
-use super::solver::Shared;
+use super::plan::{GeosweepPlan, plan};
+use super::shared::Shared;
 use super::status::{Failure, GeosweepStatus, guard};
 use super::surface::{GeosweepImage, GeosweepOutcome, GeosweepSurface};
 use crate::vulkan::embed::{self, Recording, SourceInput};

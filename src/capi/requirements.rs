@@ -5,10 +5,9 @@ use std::sync::LazyLock;
 
 use ash::vk;
 
-use super::arguments::Output;
+use super::arguments::{Output, chart};
 use super::choices::{ScheduleNumber, schedule_number};
 use super::loader::{self, GetInstanceProcAddr};
-use super::plan::chart;
 use super::status::{Failure, GeosweepStatus, guard};
 use crate::vulkan::Schedule;
 use crate::vulkan::device::requirements;

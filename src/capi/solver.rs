@@ -1,6 +1,6 @@
 //! Pipelines of a device, and the memory of all surfaces on it.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use ash::vk;
 use gpu_allocator::AllocationSizes;
@@ -11,6 +11,7 @@ use super::choices::{ScheduleNumber, WavefrontNumber, schedule, wavefront};
 use super::loader::{self, GetInstanceProcAddr};
 use super::memory::{GeosweepAllocator, HostsMemory, Memory};
 use super::objects::{hand_out, object, take};
+use super::shared::Shared;
 use super::status::{Failure, GeosweepStatus, guard};
 use crate::vulkan::{VulkanError, embed};
 
@@ -73,27 +74,6 @@ pub struct GeosweepSolverInfo {
 
 /// Pipelines of a device, shared by all its surfaces. Any number of threads may use it at the same time.
 pub struct GeosweepSolver(Arc<Shared>);
-
-/// State that a solver shares with all objects that it creates.
-pub(super) struct Shared {
-    pub(super) instance: ash::Instance,
-    pub(super) physical_device: vk::PhysicalDevice,
-    pub(super) device: ash::Device,
-    pub(super) solver: embed::Solver,
-    allocator: Mutex<Memory>,
-    checks: bool,
-}
-
-impl Shared {
-    /// Returns whether the program has set `GEOSWEEP_SOLVER_CHECKS`.
-    pub(super) fn has_checks(&self) -> bool {
-        self.checks
-    }
-
-    pub(super) fn allocator(&self) -> MutexGuard<'_, Memory> {
-        self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
 
 impl GeosweepSolver {
     fn of(shared: Shared) -> Self {

@@ -7,7 +7,8 @@ use ash::vk;
 use super::arguments::{Output, reference};
 use super::objects::{exclusive, hand_out, in_flight, land, object, take};
 use super::points::{Arrays, Copied, Form, GeosweepPoints};
-use super::solver::{GeosweepSolver, Shared};
+use super::shared::Shared;
+use super::solver::GeosweepSolver;
 use super::status::{Failure, GeosweepStatus, guard};
 use super::surface_info::{
     GeosweepHostImage, GeosweepSourceBuffer, GeosweepSurfaceInfo, Wanted, name,

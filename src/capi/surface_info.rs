@@ -2,11 +2,10 @@
 
 use ash::vk;
 
-use super::arguments::list;
+use super::arguments::{chart, list};
 use super::choices::{EdgeRuleNumber, edge_rule};
-use super::plan::chart;
 use super::points::{Form, GeosweepPoints};
-use super::solver::Shared;
+use super::shared::Shared;
 use super::status::Failure;
 use crate::surface::{Chart, EdgeRule};
 use crate::vulkan::embed;

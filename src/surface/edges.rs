@@ -12,8 +12,9 @@ use super::even_grid::EvenGrid;
 use super::geometry::Geometry;
 use super::gluing::{Groups, Strips};
 use super::measure::{LONGEST_EDGE, RowBends, SHORTEST_EDGE};
-use super::obtuse::{MarkedCells, ObtuseTriangles, RowAbove};
-use super::parts::Parts;
+use super::obtuse::cells::{MarkedCells, RowAbove};
+use super::obtuse::lists::ObtuseTriangles;
+use super::obtuse::parts::Parts;
 use super::points::Row;
 use super::real::Real;
 use super::{Surface, SurfaceError};
@@ -59,9 +60,9 @@ pub(super) struct SharedEdges<R> {
     floor: Option<EvenGrid>,
     /// See `gaussian_curvature.rs`. Empty until it is requested.
     pub(super) gaussian_curvature: OnceLock<Arc<Vec<R>>>,
-    /// See `obtuse.rs`.
+    /// See `obtuse/lists.rs`.
     pub(super) obtuse: ObtuseTriangles,
-    /// See `parts.rs`.
+    /// See `obtuse/parts.rs`.
     pub(super) parts: Parts<R>,
     /// See [`Self::copies`].
     copies: Option<Groups>,

@@ -23,7 +23,7 @@ pub(super) struct Inputs {
     pub slowness: Option<Vec<f64>>,
     pub present: Vec<bool>,
     /// Whether the geometry is a metric that jumps. The updates then treat the metric's scale as a slowness
-    /// ([`super::metric_scale`]).
+    /// (`geometry/metric_scale.rs`).
     pub is_scaled: bool,
 }
 

@@ -249,7 +249,7 @@ pub(crate) fn curved_slowed<R: Real>(
 /// Returns whether no front comes through a triangle earlier than `now`, nor, if it is curved, at the same
 /// time. `curvatures` are those at x1 and x2, or `None` for straight fronts.
 ///
-/// The bound is that of `cpu/rotated/settled.rs`. A ray from a place x of the base is at least as long as its
+/// The bound is that of `cpu/lines/settled.rs`. A ray from a place x of the base is at least as long as its
 /// projection u . (x0 - x) on the direction u from x1. The projection is linear along the base, as is the
 /// slowness. So the cost falls below the lesser of both ends' by at most a quarter of the product of both
 /// changes.

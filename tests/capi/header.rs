@@ -29,7 +29,7 @@ const FILES: [&str; 19] = [
     "profile",
 ];
 /// Files that declare nothing for C.
-const INTERNAL: [&str; 4] = ["arguments", "loader", "mod", "objects"];
+const INTERNAL: [&str; 6] = ["arguments", "kinds", "loader", "mod", "objects", "shared"];
 
 fn generated() -> String {
     let config = cbindgen::Config::from_file(format!("{SOURCES}/cbindgen.toml")).unwrap();

@@ -1,7 +1,7 @@
 //! Implements circular fronts around a virtual point source.
 
 use super::straight::Straight;
-use crate::cpu::rotated::settled::from_circular;
+use crate::cpu::lines::settled::from_circular;
 use crate::surface::{EdgeLengths, Origins, Real};
 use crate::update::{Triangle, circular};
 

@@ -10,10 +10,9 @@ use super::surface_array::SurfaceArray;
 use crate::constants::IN_SIGHT;
 use crate::cpu::behind::TriangleSlots;
 use crate::cpu::bend_units;
-use crate::cpu::rotated::line::{GridLines, ScanLine};
-use crate::cpu::rotated::settled::{Visited, from_curved};
-use crate::cpu::rotated::span::{Before, LargestChanges, Span};
-use crate::cpu::rotated::tiles::TILE;
+use crate::cpu::lines::line::{GridLines, ScanLine};
+use crate::cpu::lines::settled::{Visited, from_curved};
+use crate::cpu::lines::span::{Before, LargestChanges, Span, TILE};
 use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Chart, Direction, EdgeLengths, Origins, Real, Seed, max, min};
 use crate::update::{

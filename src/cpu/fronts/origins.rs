@@ -4,8 +4,7 @@
 use std::collections::HashMap;
 
 use crate::constants::MOST_ORIGINS;
-use crate::cpu::rotated::span::Span;
-use crate::cpu::rotated::tiles::TILE;
+use crate::cpu::lines::span::{Span, TILE};
 use crate::cpu::scan::Scan;
 use crate::surface::{Origin, Real};
 use crate::update::{Curvature, Curvatures, Front, Sighted, Steps, curved_from_origins};

@@ -1,7 +1,7 @@
 //! Implements planar fronts.
 
 use super::straight::Straight;
-use crate::cpu::rotated::settled::from_planar;
+use crate::cpu::lines::settled::from_planar;
 use crate::surface::{Real, min};
 use crate::update::{Triangle, planar};
 

@@ -1,6 +1,6 @@
 //! Provides what fronts over an uneven slowness need of a span of points.
 
-use crate::cpu::rotated::span::Span;
+use crate::cpu::lines::span::Span;
 use crate::surface::Real;
 use crate::update::{Carried, Triangle};
 

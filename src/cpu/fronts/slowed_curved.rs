@@ -10,8 +10,8 @@ use super::slowed::Seen;
 use super::surface_array::SurfaceArray;
 use crate::cpu::behind::Behind;
 use crate::cpu::bend_units;
-use crate::cpu::rotated::line::{GridLines, ScanLine};
-use crate::cpu::rotated::span::{Before, LargestChanges, Span};
+use crate::cpu::lines::line::{GridLines, ScanLine};
+use crate::cpu::lines::span::{Before, LargestChanges, Span};
 use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed, min};
 use crate::update::{

@@ -1,7 +1,7 @@
 //! Finds the tiles in which two scans have work, before they start.
 //!
 //! A scan has to examine every tile beside a change. In most of them it only confirms that the change has no
-//! effect. Where all points are settled (`settled.rs`) with the fronts that the scan starts from, it changes
+//! effect. Where all points are settled (`lines/settled.rs`) with the fronts that the scan starts from, it changes
 //! nothing unless it brings a change there itself. This module finds such tiles for both scans of a pair at
 //! once. It goes row by row, as points lie in memory, and with any number of threads. Few tiles remain whose
 //! columns have to be transposed.
@@ -10,10 +10,10 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::span::{Before, Span, prefetch_next_row};
-use super::tiles::{TILE, Tiles};
+use super::tiles::Tiles;
 use crate::cpu::behind::Behind;
 use crate::cpu::fronts::LaneKind;
+use crate::cpu::lines::span::{Before, Span, TILE, prefetch_next_row};
 use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::lanes::Loop;
 use crate::surface::Real;
@@ -145,8 +145,8 @@ mod tests {
     use super::*;
     use crate::cpu::Instructions;
     use crate::cpu::fronts::{Curved, for_triangle_kind};
-    use crate::cpu::rotated::line_update::Changed;
-    use crate::cpu::rotated::window::{Fronts, Window};
+    use crate::cpu::lines::window::{Fronts, Window};
+    use crate::cpu::rotated::changed::Changed;
     use crate::surface::{Chart, EdgeLengths};
     use crate::update::{Curvature, Front, Wavefront};
 

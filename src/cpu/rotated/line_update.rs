@@ -5,25 +5,14 @@
 
 use std::ops::Range;
 
-use super::line::{GridLines, ScanLine};
-use super::span::LargestChanges;
-use super::tiles::TILE;
+use super::changed::Changed;
 use crate::cpu::fronts::LaneKind;
+use crate::cpu::lines::line::{GridLines, ScanLine};
+use crate::cpu::lines::span::{LargestChanges, TILE};
 use crate::cpu::scan::UpdateOptions;
 use crate::lanes::Loop;
 use crate::surface::{Real, min};
 use crate::update::Carried;
-
-/// How updates have changed some points. The largest of several counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(in crate::cpu) enum Changed {
-    #[default]
-    No,
-    /// Only fronts have changed that are later than the limit.
-    Beyond,
-    /// Fronts have changed that may reach other points before the limit.
-    Within,
-}
 
 /// Result of updating one or more lines: the largest change ([`Real::units_between`]), the number of updated
 /// points, and the number of those that were left out since they are beyond the limit. Settled points are

@@ -4,11 +4,12 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::line_update::Changed;
+use super::changed::Changed;
 use super::scan_copy::ScanCopy;
-use super::tiles::{TILE, Tiles};
+use super::tiles::Tiles;
 use crate::cpu::Instructions;
 use crate::cpu::fronts::FrontKind;
+use crate::cpu::lines::span::TILE;
 use crate::cpu::scan::Scan;
 use crate::lanes::Loop;
 use crate::surface::{Chart, Real};

@@ -1,8 +1,8 @@
 //! Rotated raster scans in SIMD lanes: lines, tiles, scans, and patches of large grids.
 
+pub(in crate::cpu) mod changed;
 pub(in crate::cpu) mod due;
 mod exchange;
-pub(in crate::cpu) mod line;
 pub(in crate::cpu) mod line_update;
 pub(in crate::cpu) mod merge;
 pub(in crate::cpu) mod order;
@@ -13,16 +13,12 @@ pub(in crate::cpu) mod rotated_scan;
 mod scan_copy;
 pub(in crate::cpu) mod scanner;
 pub(in crate::cpu) mod scans;
-pub(crate) mod settled;
-pub(in crate::cpu) mod span;
 pub(in crate::cpu) mod stream;
 pub(in crate::cpu) mod tiles;
 pub(in crate::cpu) mod transpose;
 mod transposed;
 pub(in crate::cpu) mod typical_edge;
-pub(in crate::cpu) mod window;
 
 pub use order::Order;
-pub use patches::PatchCounts;
 pub use rotated_scan::{RotatedScan, rotated_scan};
-pub(crate) use settled::Visited;
+pub use scans::PatchCounts;

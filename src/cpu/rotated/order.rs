@@ -1,7 +1,7 @@
 //! Defines in which order a grid is updated, and which order is best.
 
 use super::patches::Plan;
-use super::tiles::TILE;
+use crate::cpu::lines::span::TILE;
 use crate::surface::Chart;
 
 /// The order in which [`crate::cpu::RotatedScan`] updates a grid. All orders converge to the same map, within the

@@ -3,13 +3,13 @@
 
 use std::ops::Range;
 
-use super::line::{Beyond, GridLines, LinesInGrid};
-use super::tiles::TILE;
 use super::transpose::{Turned, transpose};
 use super::transposed::{ColumnsToLines, TransposedEdges};
-use super::window::{Fronts, Window};
 use crate::cpu::Instructions;
 use crate::cpu::behind::Behind;
+use crate::cpu::lines::line::{Beyond, GridLines, LinesInGrid};
+use crate::cpu::lines::span::TILE;
+use crate::cpu::lines::window::{Fronts, Window};
 use crate::cpu::scan::Scan;
 use crate::surface::{Block, Chart, EdgeLengths, Real};
 use crate::update::Carried;

@@ -1,9 +1,9 @@
 //! Solves by rotated raster scans in SIMD lanes, in the order that suits the grid.
 
 use super::order::Order;
-use super::patches::{PatchCounts, PatchScanner};
+use super::patches::PatchScanner;
 use super::scanner::Scanner;
-use super::scans::Scans;
+use super::scans::{PatchCounts, Scans};
 use crate::cpu::Instructions;
 use crate::cpu::fronts::for_kind;
 use crate::cpu::limit::Limit;

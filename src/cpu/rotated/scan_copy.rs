@@ -2,14 +2,15 @@
 
 use std::ops::Range;
 
-use super::line::{Beyond, GridLines, LinesInGrid};
-use super::line_update::{Changed, Updated, update_line};
+use super::changed::Changed;
+use super::line_update::{Updated, update_line};
 use super::panel::{Grid, Panel};
 use super::tiles::Tiles;
-use super::window::{Fronts, Window};
 use crate::Monitor;
 use crate::cpu::behind::Behind;
 use crate::cpu::fronts::LaneKind;
+use crate::cpu::lines::line::{Beyond, GridLines, LinesInGrid};
+use crate::cpu::lines::window::{Fronts, Window};
 use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Block, Chart, Real};
 use crate::update::Carried;

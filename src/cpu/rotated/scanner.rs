@@ -2,20 +2,20 @@
 
 use rayon::prelude::*;
 
+use super::changed::Changed;
 use super::due::find_due;
 use super::exchange::exchange;
-use super::line_update::Changed;
 use super::merge::merge;
 use super::panel::Panel;
-use super::prepared::Prepared;
+use super::prepared::{FEW_ITERATIONS, Prepared};
 use super::scan_copy::{On, ScanCopy};
 use super::scans::Scans;
-use super::span::Before;
 use super::tiles::Tiles;
-use super::window::Window;
 use crate::cpu::Instructions;
 use crate::cpu::fronts::LaneKind;
 use crate::cpu::limit::Limit;
+use crate::cpu::lines::span::Before;
+use crate::cpu::lines::window::Window;
 use crate::cpu::progress::Progress;
 use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Block, EdgeLengths, Real, Seed};
@@ -34,11 +34,6 @@ pub(in crate::cpu) struct Scanner<R: Real, K: LaneKind<R>> {
     /// Number of points that were examined before scans started.
     looked: u64,
 }
-
-/// Number of iterations of a map after which storing the parts of many obtuse triangles pays. On a plane
-/// sheared by 60 degrees a map takes two iterations, and storing the parts at once makes it take half as long
-/// again. On steep hills a map takes 20 iterations, and 1.3 to 1.8 times as long if the parts are not stored.
-pub(in crate::cpu) const FEW_ITERATIONS: u32 = 3;
 
 impl<R: Real, K: LaneKind<R>> Scanner<R, K> {
     pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, kind: K) -> Self {

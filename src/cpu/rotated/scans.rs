@@ -1,6 +1,5 @@
 //! Defines what solvers of any kind of front offer, in either order of updates.
 
-use super::patches::PatchCounts;
 use crate::cpu::Instructions;
 use crate::cpu::limit::Limit;
 use crate::surface::{Block, Seed};
@@ -52,4 +51,17 @@ pub(in crate::cpu) trait Scans<R>: std::fmt::Debug + Send + Sync {
     }
 
     fn boxed(&self) -> Box<dyn Scans<R>>;
+}
+
+/// The number of rounds and visits that a map took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PatchCounts {
+    /// Number of patches of the grid.
+    pub patches: u64,
+    /// Number of visits to patches.
+    pub visits: u64,
+    /// Number of rounds. A round's visits do not depend on one another.
+    pub rounds: u64,
+    /// Number of iterations of four scans in all visits.
+    pub iterations: u64,
 }

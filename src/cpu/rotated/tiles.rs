@@ -5,14 +5,11 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::line_update::Changed;
-use super::window::Window;
+use super::changed::Changed;
+use crate::cpu::lines::span::TILE;
+use crate::cpu::lines::window::Window;
 use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Block, Chart, Tiling};
-
-/// Number of points on a side of a tile. A front moves at most one point per line. So within a band of `TILE`
-/// lines it moves at most to the neighbouring tile.
-pub(in crate::cpu) const TILE: usize = 16;
 
 /// The flags of all scans.
 const ALL: u8 = 0b11110;

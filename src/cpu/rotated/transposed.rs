@@ -5,10 +5,10 @@ use std::ops::Range;
 use bytemuck::Pod;
 use rayon::prelude::*;
 
-use super::tiles::TILE;
 use super::transpose::{Turned, transpose};
-use super::window::Window;
 use crate::cpu::Instructions;
+use crate::cpu::lines::span::TILE;
+use crate::cpu::lines::window::Window;
 use crate::surface::{Chart, EdgeLengths, Real};
 
 /// The lengths of the edges from each point of a column to the column before: to the same row, the next and

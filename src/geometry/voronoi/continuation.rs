@@ -2,7 +2,7 @@
 //! from its arrival times at the neighbours.
 
 use crate::cpu::Visited;
-use crate::cpu::rotated::settled;
+use crate::cpu::lines::settled;
 use crate::geometry::neighbourhood::Neighbourhood;
 use crate::surface::{Real, Source, Sources, max, min, ring};
 use crate::update::{Triangle, Wavefront, circular, planar};

@@ -5,19 +5,22 @@
 //! space, and cuts and coarsens grids. [`sample`] computes lengths between any two places. [`space`] computes
 //! lengths between neighbours in lanes.
 
+mod metric;
+mod metric_scale;
 mod sample;
 mod space;
 mod values;
 
+pub use metric::MetricTensor;
 pub(crate) use sample::Sample;
 pub(super) use space::{InSpace, Point, Space};
 pub use values::Values;
 
-use glam::{DMat2, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
 use super::chart::Block;
-use super::metric_scale::jumps_in_scale;
 use super::{Chart, SurfaceError};
+use metric_scale::jumps_in_scale;
 
 /// Distance between neighbouring points of a height field, in the unit of the heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,40 +39,6 @@ impl Spacing {
 
     pub(crate) fn is_usable(self) -> bool {
         [self.dx, self.dy].iter().all(|d| d.is_finite() && *d > 0.0)
-    }
-}
-
-/// The first fundamental form at a grid point in index coordinates. A small step of `dr` rows and `dc`
-/// columns has the squared length `rr dr^2 + 2 rc dr dc + cc dc^2` (paper, eq. 3, with u^1 the row and u^2
-/// the column).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MetricTensor {
-    /// Entry for rows.
-    pub rr: f64,
-    /// Mixed entry.
-    pub rc: f64,
-    /// Entry for columns.
-    pub cc: f64,
-}
-
-impl MetricTensor {
-    /// Returns the length of a step of rows and columns.
-    pub(crate) fn length(&self, [rows, cols]: [f64; 2]) -> f64 {
-        let Self { rr, rc, cc } = self;
-        (rr * rows * rows + 2.0 * rc * rows * cols + cc * cols * cols).max(0.0).sqrt()
-    }
-
-    fn is_hole(self) -> bool {
-        self.rr.is_nan() || self.rc.is_nan() || self.cc.is_nan()
-    }
-
-    fn is_positive_definite(self) -> bool {
-        let finite = self.rr.is_finite() && self.rc.is_finite() && self.cc.is_finite();
-        finite && self.rr > 0.0 && self.cc > 0.0 && self.rr * self.cc > self.rc * self.rc
-    }
-
-    fn matrix(self) -> DMat2 {
-        DMat2::from_cols_array(&[self.rr, self.rc, self.rc, self.cc])
     }
 }
 

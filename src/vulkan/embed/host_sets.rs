@@ -2,9 +2,7 @@
 
 use ash::vk;
 
-use super::input_sets::{InputSet, versions};
-use super::inputs::{Lookup, PointMemory, Points, SourceBuffer};
-use super::outputs::HostImage;
+use super::inputs::{PointMemory, Points, SourceBuffer};
 use crate::constants::WORKGROUP;
 use crate::surface::Chart;
 use crate::vulkan::VulkanError;
@@ -19,7 +17,7 @@ const ALIGNMENT: u64 = 256;
 /// Largest number of sources or places in a buffer. Every device can dispatch one invocation for each of
 /// them.
 const MOST_ENTRIES: u32 = 65_535 * WORKGROUP;
-const WORD: u64 = size_of::<f32>() as u64;
+pub(super) const WORD: u64 = size_of::<f32>() as u64;
 
 /// Part of a buffer: the range that its descriptor covers, and the position of its first word in that range.
 #[derive(Clone, Copy, Debug)]
@@ -136,20 +134,6 @@ impl HostSet {
     }
 }
 
-/// Descriptor sets of a surface.
-#[derive(Debug)]
-pub(super) struct HostSets {
-    pub(super) pool: vk::DescriptorPool,
-    pub(super) results: Vec<InputSet>,
-    pub(super) inline_sources: HostSet,
-    pub(super) points: Vec<InputSet>,
-    pub(super) sources: Vec<InputSet>,
-    pub(super) lookups: Vec<HostSet>,
-}
-
-/// Resources of the host for a surface: images of distances, points, sources and lookups.
-pub(super) type Hosts<'a> = (&'a [HostImage], &'a [Points], &'a [SourceBuffer], &'a [Lookup]);
-
 /// Content of a descriptor set.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Content {
@@ -182,59 +166,6 @@ impl Content {
     }
 }
 
-impl HostSets {
-    pub(super) fn new(
-        device: &ash::Device,
-        pipelines: &Pipelines,
-        limits: &Limits,
-        grid: &GridImages,
-        (results, points, sources, lookups): Hosts,
-    ) -> Result<Self, VulkanError> {
-        let versions = versions(grid.slots);
-        // Images of the surface's own are never replaced.
-        let of_results = if results.is_empty() { 1 } else { versions };
-        let views = grid.results.iter().map(|image| image.view);
-        let views = views.chain(results.iter().map(|image| image.view));
-        let mut contents: Vec<_> =
-            views.flat_map(|view| std::iter::repeat_n(Content::Result(view), of_results)).collect();
-        let on = (device, limits);
-        contents.push(inline_sources_content(on, grid)?);
-        for points in points {
-            let content = points_content(on, points, grid.chart)?;
-            contents.extend(std::iter::repeat_n(content, versions));
-        }
-        for sources in sources {
-            let content = sources_content(on, sources)?;
-            contents.extend(std::iter::repeat_n(content, versions));
-        }
-        for lookup in lookups {
-            check_count("places", lookup.count)?;
-            let count = u64::from(lookup.count);
-            let Lookup { places, places_offset, distances, distances_offset, .. } = *lookup;
-            contents.push(Content::InputAndOutput(
-                Part::new(on, "places", places, places_offset, 2 * WORD * count)?,
-                Part::new(on, "distances", distances, distances_offset, WORD * count)?,
-            ));
-        }
-        let (pool, sets) = describe(device, pipelines, &contents)?;
-        let mut sets = sets.into_iter();
-        Ok(Self {
-            pool,
-            results: InputSet::each(grid.slots, of_results, &mut sets),
-            inline_sources: sets.next().expect("every surface has this set"),
-            points: InputSet::each(points.len(), versions, &mut sets),
-            sources: InputSet::each(sources.len(), versions, &mut sets),
-            lookups: sets.collect(),
-        })
-    }
-
-    pub(super) fn destroy(&mut self, device: &ash::Device) {
-        // SAFETY: the caller has made sure that nothing uses the sets. Null handles are allowed.
-        unsafe { device.destroy_descriptor_pool(self.pool, None) };
-        self.pool = vk::DescriptorPool::null();
-    }
-}
-
 /// Creates a pool with a descriptor set for each of the contents, in their order.
 pub(super) fn describe(
     device: &ash::Device,
@@ -262,7 +193,7 @@ pub(super) fn describe(
 }
 
 /// Returns the content for the sources that a recording contains itself.
-fn inline_sources_content(
+pub(super) fn inline_sources_content(
     on: (&ash::Device, &Limits),
     grid: &GridImages,
 ) -> Result<Content, VulkanError> {
@@ -290,7 +221,7 @@ pub(super) fn sources_content(
     Ok(Content::Input(Part::new(on, "sources", buffer, offset, bytes)?.with_rest(on)))
 }
 
-fn check_count(what: &'static str, count: u32) -> Result<(), VulkanError> {
+pub(super) fn check_count(what: &'static str, count: u32) -> Result<(), VulkanError> {
     if count > MOST_ENTRIES {
         let reason = format!("{count} are more than the {MOST_ENTRIES} that are taken");
         return Err(VulkanError::HostBuffer { what, reason });

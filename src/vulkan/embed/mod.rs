@@ -62,6 +62,7 @@ mod host_sets;
 mod input_sets;
 mod inputs;
 mod log_map;
+mod numbered;
 mod outputs;
 mod paths;
 mod plan;
@@ -72,6 +73,7 @@ mod regions;
 mod solver;
 mod state;
 mod surface;
+mod surface_sets;
 mod together;
 mod way_image;
 

@@ -1,10 +1,7 @@
-//! Lets the host provide the images that distances are written to.
+//! Describes the host's own images of distances.
 
 use ash::vk;
 
-use super::host_sets::Content;
-use super::recording::nth;
-use super::surface::FrameSurface;
 use crate::vulkan::VulkanError;
 
 /// Image of the host for the distances of a slot, in place of one that the surface allocates. A render graph
@@ -36,35 +33,6 @@ impl HostImage {
         if self.view == vk::ImageView::null() {
             return refuse("the view is the null handle");
         }
-        Ok(())
-    }
-}
-
-impl FrameSurface {
-    /// Replaces the host's image for the distances of a slot in all later recordings. Render graphs need this
-    /// if their transient images change from frame to frame.
-    ///
-    /// Frames in flight still write the image that they were recorded for. The host keeps it alive until they
-    /// have run.
-    ///
-    /// # Errors
-    /// If there is no such slot, the surface uses images of its own, a handle is null, or all descriptor sets
-    /// of the slot are in flight because the image was replaced too often. The surface is unchanged then.
-    pub fn set_result(
-        &mut self,
-        device: &ash::Device,
-        slot: usize,
-        image: HostImage,
-    ) -> Result<(), VulkanError> {
-        nth(&self.sets.results, "slots", slot)?;
-        self.state.check_there()?;
-        if self.results.is_empty() {
-            return Err(VulkanError::OwnResults);
-        }
-        image.check("distances")?;
-        let content = Content::Result(image.view);
-        self.sets.results[slot].replace(device, &self.flight, ("distances", slot), content)?;
-        self.results[slot] = image;
         Ok(())
     }
 }

@@ -4,7 +4,8 @@ use ash::vk;
 
 use super::access::{Access, Reader};
 use super::host_sets;
-use super::recording::{Recording, grid_size, nth};
+use super::numbered::nth;
+use super::recording::{Recording, grid_size};
 use super::surface::{Outcome, ResultImage};
 use crate::vulkan::VulkanError;
 use crate::vulkan::device::barrier::{CLEAR, SHADER, SHADER_WRITE};

@@ -1,8 +1,10 @@
-//! Replaces inputs of a surface: other buffers or images take the place of those that it was made with.
+//! Replaces the host's memory of a surface: other buffers or images take the place of those that it was made
+//! with.
 
-use super::host_sets::{points_content, sources_content};
+use super::host_sets::{Content, points_content, sources_content};
 use super::inputs::{Points, SourceBuffer};
-use super::recording::nth;
+use super::numbered::nth;
+use super::outputs::HostImage;
 use super::solver::Solver;
 use super::surface::FrameSurface;
 use crate::vulkan::VulkanError;
@@ -63,6 +65,33 @@ impl FrameSurface {
         let set = &mut self.sets.sources[number];
         set.replace(device, &self.flight, ("sources", number), content)?;
         self.sources[number] = *sources;
+        Ok(())
+    }
+
+    /// Replaces the host's image for the distances of a slot in all later recordings. Render graphs need this
+    /// if their transient images change from frame to frame.
+    ///
+    /// Frames in flight still write the image that they were recorded for. The host keeps it alive until they
+    /// have run.
+    ///
+    /// # Errors
+    /// If there is no such slot, the surface uses images of its own, a handle is null, or all descriptor sets
+    /// of the slot are in flight because the image was replaced too often. The surface is unchanged then.
+    pub fn set_result(
+        &mut self,
+        device: &ash::Device,
+        slot: usize,
+        image: HostImage,
+    ) -> Result<(), VulkanError> {
+        nth(&self.sets.results, "slots", slot)?;
+        self.state.check_there()?;
+        if self.results.is_empty() {
+            return Err(VulkanError::OwnResults);
+        }
+        image.check("distances")?;
+        let content = Content::Result(image.view);
+        self.sets.results[slot].replace(device, &self.flight, ("distances", slot), content)?;
+        self.results[slot] = image;
         Ok(())
     }
 }

@@ -5,6 +5,7 @@ use ash::vk;
 use super::access::Access;
 use super::host_sets::HostSet;
 use super::inputs::{PointMemory, PointSource, SourceInput};
+use super::numbered::nth;
 use super::plan::Plan;
 use super::solver::Solver;
 use super::state::number_of_preparation;
@@ -416,14 +417,6 @@ impl Solver {
 fn most_surrounded(chart: Chart) -> u32 {
     let share = chart.points() / POINTS_FOR_SURROUNDINGS;
     share.clamp(FEW_SOURCES, SOURCES_TOGETHER as usize) as u32
-}
-
-pub(super) fn nth<'a, T>(
-    all: &'a [T],
-    what: &'static str,
-    number: usize,
-) -> Result<&'a T, VulkanError> {
-    all.get(number).ok_or(VulkanError::NoSuch { what, number, count: all.len() })
 }
 
 pub(super) fn grid_size(chart: Chart) -> [i32; 2] {

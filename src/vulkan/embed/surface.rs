@@ -6,12 +6,12 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::flight::Flight;
-use super::host_sets::HostSets;
 use super::inputs::{Lookup, Points, SourceBuffer};
+use super::numbered::nth;
 use super::outputs::HostImage;
-use super::recording::nth;
 use super::solver::Solver;
 use super::state::State;
+use super::surface_sets::HostSets;
 use crate::constants::{BORDER, NEVER_MEASURED, SOURCES_TOGETHER, TIME};
 use crate::surface::{Chart, EdgeRule, Resolution, SurfaceError};
 use crate::vulkan::VulkanError;

@@ -13,16 +13,16 @@ mod visit;
 
 use rayon::prelude::*;
 
-use super::prepared::Prepared;
-use super::scanner::FEW_ITERATIONS;
-use super::scans::Scans;
-use super::tiles::{TILE, Tiles};
+use super::prepared::{FEW_ITERATIONS, Prepared};
+use super::scans::{PatchCounts, Scans};
+use super::tiles::Tiles;
 use super::typical_edge::typical_edge;
-use super::window::{Fronts, Window};
 use crate::constants::SPLIT_REACH;
 use crate::cpu::Instructions;
 use crate::cpu::fronts::LaneKind;
 use crate::cpu::limit::Limit;
+use crate::cpu::lines::span::TILE;
+use crate::cpu::lines::window::{Fronts, Window};
 use crate::cpu::progress::Progress;
 use crate::cpu::scan::Scan;
 use crate::surface::{Block, EdgeLengths, Real, Seed, Tiling, relative_change};
@@ -70,19 +70,6 @@ impl Plan {
 
 /// Part of the tolerance from which on a change is passed on to a neighbour.
 const PASSED_ON: u32 = 8;
-
-/// The number of rounds and visits that a map took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PatchCounts {
-    /// Number of patches of the grid.
-    pub patches: u64,
-    /// Number of visits to patches.
-    pub visits: u64,
-    /// Number of rounds. A round's visits do not depend on one another.
-    pub rounds: u64,
-    /// Number of iterations of four scans in all visits.
-    pub iterations: u64,
-}
 
 /// A part of the grid that is visited as one.
 #[derive(Clone, Debug)]

@@ -3,11 +3,11 @@
 use std::sync::Mutex;
 
 use super::News;
-use crate::cpu::rotated::line_update::Changed;
+use crate::cpu::lines::window::{Fronts, Window};
+use crate::cpu::rotated::changed::Changed;
 use crate::cpu::rotated::panel::Panel;
 use crate::cpu::rotated::scan_copy::ScanCopy;
 use crate::cpu::rotated::tiles::Tiles;
-use crate::cpu::rotated::window::{Fronts, Window};
 use crate::surface::{Block, Chart, Real};
 use crate::update::Carried;
 

@@ -3,14 +3,13 @@
 use super::room::{Pool, Room};
 use super::{News, Patch, Woken};
 use crate::cpu::fronts::LaneKind;
+use crate::cpu::lines::span::{Before, TILE};
+use crate::cpu::lines::window::Fronts;
+use crate::cpu::rotated::changed::Changed;
 use crate::cpu::rotated::due::find_due;
-use crate::cpu::rotated::line_update::Changed;
 use crate::cpu::rotated::panel::Panel;
 use crate::cpu::rotated::prepared::Prepared;
 use crate::cpu::rotated::scan_copy::On;
-use crate::cpu::rotated::span::Before;
-use crate::cpu::rotated::tiles::TILE;
-use crate::cpu::rotated::window::Fronts;
 use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Block, Real, Tiling, min};
 use crate::update::{Carried, Kept};
@@ -226,7 +225,7 @@ fn tiles_of(block: &Block) -> impl Iterator<Item = Block> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cpu::rotated::window::Window;
+    use crate::cpu::lines::window::Window;
     use crate::surface::Chart;
 
     #[test]

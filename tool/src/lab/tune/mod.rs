@@ -1,6 +1,7 @@
 //! Implements `geosweep tune`, which finds the portions and the schedule that suit a Vulkan device.
 
 mod report;
+mod results;
 mod suggest;
 mod sweep;
 

@@ -5,8 +5,9 @@ use std::fmt::{self, Display, Formatter};
 use geosweep::vulkan::{Schedule, Tuning};
 use serde::Serialize;
 
+use super::results::{Knob, Row, Swept};
 use super::suggest::{Choice, together};
-use super::sweep::{Knob, Row, SCHEDULES, Swept};
+use super::sweep::SCHEDULES;
 use crate::columns::digits;
 
 /// Portions as JSON.

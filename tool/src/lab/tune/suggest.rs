@@ -2,7 +2,7 @@
 
 use geosweep::vulkan::{Schedule, Tuning};
 
-use super::sweep::{Knob, Row, Swept};
+use super::results::{Knob, Row, Swept};
 
 /// The ratio of times below which a change of value is worthwhile.
 const WORTH: f64 = 0.97;
@@ -85,7 +85,7 @@ impl Choice {
 mod tests {
     use std::time::Duration;
 
-    use super::super::sweep::Map;
+    use super::super::results::Map;
     use super::*;
 
     const UNTUNED: Tuning = Tuning { scan_width: 128, scan_lines: 8, ..Tuning::ON_CPU };

@@ -1,5 +1,5 @@
 //! Describes lines of points side by side, and the lengths of their edges. Lines are rows of the grid, or
-//! columns of it that a [`super::panel::Panel`] has transposed into rows.
+//! columns of it that a [`Panel`](crate::cpu::rotated::panel::Panel) has transposed into rows.
 
 use std::ops::Range;
 

@@ -2,7 +2,6 @@
 //! what all updates of them share.
 
 use super::settled::Visited;
-use super::tiles::TILE;
 use super::window::Fronts;
 use crate::cpu::behind::Behind;
 use crate::cpu::bend_units;
@@ -10,6 +9,10 @@ use crate::cpu::scan::UpdateOptions;
 use crate::lanes::prefetch;
 use crate::surface::{EdgeLengths, Offset, Real, min};
 use crate::update::{Carried, Kept, Triangle};
+
+/// Number of points on a side of a tile. A front moves at most one point per line. So within a band of `TILE`
+/// lines it moves at most to the neighbouring tile.
+pub(in crate::cpu) const TILE: usize = 16;
 
 /// A span of adjacent points of a row or column, the neighbours behind each of them, and the triangles between.
 ///

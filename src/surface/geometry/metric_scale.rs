@@ -7,9 +7,9 @@
 
 use rayon::prelude::*;
 
-use super::chart::{Chart, Direction};
-use super::geometry::MetricTensor;
+use super::metric::MetricTensor;
 use crate::constants::EVEN_SLOWNESS;
+use crate::surface::chart::{Chart, Direction};
 
 impl MetricTensor {
     fn determinant(&self) -> f64 {
@@ -17,12 +17,12 @@ impl MetricTensor {
     }
 
     /// Returns the slowness whose square times [`Self::shape`] is this tensor.
-    pub(super) fn scale(&self) -> f64 {
+    pub(in crate::surface) fn scale(&self) -> f64 {
         self.determinant().sqrt().sqrt()
     }
 
     /// Returns the tensor of determinant 1 that is this one times a number.
-    pub(super) fn shape(&self) -> Self {
+    pub(in crate::surface) fn shape(&self) -> Self {
         let scale = self.scale();
         // Divided twice, since the square may underflow.
         let part = |entry: f64| entry / scale / scale;

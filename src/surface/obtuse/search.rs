@@ -1,159 +1,22 @@
-//! Finds the triangles that are obtuse at the point that is updated from them, and keeps lists of them.
-//!
-//! While edges are measured, cells are marked in which a triangle may be obtuse. Only these are searched, on
-//! first use. Splitting the triangles is in `unfold.rs`.
+//! Finds the triangles that are obtuse at the point that is updated from them, on first use. It searches the
+//! marked cells only, if they are known.
 
 use std::ops::Range;
-use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
-use super::chart::{Chart, ring};
-use super::edges::EdgeLengths;
-use super::real::Real;
+use super::lists::{Found, Lines};
 use crate::constants::OBTUSE;
 use crate::lanes::{Instructions, Loop};
+use crate::surface::chart::ring;
+use crate::surface::edges::EdgeLengths;
+use crate::surface::real::Real;
 
 /// Returns whether a triangle with an area is obtuse at x0, given the squares of its sides at x0 divided by
 /// the square of the base. A margin excludes triangles that are right-angled but for rounding.
 #[inline(always)]
 pub(crate) fn is_obtuse<R: Real>(side_squared: R, other_squared: R) -> bool {
     side_squared + other_squared < R::of(OBTUSE)
-}
-
-/// The obtuse triangles of a surface. They are computed on first use; `None` inside means that there are
-/// none.
-#[derive(Clone, Debug, Default)]
-pub(super) struct ObtuseTriangles {
-    found: OnceLock<Option<Found>>,
-    /// The cells to search, if they are known.
-    marked: Option<MarkedCells>,
-}
-
-/// Number of adjacent cells of a row that are marked together.
-const CELLS: usize = 32;
-
-/// Marks of the cells in which a triangle may be obtuse. They are set while edges are measured, which costs
-/// less than to read all edges again.
-#[derive(Clone, Debug)]
-pub(super) struct MarkedCells {
-    /// Number of marks in a row of cells. Row r of cells lies between the points of rows r - 1 and r.
-    in_row: usize,
-    marks: Vec<bool>,
-}
-
-impl MarkedCells {
-    pub(super) fn none(chart: Chart) -> Self {
-        let in_row = chart.cols.div_ceil(CELLS);
-        Self { in_row, marks: vec![false; chart.rows * in_row] }
-    }
-
-    /// Returns the marks of each row of cells.
-    pub(super) fn rows_mut(&mut self) -> impl IndexedParallelIterator<Item = &mut [bool]> {
-        self.marks.par_chunks_mut(self.in_row)
-    }
-
-    pub(super) fn any(&self) -> bool {
-        self.marks.contains(&true)
-    }
-
-    /// Returns the ranges of a row's `points` points that are corners of marked cells.
-    fn ranges(&self, row: usize, points: usize) -> Vec<Range<usize>> {
-        let of_cells = |row: usize| self.marks.get(row * self.in_row..(row + 1) * self.in_row);
-        let rows = [of_cells(row), of_cells(row + 1)];
-        let is_marked = |at: usize| rows.iter().flatten().any(|marks| marks[at]);
-        let mut ranges: Vec<Range<usize>> = Vec::new();
-        for at in (0..self.in_row).filter(|&at| is_marked(at)) {
-            // The last of these cells has a corner beyond them.
-            let range = at * CELLS..((at + 1) * CELLS + 1).min(points);
-            match ranges.last_mut() {
-                Some(last) if last.end >= range.start => last.end = range.end,
-                _ => ranges.push(range),
-            }
-        }
-        ranges
-    }
-}
-
-/// Obtuse triangles that were found.
-#[derive(Clone, Debug)]
-struct Found {
-    /// Obtuse triangles of each point of the bordered array. Bit q stands for the triangle between the
-    /// neighbours in directions q and q + 1 of [`Direction::ALL`].
-    bits: Vec<u8>,
-    /// Points that have obtuse triangles, by row and by column.
-    lines: [Lines; 2],
-    triangles: usize,
-}
-
-/// A list of points, line by line: for each point its place in the line.
-#[derive(Clone, Debug)]
-struct Lines {
-    /// Start of each line in `places`.
-    starts: Vec<u32>,
-    places: Vec<u32>,
-}
-
-impl Lines {
-    /// Returns the lists of `lines`, in their order, and empty ones for two border lines before and after
-    /// them.
-    fn of(lines: &[Vec<u32>]) -> Self {
-        let (mut starts, mut places) = (vec![0, 0], Vec::new());
-        for line in lines {
-            places.extend(line);
-            starts.push(places.len() as u32);
-        }
-        starts.push(places.len() as u32);
-        Self { starts, places }
-    }
-
-    /// Returns these points by the lines across, of which there are `lines`.
-    fn turned(&self, lines: usize) -> Self {
-        let mut starts = vec![0; lines + 1];
-        for &place in &self.places {
-            starts[place as usize + 1] += 1;
-        }
-        for line in 0..lines {
-            starts[line + 1] += starts[line];
-        }
-        let (mut ends, mut places) = (starts.clone(), vec![0; self.places.len()]);
-        for (line, range) in self.starts.windows(2).enumerate() {
-            for &place in &self.places[range[0] as usize..range[1] as usize] {
-                let end = &mut ends[place as usize];
-                places[*end as usize] = line as u32;
-                *end += 1;
-            }
-        }
-        Self { starts, places }
-    }
-
-    fn within(&self, line: usize, range: Range<usize>) -> &[u32] {
-        let places = &self.places[self.starts[line] as usize..self.starts[line + 1] as usize];
-        let before = |end: usize| places.partition_point(|&place| (place as usize) < end);
-        &places[before(range.start)..before(range.end)]
-    }
-}
-
-impl ObtuseTriangles {
-    pub(super) fn none() -> Self {
-        Self { found: OnceLock::from(None), marked: None }
-    }
-
-    /// Returns obtuse triangles that lie in marked cells only.
-    pub(super) fn within(marked: MarkedCells) -> Self {
-        Self { found: OnceLock::new(), marked: Some(marked) }
-    }
-
-    /// Returns the number of bytes held.
-    pub(super) fn bytes(&self) -> usize {
-        let marks = self.marked.as_ref().map_or(0, |cells| cells.marks.len());
-        marks
-            + self.found.get().and_then(Option::as_ref).map_or(0, |found| {
-                let numbers: usize =
-                    found.lines.iter().map(|lines| lines.starts.len() + lines.places.len()).sum();
-                found.bits.len() + numbers * size_of::<u32>()
-            })
-    }
 }
 
 impl<R: Real> EdgeLengths<R> {
@@ -199,67 +62,6 @@ impl<R: Real> EdgeLengths<R> {
     /// Steep surfaces and sheared grids have some.
     pub fn has_obtuse_triangles(&self) -> bool {
         self.obtuse_triangles().is_some()
-    }
-}
-
-/// A search for obtuse triangles while rows are measured one after another.
-pub(super) struct RowAbove<R> {
-    /// Edges along the row above.
-    east: Vec<R>,
-    /// Marks of the cells between the last two rows, as in [`MarkedCells`].
-    pub(super) marks: Vec<bool>,
-}
-
-impl<R: Real> RowAbove<R> {
-    /// Returns the state before the first row.
-    pub(super) fn none(cols: usize) -> Self {
-        Self { east: vec![R::FAR; cols], marks: vec![false; cols.div_ceil(CELLS)] }
-    }
-
-    /// Checks the triangles above the next row, given the edges stored at its points.
-    pub(super) fn next(&mut self, [east, north, north_east, north_west]: &[Vec<R>; 4]) {
-        let Self { east: above, marks } = self;
-        Instructions::best().run(Cells { above, east, north, north_east, north_west, marks });
-        above.copy_from_slice(east);
-    }
-}
-
-/// The cells between two rows of points. The lower row stores the edges between both.
-struct Cells<'a, R> {
-    above: &'a [R],
-    east: &'a [R],
-    north: &'a [R],
-    north_east: &'a [R],
-    north_west: &'a [R],
-    marks: &'a mut [bool],
-}
-
-impl<R: Real> Loop for Cells<'_, R> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let cells = self.east.len().saturating_sub(1);
-        let (above, east) = (&self.above[..cells], &self.east[..cells]);
-        let (left, right) = (&self.north[..cells], &self.north[1..][..cells]);
-        let (rising, falling) = (&self.north_east[..cells], &self.north_west[1..][..cells]);
-        // The limit errs towards too many triangles, since shaders would find a missed one.
-        let (limit, missing) = (R::of(1.001 * OBTUSE), R::FAR * R::FAR);
-        for (at, mark) in self.marks.iter_mut().enumerate() {
-            let mut found = false;
-            for col in at * CELLS..((at + 1) * CELLS).min(cells) {
-                let square = |edges: &[R]| edges[col] * edges[col];
-                let (above, east) = (square(above), square(east));
-                let (left, right) = (square(left), square(right));
-                // The angle at an end of a diagonal: the base joins the other end to another corner.
-                let at_end = |diagonal: R, a: R, b: R| (diagonal + a < limit * b) & (b < missing);
-                let at_ends = |d: R, a: R, b: R| at_end(d, a, b) | at_end(d, b, a);
-                let (rising, falling) = (square(rising), square(falling));
-                found |= at_ends(rising, east, right) | at_ends(rising, left, above);
-                found |= at_ends(falling, east, left) | at_ends(falling, right, above);
-            }
-            *mark = found;
-        }
     }
 }
 
@@ -404,6 +206,8 @@ impl<R: Real> Loop for SlowedRowOfTriangles<'_, R> {
 mod tests {
     use super::*;
     use crate::surface::builtin::Builtin;
+    use crate::surface::obtuse::cells::CELLS;
+    use crate::surface::obtuse::lists::ObtuseTriangles;
     use crate::surface::{Spacing, Surface};
 
     /// Returns a surface that steps up and down by `height`, with a hole.
