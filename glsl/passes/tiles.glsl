@@ -5,6 +5,7 @@
 
 #include "shared/start.glsl"
 #include "shared/processor.glsl"
+#include "shared/groups.glsl"
 
 // Number of points on a side of a tile.
 layout(constant_id = 5) const int TILE = 16;
@@ -51,7 +52,7 @@ uint column_of(uint count) {
 
 // Returns the index of a workgroup in such a dispatch. The last column may extend beyond the tiles.
 uint place_in_dispatch(uint count) {
-    return gl_WorkGroupID.x * column_of(count) + gl_WorkGroupID.y;
+    return group_number().x * column_of(count) + group_number().y;
 }
 
 // Returns the urgency of a time: larger for earlier times. 0 means not due.

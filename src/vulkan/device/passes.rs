@@ -242,6 +242,8 @@ pub(crate) struct Specialization {
     pub(crate) on_processor: bool,
     pub(crate) variant: Variant,
     pub(crate) map: MapSize,
+    /// See [`Pipelines::group_order`](super::pipelines::Pipelines::group_order).
+    pub(crate) group_order: i32,
 }
 
 /// Properties of a map that determine its pipelines.
@@ -308,7 +310,7 @@ impl Row {
 
     /// Returns the numbers and values of the specialization constants.
     pub(crate) fn constants(&self, of: &Specialization) -> Vec<(u32, i32)> {
-        let Specialization { tuning, on_processor, variant, map } = *of;
+        let Specialization { tuning, on_processor, variant, map, group_order } = *of;
         let Variant { wavefront, splits, slowed, named } = variant;
         let ahead = self.scan.map_or((0, 0), Scan::ahead);
         let width = self.width.map_or(0, |width| match width {
@@ -325,6 +327,7 @@ impl Row {
             Constant::Slowed => slowed.into(),
             Constant::Named => named.into(),
             Constant::OnProcessor => on_processor.into(),
+            Constant::GroupOrder => group_order,
             Constant::LocalSizeX => width as i32,
             Constant::Lines => tuning.scan_lines as i32,
             Constant::Pairs => tuning.scan_pairs.into(),
@@ -360,7 +363,13 @@ mod tests {
     fn shaders_of_the_four_scans_differ_in_what_lies_ahead() {
         let tuning = Tuning::ON_CPU;
         let (wavefront, map) = (Wavefront::Curved, MapSize::default());
-        let of = Specialization { tuning, on_processor: true, variant: wavefront.into(), map };
+        let of = Specialization {
+            tuning,
+            on_processor: true,
+            variant: wavefront.into(),
+            map,
+            group_order: 0,
+        };
         for (pass, scan) in SCANS.into_iter().zip(Scan::ALL) {
             let constants = pass.row().constants(&of);
             let (x, y) = scan.ahead();

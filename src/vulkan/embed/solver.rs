@@ -11,6 +11,7 @@ use crate::vulkan::device::passes::{COMMON, SURROUNDINGS, Variant};
 use crate::vulkan::device::pipelines::{Cache, Pipeline, Pipelines};
 use crate::vulkan::device::requirements;
 use crate::vulkan::device::shaders::surroundings;
+use crate::vulkan::device::tile_lanes;
 use crate::vulkan::profile;
 use crate::vulkan::{Method, Schedule, Tuning, VulkanError};
 
@@ -123,20 +124,68 @@ impl Solver {
         pipelines.separates_pairs = tools.checks;
         pipelines.set_cache(cache);
         let mut new = Self { pipelines, limits, checks: tools.checks };
-        // One call creates all pipelines, so that several threads can share the work.
-        let mut wanted: Vec<_> =
-            COMMON.iter().map(|&pass| (pass, Wavefront::Planar.into())).collect();
-        for &(schedule, wavefront) in passes {
-            wanted.extend(passes_of(schedule, over_any(wavefront)));
-        }
-        let made = new.pipelines.make_each(device, &wanted);
-        match made {
+        match new.make_first(device, passes) {
             Ok(()) => Ok(new),
             Err(error) => {
                 new.destroy(device);
                 Err(error)
             }
         }
+    }
+
+    /// Makes the common pipelines, and those for the given schedules and wavefronts. One call creates all of
+    /// them, so that several threads can share the work.
+    fn make_first(
+        &self,
+        device: &ash::Device,
+        passes: &[(Schedule, Wavefront)],
+    ) -> Result<(), VulkanError> {
+        let mut wanted: Vec<_> =
+            COMMON.iter().map(|&pass| (pass, Wavefront::Planar.into())).collect();
+        for &(schedule, wavefront) in passes {
+            wanted.extend(passes_of(schedule, over_any(wavefront)));
+        }
+        self.pipelines.make_each(device, &wanted)
+    }
+
+    /// Returns the sizes of the portions in which the solver visits the grid.
+    pub fn tuning(&self) -> Tuning {
+        self.pipelines.tuning
+    }
+
+    /// Sets other sizes of portions than [`Tuning::of`] the device, and makes the pipelines of the solver's
+    /// schedules and wavefronts anew. Call it before the solver makes a surface: surfaces and plans that were
+    /// made before can no longer be used.
+    ///
+    /// # Errors
+    /// [`VulkanError::Tuning`] if the device has no room for these sizes, or the error of a Vulkan call that
+    /// fails. After the latter the solver can only be destroyed.
+    pub fn set_tuning(
+        &mut self,
+        instance: &ash::Instance,
+        physical_device: vk::PhysicalDevice,
+        device: &ash::Device,
+        tuning: Tuning,
+    ) -> Result<(), VulkanError> {
+        let passes: Vec<_> = self.all_passes().collect();
+        self.start_with(instance, physical_device, device, tuning, &passes)
+    }
+
+    /// Sets the sizes of portions, and makes the pipelines for the given schedules and wavefronts.
+    pub(crate) fn start_with(
+        &mut self,
+        instance: &ash::Instance,
+        physical_device: vk::PhysicalDevice,
+        device: &ash::Device,
+        tuning: Tuning,
+        passes: &[(Schedule, Wavefront)],
+    ) -> Result<(), VulkanError> {
+        // SAFETY: the physical device is from this instance.
+        let properties = unsafe { instance.get_physical_device_properties(physical_device) };
+        let shuffles = tile_lanes::shuffles(instance, physical_device);
+        tuning.check(&properties.limits, shuffles)?;
+        self.pipelines.set_tuning(device, tuning);
+        self.make_first(device, passes)
     }
 
     /// Sets the pipeline cache of the host with which pipelines are created from now on. A null handle means

@@ -32,6 +32,7 @@ mod readme;
 #[path = "../../../examples/render.rs"]
 mod render;
 mod resolution;
+mod scan_pairs;
 mod stage;
 mod surroundings;
 mod together;

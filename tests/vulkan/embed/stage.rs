@@ -42,6 +42,11 @@ impl Kept {
         UNWATCHED.lend(|| Host::without_validation().into(), Self::check)
     }
 
+    /// Returns a host with a solver of its own, for tests with other options than those of the lent ones.
+    pub fn with_solver(host: Host, solver: embed::Solver) -> Self {
+        Self { host, solver: Some(solver) }
+    }
+
     fn check(&self) {
         assert_eq!((self.host.messages(), self.host.allocations()), (Vec::new(), 0));
     }
