@@ -1,5 +1,7 @@
 //! Creates the pipelines of a device, which all its surfaces share.
 
+use std::sync::atomic::{AtomicU8, Ordering};
+
 use ash::{khr, vk};
 
 use super::plan::Plan;
@@ -26,6 +28,33 @@ pub struct Solver {
     pub(crate) limits: Limits,
     /// See [`Tools::checks`].
     pub(super) checks: bool,
+    /// Sorts of surfaces that were made, each as the bit with the number of the sort.
+    sorts: AtomicU8,
+}
+
+/// Sort of a surface, which has pipelines of its own.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sort {
+    /// Whether the surface has a slowness.
+    pub(super) slowed: bool,
+    /// Whether its grid has smaller tiles than others.
+    pub(super) small_tiles: bool,
+}
+
+impl Sort {
+    /// Returns all sorts, by their numbers.
+    fn all() -> [Self; 4] {
+        [0, 1, 2, 3].map(|number| Self { slowed: number & 1 != 0, small_tiles: number & 2 != 0 })
+    }
+
+    fn bit(self) -> u8 {
+        1 << (u8::from(self.slowed) + 2 * u8::from(self.small_tiles))
+    }
+
+    /// Returns the variant of pipelines for surfaces of this sort.
+    pub(super) fn variant(self, of: Variant) -> Variant {
+        Variant { slowed: self.slowed, small_tiles: self.small_tiles, ..of }
+    }
 }
 
 /// Features for tools that the host has enabled on its instance and device.
@@ -123,7 +152,8 @@ impl Solver {
             Pipelines::new(device, (tuning, on_processor), labels, tools.executables)?;
         pipelines.separates_pairs = tools.checks;
         pipelines.set_cache(cache);
-        let mut new = Self { pipelines, limits, checks: tools.checks };
+        let sorts = AtomicU8::new(0);
+        let mut new = Self { pipelines, limits, checks: tools.checks, sorts };
         match new.make_first(device, passes) {
             Ok(()) => Ok(new),
             Err(error) => {
@@ -185,6 +215,7 @@ impl Solver {
         let shuffles = tile_lanes::shuffles(instance, physical_device);
         tuning.check(&properties.limits, shuffles)?;
         self.pipelines.set_tuning(device, tuning);
+        self.sorts = AtomicU8::new(0);
         self.make_first(device, passes)
     }
 
@@ -193,7 +224,8 @@ impl Solver {
     ///
     /// The cache belongs to the host, which fills it from a file, merges it, saves it and destroys it. It
     /// must be alive whenever this solver creates pipelines: in [`Solver::with_cache`] and
-    /// [`Solver::add_passes`], with the first surface that has a slowness, and with the first
+    /// [`Solver::add_passes`], with the first surface that has a slowness or a small grid
+    /// ([`Tuning::small_grid`]), and with the first
     /// [`super::Contours`], [`super::Paths`], [`super::Regions`] (of each wavefront), [`super::Directions`] and
     /// [`super::LogMap`]. Pipelines do not
     /// need it once they are created. This solver uses the cache from one thread at a time. For other uses at
@@ -212,7 +244,12 @@ impl Solver {
         schedule: Schedule,
         wavefront: Wavefront,
     ) -> Result<(), VulkanError> {
-        let wanted: Vec<_> = passes_of(schedule, over_any(wavefront)).collect();
+        let mut wanted: Vec<_> = passes_of(schedule, over_any(wavefront)).collect();
+        let made = *self.sorts.get_mut();
+        for sort in Sort::all().into_iter().filter(|sort| made & sort.bit() != 0) {
+            let of_sort = |(pass, variant)| (pass, sort.variant(variant));
+            wanted.extend(passes_of(schedule, over_any(wavefront)).map(of_sort));
+        }
         self.pipelines.make_each(device, &wanted)
     }
 
@@ -257,15 +294,18 @@ impl Solver {
         made.filter(|_| have_surroundings(schedule, variant.wavefront))
     }
 
-    /// Creates pipelines for surfaces with a slowness, for all schedules and wavefronts that the solver has.
-    pub(super) fn make_passes_with_slowness(
+    /// Creates the pipelines that surfaces of a sort need, for all schedules and wavefronts that the solver has
+    /// or will have.
+    pub(super) fn make_passes_for(
         &self,
         device: &ash::Device,
+        sort: Sort,
     ) -> Result<(), VulkanError> {
-        let slowed = |(pass, variant)| (pass, Variant { slowed: true, ..variant });
+        self.sorts.fetch_or(sort.bit(), Ordering::Relaxed);
+        let of_surface = |(pass, variant)| (pass, sort.variant(variant));
         let all =
             self.all_passes().flat_map(|(schedule, wavefront)| passes_of(schedule, wavefront));
-        self.pipelines.make_each(device, &all.map(slowed).collect::<Vec<_>>())
+        self.pipelines.make_each(device, &all.map(of_surface).collect::<Vec<_>>())
     }
 
     /// Returns the schedules and wavefronts for which the solver has pipelines.

@@ -10,7 +10,7 @@ use super::host_sets::HostSets;
 use super::inputs::{Lookup, Points, SourceBuffer};
 use super::outputs::HostImage;
 use super::recording::nth;
-use super::solver::Solver;
+use super::solver::{Solver, Sort};
 use super::state::State;
 use crate::constants::{BORDER, NEVER_MEASURED, SOURCES_TOGETHER, TIME};
 use crate::surface::{Chart, EdgeRule, Resolution, SurfaceError};
@@ -218,9 +218,9 @@ impl FrameSurface {
         let size = (info.chart, solver.limits.texels(info.chart)?);
         let (pipelines, families) = (&solver.pipelines, info.families());
         let purpose = info.purpose(&families);
-        if let Purpose::Embedded { slowed: true, .. } = purpose {
-            solver.make_passes_with_slowness(device)?;
-        }
+        let slowed = matches!(purpose, Purpose::Embedded { slowed: true, .. });
+        let small_tiles = solver.tuning().has_small_tiles(size.1);
+        solver.make_passes_for(device, Sort { slowed, small_tiles })?;
         let mut grid = GridImages::new(device, allocator, pipelines, size, purpose)?;
         let host = (info.results, info.points, info.sources, info.lookups);
         match HostSets::new(device, pipelines, &solver.limits, &grid, host) {

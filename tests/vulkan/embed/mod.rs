@@ -33,6 +33,7 @@ mod readme;
 mod render;
 mod resolution;
 mod scan_pairs;
+mod small_tiles;
 mod stage;
 mod surroundings;
 mod together;

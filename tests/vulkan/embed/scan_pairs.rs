@@ -2,7 +2,7 @@
 
 use geosweep::Wavefront;
 use geosweep::surface::Chart;
-use geosweep::vulkan::embed::{Access, PointSource, Points, Reader, Solver, SourceInput};
+use geosweep::vulkan::embed::{Access, PointSource, Points, Reader, SourceInput};
 use geosweep::vulkan::embed::{SurfaceInfo, Tools};
 use geosweep::vulkan::{Schedule, Tuning};
 
@@ -21,21 +21,14 @@ const FRAMES: usize = 3;
 
 /// Returns a host and a solver whose scans go in pairs or in turn.
 fn solver(host: Host, sizes: (u32, u32), scan_pairs: bool, checks: bool) -> Kept {
-    let (instance, device) = (host.instance.clone(), host.device.clone());
     let tools = Tools { checks, ..Tools::default() };
-    let physical_device = host.physical_device;
-    let mut solver = Solver::with_tools(&instance, physical_device, &device, &[], tools).unwrap();
     let (scan_width, scan_lines) = sizes;
-    let tuning = Tuning { scan_width, scan_lines, scan_pairs, ..solver.tuning() };
-    solver.set_tuning(&instance, physical_device, &device, tuning).unwrap();
-    assert_eq!(solver.tuning(), tuning);
-    Kept::with_solver(host, solver)
+    Kept::tuned(host, tools, |old| Tuning { scan_width, scan_lines, scan_pairs, ..old })
 }
 
 /// Returns the map of each frame and wavefront and its number of iterations, then the map to which a source was
 /// added. A recording has two iterations, so that most maps take several.
-fn maps(host: Kept) -> Vec<(Vec<f32>, u32)> {
-    let mut host = host;
+fn maps(mut host: Kept) -> Vec<(Vec<f32>, u32)> {
     let phases = (0..FRAMES).map(|frame| host.buffer_of(&vertices(CHART, 0.7 * frame as f32)));
     let buffers: Vec<_> = phases.collect();
     let points: Vec<_> =
