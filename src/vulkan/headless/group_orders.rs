@@ -11,8 +11,8 @@ use crate::vulkan::schedules::raster;
 use crate::vulkan::{DeviceChoice, Method, Schedule, TileLanes, Tuning};
 use crate::{Stop, Wavefront};
 
-/// The order of numbers, the opposite one, and two random ones; see `glsl/shared/groups.glsl`.
-const ORDERS: [i32; 4] = [0, -1, 1, 2];
+/// The order of numbers, the opposite one, and a random one; see `glsl/shared/groups.glsl`.
+const ORDERS: [i32; 3] = [0, -1, 1];
 
 /// Returns a solver whose workgroups take their numbers in an order.
 fn solver(group_order: i32, change: impl Fn(Tuning) -> Tuning) -> HeadlessSolver {
@@ -93,7 +93,7 @@ fn assert_same(wanted: &[HeadlessSolution], found: &[HeadlessSolution], what: &s
 #[test]
 fn raster_scans_do_not_depend_on_the_order_of_workgroups() {
     let problems = problems();
-    for (scan_lines, scan_pairs) in [(4, false), (4, true), (1, true)] {
+    for (scan_lines, scan_pairs) in [(4, false), (1, true)] {
         let with_order =
             |order| solver(order, |old| Tuning { scan_width: 16, scan_lines, scan_pairs, ..old });
         let mut in_order = with_order(ORDERS[0]);
