@@ -9,6 +9,7 @@
 #include "update/wavefront.glsl"
 #include "passes/pairwise_progress.glsl"
 #include "passes/pairwise_layers.glsl"
+#include "shared/groups.glsl"
 
 layout(local_size_x_id = 3) in;
 
@@ -18,22 +19,22 @@ layout(constant_id = 4) const int LINES = 1;
 const int PAIRS = 0;
 
 ivec3 place_of(ivec2 texel, int layer) {
-    return ivec3(texel, layer_of(gl_WorkGroupID.z, layer));
+    return ivec3(texel, layer_of(group_number().z, layer));
 }
 
 bool renews_fronts() {
-    return maps[gl_WorkGroupID.z].renews != 0u;
+    return maps[group_number().z].renews != 0u;
 }
 
 void note_change(uint change) {
-    atomicMax(maps[gl_WorkGroupID.z].residual, change);
+    atomicMax(maps[group_number().z].residual, change);
 }
 
 void note_moved(uint moved, uint further, ivec2 texel) {}
 
 bool passes(ivec2 point, ivec2 ahead) {
-    if (maps[gl_WorkGroupID.z].iterations > 0u) return true;
-    return lines_ahead(point - point_at(source_of(gl_WorkGroupID.z)), ahead) > 0;
+    if (maps[group_number().z].iterations > 0u) return true;
+    return lines_ahead(point - point_at(source_of(group_number().z)), ahead) > 0;
 }
 
 #include "passes/scan.glsl"
@@ -44,5 +45,5 @@ void main() {
     // As on a single map, a front that is bent by a varying slowness may meet itself, and one that comes
     // through the parts of obtuse triangles must not depend on what arrives later.
     causal = SLOWED != 0 || SPLITS != 0;
-    if (maps[gl_WorkGroupID.z].done == 0u) scan_block();
+    if (maps[group_number().z].done == 0u) scan_block();
 }

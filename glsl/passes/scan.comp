@@ -56,7 +56,7 @@ void note_moved(uint moved, uint further, ivec2 texel) {
 shared uint is_due;
 
 void main() {
-    if (gl_WorkGroupID.y > 0u) return;
+    if (group_number().y > 0u) return;
     causal = fronts_meet != 0u;
     holds = fronts_meet != FRONTS_ARE_ADDED;
     int way = AHEAD_X + AHEAD_Y;
@@ -79,7 +79,7 @@ void main() {
             if (is_due == 0u) continue;
         }
         // The mark that made the block due has been read. Only a mark for the next iteration is kept.
-        if (gl_GlobalInvocationID.x == 0u) {
+        if (gl_LocalInvocationID.x == 0u && group_number().x == 0u) {
             atomicAnd(blocks[at], due_again(iterations));
             int bit = note + number;
             if (note >= 0) visits[bit / 32] |= 1u << (bit & 31);

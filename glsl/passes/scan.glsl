@@ -33,6 +33,7 @@ layout(constant_id = 1) const int AHEAD_Y = 1;
 
 #include "shared/edge_image.glsl"
 #include "shared/surface_image.glsl"
+#include "shared/groups.glsl"
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray old_fronts;
 // This image is read on the line behind the block, which an earlier dispatch has written. The parts of obtuse
@@ -137,7 +138,7 @@ bool has_begun = false;
 
 // Returns the first texel of a line that this workgroup computes.
 int first_of_workgroup() {
-    return first + int(gl_WorkGroupID.x) * (int(gl_WorkGroupSize.x) - 2 * HALO) - HALO;
+    return first + int(group_number().x) * (int(gl_WorkGroupSize.x) - 2 * HALO) - HALO;
 }
 
 // Returns the front at a point. Behind the block, fronts are those that this scan has left, up to the half in
@@ -246,7 +247,7 @@ bool pass_triangles(ivec2 point, NeighboursBehind behind, vec4 base_left, vec4 b
 // Scans the block from its first line to its last.
 void scan_block() {
     int lane = int(gl_LocalInvocationID.x);
-    int place = int(gl_WorkGroupID.x) * (int(gl_WorkGroupSize.x) - 2 * HALO) + lane - HALO;
+    int place = int(group_number().x) * (int(gl_WorkGroupSize.x) - 2 * HALO) + lane - HALO;
     bool writes = lane >= HALO && lane < int(gl_WorkGroupSize.x) - HALO && place < count;
     // Beyond the grid, the nearest texel is computed again. No edge leads there.
     place = texel_in_line(first + place, last);

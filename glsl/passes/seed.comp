@@ -10,21 +10,23 @@
 #include "shared/chart.glsl"
 #include "update/tag.glsl"
 #include "shared/progress.glsl"
-#include "passes/tiles.glsl"
-#include "passes/blocks.glsl"
-#include "shared/seed_texel.glsl"
 
 layout(local_size_x = WORKGROUP) in;
-
-layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray new_fronts;
-layout(set = 0, binding = 3) readonly restrict buffer Seeds {
-    SeedTexel seeds[];
-};
 
 layout(push_constant) uniform Count {
     ivec2 texels; // columns and rows of texels, without the border
     int count;
     uint follows; // SCANS_FOLLOW, TILES_FOLLOW or NOTHING_FOLLOWS
+    int tile_texels; // number of texels on a side of a tile
+};
+#define TEXELS tile_texels
+#include "passes/tiles.glsl"
+#include "passes/blocks.glsl"
+#include "shared/seed_texel.glsl"
+
+layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray new_fronts;
+layout(set = 0, binding = 3) readonly restrict buffer Seeds {
+    SeedTexel seeds[];
 };
 
 void main() {

@@ -9,17 +9,19 @@
 #include "shared/constants.glsl"
 #include "shared/chart.glsl"
 #include "shared/progress.glsl"
-#include "passes/tiles.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
+layout(push_constant) uniform Recording {
+    ivec2 texels;    // columns and rows of texels, without the border
+    uint count;      // number of rounds
+    int tile_texels; // number of texels on a side of a tile
+};
+#define TEXELS tile_texels
+#include "passes/tiles.glsl"
+
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts_1;
 layout(set = 2, binding = 0, rgba32f) uniform writeonly restrict image2DArray fronts_0;
-
-layout(push_constant) uniform Recording {
-    ivec2 texels; // columns and rows of texels, without the border
-    uint count;   // number of rounds
-};
 
 // State of the workgroup's tile.
 shared uint state;

@@ -19,6 +19,11 @@
 #include "shared/edge_image.glsl"
 #include "shared/surface_image.glsl"
 #include "shared/progress.glsl"
+
+// Number of points on a side of a tile, and of texels.
+layout(constant_id = 5) const int TILE = 16;
+const int TEXELS = TILE / 2;
+
 #include "passes/tiles.glsl"
 
 layout(local_size_x_id = 3, local_size_y = 4) in;

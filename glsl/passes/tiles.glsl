@@ -1,13 +1,12 @@
-// Manages tiles of TILE x TILE points. A tile is visited if its surroundings have changed, approximately in
+// Manages tiles of TEXELS x TEXELS texels. A tile is visited if its surroundings have changed, approximately in
 // the order in which fronts arrive, so that early fronts are not replaced later. A tile is due at the
 // earliest time that has changed beside it. It waits while the first tile is due much earlier. The margin
-// decides the order of visits, but not the result. Include after progress.glsl.
+// decides the order of visits, but not the result. Include after progress.glsl. The including shader defines
+// TEXELS.
 
 #include "shared/start.glsl"
 #include "shared/processor.glsl"
-
-// Number of points on a side of a tile.
-layout(constant_id = 5) const int TILE = 16;
+#include "shared/groups.glsl"
 
 layout(set = 2, binding = 1) restrict buffer Tiles {
     // For each tile its state, then the number of the round for which it is listed. Then two lists of tiles.
@@ -15,9 +14,6 @@ layout(set = 2, binding = 1) restrict buffer Tiles {
     // next round reads, and none of its own tiles clears them.
     uint tiles[];
 };
-
-// Number of texels on a side of a tile.
-const int TEXELS = TILE / 2;
 
 // Returns the number of tiles of a grid, in columns and rows, given its size in texels.
 ivec2 tiles_of(ivec2 texels) {
@@ -51,7 +47,7 @@ uint column_of(uint count) {
 
 // Returns the index of a workgroup in such a dispatch. The last column may extend beyond the tiles.
 uint place_in_dispatch(uint count) {
-    return gl_WorkGroupID.x * column_of(count) + gl_WorkGroupID.y;
+    return group_number().x * column_of(count) + group_number().y;
 }
 
 // Returns the urgency of a time: larger for earlier times. 0 means not due.
@@ -82,6 +78,6 @@ void enlist(uint tile, uint urgency, uint for_round, uint count) {
 // Returns whether a tile must wait for the next round. A GPU takes no longer for a few tiles than for one.
 bool waits(uint urgency, uint round) {
     if (ON_PROCESSOR == 0 && rounds[ROUND_WORDS * round + 3u] <= uint(FEW_TILES)) return false;
-    float band = BAND_SIDES * float(TILE) * typical_edge;
+    float band = BAND_SIDES * float(2 * TEXELS) * typical_edge;
     return band > 0.0 && due_at(urgency) > due_at(rounds[ROUND_WORDS * round + 5u]) + band;
 }

@@ -372,7 +372,7 @@ fn buffer_infos(
     [
         ("progress", progress::BYTES as usize, GpuOnly),
         ("outcome", outcomes * size_of::<Record>(), GpuToCpu),
-        ("tiles", tiles_bytes(texels, tuning.tile), GpuOnly),
+        ("tiles", tiles_bytes(texels, tuning.on_grid(texels).tile), GpuOnly),
         ("blocks", blocks_bytes(texels, tuning.scan_lines), GpuOnly),
         ("upload", upload, upload_location),
         last,

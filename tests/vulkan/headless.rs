@@ -232,7 +232,7 @@ fn twin(
             let recording = schedule.plan(texels, portions, None, u32::MAX);
             let recorded = recording.iter().filter(|step| matches!(step, Step::Tiles { .. }));
             let rounds = Rounds {
-                tile: tuning.tile as usize,
+                tile: portions.tile as usize,
                 inner: tuning.inner,
                 recorded: recorded.count() as u32,
                 few: Some(if on_processor { 0 } else { FEW_TILES }),

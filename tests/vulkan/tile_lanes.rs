@@ -20,7 +20,7 @@ const FORMS: [(TileLanes, u32, bool, u32); 4] = [
 
 fn solver(tile_lanes: TileLanes, tile: u32, tile_edges: bool, inner: u32) -> HeadlessSolver {
     let solver = HeadlessSolver::with_validation(&device_choice()).unwrap();
-    let tuning = Tuning { tile_lanes, tile, tile_edges, inner, ..solver.tuning() };
+    let tuning = Tuning { tile_lanes, tile, small_grid: 0, tile_edges, inner, ..solver.tuning() };
     solver.with_tuning(tuning).unwrap()
 }
 
@@ -114,6 +114,33 @@ fn every_form_leads_to_the_same_fronts() {
         assert_nothing_said(&pairs);
         assert_nothing_said(&points);
     }
+}
+
+/// A solver has tiles of two sides. On each grid the rounds are those of a solver with tiles of that side alone.
+#[test]
+fn small_grids_have_small_tiles() {
+    let of = |tile, tile_edges| solver(TileLanes::Pairs, tile, tile_edges, 1);
+    let (mut small, mut large) = (of(16, true), of(24, false));
+    let by_size = of(24, false);
+    let tuning = Tuning { small_grid: 64, ..by_size.tuning() };
+    let mut by_size = by_size.with_tuning(tuning).unwrap();
+    let wavefronts = &[Wavefront::Planar, Wavefront::Curved];
+    for (rows, cols, is_small) in [(64, 51, true), (40, 65, false), (33, 64, true)] {
+        let surface = rough(rows, cols, 6);
+        let (row, col) = some_point(&surface);
+        let sources = Sources::point(row as f64, col as f64);
+        let problem = Problem::new("holes", surface, &sources, wavefronts);
+        let alike = if is_small { &mut small } else { &mut large };
+        for &wavefront in wavefronts {
+            for stop in [Stop::after(3), CONVERGED] {
+                let wanted = solved(alike, &problem, wavefront, stop);
+                let found = solved(&mut by_size, &problem, wavefront, stop);
+                assert_eq!(wanted.iterations, found.iterations, "{rows} x {cols}, {wavefront}");
+                assert!(wanted.distances == found.distances, "{rows} x {cols}, {wavefront}");
+            }
+        }
+    }
+    [small, large, by_size].iter().for_each(assert_nothing_said);
 }
 
 /// Among them rounds in a second recording, which is shorter than the first, and more than the map takes.

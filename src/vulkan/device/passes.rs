@@ -242,6 +242,8 @@ pub(crate) struct Specialization {
     pub(crate) on_processor: bool,
     pub(crate) variant: Variant,
     pub(crate) map: MapSize,
+    /// See [`Pipelines::group_order`](super::pipelines::Pipelines::group_order).
+    pub(crate) group_order: i32,
 }
 
 /// Properties of a map that determine its pipelines.
@@ -254,22 +256,24 @@ pub(crate) struct Variant {
     pub(crate) slowed: bool,
     /// Whether fronts may carry the numbers of their origins.
     pub(crate) named: bool,
+    /// Whether tiles are those of a small grid.
+    pub(crate) small_tiles: bool,
 }
 
 impl From<Wavefront> for Variant {
     fn from(wavefront: Wavefront) -> Self {
-        Self { wavefront, splits: true, slowed: false, named: false }
+        Self { wavefront, splits: true, slowed: false, named: false, small_tiles: false }
     }
 }
 
 impl Variant {
-    pub(crate) const COUNT: usize = 8 * Wavefront::ALL.len();
+    pub(crate) const COUNT: usize = 16 * Wavefront::ALL.len();
 
     /// Returns all variants, by their places among a pass's pipelines.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
-        (0..8).flat_map(|bits| {
-            let [splits, slowed, named] = [0, 1, 2].map(|bit| bits >> bit & 1 != 0);
-            Wavefront::ALL.map(|wavefront| Self { wavefront, splits, slowed, named })
+        (0..16).flat_map(|bits| {
+            let [splits, slowed, named, small_tiles] = [0, 1, 2, 3].map(|bit| bits >> bit & 1 != 0);
+            Wavefront::ALL.map(|wavefront| Self { wavefront, splits, slowed, named, small_tiles })
         })
     }
 }
@@ -302,14 +306,20 @@ impl Row {
         let wavefront = if self.depends_on_wavefront { variant.wavefront as usize } else { 0 };
         let slowed = self.shader.depends_on(Constant::Slowed) && variant.slowed;
         let named = self.shader.depends_on(Constant::Named) && variant.named;
-        let bits = [splits, slowed, named].map(usize::from);
-        (bits[0] + 2 * bits[1] + 4 * bits[2]) * Wavefront::ALL.len() + wavefront
+        let small_tiles = self.has_small_tiles(variant);
+        let bits = [splits, slowed, named, small_tiles].map(usize::from);
+        (bits[0] + 2 * bits[1] + 4 * bits[2] + 8 * bits[3]) * Wavefront::ALL.len() + wavefront
+    }
+
+    fn has_small_tiles(&self, variant: Variant) -> bool {
+        self.shader.depends_on(Constant::Tile) && variant.small_tiles
     }
 
     /// Returns the numbers and values of the specialization constants.
     pub(crate) fn constants(&self, of: &Specialization) -> Vec<(u32, i32)> {
-        let Specialization { tuning, on_processor, variant, map } = *of;
-        let Variant { wavefront, splits, slowed, named } = variant;
+        let Specialization { tuning, on_processor, variant, map, group_order } = *of;
+        let Variant { wavefront, splits, slowed, named, small_tiles } = variant;
+        let tuning = if small_tiles { tuning.with_small_tiles() } else { tuning };
         let ahead = self.scan.map_or((0, 0), Scan::ahead);
         let width = self.width.map_or(0, |width| match width {
             Width::Scans => tuning.scan_width,
@@ -325,6 +335,7 @@ impl Row {
             Constant::Slowed => slowed.into(),
             Constant::Named => named.into(),
             Constant::OnProcessor => on_processor.into(),
+            Constant::GroupOrder => group_order,
             Constant::LocalSizeX => width as i32,
             Constant::Lines => tuning.scan_lines as i32,
             Constant::Pairs => tuning.scan_pairs.into(),
@@ -348,7 +359,8 @@ impl Row {
             true => format!(", {wavefront}"),
             false => String::new(),
         };
-        format!("{}{scan}{wavefront}", self.shader.name)
+        let tiles = if self.has_small_tiles(variant) { ", small grids" } else { "" };
+        format!("{}{scan}{wavefront}{tiles}", self.shader.name)
     }
 }
 
@@ -360,7 +372,13 @@ mod tests {
     fn shaders_of_the_four_scans_differ_in_what_lies_ahead() {
         let tuning = Tuning::ON_CPU;
         let (wavefront, map) = (Wavefront::Curved, MapSize::default());
-        let of = Specialization { tuning, on_processor: true, variant: wavefront.into(), map };
+        let of = Specialization {
+            tuning,
+            on_processor: true,
+            variant: wavefront.into(),
+            map,
+            group_order: 0,
+        };
         for (pass, scan) in SCANS.into_iter().zip(Scan::ALL) {
             let constants = pass.row().constants(&of);
             let (x, y) = scan.ahead();

@@ -36,6 +36,9 @@ pub(crate) struct Pipelines {
     pub(crate) separates_pairs: bool,
     /// Whether the device computes on a processor's cores.
     on_processor: bool,
+    /// Order in which workgroups take their numbers, in pipelines made from now on: 0, the device's own. Tests
+    /// set others, see `glsl/shared/groups.glsl`.
+    pub(crate) group_order: i32,
     /// Labels and names for tools, if the host enables them.
     pub(crate) labels: Option<Labels>,
     /// Flags with which pipelines are created.
@@ -120,6 +123,7 @@ impl Pipelines {
             tuning,
             separates_pairs: false,
             on_processor,
+            group_order: 0,
             labels,
             flags,
             cache: Mutex::new(Cache::of_host(vk::PipelineCache::null())),
@@ -263,9 +267,7 @@ impl Pipelines {
         variant: Variant,
         cache: Cache,
     ) -> Result<vk::Pipeline, VulkanError> {
-        let map = MapSize::default();
-        let (tuning, on_processor) = (self.tuning, self.on_processor);
-        let of = Specialization { tuning, on_processor, variant, map };
+        let of = self.specialization(variant, MapSize::default());
         self.create(device, &TABLE[number], &of, cache)
     }
 
@@ -284,8 +286,7 @@ impl Pipelines {
         let found = match place {
             Some(place) => sized.remove(place),
             None => {
-                let (tuning, on_processor) = (self.tuning, self.on_processor);
-                let of = Specialization { tuning, on_processor, variant: wavefront.into(), map };
+                let of = self.specialization(wavefront.into(), map);
                 let handle = self.create(device, pass.row(), &of, *lock(&self.cache))?;
                 let (number, users) = (pass.number(), InUse::default());
                 Sized { number, wavefront, map, handle, users }
@@ -300,6 +301,11 @@ impl Pipelines {
             unsafe { device.destroy_pipeline(sized.remove(place).handle, None) };
         }
         Ok(made)
+    }
+
+    fn specialization(&self, variant: Variant, map: MapSize) -> Specialization {
+        let Self { tuning, on_processor, group_order, .. } = *self;
+        Specialization { tuning, on_processor, variant, map, group_order }
     }
 
     fn with_handle<P: Pod>(&self, pass: Pass<P>, handle: vk::Pipeline) -> Pipeline<P> {

@@ -7,7 +7,7 @@ use super::host_sets::HostSet;
 use super::inputs::{PointMemory, PointSource, SourceInput};
 use super::numbered::nth;
 use super::plan::Plan;
-use super::solver::Solver;
+use super::solver::{Solver, Sort};
 use super::state::number_of_preparation;
 use super::surface::FrameSurface;
 use crate::constants::{NEVER_MEASURED, SOURCES_TOGETHER, SURROUNDINGS_TEXELS, WORKGROUP};
@@ -264,7 +264,9 @@ impl<'a> Recording<'a> {
 
     /// Returns the variant of the plan's pipelines for this surface.
     pub(super) fn variant(&self, plan: &Plan) -> Variant {
-        Variant { slowed: self.surface.grid.is_slowed(), ..plan.wavefront.into() }
+        let grid = &self.surface.grid;
+        let small_tiles = self.solver.tuning().has_small_tiles(grid.texels);
+        Sort { slowed: grid.is_slowed(), small_tiles }.variant(plan.wavefront.into())
     }
 
     pub(super) fn check_sources(&self, sources: SourceInput) -> Result<(), VulkanError> {

@@ -1,5 +1,7 @@
 //! Creates the pipelines of a device, which all its surfaces share.
 
+use std::sync::atomic::{AtomicU8, Ordering};
+
 use ash::{khr, vk};
 
 use super::plan::Plan;
@@ -11,6 +13,7 @@ use crate::vulkan::device::passes::{COMMON, SURROUNDINGS, Variant};
 use crate::vulkan::device::pipelines::{Cache, Pipeline, Pipelines};
 use crate::vulkan::device::requirements;
 use crate::vulkan::device::shaders::surroundings;
+use crate::vulkan::device::tile_lanes;
 use crate::vulkan::profile;
 use crate::vulkan::{Method, Schedule, Tuning, VulkanError};
 
@@ -25,6 +28,33 @@ pub struct Solver {
     pub(crate) limits: Limits,
     /// See [`Tools::checks`].
     pub(super) checks: bool,
+    /// Sorts of surfaces that were made, each as the bit with the number of the sort.
+    sorts: AtomicU8,
+}
+
+/// Sort of a surface, which has pipelines of its own.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sort {
+    /// Whether the surface has a slowness.
+    pub(super) slowed: bool,
+    /// Whether its grid has smaller tiles than others.
+    pub(super) small_tiles: bool,
+}
+
+impl Sort {
+    /// Returns all sorts, by their numbers.
+    fn all() -> [Self; 4] {
+        [0, 1, 2, 3].map(|number| Self { slowed: number & 1 != 0, small_tiles: number & 2 != 0 })
+    }
+
+    fn bit(self) -> u8 {
+        1 << (u8::from(self.slowed) + 2 * u8::from(self.small_tiles))
+    }
+
+    /// Returns the variant of pipelines for surfaces of this sort.
+    pub(super) fn variant(self, of: Variant) -> Variant {
+        Variant { slowed: self.slowed, small_tiles: self.small_tiles, ..of }
+    }
 }
 
 /// Features for tools that the host has enabled on its instance and device.
@@ -122,15 +152,9 @@ impl Solver {
             Pipelines::new(device, (tuning, on_processor), labels, tools.executables)?;
         pipelines.separates_pairs = tools.checks;
         pipelines.set_cache(cache);
-        let mut new = Self { pipelines, limits, checks: tools.checks };
-        // One call creates all pipelines, so that several threads can share the work.
-        let mut wanted: Vec<_> =
-            COMMON.iter().map(|&pass| (pass, Wavefront::Planar.into())).collect();
-        for &(schedule, wavefront) in passes {
-            wanted.extend(passes_of(schedule, over_any(wavefront)));
-        }
-        let made = new.pipelines.make_each(device, &wanted);
-        match made {
+        let sorts = AtomicU8::new(0);
+        let mut new = Self { pipelines, limits, checks: tools.checks, sorts };
+        match new.make_first(device, passes) {
             Ok(()) => Ok(new),
             Err(error) => {
                 new.destroy(device);
@@ -139,13 +163,70 @@ impl Solver {
         }
     }
 
+    /// Makes the common pipelines, and those for the given schedules and wavefronts. One call creates all of
+    /// them, so that several threads can share the work.
+    fn make_first(
+        &self,
+        device: &ash::Device,
+        passes: &[(Schedule, Wavefront)],
+    ) -> Result<(), VulkanError> {
+        let mut wanted: Vec<_> =
+            COMMON.iter().map(|&pass| (pass, Wavefront::Planar.into())).collect();
+        for &(schedule, wavefront) in passes {
+            wanted.extend(passes_of(schedule, over_any(wavefront)));
+        }
+        self.pipelines.make_each(device, &wanted)
+    }
+
+    /// Returns the sizes of the portions in which the solver visits the grid.
+    pub fn tuning(&self) -> Tuning {
+        self.pipelines.tuning
+    }
+
+    /// Sets other sizes of portions than [`Tuning::of`] the device, and makes the pipelines of the solver's
+    /// schedules and wavefronts anew. Call it before the solver makes a surface: surfaces and plans that were
+    /// made before can no longer be used.
+    ///
+    /// # Errors
+    /// [`VulkanError::Tuning`] if the device has no room for these sizes, or the error of a Vulkan call that
+    /// fails. After the latter the solver can only be destroyed.
+    pub fn set_tuning(
+        &mut self,
+        instance: &ash::Instance,
+        physical_device: vk::PhysicalDevice,
+        device: &ash::Device,
+        tuning: Tuning,
+    ) -> Result<(), VulkanError> {
+        let passes: Vec<_> = self.all_passes().collect();
+        self.start_with(instance, physical_device, device, tuning, &passes)
+    }
+
+    /// Sets the sizes of portions, and makes the pipelines for the given schedules and wavefronts.
+    pub(crate) fn start_with(
+        &mut self,
+        instance: &ash::Instance,
+        physical_device: vk::PhysicalDevice,
+        device: &ash::Device,
+        tuning: Tuning,
+        passes: &[(Schedule, Wavefront)],
+    ) -> Result<(), VulkanError> {
+        // SAFETY: the physical device is from this instance.
+        let properties = unsafe { instance.get_physical_device_properties(physical_device) };
+        let shuffles = tile_lanes::shuffles(instance, physical_device);
+        tuning.check(&properties.limits, shuffles)?;
+        self.pipelines.set_tuning(device, tuning);
+        self.sorts = AtomicU8::new(0);
+        self.make_first(device, passes)
+    }
+
     /// Sets the pipeline cache of the host with which pipelines are created from now on. A null handle means
     /// no cache.
     ///
     /// The cache belongs to the host, which fills it from a file, merges it, saves it and destroys it. It must
     /// be alive whenever this solver creates pipelines: in [`Solver::with_cache`] and [`Solver::add_passes`],
-    /// with the first surface that has a slowness, and with the first [`super::Contours`], [`super::Paths`],
-    /// [`super::Regions`] (of each wavefront), [`super::Directions`] and [`super::LogMap`]. Pipelines do not
+    /// with the first surface that has a slowness or a small grid ([`Tuning::small_grid`]), and with the first
+    /// [`super::Contours`], [`super::Paths`], [`super::Regions`] (of each wavefront), [`super::Directions`] and
+    /// [`super::LogMap`]. Pipelines do not
     /// need it once they are created. This solver uses the cache from one thread at a time. For other uses at
     /// the same time, the rules of `vkCreateComputePipelines` apply.
     pub fn set_pipeline_cache(&self, cache: vk::PipelineCache) {
@@ -162,7 +243,12 @@ impl Solver {
         schedule: Schedule,
         wavefront: Wavefront,
     ) -> Result<(), VulkanError> {
-        let wanted: Vec<_> = passes_of(schedule, over_any(wavefront)).collect();
+        let mut wanted: Vec<_> = passes_of(schedule, over_any(wavefront)).collect();
+        let made = *self.sorts.get_mut();
+        for sort in Sort::all().into_iter().filter(|sort| made & sort.bit() != 0) {
+            let of_sort = |(pass, variant)| (pass, sort.variant(variant));
+            wanted.extend(passes_of(schedule, over_any(wavefront)).map(of_sort));
+        }
         self.pipelines.make_each(device, &wanted)
     }
 
@@ -207,15 +293,18 @@ impl Solver {
         made.filter(|_| have_surroundings(schedule, variant.wavefront))
     }
 
-    /// Creates pipelines for surfaces with a slowness, for all schedules and wavefronts that the solver has.
-    pub(super) fn make_passes_with_slowness(
+    /// Creates the pipelines that surfaces of a sort need, for all schedules and wavefronts that the solver has
+    /// or will have.
+    pub(super) fn make_passes_for(
         &self,
         device: &ash::Device,
+        sort: Sort,
     ) -> Result<(), VulkanError> {
-        let slowed = |(pass, variant)| (pass, Variant { slowed: true, ..variant });
+        self.sorts.fetch_or(sort.bit(), Ordering::Relaxed);
+        let of_surface = |(pass, variant)| (pass, sort.variant(variant));
         let all =
             self.all_passes().flat_map(|(schedule, wavefront)| passes_of(schedule, wavefront));
-        self.pipelines.make_each(device, &all.map(slowed).collect::<Vec<_>>())
+        self.pipelines.make_each(device, &all.map(of_surface).collect::<Vec<_>>())
     }
 
     /// Returns the schedules and wavefronts for which the solver has pipelines.

@@ -9,7 +9,7 @@ use super::flight::Flight;
 use super::inputs::{Lookup, Points, SourceBuffer};
 use super::numbered::nth;
 use super::outputs::HostImage;
-use super::solver::Solver;
+use super::solver::{Solver, Sort};
 use super::state::State;
 use super::surface_sets::HostSets;
 use crate::constants::{BORDER, NEVER_MEASURED, SOURCES_TOGETHER, TIME};
@@ -219,9 +219,9 @@ impl FrameSurface {
         let size = (info.chart, solver.limits.texels(info.chart)?);
         let (pipelines, families) = (&solver.pipelines, info.families());
         let purpose = info.purpose(&families);
-        if let Purpose::Embedded { slowed: true, .. } = purpose {
-            solver.make_passes_with_slowness(device)?;
-        }
+        let slowed = matches!(purpose, Purpose::Embedded { slowed: true, .. });
+        let small_tiles = solver.tuning().has_small_tiles(size.1);
+        solver.make_passes_for(device, Sort { slowed, small_tiles })?;
         let mut grid = GridImages::new(device, allocator, pipelines, size, purpose)?;
         let host = (info.results, info.points, info.sources, info.lookups);
         match HostSets::new(device, pipelines, &solver.limits, &grid, host) {

@@ -2,6 +2,8 @@
 
 pub(in crate::vulkan) mod ceilings;
 pub(in crate::vulkan) mod context;
+#[cfg(test)]
+mod group_orders;
 pub(in crate::vulkan) mod solver;
 mod solving;
 pub(in crate::vulkan) mod surface_on_device;

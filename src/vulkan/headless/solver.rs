@@ -6,12 +6,9 @@ use ash::vk;
 
 use super::context::Context;
 use crate::Monitor;
-use crate::update::Wavefront;
 use crate::vulkan::DeviceChoice;
-use crate::vulkan::device::passes::COMMON;
 use crate::vulkan::device::pipeline_store::PipelineStore;
 use crate::vulkan::device::pipelines::Cache;
-use crate::vulkan::device::tile_lanes;
 use crate::vulkan::profile::{Capabilities, Capability, Executable};
 use crate::vulkan::{Tuning, ValidationLog, VulkanError, embed};
 
@@ -130,14 +127,8 @@ impl HeadlessSolver {
     /// fails.
     pub fn with_tuning(mut self, tuning: Tuning) -> Result<Self, VulkanError> {
         let (instance, device) = (&self.context.instance.handle, &self.context.device);
-        // SAFETY: the physical device is from this instance.
-        let properties =
-            unsafe { instance.get_physical_device_properties(self.context.physical_device) };
-        let shuffles = tile_lanes::shuffles(instance, self.context.physical_device);
-        tuning.check(&properties.limits, shuffles)?;
-        let pipelines = &mut self.for_device.pipelines;
-        pipelines.set_tuning(device, tuning);
-        pipelines.make_all(device, COMMON, Wavefront::Planar)?;
+        let physical_device = self.context.physical_device;
+        self.for_device.start_with(instance, physical_device, device, tuning, &[])?;
         Ok(self)
     }
 
@@ -199,9 +190,9 @@ mod tests {
     use super::*;
     use crate::Stop;
     use crate::surface::{Seed, Sources, Spacing, Surface};
+    use crate::update::Wavefront;
     use crate::vulkan::device::barrier::tests::without;
     use crate::vulkan::device::barrier::{Access, CLEAR, COPY, PASS, SHADER, SHADER_WRITE};
-    use crate::vulkan::schedules::raster;
     use crate::vulkan::{Method, Schedule};
 
     const STOP: Stop = Stop::within(1e-6).or_after(100);
@@ -279,31 +270,6 @@ mod tests {
         let solver = solver();
         let sizes = Tuning { scan_width, scan_lines, scan_pairs: true, ..solver.tuning() };
         solver.with_tuning(sizes).unwrap()
-    }
-
-    /// Neither scan of a pair depends on the other one. The layers are off, so that no barrier separates the
-    /// scans. Lines fit a workgroup of 64 texels, which takes blocks in turn, and not one of 16.
-    #[test]
-    fn scans_of_a_pair_can_run_in_any_order() {
-        let surface = hill();
-        for (scan_width, scan_lines) in [(16, 1), (64, 4)] {
-            let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
-            let solver = HeadlessSolver::open(&DeviceChoice::Name(device), false).unwrap();
-            let sizes = Tuning { scan_width, scan_lines, scan_pairs: true, ..solver.tuning() };
-            let mut solver = solver.with_tuning(sizes).unwrap();
-            let mut on_device = solver.upload(&surface).unwrap();
-            for wavefront in Wavefront::FOR_ANY_SURFACE {
-                let method = method(wavefront, Schedule::Raster);
-                let [in_order, reversed] = [false, true].map(|reversed| {
-                    raster::tests::IS_REVERSED.set(reversed);
-                    let map = solver.solve(&mut on_device, &seeds(&surface), method);
-                    raster::tests::IS_REVERSED.set(false);
-                    map.unwrap()
-                });
-                assert_eq!(in_order.distances, reversed.distances, "{wavefront}, {sizes:?}");
-                assert_eq!(in_order.iterations, reversed.iterations, "{wavefront}, {sizes:?}");
-            }
-        }
     }
 
     /// Under the layers a barrier separates the scans of a pair. All others are those of other runs.

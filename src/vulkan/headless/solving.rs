@@ -114,7 +114,7 @@ impl HeadlessSolver {
         let portions = tuning.portions(method.wavefront, texels);
         let steps = schedule.plan(texels, portions, None, method.stop.iterations);
         let passes = schedules::records(&steps, detail.grain);
-        let [cols, rows] = texels.tiles(tuning.tile);
+        let [cols, rows] = texels.tiles(portions.tile);
         let tiles = cols as usize * rows as usize;
         let detail = Detail { tiles: detail.tiles && schedule.has_rounds(), ..detail };
         let room = passes + PASSES_AROUND;
@@ -149,6 +149,7 @@ impl HeadlessSolver {
             splits: surface.splits,
             slowed: surface.slowed,
             named: surface.is_named(),
+            small_tiles: self.tuning().has_small_tiles(surface.images.texels),
         };
         self.make_passes(&surface.images, schedule, variant)?;
         let causal = surface.origins.are_causal() || surface.splits;

@@ -145,7 +145,7 @@ pub(crate) struct StepCounter {
 
 impl StepCounter {
     pub(crate) fn new(texels: TexelChart, tuning: Tuning, curved: bool) -> Self {
-        Self { texels, tuning, curved, iteration: 0, scans: 0 }
+        Self { texels, tuning: tuning.on_grid(texels), curved, iteration: 0, scans: 0 }
     }
 
     /// Returns the record of a pass in the current iteration.

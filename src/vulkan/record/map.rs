@@ -44,7 +44,8 @@ impl Recorder<'_> {
         let _pass = self.pass_of_each(PassKind::Seed, [count, 1], each);
         self.bring_inputs(count);
         let texels = self.grid.texels.inner().map(|texels| texels as i32);
-        let push = seed::Push { texels, count: count as i32, follows };
+        let tile_texels = self.tile() as i32 / 2;
+        let push = seed::Push { texels, count: count as i32, follows, tile_texels };
         self.run(self.pipelines.of(SEED), 0, &push, [count, 1]);
         self.barrier(SHADER_WRITE, PASS);
     }

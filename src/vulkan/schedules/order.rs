@@ -104,9 +104,14 @@ impl Recorder<'_> {
         self.update(self.grid.progress.buffer, from, bytes);
     }
 
+    /// Returns the number of points on a side of a tile.
+    pub(in crate::vulkan) fn tile(&self) -> u32 {
+        self.pipelines.tuning.on_grid(self.grid.texels).tile
+    }
+
     /// Returns the number of tiles.
     pub(super) fn tiles(&self) -> u32 {
-        self.grid.texels.tiles(self.pipelines.tuning.tile).iter().product()
+        self.grid.texels.tiles(self.tile()).iter().product()
     }
 
     /// Returns the bytes of one number for each tile.

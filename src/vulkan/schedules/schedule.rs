@@ -91,6 +91,9 @@ pub struct Tuning {
     pub scan_pairs: bool,
     /// Number of points on a side of a tile; even.
     pub tile: u32,
+    /// Largest number of points along a side of a small grid. Tiles of small grids have 16 points a side if
+    /// [`tile`](Tuning::tile) is larger, with their edges in shared memory. See [`Tuning::on_grid`].
+    pub small_grid: u32,
     /// Largest number of iterations of four scans inside a tile in one round.
     pub inner: u32,
     /// Division of the points of a tile among invocations.
@@ -137,8 +140,9 @@ impl Tuning {
         let bytes = limits.max_compute_shared_memory_size;
         let fits = |&(tile, edges): &(u32, bool)| Self::tile_bytes(tile, edges) <= bytes;
         let (tile, tile_edges) = sizes.into_iter().find(fits).unwrap_or((8, false));
+        let small_grid = if tile > SMALL_TILE { wanted.small_grid } else { 0 };
         let scan_width = wanted.scan_width.min(limits.max_compute_work_group_invocations);
-        Self { scan_width, tile, tile_edges, ..wanted }
+        Self { scan_width, tile, small_grid, tile_edges, ..wanted }
     }
 
     /// Sizes for devices that are CPUs. Measured on lavapipe (Mesa 22.3, two cores, 1200 x 1200 points):
@@ -151,6 +155,7 @@ impl Tuning {
         scan_lines: 4,
         scan_pairs: false,
         tile: 16,
+        small_grid: 0,
         inner: 4,
         tile_lanes: TileLanes::Pairs,
         tile_edges: true,
@@ -163,12 +168,16 @@ impl Tuning {
     /// scans in turn, with half the barriers. With one iteration in a tile in place of four, maps by tiles of
     /// 16 points take an NVIDIA H200 0.55 to 0.65 of the time from 256 to 4096 points a side, and the same time
     /// at 64 points. Tiles of 32 points take half as many rounds. A prototype with them took 0.5 of the time of
-    /// one with tiles of 16.
+    /// one with tiles of 16. On small grids
+    /// each round has few tiles, and takes as long as the lines of one. Up to 128 points a side, tiles of 16
+    /// points take 0.5 to 0.95 of the lines that wait for one another, and 1.0 to 1.9 times the rounds
+    /// (`tests/maps/tile_order.rs`).
     const ON_GPU: Self = Self {
         scan_width: 128,
         scan_lines: 8,
         scan_pairs: true,
         tile: 32,
+        small_grid: 128,
         inner: 1,
         tile_lanes: TileLanes::Points,
         tile_edges: true,
@@ -176,6 +185,21 @@ impl Tuning {
         visits: None,
         staged: false,
     };
+
+    /// Returns these sizes as they are on a grid. Small grids have smaller tiles.
+    pub fn on_grid(self, texels: TexelChart) -> Self {
+        if self.has_small_tiles(texels) { self.with_small_tiles() } else { self }
+    }
+
+    /// Returns whether a grid has smaller tiles than others.
+    pub(crate) fn has_small_tiles(&self, texels: TexelChart) -> bool {
+        self.tile > SMALL_TILE && texels.inner().into_iter().all(|side| 2 * side <= self.small_grid)
+    }
+
+    /// Returns these sizes with the tiles of small grids.
+    pub(crate) fn with_small_tiles(self) -> Self {
+        Self { tile: SMALL_TILE, tile_edges: true, ..self }
+    }
 
     /// Returns these sizes with the edges of tiles in shared memory, if they fit `bytes` bytes of it, and in
     /// their image otherwise.
@@ -219,6 +243,9 @@ impl Tuning {
         if Self::tile_bytes(tile, tile_edges) > bytes {
             return refuse(format!("a tile of {tile} points a side does not fit {bytes} bytes"));
         }
+        if self.small_grid > 0 && Self::tile_bytes(SMALL_TILE, true) > bytes {
+            return refuse(format!("tiles of small grids do not fit {bytes} bytes"));
+        }
         if tile_lanes == TileLanes::Shuffled && !shuffles {
             return refuse("the device does not shuffle within subgroups".into());
         }
@@ -250,7 +277,7 @@ impl Tuning {
             across: self.scan_texels(),
             pairs: self.scan_pairs,
             iterations: self.together.unwrap_or(iterations),
-            tile: self.tile,
+            tile: self.on_grid(texels).tile,
             rounds: self.together,
             visits: self.visits.unwrap_or(VISITS_TOGETHER),
         }
@@ -261,6 +288,9 @@ impl Tuning {
         self.scan_width - 2 * (self.scan_lines - 1)
     }
 }
+
+/// Number of points on a side of a tile of a small grid.
+const SMALL_TILE: u32 = 16;
 
 /// Largest number of lines in a block. Shaders note in the bits of a word which lines have changed.
 const MOST_LINES: u32 = 32;
@@ -328,6 +358,20 @@ mod tests {
         assert_eq!(gpu(32), (16, true, TileLanes::Shuffled));
         assert_eq!(gpu(16), (16, false, TileLanes::Shuffled));
         assert_eq!(of(vk::PhysicalDeviceType::CPU, 32), (16, true, TileLanes::Pairs));
+    }
+
+    #[test]
+    fn small_grids_have_small_tiles() {
+        let of = |tuning: Tuning, rows, cols| {
+            let sizes = tuning.on_grid(TexelChart::new(Chart { rows, cols }).unwrap());
+            (sizes.tile, sizes.tile_edges)
+        };
+        let gpu = Tuning { tile_edges: false, ..Tuning::ON_GPU };
+        assert_eq!(of(gpu, 128, 127), (16, true));
+        assert_eq!(of(gpu, 129, 20), (32, false));
+        assert_eq!(of(Tuning { small_grid: 0, ..gpu }, 20, 20), (32, false));
+        assert_eq!(of(Tuning { tile: 8, ..gpu }, 20, 20), (8, false));
+        assert_eq!(of(Tuning::ON_CPU, 20, 20), (16, true));
     }
 
     /// Sizes that are compared with the untuned ones are measured as a device would use them.

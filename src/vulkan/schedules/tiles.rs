@@ -86,7 +86,9 @@ impl Order for Tiles {
             }
             Step::Settle { rounds: count } => {
                 let groups = Groups::in_columns(recorder.tiles());
-                recording.dispatch(SETTLE.pass(), 0, &settle::Push { texels, count }, groups);
+                let tile_texels = recorder.tile() as i32 / 2;
+                let settle = settle::Push { texels, count, tile_texels };
+                recording.dispatch(SETTLE.pass(), 0, &settle, groups);
             }
             _ => {}
         }

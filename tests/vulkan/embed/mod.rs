@@ -32,6 +32,8 @@ mod readme;
 #[path = "../../../examples/render.rs"]
 mod render;
 mod resolution;
+mod scan_pairs;
+mod small_tiles;
 mod stage;
 mod surroundings;
 mod together;

@@ -8,9 +8,9 @@ use geosweep::Wavefront;
 use geosweep::ash::vk;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, Frame, PointSource, Reader, ResultImage, SourceInput, SurfaceInfo,
+    self, Access, Frame, PointSource, Reader, ResultImage, SourceInput, SurfaceInfo, Tools,
 };
-use geosweep::vulkan::{Method, Schedule};
+use geosweep::vulkan::{Method, Schedule, Tuning};
 
 use crate::common::{Lent, Pool};
 use crate::host::{Host, HostBuffer};
@@ -40,6 +40,18 @@ impl Kept {
     /// Lends [`Host::without_validation`].
     pub fn unwatched() -> Lent<Self> {
         UNWATCHED.lend(|| Host::without_validation().into(), Self::check)
+    }
+
+    /// Returns a host with a solver of its own, which has tools and changed sizes of portions.
+    pub fn tuned(host: Host, tools: Tools, change: impl FnOnce(Tuning) -> Tuning) -> Self {
+        let (instance, device) = (&host.instance, &host.device);
+        let physical_device = host.physical_device;
+        let mut solver =
+            embed::Solver::with_tools(instance, physical_device, device, &[], tools).unwrap();
+        let tuning = change(solver.tuning());
+        solver.set_tuning(instance, physical_device, device, tuning).unwrap();
+        assert_eq!(solver.tuning(), tuning);
+        Self { host, solver: Some(solver) }
     }
 
     fn check(&self) {

@@ -6,7 +6,7 @@ use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::vulkan::plan::{Scan, ScanPair, Step};
 use geosweep::vulkan::profile::{Detail, Grain, PassKind, PassRecord};
-use geosweep::vulkan::{Schedule, Tuning};
+use geosweep::vulkan::{Schedule, TexelChart, Tuning};
 
 use crate::common::{seeds_at, some_point};
 use crate::profile::bench::{Bench, method, of_kind, sum};
@@ -239,7 +239,8 @@ fn bytes_agree_with_a_count_by_hand() {
 #[test]
 fn counts_and_starts_agree_with_a_count_by_hand() {
     let mut bench = Bench::new(61, 90, &[]);
-    let tile = bench.solver.tuning().tile as usize;
+    let texels = TexelChart::new(bench.surface.chart()).unwrap();
+    let tile = bench.solver.tuning().on_grid(texels).tile as usize;
     let tiles = (61usize.div_ceil(tile) * 90usize.div_ceil(tile)) as u64;
     let mut seen = [false; 3];
     for schedule in [Schedule::Raster, Schedule::AllPoints] {

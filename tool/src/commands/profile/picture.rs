@@ -124,8 +124,8 @@ fn in_order(chart: Chart, passes: &[PassRecord], scale: &Scale) -> Vec<Color> {
 /// Returns some of the rounds, evenly spaced from the first to the last.
 fn rounds(measured: &Measured, visits: &SolveProfile) -> (Vec<Vec<Visit>>, Key) {
     let chart = measured.chart;
-    let tile = measured.tuning.tile as usize;
     let texels = TexelChart::new(chart).expect("it was on the device");
+    let tile = measured.tuning.on_grid(texels).tile as usize;
     let across = (2 * texels.inner_cols().len()).div_ceil(tile);
     let lists = visits.submissions.iter().flat_map(|found| &found.tiles);
     let passes = visits.passes().filter(|pass| pass.kind == PassKind::Tiles);

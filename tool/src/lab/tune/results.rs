@@ -40,7 +40,7 @@ impl Knob {
             Self::Untuned | Self::Suggested => tuning,
             Self::Lines => Tuning { scan_lines: value, ..tuning },
             Self::Width => Tuning { scan_width: value, ..tuning },
-            Self::Tile => Tuning { tile: value, ..tuning },
+            Self::Tile => Tuning { tile: value, small_grid: 0, ..tuning },
             Self::Inner => Tuning { inner: value, ..tuning },
             Self::Together => Tuning { together: Some(value), ..tuning },
         }

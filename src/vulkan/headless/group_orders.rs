@@ -1,0 +1,156 @@
+//! Tests that no map depends on the order in which a device runs the workgroups of a dispatch, or dispatches
+//! that no barrier separates. The validation layers are off, since they would have a barrier between these.
+
+use ash::vk;
+
+use super::context::Context;
+use super::{HeadlessSolution, HeadlessSolver};
+use crate::surface::builtin::Builtin;
+use crate::surface::{Seed, Sources, Spacing, Surface};
+use crate::vulkan::schedules::raster;
+use crate::vulkan::{DeviceChoice, Method, Schedule, TileLanes, Tuning};
+use crate::{Stop, Wavefront};
+
+/// The order of numbers, the opposite one, and a random one; see `glsl/shared/groups.glsl`.
+const ORDERS: [i32; 3] = [0, -1, 1];
+
+/// Returns a solver whose workgroups take their numbers in an order.
+fn solver(group_order: i32, change: impl Fn(Tuning) -> Tuning) -> HeadlessSolver {
+    let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
+    let context = Context::new(&DeviceChoice::Name(device), false).unwrap();
+    let mut solver = HeadlessSolver::with(context).unwrap();
+    solver.for_device.pipelines.group_order = group_order;
+    let tuning = change(solver.tuning());
+    solver.with_tuning(tuning).unwrap()
+}
+
+struct Problem {
+    what: &'static str,
+    surface: Surface,
+    seeds: Vec<Seed>,
+    wavefronts: &'static [Wavefront],
+}
+
+impl Problem {
+    fn new(
+        what: &'static str,
+        surface: Surface,
+        sources: &Sources,
+        wavefronts: &'static [Wavefront],
+    ) -> Self {
+        let seeds = sources.seeds(&surface).unwrap();
+        Self { what, surface, seeds, wavefronts }
+    }
+}
+
+/// With holes and obtuse triangles, anchors, and several fronts that meet.
+fn problems() -> [Problem; 3] {
+    use Wavefront::{Anchored, Curved, Planar};
+    let is_hole = |i: u32| i % 83 != 40 && (i + 1).wrapping_mul(0x9e37_79b1) >> 29 == 0;
+    let heights = (0..70 * 83).map(|i| match is_hole(i) {
+        true => f64::NAN,
+        false => 2.0 * (0.31 * f64::from(i / 83)).sin() * (0.23 * f64::from(i % 83)).cos(),
+    });
+    let spacing = Spacing { dx: 1.0, dy: 1.3 };
+    let holes = Surface::from_heights(70, 83, heights.collect(), spacing).unwrap();
+    let maze = Builtin::Maze.surface(67, 75).unwrap();
+    let sheared = Builtin::ShearedPlane { degrees: 60.0 }.surface(59, 64).unwrap();
+    let several = Sources::point(20.0, 11.25).and_point(44.0, 50.0, 2.0);
+    [
+        Problem::new("holes", holes, &Sources::point(30.0, 40.0), &[Planar, Curved]),
+        Problem::new("maze", maze, &Sources::point(0.0, 0.0), &[Anchored]),
+        Problem::new("obtuse", sheared, &several, &[Curved]),
+    ]
+}
+
+/// Returns the maps after some iterations, and the map that has converged.
+fn maps(
+    solver: &mut HeadlessSolver,
+    problem: &Problem,
+    schedule: Schedule,
+) -> Vec<HeadlessSolution> {
+    let mut on_device = solver.upload(&problem.surface).unwrap();
+    let stops = [Stop::after(1), Stop::after(9), Stop::within(1e-6).or_after(10_000)];
+    let all = problem.wavefronts.iter().flat_map(|&wavefront| stops.map(|stop| (wavefront, stop)));
+    all.map(|(wavefront, stop)| {
+        let method = Method::new(wavefront, stop).with_schedule(schedule);
+        solver.solve(&mut on_device, &problem.seeds, method).unwrap()
+    })
+    .collect()
+}
+
+fn assert_same(wanted: &[HeadlessSolution], found: &[HeadlessSolution], what: &str) {
+    assert_eq!(wanted.len(), found.len());
+    for (wanted, found) in wanted.iter().zip(found) {
+        let what = format!("{what}, {}", wanted.wavefront);
+        assert_eq!(wanted.iterations, found.iterations, "{what}");
+        assert!(wanted.distances == found.distances, "{what}, {} iterations", wanted.iterations);
+    }
+}
+
+/// Lines of a block have three workgroups and more: of 16 texels, the outermost ones belong to the neighbours
+/// too.
+#[test]
+fn raster_scans_do_not_depend_on_the_order_of_workgroups() {
+    let problems = problems();
+    for (scan_lines, scan_pairs) in [(4, false), (1, true)] {
+        let with_order =
+            |order| solver(order, |old| Tuning { scan_width: 16, scan_lines, scan_pairs, ..old });
+        let mut in_order = with_order(ORDERS[0]);
+        let wanted = problems.each_ref().map(|of| maps(&mut in_order, of, Schedule::Raster));
+        for order in &ORDERS[1..] {
+            let mut other = with_order(*order);
+            for (problem, wanted) in problems.iter().zip(&wanted) {
+                raster::tests::IS_REVERSED.set(*order < 0);
+                let found = maps(&mut other, problem, Schedule::Raster);
+                raster::tests::IS_REVERSED.set(false);
+                let what = format!("{}, {scan_lines} lines, {scan_pairs}, {order}", problem.what);
+                assert_same(wanted, &found, &what);
+            }
+        }
+    }
+}
+
+/// A workgroup that takes blocks in turn has the dispatch for itself, but not its pair.
+#[test]
+fn scans_of_a_pair_can_run_in_any_order() {
+    let problems = problems();
+    let mut solver =
+        solver(0, |old| Tuning { scan_width: 64, scan_lines: 4, scan_pairs: true, ..old });
+    for problem in &problems {
+        let [in_order, reversed] = [false, true].map(|reversed| {
+            raster::tests::IS_REVERSED.set(reversed);
+            let maps = maps(&mut solver, problem, Schedule::Raster);
+            raster::tests::IS_REVERSED.set(false);
+            maps
+        });
+        assert_same(&in_order, &reversed, problem.what);
+    }
+}
+
+/// Nor do they depend on the run, or on how recordings divide the rounds: nine rounds are in three recordings.
+/// On processors they do not depend on how invocations share a tile's points either.
+#[test]
+fn rounds_of_tiles_do_not_depend_on_the_order_of_workgroups() {
+    let problems = problems();
+    let forms = [TileLanes::Pairs, TileLanes::Points].map(|tile_lanes| {
+        let with_order =
+            |order| solver(order, |old| Tuning { tile_lanes, tile: 16, together: Some(4), ..old });
+        let mut in_order = with_order(ORDERS[0]);
+        let wanted = problems.each_ref().map(|of| maps(&mut in_order, of, Schedule::Tiles));
+        for order in ORDERS {
+            let mut again = with_order(order);
+            for (problem, wanted) in problems.iter().zip(&wanted) {
+                let found = maps(&mut again, problem, Schedule::Tiles);
+                assert_same(wanted, &found, &format!("{}, {tile_lanes:?}, {order}", problem.what));
+            }
+        }
+        (wanted, in_order.for_device.limits.kind)
+    });
+    let [(of_pairs, kind), (of_points, _)] = &forms;
+    if *kind == vk::PhysicalDeviceType::CPU {
+        for ((problem, a), b) in problems.iter().zip(of_pairs).zip(of_points) {
+            assert_same(a, b, &format!("{}, both forms", problem.what));
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! Tiles of small grids in frames.
+
+use geosweep::Wavefront;
+use geosweep::surface::Chart;
+use geosweep::vulkan::embed::{Points, SourceInput, SurfaceInfo, Tools};
+use geosweep::vulkan::{Schedule, Tuning};
+
+use crate::embed::stage::{Kept, Stage, source, vertices};
+use crate::host::Host;
+
+const CHART: Chart = Chart { rows: 40, cols: 48 };
+
+/// Returns maps by tiles with curved and planar fronts, and of each the rounds that a recording holds and those that
+/// the map takes.
+fn maps(change: impl FnOnce(Tuning) -> Tuning) -> Vec<(u32, Vec<f32>, u32)> {
+    let mut host = Kept::tuned(Host::new(), Tools::default(), change);
+    let points = host.buffer_of(&vertices(CHART, 0.4));
+    let inputs = [Points::positions(points.handle, 32)];
+    let info = SurfaceInfo::new(CHART).with_points(&inputs);
+    let mut stage = Stage::new(host, &[(Schedule::Tiles, Wavefront::Curved)], &info);
+    // Pipelines that are added later serve surfaces that were made before.
+    let device = stage.host.device.clone();
+    stage.solver.add_passes(&device, Schedule::Tiles, Wavefront::Planar).unwrap();
+    let maps = [Wavefront::Curved, Wavefront::Planar].map(|wavefront| {
+        let plan = stage.plan(Schedule::Tiles, wavefront, 100);
+        let map = stage.map(0, SourceInput::Inline(&source(12.25, 30.0)), &plan);
+        (plan.iterations(), map, stage.surface.outcome(0).unwrap().iterations)
+    });
+    stage.end([points]);
+    maps.into()
+}
+
+/// The surface is small to one solver, and not to another one. Each map is the one that tiles of that side have
+/// on any grid.
+#[test]
+fn frames_on_small_grids_have_small_tiles() {
+    let tiles = |tile, tile_edges, small_grid| {
+        move |old| Tuning { tile, tile_edges, small_grid, inner: 1, ..old }
+    };
+    let small = maps(tiles(24, false, 48));
+    let large = maps(tiles(24, false, 47));
+    assert!(small == maps(tiles(16, true, 0)));
+    assert!(large == maps(tiles(24, false, 0)));
+    assert_ne!(small[0].2, large[0].2, "tiles of both sides take as many rounds");
+}
