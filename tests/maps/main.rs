@@ -16,6 +16,7 @@ mod estimate;
 #[cfg(feature = "formats")]
 mod formats;
 mod gdal;
+mod geodetic;
 mod offset;
 mod origins;
 mod pairwise;
