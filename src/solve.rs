@@ -182,10 +182,6 @@ impl<'a> Problem<'a> {
     }
 
     fn solve_on_the_best(&self) -> Result<DistanceMap, Error> {
-        if self.surface.is_glued() {
-            let reason = "fronts pass seams on the CPU only".into();
-            return Ok(self.solve_on_cpu()?.because(reason));
-        }
         if self.radius.is_finite() || self.targets.is_some() {
             let reason = "the CPU solves a part of the map alone".into();
             return Ok(self.solve_on_cpu()?.because(reason));
@@ -248,8 +244,6 @@ impl<'a> Problem<'a> {
     }
 
     fn solve_on_vulkan(&self, choice: &DeviceChoice) -> Result<DistanceMap, VulkanError> {
-        // Before a device is opened.
-        vulkan::check_open(self.surface)?;
         let monitor = self.monitor.clone();
         let mut solver = vulkan::HeadlessSolver::new(choice)?.with_monitor(monitor);
         let mut surface = solver.upload(self.surface)?;

@@ -157,11 +157,7 @@ void merge(ivec2 in_tile, inout vec4 time, inout vec4 held) {
                     held[j] = other_held;
                 }
                 if (scan_of(other_held) != uint(copy) + 1u || other >= FAR) continue;
-                bool second = !found || is_first(other, other_held, time[j], held[j]);
-                if (second) held[j] = other_held;
-                bool keeps = KEEPS_EARLIER_TIME ? found && !(other < time[j]) : !second;
-                if (!keeps) time[j] = other;
-                found = true;
+                take_first(other, other_held, found, time[j], held[j]);
             }
             for (int copy = 0; copy < 4; copy++) carried[copy * AREA + at] = held[j];
         } else {

@@ -63,6 +63,14 @@
 // Tag of a seed whose time is not exact, in place of the number of a scan. Until surroundings are merged, it
 // only marks where the front of another source is not the first.
 #define NOT_EXACT 6
+// Tag of a front that comes from another copy of its point on a glued surface, in place of the number of a scan.
+#define EXCHANGED 7
+// Largest number of copies of a point among which an invocation finds the earliest front.
+#define COPIES_TOGETHER 32
+// Number of invocations of the workgroup that exchanges fronts between copies. Every Vulkan device offers as many.
+#define EXCHANGE_WORKGROUP 128
+// Number of words that describe a texel with copies of points; see exchange.comp.
+#define COPY_TEXEL_WORDS 5
 // Value of `fronts_meet` on maps where fronts of several sources may meet.
 #define FRONTS_MEET 1
 // Value of `fronts_meet` on maps where fronts may meet and sources are added later. Seeds that were exact may

@@ -141,6 +141,15 @@ bool is_first(float time, float carried, float other, float other_carried) {
 // the carried value.
 const bool KEEPS_EARLIER_TIME = !HAS_ANCHORS;
 
+// Takes another front at a point in place of the present one if it is the first, or if none has been found.
+void take_first(float other, float other_carried, inout bool found, inout float time, inout float carried) {
+    bool second = !found || is_first(other, other_carried, time, carried);
+    if (second) carried = other_carried;
+    bool keeps = KEEPS_EARLIER_TIME ? found && !(other < time) : !second;
+    if (!keeps) time = other;
+    found = true;
+}
+
 // Returns how much fronts have changed: the largest difference of arrival times in units of the last place,
 // or the weight of a change of what they carry.
 uint change_of(vec4 old_time, vec4 time, vec4 old_carried, vec4 carried) {

@@ -14,6 +14,7 @@
 
 mod behind;
 mod ceilings;
+mod exchange;
 mod fast_marching;
 mod fronts;
 mod limit;

@@ -1,10 +1,14 @@
 //! Holds the fronts at all points of a bordered array, and updates them one by one.
 
 use super::behind::Behind;
+#[cfg(any(test, feature = "twins"))]
+use super::exchange::{after_arrival, earliest};
 use super::fronts::PointKind;
 use super::solution::Solution;
+#[cfg(any(test, feature = "twins"))]
+use crate::surface::Groups;
 use crate::surface::{EdgeLengths, Real, Seed};
-#[cfg(feature = "twins")]
+#[cfg(any(test, feature = "twins"))]
 use crate::update::Carried;
 use crate::update::{Kept, SEED};
 
@@ -112,6 +116,28 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
     /// Copies the front at a point from `from`.
     pub(super) fn copy_point(&mut self, from: &Self, point: usize) {
         self.set(point, from.at(point));
+    }
+
+    /// Lets all copies of each point of a glued surface take the earliest front of theirs. Calls `changed` with
+    /// each point whose front changes, and the fronts there before and after. Returns the largest change.
+    pub(super) fn exchange(
+        &mut self,
+        renews: bool,
+        mut changed: impl FnMut((usize, usize), [Kept<R, K::Carried>; 2]),
+    ) -> R::Bits {
+        let (mut largest, edges) = (R::Bits::default(), self.edges.clone());
+        for group in edges.copies().into_iter().flat_map(Groups::iter) {
+            let first = earliest::<R, K>(group, |point| self.at(point));
+            let Some(first) = first else { continue };
+            for point in group.iter().map(|&point| point as usize) {
+                let before = self.at(point);
+                let Some(after) = after_arrival::<R, K>(first, before, renews) else { continue };
+                self.set(point, after);
+                largest = largest.max(K::change(before, after));
+                changed(edges.chart().bordered_position(point), [before, after]);
+            }
+        }
+        largest
     }
 
     /// Takes the earliest of the fronts that four scans have left at a point, and returns the change. `copies`

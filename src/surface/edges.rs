@@ -244,6 +244,16 @@ impl<R: Real> EdgeLengths<R> {
         }
     }
 
+    /// Writes the lengths stored at the points of some rows, in the layout of [`Surface::write_edges`].
+    pub(crate) fn write_texels(&self, rows: Range<usize>, texels: &mut [[R; 4]]) {
+        let (chart, planes) = (self.chart(), self.planes());
+        for (line, texels) in rows.zip(texels.chunks_exact_mut(chart.cols)) {
+            for (col, texel) in texels.iter_mut().enumerate() {
+                *texel = planes.map(|plane| plane[chart.bordered(line, col)]);
+            }
+        }
+    }
+
     /// Returns the slowness at each point of the bordered array, or `None` if it is the same everywhere. The
     /// length of an edge on the surface is the stored length divided by the mean slowness of its ends. The
     /// value is 1 where there is no point.

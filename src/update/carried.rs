@@ -31,7 +31,7 @@ pub(crate) const SEED: u8 = 0;
 pub(crate) const EXACT: u8 = crate::constants::EXACT as u8;
 
 /// Scan number of fronts that come from another copy of their point, on glued surfaces.
-pub(crate) const EXCHANGED: u8 = 7;
+pub(crate) const EXCHANGED: u8 = crate::constants::EXCHANGED as u8;
 
 /// Returns the scan number that stands for a seed.
 pub(crate) fn tag_of(seed: &Seed) -> u8 {

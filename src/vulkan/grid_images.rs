@@ -7,6 +7,7 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 
 use super::anchors::ANCHOR_BYTES;
+use super::copies::Copies;
 use super::device::bands::{
     bands, distance_bytes, frame_bytes, source_bytes, staged_bytes, transfer_bytes, upload_bytes,
 };
@@ -20,7 +21,7 @@ use super::schedules::progress::Record;
 use super::upload::SOURCE_BYTES;
 use super::{TexelChart, Tuning, VulkanError};
 use crate::constants::LAYERS;
-use crate::surface::Chart;
+use crate::surface::{Chart, Groups};
 
 /// Numbers that are kept for a tile.
 pub(crate) const TILE_WORDS: usize = 6;
@@ -95,6 +96,8 @@ pub(crate) struct GridImages {
     /// Whether anchors have been written.
     has_anchors: bool,
     pub(crate) sets: GridSets,
+    /// Copies of points, if the surface is glued.
+    pub(crate) copies: Option<Copies>,
 }
 
 impl GridImages {
@@ -175,7 +178,22 @@ impl GridImages {
             staging: staging.try_into().ok(),
             has_anchors: false,
             sets,
+            copies: None,
         })
+    }
+
+    /// Allocates what the maps of a glued surface need in addition. `groups` are [`crate::Surface::copies`].
+    pub(crate) fn glue(
+        &mut self,
+        device: &ash::Device,
+        allocator: &mut dyn DeviceMemory,
+        pipelines: &Pipelines,
+        groups: &Groups,
+    ) -> Result<(), VulkanError> {
+        let of_grid = (&self.sets, self.fronts.each_ref(), &self.progress);
+        let copies = Copies::new(device, allocator, pipelines, (self.chart, groups), of_grid)?;
+        self.copies = Some(copies);
+        Ok(())
     }
 
     /// Returns the bytes that [`GridImages::new`] would take from the allocator.
@@ -300,10 +318,14 @@ impl GridImages {
         images.map(|image| image.bytes()).sum::<u64>()
             + buffers.iter().map(|buffer| buffer.bytes()).sum::<u64>()
             + self.staging.iter().flatten().map(Staging::bytes).sum::<u64>()
+            + self.copies.as_ref().map_or(0, Copies::bytes)
     }
 
     /// Frees everything. No submitted work may still use it.
     pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
+        if let Some(copies) = &mut self.copies {
+            copies.destroy(device, allocator);
+        }
         self.sets.destroy(device);
         let [fronts0, fronts1] = &mut self.fronts;
         let images = [&mut self.edges, &mut self.gaussian, fronts0, fronts1];

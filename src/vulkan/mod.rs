@@ -13,6 +13,7 @@
 //! allocator. [`requirements`] lists what a device must offer: Vulkan 1.1, and no extension or feature.
 
 mod anchors;
+pub(crate) mod copies;
 pub(crate) mod device;
 pub mod embed;
 mod error;
@@ -34,7 +35,6 @@ pub use device::requirements;
 pub use device::tile_lanes::TileLanes;
 pub use device::validation::ValidationLog;
 pub use error::VulkanError;
-pub(crate) use headless::check_open;
 pub use headless::{DeviceCeilings, HeadlessSolution, HeadlessSolver, SurfaceOnDevice};
 pub use pairwise::{PairwiseOnDevice, PairwiseSchedule};
 pub use schedules::method::Method;

@@ -4,6 +4,7 @@
 
 pub mod bounds;
 mod cases;
+pub mod closed;
 mod devices;
 mod irregular;
 pub mod sheets;

@@ -5,18 +5,9 @@ use std::f64::consts::{PI, TAU};
 use geosweep::geometry::{Curve, PathTracer, contours, join_over_seams};
 use geosweep::glam::DVec3;
 use geosweep::surface::{EdgeLengths, Gluing, GluingError, GridSide, Run, Seam, SurfaceError};
-use geosweep::{
-    Engine, Options, Sources, Spacing, Surface, Wavefront, distance_map, distance_map_f64,
-};
+use geosweep::{Engine, Options, Sources, Surface, Wavefront, distance_map, distance_map_f64};
 
-fn grid(rows: usize, cols: usize, at: impl Fn(usize, usize) -> DVec3) -> Surface {
-    let points = (0..rows * cols).map(|index| at(index / cols, index % cols)).collect();
-    Surface::from_positions(rows, cols, points).unwrap()
-}
-
-fn flat(rows: usize, cols: usize) -> Surface {
-    Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
-}
+use crate::common::closed::*;
 
 fn curved() -> Options {
     Options::default().with_engine(Engine::Cpu).with_wavefront(Wavefront::Curved)
@@ -65,16 +56,6 @@ fn errors(
     Errors { mean, on_seams, largest, iterations }
 }
 
-/// Returns a cylinder of radius 1 with square cells.
-fn tube(rows: usize, cols: usize) -> Surface {
-    let step = TAU / (cols - 1) as f64;
-    let cylinder = grid(rows, cols, |row, col| {
-        let angle = step * (col % (cols - 1)) as f64;
-        DVec3::new(angle.cos(), angle.sin(), step * row as f64)
-    });
-    cylinder.with_gluing(Gluing::columns()).unwrap()
-}
-
 #[test]
 fn unrolled_surfaces_are_exact_up_to_rounding() {
     let (rows, cols) = (61, 97);
@@ -113,16 +94,6 @@ fn sphere_errors(name: &str, surface: &Surface, source: [usize; 2]) -> Errors {
     errors(&format!("{name} from {source:?}"), surface, source.map(|at| at as f64), exact, away)
 }
 
-/// Returns a sphere by latitudes and longitudes.
-fn globe(rows: usize, cols: usize) -> Surface {
-    let sphere = grid(rows, cols, |row, col| {
-        let (polar, angle) =
-            (PI * row as f64 / (rows - 1) as f64, TAU * col as f64 / (cols - 1) as f64);
-        DVec3::new(polar.sin() * angle.cos(), polar.sin() * angle.sin(), polar.cos())
-    });
-    sphere.with_gluing(Gluing::globe()).unwrap()
-}
-
 #[test]
 fn a_globe_is_whole_across_its_poles_and_its_date_line() {
     let globe = globe(101, 201);
@@ -133,18 +104,6 @@ fn a_globe_is_whole_across_its_poles_and_its_date_line() {
     }
 }
 
-fn octahedral(half: usize) -> Surface {
-    let side = 2 * half + 1;
-    let map = grid(side, side, |row, col| {
-        let [v, u] = [row, col].map(|k| k as f64 / half as f64 - 1.0);
-        let z = 1.0 - u.abs() - v.abs();
-        let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
-        let folded = DVec3::new((1.0 - v.abs()) * sign(u), (1.0 - u.abs()) * sign(v), z);
-        (if z < 0.0 { folded } else { DVec3::new(u, v, z) }).normalize()
-    });
-    map.with_gluing(Gluing::Octahedral).unwrap()
-}
-
 #[test]
 fn an_octahedral_map_is_a_whole_sphere() {
     let sphere = octahedral(60);
@@ -153,29 +112,6 @@ fn an_octahedral_map_is_a_whole_sphere() {
         assert!(found.mean < 4.5e-5 && found.largest < 1e-3 && found.iterations <= 16);
         assert!(found.on_seams < 4.0 * found.mean + 1e-6);
     }
-}
-
-/// Returns the six faces of a cube on the sphere, 2 x 3, with lines of holes between them.
-fn cube(side: usize) -> Surface {
-    let block = side + 1;
-    let sphere = grid(2 * block - 1, 3 * block - 1, |row, col| {
-        let (face, row, col) = (row / block * 3 + col / block, row % block, col % block);
-        if row == side || col == side {
-            return DVec3::NAN;
-        }
-        let [v, u] =
-            [row, col].map(|k| (PI / 4.0 * (2.0 * k as f64 / (side - 1) as f64 - 1.0)).tan());
-        let place = match face {
-            0 => [1.0, u, v],
-            1 => [-1.0, -u, v],
-            2 => [-u, 1.0, v],
-            3 => [u, -1.0, v],
-            4 => [u, v, 1.0],
-            _ => [u, -v, -1.0],
-        };
-        DVec3::from_array(place).normalize()
-    });
-    sphere.with_gluing(Gluing::Charts).unwrap()
 }
 
 #[test]

@@ -16,6 +16,7 @@ mod estimate;
 #[cfg(feature = "formats")]
 mod formats;
 mod gdal;
+mod geodetic;
 mod log_map_on_bumps;
 mod offset;
 mod origins;

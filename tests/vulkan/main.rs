@@ -2,6 +2,7 @@
 
 mod anchored;
 mod bounds;
+mod closed;
 #[path = "../common/mod.rs"]
 mod common;
 mod embed;

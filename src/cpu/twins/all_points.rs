@@ -23,6 +23,7 @@ pub fn all_points<R: Real>(
 fn solve<R: Real, K: PointKind<R>>(mut old: PointFronts<R, K>, stop: Stop) -> Solution<R> {
     let chart = old.edges.chart();
     let scans = behind(chart);
+    old.exchange(false, |_, _| ());
     let mut new = old.clone();
     let mut progress = Progress::new(stop);
     loop {
@@ -35,6 +36,7 @@ fn solve<R: Real, K: PointKind<R>>(mut old: PointFronts<R, K>, stop: Stop) -> So
                 }
                 change = change.max(new.change_from(&old, point));
             }
+            change = change.max(new.exchange(renews, |_, _| ()));
             old.clone_from(&new);
         }
         if progress.is_done::<R>(change) {

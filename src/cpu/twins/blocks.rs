@@ -65,6 +65,7 @@ fn solve<R: Real, K: PointKind<R>>(
     for seed in seeds {
         due.changed((seed.row, seed.col), None);
     }
+    fronts.exchange(false, |place, _| due.changed(place, None));
     let phases = order.phases(chart, lines);
     loop {
         let (mut change, renews) = (R::Bits::default(), progress.renews());
@@ -97,6 +98,7 @@ fn solve<R: Real, K: PointKind<R>>(
                 }
             }
             due.end_phase();
+            change = change.max(fronts.exchange(renews, |place, _| due.changed(place, None)));
         }
         if let Some(visits) = &mut visits {
             visits.push(visited);
@@ -132,8 +134,8 @@ impl Due {
         }
     }
 
-    /// Records that a point, given by row and column, has changed. `by` is what changed it, or `None` before
-    /// the first iteration. The scan that changed it need not visit the block again for it.
+    /// Records that a point, given by row and column, has changed. `by` is the part that changed it, or `None` for
+    /// a seed or an exchange between copies. The scan that changed it need not visit the block again for it.
     fn changed(&mut self, (row, col): (usize, usize), by: Option<&Part>) {
         for (scan, order) in Scan::ALL.into_iter().enumerate() {
             let texel = order.lines().place(row, col).0 / 2;

@@ -4,6 +4,7 @@ use super::behind;
 use crate::Stop;
 use crate::cpu::fronts::{PointKind, for_kind};
 use crate::cpu::point_fronts::PointFronts;
+use crate::cpu::scan::Scan;
 use crate::cpu::{Progress, Solution};
 use crate::surface::{EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
@@ -56,6 +57,7 @@ pub(super) fn scan<R: Real, K: PointKind<R>>(
     let chart = fronts.edges.chart();
     let (rows, cols) = (chart.rows, chart.cols);
     let behind = behind(chart);
+    fronts.exchange(false, |_, _| ());
     let mut progress = Progress::new(stop);
     let ranges = |of: fn(&Seed) -> usize, lines: usize| {
         let places = || seeds.iter().map(of);
@@ -66,17 +68,19 @@ pub(super) fn scan<R: Real, K: PointKind<R>>(
     let whole = [[0..rows, 0..rows], [0..cols, 0..cols]];
     loop {
         let (mut change, renews) = (R::Bits::default(), progress.renews());
-        let mut update = |row: usize, col: usize, scan: u8| {
-            let point = chart.bordered(row, col);
-            let front = fronts.reach(point, &behind[usize::from(scan) - 1]);
-            change = change.max(fronts.accept(point, front, scan, renews));
-        };
         let is_first = progress.iterations == 0;
         let [[down, up], [right, left]] = if outward && is_first { &away } else { &whole }.clone();
-        down.for_each(|row| (0..cols).for_each(|col| update(row, col, 1)));
-        up.rev().for_each(|row| (0..cols).for_each(|col| update(row, col, 2)));
-        right.for_each(|col| (0..rows).for_each(|row| update(row, col, 3)));
-        left.rev().for_each(|col| (0..rows).for_each(|row| update(row, col, 4)));
+        for (scan, lines) in Scan::ALL.into_iter().zip([down, up, right, left]) {
+            for line in scan.in_order(lines) {
+                for along in 0..chart.by(scan.lines()).cols {
+                    let (row, col) = scan.lines().place(line, along);
+                    let point = chart.bordered(row, col);
+                    let front = fronts.reach(point, &behind[usize::from(scan.0) - 1]);
+                    change = change.max(fronts.accept(point, front, scan.0, renews));
+                }
+            }
+            change = change.max(fronts.exchange(renews, |_, _| ()));
+        }
         if progress.is_done::<R>(change) && (progress.is_last() || !fronts.restore(seeds)) {
             return progress;
         }

@@ -109,13 +109,20 @@ struct Tiles<R: Real, K: PointKind<R>> {
     renews: bool,
 }
 
-/// The outcome of a round, or of the visit of a tile.
+/// The outcome of a round, of the visit of a tile, or of an exchange.
 #[derive(Default)]
 struct Visit<B> {
     /// Largest change that another round has to pass on.
     unsettled: B,
     /// Whether a point was reached for the first time.
     reached: bool,
+}
+
+impl<B: Ord + Copy> Visit<B> {
+    fn add(&mut self, other: Self) {
+        self.unsettled = self.unsettled.max(other.unsettled);
+        self.reached |= other.reached;
+    }
 }
 
 impl<R: Real, K: PointKind<R>> Tiles<R, K> {
@@ -156,7 +163,29 @@ impl<R: Real, K: PointKind<R>> Tiles<R, K> {
                 tiles.enlist(tile, time);
             }
         }
+        tiles.exchange(false);
         tiles
+    }
+
+    /// Lets all copies of points of a glued surface take the earliest front of theirs, and enlists the tiles that
+    /// see a change.
+    fn exchange(&mut self, renews: bool) -> Visit<R::Bits> {
+        let mut changes = Vec::new();
+        self.fronts.exchange(renews, |place, fronts| changes.push((place, fronts)));
+        let mut found = Visit::<R::Bits>::default();
+        for (place, [before, after]) in changes {
+            found.reached |= before.time >= R::FAR && after.time < R::FAR;
+            let by = K::change(before, after);
+            if by <= self.tolerance {
+                continue;
+            }
+            found.unsettled = found.unsettled.max(by);
+            let (own, _) = self.tiling.tile_of(place);
+            for tile in self.tiling.beside(place, self.reach).chain([own]) {
+                self.enlist(tile, before.time.min(after.time));
+            }
+        }
+        found
     }
 
     fn enlist(&mut self, tile: (usize, usize), time: R) {
@@ -187,11 +216,10 @@ impl<R: Real, K: PointKind<R>> Tiles<R, K> {
                 continue;
             }
             self.visits += 1;
-            let visit = self.visit(tile, time, &mut after);
-            round.unsettled = round.unsettled.max(visit.unsettled);
-            round.reached |= visit.reached;
+            round.add(self.visit(tile, time, &mut after));
         }
         self.fronts = after;
+        round.add(self.exchange(self.renews));
         round
     }
 

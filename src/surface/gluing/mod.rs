@@ -145,8 +145,7 @@ impl Surface {
     /// copy. Heights and metrics must be equal in the same way. A point of which any copy is a hole becomes a
     /// hole. If the surface has a slowness, copies must have the same.
     ///
-    /// The engine [`Vulkan`](crate::Engine::Vulkan) refuses glued surfaces, and so do functions that follow
-    /// paths or regions on the map; each says so.
+    /// Functions that follow regions on the map refuse glued surfaces, as do matrices on Vulkan; each says so.
     ///
     /// # Errors
     /// [`GluingError`], in [`SurfaceError::Gluing`], if the points do not coincide or the grid does not have

@@ -99,18 +99,16 @@ impl GridSets {
         pipelines: &Pipelines,
         contents: Contents,
     ) -> Result<Self, VulkanError> {
-        let mut new = Self { pool: pool(device)?, ..Self::default() };
+        let [surface, map] = [&set_0::KINDS[..], &set_2::KINDS];
+        let all = [surface, surface, map, map, &set_1::KINDS];
+        let mut new = Self { pool: pool(device, &all)?, ..Self::default() };
         let [surface, map] = [pipelines.surface_set_layout, pipelines.map_set_layout];
         let layouts = [surface, surface, map, map, pipelines.host_set_layout];
-        let info = vk::DescriptorSetAllocateInfo::default()
-            .descriptor_pool(new.pool)
-            .set_layouts(&layouts);
-        // SAFETY: the pool has room for these sets.
-        let sets = match unsafe { device.allocate_descriptor_sets(&info) } {
+        let sets = match allocate(device, new.pool, &layouts) {
             Ok(sets) => sets,
-            Err(result) => {
+            Err(error) => {
                 new.destroy(device);
-                return Err(VulkanError::Call { call: "vkAllocateDescriptorSets", result });
+                return Err(error);
             }
         };
         for writes in 0..2 {
@@ -133,19 +131,89 @@ impl GridSets {
     }
 }
 
-/// Creates a pool with room for the sets of a grid.
-fn pool(device: &ash::Device) -> Result<vk::DescriptorPool, VulkanError> {
+/// Resources of the sets of an exchange between copies of points.
+#[derive(Clone, Copy)]
+pub(crate) struct CopyContents<'a> {
+    /// Sets of the grid, whose sets of maps serve here too.
+    pub(crate) grid: &'a GridSets,
+    pub(crate) fronts: [&'a Image; 2],
+    pub(crate) progress: &'a Buffer,
+    /// List of copies.
+    pub(crate) copies: &'a Buffer,
+}
+
+/// Descriptor sets of the pass that exchanges fronts between the copies of a point. Its list of copies takes the
+/// place of points and seeds, since devices need offer no more than four buffers.
+#[derive(Debug, Default)]
+pub(crate) struct CopySets {
+    /// As [`GridSets::writing`]. The pass also reads and writes tiles in the other image.
+    pub(crate) writing: [Sets; 2],
+    pool: vk::DescriptorPool,
+}
+
+impl CopySets {
+    /// Allocates and fills the sets. [`CopySets::destroy`] must be called before the device is destroyed.
+    pub(crate) fn new(
+        device: &ash::Device,
+        pipelines: &Pipelines,
+        contents: CopyContents,
+    ) -> Result<Self, VulkanError> {
+        let CopyContents { grid, fronts, progress, copies } = contents;
+        let mut new = Self { pool: pool(device, &[&set_0::KINDS[..]; 2])?, ..Self::default() };
+        let sets = match allocate(device, new.pool, &[pipelines.surface_set_layout; 2]) {
+            Ok(sets) => sets,
+            Err(error) => {
+                new.destroy(device);
+                return Err(error);
+            }
+        };
+        for (writes, surface) in sets.into_iter().enumerate() {
+            pipelines.name(["exchanges in fronts 0", "exchanges in fronts 1"][writes], surface);
+            write_image(device, surface, set_0::OLD_FRONTS, fronts[1 - writes]);
+            write_buffer(device, surface, set_0::PROGRESS, progress);
+            write_buffer(device, surface, set_0::COPIES, copies);
+            new.writing[writes] = Sets { surface, ..grid.writing[writes] };
+        }
+        Ok(new)
+    }
+
+    /// Frees the sets. No submitted work may still use them.
+    pub(crate) fn destroy(&mut self, device: &ash::Device) {
+        // SAFETY: the caller has made sure that nothing uses the sets; a null handle is allowed.
+        unsafe { device.destroy_descriptor_pool(std::mem::take(&mut self.pool), None) };
+    }
+}
+
+/// Allocates sets from a pool that has room for them.
+fn allocate(
+    device: &ash::Device,
+    pool: vk::DescriptorPool,
+    layouts: &[vk::DescriptorSetLayout],
+) -> Result<Vec<vk::DescriptorSet>, VulkanError> {
+    let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(layouts);
+    // SAFETY: the caller has made sure that the pool has room for these sets.
+    unsafe { device.allocate_descriptor_sets(&info) }
+        .map_err(VulkanError::from_call("vkAllocateDescriptorSets"))
+}
+
+/// Creates a pool with room for sets, given by the kinds of their descriptors.
+fn pool(
+    device: &ash::Device,
+    sets: &[&[vk::DescriptorType]],
+) -> Result<vk::DescriptorPool, VulkanError> {
     let kinds = [
         vk::DescriptorType::STORAGE_IMAGE,
         vk::DescriptorType::STORAGE_BUFFER,
         vk::DescriptorType::SAMPLED_IMAGE,
     ];
-    let sizes = kinds.map(|kind| {
-        let of_pair = count_of(kind, &set_0::KINDS) + count_of(kind, &set_2::KINDS);
-        let count = 2 * of_pair + count_of(kind, &set_1::KINDS);
+    let size = |kind| {
+        let count = sets.iter().map(|set| count_of(kind, set)).sum();
         vk::DescriptorPoolSize::default().ty(kind).descriptor_count(count)
-    });
-    let info = vk::DescriptorPoolCreateInfo::default().max_sets(5).pool_sizes(&sizes);
+    };
+    let sizes: Vec<_> =
+        kinds.map(size).into_iter().filter(|size| size.descriptor_count > 0).collect();
+    let info =
+        vk::DescriptorPoolCreateInfo::default().max_sets(sets.len() as u32).pool_sizes(&sizes);
     // SAFETY: nothing is borrowed beyond the call.
     unsafe { device.create_descriptor_pool(&info, None) }
         .map_err(VulkanError::from_call("vkCreateDescriptorPool"))

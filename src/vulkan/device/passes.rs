@@ -187,6 +187,7 @@ passes! {
         SCAN_RIGHT: scan, Scans Right;
         SCAN_LEFT: scan, Scans Left;
         ALL_POINTS: all_points;
+        EXCHANGE: exchange;
         TILES: tiles or tiles_points or tiles_shuffled, Tiles;
         CONTOUR_COUNTS: contour_counts;
         CONTOUR_OFFSETS: contour_offsets;

@@ -252,17 +252,6 @@ impl Solver {
         self.pipelines.make_each(device, &wanted)
     }
 
-    /// Creates the pipelines of a schedule and a variant. Unlike the host's methods it can create those of
-    /// anchored fronts.
-    pub(crate) fn make_passes(
-        &mut self,
-        device: &ash::Device,
-        schedule: Schedule,
-        variant: impl Into<Variant>,
-    ) -> Result<(), VulkanError> {
-        self.pipelines.make_all(device, schedule.passes(), variant)
-    }
-
     /// Returns the driver's statistics of the pipelines. The solver must have been made with
     /// [`Tools::executables`].
     ///

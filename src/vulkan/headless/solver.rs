@@ -183,14 +183,18 @@ impl Drop for HeadlessSolver {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::{PI, TAU};
     use std::ffi::CStr;
 
     use ash::vk;
+    use glam::DVec3;
 
     use super::*;
     use crate::Stop;
-    use crate::surface::{Seed, Sources, Spacing, Surface};
+    use crate::surface::{Gluing, Seed, Sources, Spacing, Surface};
     use crate::update::Wavefront;
+    use crate::vulkan::copies;
+    use crate::vulkan::copies::tests::GroupOrder;
     use crate::vulkan::device::barrier::tests::without;
     use crate::vulkan::device::barrier::{Access, CLEAR, COPY, PASS, SHADER, SHADER_WRITE};
     use crate::vulkan::{Method, Schedule};
@@ -291,6 +295,37 @@ mod tests {
                 solver.solve(&mut on_device, &seeds(&surface), method)
             });
             assert!(matches!(result, Err(VulkanError::Validation(_))), "{result:?}");
+        }
+    }
+
+    /// One workgroup exchanges fronts between copies, and reads all of them before it writes any.
+    #[test]
+    fn copies_of_points_can_be_listed_in_any_order() {
+        let ball = |index: usize| {
+            let (polar, angle) =
+                (PI * (index / 61) as f64 / 30.0, TAU * (index % 61 % 60) as f64 / 60.0);
+            DVec3::new(polar.sin() * angle.cos(), polar.sin() * angle.sin(), polar.cos())
+        };
+        let ball = Surface::from_positions(31, 61, (0..31 * 61).map(ball).collect()).unwrap();
+        let ball = ball.with_gluing(Gluing::globe()).unwrap();
+        let seeds = Sources::point(8.0, 1.0).seeds(&ball).unwrap();
+        let mut solver = solver();
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
+            for schedule in Schedule::ALL {
+                let orders = [GroupOrder::AsFound, GroupOrder::Reversed, GroupOrder::Scattered];
+                let [found, reversed, scattered] = orders.map(|order| {
+                    copies::tests::ORDER.set(order);
+                    let on_device = solver.upload(&ball);
+                    copies::tests::ORDER.set(GroupOrder::AsFound);
+                    solver
+                        .solve(&mut on_device.unwrap(), &seeds, method(wavefront, schedule))
+                        .unwrap()
+                });
+                for other in [reversed, scattered] {
+                    assert_eq!(found.distances, other.distances, "{wavefront}, {schedule}");
+                    assert_eq!(found.iterations, other.iterations, "{wavefront}, {schedule}");
+                }
+            }
         }
     }
 

@@ -6,7 +6,7 @@ use super::context::{CommandBuffer, Flight, Submitter, Unwatched};
 use super::surface_on_device::{Start, SurfaceOnDevice};
 use crate::surface::Seed;
 use crate::update::Wavefront;
-use crate::vulkan::device::passes::Variant;
+use crate::vulkan::device::passes::{EXCHANGE, Variant};
 use crate::vulkan::device::staging::copy_in_parallel;
 use crate::vulkan::grid_images::GridImages;
 use crate::vulkan::profile::{Detail, Session, SolveProfile};
@@ -177,9 +177,15 @@ impl HeadlessSolver {
         }
         let count = write_seeds(last, images);
         let places = seeds.iter().map(|seed| (seed.texel[1] as u32, seed.texel[0] as u32));
-        let reached = Reached::around(places).filter(|_| start == Start::Fresh);
-        let most = |left: u32| left.min(schedule.together(texels, portions));
-        let steps = schedule.plan(texels, portions, reached, most(stop.iterations));
+        // Fronts that pass a seam leave the box around their sources.
+        let is_glued = images.copies.is_some();
+        let reached = Reached::around(places).filter(|_| start == Start::Fresh && !is_glued);
+        let plan = |reached: Option<Reached>, left: u32| {
+            let most = left.min(schedule.together(texels, portions));
+            let steps = schedule.plan(texels, portions, reached, most);
+            if is_glued { plan::with_exchanges(steps) } else { steps }
+        };
+        let steps = plan(reached, stop.iterations);
         let parts = plan::parts(&steps, texels, portions.visits);
         for number in 0..parts.len() {
             self.record(submitter, first, images, |recorder| {
@@ -188,6 +194,7 @@ impl HeadlessSolver {
                         begin_map(&recorder);
                     }
                     recorder.seed(count, schedule.follows());
+                    recorder.exchange_seeds(variant, schedule);
                 }
                 record_part(&recorder, variant, &parts, number);
             })?;
@@ -200,7 +207,7 @@ impl HeadlessSolver {
         while !outcome.is_done() && !self.monitor.is_cancelled() {
             // One recording serves all iterations but the last ones, of which fewer may be left.
             let left = stop.iterations - outcome.iterations;
-            let wanted = (variant, schedule.plan(texels, portions, None, most(left)));
+            let wanted = (variant, plan(None, left));
             let parts = plan::parts(&wanted.1, texels, portions.visits);
             // A submitter that watches passes knows only those of the last recording.
             let is_kept = parts.len() == 1 || !submitter.is_watching();
@@ -238,10 +245,13 @@ impl HeadlessSolver {
         schedule: Schedule,
         variant: Variant,
     ) -> Result<(), VulkanError> {
-        if self.for_device.has_passes(schedule, variant) {
+        let exchange = images.copies.is_some().then_some(EXCHANGE.number());
+        let passes: Vec<_> = schedule.passes().iter().copied().chain(exchange).collect();
+        let pipelines = &self.for_device.pipelines;
+        if pipelines.have(&passes, variant) {
             return Ok(());
         }
-        self.for_device.make_passes(&self.context.device, schedule, variant)?;
+        pipelines.make_all(&self.context.device, &passes, variant)?;
         self.run(&mut Unwatched, images, |recorder| recorder.warm_up_map(schedule, variant))
     }
 

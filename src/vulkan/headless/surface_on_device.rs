@@ -59,13 +59,17 @@ impl SurfaceOnDevice {
     ) -> Result<Self, VulkanError> {
         let first = CommandBuffer::new(context)?;
         let slowed = surface.is_slowed_unevenly();
-        let images = GridImages::new(
-            &context.device,
-            &mut context.allocator(),
-            pipelines,
-            (surface.chart(), texels),
-            Purpose::Headless { slowed },
-        )?;
+        let (device, allocator) = (&context.device, &mut *context.allocator());
+        let sizes = (surface.chart(), texels);
+        let purpose = Purpose::Headless { slowed };
+        let mut images = GridImages::new(device, allocator, pipelines, sizes, purpose)?;
+        if let Some(groups) = surface.copies() {
+            let glued = images.glue(device, allocator, pipelines, groups);
+            if let Err(error) = glued {
+                images.destroy(device, allocator);
+                return Err(error);
+            }
+        }
         Ok(Self {
             images,
             anchors: Anchors::of(surface, texels),
@@ -119,8 +123,10 @@ impl SurfaceOnDevice {
         // There was no room for the sources' numbers.
         let wavefront = wavefront.or_curved(Setting::of_engine(false));
         let has_origins = seeds.iter().any(|seed| seed.origin.is_some());
+        // Lines of the chart end at seams.
+        let has_lines = !self.slowed && self.images.copies.is_none();
         let has_numbers =
-            wavefront.is_curved() && self.origins.are_several() && !self.slowed && has_origins;
+            wavefront.is_curved() && self.origins.are_several() && has_lines && has_origins;
         if !has_numbers {
             return Ok((wavefront, curvatures(seeds)));
         }

@@ -15,17 +15,22 @@ impl HeadlessSolver {
     /// them in SIMD lanes.
     ///
     /// # Errors
-    /// If the surface is glued, an edge is too long or too short for single precision, or the grid is too large for the device's
-    /// images or memory.
+    /// If an edge is too long or too short for single precision, or the grid is too large for the device's images
+    /// or memory.
     pub fn upload(&self, surface: &Surface) -> Result<SurfaceOnDevice, VulkanError> {
-        super::check_open(surface)?;
         let chart = surface.chart();
         let texels = self.for_device.limits.texels(chart)?;
         let pipelines = &self.for_device.pipelines;
         let mut on_device = SurfaceOnDevice::new(&self.context, pipelines, surface, texels)?;
         let is_floor = on_device.anchors.is_some();
         let images = &mut on_device.images;
-        let slowed = on_device.slowed;
+        let has_positions = surface.geometry().has_positions();
+        // The device cannot derive these values from edges.
+        let known = match on_device.slowed || !has_positions || surface.is_glued() {
+            true => Some(EdgeLengths::<f32>::new(surface)?),
+            false => None,
+        };
+        let across_seams = known.as_ref().filter(|_| surface.is_glued());
         self.run(&mut Unwatched, images, |recorder| recorder.prepare())?;
         let origin = surface.origin();
         let mut flights = self.flights(images)?;
@@ -35,18 +40,15 @@ impl HeadlessSolver {
             flights[half].wait()?;
             let bytes = &mut images.upload_half(half)[..rows.len() * chart.cols * POINT_BYTES];
             let texels = bytemuck::cast_slice_mut(bytes);
-            on_device.splits |= surface.write_edges(rows.clone(), origin, texels)?;
+            match across_seams {
+                Some(edges) => edges.write_texels(rows.clone(), texels),
+                None => on_device.splits |= surface.write_edges(rows.clone(), origin, texels)?,
+            }
             let flight = &mut flights[half];
             self.start(&mut Unwatched, flight, images, |r| r.upload_edges(rows, half))?;
         }
         flights.iter_mut().try_for_each(Flight::wait)?;
         let rule = surface.edge_rule();
-        let has_positions = surface.geometry().has_positions();
-        // The device cannot derive these values from edges.
-        let known = match slowed || !has_positions {
-            true => Some(EdgeLengths::<f32>::new(surface)?),
-            false => None,
-        };
         if let Some(known) = &known {
             on_device.splits = known.has_obtuse_triangles();
         }
@@ -54,7 +56,8 @@ impl HeadlessSolver {
             self.upload_ground(images, slowness, true)?;
         }
         self.run(&mut Unwatched, images, |recorder| recorder.bend(rule, is_floor))?;
-        if let Some(known) = known.filter(|_| !has_positions && !is_floor) {
+        let is_derived = has_positions && !surface.is_glued();
+        if let Some(known) = known.filter(|_| !is_derived && !is_floor) {
             self.upload_ground(images, known.gaussian_curvature(), false)?;
         }
         self.context.check_validation()?;

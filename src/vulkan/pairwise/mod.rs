@@ -31,6 +31,7 @@ use super::schedules::plan::{Portions, Reached};
 use super::{
     HeadlessSolver, Schedule, SurfaceOnDevice, TexelChart, Tuning, VulkanError, schedules,
 };
+use crate::surface::{GluingError, SurfaceError};
 use crate::update::{Setting, Wavefront};
 use crate::{Convergence, Stop};
 use layout::{BatchLayout, BatchLimits};
@@ -76,8 +77,8 @@ impl HeadlessSolver {
     /// lie in images, whatever `schedule` is.
     ///
     /// # Errors
-    /// If a batch does not fit the device's memory, or if shared memory was requested and a map does not fit
-    /// it.
+    /// If the surface is glued, a batch does not fit the device's memory, or shared memory was requested and a map
+    /// does not fit it.
     ///
     /// # Panics
     /// If another solver has uploaded the surface.
@@ -89,6 +90,10 @@ impl HeadlessSolver {
     ) -> Result<PairwiseOnDevice, VulkanError> {
         let (context, grid) = (&self.context, &surface.images);
         assert!(Arc::ptr_eq(context, &surface.context), "a surface of another solver");
+        if grid.copies.is_some() {
+            let (what, instead) = ("a matrix on Vulkan", "let the CPU compute it");
+            return Err(SurfaceError::from(GluingError::Unsupported { what, instead }).into());
+        }
         let (chart, texels) = (grid.chart, grid.texels);
         let slowed = surface.slowed;
         let wavefront = match wavefront.or_curved(Setting::of_engine(false)) {

@@ -40,6 +40,10 @@ pub enum PassKind {
     Tiles,
     /// Brings all tiles back to one image, and decides whether more rounds follow.
     Settle,
+    /// Exchanges fronts between the copies of points of a glued surface, after a scan or an update of all points.
+    Exchange,
+    /// Exchanges fronts between the copies of points of a glued surface, after a round of tiles.
+    ExchangeOfTiles,
     /// Decides whether another iteration follows.
     Count,
     /// An iteration with its count, if no finer records are requested: [`Grain::Iterations`].
@@ -110,6 +114,8 @@ impl PassKind {
             Self::AllPoints => c"all points",
             Self::Tiles => c"tiles",
             Self::Settle => c"settle",
+            Self::Exchange => c"exchange",
+            Self::ExchangeOfTiles => c"exchange of tiles",
             Self::Count => c"count",
             Self::Iteration => c"iteration",
             Self::Portion => c"portion",
@@ -158,8 +164,8 @@ impl PassKind {
         use PassKind::*;
         match self {
             Forget | Start | Resume | Sources | Surroundings | Seed => Part::Start,
-            Scan(_) | Pair(_) | AllPoints | Count => Part::Iteration,
-            Tiles | Settle => Part::Rounds,
+            Scan(_) | Pair(_) | AllPoints | Exchange | Count => Part::Iteration,
+            Tiles | ExchangeOfTiles | Settle => Part::Rounds,
             Decisions => Part::Notes,
             Prepare | Points | Edges | Curvature | Iteration | Portion | Fans | Workgroups
             | Outcome | Distances | Unpack | Lookup | Contours | Paths | Lift | Regions

@@ -29,6 +29,8 @@ pub(crate) enum Presence {
     Scans(Blocks),
     /// Visits nothing if the map converged before the iteration of the portion.
     Iteration,
+    /// An exchange between copies of points, which moves nothing if the map converged before.
+    Exchange,
     /// The count that ends an iteration. It depends on whether the map converged before, and on whether this
     /// iteration was the last.
     Count,
@@ -76,7 +78,7 @@ pub(crate) fn decided(
     let Some(Decisions { before, after, is_done, rounds, settled, visits }) = decisions else {
         return match presence {
             Presence::Always => record,
-            Presence::Count | Presence::Settle { .. } => {
+            Presence::Count | Presence::Exchange | Presence::Settle { .. } => {
                 PassRecord { work: Work::default(), ..record }
             }
             _ => PassRecord { groups: None, work: Work::default(), ..record },
@@ -94,8 +96,10 @@ pub(crate) fn decided(
         Presence::Iteration if is_beyond => {
             PassRecord { groups: Some([0, 1, 1]), work: record.work.none(), ..record }
         }
-        Presence::Count if is_beyond => PassRecord { work: record.work.none(), ..record },
-        Presence::Always | Presence::Iteration | Presence::Count => record,
+        Presence::Count | Presence::Exchange if is_beyond => {
+            PassRecord { work: record.work.none(), ..record }
+        }
+        Presence::Always | Presence::Iteration | Presence::Exchange | Presence::Count => record,
         Presence::Scans(blocks) => blocks.visited(record, visits).unwrap_or(PassRecord {
             groups: None,
             work: Work::default(),
@@ -141,11 +145,19 @@ pub(crate) struct StepCounter {
     pub(crate) iteration: u32,
     /// Number of dispatches of scans so far.
     pub(crate) scans: u32,
+    /// Bytes that an exchange between copies of points reads and writes.
+    exchanged: [u64; 2],
 }
 
 impl StepCounter {
     pub(crate) fn new(texels: TexelChart, tuning: Tuning, curved: bool) -> Self {
-        Self { texels, tuning: tuning.on_grid(texels), curved, iteration: 0, scans: 0 }
+        let tuning = tuning.on_grid(texels);
+        Self { texels, tuning, curved, iteration: 0, scans: 0, exchanged: [0; 2] }
+    }
+
+    /// Returns the counter for a glued surface, of which an exchange reads and writes these bytes.
+    pub(crate) fn exchanging(self, bytes: Option<[u64; 2]>) -> Self {
+        Self { exchanged: bytes.unwrap_or(self.exchanged), ..self }
     }
 
     /// Returns the record of a pass in the current iteration.
@@ -156,6 +168,20 @@ impl StepCounter {
     /// Returns the texels of the grid.
     pub(crate) fn everywhere(&self) -> Area {
         Area::new(self.texels.inner_rows(), self.texels.inner_cols())
+    }
+
+    /// Returns the record of an exchange, after a scan, an update or a round of tiles.
+    pub(crate) fn exchange(&self, next_round: Option<u32>) -> (PassRecord, Presence) {
+        let [read, written] = self.exchanged;
+        let (groups, work) = (Some([1; 3]), Work::of_bytes(read, written));
+        let record = match next_round {
+            Some(round) => PassRecord {
+                iteration: Some(round - 1),
+                ..PassRecord::new(PassKind::ExchangeOfTiles)
+            },
+            None => self.inside(PassKind::Exchange),
+        };
+        (PassRecord { groups, work, ..record }, Presence::Exchange)
     }
 
     /// Returns the record of the count that ends an iteration.

@@ -26,6 +26,7 @@ use crate::vulkan::upload::SEED_BYTES;
 /// | surroundings | four numbers a source, and 100 texels around it as a scan does | ten numbers a texel |
 /// | seed | ten numbers a texel, and both layers of its fronts | its fronts; in a batch all texels' fronts |
 /// | scans, all points, tiles | a texel's times, 16 lengths and *curvatures* | times, curved fronts' curvature |
+/// | exchange | both layers of each copy's texel, and of each texel with copies | both layers of these texels |
 /// | settle | one number a tile, and both layers of the texels that are brought back | the same |
 /// | count, before the map is done | seven numbers of the progress | five; two more if it is done now |
 /// | count, afterwards | one number | |

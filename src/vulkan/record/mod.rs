@@ -2,6 +2,7 @@
 //! with a barrier after which the next function may be recorded. None submits or waits.
 
 mod commands;
+mod exchange;
 mod map;
 mod recorder;
 mod surface;

@@ -13,9 +13,10 @@ mod tiles;
 
 use ash::vk;
 
+use super::copies::Copies;
 use super::device::barrier::MOST_TOGETHER;
 use super::device::barrier::{CLEAR, COPY, PASS, PASS_AND_HOST, TRANSFER};
-use super::device::passes::{COUNT, SEED, SETTLE, Variant};
+use super::device::passes::{COUNT, EXCHANGE, SEED, SETTLE, Variant};
 use super::grid_images::TILE_WORDS;
 use super::profile::{
     self, Grain, PassKind, PassRecord, Presence, Profile, Scope, StepCounter, Work,
@@ -96,13 +97,13 @@ impl Schedule {
     }
 }
 
-/// Returns the schedule to which a step belongs; `None` for a count, which several schedules use.
+/// Returns the schedule to which a step belongs; `None` for those that several schedules use.
 fn order_of(step: &Step) -> Option<&'static dyn Order> {
     match step {
         Step::Scan(_) => Some(&raster::Raster),
         Step::AllPoints { .. } => Some(&all_points::AllPoints),
         Step::Tiles { .. } | Step::Settle { .. } => Some(&tiles::Tiles),
-        Step::Count => None,
+        Step::Exchange { .. } | Step::Count => None,
     }
 }
 
@@ -110,7 +111,18 @@ impl Steps<'_, '_> {
     fn run(&mut self, step: &Step) {
         match order_of(step) {
             Some(order) => order.record(self, step),
-            None => {
+            None => self.run_shared(step),
+        }
+    }
+
+    /// Records a step that several schedules use.
+    fn run_shared(&mut self, step: &Step) {
+        match *step {
+            Step::Exchange { image, next_round } => {
+                self.recorder.exchange(self.variant, image, next_round);
+                self.bound = None;
+            }
+            _ => {
                 let halves = halves_of(self.recorder.grid.texels, self.recorder.pipelines.tuning);
                 self.dispatch(COUNT.pass(), 0, &halves, Groups::line(1));
             }
@@ -151,9 +163,10 @@ impl Recorder<'_> {
     /// dispatch.
     pub(crate) fn warm_up_map(&self, schedule: Schedule, variant: Variant) {
         let of_schedule = schedule.passes().iter().copied();
-        let passes = of_schedule.chain([SEED.number(), COUNT.number(), SETTLE.number()]);
-        for number in passes {
-            let sets = self.grid.sets.writing[0];
+        let shared = [SEED.number(), COUNT.number(), SETTLE.number()];
+        let exchange = self.grid.copies.as_ref().map(|copies| (EXCHANGE.number(), copies.sets(0)));
+        let of_grid = of_schedule.chain(shared).map(|number| (number, self.grid.sets.writing[0]));
+        for (number, sets) in of_grid.chain(exchange) {
             if let Some((pipeline, layout)) = self.pipelines.numbered(number, variant) {
                 self.warm_up(pipeline, layout, sets);
             }
@@ -172,7 +185,8 @@ impl Recorder<'_> {
         let mut open: Option<Scope> = None;
         let (texels, tuning) = (self.grid.texels, self.pipelines.tuning);
         let carries = variant.wavefront.has_two_layers();
-        let mut counter = StepCounter::new(texels, tuning, carries);
+        let exchanged = self.grid.copies.as_ref().map(Copies::bytes_moved);
+        let mut counter = StepCounter::new(texels, tuning, carries).exchanging(exchanged);
         let notes = self.visits_noted(steps);
         let visits = u64::from(notes.div_ceil(32)) * size_of::<u32>() as u64;
         self.decided_before(visits);
@@ -276,7 +290,10 @@ impl Recorder<'_> {
 pub(super) fn account(counter: &mut StepCounter, step: &Step) -> (PassRecord, Presence) {
     match order_of(step) {
         Some(order) => order.account(counter, step),
-        None => counter.count(),
+        None => match *step {
+            Step::Exchange { next_round, .. } => counter.exchange(next_round),
+            _ => counter.count(),
+        },
     }
 }
 
@@ -291,8 +308,10 @@ pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
             Grain::Scans => matches!(&pair[1], Step::Scan(after) if before.goes_with(after)),
             Grain::Blocks => false,
         },
-        Step::AllPoints { .. } => matches!(grain, Grain::Iterations | Grain::Portions),
-        Step::Tiles { .. } | Step::Settle { .. } | Step::Count => false,
+        Step::AllPoints { .. } | Step::Exchange { next_round: None, .. } => {
+            matches!(grain, Grain::Iterations | Grain::Portions)
+        }
+        Step::Tiles { .. } | Step::Settle { .. } | Step::Exchange { .. } | Step::Count => false,
     });
     (steps.len() - merged.count()) as u32
 }

@@ -165,6 +165,13 @@ pub enum Step {
         /// Number of rounds in the recording.
         rounds: u32,
     },
+    /// Lets all copies of each point of a glued surface take the earliest front of theirs.
+    Exchange {
+        /// Number of the image of fronts that was written last. After a round of tiles it is 0.
+        image: usize,
+        /// Number of the round of tiles that follows in the recording, after a round.
+        next_round: Option<u32>,
+    },
     /// Decides whether another iteration follows.
     Count,
 }
@@ -179,6 +186,42 @@ impl Step {
 /// Returns the steps that run at the same time, in the order of the plan. A barrier follows each group.
 pub(in crate::vulkan) fn at_once(steps: &[Step]) -> impl Iterator<Item = &[Step]> {
     steps.chunk_by(|step, _| step.is_beside_next())
+}
+
+/// Returns the steps of a map of a glued surface: after each scan, or each phase of a pair of scans, each update
+/// of all points and each round of tiles, fronts pass seams. Scans must have no bounds, which hold for
+/// fronts on one side of a seam only.
+///
+/// ```
+/// use geosweep::Wavefront;
+/// use geosweep::surface::Chart;
+/// use geosweep::vulkan::{Schedule, TexelChart, Tuning, plan};
+/// let texels = TexelChart::new(Chart { rows: 200, cols: 200 }).unwrap();
+/// let portions = Tuning::ON_CPU.portions(Wavefront::Planar, texels);
+/// let steps = plan::with_exchanges(Schedule::Raster.plan(texels, portions, None, 1));
+/// let exchanges = steps.iter().filter(|step| matches!(step, plan::Step::Exchange { .. }));
+/// assert_eq!(exchanges.count(), 4);
+/// ```
+pub fn with_exchanges(steps: Vec<Step>) -> Vec<Step> {
+    let mut all = Vec::with_capacity(steps.len() + steps.len() / 2);
+    let mut steps = steps.into_iter().peekable();
+    while let Some(step) = steps.next() {
+        let exchange = match (&step, steps.peek()) {
+            // Scans, or phases of pairs, write the two images in turns.
+            (Step::Scan(pass), Some(Step::Scan(next))) if pass.writes == next.writes => None,
+            (&Step::Scan(ScanPass { writes: image, .. }), _)
+            | (&Step::AllPoints { writes: image }, _) => {
+                Some(Step::Exchange { image, next_round: None })
+            }
+            (Step::Tiles { round }, _) => {
+                Some(Step::Exchange { image: 0, next_round: Some(round + 1) })
+            }
+            (Step::Settle { .. } | Step::Exchange { .. } | Step::Count, _) => None,
+        };
+        all.push(step);
+        all.extend(exchange);
+    }
+    all
 }
 
 /// Rectangle of texels outside which no point has been reached.
@@ -264,7 +307,7 @@ pub fn parts(steps: &[Step], texels: TexelChart, visits: u64) -> Vec<&[Step]> {
     let visits_of = |step: &Step| match step {
         Step::Scan(pass) => pass.visits(),
         Step::AllPoints { .. } => texels.all(),
-        Step::Tiles { .. } | Step::Settle { .. } | Step::Count => 0,
+        Step::Tiles { .. } | Step::Settle { .. } | Step::Exchange { .. } | Step::Count => 0,
     };
     if steps.iter().map(visits_of).sum::<u64>() <= visits {
         return vec![steps];
@@ -349,6 +392,34 @@ mod tests {
         // Eight blocks are four steps in each phase of both pairs.
         assert_eq!(parts, [vec![2; 15], vec![3]].concat());
         assert_eq!(at_once(&steps).count(), 16 + 1);
+    }
+
+    /// Eight rows of texels are two blocks, and so are the columns. Scans of a pair have two phases.
+    #[test]
+    fn fronts_pass_seams_after_each_scan_phase_update_and_round() {
+        let texels = texels(16);
+        let exchanges = |schedule: Schedule, pairs: bool| {
+            let portions =
+                Portions { pairs, across: 0, ..TUNING.portions(Wavefront::Planar, texels) };
+            let steps = with_exchanges(schedule.plan(texels, portions, None, 2));
+            let place = |(place, step): (usize, &Step)| match *step {
+                Step::Exchange { image, next_round } => Some((place, image, next_round)),
+                _ => None,
+            };
+            let found: Vec<_> = steps.iter().enumerate().filter_map(place).collect();
+            (steps.len(), found)
+        };
+        let of_scans = |exchanges: [usize; 8]| {
+            let images = exchanges.into_iter().zip([1, 0].into_iter().cycle());
+            images.map(|(place, image)| (place, image, None)).collect::<Vec<_>>()
+        };
+        let scans = of_scans([2, 5, 8, 11, 15, 18, 21, 24]);
+        for pairs in [false, true] {
+            assert_eq!(exchanges(Schedule::Raster, pairs), (2 * 13, scans.clone()));
+        }
+        let updates = (2 * 5, vec![(1, 1, None), (3, 0, None), (6, 1, None), (8, 0, None)]);
+        assert_eq!(exchanges(Schedule::AllPoints, false), updates);
+        assert_eq!(exchanges(Schedule::Tiles, false), (5, vec![(1, 0, Some(1)), (3, 0, Some(2))]));
     }
 
     #[test]

@@ -48,7 +48,7 @@ pub struct SurfaceArgs {
     #[arg(long, value_parser = one_of(&EDGE_RULES), help_heading = "Surface")]
     edges: Option<EdgeRule>,
     /// Sides of the grid that are glued, since they are the same line of a closed surface. Both must hold its
-    /// points. Distances then pass from one side to the other (CPU only)
+    /// points. Distances then pass from one side to the other
     #[arg(long, value_name = "SIDES", help_heading = "Surface")]
     glue: Option<Glue>,
 }

@@ -51,7 +51,11 @@ fn glued_sides_have_one_distance() {
         assert!(!output.status.success() && stderr(&output).contains(part), "{}", stderr(&output));
         assert!(stderr(&output).contains(&format!("--glue {way}: ")), "{}", stderr(&output));
     }
-    let output =
-        run(&bench, &format!("distance {tube} -s 4,0 --glue columns --engine vulkan --json"));
-    assert!(!output.status.success() && stderr(&output).contains("seams"), "{}", stderr(&output));
+    let words = "-s 4,0 --glue columns --engine vulkan --json -o device.npy";
+    let output = run(&bench, &format!("distance {tube} {words}"));
+    assert_eq!((json(&output)["engine"].as_str(), notes(&output)), (Some("vulkan"), "".into()));
+    let on_device = self::map(&bench.output("device.npy"));
+    for (on_device, on_cpu) in on_device.iter().zip(&map) {
+        assert!((on_device - on_cpu).abs() <= 1e-6 * on_cpu, "{on_device} {on_cpu}");
+    }
 }

@@ -1,0 +1,201 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Lets all copies of a point of a glued surface take the earliest front of theirs. It follows the seeds, each scan,
+// each update of all points and each round of tiles.
+//
+// A single workgroup is dispatched, since its invocations wait for each other: all fronts are read before any
+// is written. First, each invocation finds the earliest front of some parts of groups. A pole has many copies,
+// so that its group has many parts. Then each invocation writes some texels. Copies of several points may lie
+// in one texel.
+// Twin: src/cpu/exchange.rs. The buffer is written by src/vulkan/copies.rs.
+
+#include "shared/constants.glsl"
+#include "shared/chart.glsl"
+#include "update/wavefront.glsl"
+#include "shared/progress.glsl"
+#include "passes/tiles.glsl"
+#include "passes/blocks.glsl"
+
+// Whether obtuse triangles are split; see splits.glsl.
+layout(constant_id = 6) const int SPLITS = 1;
+
+layout(local_size_x = EXCHANGE_WORKGROUP) in;
+
+// The image that was written last. After a round of tiles it is image 0, and some tiles have their fronts in the
+// other one.
+layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray new_fronts;
+layout(set = 0, binding = 2, rgba32f) uniform restrict image2DArray old_fronts;
+
+layout(set = 0, binding = 3) restrict coherent buffer Copies {
+    // For each part of a group its first member, and the number of members at the end. Then for each member
+    // its point, as column + 65536 row. Then for each group its first part, and the number of parts at the
+    // end. Then for each texel with copies COPY_TEXEL_WORDS words: the texel, in the same way, and the group
+    // of each of its points, counted from 1, or 0. Then for each part its earliest front: time and carried
+    // value.
+    uint copies[];
+};
+
+layout(push_constant) uniform Push {
+    ivec2 texels; // columns and rows of texels, without the border
+    int parts;
+    int members;
+    int groups;
+    int copy_texels; // number of texels with copies
+    int next_round;  // number of the round of tiles that follows, or NO_ROUND
+};
+
+const int NO_ROUND = -1;
+
+int first_group() {
+    return parts + 1 + members;
+}
+
+int copy_texel_at(int index) {
+    return first_group() + groups + 1 + COPY_TEXEL_WORDS * index;
+}
+
+int earliest_at(int part) {
+    return copy_texel_at(copy_texels) + 2 * part;
+}
+
+ivec2 unpacked(uint word) {
+    return ivec2(word & 0xffffu, word >> 16);
+}
+
+// Returns whether the fronts of a texel lie in old_fronts.
+bool is_in_old(ivec2 texel) {
+    if (next_round == NO_ROUND) return false;
+    ivec2 tile_grid = tiles_of(texels);
+    return (tiles[row_major(tile_with(texel, tile_grid), tile_grid.x)] & 1u) != 0u;
+}
+
+void load(ivec2 texel, out vec4 time, out vec4 held) {
+    held = vec4(0.0);
+    if (is_in_old(texel)) {
+        time = imageLoad(old_fronts, ivec3(texel, TIME));
+        if (CARRIES) held = imageLoad(old_fronts, ivec3(texel, CARRIED));
+    } else {
+        time = imageLoad(new_fronts, ivec3(texel, TIME));
+        if (CARRIES) held = imageLoad(new_fronts, ivec3(texel, CARRIED));
+    }
+}
+
+void store(ivec2 texel, vec4 time, vec4 held) {
+    if (is_in_old(texel)) {
+        imageStore(old_fronts, ivec3(texel, TIME), time);
+        if (CARRIES) imageStore(old_fronts, ivec3(texel, CARRIED), held);
+    } else {
+        imageStore(new_fronts, ivec3(texel, TIME), time);
+        if (CARRIES) imageStore(new_fronts, ivec3(texel, CARRIED), held);
+    }
+}
+
+// Finds the earliest front that a scan has brought to the members of a part of a group. Fronts that an earlier
+// exchange has brought do not count: those from which they were copied may have been renewed since.
+void gather(int part) {
+    bool found = false;
+    float time = FAR;
+    float held = 0.0;
+    uint end = copies[part + 1];
+    for (uint member = copies[part]; member < end; member++) {
+        ivec2 point = unpacked(copies[parts + 1 + int(member)]);
+        vec4 times;
+        vec4 carried;
+        load(texel_of(point), times, carried);
+        int i = component_of(point);
+        if (times[i] >= FAR || scan_of(carried[i]) == uint(EXCHANGED)) continue;
+        take_first(times[i], carried[i], found, time, held);
+    }
+    copies[earliest_at(part)] = floatBitsToUint(time);
+    copies[earliest_at(part) + 1] = floatBitsToUint(held);
+}
+
+// Returns the earliest front of a group; its time is FAR if there is none.
+vec2 earliest_of(int group) {
+    bool found = false;
+    vec2 front = vec2(FAR, 0.0);
+    uint end = copies[first_group() + group + 1];
+    for (uint part = copies[first_group() + group]; part < end; part++) {
+        float time = uintBitsToFloat(copies[earliest_at(int(part))]);
+        float held = uintBitsToFloat(copies[earliest_at(int(part)) + 1]);
+        if (time < FAR) take_first(time, held, found, front.x, front.y);
+    }
+    return front;
+}
+
+// Returns the front at a point after the earliest one of its copies has come.
+vec2 after_arrival(vec2 first, vec2 before) {
+    bool is_own = floatBitsToUint(first) == floatBitsToUint(before);
+    if (first.x >= FAR || is_own) return before;
+    Fronts arrival = Fronts(vec4(first.x), vec4(first.y), bvec4((tag_of(first.y) & uint(WHOLE)) != 0u));
+    uint scan = scan_of(first.y) == uint(EXACT) ? uint(EXACT) : uint(EXCHANGED);
+    vec4 time = vec4(before.x);
+    vec4 held = vec4(before.y);
+    accept(arrival, scan, renews != 0u, time, held);
+    return vec2(time.x, held.x);
+}
+
+// Puts the tiles that see a changed point on the list of the next round.
+void wake_tiles(ivec2 point, float earlier) {
+    const int REACH = SPLITS != 0 ? SPLIT_REACH : 1;
+    ivec2 tile_grid = tiles_of(texels);
+    ivec2 low = tile_with(texel_of(point - REACH), tile_grid);
+    ivec2 high = tile_with(texel_of(point + REACH), tile_grid);
+    for (int row = low.y; row <= high.y; row++) {
+        for (int col = low.x; col <= high.x; col++) {
+            uint tile = uint(row_major(ivec2(col, row), tile_grid.x));
+            enlist(tile, urgency_of(earlier), uint(next_round), uint(tile_grid.x * tile_grid.y));
+        }
+    }
+}
+
+// Records that fronts of a texel have changed. The blocks of lines around it are due, and the tiles around
+// points that have changed by more than the tolerance.
+void note_changes(ivec2 texel, vec4 time_before, vec4 held_before, vec4 time, vec4 held) {
+    if (next_round == NO_ROUND) {
+        ivec2 inner = without_border(texel);
+        atomicMax(residual, change_of(time_before, time, held_before, held));
+        make_both_due(DOWN, inner.y, pitch_of(texels));
+        make_both_due(RIGHT, inner.x, pitch_of(texels));
+        return;
+    }
+    for (int j = 0; j < 4; j++) {
+        uint change = change_of(vec4(time_before[j]), vec4(time[j]), vec4(held_before[j]), vec4(held[j]));
+        if (time_before[j] >= FAR && time[j] < FAR) atomicOr(reached, 1u);
+        if (change <= tolerance) continue;
+        if (next_round > 0) atomicMax(unsettled[next_round - 1], change);
+        wake_tiles(first_point(texel) + to_corner(j), min(time_before[j], time[j]));
+    }
+}
+
+void scatter(int index) {
+    ivec2 texel = unpacked(copies[copy_texel_at(index)]);
+    vec4 time_before;
+    vec4 held_before;
+    load(texel, time_before, held_before);
+    vec4 time = time_before;
+    vec4 held = held_before;
+    for (int j = 0; j < 4; j++) {
+        int group = int(copies[copy_texel_at(index) + 1 + j]) - 1;
+        if (group < 0) continue;
+        vec2 after = after_arrival(earliest_of(group), vec2(time[j], held[j]));
+        time[j] = after.x;
+        held[j] = after.y;
+    }
+    bvec4 stays = equal(floatBitsToUint(time), floatBitsToUint(time_before));
+    if (all(stays) && floatBitsToUint(held) == floatBitsToUint(held_before)) return;
+    store(texel, time, held);
+    note_changes(texel, time_before, held_before, time, held);
+}
+
+void main() {
+    if (done != 0u || (next_round > 0 && rounds[ROUND_WORDS * (next_round - 1) + 3] == 0u)) return;
+    causal = fronts_meet != 0u;
+    holds = fronts_meet != FRONTS_ARE_ADDED;
+    int own = int(gl_LocalInvocationIndex);
+    for (int part = own; part < parts; part += EXCHANGE_WORKGROUP) gather(part);
+    memoryBarrierBuffer();
+    memoryBarrierImage();
+    barrier();
+    for (int index = own; index < copy_texels; index += EXCHANGE_WORKGROUP) scatter(index);
+}

@@ -1,0 +1,350 @@
+//! Grids of latitudes and longitudes on the Earth, as closed surfaces.
+
+use glam::DVec3;
+
+use super::{Gluing, GridSide, Seam, Surface, SurfaceError};
+
+/// Semi-major axis of the WGS84 ellipsoid, in metres.
+const EQUATOR: f64 = 6_378_137.0;
+/// Flattening of the WGS84 ellipsoid.
+const FLATTENING: f64 = 1.0 / 298.257_223_563;
+/// Largest gap between the outermost row and a pole, or between the last column and the first one, in steps
+/// between lines, that one more line closes.
+const LARGEST_GAP: f64 = 1.5;
+/// Part of a step up to which two lines are the same.
+const SAME_LINE: f64 = 1e-3;
+/// A turn round the Earth, and the latitude of a pole, in degrees.
+const TURN: f64 = 360.0;
+const POLE: f64 = 90.0;
+
+/// The reason why latitudes and longitudes are no grid on the Earth.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GeodeticError {
+    /// A latitude lies beyond a pole, or is not a number.
+    #[error("the latitude of row {row} is {degrees}; latitudes lie between -90 and 90 degrees")]
+    Latitude {
+        /// Number of the row.
+        row: usize,
+        /// Its latitude.
+        degrees: f64,
+    },
+    /// Lines do not follow each other in one direction.
+    #[error(
+        "{what} {number} is {degrees} degrees, and the line before is {before}; latitudes and longitudes must \
+         ascend or descend all along, by less than half a turn a line"
+    )]
+    Order {
+        /// Kind of the line.
+        what: &'static str,
+        /// Number of the line.
+        number: usize,
+        /// Its latitude or longitude.
+        degrees: f64,
+        /// The same of the line before.
+        before: f64,
+    },
+    /// The columns go round the Earth more than once.
+    #[error("the columns span {degrees} degrees; give at most a full turn of 360")]
+    Span {
+        /// Difference of the last longitude and the first one.
+        degrees: f64,
+    },
+    /// There are too few lines to know where the grid ends.
+    #[error(
+        "a grid of {rows} x {cols} points on the Earth is too small; give at least four of each"
+    )]
+    TooSmall {
+        /// Number of latitudes.
+        rows: usize,
+        /// Number of longitudes.
+        cols: usize,
+    },
+}
+
+/// A grid of latitudes (rows) and longitudes (columns) on the WGS84 ellipsoid. Its surface is closed where the grid
+/// goes round the Earth: across the line between its last and its first column, and at the poles.
+///
+/// Latitudes ascend or descend. Longitudes ascend or descend from any meridian, up to a full turn: 0 to 360 and -180
+/// to 180 degrees are alike, and a jump by a turn on the way is none. Lines may be unevenly spaced. Where no line
+/// of the grid lies on a pole, or on both sides of the seam, the surface has one line more: with columns from 0 to
+/// 359 degrees, and with values at the middles of cells. [`GeodeticGrid::crop`] takes these lines away from a map.
+///
+/// ```
+/// use geosweep::surface::GeodeticGrid;
+/// use geosweep::{Options, Sources, distance_map_f64};
+/// // Middles of cells of 5 degrees, from north to south.
+/// let latitudes: Vec<_> = (0..36).map(|row| 87.5 - 5.0 * row as f64).collect();
+/// let longitudes: Vec<_> = (0..72).map(|col| 2.5 + 5.0 * col as f64).collect();
+/// let grid = GeodeticGrid::new(&latitudes, &longitudes).unwrap();
+/// let surface = grid.surface(&[0.0; 36 * 72])?;
+/// assert_eq!((surface.rows(), surface.cols()), (38, 73));
+/// // From Quito to the north pole, a quarter of a meridian.
+/// let [row, col] = grid.place([-78.5, 0.0]).unwrap();
+/// let map = distance_map_f64(&surface, &Sources::point(row, col), &Options::default())?;
+/// assert!((map.distance(0, 0) - 10_001_966.0).abs() < 1e4);
+/// assert_eq!(grid.crop(&map.distances).len(), 36 * 72);
+/// # Ok::<(), geosweep::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct GeodeticGrid {
+    /// Latitudes of the surface's rows, in degrees, with the rows that are added.
+    latitudes: Vec<f64>,
+    /// Longitudes of the surface's columns, in degrees, with the column that is added. They have no jumps.
+    longitudes: Vec<f64>,
+    /// Whether a row is added before the first one, and after the last one.
+    has_poles_added: [bool; 2],
+    has_column_added: bool,
+    goes_round: bool,
+}
+
+impl GeodeticGrid {
+    /// Makes a grid of latitudes and longitudes in degrees, one of each row and one of each column.
+    ///
+    /// # Errors
+    /// If a latitude lies beyond a pole, lines do not ascend or descend, the columns span more than a full turn, or
+    /// there are fewer than four rows or columns.
+    pub fn new(latitudes: &[f64], longitudes: &[f64]) -> Result<Self, GeodeticError> {
+        let (rows, cols) = (latitudes.len(), longitudes.len());
+        if rows.min(cols) < 4 {
+            return Err(GeodeticError::TooSmall { rows, cols });
+        }
+        let is_beyond = |degrees: f64| degrees.is_nan() || degrees.abs() > POLE * (1.0 + 1e-9);
+        if let Some(row) = latitudes.iter().position(|&degrees| is_beyond(degrees)) {
+            return Err(GeodeticError::Latitude { row, degrees: latitudes[row] });
+        }
+        let mut longitudes = without_jumps(longitudes);
+        in_order("latitude", latitudes)?;
+        in_order("longitude", &longitudes)?;
+        let span = longitudes[cols - 1] - longitudes[0];
+        let (gap, step) = (TURN - span.abs(), span.abs() / (cols - 1) as f64);
+        if gap < -SAME_LINE * step {
+            return Err(GeodeticError::Span { degrees: span.abs() });
+        }
+        let is_repeated = gap <= SAME_LINE * step;
+        let has_column_added = !is_repeated && gap <= LARGEST_GAP * step;
+        if has_column_added {
+            longitudes.push(longitudes[0] + TURN.copysign(span));
+        }
+        let first = End::of(latitudes[1], latitudes[0]);
+        let last = End::of(latitudes[rows - 2], latitudes[rows - 1]);
+        let given = latitudes.iter().enumerate().map(|(row, &latitude)| match row {
+            0 => first.latitude,
+            _ if row == rows - 1 => last.latitude,
+            _ => latitude,
+        });
+        let latitudes = first.added.into_iter().chain(given).chain(last.added).collect();
+        let has_poles_added = [first, last].map(|end| end.added.is_some());
+        let goes_round = is_repeated || has_column_added;
+        Ok(Self { latitudes, longitudes, has_poles_added, has_column_added, goes_round })
+    }
+
+    /// Makes the surface, in metres from the middle of the Earth. `heights` are those of the given points above the
+    /// ellipsoid, in metres, row-major; NaN marks holes. Heights above sea level differ from them by up to 107 m,
+    /// which changes distances by at most a 60,000th. The height of a pole is the mean of its row, or of the row
+    /// beside it if the pole is added.
+    ///
+    /// # Errors
+    /// If there is not one height for each point, or these points make no surface.
+    pub fn surface(&self, heights: &[f64]) -> Result<Surface, SurfaceError> {
+        let [rows, cols] = self.given();
+        if heights.len() != rows * cols {
+            return Err(SurfaceError::Shape { what: "heights", found: heights.len(), rows, cols });
+        }
+        let mut points = Vec::with_capacity(self.latitudes.len() * self.longitudes.len());
+        for (row, &latitude) in self.latitudes.iter().enumerate() {
+            let before = usize::from(self.has_poles_added[0]);
+            let given = row.saturating_sub(before).min(rows - 1);
+            let of_row = &heights[given * cols..][..cols];
+            let at_pole = (latitude.abs() == POLE).then(|| mean(of_row));
+            for (col, &longitude) in self.longitudes.iter().enumerate() {
+                let height = at_pole.unwrap_or(of_row[col % cols]);
+                points.push(position(longitude, latitude, height));
+            }
+        }
+        let (rows, cols) = (self.latitudes.len(), self.longitudes.len());
+        let surface = Surface::from_positions(rows, cols, points)?;
+        if self.goes_round { surface.with_gluing(self.gluing()) } else { Ok(surface) }
+    }
+
+    /// Returns the seams of a grid that goes round.
+    fn gluing(&self) -> Gluing {
+        let sides = [GridSide::FirstColumn, GridSide::LastColumn];
+        let ends = [GridSide::FirstRow, GridSide::LastRow].into_iter();
+        let latitudes = [self.latitudes.first(), self.latitudes.last()];
+        let at_poles = ends
+            .zip(latitudes)
+            .filter(|(_, latitude)| latitude.is_some_and(|latitude| latitude.abs() == POLE));
+        let poles = at_poles.map(|(side, _)| Seam::Pole { side, exact: true });
+        Gluing::Seams([Seam::Sides { sides, reversed: false }].into_iter().chain(poles).collect())
+    }
+
+    /// Returns the numbers of rows and columns that were given.
+    fn given(&self) -> [usize; 2] {
+        let added = self.has_poles_added.map(usize::from).iter().sum::<usize>();
+        let (rows, cols) = (self.latitudes.len(), self.longitudes.len());
+        [rows - added, cols - usize::from(self.has_column_added)]
+    }
+
+    /// Returns the row and column, which may be fractional, of a place on the surface's grid, given by longitude and
+    /// latitude in degrees. The result is `None` if the place lies outside the grid.
+    pub fn place(&self, [longitude, latitude]: [f64; 2]) -> Option<[f64; 2]> {
+        let (first, last) = (self.longitudes[0], self.longitudes[self.longitudes.len() - 1]);
+        let turns = ((longitude - first.min(last)) / TURN).floor();
+        let col = between(&self.longitudes, longitude - turns * TURN)?;
+        Some([between(&self.latitudes, latitude)?, col])
+    }
+
+    /// Returns the values at the given points, of values at all points of the surface, row-major.
+    ///
+    /// # Panics
+    /// If there is not one value for each point of the surface.
+    pub fn crop<T: Copy>(&self, values: &[T]) -> Vec<T> {
+        let [rows, cols] = self.given();
+        let width = self.longitudes.len();
+        assert_eq!(values.len(), self.latitudes.len() * width, "one value for each point");
+        let lines = values.chunks_exact(width).skip(usize::from(self.has_poles_added[0]));
+        lines.take(rows).flat_map(|line| &line[..cols]).copied().collect()
+    }
+}
+
+/// An end of the rows of a grid.
+#[derive(Clone, Copy)]
+struct End {
+    /// Latitude of the outermost row, exact if it is a pole up to rounding.
+    latitude: f64,
+    /// Latitude of the row that is added beyond it.
+    added: Option<f64>,
+}
+
+impl End {
+    /// Finds the end of rows that is beyond `last`, which follows `before`.
+    fn of(before: f64, last: f64) -> Self {
+        let pole = POLE.copysign(last - before);
+        let (gap, step) = ((pole - last).abs(), (last - before).abs());
+        if gap <= SAME_LINE * step {
+            return Self { latitude: pole, added: None };
+        }
+        Self { latitude: last, added: (gap <= LARGEST_GAP * step).then_some(pole) }
+    }
+}
+
+/// Returns longitudes without jumps by full turns.
+fn without_jumps(longitudes: &[f64]) -> Vec<f64> {
+    let mut before = longitudes[0];
+    let next = |&longitude: &f64| {
+        before = longitude + TURN * ((before - longitude) / TURN).round();
+        before
+    };
+    longitudes.iter().map(next).collect()
+}
+
+/// Checks that lines ascend or descend, in steps of less than half a turn.
+fn in_order(what: &'static str, lines: &[f64]) -> Result<(), GeodeticError> {
+    let way = lines[1] - lines[0];
+    let follows = |pair: &[f64]| {
+        let step = (pair[1] - pair[0]) * way.signum();
+        step > 0.0 && step < 0.5 * TURN
+    };
+    match lines.windows(2).position(|pair| !follows(pair)) {
+        None => Ok(()),
+        Some(index) => {
+            let (before, degrees) = (lines[index], lines[index + 1]);
+            Err(GeodeticError::Order { what, number: index + 1, degrees, before })
+        }
+    }
+}
+
+/// Returns the fractional number of a value between lines in ascending or descending order.
+fn between(lines: &[f64], value: f64) -> Option<f64> {
+    let holds = |pair: &[f64]| (pair[0] - value) * (pair[1] - value) <= 0.0;
+    let index = lines.windows(2).position(holds)?;
+    Some(index as f64 + (value - lines[index]) / (lines[index + 1] - lines[index]))
+}
+
+/// Returns the mean of all values but NaN, or NaN if there are none.
+fn mean(values: &[f64]) -> f64 {
+    let known = values.iter().filter(|value| !value.is_nan());
+    known.clone().sum::<f64>() / known.count() as f64
+}
+
+/// Returns a point on the Earth, given by longitude and latitude in degrees and height in metres.
+fn position(longitude: f64, latitude: f64, height: f64) -> DVec3 {
+    let (east_sin, east_cos) = longitude.to_radians().sin_cos();
+    let (sin, cos) = match latitude.abs() == POLE {
+        true => (latitude.signum(), 0.0),
+        false => latitude.to_radians().sin_cos(),
+    };
+    let squared = FLATTENING * (2.0 - FLATTENING);
+    let across = EQUATOR / (1.0 - squared * sin * sin).sqrt();
+    let out = (across + height) * cos;
+    DVec3::new(out * east_cos, out * east_sin, (across * (1.0 - squared) + height) * sin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(count: usize, first: f64, step: f64) -> Vec<f64> {
+        (0..count).map(|k| first + step * k as f64).collect()
+    }
+
+    #[test]
+    fn lines_are_added_where_the_earth_has_no_sample() {
+        let size = |latitudes: &[f64], longitudes: &[f64]| {
+            let grid = GeodeticGrid::new(latitudes, longitudes).unwrap();
+            let [rows, cols] = grid.given();
+            assert_eq!([rows, cols], [latitudes.len(), longitudes.len()]);
+            let surface = grid.surface(&vec![0.0; rows * cols]).unwrap();
+            assert!(surface.seams().is_empty());
+            let all: Vec<_> = (0..surface.chart().points()).collect();
+            let first = grid.crop(&all)[0];
+            (surface.rows(), surface.cols(), first, surface.is_glued())
+        };
+        // Lines, cells, and lines that leave the poles out, in either order of latitudes.
+        let (whole, round) = (lines(19, 90.0, -10.0), lines(37, -180.0, 10.0));
+        assert_eq!(size(&whole, &round), (19, 37, 0, true));
+        assert_eq!(size(&lines(19, -90.0, 10.0), &lines(36, 0.0, 10.0)), (19, 37, 0, true));
+        assert_eq!(size(&lines(18, 85.0, -10.0), &lines(36, 5.0, 10.0)), (20, 37, 37, true));
+        assert_eq!(size(&lines(17, -80.0, 10.0), &round), (19, 37, 37, true));
+        // A cap and a region are open.
+        assert_eq!(size(&lines(8, 85.0, -10.0), &round), (9, 37, 37, true));
+        assert_eq!(size(&lines(8, 65.0, -10.0), &lines(20, 5.0, 10.0)), (8, 20, 0, false));
+        // 170, 180, -170 and so on.
+        let jumping: Vec<_> = (0..36).map(|k| f64::from((k * 10 + 180) % 360) - 180.0).collect();
+        assert_eq!(size(&whole, &jumping), (19, 37, 0, true));
+    }
+
+    #[test]
+    fn places_lie_between_lines() {
+        let grid = GeodeticGrid::new(&lines(18, 85.0, -10.0), &lines(36, 5.0, 10.0)).unwrap();
+        assert_eq!(grid.place([5.0, 85.0]), Some([1.0, 0.0]));
+        assert_eq!(grid.place([-0.0, 90.0]), Some([0.0, 35.5]));
+        assert_eq!(grid.place([360.0 + 20.0, 87.5]), Some([0.5, 1.5]));
+        assert_eq!(grid.place([-178.0, -80.0]), Some([17.5, 17.7]));
+        assert_eq!(grid.place([f64::NAN, 0.0]), None);
+        let region = GeodeticGrid::new(&lines(9, 10.0, 1.0), &lines(9, 170.0, 2.0)).unwrap();
+        assert_eq!(region.place([-180.0, 10.5]), Some([0.5, 5.0]));
+        assert_eq!(region.place([160.0, 10.5]), None);
+        assert_eq!(region.place([172.0, 30.0]), None);
+    }
+
+    #[test]
+    fn lines_off_the_earth_are_refused() {
+        let refused = |latitudes: &[f64], longitudes: &[f64]| {
+            GeodeticGrid::new(latitudes, longitudes).unwrap_err()
+        };
+        let round = lines(37, -180.0, 10.0);
+        let beyond = refused(&lines(19, 95.0, -10.0), &round);
+        assert_eq!(beyond, GeodeticError::Latitude { row: 0, degrees: 95.0 });
+        assert!(matches!(
+            refused(&[0.0, f64::NAN, 2.0, 3.0], &round),
+            GeodeticError::Latitude { row: 1, .. }
+        ));
+        let turns = refused(&lines(9, 0.0, 1.0), &lines(60, 0.0, 10.0));
+        assert_eq!(turns, GeodeticError::Span { degrees: 590.0 });
+        let back = refused(&[0.0, 1.0, 0.5, 2.0], &round);
+        assert!(matches!(back, GeodeticError::Order { what: "latitude", number: 2, .. }), "{back}");
+        assert!(matches!(refused(&lines(3, 0.0, 1.0), &round), GeodeticError::TooSmall { .. }));
+    }
+}

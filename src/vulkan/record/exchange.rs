@@ -1,0 +1,52 @@
+//! Records the exchange of fronts between the copies of points of a glued surface.
+
+use super::commands::Groups;
+use super::recorder::Recorder;
+use crate::vulkan::Schedule;
+use crate::vulkan::copies::NO_ROUND;
+use crate::vulkan::device::barrier::{CLEAR, PASS, SHADER};
+use crate::vulkan::device::passes::{EXCHANGE, Variant};
+use crate::vulkan::profile::{PassKind, PassRecord, Work};
+
+/// Largest number of bytes that one update of a buffer writes.
+const MOST_BYTES: usize = 65_536;
+
+impl Recorder<'_> {
+    /// Writes the list of copies, if the surface is glued. A barrier after clears must follow.
+    pub(super) fn write_copies(&self) {
+        let Some(copies) = &self.grid.copies else { return };
+        let (buffer, bytes) = copies.contents();
+        self.barrier(SHADER, CLEAR);
+        for (part, number) in bytes.chunks(MOST_BYTES).zip(0..) {
+            self.update(buffer, number * MOST_BYTES as u64, part);
+        }
+    }
+
+    /// Lets all copies of each point take the earliest front of theirs, if the surface is glued. The fronts lie in
+    /// `image`. If tiles follow, `next_round` is the number of the next round, and each tile says in which
+    /// image its fronts lie. The pipeline must have been made for `variant`.
+    pub(in crate::vulkan) fn exchange(
+        &self,
+        variant: Variant,
+        image: usize,
+        next_round: Option<u32>,
+    ) {
+        let Some(copies) = &self.grid.copies else { return };
+        let pipeline = self.pipelines.made(EXCHANGE, variant);
+        let pipeline = pipeline.expect("maps are only recorded once their pipelines are made");
+        self.bind(pipeline, copies.sets(image));
+        let next_round = next_round.map_or(NO_ROUND, |round| round as i32);
+        let push = copies.push(self.grid.texels, next_round);
+        self.dispatch(pipeline, &push, Groups::line(1));
+    }
+
+    /// Lets all copies of points with seeds have them, if the surface is glued. `schedule` is the one that follows.
+    pub(in crate::vulkan) fn exchange_seeds(&self, variant: Variant, schedule: Schedule) {
+        let Some(copies) = &self.grid.copies else { return };
+        let [read, written] = copies.bytes_moved();
+        let (groups, work) = (Some([1; 3]), Work::of_bytes(read, written));
+        let _pass = self.pass_with(PassRecord { groups, work, ..PassRecord::new(PassKind::Seed) });
+        self.exchange(variant, 0, schedule.has_rounds().then_some(0));
+        self.barrier(PASS, PASS);
+    }
+}

@@ -1,0 +1,162 @@
+//! The Earth by latitudes and longitudes, against geodesics of the WGS84 ellipsoid.
+
+use geosweep::surface::GeodeticGrid;
+use geosweep::{Engine, Options, Sources, Surface, distance_map, distance_map_f64};
+
+/// Semi-axes of the WGS84 ellipsoid in metres, and its flattening.
+const EQUATOR: f64 = 6_378_137.0;
+const FLATTENING: f64 = 1.0 / 298.257_223_563;
+const POLAR: f64 = EQUATOR * (1.0 - FLATTENING);
+/// Distance, in metres, from which on Vincenty's iteration may not converge: it is that of nearly opposite points.
+const OPPOSITE: f64 = 1.9e7;
+
+/// Returns the length of the geodesic between two places, given by longitude and latitude in degrees, by Vincenty's
+/// inverse formula, which errs by less than a millimetre. The result is `None` for opposite points.
+fn vincenty(from: [f64; 2], to: [f64; 2]) -> Option<f64> {
+    let [[lon1, lat1], [lon2, lat2]] = [from, to].map(|place| place.map(f64::to_radians));
+    let reduced = |lat: f64| ((1.0 - FLATTENING) * lat.tan()).atan().sin_cos();
+    let ((sin1, cos1), (sin2, cos2)) = (reduced(lat1), reduced(lat2));
+    let mut lambda = lon2 - lon1;
+    for _ in 0..200 {
+        let (sin, cos) = lambda.sin_cos();
+        let across = (cos2 * sin).hypot(cos1 * sin2 - sin1 * cos2 * cos);
+        let along = sin1 * sin2 + cos1 * cos2 * cos;
+        let sigma = across.atan2(along);
+        if across == 0.0 {
+            return (along > 0.0).then_some(0.0);
+        }
+        let sin_alpha = cos1 * cos2 * sin / across;
+        let squared = 1.0 - sin_alpha * sin_alpha;
+        // On the equator the cosine is zero.
+        let middle = if squared > 0.0 { along - 2.0 * sin1 * sin2 / squared } else { 0.0 };
+        let c = FLATTENING / 16.0 * squared * (4.0 + FLATTENING * (4.0 - 3.0 * squared));
+        let bracket = middle + c * along * (2.0 * middle * middle - 1.0);
+        let next =
+            lon2 - lon1 + (1.0 - c) * FLATTENING * sin_alpha * (sigma + c * across * bracket);
+        if (next - lambda).abs() < 1e-13 {
+            let u2 = squared * (EQUATOR * EQUATOR - POLAR * POLAR) / (POLAR * POLAR);
+            let a = 1.0 + u2 / 16384.0 * (4096.0 + u2 * (-768.0 + u2 * (320.0 - 175.0 * u2)));
+            let b = u2 / 1024.0 * (256.0 + u2 * (-128.0 + u2 * (74.0 - 47.0 * u2)));
+            let m2 = middle * middle;
+            let last = b / 6.0 * middle * (4.0 * across * across - 3.0) * (4.0 * m2 - 3.0);
+            let correction = b * across * (middle + b / 4.0 * (along * (2.0 * m2 - 1.0) - last));
+            return Some(POLAR * a * (sigma - correction));
+        }
+        lambda = next;
+    }
+    None
+}
+
+fn lines(count: usize, first: f64, step: f64) -> Vec<f64> {
+    (0..count).map(|k| first + step * k as f64).collect()
+}
+
+/// The truth itself is checked: the quarter of a meridian, the equator, and a length from GeographicLib.
+#[test]
+fn vincenty_agrees_with_known_geodesics() {
+    let quarter = vincenty([12.0, 0.0], [12.0, 90.0]).unwrap();
+    assert!((quarter - 10_001_965.729).abs() < 1e-3, "{quarter}");
+    let along_equator = vincenty([0.0, 0.0], [90.0, 0.0]).unwrap();
+    assert!((along_equator - EQUATOR * std::f64::consts::FRAC_PI_2).abs() < 1e-3);
+    // From JFK to LHR, in the documentation of GeographicLib.
+    let near = vincenty([-73.8, 40.6], [-0.5, 51.6]).unwrap();
+    assert!((near - 5_551_759.4).abs() < 0.1, "{near}");
+}
+
+/// A grid of the whole Earth.
+struct Earth {
+    grid: GeodeticGrid,
+    latitudes: Vec<f64>,
+    longitudes: Vec<f64>,
+    surface: Surface,
+}
+
+impl Earth {
+    fn new(latitudes: Vec<f64>, longitudes: Vec<f64>) -> Self {
+        let grid = GeodeticGrid::new(&latitudes, &longitudes).unwrap();
+        let surface = grid.surface(&vec![0.0; latitudes.len() * longitudes.len()]).unwrap();
+        Self { grid, latitudes, longitudes, surface }
+    }
+
+    /// Returns the mean relative error of distances at the given points, by area, and the largest up to nearly
+    /// opposite points.
+    fn errors(&self, source: [f64; 2], distances: &[f64]) -> [f64; 2] {
+        let (mut sum, mut weights, mut largest) = (0.0, 0.0, 0f64);
+        let found = self.grid.crop(distances);
+        for (row, &latitude) in self.latitudes.iter().enumerate() {
+            for (col, &longitude) in self.longitudes.iter().enumerate() {
+                let Some(exact) = vincenty(source, [longitude, latitude]) else { continue };
+                if !(1.0..OPPOSITE).contains(&exact) {
+                    continue;
+                }
+                let error = (found[row * self.longitudes.len() + col] - exact).abs() / exact;
+                let weight = latitude.to_radians().cos();
+                (sum, weights) = (sum + weight * error, weights + weight);
+                largest = largest.max(error);
+            }
+        }
+        [sum / weights, largest]
+    }
+
+    fn map(&self, [longitude, latitude]: [f64; 2]) -> Vec<f64> {
+        let [row, col] = self.grid.place([longitude, latitude]).unwrap();
+        let options = Options::default().with_engine(Engine::Cpu);
+        distance_map_f64(&self.surface, &Sources::point(row, col), &options).unwrap().distances
+    }
+}
+
+#[test]
+fn distances_on_the_earth_are_those_of_geodesics() {
+    for (step, mean_bound, largest_bound) in [(1.0, 6e-6, 1e-4), (0.5, 2e-6, 5e-5)] {
+        let (rows, cols) = ((180.0 / step) as usize, (360.0 / step) as usize);
+        let earth = Earth::new(lines(rows + 1, 90.0, -step), lines(cols + 1, -180.0, step));
+        // On the equator, in the north, on the date line, beside a pole and on it.
+        for source in [[0.0, 0.0], [13.0, 52.0], [180.0, -40.0], [75.0, 89.0], [0.0, -90.0]] {
+            let [mean, largest] = earth.errors(source, &earth.map(source));
+            println!("{step} degrees from {source:?}: mean {mean:.1e}, largest {largest:.1e}");
+            assert!(
+                mean < mean_bound && largest < largest_bound,
+                "{source:?}: {mean:e} {largest:e}"
+            );
+        }
+    }
+}
+
+/// The same Earth by other grids: from south to north, from 0 to 359 degrees, at the middles of cells.
+#[test]
+fn grids_of_any_order_and_place_are_the_same_earth() {
+    let step = 1.0;
+    let grids = [
+        ("southwards", lines(181, 90.0, -step), lines(361, -180.0, step)),
+        ("northwards", lines(181, -90.0, step), lines(361, 0.0, step)),
+        ("without a repeated column", lines(181, 90.0, -step), lines(360, 0.0, step)),
+        ("westwards", lines(181, 90.0, -step), lines(360, 180.0, -step)),
+        ("cells", lines(180, 89.5, -step), lines(360, 0.5, step)),
+        ("without poles", lines(179, -89.0, step), lines(360, -179.5, step)),
+    ];
+    for (name, latitudes, longitudes) in grids {
+        let earth = Earth::new(latitudes, longitudes);
+        let on_lines = |lines: &[f64], wanted: f64| {
+            let near = |a: &&f64, b: &&f64| (*a - wanted).abs().total_cmp(&(*b - wanted).abs());
+            *lines.iter().min_by(near).unwrap()
+        };
+        let source = [on_lines(&earth.longitudes, 13.0), on_lines(&earth.latitudes, 52.0)];
+        let [mean, largest] = earth.errors(source, &earth.map(source));
+        println!("{name}: mean {mean:.1e}, largest {largest:.1e}");
+        assert!(mean < 6e-6 && largest < 2e-4, "{name}: {mean:e} {largest:e}");
+    }
+}
+
+/// Measured: mean 1.1e-6, and 6.9e-6 at most, where double precision has 1.0e-6 and 1.9e-6.
+#[test]
+fn single_precision_costs_few_digits_at_half_a_degree() {
+    let earth = Earth::new(lines(361, 90.0, -0.5), lines(721, -180.0, 0.5));
+    let source = [13.0, 52.0];
+    let [row, col] = earth.grid.place(source).unwrap();
+    let options = Options::default().with_engine(Engine::Cpu);
+    let map = distance_map(&earth.surface, &Sources::point(row, col), &options).unwrap();
+    let distances: Vec<_> = map.distances.iter().map(|&distance| f64::from(distance)).collect();
+    let [mean, largest] = earth.errors(source, &distances);
+    println!("single precision: mean {mean:.1e}, largest {largest:.1e}");
+    assert!(mean < 3e-6 && largest < 5e-5, "{mean:e} {largest:e}");
+}

@@ -1,0 +1,235 @@
+//! Closed surfaces on a device: fronts pass the seams where sides of the grid are glued.
+
+use std::f64::consts::{PI, TAU};
+
+use geosweep::cpu::twins::{self, ScanOrder};
+use geosweep::glam::DVec3;
+use geosweep::surface::{EdgeLengths, Gluing};
+use geosweep::vulkan::{HeadlessSolver, Method, Schedule, Tuning, VulkanError};
+use geosweep::{Engine, Options, Sources, Surface, Wavefront, distance_map};
+
+use crate::common::closed::*;
+use crate::common::*;
+use crate::headless::assert_schedule_twins;
+
+/// Largest difference between the engines' converged maps, relative to the largest distance. Measured: 6.1e-7.
+const AGREEMENT: f64 = 1e-6;
+/// The same with updates of all points. A front advances by a point in an update, so that changes below the
+/// tolerance add up over more of them. Measured: 1.1e-6.
+const AGREEMENT_BY_POINTS: f64 = 5e-6;
+
+const WAVEFRONTS: [Wavefront; 3] = Wavefront::FOR_ANY_SURFACE;
+
+/// Returns a torus in space with uneven cells.
+fn torus(rows: usize, cols: usize) -> Surface {
+    let torus = grid(rows, cols, |row, col| {
+        let [v, u] =
+            [(row, rows), (col, cols)].map(|(k, n)| TAU * (k % (n - 1)) as f64 / (n - 1) as f64);
+        let radius = 2.0 + v.cos();
+        DVec3::new(radius * u.cos(), radius * u.sin(), v.sin())
+    });
+    torus.with_gluing(Gluing::both()).unwrap()
+}
+
+/// Returns a closed hill with holes, whose triangles are obtuse in part, and with an uneven slowness.
+fn hills(slowed: bool) -> Surface {
+    let (rows, cols) = (43, 61);
+    let heights = (0..rows * cols).map(|index| {
+        let (row, col) =
+            ((index / cols) as f64, TAU * (index % cols % (cols - 1)) as f64 / (cols - 1) as f64);
+        let hole = index % cols > 5 && index % cols < 50 && index % 11 == 3;
+        if hole { f64::NAN } else { 3.0 * (2.0 * col).sin() * (0.2 * row).cos() }
+    });
+    let surface =
+        Surface::from_heights(rows, cols, heights.collect(), geosweep::Spacing::square(1.0))
+            .unwrap();
+    let slowness =
+        (0..rows * cols).map(|index| if index / cols < 20 { 1.0 } else { 1.7 }).collect();
+    let surface = if slowed { surface.with_slowness(slowness).unwrap() } else { surface };
+    surface.with_gluing(Gluing::columns()).unwrap()
+}
+
+/// Returns closed surfaces with a source on each, most of which lie on or beside a seam.
+fn closed_surfaces() -> Vec<(&'static str, Surface, [f64; 2])> {
+    let moebius = flat(37, 65).with_gluing(Gluing::flipped_columns()).unwrap();
+    vec![
+        ("tube", tube(61, 97), [20.0, 3.0]),
+        ("torus", torus(45, 70), [0.0, 69.0]),
+        ("flat torus", flat(38, 53).with_gluing(Gluing::both()).unwrap(), [37.0, 0.0]),
+        ("Moebius strip", moebius, [30.0, 62.25]),
+        ("globe", globe(61, 121), [20.0, 2.0]),
+        ("globe from a pole", globe(40, 85), [0.0, 17.0]),
+        ("octahedral map", octahedral(30), [0.0, 11.0]),
+        ("cube", cube(25), [0.0, 0.0]),
+        ("hills", hills(false), [7.5, 0.0]),
+        ("slowed hills", hills(true), [21.0, 59.0]),
+    ]
+}
+
+#[test]
+fn engines_agree_on_closed_surfaces() {
+    let mut solver = vulkan_solver();
+    for (name, surface, [row, col]) in closed_surfaces() {
+        let seeds = Sources::point(row, col).seeds(&surface).unwrap();
+        let mut on_device = solver.upload(&surface).unwrap();
+        for wavefront in WAVEFRONTS {
+            let cpu = on_cpu(&surface, &seeds, wavefront, CONVERGED);
+            for schedule in Schedule::ALL {
+                let method = Method::new(wavefront, CONVERGED).with_schedule(schedule);
+                let map = solver.solve(&mut on_device, &seeds, method).unwrap();
+                let apart = difference(&cpu, &map.distances);
+                println!(
+                    "{name}, {wavefront}, {schedule}: {apart:.1e}, {} iterations",
+                    map.iterations
+                );
+                let most = match schedule {
+                    Schedule::AllPoints => AGREEMENT_BY_POINTS,
+                    _ => AGREEMENT,
+                };
+                assert!(apart < most, "{name}, {wavefront}, {schedule}: {apart:e}");
+                for group in surface.copies().unwrap().iter() {
+                    let distances = group.iter().map(|&copy| map.distances[copy as usize]);
+                    let (least, most) = distances
+                        .fold((f32::INFINITY, 0f32), |(a, b), next| (a.min(next), b.max(next)));
+                    assert!(most - least <= 2e-6 * most, "{name}: copies {least} to {most}");
+                }
+            }
+        }
+    }
+}
+
+/// Some rounds are in a second recording.
+#[test]
+fn every_exchange_is_one_of_its_twin() {
+    let mut solver = vulkan_solver();
+    for (name, surface, [row, col]) in closed_surfaces() {
+        println!("{name}");
+        let source = (row as usize, col as usize);
+        let solver = &mut solver;
+        assert_schedule_twins(solver, &surface, source, Schedule::Raster, [1, 2, 3, 6]);
+        assert_schedule_twins(solver, &surface, source, Schedule::AllPoints, [1, 2, 9]);
+        assert_schedule_twins(solver, &surface, source, Schedule::Tiles, [1, 2, 3, 9, 40]);
+    }
+}
+
+/// Lines fit a workgroup of 64 texels, which takes blocks in turn, and they do not fit one of 16.
+#[test]
+fn seams_are_passed_in_blocks_of_any_size_and_in_pairs() {
+    let forms = [(64, 4, true), (16, 1, true), (16, 3, false)].map(
+        |(scan_width, scan_lines, scan_pairs)| {
+            let solver = HeadlessSolver::with_validation(&device_choice()).unwrap();
+            let sizes = Tuning { scan_width, scan_lines, scan_pairs, ..solver.tuning() };
+            solver.with_tuning(sizes).unwrap()
+        },
+    );
+    for mut solver in forms {
+        for (name, surface, [row, col]) in closed_surfaces() {
+            let source = (row as usize, col as usize);
+            assert_schedule_twins(&mut solver, &surface, source, Schedule::Raster, [1, 2, 5]);
+            let seeds = Sources::point(row, col).seeds(&surface).unwrap();
+            let mut on_device = solver.upload(&surface).unwrap();
+            for wavefront in WAVEFRONTS {
+                let method = Method::new(wavefront, CONVERGED).with_schedule(Schedule::Raster);
+                let cpu = on_cpu(&surface, &seeds, wavefront, CONVERGED);
+                let map = solver.solve(&mut on_device, &seeds, method).unwrap();
+                let apart = difference(&cpu, &map.distances);
+                assert!(apart < AGREEMENT, "{name}, {wavefront}: {apart:e}");
+                let again = solver.solve(&mut on_device, &seeds, method).unwrap();
+                assert_eq!(map.distances, again.distances, "{name}, {wavefront}");
+            }
+        }
+        assert_eq!(solver.validation_log().unwrap().messages(), Vec::<String>::new());
+    }
+}
+
+/// Blocks that are not due have nothing to do, also where changes come over seams.
+#[test]
+fn blocks_are_due_beside_seams() {
+    for (name, surface, [row, col]) in closed_surfaces() {
+        let seeds = Sources::point(row, col).seeds(&surface).unwrap();
+        let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+        for wavefront in WAVEFRONTS {
+            let all = twins::scan_in_turn(&edges, &seeds, wavefront, CONVERGED);
+            let order = (ScanOrder::InTurn, 3);
+            let (due, visits) = twins::scan_due(&edges, &seeds, wavefront, CONVERGED, order);
+            assert_eq!(all.distances(), due.distances(), "{name}, {wavefront}");
+            let visited = visits.iter().flatten().flatten().filter(|&&visited| visited).count();
+            let blocks = visits.iter().flatten().map(Vec::len).sum::<usize>();
+            assert!(visited < blocks, "{name}, {wavefront}: {visited} of {blocks}");
+        }
+    }
+}
+
+/// Mean error of the whole sphere, against the exact angle.
+#[test]
+fn spheres_are_whole_on_a_device() {
+    let mut solver = vulkan_solver();
+    let cases = [
+        ("globe", globe(101, 201), vec![[50, 70], [40, 0], [0, 17], [1, 60]], 2e-5),
+        ("octahedral map", octahedral(60), vec![[40, 75], [0, 30], [0, 0]], 4.5e-5),
+        ("cube", cube(51), vec![[10, 33], [0, 20], [0, 0]], 3e-5),
+    ];
+    for (name, surface, sources, bound) in cases {
+        let mut on_device = solver.upload(&surface).unwrap();
+        for [row, col] in sources {
+            let seeds = seeds_at(&surface, (row, col));
+            let method = Method::new(Wavefront::Curved, CONVERGED);
+            let map = solver.solve(&mut on_device, &seeds, method).unwrap();
+            let from = surface.position(row, col).unwrap();
+            let (mut sum, mut count, mut largest) = (0.0, 0, 0f64);
+            for (index, distance) in map.distances.iter().enumerate() {
+                let (row, col) = surface.chart().position(index);
+                let Some(at) = surface.position(row, col) else { continue };
+                let exact = at.cross(from).length().atan2(at.dot(from));
+                if exact > 1e-9 {
+                    let error = (f64::from(*distance) - exact).abs() / exact;
+                    (sum, count) = (sum + error, count + 1);
+                    largest = if exact < PI - 0.1 { largest.max(error) } else { largest };
+                }
+            }
+            let mean = sum / f64::from(count);
+            println!("{name} from {row}, {col}: mean {mean:.1e}, largest {largest:.1e}");
+            assert!(mean < bound && largest < 1e-3, "{name} from {row}, {col}: {mean:e}");
+        }
+    }
+}
+
+#[test]
+fn sources_are_added_to_maps_of_closed_surfaces() {
+    let mut solver = vulkan_solver();
+    let surface = torus(45, 70);
+    let both = Sources::point(10.0, 69.0).and_point(44.0, 30.0, 0.5);
+    let [first, second] = [(10.0, 69.0, 0.0), (44.0, 30.0, 0.5)].map(|(row, col, start)| {
+        Sources::default().and_point(row, col, start).seeds(&surface).unwrap()
+    });
+    let mut on_device = solver.upload(&surface).unwrap();
+    for schedule in Schedule::ALL {
+        for wavefront in [Wavefront::Planar, Wavefront::Curved] {
+            let method = Method::new(wavefront, CONVERGED).with_schedule(schedule);
+            solver.solve(&mut on_device, &first, method).unwrap();
+            let added = solver.add(&mut on_device, &second, method).unwrap();
+            let cpu = on_cpu(&surface, &both.seeds(&surface).unwrap(), wavefront, CONVERGED);
+            let apart = difference(&cpu, &added.distances);
+            assert!(apart < 1e-4, "{schedule}, {wavefront}: {apart:e}");
+        }
+    }
+}
+
+#[test]
+fn one_call_solves_a_closed_surface_and_matrices_are_refused() {
+    let surface = tube(33, 65);
+    let sources = Sources::point(16.0, 2.0);
+    let map =
+        |engine| distance_map(&surface, &sources, &Options::default().with_engine(engine)).unwrap();
+    let (vulkan, cpu) = (map(Engine::Vulkan(device_choice())), map(Engine::Cpu));
+    assert!(difference(&vulkan.distances, &cpu.distances) < AGREEMENT);
+    assert!((f64::from(vulkan.distance(16, 62)) - TAU * 4.0 / 64.0).abs() < 1e-5);
+    let solver = vulkan_solver();
+    let on_device = solver.upload(&surface).unwrap();
+    match solver.pairwise(&on_device, Wavefront::Planar, None) {
+        Err(VulkanError::Surface(error)) => {
+            assert!(error.to_string().contains("let the CPU compute it"), "{error}");
+        }
+        other => panic!("{:?}", other.map(|_| ())),
+    }
+}
