@@ -13,6 +13,16 @@
 #include "shared/chart.glsl"
 #include "update/wavefront.glsl"
 #include "shared/progress.glsl"
+layout(push_constant) uniform Push {
+    ivec2 texels; // columns and rows of texels, without the border
+    int parts;
+    int members;
+    int groups;
+    int copy_texels; // number of texels with copies
+    int tile_texels; // number of texels on a side of a tile
+    int next_round;  // number of the round of tiles that follows, or NO_ROUND
+};
+#define TEXELS tile_texels
 #include "passes/tiles.glsl"
 #include "passes/blocks.glsl"
 
@@ -33,15 +43,6 @@ layout(set = 0, binding = 3) restrict coherent buffer Copies {
     // of each of its points, counted from 1, or 0. Then for each part its earliest front: time and carried
     // value.
     uint copies[];
-};
-
-layout(push_constant) uniform Push {
-    ivec2 texels; // columns and rows of texels, without the border
-    int parts;
-    int members;
-    int groups;
-    int copy_texels; // number of texels with copies
-    int next_round;  // number of the round of tiles that follows, or NO_ROUND
 };
 
 const int NO_ROUND = -1;

@@ -111,12 +111,12 @@ impl Copies {
     }
 
     /// Returns the push constants of an exchange.
-    pub(crate) fn push(&self, texels: TexelChart, next_round: i32) -> Push {
+    pub(crate) fn push(&self, texels: TexelChart, tile_texels: i32, next_round: i32) -> Push {
         let CopyList { parts, members, groups, texels: copy_texels, .. } = self.list;
         let [parts, members, groups, copy_texels] =
             [parts, members, groups, copy_texels].map(|count| count as i32);
         let texels = texels.inner().map(|texels| texels as i32);
-        Push { texels, parts, members, groups, copy_texels, next_round }
+        Push { texels, parts, members, groups, copy_texels, tile_texels, next_round }
     }
 
     /// Returns the bytes that an exchange reads and writes, without those of earliest fronts: each copy is read

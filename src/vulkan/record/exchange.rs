@@ -36,7 +36,7 @@ impl Recorder<'_> {
         let pipeline = pipeline.expect("maps are only recorded once their pipelines are made");
         self.bind(pipeline, copies.sets(image));
         let next_round = next_round.map_or(NO_ROUND, |round| round as i32);
-        let push = copies.push(self.grid.texels, next_round);
+        let push = copies.push(self.grid.texels, self.tile() as i32 / 2, next_round);
         self.dispatch(pipeline, &push, Groups::line(1));
     }
 
