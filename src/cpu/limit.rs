@@ -1,6 +1,7 @@
 //! Limits how far fronts go: by a time, and by the times at which they reach given points.
 
 use crate::Targets;
+use crate::constants::RENEWED_LATER;
 use crate::surface::FAR;
 
 /// The time after which fronts do not matter.
@@ -10,9 +11,6 @@ pub(crate) struct Limit {
     time: f64,
     targets: Option<Targets>,
 }
-
-/// Part of a target's time by which a front may still come later, as renewed fronts do.
-const LATER: f64 = 1e-4;
 
 impl Limit {
     /// No limit.
@@ -43,7 +41,7 @@ impl Limit {
         let Some(targets) = &self.targets else { return };
         let last = targets.last(time);
         if last < FAR {
-            self.time = self.time.min(last * (1.0 + LATER));
+            self.time = self.time.min(last * (1.0 + RENEWED_LATER));
         }
     }
 }

@@ -6,6 +6,7 @@ pub mod bounds;
 mod cases;
 mod devices;
 mod irregular;
+pub mod parts;
 pub mod sheets;
 
 use geosweep::Stop;
