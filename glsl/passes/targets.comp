@@ -55,5 +55,7 @@ uint last_needed() {
 void main() {
     for (uint i = gl_LocalInvocationIndex; i < target_count; i += WORKGROUP) ranks[i] = rank_of(time_at_target(i));
     float last = time_of(last_needed());
-    if (gl_LocalInvocationIndex == 0u && last < FAR) limit = min(limit, last + abs(last) * RENEWED_LATER);
+    if (gl_LocalInvocationIndex > 0u || last >= FAR) return;
+    limit = min(limit, last + abs(last) * RENEWED_LATER);
+    end = min(limit, last);
 }

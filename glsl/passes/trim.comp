@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Takes back the fronts that come after the limit of a map. They were renewed, or came before the limit fell.
+// Takes back the fronts that come after the end of a map. They were renewed, or came before the limit fell.
 // One invocation is one texel.
 // Twin: the end of a map in src/solve.rs.
 
@@ -21,7 +21,7 @@ void main() {
     if (is_beyond(inner, texels)) return;
     ivec2 texel = with_border(inner);
     vec4 times = imageLoad(new_fronts, ivec3(texel, TIME));
-    bvec4 late = greaterThan(times, vec4(limit));
+    bvec4 late = greaterThan(times, vec4(end));
     late = mix(late, bvec4(false), greaterThanEqual(times, vec4(FAR)));
     if (!any(late)) return;
     vec4 carried = imageLoad(new_fronts, ivec3(texel, CARRIED));

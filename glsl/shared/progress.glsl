@@ -13,6 +13,7 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     uint visited;       // number of workgroups so far that have updated a tile, a part of a block, or texels
     uint fronts_meet;   // 0, FRONTS_MEET or FRONTS_ARE_ADDED; see wavefront.glsl
     float limit;        // time after which fronts do not matter; NO_LIMIT if there is none
+    float end;          // time after which points count as unreached: a little earlier if there are targets
     // The columns and rows in which the fronts of a map with a limit have changed: the first texel and the last
     // one, counted without the border. Other maps leave them as they are.
     int changed_first[2];

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use super::context::{CommandBuffer, Flight, Submitter, Unwatched};
 use super::surface_on_device::{Start, SurfaceOnDevice};
 use crate::Targets;
-use crate::surface::Seed;
+use crate::surface::{Chart, Seed};
 use crate::update::Wavefront;
 use crate::vulkan::device::passes::Variant;
 use crate::vulkan::device::staging::copy_in_parallel;
@@ -52,13 +52,13 @@ impl HeadlessSolver {
         seeds: &[Seed],
         method: Method,
     ) -> Result<HeadlessSolution, VulkanError> {
-        self.solve_within(surface, seeds, method, MapLimit::NONE)
+        self.solve_within(surface, seeds, method, None)
     }
 
     /// Computes a map from `seeds`, which must lie on the surface, for `targets`. It ends when fronts cannot come
     /// to those that are needed earlier. The distances of points that are farther are +infinity.
     ///
-    /// With more than [`MOST_TARGETS`] targets, the map is solved up to the radius.
+    /// With more than [`MOST_TARGETS`] targets, the map is solved up to the radius, and cut at the end.
     pub fn solve_to(
         &mut self,
         surface: &mut SurfaceOnDevice,
@@ -66,18 +66,7 @@ impl HeadlessSolver {
         targets: &Targets,
         method: Method,
     ) -> Result<HeadlessSolution, VulkanError> {
-        let point = |&[row, col]: &[usize; 2]| TargetPoint::at(row as u32, col as u32);
-        let points: Vec<_> = targets.points().iter().map(point).collect();
-        let limit = match points.len() <= MOST_TARGETS as usize {
-            true => MapLimit::to(&points).with_needed(targets.needed() as u32),
-            false => MapLimit::NONE,
-        };
-        let mut solution = self.solve_within(surface, seeds, method, limit)?;
-        let chart = surface.images.chart;
-        let distances = &solution.distances;
-        let end = targets.last(|[row, col]| f64::from(distances[chart.index(row, col)]));
-        cut(&mut solution.distances, end);
-        Ok(solution)
+        self.solve_within(surface, seeds, method, Some(targets))
     }
 
     fn solve_within(
@@ -85,11 +74,16 @@ impl HeadlessSolver {
         surface: &mut SurfaceOnDevice,
         seeds: &[Seed],
         method: Method,
-        limit: MapLimit,
+        targets: Option<&Targets>,
     ) -> Result<HeadlessSolution, VulkanError> {
-        let from = (Start::Fresh, limit);
-        let solution = self.solve_watched(surface, seeds, method, from, &mut Unwatched)?;
-        self.restore(surface, seeds, (method, limit), solution)
+        let points = targets.map_or(Vec::new(), target_points);
+        let needed = targets.map_or(u32::MAX, |targets| targets.needed() as u32);
+        let from = (Start::Fresh, MapLimit::to(&points).with_needed(needed));
+        let mut solution = self.solve_watched(surface, seeds, method, from, &mut Unwatched)?;
+        solution = self.restore(surface, seeds, method, targets, solution)?;
+        let end = end_of(targets, &solution.distances, surface.images.chart);
+        cut(&mut solution.distances, end);
+        Ok(solution)
     }
 
     /// Adds seeds to the last map of the surface, which must have converged with the same wavefront.
@@ -105,7 +99,7 @@ impl HeadlessSolver {
     ) -> Result<HeadlessSolution, VulkanError> {
         let from = (Start::FromLast, MapLimit::NONE);
         let solution = self.solve_watched(surface, seeds, method, from, &mut Unwatched)?;
-        self.restore(surface, seeds, (method, MapLimit::NONE), solution)
+        self.restore(surface, seeds, method, None, solution)
     }
 
     /// Solves again from the seeds that are lost ([`Seed::is_lost`]), until none is.
@@ -113,25 +107,26 @@ impl HeadlessSolver {
         &mut self,
         surface: &mut SurfaceOnDevice,
         seeds: &[Seed],
-        (method, limit): (Method, MapLimit),
+        method: Method,
+        targets: Option<&Targets>,
         mut solution: HeadlessSolution,
     ) -> Result<HeadlessSolution, VulkanError> {
         let chart = surface.images.chart;
-        // Beyond the limit seeds are not set.
-        let is_lost = |seed: &Seed, distances: &[f32]| {
-            limit.targets.is_empty()
-                && seed.time <= method.radius
-                && seed.is_lost(distances[chart.index(seed.row, seed.col)])
+        // Seeds that start after the end of the map are not set.
+        let any_is_lost = |distances: &[f32]| {
+            let end = method.radius.min(end_of(targets, distances, chart));
+            let is_lost = |seed: &Seed| seed.is_lost(distances[chart.index(seed.row, seed.col)]);
+            seeds.iter().any(|seed| seed.time <= end && is_lost(seed))
         };
         // Only curved fronts are ever withdrawn.
         while solution.wavefront.is_curved()
             && solution.iterations < method.stop.iterations
             && !self.monitor.is_cancelled()
-            && seeds.iter().any(|seed| is_lost(seed, &solution.distances))
+            && any_is_lost(&solution.distances)
         {
             let left = method.stop.iterations - solution.iterations;
             let method = method.with_stop(method.stop.or_after(left));
-            let from = (Start::FromLast, limit);
+            let from = (Start::FromLast, MapLimit::NONE);
             let further = self.solve_watched(surface, seeds, method, from, &mut Unwatched)?;
             solution = HeadlessSolution {
                 iterations: solution.iterations + further.iterations,
@@ -373,6 +368,21 @@ impl HeadlessSolver {
         }
         Ok(distances)
     }
+}
+
+/// Returns the targets for a device, or none if there are more than it takes.
+fn target_points(targets: &Targets) -> Vec<TargetPoint> {
+    let points = targets.points();
+    let point = |&[row, col]: &[usize; 2]| TargetPoint::at(row as u32, col as u32);
+    let taken = if points.len() <= MOST_TARGETS as usize { points } else { &[] };
+    taken.iter().map(point).collect()
+}
+
+/// Returns the distance at which a map for targets ends, or +infinity without targets.
+fn end_of(targets: Option<&Targets>, distances: &[f32], chart: Chart) -> f64 {
+    targets.map_or(f64::INFINITY, |targets| {
+        targets.last(|[row, col]| f64::from(distances[chart.index(row, col)]))
+    })
 }
 
 /// Makes points unreached that are farther than `end`.

@@ -18,7 +18,7 @@ pub struct Method {
     pub stop: Stop,
     /// Largest arrival time of the map. Points that fronts reach later are unreached, and their distance is
     /// +infinity. Except for [`Schedule::AllPoints`], the work is that of the area within the radius. With
-    /// +infinity there is no limit.
+    /// +infinity there is no limit. Frames have a limit of their own: [`crate::vulkan::embed::Frame::limit`].
     pub radius: f64,
 }
 

@@ -166,6 +166,7 @@ pub(crate) fn start(
         renews: 1,
         fronts_meet,
         limit: limit_of(radius),
+        end: limit_of(radius),
         changed_first: [first; 2],
         changed_last: [last; 2],
         last_residual: u32::MAX,
