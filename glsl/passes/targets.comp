@@ -36,26 +36,28 @@ float time_at_target(uint index) {
 }
 
 // Returns the last rank that is needed, found from its first binary digit to its last.
-uint last_needed() {
+uint last_needed(uint count, uint needed) {
     uint last = 0u;
     for (int bit = 31; bit >= 0; bit--) {
         uint bound = last | ((1u << bit) - 1u);
         barrier();
         if (gl_LocalInvocationIndex == 0u) within = 0u;
         barrier();
-        for (uint i = gl_LocalInvocationIndex; i < target_count; i += WORKGROUP) {
+        for (uint i = gl_LocalInvocationIndex; i < count; i += WORKGROUP) {
             if (ranks[i] <= bound) atomicAdd(within, 1u);
         }
         barrier();
-        if (within < targets_needed) last |= 1u << bit;
+        if (within < needed) last |= 1u << bit;
     }
     return last;
 }
 
 void main() {
-    for (uint i = gl_LocalInvocationIndex; i < target_count; i += WORKGROUP) ranks[i] = rank_of(time_at_target(i));
-    float last = time_of(last_needed());
+    // The layers that check shaders on the device cannot read buffers in the conditions of loops.
+    uint count = target_count;
+    for (uint i = gl_LocalInvocationIndex; i < count; i += WORKGROUP) ranks[i] = rank_of(time_at_target(i));
+    float last = time_of(last_needed(count, targets_needed));
     if (gl_LocalInvocationIndex > 0u || last >= FAR) return;
-    limit = min(limit, last + abs(last) * RENEWED_LATER);
+    limit = min(limit, last + abs(last) * TARGET_MARGIN);
     end = min(limit, last);
 }

@@ -173,8 +173,9 @@
 #define SURROUNDINGS_STEPS 40
 // Largest number of targets of a map.
 #define MOST_TARGETS 1024
-// Part of the last target's time by which fronts may still come later. Renewed fronts do.
-#define RENEWED_LATER 1e-4
+// Part of the last target's time by which a device's limit is later. Until a map has converged, a curved front
+// may be renewed to come later than at first.
+#define TARGET_MARGIN 0.02
 // Largest length of an edge. Squares and sums of such lengths stay within single precision and below FAR. A
 // larger coordinate in a renderer's memory marks a hole, as NaN does.
 #define LONGEST_EDGE 1e12

@@ -1,7 +1,6 @@
 //! Limits how far fronts go: by a time, and by the times at which they reach given points.
 
 use crate::Targets;
-use crate::constants::RENEWED_LATER;
 use crate::surface::FAR;
 
 /// The time after which fronts do not matter.
@@ -11,6 +10,9 @@ pub(crate) struct Limit {
     time: f64,
     targets: Option<Targets>,
 }
+
+/// Margin after the targets' time, as a fraction of it. Renewed fronts may come later by less than this.
+const LATER: f64 = 1e-4;
 
 impl Limit {
     /// No limit.
@@ -41,7 +43,7 @@ impl Limit {
         let Some(targets) = &self.targets else { return };
         let last = targets.last(time);
         if last < FAR {
-            self.time = self.time.min(last * (1.0 + RENEWED_LATER));
+            self.time = self.time.min(last * (1.0 + LATER));
         }
     }
 }

@@ -145,7 +145,9 @@ impl Recorder<'_> {
             (true, false) => FRONTS_MEET,
             (true, true) => FRONTS_ARE_ADDED,
         };
-        let changed = if is_added { Changed::ANYWHERE } else { Changed::NOWHERE };
+        // Without a radius, changes are noted only once targets are reached.
+        let is_noted = !is_added && limit.radius < f32::INFINITY;
+        let changed = if is_noted { Changed::NOWHERE } else { Changed::ANYWHERE };
         let start = progress::start(stop, limit.radius, (fronts_meet, changed), grid, self.tiles());
         self.write_progress(&start, 0);
         self.write_targets(limit);

@@ -142,7 +142,7 @@ pub(crate) struct Changed {
 impl Changed {
     /// No texel, as before a map.
     pub(crate) const NOWHERE: Self = Self { first: i32::MAX, last: i32::MIN };
-    /// All texels, as on a map to which something is added.
+    /// All texels, as on a map to which something is added, or whose limit may come later.
     pub(crate) const ANYWHERE: Self = Self { first: 0, last: i32::MAX };
 }
 
