@@ -15,7 +15,8 @@ use geosweep::glam::Vec3;
 use geosweep::glam::camera::rh::{proj, view};
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, Frame, LogMapFrame, PointSource, Points, Reader, SourceInput, SurfaceInfo,
+    self, Access, Frame, LogMapFrame, MapLimit, PointSource, Points, Reader, SourceInput,
+    SurfaceInfo,
 };
 use geosweep::vulkan::{Method, Schedule};
 use geosweep::{Stop, Wavefront};
@@ -32,6 +33,9 @@ const FINER: u32 = 2;
 /// Radii of the decal and the brush.
 const DECAL: f32 = 34.0;
 const BRUSH: f32 = 9.0;
+/// Distance beyond these radii up to which maps are solved, since a log map looks at the points around each.
+/// The rest of the cloth costs nothing.
+const AROUND: f32 = 4.0;
 /// Value of u and v beyond the radius.
 const NOWHERE: f32 = 1e6;
 
@@ -207,7 +211,8 @@ pub(crate) fn draw(host: &mut Host, frames: u32) -> Vec<Vec<[u8; 3]>> {
             let sources = SourceInput::Inline(&brush);
             let map = Frame::new(&plan, sources, Reader::COMPUTE)
                 .with_before(Access::COMPUTE_WRITE)
-                .with_points(0);
+                .with_points(0)
+                .with_limit(MapLimit::at(BRUSH + AROUND));
             recording.frame(&map).expect("the frame is right");
             let ways = LogMapFrame::new(sources, Reader::COMPUTE)
                 .with_radius(BRUSH)
@@ -217,8 +222,9 @@ pub(crate) fn draw(host: &mut Host, frames: u32) -> Vec<Vec<[u8; 3]>> {
             // The log map of the decal, for the fragment shader. The cloth has not moved since.
             let decals = [decal];
             let sources = SourceInput::Inline(&decals);
+            let map = map.with_points(None).with_sources(sources);
             recording
-                .frame(&map.with_points(None).with_sources(sources))
+                .frame(&map.with_limit(MapLimit::at(DECAL + AROUND)))
                 .expect("the frame is right");
             let reader = Reader::sampled(Access::FRAGMENT_READ.and(Access::COMPUTE_READ));
             let ways = ways.with_sources(sources).with_radius(DECAL).with_reader(reader);

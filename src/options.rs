@@ -48,12 +48,11 @@ pub struct Options {
     pub iterations: Option<u32>,
     /// Largest distance of the map, in its unit. Points that are farther are unreached: their distance is
     /// +infinity. Distances within the radius are those of the whole map. With `None` or +infinity there is no
-    /// limit. On the CPU the work is proportional to the area within the radius, except for measuring the
-    /// surface.
+    /// limit. The work is proportional to the area within the radius, except for measuring the surface.
     pub radius: Option<f64>,
     /// The targets of the map. It ends when no front can come to them earlier, and points that are farther are
-    /// unreached. On the CPU the work is about that of the radius that the targets need. A target that cannot
-    /// be reached makes the map whole, and its distance is +infinity.
+    /// unreached. On the CPU, and by tiles on a device, the work is about that of the radius that the targets
+    /// need. A target that cannot be reached makes the map whole, and its distance is +infinity.
     pub targets: Option<Targets>,
     /// Follows the computation from another thread, which may cancel it.
     pub monitor: Option<Monitor>,

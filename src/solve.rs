@@ -247,8 +247,13 @@ impl<'a> Problem<'a> {
         let monitor = self.monitor.clone();
         let mut solver = vulkan::HeadlessSolver::new(choice)?.with_monitor(monitor);
         let mut surface = solver.upload(self.surface)?;
-        let method = vulkan::Method::new(self.wavefront, self.stop).with_schedule(self.schedule);
-        let solution = solver.solve(&mut surface, &self.seeds, method)?;
+        let method = vulkan::Method::new(self.wavefront, self.stop)
+            .with_schedule(self.schedule)
+            .with_radius(self.time_limit());
+        let solution = match &self.targets {
+            Some(targets) => solver.solve_to(&mut surface, &self.seeds, targets, method)?,
+            None => solver.solve(&mut surface, &self.seeds, method)?,
+        };
         let report = Report {
             device: Some(solver.device_name().to_owned()),
             iterations: solution.iterations,

@@ -58,8 +58,10 @@ void main() {
     if (is_beyond(inner, texels)) return;
     ivec2 texel = with_border(inner);
     bool may_renew = renews != 0u;
+    if (gl_LocalInvocationIndex == 0u) atomicAdd(visited, 1u);
     causal = fronts_meet != 0u;
     holds = fronts_meet != FRONTS_ARE_ADDED;
+    latest = limit;
 
     vec4 nine[9];
     for (int i = 0; i < 9; i++) {

@@ -45,6 +45,7 @@ void note_moved(uint moved, uint further, ivec2 texel) {
     make_due(way > 0 ? forth + 1 : forth, block, pitch);
     for (int k = 0; k < LINES; k++) {
         if ((moved >> k & 1u) == 0u) continue;
+        note_place(inner + k * ahead);
         make_seen_due(forth, block, in_block + k * way, int(SCAN) - 1, middle_block, pitch);
     }
     if (further != 0u) {
@@ -54,11 +55,29 @@ void note_moved(uint moved, uint further, ivec2 texel) {
 }
 
 shared uint is_due;
+// On a map with a limit: the first and the last place of a line at which fronts have changed.
+shared ivec2 changed_along;
+
+// Returns whether no front is so near to the texels that this workgroup writes that it may reach them in this
+// block. Workgroups beside it may have changed fronts in the same dispatch, but none as near.
+bool lies_apart() {
+    if (in_turn != 0 || limit >= NO_LIMIT) return false;
+    if (gl_LocalInvocationID.x == 0u) {
+        const int AXIS = AHEAD_Y != 0 ? 0 : 1;
+        changed_along = ivec2(atomicOr(changed_first[AXIS], 0), atomicOr(changed_last[AXIS], 0));
+    }
+    barrier();
+    const int REACH = LINES * (SPLITS != 0 ? SPLIT_REACH : 1);
+    int own = without_border(first_of_workgroup() + HALO);
+    int written = int(gl_WorkGroupSize.x) - 2 * HALO;
+    return own > changed_along.y + REACH || own + written - 1 < changed_along.x - REACH;
+}
 
 void main() {
     if (group_number().y > 0u) return;
     causal = fronts_meet != 0u;
     holds = fronts_meet != FRONTS_ARE_ADDED;
+    latest = limit;
     int way = AHEAD_X + AHEAD_Y;
     int passed_lines = 0;
     for (int number = 0; passed_lines < lines; number++) {
@@ -84,6 +103,8 @@ void main() {
             int bit = note + number;
             if (note >= 0) visits[bit / 32] |= 1u << (bit & 31);
         }
+        if (lies_apart()) return;
+        if (gl_LocalInvocationID.x == 0u) atomicAdd(visited, 1u);
         scan_block();
     }
 }

@@ -351,7 +351,8 @@ void scan_block() {
             imageStore(new_fronts, place_of(texel, TIME), new);
             if (CARRIES) imageStore(new_fronts, place_of(texel, CARRIED), new_carried);
             change = max(change, change_of(old, new, old_carried, new_carried));
-            if (differ(old, new) || differ(old_carried, new_carried)) {
+            bool matters = any(lessThanEqual(min(old, new), vec4(latest)));
+            if (matters && (differ(old, new) || differ(old_carried, new_carried))) {
                 moved |= 1u << k;
                 if (sees_further) further |= 1u << k;
             }

@@ -40,9 +40,12 @@ void main() {
     // An exact seed replaces a front that arrives at the same time.
     bvec4 exact = equal(floatBitsToUint(seeds[index].curvatures) & SCAN_OF_TAG, uvec4(EXACT));
     bvec4 first = mix(lessThan(times, time), lessThanEqual(times, time), exact);
+    // Sources may start after the limit.
+    first = mix(first, bvec4(false), greaterThan(times, vec4(limit)));
     imageStore(new_fronts, ivec3(texel, TIME), mix(time, times, first));
     imageStore(new_fronts, ivec3(texel, CARRIED), mix(carried, seeds[index].curvatures, first));
     ivec2 inner = without_border(texel);
+    note_place(inner);
     if (follows == uint(SCANS_FOLLOW)) {
         int pitch = pitch_of(texels);
         make_both_due(DOWN, inner.y, pitch);

@@ -200,6 +200,8 @@ void main() {
     barrier();
     uint number = tile_number;
     uint urgency = tile_urgency;
+    // The limit has fallen since the tile was put on the list.
+    if (due_at(urgency) > limit) return;
     if (waits(urgency, round)) {
         if (gl_LocalInvocationIndex == 0u) {
             tiles[(2u + (round & 1u)) * count + place] = number | uint(HAS_WAITED);
@@ -215,7 +217,9 @@ void main() {
     bool may_renew = renews != 0u;
     causal = fronts_meet != 0u;
     holds = fronts_meet != FRONTS_ARE_ADDED;
+    latest = limit;
     if (gl_LocalInvocationIndex == 0u) {
+        atomicAdd(visited, 1u);
         woken = 0u;
         forget_subgroups();
         border_change = 0u;

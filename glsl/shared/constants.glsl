@@ -3,6 +3,8 @@
 
 // Stands for "not reached" and "no such edge". It is large and finite, and sums of it stay finite.
 #define FAR 1e30
+// Limit of the times on a map that has none. No sum of times and edges exceeds it.
+#define NO_LIMIT 3e38
 // Kinds of fronts: the values of the specialization constant WAVEFRONT (see wavefront.glsl), and the numbers
 // of Rust's Wavefront.
 #define PLANAR 0
@@ -177,6 +179,11 @@
 // Largest number of updates of surroundings. Smooth surfaces need 14 to 18, surfaces that turn about within
 // some cells need 28.
 #define SURROUNDINGS_STEPS 40
+// Largest number of targets of a map.
+#define MOST_TARGETS 1024
+// Part of the last target's time by which a device's limit is later. Until a map has converged, a curved front
+// may be renewed to come later than at first.
+#define TARGET_MARGIN 0.02
 // Largest length of an edge. Squares and sums of such lengths stay within single precision and below FAR. A
 // larger coordinate in a renderer's memory marks a hole, as NaN does.
 #define LONGEST_EDGE 1e12

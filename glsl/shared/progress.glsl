@@ -10,7 +10,14 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     uint done;          // 1 once the map has converged or the iterations have run out
     uint tolerance;     // largest residual at which a map has converged
     uint most;          // largest number of iterations
+    uint visited;       // number of workgroups so far that have updated a tile, a part of a block, or texels
     uint fronts_meet;   // 0, FRONTS_MEET or FRONTS_ARE_ADDED; see wavefront.glsl
+    float limit;        // time after which fronts do not matter; NO_LIMIT if there is none
+    float end;          // time after which points count as unreached: a little earlier if there are targets
+    // The columns and rows in which the fronts of a map with a limit have changed: the first texel and the last
+    // one, counted without the border. Other maps leave them as they are.
+    int changed_first[2];
+    int changed_last[2];
     // Group counts of the indirect dispatches of further iterations, zero once the map is done.
     uint grid_groups[3];   // for the grid
     // For each scan, bits of the blocks past the middle of the grid that are due in the next iteration; see
@@ -21,6 +28,10 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     uint reached;           // 1 once a round has reached a point
     uint settled;           // number of texels copied by settle.comp, for profiles
     uint visits[VISIT_WORDS]; // a bit for each dispatch of a scan that has visited its block, for profiles
+    // Of a map with targets: their number, the number of those that are needed, and the row and column of each.
+    uint target_count;
+    uint targets_needed;
+    uint targets[2 * MOST_TARGETS];
     float typical_edge; // typical length of edges along rows and columns; 0 if there are no edges
     // Properties of a renderer's input. No iteration changes them.
     uint prepared;    // number written by the last preparation of the surface that has run
@@ -33,3 +44,13 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     uint continued;   // number of sampled edges beyond which the normal is known too
     uint turns[2];    // for the latter, sums of squared differences of normals one and two steps apart
 };
+
+// Notes that a front at a texel, counted without the border, has changed.
+void note_place(ivec2 inner) {
+    if (limit >= NO_LIMIT) return;
+    // Most changes lie inside, and need no write.
+    for (int i = 0; i < 2; i++) {
+        if (inner[i] < changed_first[i]) atomicMin(changed_first[i], inner[i]);
+        if (inner[i] > changed_last[i]) atomicMax(changed_last[i], inner[i]);
+    }
+}

@@ -10,11 +10,13 @@ layout(constant_id = 2) const int WAVEFRONT = PLANAR;
 // Whether the slowness of the surface varies. Fronts are then straight or carry their curvature.
 layout(constant_id = 12) const int SLOWED = 0;
 
-// Whether fronts depend on nothing that arrives later. This is needed where several may meet. Shaders of maps
-// set it.
+// Shaders of maps set the next three values.
+// Whether fronts depend on nothing that arrives later. This is needed where several may meet.
 bool causal = false;
 // Whether exact seeds are kept.
 bool holds = true;
+// Time after which fronts do not matter. Points that have not been reached by then stay unreached.
+float latest = NO_LIMIT;
 
 #include "update/tag.glsl"
 #include "update/triangle.glsl"
@@ -120,6 +122,8 @@ Fronts update_pair(EndFronts behind, vec2 surface, vec2 slowness, vec4 l1, vec4 
 // Selects which fronts points keep: the present ones, or those that a scan, numbered from 1, brings. If
 // `renews` is set, fronts that the same scan brought earlier may be renewed.
 void accept(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 carried) {
+    bvec4 too_late = both(greaterThan(fronts.time, vec4(latest)), greaterThanEqual(time, vec4(FAR)));
+    fronts.time = mix(fronts.time, vec4(FAR), too_late);
     if (HAS_CURVATURE) {
         accept_curved(fronts, scan, renews, time, carried);
     } else if (HAS_ANCHORS) {
@@ -151,8 +155,11 @@ void take_first(float other, float other_carried, inout bool found, inout float 
 }
 
 // Returns how much fronts have changed: the largest difference of arrival times in units of the last place,
-// or the weight of a change of what they carry.
+// or the weight of a change of what they carry. Fronts that are and were later than `latest` do not count.
 uint change_of(vec4 old_time, vec4 time, vec4 old_carried, vec4 carried) {
+    bvec4 late = greaterThan(min(old_time, time), vec4(latest));
+    time = mix(time, old_time, late);
+    carried = mix(carried, old_carried, late);
     uvec4 old_bits = floatBitsToUint(old_time);
     uvec4 bits = floatBitsToUint(time);
     uint units = largest(max(old_bits, bits) - min(old_bits, bits));

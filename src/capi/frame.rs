@@ -7,7 +7,10 @@ use super::arguments::list;
 use super::plan::GeosweepPlan;
 use super::profile::GeosweepProfile;
 use super::status::Failure;
-use crate::vulkan::embed::{Access, PointSource, Reader, SourceInput};
+use super::surface::GeosweepSurface;
+use crate::vulkan::embed::{
+    self, Access, MOST_TARGETS, MapLimit, PointSource, Reader, SourceInput, TargetPoint,
+};
 use crate::vulkan::grid_images::INLINE_SOURCES;
 
 /// Value of `GeosweepFrame::points` if the points have not changed since the last frame.
@@ -71,6 +74,16 @@ pub struct GeosweepSources {
     pub offset: u64,
 }
 
+/// A grid point at which a map may end.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct GeosweepTarget {
+    /// Row, from 0 to rows - 1.
+    pub row: u32,
+    /// Column, from 0 to cols - 1.
+    pub col: u32,
+}
+
 /// Inputs of a frame.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -95,6 +108,16 @@ pub struct GeosweepFrame {
     /// Value in the image at points that no front reaches: `INFINITY` or a negative number. Filters turn
     /// infinity to NaN beside such points. It must not be NaN, nor 0, which is the distance of sources.
     pub unreached: f32,
+    /// Largest distance of the map, or 0 for no limit. Points that are farther are not reached. The work is that
+    /// of the area within the radius, which may be another one in each frame.
+    pub radius: f32,
+    /// Number of targets whose distances are needed, the nearest ones, or 0 for all.
+    pub targets_needed: u32,
+    /// Targets, or null: the map ends once fronts cannot come to them earlier, and farther points are not
+    /// reached. By raster scans, targets are looked at after each iteration only; a radius limits the first.
+    pub targets: *const GeosweepTarget,
+    /// Number of targets, at most 1024. It is 0 if `targets` is null.
+    pub target_count: u32,
     /// Profile that records the passes of this frame, or null. A profile records one frame at a time: its
     /// previous frame must have run.
     pub profile: *const GeosweepProfile,
@@ -134,6 +157,21 @@ pub(super) fn unreached(given: f32, name: &str) -> Result<f32, Failure> {
         return Err(Failure::argument(name, reason));
     }
     Ok(given)
+}
+
+/// Returns where the map of a frame ends.
+///
+/// # Safety
+/// The array of targets has as many entries as the frame says.
+pub(super) unsafe fn limit<'a>(given: &GeosweepFrame) -> Result<MapLimit<'a>, Failure> {
+    let &GeosweepFrame { radius, targets, target_count, targets_needed, .. } = given;
+    // SAFETY: the caller's promise.
+    let targets = unsafe { list(targets, target_count, MOST_TARGETS as usize, "frame->targets") }?;
+    // Both types are two numbers with the same meaning.
+    let targets = bytemuck::cast_slice::<GeosweepTarget, TargetPoint>(targets);
+    Ok(MapLimit::to(targets)
+        .with_radius(if radius == 0.0 { f32::INFINITY } else { radius })
+        .with_needed(if targets_needed == 0 { u32::MAX } else { targets_needed }))
 }
 
 /// Returns the sources of a recording.

@@ -69,7 +69,7 @@
 #define GEOSWEEP_STRAIGHT 1e-30
 
 // Size in bytes of the record that `geosweep_record_outcome_to` copies.
-#define GEOSWEEP_OUTCOME_BYTES 68
+#define GEOSWEEP_OUTCOME_BYTES 72
 
 // Size in bytes of a curve's record in a `GeosweepCurves`. It is the stride of indirect draws, and the size
 // that `geosweep_curve_record_from_bytes` reads.
@@ -455,6 +455,9 @@ typedef struct GeosweepOutcome {
     double residual;
     // Number of iterations, or of rounds of tiles, since the start of the map.
     uint32_t iterations;
+    // Number of visits since the start of the map, each by one workgroup: to a tile, or to the part of a block
+    // of lines that a workgroup updates. A smaller radius takes fewer.
+    uint32_t visits;
     // Number of grid points that are holes. A point is a hole if one of its values is not finite or too
     // large, if it lies outside an image that is too small, or if its slowness is negative. Compare this
     // with the holes that you made.
@@ -545,6 +548,14 @@ typedef struct GeosweepReader {
     VkImageLayout layout;
 } GeosweepReader;
 
+// A grid point at which a map may end.
+typedef struct GeosweepTarget {
+    // Row, from 0 to rows - 1.
+    uint32_t row;
+    // Column, from 0 to cols - 1.
+    uint32_t col;
+} GeosweepTarget;
+
 // Inputs of a frame.
 typedef struct GeosweepFrame {
     // Access that has written points and sources since the previous frame, or has used the memory of your
@@ -567,6 +578,16 @@ typedef struct GeosweepFrame {
     // Value in the image at points that no front reaches: `INFINITY` or a negative number. Filters turn
     // infinity to NaN beside such points. It must not be NaN, nor 0, which is the distance of sources.
     float unreached;
+    // Largest distance of the map, or 0 for no limit. Points that are farther are not reached. The work is that
+    // of the area within the radius, which may be another one in each frame.
+    float radius;
+    // Number of targets whose distances are needed, the nearest ones, or 0 for all.
+    uint32_t targets_needed;
+    // Targets, or null: the map ends once fronts cannot come to them earlier, and farther points are not
+    // reached. By raster scans, targets are looked at after each iteration only; a radius limits the first.
+    const struct GeosweepTarget *targets;
+    // Number of targets, at most 1024. It is 0 if `targets` is null.
+    uint32_t target_count;
     // Profile that records the passes of this frame, or null. A profile records one frame at a time: its
     // previous frame must have run.
     const struct GeosweepProfile *profile;

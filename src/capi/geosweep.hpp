@@ -410,6 +410,13 @@ struct Frame : GeosweepFrame {
         sources = GeosweepSources();
         return sources.buffer = number, sources.offset = offset, *this;
     }
+    /* Sets the largest distance of the map; 0 is none. */
+    Frame &within(float distance) { return radius = distance, *this; }
+    /* Sets the targets of the map to an array, which must exist until the frame is recorded. */
+    Frame &toward(const GeosweepTarget *of, std::size_t count, uint32_t needed = 0) {
+        targets = of, target_count = static_cast<uint32_t>(count);
+        return targets_needed = needed, *this;
+    }
     Frame &timed_by(const GeosweepProfile *taking_down) { return profile = taking_down, *this; }
 };
 

@@ -62,7 +62,7 @@ pub use curves::*;
 pub use directions::*;
 pub use frame::{
     GEOSWEEP_POINTS_UNCHANGED, GEOSWEEP_STRAIGHT, GeosweepAccess, GeosweepFrame, GeosweepReader,
-    GeosweepSource, GeosweepSources, geosweep_source_at,
+    GeosweepSource, GeosweepSources, GeosweepTarget, geosweep_source_at,
 };
 pub use log_map::*;
 pub use memory::{GeosweepAllocator, GeosweepMemory, GeosweepMemoryRequest};

@@ -8,7 +8,7 @@ use ash::vk::Handle;
 use super::arguments::{Output, list, reference};
 use super::frame::{
     GEOSWEEP_POINTS_UNCHANGED, GeosweepAccess, GeosweepFrame, GeosweepReader, GeosweepSources,
-    access, reader, sources, unreached,
+    access, limit, reader, sources, unreached,
 };
 use super::objects::object;
 use super::plan::{GeosweepPlan, plan};
@@ -19,7 +19,7 @@ use crate::vulkan::embed::{self, Recording, SourceInput};
 use crate::vulkan::record::MOST_TOGETHER;
 
 /// Size in bytes of the record that `geosweep_record_outcome_to` copies.
-pub const GEOSWEEP_OUTCOME_BYTES: u32 = 68;
+pub const GEOSWEEP_OUTCOME_BYTES: u32 = 72;
 const _: () = assert!(GEOSWEEP_OUTCOME_BYTES as usize == embed::Outcome::BYTES);
 
 /// Runs `body` with a recording for a surface.
@@ -106,15 +106,16 @@ unsafe fn frame_of<'a>(
     given: &GeosweepFrame,
 ) -> Result<embed::Frame<'a>, Failure> {
     // SAFETY: the caller's promise.
-    let (plan, sources) = unsafe {
+    let (plan, sources, limit) = unsafe {
         let plan = plan(given.plan, surface, "frame->plan")?;
-        (plan, sources(&given.sources, "frame->sources.sources")?)
+        (plan, sources(&given.sources, "frame->sources.sources")?, limit(given)?)
     };
     let points = (given.points != GEOSWEEP_POINTS_UNCHANGED).then_some(given.points as usize);
     Ok(embed::Frame::new(plan, sources, reader(given.reader, "frame->reader.")?)
         .with_before(access(given.before, "frame->before")?)
         .with_points(points)
         .with_slot(given.slot as usize)
+        .with_limit(limit)
         .with_unreached(unreached(given.unreached, "frame->unreached")?))
 }
 

@@ -66,6 +66,9 @@ pub struct GeosweepOutcome {
     pub residual: f64,
     /// Number of iterations, or of rounds of tiles, since the start of the map.
     pub iterations: u32,
+    /// Number of visits since the start of the map, each by one workgroup: to a tile, or to the part of a block
+    /// of lines that a workgroup updates. A smaller radius takes fewer.
+    pub visits: u32,
     /// Number of grid points that are holes. A point is a hole if one of its values is not finite or too
     /// large, if it lies outside an image that is too small, or if its slowness is negative. Compare this
     /// with the holes that you made.
@@ -97,6 +100,7 @@ impl From<embed::Outcome> for GeosweepOutcome {
         let embed::Outcome {
             iterations,
             residual,
+            visits,
             converged,
             measured,
             holes,
@@ -109,6 +113,7 @@ impl From<embed::Outcome> for GeosweepOutcome {
         Self {
             residual,
             iterations,
+            visits,
             holes,
             edges_without_length,
             passed_over,

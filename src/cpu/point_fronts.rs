@@ -17,6 +17,9 @@ use crate::update::{Kept, SEED};
 pub(super) struct PointFronts<R: Real, K: PointKind<R>> {
     pub edges: EdgeLengths<R>,
     pub kind: K,
+    /// Fronts that come later do not matter. They reach no point for the first time.
+    #[cfg(any(test, feature = "twins"))]
+    limit: R,
     times: Vec<R>,
     carried: Vec<K::Carried>,
 }
@@ -26,7 +29,14 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
     pub(super) fn start(edges: &EdgeLengths<R>, kind: K, seeds: &[Seed]) -> Self {
         let points = edges.chart().bordered_points();
         let (times, carried) = (vec![R::FAR; points], vec![K::Carried::default(); points]);
-        let mut fronts = Self { edges: edges.clone(), kind, times, carried };
+        let mut fronts = Self {
+            edges: edges.clone(),
+            kind,
+            #[cfg(any(test, feature = "twins"))]
+            limit: R::infinity(),
+            times,
+            carried,
+        };
         fronts.seed(seeds);
         fronts
     }
@@ -96,7 +106,21 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
     ) -> R::Bits {
         let before = self.at(point);
         let after = K::accept(before, arrival, scan, renews);
+        #[cfg(any(test, feature = "twins"))]
+        if before.time >= R::FAR && after.time > self.limit {
+            return R::Bits::default();
+        }
         self.set(point, after);
+        self.change(before, after)
+    }
+
+    /// Returns how much a front has changed. A front that is and was later than the limit does not count.
+    #[inline]
+    fn change(&self, before: Kept<R, K::Carried>, after: Kept<R, K::Carried>) -> R::Bits {
+        #[cfg(any(test, feature = "twins"))]
+        if before.time.min(after.time) > self.limit {
+            return R::Bits::default();
+        }
         K::change(before, after)
     }
 
@@ -108,9 +132,25 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
 /// Further methods for the shaders' twins.
 #[cfg(any(test, feature = "twins"))]
 impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
+    /// Creates fronts where only the seeds within a radius are reached, and nothing beyond it will be.
+    pub(super) fn start_within(
+        edges: &EdgeLengths<R>,
+        kind: K,
+        seeds: &[Seed],
+        radius: f64,
+    ) -> Self {
+        let seeds: Vec<_> = seeds.iter().filter(|seed| seed.time <= radius).copied().collect();
+        Self { limit: R::of(radius), ..Self::start(edges, kind, &seeds) }
+    }
+
+    /// Returns the time after which fronts do not matter.
+    pub(super) fn limit(&self) -> R {
+        self.limit
+    }
+
     /// Returns the change of the front at a point since `before`, as [`Self::accept`] measures it.
     pub(super) fn change_from(&self, before: &Self, point: usize) -> R::Bits {
-        K::change(before.at(point), self.at(point))
+        self.change(before.at(point), self.at(point))
     }
 
     /// Copies the front at a point from `from`.
@@ -156,6 +196,6 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         }
         let after = taken.unwrap_or(left);
         self.set(point, after);
-        K::change(before, after)
+        self.change(before, after)
     }
 }

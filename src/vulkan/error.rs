@@ -223,6 +223,9 @@ pub enum VulkanError {
         /// Number of the input.
         number: usize,
     },
+    /// A map cannot end at the given radius or targets.
+    #[error("the limit of the map cannot be used: {0}")]
+    Limit(String),
     /// One of several frames that are recorded together cannot be recorded.
     #[error("frame {number} of those recorded together, counted from 0: {source}")]
     OfFrame {

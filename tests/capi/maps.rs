@@ -7,6 +7,7 @@ use geosweep::glam::DVec3;
 use geosweep::surface::{Chart, Geometry};
 use geosweep::{MetricTensor, Sources, Spacing, Surface, Wavefront};
 
+use crate::common::parts::assert_is_part;
 use crate::common::{CONVERGED, difference, on_cpu};
 use crate::host::Host;
 use crate::session::{
@@ -275,4 +276,45 @@ fn a_map_in_parts_is_the_map_of_one_frame() {
     ok(unsafe { geosweep_surface_destroy(surface) });
     assert!(last_error().contains("has 1"), "a success leaves the message");
     session.end([buffer, more, places, found, record]);
+}
+
+/// Frames with a radius and with targets have that part of the whole map, and take fewer visits.
+#[test]
+fn frames_end_at_a_radius_or_at_targets() {
+    let mut session = Session::new(Host::new());
+    let buffer = session.host.buffer_of(&vertices());
+    let points = [GeosweepPoints { buffer: buffer.handle, offset: 12, stride: 20, ..zero() }];
+    let surface = session.surface(&surface_info(ROWS, COLS, &points));
+    let plan = session.plan(ROWS, COLS, &method(GeosweepWavefront::Planar, 12));
+    let sources = [geosweep_source_at(3.0, 40.0)];
+    let frame = frame(plan, &sources);
+    let whole = session.map(surface, &frame);
+    let all = session.outcome(surface).visits;
+    let target = GeosweepTarget { row: 9, col: 30 };
+    let end = whole[CHART.index(9, 30)];
+    let limits = [
+        GeosweepFrame { radius: end, ..frame },
+        GeosweepFrame { targets: &target, target_count: 1, ..frame },
+    ];
+    for (limited, what) in limits.iter().zip(["radius", "target"]) {
+        let near = session.map(surface, limited);
+        assert!(session.outcome(surface).converged, "{what}");
+        assert!(session.outcome(surface).visits <= all, "{what}");
+        assert_is_part(&near, &whole, end.into(), what);
+    }
+    let mut refused = |limited: GeosweepFrame, words: &str| {
+        let (host, mut image) = (&mut session.host, zero());
+        let commands = host.commands();
+        host.begin(commands);
+        wrong(unsafe { geosweep_record_frame(surface, commands, &limited, &mut image) }, words);
+        host.end(commands);
+    };
+    refused(GeosweepFrame { radius: f32::NAN, ..frame }, "the radius NaN is not positive");
+    refused(GeosweepFrame { target_count: 2, ..frame }, "frame->targets is null");
+    let target = GeosweepTarget { row: ROWS, col: 0 };
+    let off = GeosweepFrame { targets: &target, target_count: 1, ..frame };
+    refused(off, "is outside the");
+    ok(unsafe { geosweep_plan_destroy(plan) });
+    ok(unsafe { geosweep_surface_destroy(surface) });
+    session.end([buffer]);
 }

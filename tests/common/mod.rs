@@ -7,6 +7,7 @@ mod cases;
 pub mod closed;
 mod devices;
 mod irregular;
+pub mod parts;
 pub mod sheets;
 
 use geosweep::Stop;

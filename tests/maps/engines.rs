@@ -378,8 +378,14 @@ fn scans_of_blocks_that_are_due_are_whole_scans() {
                 let in_turn = twins::scan_in_turn(&edges, &seeds, wavefront, stop);
                 let in_pairs = twins::scan_in_pairs(&edges, &seeds, wavefront, stop, lines);
                 for (order, whole) in [(InTurn, &in_turn), (InPairs, &in_pairs)] {
-                    let (due, visits) =
-                        twins::scan_due(&edges, &seeds, wavefront, stop, (order, lines));
+                    let (due, visits) = twins::scan_due(
+                        &edges,
+                        &seeds,
+                        wavefront,
+                        stop,
+                        (order, lines),
+                        f64::INFINITY,
+                    );
                     let what = format!("{name}, {wavefront}, {order:?}, {lines} lines");
                     assert_eq!(whole.distances(), due.distances(), "{what}");
                     assert_eq!(whole.iterations, due.iterations, "{what}");

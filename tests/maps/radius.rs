@@ -7,6 +7,7 @@ use geosweep::surface::{EdgeLengths, Real, Seed};
 use geosweep::{Engine, Error, Options, Sources, Spacing, Surface, Targets, Wavefront};
 use geosweep::{distance_map, distance_map_f64};
 
+use crate::common::parts::{assert_is_part, farthest, reached};
 use crate::common::{CONVERGED, at, rough};
 
 /// By patches of 32 points a side.
@@ -46,25 +47,6 @@ fn solved<R: Real>(
     solver.set_radius(radius);
     solver.solve(seeds, stop);
     (solver.distances(), solver.visits())
-}
-
-fn farthest<R: Real>(map: &[R]) -> f64 {
-    let finite = map.iter().filter(|distance| distance.is_finite());
-    finite.fold(0.0, |far, distance| far.max(distance.wide()))
-}
-
-/// Asserts that `near` is the part of `whole` within the radius, and that beyond it nothing is reached. Returns
-/// the largest relative difference.
-fn assert_is_part<R: Real>(near: &[R], whole: &[R], radius: f64, what: &str) {
-    for (index, (near, whole)) in near.iter().zip(whole).enumerate() {
-        let (near, whole) = (near.wide(), whole.wide());
-        // On the edge itself rounding decides.
-        if whole > radius * (1.0 + 1e-6) {
-            assert!(near.is_infinite(), "{what}, point {index}: {near} of {whole}");
-        } else if whole < radius * (1.0 - 1e-6) {
-            assert!((near - whole).abs() <= 1e-6 * whole, "{what}, point {index}: {near}, {whole}");
-        }
-    }
 }
 
 #[test]
@@ -118,8 +100,7 @@ fn shares(
     let (whole, all) = solved((edges, wavefront, order), seeds, CONVERGED, f64::INFINITY);
     let radius = share * farthest(&whole);
     let (near, visits) = solved((edges, wavefront, order), seeds, CONVERGED, radius);
-    let reached = |map: &[f32]| map.iter().filter(|distance| distance.is_finite()).count() as f64;
-    [reached(&near) / reached(&whole), visits as f64 / all as f64]
+    [reached(&near) as f64 / reached(&whole) as f64, visits as f64 / all as f64]
 }
 
 /// The radius is 40 to 90 points. A span of sixteen points is visited as a whole, so smaller discs cost more. Over

@@ -2,7 +2,7 @@
 //! wait. The work of a map is linear in its points on any surface.
 
 use geosweep::Stop;
-use geosweep::cpu::twins::{Rounds, tile_rounds_counted};
+use geosweep::cpu::twins::{Rounds, tile_rounds_within};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{Sources, Spacing, Surface, Wavefront};
@@ -53,7 +53,7 @@ fn tiles_in_order_are_visited_some_six_times() {
         for (tile, inner) in [(32, 1), (16, 4)] {
             let [(any, of_any), (ordered, of_ordered)] = [None, Some(0)].map(|few| {
                 let rounds = Rounds { tile, inner, recorded: 20_000, few };
-                tile_rounds_counted(&edges, &seeds, wavefront, stop, rounds)
+                tile_rounds_within(&edges, &seeds, wavefront, stop, rounds, f64::INFINITY)
             });
             let tiles = side.div_ceil(tile).pow(2) as f64;
             let [before, after] = [of_any, of_ordered].map(|visits| visits as f64 / tiles);

@@ -7,9 +7,9 @@ use geosweep::Wavefront;
 use geosweep::ash::vk;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, ContourFrame, DirectionFrame, Frame, LevelInput, LogMapFrame, Lookup, PathFrame,
-    PathsInfo, PointSource, Points, Reader, RegionFrame, SourceBuffer, SourceInput, StartInput,
-    SurfaceFrame, SurfaceInfo,
+    self, Access, ContourFrame, DirectionFrame, Frame, LevelInput, LogMapFrame, Lookup, MapLimit,
+    PathFrame, PathsInfo, PointSource, Points, Reader, RegionFrame, SourceBuffer, SourceInput,
+    StartInput, SurfaceFrame, SurfaceInfo, TargetPoint,
 };
 use geosweep::vulkan::profile::{Grain, Profile, Slots};
 use geosweep::vulkan::{Method, Schedule};
@@ -84,6 +84,8 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
             let inputs = [SourceInput::Inline(&inline), SourceInput::Buffer(0)];
             let commands = host.commands();
             host.begin(commands);
+            let targets = [TargetPoint::at(number as u32 % 40, 11), TargetPoint::at(7, 3)];
+            let limit = MapLimit::to(&targets[..number % 3]).with_radius(1.0 + number as f32);
             let before = allocations();
             let recording = solver.record(&recording_device, commands, &surface);
             let watched = number % 5 == 0;
@@ -94,12 +96,14 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
                         .with_before(Access::COMPUTE_WRITE)
                         .with_points(0)
                         .with_slot(number % 2)
+                        .with_limit(limit)
                         .with_unreached(-1.0),
                 )
                 .unwrap();
             let frame = Frame::new(&plan, inputs[number % 2], Reader::COMPUTE)
                 .with_points(0)
                 .with_slot(number % 2)
+                .with_limit(limit)
                 .with_unreached(-1.0);
             let frames = [SurfaceFrame::new(&surface, frame)];
             solver.record_frames(&recording_device, commands, &frames).unwrap();

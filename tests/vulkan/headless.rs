@@ -23,7 +23,7 @@ const AGREEMENT: f64 = 1e-5;
 /// digit for each point that a front passes, with both signs.
 const TWINS: f64 = 2e-6;
 /// `FEW_TILES` in `glsl/shared/constants.glsl`.
-const FEW_TILES: usize = 64;
+pub const FEW_TILES: usize = 64;
 
 const WAVEFRONTS: [Wavefront; 3] = Wavefront::FOR_ANY_SURFACE;
 

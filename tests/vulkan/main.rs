@@ -9,6 +9,7 @@ mod embed;
 mod headless;
 #[path = "../common/host/mod.rs"]
 mod host;
+mod limits;
 mod pairwise;
 mod profile;
 mod scan_pairs;

@@ -18,18 +18,19 @@ pub type Visits = [Vec<bool>; 4];
 
 /// Solves as [`super::scan_in_turn`] or [`super::scan_in_pairs`] does, bit for bit, in blocks of `lines`
 /// lines of texels. A line of texels is a pair of rows or columns. A scan visits a block if a point in it, or
-/// on the line of texels behind it, has changed since the scan's last visit. Also returns the blocks that
-/// each iteration has visited.
+/// on the line of texels behind it, has changed since the scan's last visit. Fronts that come after the radius
+/// change nothing. Also returns the blocks that each iteration has visited.
 pub fn scan_due<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
     wavefront: Wavefront,
     stop: Stop,
     (order, lines): (ScanOrder, usize),
+    radius: f64,
 ) -> (Solution<R>, Vec<Visits>) {
     for_kind!(edges, wavefront, kind => {
         let mut visits = Vec::new();
-        let fronts = PointFronts::start(edges, kind, seeds);
+        let fronts = PointFronts::start_within(edges, kind, seeds, radius);
         let solution = solve(fronts, seeds, stop, (order, lines), Some(&mut visits));
         (solution, visits)
     })
@@ -90,7 +91,8 @@ fn solve<R: Real, K: PointKind<R>>(
                             let seen = |x| part.sees(&fronts, &before, x);
                             let front = fronts.reach_seen(point, &behind[scan], seen);
                             change = change.max(fronts.accept(point, front, order.0, renews));
-                            if fronts.at(point) != own {
+                            let now = fronts.at(point);
+                            if now != own && now.time.min(own.time) <= fronts.limit() {
                                 due.changed((row, col), Some(part));
                             }
                         }

@@ -18,7 +18,7 @@ pub use phases::ScanOrder;
 pub use regions::regions;
 pub use scan::{scan_in_turn, scan_outward};
 pub use surroundings::{CentralSource, surroundings};
-pub use tile_round::{Rounds, tile_rounds, tile_rounds_counted};
+pub use tile_round::{Rounds, tile_rounds, tile_rounds_within};
 
 use super::behind::Behind;
 use super::scan::Scan;

@@ -38,19 +38,21 @@ pub fn tile_rounds<R: Real>(
     stop: Stop,
     rounds: Rounds,
 ) -> Solution<R> {
-    tile_rounds_counted(edges, seeds, wavefront, stop, rounds).0
+    tile_rounds_within(edges, seeds, wavefront, stop, rounds, f64::INFINITY).0
 }
 
-/// Solves as [`tile_rounds`] does, and also returns the number of tiles visited in all rounds.
-pub fn tile_rounds_counted<R: Real>(
+/// Solves as [`tile_rounds`] does, up to a radius, and also returns the number of tiles visited in all rounds.
+/// A few points beyond the radius may have provisional times.
+pub fn tile_rounds_within<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
     wavefront: Wavefront,
     stop: Stop,
     rounds: Rounds,
+    radius: f64,
 ) -> (Solution<R>, u64) {
     for_kind!(edges, wavefront, kind => {
-        solve(PointFronts::start(edges, kind, seeds), seeds, stop, rounds)
+        solve(PointFronts::start_within(edges, kind, seeds, radius), seeds, stop, rounds)
     })
 }
 
@@ -210,6 +212,9 @@ impl<R: Real, K: PointKind<R>> Tiles<R, K> {
         let may_wait = self.rounds.few.is_some_and(|few| list.len() > few);
         for tile in list {
             let time = due[tiles.index(tile.0, tile.1)].expect("it is on the list");
+            if time > self.fronts.limit() {
+                continue;
+            }
             if may_wait && self.band > R::zero() && time > first + self.band {
                 self.enlist(tile, time);
                 round.unsettled = round.unsettled.max(self.tolerance + R::Bits::one());

@@ -176,6 +176,8 @@ passes! {
         MERGE_SURROUNDINGS: merge_surroundings;
         SETTLE: settle;
         COUNT: progress;
+        TARGETS: targets;
+        TRIM: trim;
         RESULT: result;
         UNPACK: unpack;
         LOOKUP: lookup;

@@ -6,8 +6,8 @@ use super::plan::Plan;
 use super::recording::Recording;
 use super::solver::Solver;
 use super::surface::{FrameSurface, ResultImage};
-use crate::vulkan::VulkanError;
 use crate::vulkan::profile::Grain;
+use crate::vulkan::{MapLimit, VulkanError};
 
 /// Parameters of [`Recording::frame`].
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +25,8 @@ pub struct Frame<'a> {
     pub slot: usize,
     /// Reader of the image.
     pub reader: Reader,
+    /// Where the map ends. The radius and the targets may be others in each frame.
+    pub limit: MapLimit<'a>,
     /// Value of the image at points that are not reached. It may be +infinity, but bilinear filters turn that
     /// into NaN beside such points. A negative number is easy to test for.
     pub unreached: f32,
@@ -35,7 +37,8 @@ impl<'a> Frame<'a> {
     /// are not reached, and does not wait for writes of the host.
     pub fn new(plan: &'a Plan, sources: SourceInput<'a>, reader: Reader) -> Self {
         let (before, points, slot) = (Access::NONE, None, 0);
-        Self { before, points, sources, plan, slot, reader, unreached: f32::INFINITY }
+        let (limit, unreached) = (MapLimit::NONE, f32::INFINITY);
+        Self { before, points, sources, plan, slot, reader, limit, unreached }
     }
 
     /// Sets [`Frame::before`].
@@ -63,6 +66,11 @@ impl<'a> Frame<'a> {
         Self { reader, ..self }
     }
 
+    /// Sets [`Frame::limit`].
+    pub fn with_limit(self, limit: MapLimit<'a>) -> Self {
+        Self { limit, ..self }
+    }
+
     /// Sets [`Frame::unreached`].
     pub fn with_unreached(self, unreached: f32) -> Self {
         Self { unreached, ..self }
@@ -84,7 +92,7 @@ impl Recording<'_> {
             self.record_measure(points, self.points(points)?);
             self.surface.state.measure(self.solver.is_curved());
         }
-        self.record_solve(frame.sources, frame.plan);
+        self.limited(frame.limit).record_solve(frame.sources, frame.plan);
         self.record_outcome(frame.slot, self.next_outcome(frame.slot));
         self.record_result(result, frame.slot, frame.reader, frame.unreached);
         self.note();
@@ -99,6 +107,7 @@ impl Recording<'_> {
         }
         self.check(frame.plan)?;
         self.check_sources(frame.sources)?;
+        frame.limit.check(self.surface.grid.chart)?;
         let result = self.surface.result(frame.slot, frame.reader.layout)?;
         match frame.points {
             Some(_) => self.surface.state.check_prepared()?,

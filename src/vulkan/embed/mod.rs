@@ -78,6 +78,7 @@ mod together;
 mod way_image;
 
 pub use super::device::device_memory::{DeviceMemory, MemoryBlock, MemoryRequest};
+pub use super::map_limit::{MOST_TARGETS, MapLimit, TargetPoint};
 pub use super::point_kind::PointKind;
 pub use access::{Access, Reader};
 pub use contours::{ContourFrame, Contours, LevelInput};

@@ -46,9 +46,9 @@ impl Plan {
     }
 
     /// Returns the largest number of profile records that a recording of the steps makes. It includes the
-    /// copies of values that the device decides.
+    /// copies of values that the device decides, and looks at targets.
     pub(super) fn records(&self, grain: Grain) -> u32 {
-        schedules::records(&self.steps, grain) + 2
+        schedules::records(&self.steps, grain) + self.iterations + 2
     }
 
     /// Returns the passes for inspection.

@@ -12,7 +12,6 @@ use super::state::number_of_preparation;
 use super::surface::FrameSurface;
 use crate::constants::{NEVER_MEASURED, SOURCES_TOGETHER, SURROUNDINGS_TEXELS, WORKGROUP};
 use crate::surface::{Chart, EdgeRule};
-use crate::vulkan::VulkanError;
 use crate::vulkan::device::bands::{POINT_BYTES, bands, frame_bytes, rows_around};
 use crate::vulkan::device::barrier::{PASS, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::device::passes::{
@@ -26,6 +25,7 @@ use crate::vulkan::profile::{PassKind, PassRecord, Profile, Work};
 use crate::vulkan::record::{Commands, Recorder};
 use crate::vulkan::schedules::progress::offset;
 use crate::vulkan::upload::SEED_BYTES;
+use crate::vulkan::{MapLimit, VulkanError};
 
 /// Recorder that appends commands for a surface to a command buffer of the host.
 ///
@@ -46,6 +46,8 @@ pub struct Recording<'a> {
     pub(super) surface: &'a FrameSurface,
     /// Offset of the points in bytes from where the surface has them.
     points_at: u64,
+    /// Where the maps end.
+    limit: MapLimit<'a>,
 }
 
 /// Minimum number of grid points per source for solving the sources' surroundings first, if there are more
@@ -64,7 +66,7 @@ impl<'a> Recording<'a> {
     ) -> Self {
         let commands = Commands::new(device, commands, &solver.pipelines);
         let recorder = Recorder { commands, grid: &surface.grid };
-        Self { recorder, solver, surface, points_at: 0 }
+        Self { recorder, solver, surface, points_at: 0, limit: MapLimit::NONE }
     }
 
     /// Returns this recording with `profile`, which receives the passes recorded by the returned value.
@@ -82,6 +84,13 @@ impl<'a> Recording<'a> {
     /// methods that read the points check it.
     pub fn points_at(self, offset: u64) -> Self {
         Self { points_at: offset, ..self }
+    }
+
+    /// Returns this recording with maps that end at a radius or at targets, in [`Recording::solve`]
+    /// and [`Recording::add`], which check the limit. A frame has its own: [`super::Frame::limit`]. The map of [`Recording::add`] should
+    /// have the limit of the map to which sources are added.
+    pub fn limited(self, limit: MapLimit<'a>) -> Self {
+        Self { limit, ..self }
     }
 
     /// Records the layout transitions and clears of a new surface's images. They must be recorded once,
@@ -189,11 +198,12 @@ impl<'a> Recording<'a> {
     /// convergence visit nothing. A buffer of sources must stay alive until the commands have run.
     ///
     /// # Errors
-    /// If the plan or the sources do not fit the surface, the solver has no pipelines for the plan, or the
-    /// edges were never measured.
+    /// If the plan, the sources or the limit do not fit the surface, the solver has no pipelines for the plan, or
+    /// the edges were never measured.
     pub fn solve(&self, sources: SourceInput, plan: &Plan) -> Result<(), VulkanError> {
         self.check(plan)?;
         self.check_sources(sources)?;
+        self.limit.check(self.surface.grid.chart)?;
         self.surface.state.check_measured(plan)?;
         self.record_solve(sources, plan);
         self.note();
@@ -201,7 +211,7 @@ impl<'a> Recording<'a> {
     }
 
     pub(super) fn record_solve(&self, sources: SourceInput, plan: &Plan) {
-        self.surface.state.solve(plan);
+        self.surface.state.solve(plan, self.limit);
         self.recorder.forget();
         self.start(sources, plan, false);
         self.steps(plan);
@@ -211,13 +221,14 @@ impl<'a> Recording<'a> {
     /// of `plan`.
     ///
     /// # Errors
-    /// If the plan or the sources do not fit the surface, the solver has no pipelines for the plan, or there
-    /// is no map of that wavefront.
+    /// If the plan, the sources or the limit do not fit the surface, the solver has no pipelines for the plan, or
+    /// there is no map of that wavefront.
     pub fn add(&self, sources: SourceInput, plan: &Plan) -> Result<(), VulkanError> {
         self.check(plan)?;
         self.check_sources(sources)?;
+        self.limit.check(self.surface.grid.chart)?;
         self.surface.state.check_wavefront(plan.wavefront)?;
-        self.surface.state.solve(plan);
+        self.surface.state.solve(plan, self.limit);
         self.start(sources, plan, true);
         self.steps(plan);
         self.note();
@@ -307,8 +318,17 @@ impl<'a> Recording<'a> {
 
     /// Records the steps of the plan.
     fn steps(&self, plan: &Plan) {
-        self.recorder.steps(self.variant(plan), plan.steps());
+        let state = &self.surface.state;
+        self.recorder.steps(self.variant(plan), plan.steps(), state.has_targets());
         self.recorder.end_portion();
+        self.trim();
+    }
+
+    /// Takes back what lies beyond the limit of the map, if it has one.
+    pub(super) fn trim(&self) {
+        if self.surface.state.is_limited() {
+            self.recorder.trim();
+        }
     }
 
     /// Starts a map from `sources`, on the current fronts. The plan's steps must follow.
@@ -319,7 +339,7 @@ impl<'a> Recording<'a> {
             self.sources_in(sources, sets.inline_sources, |number| sets.sources[number].set());
         // Only the device knows which of the sources are skipped.
         let causal = count > 1 || is_added || surface.grid.is_slowed();
-        recorder.start(plan.stop, plan.schedule, causal, is_added);
+        recorder.start((plan.stop, self.limit), plan.schedule, causal, is_added);
         if let SourceInput::Inline(sources) = sources {
             recorder.write_sources(bytemuck::cast_slice(sources));
         }

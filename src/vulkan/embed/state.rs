@@ -10,7 +10,7 @@ use ash::vk;
 use super::flight::half;
 use super::plan::Plan;
 use crate::update::Wavefront;
-use crate::vulkan::VulkanError;
+use crate::vulkan::{MapLimit, VulkanError};
 
 /// State of a surface whose recordings follow one another.
 #[derive(Debug)]
@@ -24,6 +24,9 @@ pub(super) struct State {
     map: AtomicU32,
     /// Number of maps that were started. It identifies the last one.
     maps: AtomicU32,
+    /// Whether the map has a limit, and whether it has targets.
+    is_limited: AtomicBool,
+    has_targets: AtomicBool,
     slots: Box<[Slot]>,
 }
 
@@ -47,6 +50,8 @@ impl State {
             destroyed: false.into(),
             map: 0.into(),
             maps: 0.into(),
+            is_limited: false.into(),
+            has_targets: false.into(),
             slots: (0..slots).map(|_| Slot::default()).collect(),
         }
     }
@@ -68,9 +73,21 @@ impl State {
         self.map.store(0, Relaxed);
     }
 
-    pub(super) fn solve(&self, plan: &Plan) {
+    pub(super) fn solve(&self, plan: &Plan, limit: MapLimit) {
         self.map.store(number_of(plan), Relaxed);
         self.maps.fetch_add(1, Relaxed);
+        self.is_limited.store(limit.is_there(), Relaxed);
+        self.has_targets.store(!limit.targets.is_empty(), Relaxed);
+    }
+
+    /// Returns whether the map ends at a radius or at targets.
+    pub(super) fn is_limited(&self) -> bool {
+        self.is_limited.load(Relaxed)
+    }
+
+    /// Returns whether the map ends at targets.
+    pub(super) fn has_targets(&self) -> bool {
+        self.has_targets.load(Relaxed)
     }
 
     pub(super) fn destroy(&self) {

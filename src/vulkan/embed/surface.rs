@@ -186,6 +186,9 @@ pub struct Outcome {
     pub iterations: u32,
     /// Largest relative change of a front in the last iteration.
     pub residual: f64,
+    /// Number of visits since the start of the map, each by one workgroup: to a tile, or to the part of a block
+    /// of lines that a workgroup updates. A smaller radius takes fewer.
+    pub visits: u32,
     /// Whether the map has converged, over edges that were measured. If it has not,
     /// [`super::Recording::resume`] continues it.
     pub converged: bool,
@@ -384,8 +387,9 @@ impl FrameSurface {
         let sources = self.sources.iter().map(|sources| sources.count).max();
         let sources = sources.unwrap_or(0).max(inline);
         // Sources are taken, and their seeds set, in portions. Their surroundings are solved, merged and set.
-        // The other four passes forget the map, start it, copy the outcome, and unpack the distances.
-        measured + 1 + 2 * sources.div_ceil(SOURCES_TOGETHER) + 3 + 4
+        // The other five passes forget the map, start it, take back what lies beyond its limit, copy the outcome,
+        // and unpack the distances.
+        measured + 1 + 2 * sources.div_ceil(SOURCES_TOGETHER) + 3 + 5
     }
 
     pub(super) fn check_slot(&self, slot: usize) -> Result<(), VulkanError> {
@@ -442,6 +446,7 @@ impl Outcome {
         Self {
             iterations: outcome.iterations,
             residual: outcome.residual(),
+            visits: outcome.visited,
             converged: outcome.has_converged() && measured,
             measured,
             holes: if measured { holes } else { 0 },

@@ -115,19 +115,20 @@ impl Solver {
                 recording.record_measure(points, read);
             }
             recording.recorder.forget();
-            recording.start(frame.sources, frame.plan, false);
+            recording.limited(frame.limit).start(frame.sources, frame.plan, false);
         });
         for SurfaceFrame { surface, frame, .. } in frames {
             if frame.points.is_some() {
                 surface.state.measure(self.is_curved());
             }
-            surface.state.solve(frame.plan);
+            surface.state.solve(frame.plan, frame.limit);
         }
         let steps: [_; MOST_TOGETHER] = array::from_fn(|number| {
             let of = frames.get(number)?;
             let recording = self.recording_of(device, commands, of);
             let variant = recording.variant(of.frame.plan);
-            Some((recording.recorder, variant, of.frame.plan.steps()))
+            let has_targets = !of.frame.limit.targets.is_empty();
+            Some((recording.recorder, variant, of.frame.plan.steps(), has_targets))
         });
         Recorder::steps_together(&steps);
         // Serials are taken once for each frame, since the recordings below are traversed once for each part.
@@ -141,6 +142,7 @@ impl Solver {
             else {
                 return;
             };
+            recording.trim();
             recording.record_outcome(frame.slot, outcome);
             if let Ok(image) = recording.surface.result(frame.slot, frame.reader.layout) {
                 recording.record_result(image, frame.slot, frame.reader, frame.unreached);

@@ -4,7 +4,8 @@ use std::time::{Duration, Instant};
 
 use super::context::{CommandBuffer, Flight, Submitter, Unwatched};
 use super::surface_on_device::{Start, SurfaceOnDevice};
-use crate::surface::Seed;
+use crate::Targets;
+use crate::surface::{Chart, Seed};
 use crate::update::Wavefront;
 use crate::vulkan::device::passes::{EXCHANGE, Variant};
 use crate::vulkan::device::staging::copy_in_parallel;
@@ -16,13 +17,16 @@ use crate::vulkan::schedules::method::Method;
 use crate::vulkan::schedules::plan;
 use crate::vulkan::schedules::plan::{Reached, Step};
 use crate::vulkan::upload::{SeedTexel, seed_texels};
-use crate::vulkan::{HeadlessSolver, Schedule, VulkanError};
+use crate::vulkan::{HeadlessSolver, MOST_TARGETS, MapLimit, Schedule, TargetPoint, VulkanError};
+
+/// Part of the radius by which fronts go farther, so that rounding leaves no point within it out.
+const ROUNDING: f64 = 1e-6;
 
 /// Distance map computed by the Vulkan engine.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct HeadlessSolution {
-    /// Distances in row-major order; +infinity where no source reaches.
+    /// Distances in row-major order; +infinity where no source reaches, and beyond [`Method::radius`].
     pub distances: Vec<f32>,
     /// Front assumed. It is [`Wavefront::Anchored`] only where that was possible, see [`Method::wavefront`].
     pub wavefront: Wavefront,
@@ -33,6 +37,9 @@ pub struct HeadlessSolution {
     pub iterations: u32,
     /// Largest relative change of a front in the last iteration.
     pub residual: f64,
+    /// Number of visits, each by one workgroup: to a tile, or to the part of a block of lines, or of the grid,
+    /// that a workgroup updates.
+    pub visits: u64,
     /// Time from the first submission, which forgets the previous map, to the end of the last.
     pub time: Duration,
 }
@@ -45,8 +52,38 @@ impl HeadlessSolver {
         seeds: &[Seed],
         method: Method,
     ) -> Result<HeadlessSolution, VulkanError> {
-        let solution = self.solve_watched(surface, seeds, method, Start::Fresh, &mut Unwatched)?;
-        self.restore(surface, seeds, method, solution)
+        self.solve_within(surface, seeds, method, None)
+    }
+
+    /// Computes a map from `seeds`, which must lie on the surface, for `targets`. It ends when fronts cannot come
+    /// to those that are needed earlier. The distances of points that are farther are +infinity.
+    ///
+    /// With more than [`MOST_TARGETS`] targets, the map is solved up to the radius, and cut at the end.
+    pub fn solve_to(
+        &mut self,
+        surface: &mut SurfaceOnDevice,
+        seeds: &[Seed],
+        targets: &Targets,
+        method: Method,
+    ) -> Result<HeadlessSolution, VulkanError> {
+        self.solve_within(surface, seeds, method, Some(targets))
+    }
+
+    fn solve_within(
+        &mut self,
+        surface: &mut SurfaceOnDevice,
+        seeds: &[Seed],
+        method: Method,
+        targets: Option<&Targets>,
+    ) -> Result<HeadlessSolution, VulkanError> {
+        let points = targets.map_or(Vec::new(), target_points);
+        let needed = targets.map_or(u32::MAX, |targets| targets.needed() as u32);
+        let from = (Start::Fresh, MapLimit::to(&points).with_needed(needed));
+        let mut solution = self.solve_watched(surface, seeds, method, from, &mut Unwatched)?;
+        solution = self.restore(surface, seeds, method, targets, solution)?;
+        let end = end_of(targets, &solution.distances, surface.images.chart);
+        cut(&mut solution.distances, end);
+        Ok(solution)
     }
 
     /// Adds seeds to the last map of the surface, which must have converged with the same wavefront.
@@ -60,9 +97,9 @@ impl HeadlessSolver {
         seeds: &[Seed],
         method: Method,
     ) -> Result<HeadlessSolution, VulkanError> {
-        let solution =
-            self.solve_watched(surface, seeds, method, Start::FromLast, &mut Unwatched)?;
-        self.restore(surface, seeds, method, solution)
+        let from = (Start::FromLast, MapLimit::NONE);
+        let solution = self.solve_watched(surface, seeds, method, from, &mut Unwatched)?;
+        self.restore(surface, seeds, method, None, solution)
     }
 
     /// Solves again from the seeds that are lost ([`Seed::is_lost`]), until none is.
@@ -71,24 +108,29 @@ impl HeadlessSolver {
         surface: &mut SurfaceOnDevice,
         seeds: &[Seed],
         method: Method,
+        targets: Option<&Targets>,
         mut solution: HeadlessSolution,
     ) -> Result<HeadlessSolution, VulkanError> {
         let chart = surface.images.chart;
-        let is_lost = |seed: &Seed, distances: &[f32]| {
-            seed.is_lost(distances[chart.index(seed.row, seed.col)])
+        // Seeds that start after the end of the map are not set.
+        let any_is_lost = |distances: &[f32]| {
+            let end = method.radius.min(end_of(targets, distances, chart));
+            let is_lost = |seed: &Seed| seed.is_lost(distances[chart.index(seed.row, seed.col)]);
+            seeds.iter().any(|seed| seed.time <= end && is_lost(seed))
         };
         // Only curved fronts are ever withdrawn.
         while solution.wavefront.is_curved()
             && solution.iterations < method.stop.iterations
             && !self.monitor.is_cancelled()
-            && seeds.iter().any(|seed| is_lost(seed, &solution.distances))
+            && any_is_lost(&solution.distances)
         {
             let left = method.stop.iterations - solution.iterations;
             let method = method.with_stop(method.stop.or_after(left));
-            let further =
-                self.solve_watched(surface, seeds, method, Start::FromLast, &mut Unwatched)?;
+            let from = (Start::FromLast, MapLimit::NONE);
+            let further = self.solve_watched(surface, seeds, method, from, &mut Unwatched)?;
             solution = HeadlessSolution {
                 iterations: solution.iterations + further.iterations,
+                visits: solution.visits + further.visits,
                 time: solution.time + further.time,
                 ..further
             };
@@ -121,7 +163,8 @@ impl HeadlessSolver {
         let mut session = Session::new(&self.context, capabilities, room, tiles, detail)?;
         // Command buffers that were recorded before contain no queries.
         surface.goes_on = None;
-        let solved = self.solve_watched(surface, seeds, method, Start::Fresh, &mut session);
+        let from = (Start::Fresh, MapLimit::NONE);
+        let solved = self.solve_watched(surface, seeds, method, from, &mut session);
         surface.goes_on = None;
         let solution = solved?;
         let profile = session.finish(solution.time);
@@ -138,10 +181,12 @@ impl HeadlessSolver {
         surface: &mut SurfaceOnDevice,
         seeds: &[Seed],
         method: Method,
-        start: Start,
+        (start, limit): (Start, MapLimit),
         submitter: &mut impl Submitter,
     ) -> Result<HeadlessSolution, VulkanError> {
-        let stop = method.stop;
+        let Method { stop, radius, .. } = method;
+        let limit = limit.with_radius((radius * (1.0 + ROUNDING)) as f32);
+        let has_targets = !limit.targets.is_empty();
         let (wavefront, carried) = surface.begin(method.wavefront, seeds, start)?;
         let schedule = self.schedule(&surface.images, method);
         let variant = Variant {
@@ -152,6 +197,7 @@ impl HeadlessSolver {
             small_tiles: self.tuning().has_small_tiles(surface.images.texels),
         };
         self.make_passes(&surface.images, schedule, variant)?;
+        let variant = (variant, has_targets);
         let causal = surface.origins.are_causal() || surface.splits;
         let SurfaceOnDevice { images, first, further, goes_on, .. } = surface;
         let (texels, portions) = (images.texels, self.tuning().portions(wavefront, images.texels));
@@ -163,7 +209,7 @@ impl HeadlessSolver {
             if start == Start::Fresh {
                 recorder.forget();
             }
-            recorder.start(stop, schedule, causal, start == Start::FromLast);
+            recorder.start((stop, limit), schedule, causal, start == Start::FromLast);
         };
         // The upload buffer holds `most` seeds. All but the last part are seeded by submissions of their own.
         let most = images.source_room() / size_of::<SeedTexel>();
@@ -177,9 +223,11 @@ impl HeadlessSolver {
         }
         let count = write_seeds(last, images);
         let places = seeds.iter().map(|seed| (seed.texel[1] as u32, seed.texel[0] as u32));
-        // Fronts that pass a seam leave the box around their sources.
+        // Bounds would have the first iteration visit what lies between them, also beyond the radius, and fronts
+        // that pass a seam leave the box around their sources.
         let is_glued = images.copies.is_some();
-        let reached = Reached::around(places).filter(|_| start == Start::Fresh && !is_glued);
+        let has_bounds = start == Start::Fresh && !limit.is_there() && !is_glued;
+        let reached = Reached::around(places).filter(|_| has_bounds);
         let plan = |reached: Option<Reached>, left: u32| {
             let most = left.min(schedule.together(texels, portions));
             let steps = schedule.plan(texels, portions, reached, most);
@@ -194,7 +242,7 @@ impl HeadlessSolver {
                         begin_map(&recorder);
                     }
                     recorder.seed(count, schedule.follows());
-                    recorder.exchange_seeds(variant, schedule);
+                    recorder.exchange_seeds(variant.0, schedule);
                 }
                 record_part(&recorder, variant, &parts, number);
             })?;
@@ -232,10 +280,19 @@ impl HeadlessSolver {
         }
         let time = begin.elapsed();
 
-        let distances = self.read_back(submitter, images)?;
+        let mut distances = self.read_back(submitter, images)?;
+        // Renewed fronts may have come later than the radius at last.
+        cut(&mut distances, radius);
         self.context.check_validation()?;
-        let (iterations, residual) = (outcome.iterations, outcome.residual());
-        Ok(HeadlessSolution { distances, wavefront, schedule, iterations, residual, time })
+        Ok(HeadlessSolution {
+            distances,
+            wavefront,
+            schedule,
+            iterations: outcome.iterations,
+            residual: outcome.residual(),
+            visits: outcome.visited.into(),
+            time,
+        })
     }
 
     /// Makes the passes of a schedule and a variant, unless they exist.
@@ -327,9 +384,37 @@ impl HeadlessSolver {
     }
 }
 
+/// Returns the targets for a device, or none if there are more than it takes.
+fn target_points(targets: &Targets) -> Vec<TargetPoint> {
+    let points = targets.points();
+    let point = |&[row, col]: &[usize; 2]| TargetPoint::at(row as u32, col as u32);
+    let taken = if points.len() <= MOST_TARGETS as usize { points } else { &[] };
+    taken.iter().map(point).collect()
+}
+
+/// Returns the distance at which a map for targets ends, or +infinity without targets.
+fn end_of(targets: Option<&Targets>, distances: &[f32], chart: Chart) -> f64 {
+    targets.map_or(f64::INFINITY, |targets| {
+        targets.last(|[row, col]| f64::from(distances[chart.index(row, col)]))
+    })
+}
+
+/// Makes points unreached that are farther than `end`.
+fn cut(distances: &mut [f32], end: f64) {
+    if end < f64::INFINITY {
+        let farther = |distance: &&mut f32| f64::from(**distance) > end;
+        distances.iter_mut().filter(farther).for_each(|distance| *distance = f32::INFINITY);
+    }
+}
+
 /// Records part `number` of a plan's steps. After the last part it records the copy of the outcome.
-fn record_part(recorder: &Recorder, variant: Variant, parts: &[&[Step]], number: usize) {
-    recorder.steps(variant, parts[number]);
+fn record_part(
+    recorder: &Recorder,
+    (variant, has_targets): (Variant, bool),
+    parts: &[&[Step]],
+    number: usize,
+) {
+    recorder.steps(variant, parts[number], has_targets);
     if number + 1 == parts.len() {
         recorder.outcome(0);
     }

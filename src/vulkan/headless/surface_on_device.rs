@@ -34,9 +34,10 @@ pub struct SurfaceOnDevice {
     numbered: NumberedOrigins,
     /// Command buffer that starts a map.
     pub(in crate::vulkan) first: CommandBuffer,
-    /// Command buffers that continue a map, one for each part of the steps in `goes_on`.
+    /// Command buffers that continue a map, one for each part of the steps in `goes_on`. These are for a variant,
+    /// and for maps with targets or without.
     pub(in crate::vulkan) further: Vec<CommandBuffer>,
-    pub(in crate::vulkan) goes_on: Option<(Variant, Vec<Step>)>,
+    pub(in crate::vulkan) goes_on: Option<((Variant, bool), Vec<Step>)>,
     pub(in crate::vulkan) context: Arc<Context>,
 }
 

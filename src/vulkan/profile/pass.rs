@@ -46,6 +46,10 @@ pub enum PassKind {
     ExchangeOfTiles,
     /// Decides whether another iteration follows.
     Count,
+    /// Lowers the limit of a map to the time that its targets need.
+    Targets,
+    /// Takes back what lies beyond the radius or the targets of a map.
+    Trim,
     /// An iteration with its count, if no finer records are requested: [`Grain::Iterations`].
     Iteration,
     /// All iterations or rounds of a recording, if no finer records are requested: [`Grain::Portions`]. The
@@ -117,6 +121,8 @@ impl PassKind {
             Self::Exchange => c"exchange",
             Self::ExchangeOfTiles => c"exchange of tiles",
             Self::Count => c"count",
+            Self::Targets => c"targets",
+            Self::Trim => c"trim",
             Self::Iteration => c"iteration",
             Self::Portion => c"portion",
             Self::Fans => c"fans",
@@ -166,9 +172,9 @@ impl PassKind {
             Forget | Start | Resume | Sources | Surroundings | Seed => Part::Start,
             Scan(_) | Pair(_) | AllPoints | Exchange | Count => Part::Iteration,
             Tiles | ExchangeOfTiles | Settle => Part::Rounds,
-            Decisions => Part::Notes,
+            Decisions | Targets => Part::Notes,
             Prepare | Points | Edges | Curvature | Iteration | Portion | Fans | Workgroups
-            | Outcome | Distances | Unpack | Lookup | Contours | Paths | Lift | Regions
+            | Trim | Outcome | Distances | Unpack | Lookup | Contours | Paths | Lift | Regions
             | Directions | LogMap => Part::Outside,
         }
     }

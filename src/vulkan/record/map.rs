@@ -9,8 +9,8 @@ use crate::constants::{CARRIED, FAR, LAYERS, TIME};
 use crate::vulkan::device::barrier::{
     CLEAR, COPY, HOST_READ, PASS, SHADER, SHADER_WRITE, TRANSFER,
 };
-use crate::vulkan::device::passes::{SEED, UNPACK};
-use crate::vulkan::device::shaders::{seed, unpack};
+use crate::vulkan::device::passes::{SEED, TRIM, UNPACK};
+use crate::vulkan::device::shaders::{seed, trim, unpack};
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::schedules::progress::{Outcome, Record, offset};
 use crate::vulkan::upload::{SEED_BYTES, SeedTexel};
@@ -47,6 +47,16 @@ impl Recorder<'_> {
         let tile_texels = self.tile() as i32 / 2;
         let push = seed::Push { texels, count: count as i32, follows, tile_texels };
         self.run(self.pipelines.of(SEED), 0, &push, [count, 1]);
+        self.barrier(SHADER_WRITE, PASS);
+    }
+
+    /// Takes back the fronts in image 0 that come after the limit of the map.
+    pub(crate) fn trim(&self) {
+        let texels = self.grid.texels.inner();
+        // Only fronts at the limit are written.
+        let _pass = self.pass_of_each(PassKind::Trim, texels, [16, 0]);
+        let push = trim::Push { texels: texels.map(|texels| texels as i32) };
+        self.run(self.pipelines.of(TRIM), 0, &push, texels);
         self.barrier(SHADER_WRITE, PASS);
     }
 

@@ -16,12 +16,16 @@ pub struct Method {
     pub schedule: Option<Schedule>,
     /// Stopping criterion. It counts the iterations of the schedule.
     pub stop: Stop,
+    /// Largest arrival time of the map. Points that fronts reach later are unreached, and their distance is
+    /// +infinity. Except for [`Schedule::AllPoints`], the work is that of the area within the radius. With
+    /// +infinity there is no limit. Frames have a limit of their own: [`crate::vulkan::embed::Frame::limit`].
+    pub radius: f64,
 }
 
 impl Method {
     /// Returns the method that solves with `wavefront` until `stop`, in the best order for the device.
     pub fn new(wavefront: Wavefront, stop: Stop) -> Self {
-        Self { wavefront, schedule: None, stop }
+        Self { wavefront, schedule: None, stop, radius: f64::INFINITY }
     }
 
     /// Sets [`Method::wavefront`].
@@ -37,5 +41,10 @@ impl Method {
     /// Sets [`Method::stop`].
     pub fn with_stop(self, stop: Stop) -> Self {
         Self { stop, ..self }
+    }
+
+    /// Sets [`Method::radius`].
+    pub fn with_radius(self, radius: f64) -> Self {
+        Self { radius, ..self }
     }
 }

@@ -9,6 +9,7 @@ pub mod plan;
 pub(in crate::vulkan) mod progress;
 pub(in crate::vulkan) mod raster;
 pub(in crate::vulkan) mod schedule;
+mod targets;
 mod tiles;
 
 use ash::vk;
@@ -22,12 +23,12 @@ use super::profile::{
     self, Grain, PassKind, PassRecord, Presence, Profile, Scope, StepCounter, Work,
 };
 use super::record::{Groups, Recorder};
-use super::{Schedule, TexelChart, Tuning};
+use super::{MapLimit, Schedule, TexelChart, Tuning};
 use crate::Stop;
 use crate::constants::{FRONTS_ARE_ADDED, FRONTS_MEET, WORKGROUP};
 use crate::update::Wavefront;
 use plan::{Portions, Reached, Step};
-use progress::{VISITS, offset};
+use progress::{Changed, VISITS, offset};
 
 use order::{Order, Steps};
 use raster::halves_of;
@@ -132,8 +133,15 @@ impl Steps<'_, '_> {
 
 impl Recorder<'_> {
     /// Records the start of a map before its seeds, or before what is added to a map: no iteration is done.
-    /// `causal` says whether the map's fronts are causal ([`crate::surface::Origins`]).
-    pub(crate) fn start(&self, stop: Stop, schedule: Schedule, causal: bool, is_added: bool) {
+    /// The map ends at `limit`. `causal` says whether the map's fronts are causal
+    /// ([`crate::surface::Origins`]).
+    pub(crate) fn start(
+        &self,
+        (stop, limit): (Stop, MapLimit),
+        schedule: Schedule,
+        causal: bool,
+        is_added: bool,
+    ) {
         let order = schedule.order();
         // The start writes the progress, the numbers kept for each tile, and what else the schedule keeps.
         let written =
@@ -149,7 +157,12 @@ impl Recorder<'_> {
             (true, false) => FRONTS_MEET,
             (true, true) => FRONTS_ARE_ADDED,
         };
-        self.write_progress(&progress::start(stop, fronts_meet, grid, self.tiles()), 0);
+        // Without a radius, changes are noted only once targets are reached.
+        let is_noted = !is_added && limit.radius < f32::INFINITY;
+        let changed = if is_noted { Changed::NOWHERE } else { Changed::ANYWHERE };
+        let start = progress::start(stop, limit.radius, (fronts_meet, changed), grid, self.tiles());
+        self.write_progress(&start, 0);
+        self.write_targets(limit);
         if !is_added {
             let size = size_of::<u32>() as u64;
             self.fill(self.grid.progress.buffer, offset::PASSED_OVER.start, size);
@@ -179,8 +192,9 @@ impl Recorder<'_> {
         schedule.order().go_on(self);
     }
 
-    /// Records the steps of a plan, whose pipelines were made for `variant`.
-    pub(crate) fn steps(&self, variant: impl Into<Variant>, steps: &[Step]) {
+    /// Records the steps of a plan, whose pipelines were made for `variant`, on a map that `has_targets` or has
+    /// none.
+    pub(crate) fn steps(&self, variant: impl Into<Variant>, steps: &[Step], has_targets: bool) {
         let variant = variant.into();
         let mut open: Option<Scope> = None;
         let (texels, tuning) = (self.grid.texels, self.pipelines.tuning);
@@ -200,23 +214,33 @@ impl Recorder<'_> {
                 recording.run(step);
             }
             self.barrier(PASS, PASS);
+            if has_targets {
+                drop(open.take());
+                if self.lower_limit(together.last()) {
+                    recording.bound = None;
+                    self.barrier(PASS, PASS);
+                }
+            }
         }
         drop(open);
         self.decided_after(visits);
     }
 
     /// Records the steps of plans on several surfaces: the next of each that run at the same time, then one
-    /// barrier for all.
-    pub(crate) fn steps_together(all: &[Option<(Self, Variant, &[Step])>]) {
+    /// barrier for all. A map that has targets is marked.
+    pub(crate) fn steps_together(all: &[Option<(Self, Variant, &[Step], bool)>]) {
         let mut recordings: [_; MOST_TOGETHER] = std::array::from_fn(|number| {
-            let (recorder, variant, steps) = all.get(number)?.as_ref()?;
+            let (recorder, variant, steps, has_targets) = all.get(number)?.as_ref()?;
             let variant = *variant;
             let recording = Steps { recorder, variant, bound: None, notes: 0, scans: 0 };
-            Some((recording, plan::at_once(steps)))
+            Some((recording, plan::at_once(steps), *has_targets))
         });
         loop {
             let mut last = None;
-            for (recording, groups) in recordings.iter_mut().flatten() {
+            // The step of each surface after which its targets are looked at.
+            let mut ended = [None; MOST_TOGETHER];
+            for (number, of) in recordings.iter_mut().enumerate() {
+                let Some((recording, groups, has_targets)) = of else { continue };
                 let Some(together) = groups.next() else { continue };
                 // Passes of other surfaces have been bound meanwhile.
                 recording.bound = None;
@@ -227,9 +251,16 @@ impl Recorder<'_> {
                     recording.run(step);
                 }
                 last = Some(recording.recorder);
+                ended[number] = together.last().filter(|_| *has_targets);
             }
             let Some(recorder) = last else { break };
             recorder.barrier(PASS, PASS);
+            let ends = recordings.iter().zip(ended);
+            let lower =
+                ends.filter_map(|(of, step)| Some(of.as_ref()?.0.recorder.lower_limit(step)));
+            if lower.fold(false, |any, lowered| any | lowered) {
+                recorder.barrier(PASS, PASS);
+            }
         }
     }
 

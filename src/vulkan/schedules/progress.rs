@@ -6,7 +6,7 @@ use std::ops::Range;
 use bytemuck::{AnyBitPattern, NoUninit, Zeroable};
 
 use crate::Stop;
-use crate::constants::{ROUND_WORDS, VISIT_WORDS};
+use crate::constants::{FAR, NO_LIMIT, ROUND_WORDS, VISIT_WORDS};
 use crate::vulkan::device::limits::column_of;
 pub(crate) use crate::vulkan::device::shaders::progress::Progress;
 
@@ -24,6 +24,8 @@ pub(crate) struct Outcome {
     done: u32,
     tolerance: u32,
     most: u32,
+    /// Number of workgroups that have visited something: a tile, a part of a block of lines, or texels.
+    pub(crate) visited: u32,
 }
 
 macro_rules! assert_first_part {
@@ -39,7 +41,8 @@ assert_first_part!(
     since_reached,
     done,
     tolerance,
-    most
+    most,
+    visited
 );
 
 impl Outcome {
@@ -109,6 +112,11 @@ pub(crate) mod offset {
     /// A bit for each dispatch of a scan. Only profiles use it.
     pub(crate) const VISITS: u64 = offset_of!(Progress, visits) as u64;
 
+    /// Number of the map's targets, then the number of those that are needed.
+    pub(crate) const TARGET_COUNT: u64 = offset_of!(Progress, target_count) as u64;
+    /// The targets, after both numbers.
+    pub(crate) const TARGETS: u64 = offset_of!(Progress, targets) as u64;
+
     /// State of a renderer's input. When a map starts, only [`PASSED_OVER`] of this last part is set to zero.
     pub(crate) const INPUT: u64 = PREPARED.start;
     pub(crate) const PREPARED: Range<u64> =
@@ -123,13 +131,44 @@ pub(crate) mod offset {
     const _: () = assert!(INPUT_IN_RECORD + INPUT_BYTES == SERIAL_IN_RECORD);
 }
 
+/// Texels at which fronts may have changed, as the progress of a map with a limit notes them: the first and the
+/// last column and row.
+#[derive(Clone, Copy)]
+pub(crate) struct Changed {
+    first: i32,
+    last: i32,
+}
+
+impl Changed {
+    /// No texel, as before a map.
+    pub(crate) const NOWHERE: Self = Self { first: i32::MAX, last: i32::MIN };
+    /// All texels, as on a map to which something is added, or whose limit may come later.
+    pub(crate) const ANYWHERE: Self = Self { first: 0, last: i32::MAX };
+}
+
+/// Returns the limit of times on a map, as the device stores it, for a radius that may be infinite.
+fn limit_of(radius: f32) -> f32 {
+    if radius < FAR as f32 { radius } else { NO_LIMIT as f32 }
+}
+
 /// Returns the progress before the first iteration of a map. `fronts_meet` says whether its fronts may meet
 /// ([`crate::surface::Origins`]). The whole grid takes `grid` workgroups, and has `tiles` tiles. Visits need
 /// no initial value.
-pub(crate) fn start(stop: Stop, fronts_meet: u32, grid: [u32; 2], tiles: u32) -> Progress {
+pub(crate) fn start(
+    stop: Stop,
+    radius: f32,
+    (fronts_meet, changed): (u32, Changed),
+    grid: [u32; 2],
+    tiles: u32,
+) -> Progress {
+    let Changed { first, last } = changed;
     Progress {
         renews: 1,
         fronts_meet,
+        limit: limit_of(radius),
+        end: limit_of(radius),
+        changed_first: [first; 2],
+        changed_last: [last; 2],
         last_residual: u32::MAX,
         tolerance: (stop.tolerance / f64::from(f32::EPSILON)) as u32,
         most: stop.iterations,

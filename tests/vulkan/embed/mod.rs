@@ -21,6 +21,7 @@ mod frames;
 mod horde;
 mod in_flight;
 mod inputs;
+mod limits;
 mod misuse;
 mod outputs;
 mod pipeline_store;

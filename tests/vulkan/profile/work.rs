@@ -49,7 +49,7 @@ fn hold_against_the_plan(bench: &mut Bench, grain: Grain, wavefront: Wavefront, 
     let edges = EdgeLengths::<f32>::new(&bench.surface).unwrap();
     let order = if scan_pairs { ScanOrder::InPairs } else { ScanOrder::InTurn };
     let by_blocks = (order, lines as usize);
-    let (_, due) = scan_due(&edges, &bench.seeds, wavefront, method.stop, by_blocks);
+    let (_, due) = scan_due(&edges, &bench.seeds, wavefront, method.stop, by_blocks, f64::INFINITY);
     // The scans of which records tell, together or each by itself.
     let told: Vec<(PassKind, Vec<Scan>)> = match scan_pairs {
         true => ScanPair::ALL.map(|pair| (PassKind::Pair(pair), pair.scans().into())).into(),

@@ -1,0 +1,63 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Lowers the limit of a map to the time that its targets need, once fronts have reached them: that of the last
+// of the nearest targets. One workgroup runs between two rounds of tiles, or between two iterations.
+// Twin: Limit::lower in src/cpu/limit.rs.
+
+#include "shared/constants.glsl"
+#include "shared/chart.glsl"
+#include "shared/progress.glsl"
+#include "passes/tiles.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts_1;
+layout(set = 2, binding = 0, rgba32f) uniform readonly restrict image2DArray fronts_0;
+
+layout(push_constant) uniform Ends {
+    ivec2 texels; // columns and rows of texels, without the border
+    uint follows; // TILES_FOLLOW if the map is solved by rounds of tiles
+};
+
+// Ranks of the times at the targets, and how many of them are not above a bound.
+shared uint ranks[MOST_TARGETS];
+shared uint within;
+
+float time_at_target(uint index) {
+    ivec2 point = point_at(ivec2(targets[2u * index + 1u], targets[2u * index]));
+    ivec2 texel = texel_of(point);
+    vec4 times = imageLoad(fronts_0, ivec3(texel, TIME));
+    if (follows == uint(TILES_FOLLOW)) {
+        ivec2 tile_grid = tiles_of(texels);
+        uint state = tiles[row_major(tile_with(texel, tile_grid), tile_grid.x)];
+        if ((state & 1u) != 0u) times = imageLoad(fronts_1, ivec3(texel, TIME));
+    }
+    return times[component_of(point)];
+}
+
+// Returns the last rank that is needed, found from its first binary digit to its last.
+uint last_needed(uint count, uint needed) {
+    uint last = 0u;
+    for (int bit = 31; bit >= 0; bit--) {
+        uint bound = last | ((1u << bit) - 1u);
+        barrier();
+        if (gl_LocalInvocationIndex == 0u) within = 0u;
+        barrier();
+        for (uint i = gl_LocalInvocationIndex; i < count; i += WORKGROUP) {
+            if (ranks[i] <= bound) atomicAdd(within, 1u);
+        }
+        barrier();
+        if (within < needed) last |= 1u << bit;
+    }
+    return last;
+}
+
+void main() {
+    // The layers that check shaders on the device cannot read buffers in the conditions of loops.
+    uint count = target_count;
+    for (uint i = gl_LocalInvocationIndex; i < count; i += WORKGROUP) ranks[i] = rank_of(time_at_target(i));
+    float last = time_of(last_needed(count, targets_needed));
+    if (gl_LocalInvocationIndex > 0u || last >= FAR) return;
+    limit = min(limit, last + abs(last) * TARGET_MARGIN);
+    end = min(limit, last);
+}

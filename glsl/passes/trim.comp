@@ -1,0 +1,30 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Takes back the fronts that come after the end of a map. They were renewed, or came before the limit fell.
+// One invocation is one texel.
+// Twin: the end of a map in src/solve.rs.
+
+#include "shared/constants.glsl"
+#include "shared/chart.glsl"
+#include "shared/progress.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray new_fronts;
+
+layout(push_constant) uniform Size {
+    ivec2 texels; // columns and rows of texels, without the border
+};
+
+void main() {
+    ivec2 inner = ivec2(gl_GlobalInvocationID.xy);
+    if (is_beyond(inner, texels)) return;
+    ivec2 texel = with_border(inner);
+    vec4 times = imageLoad(new_fronts, ivec3(texel, TIME));
+    bvec4 late = greaterThan(times, vec4(end));
+    late = mix(late, bvec4(false), greaterThanEqual(times, vec4(FAR)));
+    if (!any(late)) return;
+    vec4 carried = imageLoad(new_fronts, ivec3(texel, CARRIED));
+    imageStore(new_fronts, ivec3(texel, TIME), mix(times, vec4(FAR), late));
+    imageStore(new_fronts, ivec3(texel, CARRIED), mix(carried, vec4(0.0), late));
+}

@@ -1,0 +1,123 @@
+//! Defines where maps end on a device: at a radius, or at targets.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::VulkanError;
+pub use crate::constants::MOST_TARGETS;
+use crate::surface::Chart;
+
+/// Grid point at which a map may end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Pod, Zeroable)]
+#[repr(C)]
+pub struct TargetPoint {
+    /// Row, from 0 to rows - 1.
+    pub row: u32,
+    /// Column, from 0 to cols - 1.
+    pub col: u32,
+}
+
+impl TargetPoint {
+    /// Returns the target at a grid point.
+    pub fn at(row: u32, col: u32) -> Self {
+        Self { row, col }
+    }
+}
+
+/// Part of the surface for which a map is solved. Its distances are those of the whole map, and all other
+/// points are unreached.
+///
+/// The work is about that of the part. By tiles, a map ends after the round in which the last target that is
+/// needed has its distance. By raster scans, targets are looked at after each iteration only, and the first
+/// one may go far beyond them; a radius limits it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapLimit<'a> {
+    /// Largest arrival time: a distance where sources start at 0. With +infinity there is no radius.
+    pub radius: f32,
+    /// Points that the map is for, at most [`MOST_TARGETS`]. With none, the radius alone counts. If fewer of
+    /// them than are needed can be reached, all points within the radius are reached.
+    pub targets: &'a [TargetPoint],
+    /// Number of targets whose distances are needed, the nearest ones. A larger number than there are stands
+    /// for all of them.
+    pub needed: u32,
+}
+
+impl<'a> MapLimit<'a> {
+    /// The whole map.
+    pub const NONE: Self = Self { radius: f32::INFINITY, targets: &[], needed: u32::MAX };
+
+    /// Returns the limit at a radius.
+    pub fn at(radius: f32) -> Self {
+        Self { radius, ..Self::NONE }
+    }
+
+    /// Returns the limit at all of the targets.
+    pub fn to(targets: &'a [TargetPoint]) -> Self {
+        Self { targets, ..Self::NONE }
+    }
+
+    /// Sets [`MapLimit::radius`].
+    pub fn with_radius(self, radius: f32) -> Self {
+        Self { radius, ..self }
+    }
+
+    /// Sets [`MapLimit::needed`].
+    pub fn with_needed(self, needed: u32) -> Self {
+        Self { needed, ..self }
+    }
+
+    /// Returns whether the map is not the whole one.
+    pub(crate) fn is_there(&self) -> bool {
+        self.radius < f32::INFINITY || !self.targets.is_empty()
+    }
+
+    /// Returns an error if there cannot be such a map.
+    pub(crate) fn check(&self, chart: Chart) -> Result<(), VulkanError> {
+        let fault = |reason: String| Err(VulkanError::Limit(reason));
+        let Self { radius, targets, needed } = *self;
+        if radius.is_nan() || radius <= 0.0 {
+            return fault(format!("the radius {radius} is not positive"));
+        }
+        if targets.len() > MOST_TARGETS as usize {
+            let given = targets.len();
+            return fault(format!("{given} targets are more than {MOST_TARGETS}"));
+        }
+        if needed == 0 {
+            return fault("none of the targets is needed; give at least 1".into());
+        }
+        let Chart { rows, cols } = chart;
+        let is_off = |at: &&TargetPoint| at.row as usize >= rows || at.col as usize >= cols;
+        match targets.iter().find(is_off) {
+            Some(TargetPoint { row, col }) => {
+                fault(format!("the target ({row}, {col}) is outside the {rows} x {cols} points"))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_that_cannot_be_are_refused() {
+        let chart = Chart { rows: 8, cols: 9 };
+        let many = vec![TargetPoint::at(1, 2); MOST_TARGETS as usize + 1];
+        let off = [TargetPoint::at(7, 8), TargetPoint::at(8, 0)];
+        for (limit, part) in [
+            (MapLimit::at(0.0), "the radius 0 is not positive"),
+            (MapLimit::at(f32::NAN), "the radius NaN is not positive"),
+            (MapLimit::to(&many), "1025 targets are more than 1024"),
+            (MapLimit::to(&off), "the target (8, 0) is outside the 8 x 9 points"),
+            (MapLimit::to(&off[..1]).with_needed(0), "none of the targets is needed"),
+        ] {
+            let error = limit.check(chart).unwrap_err().to_string();
+            assert!(error.contains(part), "{error}");
+        }
+        for limit in [MapLimit::NONE, MapLimit::at(1e-3), MapLimit::to(&off[..1])] {
+            limit.check(chart).unwrap();
+        }
+        assert!(!MapLimit::NONE.is_there() && MapLimit::at(2.0).is_there());
+        assert!(MapLimit::to(&off[..1]).is_there());
+    }
+}

@@ -1,0 +1,42 @@
+//! Records what lets a map end at its targets.
+
+use super::plan::Step;
+use super::progress::offset;
+use crate::constants::{SCANS_FOLLOW, TILES_FOLLOW};
+use crate::vulkan::MapLimit;
+use crate::vulkan::device::passes::TARGETS;
+use crate::vulkan::device::shaders::targets;
+use crate::vulkan::profile::{PassKind, PassRecord};
+use crate::vulkan::record::{Groups, Recorder};
+
+impl Recorder<'_> {
+    /// Writes the targets of a map, if it has any. The caller records the barriers.
+    pub(super) fn write_targets(&self, limit: MapLimit) {
+        let MapLimit { targets, needed, .. } = limit;
+        if targets.is_empty() {
+            return;
+        }
+        let count = targets.len() as u32;
+        let numbers = [count, needed.min(count)];
+        let progress = self.grid.progress.buffer;
+        self.update(progress, offset::TARGET_COUNT, bytemuck::cast_slice(&numbers));
+        self.update(progress, offset::TARGETS, bytemuck::cast_slice(targets));
+    }
+
+    /// Records the pass that lowers the limit of a map to the time that its targets need, if a round or an
+    /// iteration ends with the step. Returns whether it does.
+    pub(super) fn lower_limit(&self, after: Option<&Step>) -> bool {
+        let follows = match after {
+            Some(Step::Tiles { .. }) => TILES_FOLLOW,
+            Some(Step::Count) => SCANS_FOLLOW,
+            _ => return false,
+        };
+        let record = PassRecord { groups: Some([1; 3]), ..PassRecord::new(PassKind::Targets) };
+        let _pass = self.pass_with(record);
+        let texels = self.grid.texels.inner().map(|texels| texels as i32);
+        let pipeline = self.pipelines.of(TARGETS);
+        self.bind_writing(pipeline, 0);
+        self.dispatch(pipeline, &targets::Push { texels, follows }, Groups::line(1));
+        true
+    }
+}

@@ -1,0 +1,239 @@
+//! Maps on a device that end at a radius or at targets: their distances are those of the whole map, and their
+//! visits those of the area they reach.
+
+use geosweep::cpu::twins::{Rounds, ScanOrder, scan_due, tile_rounds_within};
+use geosweep::surface::builtin::Builtin;
+use geosweep::surface::{EdgeLengths, Seed};
+use geosweep::vulkan::{HeadlessSolution, HeadlessSolver, Method, Schedule, SurfaceOnDevice};
+use geosweep::{
+    DeviceChoice, Engine, Options, Sources, Spacing, Stop, Surface, Targets, Wavefront,
+    distance_map,
+};
+
+use crate::common::parts::{assert_is_part, farthest, reached};
+use crate::common::*;
+use crate::headless::{FEW_TILES, is_processor};
+use crate::tile_lanes::{assert_nothing_said, problems};
+
+fn method(wavefront: Wavefront, schedule: Schedule) -> Method {
+    Method::new(wavefront, CONVERGED).with_schedule(schedule)
+}
+
+fn solver() -> HeadlessSolver {
+    HeadlessSolver::with_validation(&device_choice()).unwrap()
+}
+
+#[test]
+fn distances_within_a_radius_are_those_of_the_whole_map() {
+    let mut solver = solver();
+    for problem in problems() {
+        let mut surface = solver.upload(&problem.surface).unwrap();
+        for &wavefront in problem.wavefronts {
+            for schedule in Schedule::ALL {
+                let method = method(wavefront, schedule);
+                let whole = solver.solve(&mut surface, &problem.seeds, method).unwrap();
+                for share in [0.1, 0.4, 0.8] {
+                    let radius = share * farthest(&whole.distances);
+                    let near = method.with_radius(radius);
+                    let near = solver.solve(&mut surface, &problem.seeds, near).unwrap();
+                    let what = format!("{}, {wavefront}, {schedule}, {share}", problem.what);
+                    assert_is_part(&near.distances, &whole.distances, radius, &what);
+                }
+            }
+        }
+    }
+    assert_nothing_said(&solver);
+}
+
+/// The radius is read from a buffer, so maps with one are recorded and compiled as those without.
+#[test]
+fn a_radius_beyond_the_map_changes_no_bit() {
+    let mut solver = solver();
+    for problem in &problems()[..3] {
+        let mut surface = solver.upload(&problem.surface).unwrap();
+        for &wavefront in problem.wavefronts {
+            for schedule in Schedule::ALL {
+                let method = method(wavefront, schedule);
+                let whole = solver.solve(&mut surface, &problem.seeds, method).unwrap();
+                let wide = method.with_radius(2.0 * farthest(&whole.distances));
+                let wide = solver.solve(&mut surface, &problem.seeds, wide).unwrap();
+                let what = format!("{}, {wavefront}, {schedule}", problem.what);
+                assert!(wide.distances == whole.distances, "{what}");
+                assert_eq!(wide.iterations, whole.iterations, "{what}");
+            }
+        }
+    }
+}
+
+/// Iteration by iteration and round by round.
+#[test]
+fn maps_with_a_radius_are_those_of_the_twins() {
+    let mut solver = solver();
+    let (tuning, exact) = (solver.tuning(), is_processor(&solver));
+    let surface = Builtin::Peaks.surface(70, 83).unwrap();
+    let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+    let seeds = Sources::point(30.0, 41.0).seeds(&surface).unwrap();
+    let mut on_device = solver.upload(&surface).unwrap();
+    let (tile, inner, few) =
+        (tuning.tile as usize, tuning.inner, if exact { 0 } else { FEW_TILES });
+    for wavefront in Wavefront::FOR_ANY_SURFACE {
+        let whole = solver.solve(&mut on_device, &seeds, method(wavefront, Schedule::Tiles));
+        let radius = 0.3 * farthest(&whole.unwrap().distances);
+        for stop in [1, 2, 5, 9].map(|count| Stop::within(1e-6).or_after(count)) {
+            let mut on = |schedule| {
+                let method = method(wavefront, schedule).with_stop(stop).with_radius(radius);
+                solver.solve(&mut on_device, &seeds, method).unwrap()
+            };
+            let what = format!("{wavefront}, {stop:?}");
+            let tiles = on(Schedule::Tiles);
+            let recorded = stop.iterations;
+            let rounds = Rounds { tile, inner, recorded, few: Some(few) };
+            let (twin, visits) =
+                tile_rounds_within(&edges, &seeds, wavefront, stop, rounds, radius);
+            assert_is_part(&tiles.distances, &twin.distances(), radius, &what);
+            // Elsewhere rounding may decide which tile waits.
+            assert!(tiles.visits == visits || !exact, "{what}: {}, {visits}", tiles.visits);
+            let raster = on(Schedule::Raster);
+            let order = if tuning.scan_pairs { ScanOrder::InPairs } else { ScanOrder::InTurn };
+            let blocks = (order, tuning.scan_lines as usize);
+            let (twin, _) = scan_due(&edges, &seeds, wavefront, stop, blocks, radius);
+            assert_is_part(&raster.distances, &twin.distances(), radius, &what);
+            assert_eq!(raster.iterations, twin.iterations, "{what}");
+        }
+    }
+}
+
+/// The area within some shares of the farthest distance, as a part of the points, and the part of the visits.
+fn parts(
+    solver: &mut HeadlessSolver,
+    surface: &mut SurfaceOnDevice,
+    (seeds, method): (&[Seed], Method),
+    shares: &[f64],
+) -> Vec<[f64; 2]> {
+    let whole = solver.solve(surface, seeds, method).unwrap();
+    let part = |share: &f64| {
+        let radius = share * farthest(&whole.distances);
+        let near = solver.solve(surface, seeds, method.with_radius(radius)).unwrap();
+        let area = reached(&near.distances) as f64 / reached(&whole.distances) as f64;
+        [area, near.visits as f64 / whole.visits as f64]
+    };
+    shares.iter().map(part).collect()
+}
+
+/// 5 % are 40 to 50 points, which are few tiles. A workgroup of a scan updates 116 points along each line, so
+/// small discs cost more by scans: 20 % are a disc of a few workgroups.
+#[test]
+fn visits_are_those_of_the_area_within_the_radius() {
+    let mut solver = vulkan_solver();
+    for builtin in [Builtin::Plane, Builtin::Sphere, Builtin::Peaks] {
+        let surface = builtin.surface(1025, 1025).unwrap();
+        let seeds = Sources::point(410.0, 461.0).seeds(&surface).unwrap();
+        let mut on_device = solver.upload(&surface).unwrap();
+        for wavefront in [Wavefront::Planar, Wavefront::Curved] {
+            for (schedule, share) in [(Schedule::Tiles, 0.05), (Schedule::Raster, 0.2)] {
+                let map = (&seeds[..], method(wavefront, schedule));
+                let found = parts(&mut solver, &mut on_device, map, &[0.05, 0.2]);
+                for ([area, visits], of) in found.into_iter().zip([0.05, 0.2]) {
+                    let ratio = visits / area;
+                    let what = format!("{builtin} {wavefront} {schedule}, {of}");
+                    println!("{what}: area {area:.4}, visits {ratio:.2} times");
+                    assert!(ratio <= 2.2 || of < share, "{what}: {ratio:.2} times");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn targets_cost_little_more_than_the_radius_that_they_need() {
+    let mut solver = vulkan_solver();
+    for builtin in [Builtin::Plane, Builtin::Sphere, Builtin::Peaks, Builtin::Maze] {
+        let surface = builtin.surface(400, 400).unwrap();
+        let seeds = Sources::point(160.0, 180.0).seeds(&surface).unwrap();
+        let mut on_device = solver.upload(&surface).unwrap();
+        for wavefront in [Wavefront::Planar, Wavefront::Curved] {
+            let method = method(wavefront, Schedule::Tiles);
+            let raster = method.with_schedule(Schedule::Raster);
+            let whole = solver.solve(&mut on_device, &seeds, method).unwrap();
+            let by_scans = solver.solve(&mut on_device, &seeds, raster).unwrap();
+            for target in [[200, 220], [70, 130], [390, 50], [60, 380]] {
+                let distance = whole.distances[surface.chart().index(target[0], target[1])];
+                let radius = f64::from(distance);
+                if distance.is_infinite() {
+                    continue;
+                }
+                let needed = solver.solve(&mut on_device, &seeds, method.with_radius(radius));
+                let targets = Targets::all([target]);
+                let found = solver.solve_to(&mut on_device, &seeds, &targets, method).unwrap();
+                let what = format!("{builtin} {wavefront} {target:?}");
+                assert_is_part(&found.distances, &whole.distances, radius, &what);
+                let scanned = solver.solve_to(&mut on_device, &seeds, &targets, raster).unwrap();
+                let radius =
+                    f64::from(by_scans.distances[surface.chart().index(target[0], target[1])]);
+                assert_is_part(&scanned.distances, &by_scans.distances, radius, &what);
+                let ratio = found.visits as f64 / needed.unwrap().visits as f64;
+                println!("{what}: {ratio:.3} times the visits");
+                assert!(ratio <= 1.3, "{what}: {ratio:.3} times the visits");
+            }
+        }
+    }
+}
+
+/// All, any and the two nearest of some targets, on every schedule.
+#[test]
+fn the_nearest_or_the_farthest_target_ends_the_map() {
+    let surface = Surface::from_heights(40, 50, vec![0.0; 2000], Spacing::square(1.0)).unwrap();
+    let points = [[20, 26], [20, 40], [8, 20]];
+    let DeviceChoice::Name(device) = device_choice() else { unreachable!() };
+    for schedule in Schedule::ALL {
+        for (targets, end) in [
+            (Targets::any(points), 6.0),
+            (Targets::nearest(2, points), 12.0),
+            (Targets::all(points), 20.0),
+            (Targets::any([[20, 20]]), 0.0),
+        ] {
+            let options = Options::default()
+                .with_engine(Engine::Vulkan(DeviceChoice::Name(device.clone())))
+                .with_schedule(schedule)
+                .with_targets(targets);
+            let map = distance_map(&surface, &Sources::point(20.0, 20.0), &options).unwrap();
+            let found = (map.report.max_distance, map.report.ends_at);
+            assert_eq!(found, (end, Some(end)), "{schedule}");
+        }
+    }
+}
+
+#[test]
+fn a_target_that_cannot_be_reached_leaves_the_map_whole() {
+    let mask: Vec<_> = (0..40 * 50).map(|index| index % 50 != 30).collect();
+    let surface = Surface::from_heights(40, 50, vec![0.0; 2000], Spacing::square(1.0)).unwrap();
+    let surface = surface.with_mask(&mask).unwrap();
+    let seeds = Sources::point(20.0, 20.0).seeds(&surface).unwrap();
+    let mut solver = vulkan_solver();
+    let mut on_device = solver.upload(&surface).unwrap();
+    for schedule in Schedule::ALL {
+        let method = method(Wavefront::Curved, schedule);
+        let whole: HeadlessSolution = solver.solve(&mut on_device, &seeds, method).unwrap();
+        let targets = Targets::all([[20, 22], [20, 45]]);
+        let map = solver.solve_to(&mut on_device, &seeds, &targets, method).unwrap();
+        assert!(map.distances == whole.distances, "{schedule}");
+    }
+}
+
+/// A seed after the radius starts nothing, and is not sought for again.
+#[test]
+fn start_values_count_for_the_radius() {
+    let surface = Surface::from_heights(30, 90, vec![0.0; 2700], Spacing::square(1.0)).unwrap();
+    let sources = Sources::point(15.0, 10.0).and_point(15.0, 50.0, 4.0).and_point(15.0, 80.0, 20.0);
+    let seeds = sources.seeds(&surface).unwrap();
+    let mut solver = vulkan_solver();
+    let mut on_device = solver.upload(&surface).unwrap();
+    for schedule in Schedule::ALL {
+        let method = method(Wavefront::Curved, schedule);
+        let whole = solver.solve(&mut on_device, &seeds, method).unwrap();
+        let near = solver.solve(&mut on_device, &seeds, method.with_radius(7.0)).unwrap();
+        assert_is_part(&near.distances, &whole.distances, 7.0, schedule.name());
+        assert!(near.distances[surface.chart().index(15, 80)].is_infinite());
+        assert!(near.iterations < CONVERGED.iterations);
+    }
+}
