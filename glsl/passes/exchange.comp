@@ -13,6 +13,7 @@
 #include "shared/chart.glsl"
 #include "update/wavefront.glsl"
 #include "shared/progress.glsl"
+
 layout(push_constant) uniform Push {
     ivec2 texels; // columns and rows of texels, without the border
     int parts;

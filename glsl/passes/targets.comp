@@ -7,17 +7,18 @@
 #include "shared/constants.glsl"
 #include "shared/chart.glsl"
 #include "shared/progress.glsl"
+layout(push_constant) uniform Ends {
+    ivec2 texels; // columns and rows of texels, without the border
+    int tile_texels; // number of texels on a side of a tile
+    uint follows; // TILES_FOLLOW if the map is solved by rounds of tiles
+};
+#define TEXELS tile_texels
 #include "passes/tiles.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts_1;
 layout(set = 2, binding = 0, rgba32f) uniform readonly restrict image2DArray fronts_0;
-
-layout(push_constant) uniform Ends {
-    ivec2 texels; // columns and rows of texels, without the border
-    uint follows; // TILES_FOLLOW if the map is solved by rounds of tiles
-};
 
 // Ranks of the times at the targets, and how many of them are not above a bound.
 shared uint ranks[MOST_TARGETS];

@@ -7,9 +7,8 @@ use super::arguments::list;
 use super::plan::GeosweepPlan;
 use super::profile::GeosweepProfile;
 use super::status::Failure;
-use super::surface::GeosweepSurface;
 use crate::vulkan::embed::{
-    self, Access, MOST_TARGETS, MapLimit, PointSource, Reader, SourceInput, TargetPoint,
+    Access, MOST_TARGETS, MapLimit, PointSource, Reader, SourceInput, TargetPoint,
 };
 use crate::vulkan::grid_images::INLINE_SOURCES;
 

@@ -36,7 +36,9 @@ impl Recorder<'_> {
         let texels = self.grid.texels.inner().map(|texels| texels as i32);
         let pipeline = self.pipelines.of(TARGETS);
         self.bind_writing(pipeline, 0);
-        self.dispatch(pipeline, &targets::Push { texels, follows }, Groups::line(1));
+        let tile_texels = self.tile() as i32 / 2;
+        let push = targets::Push { texels, tile_texels, follows };
+        self.dispatch(pipeline, &push, Groups::line(1));
         true
     }
 }
