@@ -87,7 +87,8 @@ fn small_tiles_take_fewer_lines_one_after_another_on_small_grids() {
             let stop = Stop::within(1e-6).or_after(20_000);
             let [small, large] = [16, 32].map(|tile| {
                 let rounds = Rounds { tile, inner: 1, recorded: 20_000, few: Some(64) };
-                let (map, visits) = tile_rounds_counted(&edges, &seeds, wavefront, stop, rounds);
+                let (map, visits) =
+                    tile_rounds_within(&edges, &seeds, wavefront, stop, rounds, f64::INFINITY);
                 (map.iterations, tile as u32 * map.iterations, visits)
             });
             println!(
