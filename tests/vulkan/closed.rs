@@ -151,7 +151,8 @@ fn blocks_are_due_beside_seams() {
         for wavefront in WAVEFRONTS {
             let all = twins::scan_in_turn(&edges, &seeds, wavefront, CONVERGED);
             let order = (ScanOrder::InTurn, 3);
-            let (due, visits) = twins::scan_due(&edges, &seeds, wavefront, CONVERGED, order);
+            let (due, visits) =
+                twins::scan_due(&edges, &seeds, wavefront, CONVERGED, order, f64::INFINITY);
             assert_eq!(all.distances(), due.distances(), "{name}, {wavefront}");
             let visited = visits.iter().flatten().flatten().filter(|&&visited| visited).count();
             let blocks = visits.iter().flatten().map(Vec::len).sum::<usize>();
