@@ -33,36 +33,36 @@ fn torus(rows: usize, cols: usize) -> Surface {
 
 /// Returns a closed hill with holes, whose triangles are obtuse in part, and with an uneven slowness.
 fn hills(slowed: bool) -> Surface {
-    let (rows, cols) = (43, 61);
+    let (rows, cols) = (27, 37);
     let heights = (0..rows * cols).map(|index| {
         let (row, col) =
             ((index / cols) as f64, TAU * (index % cols % (cols - 1)) as f64 / (cols - 1) as f64);
-        let hole = index % cols > 5 && index % cols < 50 && index % 11 == 3;
+        let hole = index % cols > 5 && index % cols < 30 && index % 11 == 3;
         if hole { f64::NAN } else { 3.0 * (2.0 * col).sin() * (0.2 * row).cos() }
     });
     let surface =
         Surface::from_heights(rows, cols, heights.collect(), geosweep::Spacing::square(1.0))
             .unwrap();
     let slowness =
-        (0..rows * cols).map(|index| if index / cols < 20 { 1.0 } else { 1.7 }).collect();
+        (0..rows * cols).map(|index| if index / cols < 12 { 1.0 } else { 1.7 }).collect();
     let surface = if slowed { surface.with_slowness(slowness).unwrap() } else { surface };
     surface.with_gluing(Gluing::columns()).unwrap()
 }
 
 /// Returns closed surfaces with a source on each, most of which lie on or beside a seam.
 fn closed_surfaces() -> Vec<(&'static str, Surface, [f64; 2])> {
-    let moebius = flat(37, 65).with_gluing(Gluing::flipped_columns()).unwrap();
+    let moebius = flat(21, 35).with_gluing(Gluing::flipped_columns()).unwrap();
     vec![
-        ("tube", tube(61, 97), [20.0, 3.0]),
-        ("torus", torus(45, 70), [0.0, 69.0]),
-        ("flat torus", flat(38, 53).with_gluing(Gluing::both()).unwrap(), [37.0, 0.0]),
-        ("Moebius strip", moebius, [30.0, 62.25]),
-        ("globe", globe(61, 121), [20.0, 2.0]),
-        ("globe from a pole", globe(40, 85), [0.0, 17.0]),
-        ("octahedral map", octahedral(30), [0.0, 11.0]),
-        ("cube", cube(25), [0.0, 0.0]),
+        ("tube", tube(33, 49), [12.0, 3.0]),
+        ("torus", torus(25, 38), [0.0, 37.0]),
+        ("flat torus", flat(20, 29).with_gluing(Gluing::both()).unwrap(), [19.0, 0.0]),
+        ("Moebius strip", moebius, [16.0, 32.25]),
+        ("globe", globe(31, 61), [10.0, 2.0]),
+        ("globe from a pole", globe(22, 45), [0.0, 17.0]),
+        ("octahedral map", octahedral(18), [0.0, 7.0]),
+        ("cube", cube(13), [0.0, 0.0]),
         ("hills", hills(false), [7.5, 0.0]),
-        ("slowed hills", hills(true), [21.0, 59.0]),
+        ("slowed hills", hills(true), [13.0, 35.0]),
     ]
 }
 
@@ -123,7 +123,8 @@ fn seams_are_passed_in_blocks_of_any_size_and_in_pairs() {
         },
     );
     for mut solver in forms {
-        for (name, surface, [row, col]) in closed_surfaces() {
+        // A torus, a strip, a pole and holes with obtuse triangles.
+        for (name, surface, [row, col]) in closed_surfaces().into_iter().skip(1).step_by(2) {
             let source = (row as usize, col as usize);
             assert_schedule_twins(&mut solver, &surface, source, Schedule::Raster, [1, 2, 5]);
             let seeds = Sources::point(row, col).seeds(&surface).unwrap();
@@ -198,9 +199,9 @@ fn spheres_are_whole_on_a_device() {
 #[test]
 fn sources_are_added_to_maps_of_closed_surfaces() {
     let mut solver = vulkan_solver();
-    let surface = torus(45, 70);
-    let both = Sources::point(10.0, 69.0).and_point(44.0, 30.0, 0.5);
-    let [first, second] = [(10.0, 69.0, 0.0), (44.0, 30.0, 0.5)].map(|(row, col, start)| {
+    let surface = torus(25, 38);
+    let both = Sources::point(6.0, 37.0).and_point(24.0, 16.0, 0.5);
+    let [first, second] = [(6.0, 37.0, 0.0), (24.0, 16.0, 0.5)].map(|(row, col, start)| {
         Sources::default().and_point(row, col, start).seeds(&surface).unwrap()
     });
     let mut on_device = solver.upload(&surface).unwrap();
