@@ -131,6 +131,10 @@ impl Steps<'_, '_> {
     }
 }
 
+/// What a recording of several maps has of one: its recorder, the variant of its passes, its steps, and whether the
+/// map has targets.
+type Planned<'a, R> = (R, Variant, &'a [Step], bool);
+
 impl Recorder<'_> {
     /// Records the start of a map before its seeds, or before what is added to a map: no iteration is done.
     /// The map ends at `limit`. `causal` says whether the map's fronts are causal
@@ -228,7 +232,7 @@ impl Recorder<'_> {
 
     /// Records the steps of plans on several surfaces: the next of each that run at the same time, then one
     /// barrier for all. A map that has targets is marked.
-    pub(crate) fn steps_together(all: &[Option<(Self, Variant, &[Step], bool)>]) {
+    pub(crate) fn steps_together(all: &[Option<Planned<'_, Self>>]) {
         let mut recordings: [_; MOST_TOGETHER] = std::array::from_fn(|number| {
             let (recorder, variant, steps, has_targets) = all.get(number)?.as_ref()?;
             let variant = *variant;
