@@ -1,7 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Lowers the limit of a map to the time that its targets need, once fronts have reached them: that of the last
-// of the nearest targets. One workgroup runs between two rounds of tiles, or between two iterations.
+// Ends a map at the time that its targets need, once fronts have reached them: that of the last of the nearest
+// targets. By tiles it also lowers the limit, so that later fronts are not followed. Iterations of scans bring
+// early and late fronts in any order, so that the whole map is computed then. One workgroup runs between two
+// rounds of tiles, or between two iterations.
 // Twin: Limit::lower in src/cpu/limit.rs.
 
 #include "shared/constants.glsl"
@@ -59,6 +61,6 @@ void main() {
     for (uint i = gl_LocalInvocationIndex; i < count; i += WORKGROUP) ranks[i] = rank_of(time_at_target(i));
     float last = time_of(last_needed(count, targets_needed));
     if (gl_LocalInvocationIndex > 0u || last >= FAR) return;
-    limit = min(limit, last + abs(last) * TARGET_MARGIN);
+    if (follows == uint(TILES_FOLLOW)) limit = min(limit, last + abs(last) * TARGET_MARGIN);
     end = min(limit, last);
 }
