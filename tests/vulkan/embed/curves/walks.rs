@@ -167,9 +167,14 @@ fn agents_arrive_on_ways_that_are_nearly_the_shortest() {
     ];
     for (name, builtin, size, source) in cases {
         let longest = longest_way(name, builtin, size, source);
-        // Over the peaks ways meet at small angles. A direction interpolated between two of them is neither, which
-        // a few agents follow for some steps.
-        let most = if builtin == Builtin::Peaks { 1e-2 } else { 1e-3 };
+        let most = match builtin {
+            // Ways meet at small angles. A direction interpolated between two of them is neither, which a few
+            // agents follow for some steps.
+            Builtin::Peaks => 1e-2,
+            // Agents go up to a step too far at a corner, which counts on short ways.
+            Builtin::Maze => 4e-3,
+            _ => 1e-3,
+        };
         assert!(longest < 1.0 + most, "{name}: {longest}");
     }
 }
