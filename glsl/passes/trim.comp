@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Takes back the fronts that come after the end of a map. They were renewed, or came before the limit fell.
-// One invocation is one texel.
+// Takes back the fronts that come after the end of a map. They were renewed, or came before the limit fell. A map
+// that goes on keeps them, since it would bring them again. One invocation is one texel.
 // Twin: the end of a map in src/solve.rs.
 
 #include "shared/constants.glsl"
@@ -18,7 +18,7 @@ layout(push_constant) uniform Size {
 
 void main() {
     ivec2 inner = ivec2(gl_GlobalInvocationID.xy);
-    if (is_beyond(inner, texels)) return;
+    if (done == 0u || is_beyond(inner, texels)) return;
     ivec2 texel = with_border(inner);
     vec4 times = imageLoad(new_fronts, ivec3(texel, TIME));
     bvec4 late = greaterThan(times, vec4(end));
