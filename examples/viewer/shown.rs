@@ -1,4 +1,4 @@
-//! What is shown on the surface: the keys switch it, and it stays from one surface to the next.
+//! The things shown on the surface: the keys switch them, and they stay from one surface to the next.
 
 use crate::agents::Steps;
 use crate::decal::{Look, Placement, RADIUS};

@@ -25,7 +25,7 @@ pub struct View {
     unused: [f32; 2],
 }
 
-/// What changes from frame to frame, beside the camera.
+/// The values that change from frame to frame, beside the camera.
 pub struct Driven {
     /// Pointer in pixels from the upper left.
     pub pointer: Vec2,

@@ -41,7 +41,7 @@ pub enum GeodeticError {
         number: usize,
         /// Its latitude or longitude.
         degrees: f64,
-        /// The same of the line before.
+        /// The value at the line before.
         before: f64,
     },
     /// The columns go round the Earth more than once.

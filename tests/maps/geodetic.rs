@@ -122,7 +122,7 @@ fn distances_on_the_earth_are_those_of_geodesics() {
     }
 }
 
-/// The same Earth by other grids: from south to north, from 0 to 359 degrees, at the middles of cells.
+/// Other grids of the Earth give equal maps: from south to north, from 0 to 359 degrees, at the middles of cells.
 #[test]
 fn grids_of_any_order_and_place_are_the_same_earth() {
     let step = 1.0;

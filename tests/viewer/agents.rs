@@ -58,7 +58,7 @@ fn keys_show_agents_and_change_their_steps() {
     press(b'a', "agents", false);
     assert!(viewer.still(&screen) == before);
 
-    // They walk over a surface in motion.
+    // Agents walk over a surface in motion.
     press(b's', "sheet", true);
     press(b'a', "agents to neighbours", true);
     press(b'n', "agents along directions", true);

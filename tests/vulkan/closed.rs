@@ -14,7 +14,7 @@ use crate::headless::assert_schedule_twins;
 
 /// Largest difference between the engines' converged maps, relative to the largest distance. Measured: 6.1e-7.
 const AGREEMENT: f64 = 1e-6;
-/// The same with updates of all points. A front advances by a point in an update, so that changes below the
+/// The largest difference with updates of all points. A front advances by a point in an update, so changes below the
 /// tolerance add up over more of them. Measured: 1.1e-6.
 const AGREEMENT_BY_POINTS: f64 = 5e-6;
 

@@ -131,7 +131,7 @@ impl Steps<'_, '_> {
     }
 }
 
-/// What a recording of several maps has of one: its recorder, the variant of its passes, its steps, and whether the
+/// The part of one map in a recording of several: its recorder, the variant of its passes, its steps, and whether the
 /// map has targets.
 type Planned<'a, R> = (R, Variant, &'a [Step], bool);
 
