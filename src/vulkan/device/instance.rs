@@ -52,8 +52,8 @@ impl Instance {
             extensions.push(khr::portability_enumeration::NAME.as_ptr());
             info.flags |= vk::InstanceCreateFlags::ENUMERATE_PORTABILITY_KHR;
         }
-        let mut features =
-            vk::ValidationFeaturesEXT::default().enabled_validation_features(&validation::FEATURES);
+        let mut features = vk::ValidationFeaturesEXT::default()
+            .enabled_validation_features(validation::features());
         let layers = [validation::LAYER.as_ptr()];
         let settings = validation::settings();
         let mut settings = vk::LayerSettingsCreateInfoEXT::default().settings(&settings);

@@ -10,10 +10,20 @@ use crate::vulkan::VulkanError;
 pub(crate) const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
 /// Checks that are enabled in addition to the layer's defaults.
-pub(crate) const FEATURES: [vk::ValidationFeatureEnableEXT; 2] = [
+const FEATURES: [vk::ValidationFeatureEnableEXT; 2] = [
     vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION,
     vk::ValidationFeatureEnableEXT::GPU_ASSISTED,
 ];
+
+/// Returns the checks that are enabled in addition to the layer's defaults. GPU-assisted validation adds code to
+/// shaders. It is left out if the layer's own environment variable turns the checks of shaders off.
+pub(crate) fn features() -> &'static [vk::ValidationFeatureEnableEXT] {
+    let disabled = std::env::var_os("VK_LAYER_DISABLES").unwrap_or_default();
+    match disabled.to_string_lossy().contains("VK_VALIDATION_FEATURE_DISABLE_SHADERS_EXT") {
+        true => &FEATURES[..1],
+        false => &FEATURES,
+    }
+}
 
 /// Returns settings of the layer. Since 1.3.290 it reports hazards between accesses of shaders only if
 /// requested.

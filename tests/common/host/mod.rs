@@ -84,7 +84,9 @@ impl Host {
         // Layers from 1.3.275 add code to shaders that reads a missing descriptor, on lavapipe of Mesa 25.2.
         let is_sound = !(vk::make_api_version(0, 1, 3, 240)..vk::make_api_version(0, 1, 4, 0))
             .contains(&layers_version());
-        Self::open(if is_sound { &all } else { &all[..1] })
+        let disabled = std::env::var("VK_LAYER_DISABLES").unwrap_or_default();
+        let wanted = !disabled.contains("VK_VALIDATION_FEATURE_DISABLE_SHADERS_EXT");
+        Self::open(if is_sound && wanted { &all } else { &all[..1] })
     }
 
     /// Creates a host under the validation layers, without their checks in shaders: these take long for many

@@ -70,7 +70,7 @@ fn pipelines_are_made_once_and_by_the_hosts_cache() {
     let mut solver =
         Solver::with_cache(&instance, physical_device, &device, &passes, tools, cache).unwrap();
     // These are the pipelines of every surface, of four scans and of the surroundings of sources.
-    assert_eq!(made(), [16 + 4 + 1; 2]);
+    assert_eq!(made(), [18 + 4 + 1; 2]);
     solver.add_passes(&device, Schedule::Raster, Wavefront::Curved).unwrap();
     solver.add_passes(&device, Schedule::Raster, Wavefront::Anchored).unwrap();
     assert_eq!(made(), [0; 2]);

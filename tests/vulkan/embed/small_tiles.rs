@@ -10,8 +10,8 @@ use crate::host::Host;
 
 const CHART: Chart = Chart { rows: 40, cols: 48 };
 
-/// Returns maps by tiles with curved and planar fronts, and of each the rounds that a recording holds and those that
-/// the map takes.
+/// Returns maps by tiles with curved and planar fronts, and of each the rounds that a recording holds and the visits of
+/// tiles.
 fn maps(change: impl FnOnce(Tuning) -> Tuning) -> Vec<(u32, Vec<f32>, u32)> {
     let mut host = Kept::tuned(Host::new(), Tools::default(), change);
     let points = host.buffer_of(&vertices(CHART, 0.4));
@@ -24,7 +24,7 @@ fn maps(change: impl FnOnce(Tuning) -> Tuning) -> Vec<(u32, Vec<f32>, u32)> {
     let maps = [Wavefront::Curved, Wavefront::Planar].map(|wavefront| {
         let plan = stage.plan(Schedule::Tiles, wavefront, 100);
         let map = stage.map(0, SourceInput::Inline(&source(12.25, 30.0)), &plan);
-        (plan.iterations(), map, stage.surface.outcome(0).unwrap().iterations)
+        (plan.iterations(), map, stage.surface.outcome(0).unwrap().visits)
     });
     stage.end([points]);
     maps.into()
@@ -41,5 +41,5 @@ fn frames_on_small_grids_have_small_tiles() {
     let large = maps(tiles(24, false, 47));
     assert!(small == maps(tiles(16, true, 0)));
     assert!(large == maps(tiles(24, false, 0)));
-    assert_ne!(small[0].2, large[0].2, "tiles of both sides take as many rounds");
+    assert_ne!(small[0].2, large[0].2, "tiles of both sides are visited as often");
 }

@@ -231,9 +231,9 @@ fn bytes_agree_with_a_count_by_hand() {
     }
 }
 
-/// The progress has 920 numbers: nine of the state of a map, three by which the grid is dispatched, one of each
-/// scan for blocks past the middle, six of each of 128 rounds and of the next, the largest change of 128 rounds, whether a point was reached, and how
-/// many texels have converged. A tile has six. For scans, blocks of four lines have three in each, and one on
+/// The progress has 927 numbers: 16 of the state of a map, three by which the grid is dispatched, one of each
+/// scan for blocks past the middle, six of each of 128 rounds and of the next, the largest change of 128 rounds,
+/// whether a point was reached, and how many texels have converged. A tile has six. For scans, blocks of four lines have three in each, and one on
 /// each side of the longer side of the grid. A count reads seven numbers and writes five, in the last
 /// iteration two more; beyond, it reads one.
 #[test]
@@ -253,7 +253,7 @@ fn counts_and_starts_agree_with_a_count_by_hand() {
             assert_eq!(moved(pass), Some(by_hand), "{schedule}: {pass:?}");
         }
         let start = of_kind(&profile, PassKind::Start).next().unwrap();
-        let progress = 4 * (9 + 3 + 4 + 6 * (128 + 1) + 128 + 2);
+        let progress = 4 * (16 + 3 + 4 + 6 * (128 + 1) + 128 + 2);
         let lines = u64::from(bench.solver.tuning().scan_lines);
         let blocks = if schedule == Schedule::Raster { 4 * (45u64.div_ceil(lines) + 2) } else { 0 };
         assert_eq!(moved(start), Some((0, progress + 4 * 6 * tiles + 4 * 3 * blocks)));
