@@ -13,6 +13,8 @@ mod interface;
 mod names;
 #[path = "build/rust.rs"]
 mod rust;
+#[path = "build/variants.rs"]
+mod variants;
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};
@@ -51,13 +53,22 @@ fn main() {
     let (mut shaders, mut modules) = (Vec::new(), Vec::new());
     for source in sources.iter().filter(|path| path.extension().is_some_and(|e| e == "comp")) {
         let stem = source.file_stem().expect("a source is a file").to_string_lossy().into_owned();
-        let name = format!("{stem}.spv");
-        let spirv = spirv(source, &Path::new(COMMITTED).join(&name));
-        let interface =
-            Interface::of(&spirv).unwrap_or_else(|reason| panic!("{}: {reason}", source.display()));
-        write(&out.join(&name), &spirv);
-        shaders.push((stem, interface));
-        modules.push((name, spirv));
+        let mut interface = Interface::default();
+        let mut names = Vec::new();
+        for module in variants::modules_of(&stem) {
+            let name = format!("{}.spv", module.name);
+            let spirv = spirv(source, module.wavefront, &Path::new(COMMITTED).join(&name));
+            let of_module = Interface::of(&spirv)
+                .unwrap_or_else(|reason| panic!("{}: {reason}", source.display()));
+            interface.add(of_module);
+            if module.wavefront.is_some() {
+                interface.add_constant(variants::WAVEFRONT);
+            }
+            write(&out.join(&name), &spirv);
+            names.push(module.name);
+            modules.push((name, spirv));
+        }
+        shaders.push((stem, names, interface));
     }
     let of_modules = fingerprint(modules);
     if !cfg!(feature = "shaderc") {
@@ -87,7 +98,7 @@ fn sources() -> Vec<PathBuf> {
 
 /// Returns names and contents of everything that determines the SPIR-V, except the compiler.
 fn compiled_from(sources: &[PathBuf]) -> Vec<(String, Vec<u8>)> {
-    let how = ["build/compile.rs", "build/names.rs"].map(PathBuf::from);
+    let how = ["build/compile.rs", "build/names.rs", "build/variants.rs"].map(PathBuf::from);
     let text = |path: &PathBuf| {
         let name = path.file_name().expect("a source is a file").to_string_lossy().into_owned();
         // A checkout may have changed the line ends.
@@ -134,8 +145,9 @@ fn constants(glsl: &str) -> String {
 }
 
 #[cfg(feature = "shaderc")]
-fn spirv(source: &Path, committed: &Path) -> Vec<u8> {
-    let spirv = compile::spirv(&read(source), &source.to_string_lossy(), GLSL);
+fn spirv(source: &Path, wavefront: Option<usize>, committed: &Path) -> Vec<u8> {
+    let definition = wavefront.map(|number| (variants::WAVEFRONT.1, number.to_string()));
+    let spirv = compile::spirv(&read(source), &source.to_string_lossy(), GLSL, definition);
     if env::var_os("GEOSWEEP_UPDATE_SPIRV").is_some() {
         fs::create_dir_all(COMMITTED).expect("the source folder can be written");
         write(committed, &spirv);
@@ -144,7 +156,7 @@ fn spirv(source: &Path, committed: &Path) -> Vec<u8> {
 }
 
 #[cfg(not(feature = "shaderc"))]
-fn spirv(_source: &Path, committed: &Path) -> Vec<u8> {
+fn spirv(_source: &Path, _wavefront: Option<usize>, committed: &Path) -> Vec<u8> {
     fs::read(committed)
         .unwrap_or_else(|error| panic!("cannot read {}: {error}", committed.display()))
 }

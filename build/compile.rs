@@ -8,8 +8,14 @@ use shaderc::{CompileOptions, Compiler, EnvVersion, OptimizationLevel, ShaderKin
 
 use crate::names;
 
-/// The SPIR-V of a shader named `name`, whose includes lie in the folder `includes`.
-pub fn spirv(text: &str, name: &str, includes: &str) -> Vec<u8> {
+/// Returns the SPIR-V of a shader named `name`, whose includes lie in the folder `includes`. It is compiled with
+/// the macro of the given name and value, if there is one.
+pub fn spirv(
+    text: &str,
+    name: &str,
+    includes: &str,
+    definition: Option<(&str, String)>,
+) -> Vec<u8> {
     let compiler = Compiler::new().expect("glslang starts");
     let mut options = CompileOptions::new().expect("glslang starts");
     // Vulkan 1.1 is the oldest version that the engine runs on.
@@ -18,6 +24,9 @@ pub fn spirv(text: &str, name: &str, includes: &str) -> Vec<u8> {
     options.set_warnings_as_errors();
     // Without it the optimizer takes all names out.
     options.set_generate_debug_info();
+    if let Some((macro_name, value)) = definition {
+        options.add_macro_definition(macro_name, Some(&value));
+    }
     options.set_include_callback(|name, _, _, _| {
         let resolved_name = format!("{includes}/{name}");
         let content = fs::read_to_string(&resolved_name)

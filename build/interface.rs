@@ -8,7 +8,7 @@ use rspirv::dr::{Instruction, ModuleHeader, Operand};
 use rspirv::spirv::{BuiltIn, Decoration, Dim, Op, StorageClass};
 
 /// The interface of a shader.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Interface {
     /// Bindings in the order of sets and numbers.
     pub bindings: Vec<Binding>,
@@ -65,6 +65,36 @@ impl Interface {
             if module.is_whole { Ok(()) } else { Err(error) }
         })?;
         module.interface()
+    }
+
+    /// Adds what another module of the same shader has and this interface lacks.
+    pub fn add(&mut self, other: Self) {
+        for binding in other.bindings {
+            if self
+                .bindings
+                .iter()
+                .all(|own| (own.set, own.number) != (binding.set, binding.number))
+            {
+                self.bindings.push(binding);
+            }
+        }
+        self.bindings.sort_by_key(|binding| (binding.set, binding.number));
+        for (number, name) in other.constants {
+            self.add_constant((number, &name));
+        }
+        self.push_constants = self.push_constants.take().or(other.push_constants);
+        for block in other.buffers {
+            if !self.buffers.contains(&block) {
+                self.buffers.push(block);
+            }
+        }
+    }
+
+    pub fn add_constant(&mut self, (number, name): (u32, &str)) {
+        if self.constants.iter().all(|(own, _)| *own != number) {
+            self.constants.push((number, name.to_owned()));
+            self.constants.sort();
+        }
     }
 }
 

@@ -7,23 +7,23 @@ use crate::interface::{Block, Interface, Kind};
 
 /// Returns a module for each set of descriptors with its bindings, an enumeration of all specialization
 /// constants, and a module for each shader with its blocks.
-pub fn shaders(shaders: &[(String, Interface)]) -> String {
+pub fn shaders(shaders: &[(String, Vec<String>, Interface)]) -> String {
     let mut rust = String::new();
     sets(shaders, &mut rust);
     constants(shaders, &mut rust);
     let mut blocks = Vec::new();
-    for (name, interface) in shaders {
-        shader(name, interface, &mut blocks, &mut rust);
+    for (name, modules, interface) in shaders {
+        shader((name, modules), interface, &mut blocks, &mut rust);
     }
     rust
 }
 
 /// Writes the sets. Asserts that shaders agree on the type of each descriptor, and that each name has one
 /// place.
-fn sets(shaders: &[(String, Interface)], rust: &mut String) {
+fn sets(shaders: &[(String, Vec<String>, Interface)], rust: &mut String) {
     let mut kinds = BTreeMap::<(u32, u32), Kind>::new();
     let mut places = BTreeMap::<(u32, &str), u32>::new();
-    for (shader, interface) in shaders {
+    for (shader, _, interface) in shaders {
         for binding in &interface.bindings {
             let (set, number, name) = (binding.set, binding.number, binding.name.as_str());
             let kind = *kinds.entry((set, number)).or_insert(binding.kind);
@@ -74,8 +74,8 @@ fn kind_name(kind: Kind) -> &'static str {
     }
 }
 
-fn constants(shaders: &[(String, Interface)], rust: &mut String) {
-    let all = shaders.iter().flat_map(|(_, interface)| &interface.constants);
+fn constants(shaders: &[(String, Vec<String>, Interface)], rust: &mut String) {
+    let all = shaders.iter().flat_map(|(_, _, interface)| &interface.constants);
     let mut names: Vec<_> = all.map(|(_, name)| camel_case(name)).collect();
     names.sort();
     names.dedup();
@@ -90,7 +90,7 @@ fn constants(shaders: &[(String, Interface)], rust: &mut String) {
 
 /// Writes a shader's module. `blocks` are those of earlier shaders, which are not written again.
 fn shader<'a>(
-    name: &'a str,
+    (name, modules): (&'a str, &[String]),
     interface: &'a Interface,
     blocks: &mut Vec<(&'a str, String, &'a Block)>,
     rust: &mut String,
@@ -106,17 +106,22 @@ fn shader<'a>(
         .iter()
         .map(|(number, name)| format!("({number}, super::Constant::{})", camel_case(name)))
         .collect();
+    let modules: Vec<_> = modules
+        .iter()
+        .map(|module| format!("include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{module}.spv\"))"))
+        .collect();
     let sees_host = interface.bindings.iter().any(|binding| binding.set == 1);
     let size = interface.push_constants.as_ref().map_or(0, |block| block.size);
     writeln!(
         rust,
         "pub(crate) const SHADER: super::Shader = super::Shader {{\n\
          name: \"{name}\",\n\
-         spirv: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{name}.spv\")),\n\
+         modules: &[{}],\n\
          bindings: &[{}],\n\
          sees_host: {sees_host},\n\
          constants: &[{}],\n\
          push_constant_bytes: {size},\n}};",
+        modules.join(", "),
         bindings.join(", "),
         constants.join(", ")
     )

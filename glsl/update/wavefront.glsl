@@ -4,8 +4,11 @@
 // Include after constants.glsl.
 // Twins: Wavefront in src/update, and its kinds there and in src/cpu.
 
-// Kind of front: PLANAR, CIRCULAR, CURVED or ANCHORED.
+// Kind of front: PLANAR, CIRCULAR, CURVED or ANCHORED. Large shaders are compiled once for each kind, which the
+// build then defines: drivers would take time to read code that is then left out.
+#ifndef WAVEFRONT
 layout(constant_id = 2) const int WAVEFRONT = PLANAR;
+#endif
 
 // Whether the slowness of the surface varies. Fronts are then straight or carry their curvature.
 layout(constant_id = 12) const int SLOWED = 0;

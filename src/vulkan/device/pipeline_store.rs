@@ -146,8 +146,8 @@ fn device_name(properties: &vk::PhysicalDeviceProperties) -> String {
 fn file_name(properties: &vk::PhysicalDeviceProperties) -> String {
     let mut shaders = DefaultHasher::new();
     for row in &TABLE {
-        row.shader.spirv.hash(&mut shaders);
-        row.of_points.iter().flatten().for_each(|shader| shader.spirv.hash(&mut shaders));
+        row.shader.modules.hash(&mut shaders);
+        row.of_points.iter().flatten().for_each(|shader| shader.modules.hash(&mut shaders));
     }
     let mut driver = DefaultHasher::new();
     (properties.driver_version, properties.pipeline_cache_uuid).hash(&mut driver);

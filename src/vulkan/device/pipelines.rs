@@ -387,7 +387,8 @@ impl Pipelines {
         let layout = self.layout(row.shader);
         let constants = row.constants(of);
         let how = (layout, self.flags, cache.handle);
-        let made = compute_pipeline(device, row.shader_of(&of.tuning), how, &constants)?;
+        let spirv = row.shader_of(&of.tuning).spirv(of.variant.wavefront);
+        let made = compute_pipeline(device, spirv, how, &constants)?;
         self.name(&row.name(of.variant), made);
         Ok(made)
     }
@@ -475,15 +476,14 @@ fn pipeline_layout(
         .map_err(VulkanError::from_call("vkCreatePipelineLayout"))
 }
 
-/// Creates a compute pipeline from a shader, with specialization constants by their numbers.
+/// Creates a compute pipeline from a SPIR-V module, with specialization constants by their numbers.
 fn compute_pipeline(
     device: &ash::Device,
-    shader: &Shader,
+    spirv: &[u8],
     (layout, flags, cache): (vk::PipelineLayout, vk::PipelineCreateFlags, vk::PipelineCache),
     constants: &[(u32, i32)],
 ) -> Result<vk::Pipeline, VulkanError> {
-    let code =
-        ash::util::read_spv(&mut Cursor::new(shader.spirv)).expect("the build embeds SPIR-V");
+    let code = ash::util::read_spv(&mut Cursor::new(spirv)).expect("the build embeds SPIR-V");
     let info = vk::ShaderModuleCreateInfo::default().code(&code);
     // SAFETY: the code is valid SPIR-V for Vulkan 1.1.
     let module = unsafe { device.create_shader_module(&info, None) }

@@ -6,12 +6,15 @@
 
 use ash::vk;
 
+use crate::update::Wavefront;
+
 /// Compiled shader with its interface.
 #[derive(Debug)]
 pub(crate) struct Shader {
     /// Name of the shader's file in glsl/.
     pub(crate) name: &'static str,
-    pub(crate) spirv: &'static [u8],
+    /// SPIR-V for each wavefront, or one module for all.
+    pub(crate) modules: &'static [&'static [u8]],
     /// Set and number of each descriptor that the shader uses.
     pub(crate) bindings: &'static [(u32, u32)],
     /// Whether the host's own images and buffers are among them. The shader then uses no set of maps.
@@ -22,6 +25,14 @@ pub(crate) struct Shader {
 }
 
 impl Shader {
+    /// Returns the SPIR-V from which pipelines for a wavefront are made.
+    pub(crate) fn spirv(&self, wavefront: Wavefront) -> &'static [u8] {
+        match self.modules {
+            [all] => all,
+            modules => modules[wavefront as usize],
+        }
+    }
+
     /// Returns whether another shader has as many bindings and specialization constants, and pushes as much.
     pub(crate) const fn is_like(&self, other: &Self) -> bool {
         self.bindings.len() == other.bindings.len()

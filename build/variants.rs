@@ -1,0 +1,40 @@
+//! Which modules a shader has. Large shaders that depend on the kind of front are compiled once for each kind:
+//! drivers would take time to read code that is then left out. What stands here is part of the fingerprint of the
+//! committed SPIR-V.
+
+/// Kinds of fronts, by their numbers in constants.glsl.
+const WAVEFRONTS: [&str; 4] = ["planar", "circular", "curved", "anchored"];
+
+/// Shaders that are compiled for each kind, and the number of kinds that they serve. They are the first ones.
+const BY_WAVEFRONT: [(&str, usize); 6] = [
+    ("all_points", 4),
+    ("pairwise_scan", 3),
+    ("scan", 4),
+    ("tiles", 4),
+    ("tiles_points", 4),
+    ("tiles_shuffled", 4),
+];
+
+/// The specialization constant that a macro replaces: its number and name.
+pub const WAVEFRONT: (u32, &str) = (2, "WAVEFRONT");
+
+/// A module of a shader.
+pub struct Module {
+    /// Name of its file, without the extension.
+    pub name: String,
+    /// Number of the kind of front for which it is, unless it serves all.
+    pub wavefront: Option<usize>,
+}
+
+/// Returns the modules of the shader `stem`.comp.
+pub fn modules_of(stem: &str) -> Vec<Module> {
+    match BY_WAVEFRONT.iter().find(|(name, _)| *name == stem) {
+        None => vec![Module { name: stem.to_owned(), wavefront: None }],
+        Some((_, count)) => (0..*count)
+            .map(|wavefront| Module {
+                name: format!("{stem}_{}", WAVEFRONTS[wavefront]),
+                wavefront: Some(wavefront),
+            })
+            .collect(),
+    }
+}
