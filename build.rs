@@ -50,6 +50,7 @@ fn main() {
             &format!("{GLSL}, or how it is compiled, has changed since {COMMITTED}: {cure}"),
         );
     }
+    remove_modules(&out);
     let (mut shaders, mut modules) = (Vec::new(), Vec::new());
     for source in sources.iter().filter(|path| path.extension().is_some_and(|e| e == "comp")) {
         let stem = source.file_stem().expect("a source is a file").to_string_lossy().into_owned();
@@ -80,6 +81,17 @@ fn main() {
     if env::var_os("GEOSWEEP_UPDATE_SPIRV").is_some() {
         write(Path::new(OF_SOURCES), of_sources.as_bytes());
         write(Path::new(OF_MODULES), of_modules.as_bytes());
+    }
+}
+
+/// Removes the modules of an earlier build, which may have had others.
+fn remove_modules(folder: &Path) {
+    let entries = fs::read_dir(folder)
+        .unwrap_or_else(|error| panic!("cannot read the folder {}: {error}", folder.display()));
+    let paths = entries.map(|entry| entry.expect("the folder can be listed").path());
+    for path in paths.filter(|path| path.extension().is_some_and(|e| e == "spv")) {
+        fs::remove_file(&path)
+            .unwrap_or_else(|error| panic!("cannot remove {}: {error}", path.display()));
     }
 }
 
