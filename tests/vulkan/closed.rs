@@ -115,12 +115,13 @@ fn every_exchange_is_one_of_its_twin() {
 /// Lines fit a workgroup of 64 texels, which takes blocks in turn, and they do not fit one of 16.
 #[test]
 fn seams_are_passed_in_blocks_of_any_size_and_in_pairs() {
-    // Pipelines of a form take most of the time. Scans in turn are those of other tests.
-    let forms = [(64, 4, true), (16, 1, true)].map(|(scan_width, scan_lines, scan_pairs)| {
-        let solver = HeadlessSolver::with_validation(&device_choice()).unwrap();
-        let sizes = Tuning { scan_width, scan_lines, scan_pairs, ..solver.tuning() };
-        solver.with_tuning(sizes).unwrap()
-    });
+    let forms = [(64, 4, true), (16, 1, true), (16, 3, false)].map(
+        |(scan_width, scan_lines, scan_pairs)| {
+            let solver = HeadlessSolver::with_validation(&device_choice()).unwrap();
+            let sizes = Tuning { scan_width, scan_lines, scan_pairs, ..solver.tuning() };
+            solver.with_tuning(sizes).unwrap()
+        },
+    );
     for mut solver in forms {
         // A torus, a strip, a pole and holes with obtuse triangles.
         for (name, surface, [row, col]) in closed_surfaces().into_iter().skip(1).step_by(2) {

@@ -233,9 +233,9 @@ fn bytes_agree_with_a_count_by_hand() {
 
 /// The progress has 927 numbers: 16 of the state of a map, three by which the grid is dispatched, one of each
 /// scan for blocks past the middle, six of each of 128 rounds and of the next, the largest change of 128 rounds,
-/// whether a point was reached, and how many texels have converged. A tile has six. For scans, blocks of four lines have three in each, and one on
-/// each side of the longer side of the grid. A count reads seven numbers and writes five, in the last
-/// iteration two more; beyond, it reads one.
+/// whether a point was reached, and how many texels have converged. A tile has six. For scans, blocks of four
+/// lines have three in each, and one on each side of the longer side of the grid. A count reads seven numbers and
+/// writes five, in the last iteration two more; beyond, it reads one.
 #[test]
 fn counts_and_starts_agree_with_a_count_by_hand() {
     let mut bench = Bench::new(61, 90, &[]);
