@@ -69,7 +69,7 @@ fn main() {
             names.push(module.name);
             modules.push((name, spirv));
         }
-        shaders.push((stem, names, interface));
+        shaders.push(rust::Shader { name: stem, modules: names, interface });
     }
     let of_modules = fingerprint(modules);
     if !cfg!(feature = "shaderc") {

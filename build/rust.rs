@@ -5,25 +5,32 @@ use std::fmt::Write;
 
 use crate::interface::{Block, Interface, Kind};
 
+/// A shader, with the names of its SPIR-V modules and the interface of all of them.
+pub struct Shader {
+    pub name: String,
+    pub modules: Vec<String>,
+    pub interface: Interface,
+}
+
 /// Returns a module for each set of descriptors with its bindings, an enumeration of all specialization
 /// constants, and a module for each shader with its blocks.
-pub fn shaders(shaders: &[(String, Vec<String>, Interface)]) -> String {
+pub fn shaders(shaders: &[Shader]) -> String {
     let mut rust = String::new();
     sets(shaders, &mut rust);
     constants(shaders, &mut rust);
     let mut blocks = Vec::new();
-    for (name, modules, interface) in shaders {
-        shader((name, modules), interface, &mut blocks, &mut rust);
+    for of in shaders {
+        shader(of, &mut blocks, &mut rust);
     }
     rust
 }
 
 /// Writes the sets. Asserts that shaders agree on the type of each descriptor, and that each name has one
 /// place.
-fn sets(shaders: &[(String, Vec<String>, Interface)], rust: &mut String) {
+fn sets(shaders: &[Shader], rust: &mut String) {
     let mut kinds = BTreeMap::<(u32, u32), Kind>::new();
     let mut places = BTreeMap::<(u32, &str), u32>::new();
-    for (shader, _, interface) in shaders {
+    for Shader { name: shader, interface, .. } in shaders {
         for binding in &interface.bindings {
             let (set, number, name) = (binding.set, binding.number, binding.name.as_str());
             let kind = *kinds.entry((set, number)).or_insert(binding.kind);
@@ -74,8 +81,8 @@ fn kind_name(kind: Kind) -> &'static str {
     }
 }
 
-fn constants(shaders: &[(String, Vec<String>, Interface)], rust: &mut String) {
-    let all = shaders.iter().flat_map(|(_, _, interface)| &interface.constants);
+fn constants(shaders: &[Shader], rust: &mut String) {
+    let all = shaders.iter().flat_map(|shader| &shader.interface.constants);
     let mut names: Vec<_> = all.map(|(_, name)| camel_case(name)).collect();
     names.sort();
     names.dedup();
@@ -90,8 +97,7 @@ fn constants(shaders: &[(String, Vec<String>, Interface)], rust: &mut String) {
 
 /// Writes a shader's module. `blocks` are those of earlier shaders, which are not written again.
 fn shader<'a>(
-    (name, modules): (&'a str, &[String]),
-    interface: &'a Interface,
+    Shader { name, modules, interface }: &'a Shader,
     blocks: &mut Vec<(&'a str, String, &'a Block)>,
     rust: &mut String,
 ) {

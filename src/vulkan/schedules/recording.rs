@@ -1,0 +1,232 @@
+//! Records the steps of plans, of one map or of several together, and what stands before and after them.
+
+use ash::vk;
+
+use super::order::Steps;
+use super::plan::{self, Step};
+use super::progress::{self, Changed, VISITS, offset};
+use super::raster::{self, halves_of};
+use super::{account, order_of};
+use crate::Stop;
+use crate::constants::{FRONTS_ARE_ADDED, FRONTS_MEET, WORKGROUP};
+use crate::vulkan::copies::Copies;
+use crate::vulkan::device::barrier::MOST_TOGETHER;
+use crate::vulkan::device::barrier::{CLEAR, COPY, PASS, PASS_AND_HOST, TRANSFER};
+use crate::vulkan::device::passes::{COUNT, EXCHANGE, SEED, SETTLE, Variant};
+use crate::vulkan::grid_images::TILE_WORDS;
+use crate::vulkan::profile::{self, PassKind, PassRecord, Profile, Scope, StepCounter, Work};
+use crate::vulkan::record::{Groups, Recorder};
+use crate::vulkan::{MapLimit, Schedule};
+
+impl Steps<'_, '_> {
+    fn run(&mut self, step: &Step) {
+        match order_of(step) {
+            Some(order) => order.record(self, step),
+            None => self.run_shared(step),
+        }
+    }
+
+    /// Records a step that several schedules use.
+    fn run_shared(&mut self, step: &Step) {
+        match *step {
+            Step::Exchange { image, next_round } => {
+                self.recorder.exchange(self.variant, image, next_round);
+                self.bound = None;
+            }
+            _ => {
+                let halves = halves_of(self.recorder.grid.texels, self.recorder.pipelines.tuning);
+                self.dispatch(COUNT.pass(), 0, &halves, Groups::line(1));
+            }
+        }
+    }
+}
+
+/// The part of one map in a recording of several: its recorder, the variant of its passes, its steps, and whether the
+/// map has targets.
+type Planned<'a, R> = (R, Variant, &'a [Step], bool);
+
+impl Recorder<'_> {
+    /// Records the start of a map before its seeds, or before what is added to a map: no iteration is done.
+    /// The map ends at `limit`. `causal` says whether the map's fronts are causal
+    /// ([`crate::surface::Origins`]).
+    pub(crate) fn start(
+        &self,
+        (stop, limit): (Stop, MapLimit),
+        schedule: Schedule,
+        causal: bool,
+        is_added: bool,
+    ) {
+        let order = schedule.order();
+        // The start writes the progress, the numbers kept for each tile, and what else the schedule keeps.
+        let written =
+            offset::VISITS + TILE_WORDS as u64 * self.tile_bytes() + 4 * order.start_words(self);
+        let work = Work::of_bytes(0, written);
+        let _pass = self.pass_with(PassRecord { work, ..PassRecord::new(PassKind::Start) });
+        let texels = self.grid.texels.inner();
+        let grid = [texels[0].div_ceil(WORKGROUP), texels[1]];
+        self.barrier(COPY, CLEAR);
+        self.barrier(PASS, CLEAR);
+        let fronts_meet = match (causal, is_added) {
+            (false, _) => 0,
+            (true, false) => FRONTS_MEET,
+            (true, true) => FRONTS_ARE_ADDED,
+        };
+        // Without a radius, changes are noted only once targets are reached.
+        let is_noted = !is_added && limit.radius < f32::INFINITY;
+        let changed = if is_noted { Changed::NOWHERE } else { Changed::ANYWHERE };
+        let start = progress::start(stop, limit.radius, (fronts_meet, changed), grid, self.tiles());
+        self.write_progress(&start, 0);
+        self.write_targets(limit);
+        if !is_added {
+            let size = size_of::<u32>() as u64;
+            self.fill(self.grid.progress.buffer, offset::PASSED_OVER.start, size);
+        }
+        self.fill(self.grid.tiles.buffer, 0, vk::WHOLE_SIZE);
+        order.start(self, is_added);
+        self.barrier(CLEAR, PASS);
+    }
+
+    /// Dispatches no workgroup of any pass of a map, since drivers may compile a pipeline at its first
+    /// dispatch.
+    pub(crate) fn warm_up_map(&self, schedule: Schedule, variant: Variant) {
+        let of_schedule = schedule.passes().iter().copied();
+        let shared = [SEED.number(), COUNT.number(), SETTLE.number()];
+        let exchange = self.grid.copies.as_ref().map(|copies| (EXCHANGE.number(), copies.sets(0)));
+        let of_grid = of_schedule.chain(shared).map(|number| (number, self.grid.sets.writing[0]));
+        for (number, sets) in of_grid.chain(exchange) {
+            if let Some((pipeline, layout)) = self.pipelines.numbered(number, variant) {
+                self.warm_up(pipeline, layout, sets);
+            }
+            self.barrier(PASS, PASS);
+        }
+    }
+
+    /// Records what must precede further iterations of a map.
+    pub(crate) fn go_on(&self, schedule: Schedule) {
+        schedule.order().go_on(self);
+    }
+
+    /// Records the steps of a plan, whose pipelines were made for `variant`, on a map that `has_targets` or has
+    /// none.
+    pub(crate) fn steps(&self, variant: impl Into<Variant>, steps: &[Step], has_targets: bool) {
+        let variant = variant.into();
+        let mut open: Option<Scope> = None;
+        let (texels, tuning) = (self.grid.texels, self.pipelines.tuning);
+        let carries = variant.wavefront.has_two_layers();
+        let exchanged = self.grid.copies.as_ref().map(Copies::bytes_moved);
+        let mut counter = StepCounter::new(texels, tuning, carries).exchanging(exchanged);
+        let notes = self.visits_noted(steps);
+        let visits = u64::from(notes.div_ceil(32)) * size_of::<u32>() as u64;
+        self.decided_before(visits);
+        let mut recording = Steps { recorder: self, variant, bound: None, notes, scans: 0 };
+        for together in plan::at_once(steps) {
+            for (number, step) in raster::in_order(together).enumerate() {
+                if number > 0 {
+                    self.between_scans();
+                }
+                Scope::go_on(&mut open, self.watch(), || account(&mut counter, step));
+                recording.run(step);
+            }
+            self.barrier(PASS, PASS);
+            if has_targets {
+                drop(open.take());
+                if self.lower_limit(together.last()) {
+                    recording.bound = None;
+                    self.barrier(PASS, PASS);
+                }
+            }
+        }
+        drop(open);
+        self.decided_after(visits);
+    }
+
+    /// Records the steps of plans on several surfaces: the next of each that run at the same time, then one
+    /// barrier for all. A map that has targets is marked.
+    pub(crate) fn steps_together(all: &[Option<Planned<'_, Self>>]) {
+        let mut recordings: [_; MOST_TOGETHER] = std::array::from_fn(|number| {
+            let (recorder, variant, steps, has_targets) = all.get(number)?.as_ref()?;
+            let variant = *variant;
+            let recording = Steps { recorder, variant, bound: None, notes: 0, scans: 0 };
+            Some((recording, plan::at_once(steps), *has_targets))
+        });
+        loop {
+            let mut last = None;
+            // The step of each surface after which its targets are looked at.
+            let mut ended = [None; MOST_TOGETHER];
+            for (number, of) in recordings.iter_mut().enumerate() {
+                let Some((recording, groups, has_targets)) = of else { continue };
+                let Some(together) = groups.next() else { continue };
+                // Passes of other surfaces have been bound meanwhile.
+                recording.bound = None;
+                for (number, step) in together.iter().enumerate() {
+                    if number > 0 {
+                        recording.recorder.between_scans();
+                    }
+                    recording.run(step);
+                }
+                last = Some(recording.recorder);
+                ended[number] = together.last().filter(|_| *has_targets);
+            }
+            let Some(recorder) = last else { break };
+            recorder.barrier(PASS, PASS);
+            let ends = recordings.iter().zip(ended);
+            let lower =
+                ends.filter_map(|(of, step)| Some(of.as_ref()?.0.recorder.lower_limit(step)));
+            if lower.fold(false, |any, lowered| any | lowered) {
+                recorder.barrier(PASS, PASS);
+            }
+        }
+    }
+
+    /// Separates two scans of a pair for the validation layers.
+    fn between_scans(&self) {
+        if self.pipelines.separates_pairs {
+            self.barrier(PASS, PASS);
+        }
+    }
+
+    /// Ends a portion after the steps of a plan and what belongs to them.
+    pub(crate) fn end_portion(&self) {
+        if let Some(profile) = self.profile {
+            profile.end_portion(self.device, self.buffer);
+        }
+    }
+
+    /// Returns how many dispatches of scans note their visits: as many as there is room for, if a profile
+    /// requests it.
+    fn visits_noted(&self, steps: &[Step]) -> u32 {
+        if self.profile.and_then(Profile::decisions).is_none() {
+            return 0;
+        }
+        let lines = self.pipelines.tuning.scan_lines;
+        let blocks = steps.iter().map(|step| match step {
+            Step::Scan(pass) => pass.blocks(lines),
+            _ => 0,
+        });
+        blocks.sum::<u32>().min(VISITS)
+    }
+
+    /// Copies the outcome of the iterations so far to where a profile finds it, and clears `visits` bytes of
+    /// visits.
+    fn decided_before(&self, visits: u64) {
+        let Some((buffer, offset)) = self.profile.and_then(Profile::decisions) else { return };
+        let work = Work::of_bytes(profile::BEFORE_BYTES, profile::BEFORE_BYTES + visits);
+        let _pass = self.pass_with(PassRecord { work, ..PassRecord::new(PassKind::Decisions) });
+        let progress = self.grid.progress.buffer;
+        self.barrier(PASS, TRANSFER);
+        self.copy((progress, 0), (buffer, offset), profile::BEFORE_BYTES);
+        if visits > 0 {
+            self.fill(progress, offset::VISITS, visits);
+        }
+        self.barrier(TRANSFER, PASS_AND_HOST);
+    }
+
+    /// Copies the device's decisions to where a profile finds them, with `visits` bytes of visits.
+    fn decided_after(&self, visits: u64) {
+        let Some((buffer, offset)) = self.profile.and_then(Profile::decisions) else { return };
+        let bytes = offset::VISITS + visits;
+        let _pass = self.pass_of_copy(PassKind::Decisions, bytes);
+        let to = (buffer, offset + profile::BEFORE_BYTES);
+        self.copy_for_host(self.grid.progress.buffer, 0, to, bytes);
+    }
+}
