@@ -35,7 +35,7 @@ impl Schedule {
     /// together, and at most `most`. Before and after these steps all fronts are in image 0.
     ///
     /// If the map has just been started, `reached` is the box around its sources. `portions` are
-    /// [`Tuning::portions`].
+    /// [`crate::vulkan::Tuning::portions`].
     ///
     /// ```
     /// use geosweep::surface::Chart;
