@@ -38,19 +38,28 @@ struct Edges {
     float base_left, base_right;
 };
 
-// Returns the edges of a point. `behind` is what lies in the image at the point behind, and becomes what lies
-// at this one.
-Edges edges_of(ivec2 at, ivec2 ahead, ivec2 along, inout vec4 behind) {
+// Lengths that lie in the image at a point of a line, and at the points behind that lie before and after it.
+struct StoredLengths {
+    vec4 here, before, after;
+};
+
+// Returns the stored lengths of a point. Scans read them two lines ahead, since a line takes less time than such
+// a read.
+StoredLengths lengths_around(ivec2 at, ivec2 ahead, ivec2 along) {
+    if (EDGES_SHARED != 0) return StoredLengths(vec4(0.0), vec4(0.0), vec4(0.0));
+    return StoredLengths(lengths_in_image(at), lengths_in_image(at - ahead - along), lengths_in_image(at - ahead + along));
+}
+
+// Returns the edges of a point. `all` is what lies in the image around it. `behind` is what lies there at the
+// point behind, and becomes what lies at this one.
+Edges edges_of(ivec2 at, ivec2 ahead, ivec2 along, StoredLengths all, inout vec4 behind) {
     if (EDGES_SHARED != 0) {
         return Edges(edge_in_tile(at, -ahead - along), edge_in_tile(at, -ahead), edge_in_tile(at, along - ahead),
                      edge_in_tile(at - ahead - along, along), edge_in_tile(at - ahead, along));
     }
-    vec4 here = lengths_in_image(at);
-    vec4 before = lengths_in_image(at - ahead - along);
-    vec4 after = lengths_in_image(at - ahead + along);
-    Edges all = Edges(length_between(here, before, -ahead - along), length_between(here, behind, -ahead),
-                      length_between(here, after, along - ahead), length_between(before, behind, along),
-                      length_between(behind, after, along));
-    behind = here;
-    return all;
+    Edges edges = Edges(length_between(all.here, all.before, -ahead - along), length_between(all.here, behind, -ahead),
+                        length_between(all.here, all.after, along - ahead), length_between(all.before, behind, along),
+                        length_between(behind, all.after, along));
+    behind = all.here;
+    return edges;
 }

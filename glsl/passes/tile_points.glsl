@@ -49,9 +49,9 @@ Seen seen_in_tile(int copy, int at) {
     return seen;
 }
 
-Stored stored_at(ivec2 at, ivec2 ahead, ivec2 along, int copy, inout vec4 lengths_behind) {
+Stored stored_at(ivec2 at, ivec2 ahead, ivec2 along, int copy, StoredLengths all, inout vec4 lengths_behind) {
     bool is_last = gl_LocalInvocationID.x == TILE - 1;
-    return Stored(edges_of(at, ahead, along, lengths_behind), seen_in_tile(copy, spot(at)),
+    return Stored(edges_of(at, ahead, along, all, lengths_behind), seen_in_tile(copy, spot(at)),
                   seen_in_tile(copy, spot(at - ahead - along)), seen_in_tile(copy, spot(at - ahead + along)),
                   seen_in_tile(copy, spot(at - ahead + (is_last ? along : -along))));
 }
@@ -202,12 +202,14 @@ void run_scan(int copy, bool may_renew) {
     vec4 lengths_behind = vec4(0.0);
     if (EDGES_SHARED == 0) lengths_behind = lengths_in_image(at - ahead);
     Seen behind = seen_in_tile(copy, spot(at - ahead));
-    Prepared now = prepare(stored_at(at, ahead, along, copy, lengths_behind));
+    Prepared now = prepare(stored_at(at, ahead, along, copy, lengths_around(at, ahead, along), lengths_behind));
+    StoredLengths all_next = lengths_around(at + ahead, ahead, along);
     for (int line = 0; line < TILE; line++) {
         Seen before;
         Seen after;
         know_neighbours(now, behind, at - ahead, along, copy, before, after);
-        Stored next = stored_at(line + 1 < TILE ? at + ahead : at, ahead, along, copy, lengths_behind);
+        Stored next = stored_at(line + 1 < TILE ? at + ahead : at, ahead, along, copy, all_next, lengths_behind);
+        all_next = lengths_around(line + 2 < TILE ? at + 2 * ahead : at, ahead, along);
 
         Places places = Places(window + at, along, ivec2(0), ahead, along);
         Fronts fronts;

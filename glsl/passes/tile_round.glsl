@@ -48,6 +48,9 @@ const int INVOCATIONS = 2 * TILE;
 #endif
 // Number of texels of the tile for each invocation.
 const int SHARE = (OWN_TEXELS + INVOCATIONS - 1) / INVOCATIONS;
+// Number of texels in and around the tile, and of those for each invocation.
+const int TEXELS_AROUND = (TEXELS + 2) * (TEXELS + 2);
+const int LOADS = (TEXELS_AROUND + INVOCATIONS - 1) / INVOCATIONS;
 
 #include "passes/tile_edges.glsl"
 
@@ -58,6 +61,7 @@ shared float times[4 * AREA];
 shared float carried[CARRIES ? 4 * AREA : 1];
 shared uint tile_number;
 shared uint tile_urgency;
+shared uint states[9]; // states of 3 x 3 tiles; outside the grid, that of the nearest tile
 shared uint change;
 shared uint border_change;
 shared uint woken; // tiles that the next round visits, as bits of 3 x 3 tiles
@@ -92,42 +96,74 @@ vec2 front_at(ivec2 point) {
 #include "update/splits.glsl"
 #include "update/anchored_ways.glsl"
 
-// Loads a tile and the points around it into shared memory.
+// Returns the step to one of the 3 x 3 tiles around a tile.
+ivec2 neighbour(uint bit) {
+    return from_row_major(int(bit), 3) - 1;
+}
+
+// Loads the tile of an entry of the list into shared memory, and the states of 3 x 3 tiles, each by another
+// invocation. A barrier does not order accesses to buffers, so what is changed in this pass is read atomically.
+void load_states(uint entry, uint count, ivec2 tile_grid) {
+    uint number = atomicOr(tiles[entry], 0u);
+    ivec2 tile = from_row_major(int(number), tile_grid.x);
+    ivec2 other = clamp(tile + neighbour(gl_LocalInvocationIndex), ivec2(0), tile_grid - 1);
+    states[gl_LocalInvocationIndex] = atomicOr(tiles[row_major(other, tile_grid.x)], 0u);
+    if (gl_LocalInvocationIndex == 0u) {
+        tile_number = number;
+        tile_urgency = atomicExchange(tiles[urgency_at(number, round, count)], 0u);
+    }
+}
+
+// Returns one of the texels in and around a tile, counted from the tile's first.
+ivec2 texel_around(int i) {
+    return from_row_major(i, TEXELS + 2) - 1;
+}
+
+// What the images hold at a texel.
+struct Held {
+    vec4 time, carried, surface, slowness;
+};
+
+// Returns what is held at the i-th of the texels in and around a tile.
+Held held_at(int i, ivec2 tile, ivec2 tile_grid) {
+    ivec2 texel = min(first_texel_of(tile) + texel_around(i), last_texel(texels));
+    uint state = states[row_major(tile_with(texel, tile_grid) - tile + 1, 3)];
+    Held held = Held(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+    if (image_before(state, round) == 1u) {
+        held.time = imageLoad(fronts_1, ivec3(texel, TIME));
+        if (CARRIES) held.carried = imageLoad(fronts_1, ivec3(texel, CARRIED));
+    } else {
+        held.time = imageLoad(fronts_0, ivec3(texel, TIME));
+        if (CARRIES) held.carried = imageLoad(fronts_0, ivec3(texel, CARRIED));
+    }
+    if (CARRIES) held.surface = surface_of(texel);
+    if (SLOWED != 0) held.slowness = slowness_of(texel);
+    return held;
+}
+
+// Loads a tile and the points around it into shared memory. An invocation issues all its reads before it uses
+// the first, so that it waits for them once.
 void load(ivec2 tile, ivec2 tile_grid) {
-    ivec2 first = first_texel_of(tile);
-    uint state_of_own = atomicOr(tiles[row_major(tile, tile_grid.x)], 0u);
-    for (uint i = gl_LocalInvocationIndex; i < (TEXELS + 2) * (TEXELS + 2); i += INVOCATIONS) {
-        // Counts from the texel before the tile's first.
-        ivec2 in_tile = from_row_major(int(i), TEXELS + 2) - 1;
-        ivec2 texel = min(first + in_tile, last_texel(texels));
-        ivec2 owner = tile_with(texel, tile_grid);
-        uint state = owner == tile ? state_of_own
-                                   : atomicOr(tiles[row_major(owner, tile_grid.x)], 0u);
-        vec4 time;
-        vec4 held = vec4(0.0);
-        if (image_before(state, round) == 1u) {
-            time = imageLoad(fronts_1, ivec3(texel, TIME));
-            if (CARRIES) held = imageLoad(fronts_1, ivec3(texel, CARRIED));
-        } else {
-            time = imageLoad(fronts_0, ivec3(texel, TIME));
-            if (CARRIES) held = imageLoad(fronts_0, ivec3(texel, CARRIED));
-        }
-        vec4 brought = vec4(0.0);
-        if (CARRIES) brought = surface_of(texel);
-        vec4 slow = vec4(0.0);
-        if (SLOWED != 0) slow = slowness_of(texel);
-        for (int j = 0; j < 4; j++) {
-            ivec2 at = first_in_window(in_tile) + to_corner(j);
-            if (!in_grid(at, ivec2(SIDE))) continue;
-            for (int copy = 0; copy < 4; copy++) times[copy * AREA + spot(at)] = time[j];
-            if (CARRIES) {
-                for (int copy = 0; copy < 4; copy++) carried[copy * AREA + spot(at)] = held[j];
-                surface[spot(at)] = brought[j];
-            }
-            if (SLOWED != 0) slowness[spot(at)] = slow[j];
-        }
+    Held all[LOADS];
+    int first = int(gl_LocalInvocationIndex);
+    for (int k = 0; k < LOADS; k++) {
+        all[k] = held_at(min(first + k * INVOCATIONS, TEXELS_AROUND - 1), tile, tile_grid);
     }
     load_edges();
+    for (int k = 0; k < LOADS; k++) {
+        int i = first + k * INVOCATIONS;
+        if (i >= TEXELS_AROUND) break;
+        for (int j = 0; j < 4; j++) {
+            ivec2 at = first_in_window(texel_around(i)) + to_corner(j);
+            if (!in_grid(at, ivec2(SIDE))) continue;
+            for (int copy = 0; copy < 4; copy++) times[copy * AREA + spot(at)] = all[k].time[j];
+            if (CARRIES) {
+                for (int copy = 0; copy < 4; copy++) carried[copy * AREA + spot(at)] = all[k].carried[j];
+                surface[spot(at)] = all[k].surface[j];
+            }
+            if (SLOWED != 0) slowness[spot(at)] = all[k].slowness[j];
+        }
+    }
 }
 
 // Returns the place across the lines at which a scan begins.
@@ -182,21 +218,13 @@ uint sides_of(ivec2 at) {
     return bits;
 }
 
-// Returns the step to one of the 3 x 3 tiles around a tile.
-ivec2 neighbour(uint bit) {
-    return from_row_major(int(bit), 3) - 1;
-}
-
 void main() {
     ivec2 tile_grid = tiles_of(texels);
     uint count = uint(tile_grid.x * tile_grid.y);
     uint place = place_in_dispatch(count);
     if (place >= rounds[ROUND_WORDS * round + 3u]) return;
-    // One invocation reads what it changes, since a barrier does not order the others' reads of buffers.
-    if (gl_LocalInvocationIndex == 0u) {
-        tile_number = tiles[(2u + (round & 1u)) * count + place];
-        tile_urgency = atomicExchange(tiles[urgency_at(tile_number, round, count)], 0u);
-    }
+    uint entry = (2u + (round & 1u)) * count + place;
+    if (gl_LocalInvocationIndex < 9u) load_states(entry, count, tile_grid);
     barrier();
     uint number = tile_number;
     uint urgency = tile_urgency;
@@ -204,7 +232,7 @@ void main() {
     if (due_at(urgency) > limit) return;
     if (waits(urgency, round)) {
         if (gl_LocalInvocationIndex == 0u) {
-            tiles[(2u + (round & 1u)) * count + place] = number | uint(HAS_WAITED);
+            atomicOr(tiles[entry], uint(HAS_WAITED));
             enlist(number, urgency, round + 1u, count);
             atomicAdd(rounds[ROUND_WORDS * round + 4u], 1u);
             // A tile that waits means that the map has not converged.
@@ -213,7 +241,7 @@ void main() {
         return;
     }
     ivec2 tile = from_row_major(int(number), tile_grid.x);
-    uint state = atomicOr(tiles[number], 0u);
+    uint state = states[4];
     bool may_renew = renews != 0u;
     causal = fronts_meet != 0u;
     holds = fronts_meet != FRONTS_ARE_ADDED;

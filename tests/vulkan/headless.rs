@@ -268,9 +268,11 @@ pub fn assert_schedule_twins(
             let what = format!("{iterations} iterations, {schedule}, {wavefront}");
             let most = if wavefront == Wavefront::Planar { TWINS } else { of_others };
             assert!(difference < most, "{what}: {difference}");
-            // A device's rounding decides whether one more round changes a last digit: GPUs fuse products.
+            // A device's rounding decides whether one more round changes a last digit: GPUs fuse products. Over
+            // seams such a change comes back once.
             let apart = twin.iterations.abs_diff(vulkan.iterations);
-            assert!(apart <= 1, "{what}: {} and {}", twin.iterations, vulkan.iterations);
+            let most_apart = if on_processor || !surface.is_glued() { 1 } else { 2 };
+            assert!(apart <= most_apart, "{what}: {} and {}", twin.iterations, vulkan.iterations);
         }
     }
 }

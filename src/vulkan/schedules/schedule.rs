@@ -163,15 +163,12 @@ impl Tuning {
         visits: None,
         staged: false,
     };
-    /// Sizes for GPUs. Those of scans are not measured: they save dispatches at the cost of an eighth more
-    /// updates. Pairs of scans are chosen by count: on spheres, hills and mazes they take as many iterations as
-    /// scans in turn, with half the barriers. With one iteration in a tile in place of four, maps by tiles of
-    /// 16 points take an NVIDIA H200 0.55 to 0.65 of the time from 256 to 4096 points a side, and the same time
-    /// at 64 points. Tiles of 32 points take half as many rounds. A prototype with them took 0.5 of the time of
-    /// one with tiles of 16. On small grids
-    /// each round has few tiles, and takes as long as the lines of one. Up to 128 points a side, tiles of 16
-    /// points take 0.5 to 0.95 of the lines that wait for one another, and 1.0 to 1.9 times the rounds
-    /// (`tests/maps/tile_order.rs`).
+    /// Sizes for GPUs, measured on an NVIDIA H200 (docs/devices). Pairs of scans take 0.6 to 0.8 of the time of
+    /// scans in turn from 64 to 1200 points a side. Blocks of 16 lines in place of 8 take 0.9 of the time at 1200
+    /// points. At that size tiles of 32 points take 0.9 of the time of tiles of 16 or 24 points, and one
+    /// iteration in a tile 0.7 of that of two. On small grids each round has few tiles, and takes as long as the
+    /// lines of one. Up to 128 points a side, tiles of 16 points take 0.5 to 0.95 of the lines that wait for one
+    /// another, and 1.0 to 1.9 times the rounds (`tests/maps/tile_order.rs`).
     const ON_GPU: Self = Self {
         scan_width: 128,
         scan_lines: 8,
@@ -265,7 +262,7 @@ impl Tuning {
     /// curvature, slowness and four copies of the fronts, at its points and those around it.
     fn tile_bytes(tile: u32, edges: bool) -> u32 {
         let of_edges = if edges { 16 } else { 0 };
-        (tile + 2).pow(2) * (of_edges + 8 + 4 * 8) + 64
+        (tile + 2).pow(2) * (of_edges + 8 + 4 * 8) + 96
     }
 
     /// Returns the sizes that a plan for a grid needs.

@@ -15,9 +15,17 @@ use crate::vulkan::record::{Groups, Recorder};
 
 pub(super) struct Tiles;
 
-/// Average number of tiles that a round visits, divided by the number of tiles along both sides of the grid.
-/// Measured: 2.2 and 3.4 on spheres of 256 and 512 points a side, and 1.1 in a maze of 1024 (curved fronts).
-const TILES_IN_A_ROUND: u32 = 4;
+/// Number of rounds of a recording beyond one for each tile along both sides of the grid. Fronts from a corner
+/// pass one side of a tile in a round, and settle in one or two more. An idle round costs a GPU 4 us, and another
+/// submission 100 us or more.
+const ROUNDS_TO_SETTLE: u32 = 4;
+
+/// Returns the average number of tiles of a side that a round visits, divided by the number of tiles along both
+/// sides of the grid. Measured with curved fronts: with tiles of 16 points, 2.2 and 3.4 on spheres of 256 and 512
+/// points a side, and 1.1 in a maze of 1024; with tiles of 32 points, 1.5 on a sphere of 1200.
+fn tiles_in_a_round(tile: u32) -> u32 {
+    if tile > 16 { 2 } else { 4 }
+}
 
 impl Order for Tiles {
     fn passes(&self) -> &'static [usize] {
@@ -41,7 +49,7 @@ impl Order for Tiles {
         most: u32,
     ) -> Vec<Step> {
         let across: u32 = texels.tiles(portions.tile).iter().sum();
-        let wanted = portions.rounds.unwrap_or(across.max(8));
+        let wanted = portions.rounds.unwrap_or(across.max(4) + ROUNDS_TO_SETTLE);
         let rounds = wanted.min(ROUNDS).next_multiple_of(2).min(most);
         let all = (0..rounds).map(|round| Step::Tiles { round });
         all.chain([Step::Settle { rounds }]).collect()
@@ -49,7 +57,8 @@ impl Order for Tiles {
 
     fn together(&self, texels: TexelChart, portions: Portions) -> u32 {
         let across: u32 = texels.tiles(portions.tile).iter().sum();
-        let of_round = u64::from(across * TILES_IN_A_ROUND) * u64::from(portions.tile / 2).pow(2);
+        let of_round = u64::from(across * tiles_in_a_round(portions.tile))
+            * u64::from(portions.tile / 2).pow(2);
         let rounds = portions.visits / of_round / 2 * 2;
         rounds.clamp(2, ROUNDS.into()) as u32
     }

@@ -238,11 +238,22 @@ impl Host {
 
     /// Records, submits and waits.
     pub fn run<T>(&self, record: impl FnOnce(vk::CommandBuffer) -> T) -> T {
+        self.record_for(true, record)
+    }
+
+    /// Records, then discards the recording.
+    pub fn discard<T>(&self, record: impl FnOnce(vk::CommandBuffer) -> T) -> T {
+        self.record_for(false, record)
+    }
+
+    fn record_for<T>(&self, runs: bool, record: impl FnOnce(vk::CommandBuffer) -> T) -> T {
         let commands = self.commands();
         self.begin(commands);
         let result = record(commands);
         self.end(commands);
-        self.submit(commands, vk::Fence::null());
+        if runs {
+            self.submit(commands, vk::Fence::null());
+        }
         unsafe {
             self.device.queue_wait_idle(self.queue).unwrap();
             self.device.free_command_buffers(self.pool, &[commands]);

@@ -87,7 +87,7 @@ fn draw(reader: Access) -> Drawn {
     let mut paths = solver.paths(&device, allocator, surface, info).unwrap();
 
     let host = &stage.host;
-    host.run(|commands| {
+    let record = |commands| {
         let recording = solver.record(&device, commands, surface);
         for _ in 0..2 {
             // The recordings no longer use any of them: COMPUTE_READ, and the copy of the starts.
@@ -118,7 +118,14 @@ fn draw(reader: Access) -> Drawn {
         for (canvas, picture) in canvases.iter().zip(&pictures) {
             host.copy_canvas(commands, canvas, picture);
         }
-    });
+    };
+    // A GPU may draw with a count that is not written yet, and hang. The layers report the hazard while it is
+    // recorded.
+    if reader == Access::DRAW || host.is_processor() {
+        host.run(record)
+    } else {
+        host.discard(record)
+    }
     let [lit_contours, lit_paths] = [0, 1].map(|k| lit(pictures[k].bytes()));
     contours.destroy(&device, stage.host.allocator());
     paths.destroy(&device, stage.host.allocator());
