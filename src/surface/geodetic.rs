@@ -236,7 +236,10 @@ impl GeodeticGrid {
         let [rows, cols] = self.given();
         let [of_rows, of_cols] = self.margins();
         let row = stretched(row, rows, of_rows.map(f64::recip)) + self.rows_before() as f64;
-        [row, stretched(col, cols, of_cols.map(f64::recip))]
+        let col = stretched(col, cols, of_cols.map(f64::recip));
+        // A pole is on the surface, whatever is rounded.
+        let last = [&self.latitudes, &self.longitudes].map(|lines| (lines.len() - 1) as f64);
+        [row.clamp(0.0, last[0]), col.clamp(0.0, last[1])]
     }
 
     /// Returns the row and column on the given grid of a place on the surface's grid: the inverse of

@@ -77,15 +77,20 @@ pub fn run(args: &Args) -> Outcome {
     let picture = problem.picture.take();
     let Problem { scene, sources, map, .. } = &problem;
     let starts = args.starts(file.as_ref(), &scene.frame())?;
+    let places: Vec<_> = starts
+        .iter()
+        .map(|&start| scene.place(start).map_err(|why| format!("start {why}")))
+        .collect::<Result<_, _>>()?;
     let paths: Vec<Path> = {
         let _spinner = Spinner::new("tracing paths");
         let edges = EdgeLengths::new(&scene.surface)?;
         let paths = PathTracer::new(&scene.surface, &edges, sources, &map.distances)?;
-        paths.trace_all(&starts).into_iter().collect::<Result<_, PathError>>()?
+        let paths = paths.trace_all(&places).into_iter().collect::<Result<_, PathError>>();
+        paths.map_err(|error| scene.explain_path(error))?
     };
-    let row = |(from, path)| Row::new(from, path, &problem);
-    let rows: Vec<Row> =
-        starts.iter().copied().zip(&paths).map(row).collect::<Result<_, CurveError>>()?;
+    let ends = starts.iter().copied().zip(places);
+    let row = |(ends, path)| Row::new(ends, path, &problem);
+    let rows: Vec<Row> = ends.zip(&paths).map(row).collect::<Result<_, CurveError>>()?;
 
     let mut staged = files.stage(scene, &ATTRIBUTES, polylines(&paths, &rows, scene)?)?;
     if let Some((output, look)) = picture {
@@ -182,13 +187,18 @@ struct Row {
 }
 
 impl Row {
-    fn new(from: [f64; 2], path: &Path, problem: &Problem) -> Result<Self, CurveError> {
+    /// Describes a path from a given place, which is also known on the surface's grid.
+    fn new(
+        (from, place): ([f64; 2], [f64; 2]),
+        path: &Path,
+        problem: &Problem,
+    ) -> Result<Self, CurveError> {
         let Path { curve, distance, length, source } = path;
         let surface = &problem.scene.surface;
         let is_slowed = surface.slowness().is_some();
         Ok(Self {
             from,
-            distance: problem.double_at(from).unwrap_or(*distance),
+            distance: problem.double_at(place).unwrap_or(*distance),
             length: *length,
             time: is_slowed.then_some(*length),
             // Without a slowness, the path's own length is more accurate, since it is measured along arcs.

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::numbers::place;
 use crate::output::check_outputs;
+use crate::precision::Precision;
 use crate::problem::{self, MapSummary, SolverArgs, SourceArgs, SurfaceArgs};
 use crate::terminal::{Outcome, print, print_json};
 
@@ -69,18 +70,24 @@ pub fn run(args: &Args) -> Outcome {
     let options = args.solver.options()?;
     check_outputs(&[], problem::inputs(&args.surface, &args.sources))?;
     let scene = args.surface.read()?;
-    let sources = args.sources.sources(&scene.frame())?;
-    let map = problem::solve::<f32>(&scene, &sources, &options)?;
+    let sources = args.sources.sources(&scene)?;
+    let at = |&place| scene.place(place).map_err(|why| format!("--at {why}"));
+    let places: Vec<_> = args.at.iter().map(at).collect::<Result<_, _>>()?;
+    let map = match problem::default_precision(&args.surface, &args.solver) {
+        Precision::Single => problem::solve::<f32>(&scene, &sources, &options)?,
+        Precision::Double => problem::solve::<f64>(&scene, &sources, &options)?.to_single(),
+    };
     let edges = EdgeLengths::new(&scene.surface)?;
     // A distance does not depend on how the path is pulled taut.
     let paths = PathTracer::new(&scene.surface, &edges, &sources, &map.distances)?.along_the_map();
-    let found: Vec<_> = paths.trace_all(&args.at).into_iter().collect::<Result<_, PathError>>()?;
+    let found = paths.trace_all(&places).into_iter().collect::<Result<Vec<_>, PathError>>();
+    let found = found.map_err(|error| scene.explain_path(error))?;
     let values = args.at.iter().zip(found).map(|(&[row, col], path)| {
         let distance = path.distance as f32;
         Value { row, col, distance }
     });
     if args.json {
-        let map = MapSummary::new(&scene.surface, &map);
+        let map = MapSummary::new(&scene, &map);
         print_json("value", &Summary { map, values: values.collect() })?;
         return Ok(ExitCode::SUCCESS);
     }

@@ -62,6 +62,7 @@ pub fn run(args: &Args) -> Outcome {
     let mut problem = args.problem.solve(&borders, labels.as_ref(), None)?;
     let picture = problem.picture.take();
     let Problem { scene, sources, map, .. } = &problem;
+    scene.refuse_added_lines("voronoi")?;
     let voronoi = {
         let _spinner = Spinner::new("finding regions");
         let edges = EdgeLengths::new(&scene.surface)?;
