@@ -116,7 +116,7 @@ impl InPrecision for &Args {
         let options = self.solver.options()?;
         let outputs = Outputs::new(self)?;
         let scene = self.surface.read()?;
-        outputs.check(&scene)?;
+        self.check(&scene)?;
         let options = self.limits.options(options, &scene)?;
         let sources = self.sources.sources(&scene)?;
         let mut solved = {
@@ -186,6 +186,19 @@ impl Args {
         self.precision.unwrap_or(problem::default_precision(&self.surface, &self.solver))
     }
 
+    /// Rejects outputs that the surface does not support, before anything is computed.
+    fn check(&self, scene: &Scene) -> Result<(), String> {
+        let of_open = [
+            ("--error", self.error.is_some()),
+            ("--extrapolate", self.extrapolate),
+            ("--signed", self.directions.sign.needs_curves()),
+        ];
+        for (what, _) in of_open.into_iter().filter(|(_, is_wanted)| *is_wanted) {
+            scene.refuse_round(what)?;
+        }
+        self.directions.check(scene)
+    }
+
     /// Prints notes about the map that the user should know.
     fn comment<R>(&self, surface: &Surface, solved: &Solved<R>, options: &Options) {
         let report = &solved.map.report;
@@ -237,14 +250,6 @@ impl Outputs {
         Ok(Self { map, error, picture, directions })
     }
 
-    /// Rejects outputs that the surface does not support, before anything is computed.
-    fn check(&self, scene: &Scene) -> Result<(), String> {
-        match self.directions.files().next() {
-            Some(file) => scene.refuse_directions(&file.path().display().to_string()),
-            None => Ok(()),
-        }
-    }
-
     /// Writes all files, then moves them to their final names.
     fn write<R: Number>(
         self,
@@ -258,10 +263,11 @@ impl Outputs {
         let geo_tags = scene.geo_tags.as_ref();
         let mut staged = self.directions.stage(scene, sources, map)?;
         if let Some((output, format)) = self.map {
-            let signed = sign.of(scene, sources, map)?;
-            let distances = scene.crop(signed.as_deref().unwrap_or(&map.distances));
+            let distances = scene.crop(&map.distances);
+            let signed = sign.of(scene, sources, &distances)?;
+            let distances = signed.as_deref().unwrap_or(&distances);
             staged.push(
-                output.stage(|writer| format.write(writer, rows, cols, &distances, geo_tags))?,
+                output.stage(|writer| format.write(writer, rows, cols, distances, geo_tags))?,
             );
         }
         if let Some(((output, format), Estimate { errors, .. })) = self.error.zip(estimate.as_ref())

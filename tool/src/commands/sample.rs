@@ -81,8 +81,9 @@ pub fn run(args: &Args) -> Outcome {
     let scene = args.surface.read()?;
     let surface = &scene.surface;
     files.check(&scene)?;
-    if labels.is_some() {
-        scene.refuse_added_lines("--labels")?;
+    let has_regions = [("--labels", labels.is_some()), ("--picture", picture.is_some())];
+    for (what, _) in has_regions.into_iter().filter(|(_, is_wanted)| *is_wanted) {
+        scene.refuse_round(what)?;
     }
     let look = picture.as_ref().map(|_| args.picture.look(&scene)).transpose()?;
 

@@ -59,10 +59,9 @@ Examples:
 pub fn run(args: &Args) -> Outcome {
     let labels = labels_output(args.output.as_ref())?;
     let borders = CurveFiles::new(&args.borders)?;
-    let mut problem = args.problem.solve(&borders, labels.as_ref(), None)?;
+    let mut problem = args.problem.solve(&borders, labels.as_ref(), None, Some("voronoi"))?;
     let picture = problem.picture.take();
     let Problem { scene, sources, map, .. } = &problem;
-    scene.refuse_added_lines("voronoi")?;
     let voronoi = {
         let _spinner = Spinner::new("finding regions");
         let edges = EdgeLengths::new(&scene.surface)?;

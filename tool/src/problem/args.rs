@@ -44,12 +44,14 @@ pub struct Problem {
 
 impl ProblemArgs {
     /// Computes the map, after all checks that do not need it. The outputs are checked against the inputs.
-    /// Outputs are the curves, the picture and possibly `output`; `input` is an additional input.
+    /// Outputs are the curves, the picture and possibly `output`; `input` is an additional input. `open` names what
+    /// does not pass seams.
     pub fn solve(
         &self,
         curves: &CurveFiles,
         output: Option<&OutputFile>,
         input: Option<&Path>,
+        open: Option<&str>,
     ) -> Result<Problem, Box<dyn Error>> {
         let options = self.solver.options()?;
         let picture = self.picture.output()?;
@@ -57,6 +59,7 @@ impl ProblemArgs {
         check_outputs(&outputs, inputs(&self.surface, &self.sources).chain(input))?;
         let scene = self.surface.read()?;
         curves.check(&scene)?;
+        open.map_or(Ok(()), |what| scene.refuse_round(what))?;
         let look = picture.as_ref().map(|_| self.picture.look(&scene)).transpose()?;
         let sources = self.sources.sources(&scene)?;
         let (map, double) = self.maps(&scene, &sources, &options)?;

@@ -78,7 +78,7 @@ impl Scene {
         (map.report.reached, map.report.max_distance) = (given.reached, given.max_distance);
     }
 
-    /// Refuses an output with a value for each point of the surface, if the grid lacks some of them.
+    /// Refuses what needs an output with a value for each point of the surface, if the grid lacks some of them.
     pub fn refuse_added_lines(&self, what: &str) -> Result<(), String> {
         match self.extended() {
             None => Ok(()),
@@ -89,10 +89,21 @@ impl Scene {
         }
     }
 
+    /// Refuses what does not pass seams, if the grid goes round the Earth, or has no place for lines that are added.
+    pub fn refuse_round(&self, what: &str) -> Result<(), String> {
+        match self.earth.as_ref().is_some_and(|earth| earth.grid.goes_round()) {
+            true => Err(format!(
+                "{what}: does not pass the line where a grid that goes round the Earth begins and ends yet; \
+                 give a part of the Earth (gdal_translate -projwin), or leave it out"
+            )),
+            false => self.refuse_added_lines(what),
+        }
+    }
+
     /// Refuses directions in the grid, if its rows do not run southwards or its columns eastwards, or it lacks points
     /// of the surface.
     pub fn refuse_directions(&self, what: &str) -> Result<(), String> {
-        self.refuse_added_lines(what)?;
+        self.refuse_round(what)?;
         let is_north_up = |at: &Georeference| at.down[1] < 0.0 && at.right[0] > 0.0;
         match self.georeference.as_ref().is_ok_and(is_north_up) || self.earth.is_none() {
             true => Ok(()),

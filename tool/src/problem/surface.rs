@@ -242,9 +242,10 @@ impl SurfaceArgs {
     }
 }
 
-/// The note on what is assumed of heights on the Earth.
+/// The note on what is assumed of heights on the Earth, and why maps are in double precision.
 const EARTH: &str = "heights are taken as those above the ellipsoid WGS 84; heights above sea level differ by up to \
-                     107 m, which changes distances by at most a 60,000th";
+                     107 m, which changes distances by at most a 60,000th. Maps are in double precision by default, \
+                     since thin cells near the poles cost digits";
 
 /// Prints a warning if the surface turns too far from point to point to be smooth, with a likely cause.
 fn warn_of_resolution(surface: &Surface, args: &SurfaceArgs) {
