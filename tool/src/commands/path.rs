@@ -48,7 +48,7 @@ pub struct Args {
     /// with from, distance (the map's value at the start), length (of the path, times the slowness; together
     /// with the source's start value it equals the distance, apart from errors), time (length as a travel
     /// time; null without a slowness), surface_length (without any slowness), source (its index in the order
-    /// of --source, --source-xy, --source-points and --source-curve) and vertices
+    /// of --source, --source-xy, --source-lonlat, --source-points and --source-curve) and vertices
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }

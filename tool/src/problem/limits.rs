@@ -66,9 +66,7 @@ impl LimitArgs {
             return Ok(options);
         }
         for point in &mut points {
-            let given = point.map(|at| at as f64);
-            let place = scene.place(given).map_err(|why| format!("the target {why}"))?;
-            *point = place.map(|at| at as usize);
+            *point = on_surface(scene, *point)?;
         }
         Ok(options.with_targets(match self.target_mode {
             TargetMode::All => Targets::all(points),
@@ -80,6 +78,18 @@ impl LimitArgs {
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         self.targets.iter()
     }
+}
+
+/// Returns a target on the surface's grid.
+fn on_surface(scene: &Scene, given: [usize; 2]) -> Result<[usize; 2], String> {
+    let place =
+        scene.place(given.map(|at| at as f64)).map_err(|why| format!("the target {why}"))?;
+    let [row, col] = place.map(|at| at as usize);
+    if scene.is_on_earth() && !scene.surface.has(row, col) {
+        let [row, col] = given;
+        return Err(format!("the target {row},{col} is in a hole; choose a point of the surface"));
+    }
+    Ok([row, col])
 }
 
 /// Prints which targets were not reached.

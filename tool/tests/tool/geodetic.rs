@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use geosweep::io::SurfaceFile;
+use geosweep::io::{SurfaceFile, write_npy};
 use serde_json::Value;
 
 use crate::vincenty::vincenty;
@@ -87,7 +87,7 @@ fn geotiff(grid: &Grid, corner: [f64; 2], is_point: bool) -> Vec<u8> {
     file.into_inner()
 }
 
-/// Measured: mean 1.6e-5 to 2.0e-5, largest 1.4e-4 to 2.3e-3, beside a pole, at 2 degrees.
+/// Measured at 2 degrees: mean 8e-8 from a pole to 4.2e-5, largest 4.7e-3, beside a source inside a cell.
 #[test]
 fn maps_of_the_ellipsoid_are_those_of_geodesics() {
     let bench = Workbench::new();
@@ -109,7 +109,8 @@ fn maps_of_the_ellipsoid_are_those_of_geodesics() {
             assert_eq!([&said["rows"], &said["cols"]], grid.shape().map(Value::from).each_ref());
             let [mean, largest] = grid.errors(source, &map(&bench.output(&format!("{name}.npy"))));
             println!("{name} from {source:?}: mean {mean:.1e}, largest {largest:.1e}");
-            assert!(mean < 4e-5 && largest < 4e-3, "{name} {source:?}: {mean:e} {largest:e}");
+            let bound = if lat == 90.0 { 1e-6 } else { 6e-5 };
+            assert!(mean < bound && largest < 7e-3, "{name} {source:?}: {mean:e} {largest:e}");
         }
     }
 }
@@ -260,7 +261,7 @@ fn contours_are_circles_on_the_earth() {
     let source = [170.0, 30.0];
     let earth = "--geodetic --extent 0,-90,360,90 --registration pixel --source-lonlat 170,30";
     let line =
-        format!("contours {cells} {earth} --levels 1e6,4e6,1e7 -o c.geojson -o c.csv --json");
+        format!("contours {cells} {earth} --levels 5e5,4e6,1e7 -o c.geojson -o c.csv --json");
     let said = json(&done(&bench, &line));
     let closed = said["levels"].as_array().unwrap().iter().map(|level| level["closed"].as_u64());
     assert_eq!(closed.collect::<Vec<_>>(), [Some(1); 3]);
@@ -315,18 +316,21 @@ fn masks_slowness_and_targets_have_the_size_of_the_file() {
     done(&bench, &format!("{line} slow.npy --slowness {twice}"));
     let [plain, slow] = ["plain.npy", "slow.npy"].map(|name| map(&bench.output(name)));
     assert!(plain.iter().zip(&slow).all(|(plain, slow)| (slow - 2.0 * plain).abs() <= 1e-9 * slow));
-    // Africa is an island: nothing leaves it.
-    let is_land = |[lon, lat]: [f64; 2]| f64::from((lon - 20.0).abs() < 30.0 && lat.abs() < 30.0);
+    // Africa and the Arctic are islands.
+    let is_africa = |[lon, lat]: [f64; 2]| (lon - 20.0).abs() < 30.0 && lat.abs() < 30.0;
+    let is_land = |place: [f64; 2]| i32::from(is_africa(place) || place[1] > 75.0);
     let mask: Vec<_> = grid.places().map(is_land).collect();
-    let africa = bench.array("africa.npy", &grid.shape(), &mask);
+    let mut bytes = Vec::new();
+    write_npy(&mut bytes, &grid.shape(), &mask).unwrap();
+    let africa = bench.input("mask.npy", bytes);
     let said = json(&done(&bench, &format!("{line} africa.npy --mask {africa} --json")));
-    let land = mask.iter().filter(|&&land| land == 1.0).count();
-    assert_eq!(
-        (said["points"].as_u64(), said["reached"].as_u64()),
-        (Some(land as u64), Some(land as u64))
-    );
+    let land = mask.iter().filter(|&&land| land == 1).count() as u64;
+    let africa_has = grid.places().filter(|&place| is_africa(place)).count() as u64;
+    let counts = [&said["points"], &said["reached"]].map(Value::as_u64);
+    assert_eq!(counts, [Some(land), Some(africa_has)]);
     let found = map(&bench.output("africa.npy"));
-    assert!(found.iter().zip(&mask).all(|(found, &land)| found.is_finite() == (land == 1.0)));
+    let is_right = |(place, found): ([f64; 2], &f64)| found.is_finite() == is_africa(place);
+    assert!(grid.places().zip(&found).all(is_right));
     for (target, said) in [("47,105", true), ("0,0", false)] {
         let output = done(&bench, &format!("{line} part.npy --mask {africa} --target {target}"));
         let [row, col] = target.split_once(',').map(|(row, col)| [row, col]).unwrap();
@@ -335,39 +339,42 @@ fn masks_slowness_and_targets_have_the_size_of_the_file() {
         let missed = notes(&output).contains(&format!("the target {target} is not reached"));
         assert_eq!(missed, !said, "{}", notes(&output));
     }
+    let hole = run(&bench, &format!("{line} hole.npy --mask {africa} --target 89,0"));
+    assert!(stderr(&hole).contains("the target 89,0 is in a hole"), "{}", stderr(&hole));
     let hole = run(&bench, &format!("{line} hole.npy --mask {africa} --source-lonlat 100,40"));
     assert!(!hole.status.success());
     let said = stderr(&hole);
     assert!(said.contains("--source-lonlat 100,40") && said.contains("hole"), "{said}");
     // A source that is no longitude has the row of the file, not of the surface.
-    let hole = run(&bench, &format!("{line} hole.npy --mask {africa} -s 3,7"));
-    assert!(stderr(&hole).contains("source 3,7 lies in a hole"), "{}", stderr(&hole));
+    let hole = run(&bench, &format!("{line} hole.npy --mask {africa} -s 13,7"));
+    assert!(stderr(&hole).contains("source 13,7 lies in a hole"), "{}", stderr(&hole));
 }
 
 #[test]
 fn curves_are_sources_on_the_seam_but_do_not_leap_over_it() {
     let bench = Workbench::new();
-    let grid = Grid::new([-179.0, 180.0], [89.0, 90.0, -STEP]);
-    let cells = grid.file(&bench, "cells.npy", false);
+    let grid = Grid::new([0.0, 181.0], [90.0, 91.0, -STEP]);
+    let lines = grid.file(&bench, "lines.npy", false);
     let curve = |name: &str, places: &str| {
         let geometry = format!(r#"{{"type":"LineString","coordinates":[{places}]}}"#);
         bench.input(name, geometry)
     };
-    let line = format!("distance {cells} {GLOBE} pixel -o map.npy --source-curve");
-    // The equator from 178 degrees to the date line, which it meets from the west.
-    let whole = curve("whole.geojson", "[175,0],[180,0]");
+    let earth = "--geodetic --extent 0,-90,360,90 --registration gridline";
+    let line = format!("distance {lines} {earth} -o map.npy --source-curve");
+    // The equator up to Greenwich, where the grid begins and ends. Fronts around the ends of a curve err by up to a
+    // fifth of a cell, which is 220 km wide.
+    let whole = curve("whole.geojson", "[-5,0],[0,0]");
     done(&bench, &format!("{line} {whole}"));
     let found = map(&bench.output("map.npy"));
-    let is_right = |([lon, lat], found): ([f64; 2], &f64)| {
-        let nearest = if lon > 0.0 { lon.clamp(175.0, 180.0) } else { 180.0 };
-        let exact = vincenty([nearest, 0.0], [lon, lat]).unwrap();
-        (found - exact).abs() < 2e-3 * exact
-    };
-    let is_near = |[lon, lat]: [f64; 2]| lon.abs() > 150.0 && lat.abs() < 20.0;
-    let near: Vec<_> = grid.places().zip(&found).filter(|near| is_near(near.0)).collect();
-    assert!(near.len() > 200 && near.into_iter().all(is_right));
+    for ([lon, lat], found) in grid.places().zip(found) {
+        let lon = if lon > 180.0 { lon - 360.0 } else { lon };
+        if lon.abs() < 60.0 && lat.abs() < 30.0 {
+            let exact = vincenty([lon.clamp(-5.0, 0.0), 0.0], [lon, lat]).unwrap();
+            assert!((found - exact).abs() < 4.4e4, "{lon},{lat}: {found} {exact}");
+        }
+    }
     std::fs::remove_file(bench.output("map.npy")).unwrap();
-    let leaping = curve("leaping.geojson", "[175,0],[-175,0]");
+    let leaping = curve("leaping.geojson", "[-5,0],[5,0]");
     let output = run(&bench, &format!("{line} {leaping}"));
     bench.refuses(&output, &["leaping.geojson", "half a turn", "divide it"]);
 }
