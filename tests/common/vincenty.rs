@@ -6,7 +6,8 @@ const FLATTENING: f64 = 1.0 / 298.257_223_563;
 const POLAR: f64 = EQUATOR * (1.0 - FLATTENING);
 
 /// Returns the length of the geodesic between two places, given by longitude and latitude in degrees, by Vincenty's
-/// inverse formula (Survey Review 23, 1975), which errs by less than a millimetre. The result is `None` for opposite points.
+/// inverse formula (Survey Review 23, 1975), which errs by less than a millimetre. The result is `None` for opposite
+/// points.
 pub fn vincenty(from: [f64; 2], to: [f64; 2]) -> Option<f64> {
     let [[lon1, lat1], [lon2, lat2]] = [from, to].map(|place| place.map(f64::to_radians));
     let reduced = |lat: f64| ((1.0 - FLATTENING) * lat.tan()).atan().sin_cos();

@@ -98,7 +98,8 @@ impl Problem {
         MapReport::new(&self.scene, &self.map, self.double.as_ref())
     }
 
-    /// Returns the map's value at a place on the surface's grid, if the place is a grid point and the map is in double precision.
+    /// Returns the map's value at a place on the surface's grid, if the place is a grid point and the map is in double
+    /// precision.
     pub fn double_at(&self, [row, col]: [f64; 2]) -> Option<f64> {
         let map = self.double.as_ref()?;
         let is_point = row.fract() == 0.0 && col.fract() == 0.0;

@@ -445,6 +445,13 @@ fn what_is_no_place_on_the_earth_is_refused() {
         let output = run(&bench, &format!("distance {surface} {words} -o map.npy"));
         bench.refuses(&output, &[said]);
     }
+}
+
+#[test]
+fn what_the_commands_cannot_do_on_the_earth_is_refused() {
+    let bench = Workbench::new();
+    let flat = bench.flat(20, 30);
+    let whole = format!("{GLOBE} pixel");
     let output = run(&bench, &format!("distance {flat} {whole} -s 3,3 -o map.exr"));
     bench.refuses(&output, &["single precision only", "--precision single"]);
     for (command, said) in [
@@ -468,13 +475,52 @@ fn what_is_no_place_on_the_earth_is_refused() {
 /// Writes a GeoTIFF in metres on a map.
 fn geotiff_of_a_map(bench: &Workbench) -> String {
     let grid = Grid::new([0.0, 30.0], [20.0, 20.0, -1.0]);
-    let mut bytes = geotiff(&grid, [5e5, 4e6], false);
-    let keys = |keys: [u16; 12]| keys.map(u16::to_le_bytes).concat();
-    let degrees = keys([1024, 0, 1, 2, 1025, 0, 1, 1, 2048, 0, 1, 4326]);
-    let metres = keys([1024, 0, 1, 1, 1025, 0, 1, 1, 3072, 0, 1, 32616]);
+    let keys = [1024, 0, 1, 1, 1025, 0, 1, 1, 3072, 0, 1, 32616];
+    bench.input("map.tif", with_keys(geotiff(&grid, [5e5, 4e6], false), keys))
+}
+
+/// Replaces the three keys of a GeoTIFF in degrees whose pixels are areas.
+fn with_keys(mut bytes: Vec<u8>, keys: [u16; 12]) -> Vec<u8> {
+    let words = |keys: [u16; 12]| keys.map(u16::to_le_bytes).concat();
+    let degrees = words([1024, 0, 1, 2, 1025, 0, 1, 1, 2048, 0, 1, 4326]);
     let at = bytes.windows(degrees.len()).position(|window| window == degrees).unwrap();
-    bytes[at..at + metres.len()].copy_from_slice(&metres);
-    bench.input("map.tif", bytes)
+    bytes[at..at + degrees.len()].copy_from_slice(&words(keys));
+    bytes
+}
+
+#[test]
+fn heights_in_feet_become_metres() {
+    let bench = Workbench::new();
+    let cells = Grid::new([1.0, 180.0], [89.0, 90.0, -STEP]);
+    let keys = [1024, 0, 1, 2, 2048, 0, 1, 4326, 4099, 0, 1, 9002];
+    let feet = bench.input("feet.tif", with_keys(geotiff(&cells, [0.0, 90.0], false), keys));
+    let heights: Vec<_> = cells.heights().iter().map(|height| 0.3048 * height).collect();
+    let metres = bench.array("metres.npy", &cells.shape(), &heights);
+    let extent = "--extent 0,-90,360,90 --registration pixel";
+    for (surface, words, name) in [(feet, "", "feet.npy"), (metres, extent, "metres.npy")] {
+        let line = format!("distance {surface} --geodetic {words} --source-lonlat 9,1 -o {name}");
+        done(&bench, &line);
+    }
+    let [feet, metres] = ["feet.npy", "metres.npy"].map(|name| map(&bench.output(name)));
+    assert!(feet.iter().zip(&metres).all(|(feet, metres)| (feet - metres).abs() < 1e-2));
+}
+
+#[test]
+fn an_ascii_grid_in_degrees_is_a_part_of_the_earth() {
+    let bench = Workbench::new();
+    let header = "ncols 40\nnrows 30\nxllcorner 170\nyllcorner 50\ncellsize 0.5\n";
+    let asc = bench.input("part.asc", format!("{header}{}", "0 ".repeat(1200)));
+    bench.refuses(&bench.distance(&asc, "-s 3,3 -o map.npy"), &["degrees", "--geodetic"]);
+    let line = format!("distance {asc} --geodetic --source-lonlat -178.75,60.25 -o map.npy");
+    let said = notes(&done(&bench, &line));
+    assert!(said.contains("part.asc: names no coordinate system; it is taken as WGS 84"), "{said}");
+    let grid = Grid {
+        longitudes: (0..40).map(|col| 170.25 + 0.5 * f64::from(col)).collect(),
+        latitudes: (0..30).map(|row| 64.75 - 0.5 * f64::from(row)).collect(),
+    };
+    let [mean, largest] = grid.errors([181.25, 60.25], &map(&bench.output("map.npy")));
+    println!("a part by cells of half a degree: mean {mean:.1e}, largest {largest:.1e}");
+    assert!(mean < 5e-6 && largest < 2e-5, "{mean:e} {largest:e}");
 }
 
 /// Lines at the poles and on both sides of the seam need no more lines, so that matrices and samples have a place.
