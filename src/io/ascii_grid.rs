@@ -138,17 +138,16 @@ fn spacing(
     let known = |name, said| FileSpacing::Known(cell, LinearUnit { name, said });
     let Some(projection) = projection else {
         if georeference.is_some_and(|georeference| seems_in_degrees(georeference, rows, cols)) {
-            let why = "the file's corners and cell size look like degrees, and it does not say its \
-                       unit (a .prj beside it would)";
-            return FileSpacing::Unusable(why.into());
+            return FileSpacing::Degrees(
+                "the file's corners and cell size look like degrees, and it does not say its unit (a .prj \
+                 beside it would)",
+            );
         }
         return known(None, false);
     };
     let upper = projection.to_ascii_uppercase();
     if !upper.contains("PROJC") && !upper.contains("PROJECTEDCRS") {
-        return FileSpacing::Unusable(
-            "the .prj beside the file gives its cell size in degrees".into(),
-        );
+        return FileSpacing::Degrees("the .prj beside the file gives its cell size in degrees");
     }
     // The last unit is that of the projected coordinates.
     let unit = upper.rsplit("UNIT[").next().and_then(|unit| unit.split(']').next());
@@ -286,12 +285,11 @@ mod tests {
         let feet = r#"PROJCS["NY",GEOGCS["N",UNIT["Degree",0.017]],UNIT["Foot_US",0.3048006096]]"#;
         let geographic = r#"GEOGCS["WGS",DATUM["D"],UNIT["Degree",0.017]]"#;
         let spacing = |projection| decode(degrees.as_bytes(), projection).unwrap().spacing;
-        for (projection, part) in
-            [(None, "degrees"), (Some(geographic), "degrees"), (Some(feet), "metres")]
-        {
-            let FileSpacing::Unusable(why) = spacing(projection) else { panic!("{projection:?}") };
-            assert!(why.contains(part), "{why}");
+        for projection in [None, Some(geographic)] {
+            assert!(matches!(spacing(projection), FileSpacing::Degrees(_)), "{projection:?}");
         }
+        let FileSpacing::Unusable(why) = spacing(Some(feet)) else { panic!("feet") };
+        assert!(why.contains("metres"), "{why}");
         let unit = LinearUnit { name: Some("m"), said: true };
         assert_eq!(spacing(Some(metres)), FileSpacing::Known(Spacing::square(0.01), unit));
     }

@@ -42,6 +42,7 @@ fn ascii_grid(bytes: &[u8], projection: Option<&[u8]>) -> Result<Raster, String>
         system: Err(system.into()),
         geo_tags: georeference.as_ref().map(GeoTags::of_transform).unwrap_or_default(),
         georeference,
+        metres: Ok(1.0),
         unreached: false,
     })
 }

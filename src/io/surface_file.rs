@@ -31,6 +31,8 @@ pub struct SurfaceFile {
     georeference: Result<Georeference, String>,
     system: Result<CoordinateSystem, String>,
     geo_tags: Option<GeoTags>,
+    /// The length of the unit of heights in metres, or why it is not known.
+    metres: Result<f64, String>,
 }
 
 #[derive(Clone, Debug)]
@@ -52,6 +54,7 @@ impl SurfaceFile {
         let mut georeference = Err(NOWHERE.into());
         let mut system = Err(NOWHERE.into());
         let mut geo_tags = None;
+        let mut metres = Ok(1.0);
         let content = match extension(path).as_str() {
             "npy" | "npz" => array(path)?,
             "png" => heights(png_heights(&read_bytes(path)?).map_err(reason)?),
@@ -60,6 +63,7 @@ impl SurfaceFile {
                 georeference = raster.georeference;
                 system = raster.system;
                 geo_tags = Some(raster.geo_tags);
+                metres = raster.metres;
                 Content::Heights(raster.grid, raster.spacing)
             }
             "exr" => match exr::decode(&read_bytes(path)?).map_err(reason)? {
@@ -74,7 +78,7 @@ impl SurfaceFile {
                 ));
             }
         };
-        Ok(Self { path: path.to_owned(), content, georeference, system, geo_tags })
+        Ok(Self { path: path.to_owned(), content, georeference, system, geo_tags, metres })
     }
 
     /// Returns whether the file holds heights and gives no distance between its points.
@@ -118,6 +122,22 @@ impl SurfaceFile {
         unit.name
     }
 
+    /// Returns the heights, in metres. A file that names no unit has metres.
+    ///
+    /// # Errors
+    /// If the file holds no heights, or they are in a unit that is not known.
+    pub fn into_heights(self) -> Result<Grid<f64>, IoError> {
+        let held = match self.content {
+            Content::Heights(grid, _) => {
+                let metres = self.metres.map_err(|why| IoError::content(&self.path, why))?;
+                return Ok(grid.map(|height| height * metres));
+            }
+            Content::Positions(_) => "positions",
+            Content::Metric(_) => "metric tensors",
+        };
+        Err(IoError::content(&self.path, format!("holds {held}, not heights (M, N)")))
+    }
+
     /// Makes the surface. Heights have the given spacing, else that of the file, else 1.
     ///
     /// # Errors
@@ -150,10 +170,16 @@ impl SurfaceFile {
                 let spacing = match (spacing, from_file) {
                     (Some(spacing), _) | (None, FileSpacing::Known(spacing, _)) => spacing,
                     (None, FileSpacing::Unknown) => Spacing::square(1.0),
+                    (None, FileSpacing::Degrees(why)) => {
+                        return Err(IoError::content(
+                            &path,
+                            format!(
+                                "{why}; measure on the Earth, as with the tool's --geodetic, or {GIVE_SPACING}"
+                            ),
+                        ));
+                    }
                     (None, FileSpacing::Unusable(why)) => {
-                        let cure = "give the spacing in the unit of the heights (metres, usually), as with \
-                                    the tool's --spacing DX,DY";
-                        return Err(IoError::content(&path, format!("{why}; {cure}")));
+                        return Err(IoError::content(&path, format!("{why}; {GIVE_SPACING}")));
                     }
                 };
                 surface(Surface::from_heights(rows, cols, values, spacing))
@@ -161,6 +187,10 @@ impl SurfaceFile {
         }
     }
 }
+
+/// Advice where the distance between points is not known.
+const GIVE_SPACING: &str = "give the spacing in the unit of the heights (metres, usually), as with the tool's \
+                            --spacing DX,DY";
 
 fn heights(grid: Grid<f64>) -> Content {
     Content::Heights(grid, FileSpacing::Unknown)

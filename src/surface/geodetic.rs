@@ -151,17 +151,11 @@ impl GeodeticGrid {
         if heights.len() != rows * cols {
             return Err(SurfaceError::Shape { what: "heights", found: heights.len(), rows, cols });
         }
-        let mut points = Vec::with_capacity(self.latitudes.len() * self.longitudes.len());
-        for (row, &latitude) in self.latitudes.iter().enumerate() {
-            let before = usize::from(self.has_poles_added[0]);
-            let given = row.saturating_sub(before).min(rows - 1);
-            let of_row = &heights[given * cols..][..cols];
-            let at_pole = (latitude.abs() == POLE).then(|| mean(of_row));
-            for (col, &longitude) in self.longitudes.iter().enumerate() {
-                let height = at_pole.unwrap_or(of_row[col % cols]);
-                points.push(position(longitude, latitude, height));
-            }
-        }
+        let heights = self.extend(heights);
+        let places = self.latitudes.iter().flat_map(|&latitude| {
+            self.longitudes.iter().map(move |&longitude| [longitude, latitude])
+        });
+        let points = places.zip(heights).map(|(place, height)| position(place, height)).collect();
         let (rows, cols) = (self.latitudes.len(), self.longitudes.len());
         let surface = Surface::from_positions(rows, cols, points)?;
         if self.goes_round { surface.with_gluing(self.gluing()) } else { Ok(surface) }
@@ -186,6 +180,81 @@ impl GeodeticGrid {
         [rows - added, cols - usize::from(self.has_column_added)]
     }
 
+    /// Returns values at all points of the surface, of values at the given points, both row-major. A pole has the
+    /// mean of its row, or of the row beside it if it is added. An added column has the values of the first one.
+    /// NaN and infinity are no part of a mean.
+    ///
+    /// # Panics
+    /// If there is not one value for each given point.
+    pub fn extend(&self, values: &[f64]) -> Vec<f64> {
+        let [rows, cols] = self.given();
+        assert_eq!(values.len(), rows * cols, "one value for each point");
+        let mut all = Vec::with_capacity(self.latitudes.len() * self.longitudes.len());
+        for (row, &latitude) in self.latitudes.iter().enumerate() {
+            let given = row.saturating_sub(self.rows_before()).min(rows - 1);
+            let of_row = &values[given * cols..][..cols];
+            let at_pole = (latitude.abs() == POLE).then(|| mean(of_row));
+            let at = |col: usize| at_pole.unwrap_or(of_row[col % cols]);
+            all.extend((0..self.longitudes.len()).map(at));
+        }
+        all
+    }
+
+    /// Returns whether the columns go round the Earth, so that the surface is closed.
+    pub fn goes_round(&self) -> bool {
+        self.goes_round
+    }
+
+    /// Returns whether the surface has rows or columns that are not given.
+    pub fn is_extended(&self) -> bool {
+        self.has_poles_added != [false; 2] || self.has_column_added
+    }
+
+    /// Returns by how many rows the surface goes on before the first given row and after the last one, and the same
+    /// of columns. They are counted in steps between given lines: with cells of one degree, a pole lies at row -0.5.
+    pub fn margins(&self) -> [[f64; 2]; 2] {
+        let gap = |is_added: bool, lines: [f64; 3]| {
+            let [added, edge, inner] = lines;
+            if is_added { ((added - edge) / (edge - inner)).abs() } else { 0.0 }
+        };
+        let ends = |lines: &[f64], [before, after]: [bool; 2]| {
+            let end = lines.len() - 1;
+            [
+                gap(before, [lines[0], lines[1], lines[2]]),
+                gap(after, [lines[end], lines[end - 1], lines[end - 2]]),
+            ]
+        };
+        [
+            ends(&self.latitudes, self.has_poles_added),
+            ends(&self.longitudes, [false, self.has_column_added]),
+        ]
+    }
+
+    /// Returns the row and column on the surface's grid of a place on the given grid, which may lie beyond it by up
+    /// to [`GeodeticGrid::margins`].
+    pub fn to_surface(&self, [row, col]: [f64; 2]) -> [f64; 2] {
+        let [rows, cols] = self.given();
+        let [of_rows, of_cols] = self.margins();
+        let row = stretched(row, rows, of_rows.map(f64::recip)) + self.rows_before() as f64;
+        let col = stretched(col, cols, of_cols.map(f64::recip));
+        // A pole is on the surface, whatever is rounded.
+        let last = [&self.latitudes, &self.longitudes].map(|lines| (lines.len() - 1) as f64);
+        [row.clamp(0.0, last[0]), col.clamp(0.0, last[1])]
+    }
+
+    /// Returns the row and column on the given grid of a place on the surface's grid: the inverse of
+    /// [`GeodeticGrid::to_surface`].
+    pub fn to_given(&self, [row, col]: [f64; 2]) -> [f64; 2] {
+        let [rows, cols] = self.given();
+        let [of_rows, of_cols] = self.margins();
+        let row = stretched(row - self.rows_before() as f64, rows, of_rows);
+        [row, stretched(col, cols, of_cols)]
+    }
+
+    fn rows_before(&self) -> usize {
+        usize::from(self.has_poles_added[0])
+    }
+
     /// Returns the row and column, which may be fractional, of a place on the surface's grid, given by longitude and
     /// latitude in degrees. The result is `None` if the place lies outside the grid.
     pub fn place(&self, [longitude, latitude]: [f64; 2]) -> Option<[f64; 2]> {
@@ -203,7 +272,7 @@ impl GeodeticGrid {
         let [rows, cols] = self.given();
         let width = self.longitudes.len();
         assert_eq!(values.len(), self.latitudes.len() * width, "one value for each point");
-        let lines = values.chunks_exact(width).skip(usize::from(self.has_poles_added[0]));
+        let lines = values.chunks_exact(width).skip(self.rows_before());
         lines.take(rows).flat_map(|line| &line[..cols]).copied().collect()
     }
 }
@@ -262,14 +331,25 @@ fn between(lines: &[f64], value: f64) -> Option<f64> {
     Some(index as f64 + (value - lines[index]) / (lines[index + 1] - lines[index]))
 }
 
-/// Returns the mean of all values but NaN, or NaN if there are none.
+/// Returns the number of a line, of which the part beyond the first or the last of `count` lines is multiplied by a
+/// factor of that end.
+fn stretched(at: f64, count: usize, factors: [f64; 2]) -> f64 {
+    let last = (count - 1) as f64;
+    match at {
+        ..0.0 => at * factors[0],
+        _ if at > last => last + (at - last) * factors[1],
+        _ => at,
+    }
+}
+
+/// Returns the mean of all finite values, or NaN if there are none.
 fn mean(values: &[f64]) -> f64 {
-    let known = values.iter().filter(|value| !value.is_nan());
+    let known = values.iter().filter(|value| value.is_finite());
     known.clone().sum::<f64>() / known.count() as f64
 }
 
 /// Returns a point on the Earth, given by longitude and latitude in degrees and height in metres.
-fn position(longitude: f64, latitude: f64, height: f64) -> DVec3 {
+fn position([longitude, latitude]: [f64; 2], height: f64) -> DVec3 {
     let (east_sin, east_cos) = longitude.to_radians().sin_cos();
     let (sin, cos) = match latitude.abs() == POLE {
         true => (latitude.signum(), 0.0),
@@ -327,6 +407,41 @@ mod tests {
         assert_eq!(region.place([-180.0, 10.5]), Some([0.5, 5.0]));
         assert_eq!(region.place([160.0, 10.5]), None);
         assert_eq!(region.place([172.0, 30.0]), None);
+    }
+
+    #[test]
+    fn given_places_are_those_of_the_surface() {
+        // Poles lie half a step beyond, and the seam 1.2 steps.
+        let grid = GeodeticGrid::new(&lines(18, 85.0, -10.0), &lines(36, 5.0, 9.966)).unwrap();
+        let [[north, south], [west, east]] = grid.margins();
+        assert_eq!([north, south, west], [0.5, 0.5, 0.0]);
+        assert!((east - (360.0 - 35.0 * 9.966) / 9.966).abs() < 1e-9, "{east}");
+        for (given, surface) in [
+            ([-0.5, 3.0], [0.0, 3.0]),
+            ([-0.25, 3.5], [0.5, 3.5]),
+            ([0.0, 35.0], [1.0, 35.0]),
+            ([17.5, 0.0], [19.0, 0.0]),
+            ([8.5, 35.0 + 0.25 * east], [9.5, 35.25]),
+        ] {
+            assert_eq!(grid.to_surface(given), surface);
+            assert_eq!(grid.to_given(surface), given);
+        }
+        // A region with a row at a pole and no line added.
+        let region = GeodeticGrid::new(&lines(8, 90.0, -10.0), &lines(20, 5.0, 10.0)).unwrap();
+        assert_eq!(region.margins(), [[0.0; 2]; 2]);
+        assert_eq!(region.to_surface([0.5, 19.0]), [0.5, 19.0]);
+        assert!(!region.is_extended() && !region.goes_round() && grid.is_extended());
+    }
+
+    #[test]
+    fn poles_have_the_mean_of_their_row() {
+        let grid = GeodeticGrid::new(&lines(4, 67.5, -45.0), &lines(8, 0.0, 45.0)).unwrap();
+        let mut values = vec![1.0; 32];
+        (values[0], values[1], values[2]) = (5.0, f64::NAN, f64::INFINITY);
+        let all = grid.extend(&values);
+        assert_eq!(all[..9], [10.0 / 6.0; 9]);
+        assert_eq!((all[9], all[17], all[18]), (5.0, 5.0, 1.0));
+        assert_eq!(grid.crop(&all)[3..], values[3..]);
     }
 
     #[test]

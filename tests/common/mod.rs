@@ -9,6 +9,7 @@ mod devices;
 mod irregular;
 pub mod parts;
 pub mod sheets;
+pub mod vincenty;
 
 use geosweep::Stop;
 use geosweep::accuracy::Errors;

@@ -137,7 +137,7 @@ fn a_no_data_value_that_the_type_lacks_makes_no_hole() {
 }
 
 #[test]
-fn geotiff_in_degrees_asks_for_the_spacing() {
+fn geotiff_in_degrees_asks_for_the_earth_or_the_spacing() {
     let folder = Folder::new();
     let files = [
         ("degrees.tif", geotiff(Some(2), 9001), "degrees"),
@@ -148,6 +148,7 @@ fn geotiff_in_degrees_asks_for_the_spacing() {
         let path = folder.file(name, &bytes);
         let error = SurfaceFile::read(&path).unwrap().into_surface(None).unwrap_err().to_string();
         assert!(error.contains(reason) && error.contains("--spacing"), "{error}");
+        assert_eq!(error.contains("--geodetic"), reason == "degrees", "{error}");
         let given = Some(Spacing { dx: 74.0, dy: 92.0 });
         let surface = SurfaceFile::read(&path).unwrap().into_surface(given).unwrap();
         assert_eq!(surface.position(1, 1).unwrap().to_array(), [74.0, 92.0, 8.0], "{name}");
@@ -172,8 +173,7 @@ fn every_array_finds_its_meaning() {
     let path = folder.file("s.npy", &npy(&[ROWS, COLS], &[2.0; ROWS * COLS]));
     assert_eq!(read_slowness(&path).unwrap().values, [2.0; ROWS * COLS]);
 
-    let frame =
-        GridFrame { chart: Chart { rows: ROWS, cols: COLS }, georeference: Err("none".into()) };
+    let frame = GridFrame::new(Chart { rows: ROWS, cols: COLS }, Err("none".into()));
     let curves = |path: &Path| {
         let curves = PlaceFile::read(path)?.curves(&frame)?.into_iter();
         Ok::<_, IoError>(curves.map(|curve| (curve.vertices, curve.start)).collect::<Vec<_>>())

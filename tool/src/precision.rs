@@ -17,7 +17,7 @@ pub enum Precision {
     /// Any engine; rounding errors grow with the grid, to some millionths at 1200 x 1200 points
     #[default]
     Single,
-    /// The CPU only, in two to four times the time
+    /// The CPU only, in two to four times the time. The default on the Earth, where cells near the poles are thin
     Double,
 }
 

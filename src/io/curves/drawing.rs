@@ -44,6 +44,8 @@ pub struct Drawing {
     pub chart: Chart,
     /// Location of the grid on the Earth.
     pub georeference: Option<Georeference>,
+    /// Whether the third coordinate of positions is the height above the place in map coordinates.
+    pub has_heights: bool,
     /// Names of the curves' attributes. They are the columns of a table, even of one without curves.
     pub attributes: Vec<&'static str>,
     /// The curves, in order.

@@ -7,22 +7,31 @@ use ::geojson::{
 };
 use glam::DVec3;
 
+use super::antimeridian::{Place, divided};
 use super::drawing::{Attribute, Drawing, Polyline};
-use crate::io::{CoordinateSystem, Georeference};
+use crate::io::CoordinateSystem;
 
 /// Number of digits after the decimal point: a tenth of a millimetre.
 const DEGREE_DIGITS: i32 = 9;
 const METRE_DIGITS: i32 = 4;
 
-/// Writes a LineString per curve, or a Point for a curve of one vertex.
+/// Writes a LineString per curve, or a Point for a curve of one vertex, or a MultiLineString for a curve over the
+/// antimeridian.
 pub fn write(writer: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
     let georeference = drawing.georeference.as_ref();
     let georeference = georeference.ok_or_else(|| io::Error::other("there is no georeference"))?;
     let system = georeference.system;
     let system = system.ok_or_else(|| io::Error::other("the coordinate system has no name"))?;
+    let feature = |line| {
+        let place = |(vertex, at): ([f64; 2], DVec3)| {
+            let [east, north] = georeference.coordinates(vertex);
+            [east, north, if drawing.has_heights { at.z } else { f64::NAN }]
+        };
+        feature(line, line.around().map(place).collect(), system)
+    };
     let collection = FeatureCollection {
         bbox: None,
-        features: drawing.polylines.iter().map(|line| feature(line, georeference)).collect(),
+        features: drawing.polylines.iter().map(feature).collect(),
         foreign_members: named(system),
     };
     writeln!(writer, "{collection}")
@@ -40,22 +49,32 @@ fn object<const N: usize>(members: [(&str, JsonValue); N]) -> JsonObject {
     members.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
-fn feature(polyline: &Polyline, georeference: &Georeference) -> Feature {
-    let digits = match georeference.system {
-        Some(CoordinateSystem::Geographic(_)) => DEGREE_DIGITS,
-        _ => METRE_DIGITS,
+fn feature(polyline: &Polyline, places: Vec<Place>, system: CoordinateSystem) -> Feature {
+    let (digits, mut parts) = match system {
+        CoordinateSystem::Geographic(_) => (DEGREE_DIGITS, divided(&places)),
+        CoordinateSystem::Projected(_) => (METRE_DIGITS, vec![places]),
     };
-    let place = |(vertex, at): ([f64; 2], DVec3)| {
-        let [east, north] = georeference.coordinates(vertex).map(|c| rounded(c, digits));
-        match at.z.is_nan() {
+    if polyline.curve.closed && parts.len() > 1 {
+        // The first vertex of a ring is no end of a part.
+        let first = parts.remove(0);
+        match parts.last_mut().filter(|last| last.last().map(on_map) == first.first().map(on_map)) {
+            Some(last) => last.extend_from_slice(&first[1..]),
+            None => parts.insert(0, first),
+        }
+    }
+    let position = |[east, north, height]: Place| {
+        let [east, north] = [east, north].map(|degrees| rounded(degrees, digits));
+        match height.is_nan() {
             true => Position::from([east, north]),
-            false => Position::from([east, north, rounded(at.z, METRE_DIGITS)]),
+            false => Position::from([east, north, rounded(height, METRE_DIGITS)]),
         }
     };
-    let mut coordinates: Vec<_> = polyline.around().map(place).collect();
-    let value = match coordinates.len() {
-        1 => GeometryValue::Point { coordinates: coordinates.remove(0) },
-        _ => GeometryValue::LineString { coordinates },
+    let line = |part: Vec<Place>| part.into_iter().map(position).collect::<Vec<_>>();
+    let mut lines: Vec<_> = parts.into_iter().map(line).collect();
+    let value = match &mut lines[..] {
+        [line] if line.len() == 1 => GeometryValue::Point { coordinates: line.remove(0) },
+        [line] => GeometryValue::LineString { coordinates: std::mem::take(line) },
+        _ => GeometryValue::MultiLineString { coordinates: lines },
     };
     let kind = ("kind".to_owned(), polyline.kind.into());
     let attribute = |(name, value): &(&str, Attribute)| {
@@ -75,6 +94,10 @@ fn feature(polyline: &Polyline, georeference: &Georeference) -> Feature {
         ),
         foreign_members: None,
     }
+}
+
+fn on_map(&[east, north, _]: &Place) -> [f64; 2] {
+    [east, north]
 }
 
 fn rounded(value: f64, digits: i32) -> f64 {

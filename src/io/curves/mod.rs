@@ -1,5 +1,6 @@
 //! Writes curves to files: contours, paths, borders and offset curves.
 
+mod antimeridian;
 mod drawing;
 mod geojson;
 mod space;
@@ -20,7 +21,7 @@ use super::{IoError, extension};
 /// | `.npy` | float64 (K, 5): row, column, x, y, z of each vertex |
 /// | `.csv` | a line per vertex: `curve` (from 0), `kind`, attributes, `closed`, `row`, `col`, x, y, z |
 /// | `.svg` | the parameter domain, columns to the right and rows down, one unit a grid step |
-/// | `.geojson` | a LineString a curve, with heights, in the coordinates of the surface's GeoTIFF |
+/// | `.geojson` | a LineString a curve, with heights if there are any, in the coordinates of the surface's GeoTIFF |
 /// | `.ply` | binary, vertices with colours, and edges |
 /// | `.obj` | a line element a curve |
 ///
@@ -30,7 +31,8 @@ use super::{IoError, extension};
 /// The values x, y, z are NaN or empty for a surface that is given only by its metric. PLY and OBJ require
 /// them.
 ///
-/// GeoJSON on WGS 84 (EPSG:4326) follows RFC 7946. In any other coordinate system the file has the member
+/// GeoJSON on WGS 84 (EPSG:4326) follows RFC 7946. Longitudes run from -180 to 180, and a curve that passes the
+/// antimeridian is a MultiLineString, divided there. In any other coordinate system the file has the member
 /// `crs` of the format's 2008 version, which GDAL and QGIS read. No coordinate is converted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveFormat {

@@ -17,7 +17,7 @@ use crate::surface::Chart;
 ///     right: [30.0, 0.0],
 ///     system: Some(CoordinateSystem::Projected(32616)),
 /// };
-/// let frame = GridFrame { chart: Chart { rows: 40, cols: 60 }, georeference: Ok(georeference) };
+/// let frame = GridFrame::new(Chart { rows: 40, cols: 60 }, Ok(georeference));
 /// assert_eq!(frame.place([500_045.0, 4_000_955.0])?, [1.0, 1.0]);
 /// assert!(frame.place([-84.5, 36.1]).unwrap_err().contains("outside the grid"));
 /// # Ok::<(), String>(())
@@ -28,6 +28,9 @@ pub struct GridFrame {
     pub chart: Chart,
     /// The grid's map coordinates, or the reason why there are none.
     pub georeference: Result<Georeference, String>,
+    /// Numbers of rows before the first and after the last one, and of columns, by which the surface goes on beyond the
+    /// grid's points.
+    margins: [[f64; 2]; 2],
 }
 
 /// The coordinate system of a file's map coordinates.
@@ -51,31 +54,45 @@ const BORDER: f64 = 0.01;
 /// Distance in cells from a line of grid points within which a place counts as a place on the line.
 const ON_LINE: f64 = 1e-6;
 
-/// A full turn in degrees.
+/// Full turns in degrees, by which longitudes may differ from those of a grid.
+const TURNS: [f64; 5] = [0.0, TURN, -TURN, 2.0 * TURN, -2.0 * TURN];
 const TURN: f64 = 360.0;
 
 impl GridFrame {
+    /// Makes a frame of a grid of this size.
+    pub fn new(chart: Chart, georeference: Result<Georeference, String>) -> Self {
+        Self { chart, georeference, margins: [[0.0; 2]; 2] }
+    }
+
+    /// Lets places in map coordinates lie beyond the grid's points, by numbers of rows before the first and after the
+    /// last one, and of columns: those of a surface of which the grid has the middles of cells
+    /// ([`crate::surface::GeodeticGrid::margins`]).
+    pub fn with_margins(self, margins: [[f64; 2]; 2]) -> Self {
+        Self { margins, ..self }
+    }
+
     /// Returns row and column of map coordinates, eastwards first. Places within a millionth of a cell of a
     /// line of grid points are moved onto it. Places outside by up to a hundredth of a cell are moved to the
-    /// border. Longitudes may differ from the grid's by a full turn.
+    /// border. Longitudes may differ from the grid's by full turns.
     ///
     /// # Errors
     /// If the grid has no map coordinates, or the place lies outside it.
     pub fn place(&self, [x, y]: [f64; 2]) -> Result<[f64; 2], String> {
         let georeference = self.georeference.as_ref().map_err(|why| not_placed(why))?;
         let (last_row, last_col) = self.chart.last();
-        let on_axis = |at: f64, last: usize| {
-            let last = last as f64;
+        let on_axis = |at: f64, last: usize, [before, after]: [f64; 2]| {
+            let (first, last) = (-before, last as f64 + after);
             let at = if (at - at.round()).abs() <= ON_LINE { at.round() } else { at };
-            ((-BORDER)..=last + BORDER).contains(&at).then(|| at.clamp(0.0, last))
+            ((first - BORDER)..=last + BORDER).contains(&at).then(|| at.clamp(first, last))
         };
+        let [of_rows, of_cols] = self.margins;
         let on_grid = |place: [f64; 2]| {
             let [row, col] = georeference.place(place)?;
-            Some([on_axis(row, last_row)?, on_axis(col, last_col)?])
+            Some([on_axis(row, last_row, of_rows)?, on_axis(col, last_col, of_cols)?])
         };
-        let turns: &[f64] = match georeference.system {
-            Some(CoordinateSystem::Geographic(_)) => &[0.0, TURN, -TURN],
-            _ => &[0.0],
+        let turns = match georeference.system {
+            Some(CoordinateSystem::Geographic(_)) => &TURNS[..],
+            _ => &TURNS[..1],
         };
         let found = turns.iter().find_map(|turn| on_grid([x + turn, y]));
         found.ok_or_else(|| self.outside(georeference, [x, y], on_grid([y, x]).is_some()))
@@ -162,7 +179,7 @@ mod tests {
     use super::*;
 
     fn frame(georeference: Georeference) -> GridFrame {
-        GridFrame { chart: Chart { rows: 30, cols: 50 }, georeference: Ok(georeference) }
+        GridFrame::new(Chart { rows: 30, cols: 50 }, Ok(georeference))
     }
 
     fn north_up(origin: [f64; 2], cell: f64, system: Option<CoordinateSystem>) -> Georeference {
@@ -232,16 +249,18 @@ mod tests {
         let world = frame(north_up([170.0, 20.0], 0.5, Some(CoordinateSystem::WGS_84)));
         assert_eq!(world.place([190.0, 15.0]), Ok([10.0, 40.0]));
         assert_eq!(world.place([-170.0, 15.0]), Ok([10.0, 40.0]));
+        assert_eq!(world.place([-530.0, 15.0]), Ok([10.0, 40.0]));
+        assert!(world.place([194.8, 20.2]).is_err());
+        let wider = world.clone().with_margins([[0.5, 0.0], [0.0, 1.0]]);
+        assert_eq!(wider.place([195.0, 20.25]), Ok([-0.5, 50.0]));
+        assert!(wider.place([195.5, 20.0]).is_err() && wider.place([180.0, 20.5]).is_err());
         assert!(MapCoordinates::Projected.check(&world).is_err());
         assert_eq!(MapCoordinates::Unnamed.assumption(&world), None);
     }
 
     #[test]
     fn a_surface_without_map_coordinates_has_no_places() {
-        let nowhere = GridFrame {
-            chart: Chart { rows: 3, cols: 3 },
-            georeference: Err("it is a plane".into()),
-        };
+        let nowhere = GridFrame::new(Chart { rows: 3, cols: 3 }, Err("it is a plane".into()));
         assert!(nowhere.place([1.0, 1.0]).unwrap_err().contains("it is a plane"));
     }
 }

@@ -20,6 +20,7 @@ mod geo_key {
     pub const PROJECTED: u16 = 1;
     pub const GEOGRAPHIC: u16 = 2;
     pub const RASTER_TYPE: u16 = 1025;
+    pub const PIXEL_IS_AREA: u16 = 1;
     pub const PIXEL_IS_POINT: u16 = 2;
     pub const GEOGRAPHIC_SYSTEM: u16 = 2048;
     pub const PROJECTED_SYSTEM: u16 = 3072;
@@ -67,6 +68,17 @@ impl GeoTags {
         })
     }
 
+    /// Returns the fields for rasters on WGS 84 whose pixels lie at these longitudes and latitudes, in degrees.
+    pub fn wgs84(georeference: &Georeference) -> Self {
+        let keys = [
+            [1, 1, 0, 3],
+            [geo_key::MODEL_TYPE, 0, 1, geo_key::GEOGRAPHIC],
+            [geo_key::RASTER_TYPE, 0, 1, geo_key::PIXEL_IS_AREA],
+            [geo_key::GEOGRAPHIC_SYSTEM, 0, 1, CoordinateSystem::WGS_84.epsg()],
+        ];
+        Self { keys: keys.as_flattened().to_vec(), ..Self::of_transform(georeference) }
+    }
+
     /// Returns the fields for a transformation alone, without a coordinate reference system.
     pub(in crate::io) fn of_transform(georeference: &Georeference) -> Self {
         let &Georeference { origin, down, right, .. } = georeference;
@@ -105,9 +117,16 @@ impl GeoTags {
             Ok(None) => return FileSpacing::Unknown,
             Err(why) => return FileSpacing::Unusable(why),
         };
-        if self.key(geo_key::MODEL_TYPE) != Some(geo_key::PROJECTED) {
-            let why = "the file gives its pixel size in degrees, or does not say in what unit";
-            return FileSpacing::Unusable(why.into());
+        match self.key(geo_key::MODEL_TYPE) {
+            Some(geo_key::PROJECTED) => {}
+            Some(geo_key::GEOGRAPHIC) => {
+                return FileSpacing::Degrees("the file gives its pixel size in degrees");
+            }
+            _ => {
+                return FileSpacing::Degrees(
+                    "the file gives its pixel size in degrees, or does not say in what unit",
+                );
+            }
         }
         match self.unit(unit_of_values) {
             Ok(unit) => FileSpacing::Known(spacing, unit),
@@ -157,20 +176,7 @@ impl GeoTags {
             geo_key::US_SURVEY_FOOT => Some("US ft"),
             _ => None,
         };
-        let up = match unit_of_values.map(unit_code) {
-            Some(Some(code)) => Some(code),
-            Some(None) => {
-                return Err(
-                    "the file gives its values in a unit (UNITTYPE of GDAL_METADATA) that is \
-                            not known",
-                );
-            }
-            None => self
-                .key(geo_key::VERTICAL_UNITS)
-                .or_else(|| self.code(geo_key::VERTICAL_SYSTEM).and_then(epsg_units::vertical)),
-        };
-        // Heights are in metres unless the file states otherwise.
-        match (across, up.unwrap_or(geo_key::METRE)) {
+        match (across, self.unit_of_heights(unit_of_values)?) {
             (None, geo_key::METRE) => Ok(LinearUnit { name: name(geo_key::METRE), said: false }),
             (None, _) => {
                 Err("the file gives its heights in a unit other than metres, and does not \
@@ -185,6 +191,36 @@ impl GeoTags {
             }
             _ => Err("the file gives its pixel size in a unit other than metres, and not its \
                       heights in the same"),
+        }
+    }
+
+    /// Returns the unit of the heights, which are in metres unless the file states otherwise.
+    fn unit_of_heights(&self, unit_of_values: Option<&str>) -> Result<u16, &'static str> {
+        let unit = match unit_of_values.map(unit_code) {
+            Some(Some(code)) => Some(code),
+            Some(None) => {
+                return Err(
+                    "the file gives its values in a unit (UNITTYPE of GDAL_METADATA) that is \
+                            not known",
+                );
+            }
+            None => self
+                .key(geo_key::VERTICAL_UNITS)
+                .or_else(|| self.code(geo_key::VERTICAL_SYSTEM).and_then(epsg_units::vertical)),
+        };
+        Ok(unit.unwrap_or(geo_key::METRE))
+    }
+
+    /// Returns the length of the unit of the heights, in metres.
+    pub(super) fn metres_per_height(&self, unit_of_values: Option<&str>) -> Result<f64, String> {
+        match self.unit_of_heights(unit_of_values)? {
+            geo_key::METRE => Ok(1.0),
+            geo_key::FOOT => Ok(0.3048),
+            geo_key::US_SURVEY_FOOT => Ok(1200.0 / 3937.0),
+            unit => Err(format!(
+                "the file gives its heights in the unit EPSG:{unit}, which is neither metres nor feet; \
+                 gdal_calc.py converts them"
+            )),
         }
     }
 
@@ -381,6 +417,32 @@ mod tests {
         assert_eq!(area.coordinates([3.0, 3.0]), [5e5 + 75.0, 4e6 - 30.0]);
         let point = tags(&[&UTM[..], &[1025, 0, 1, 2]].concat()).georeference().unwrap();
         assert_eq!(point.coordinates([2.0, 1.0]), [5e5, 4e6]);
+    }
+
+    #[test]
+    fn degrees_are_written_in_any_order_of_rows() {
+        for down in [-0.5, 0.5] {
+            let right = [0.25, 0.0];
+            let system = Some(CoordinateSystem::WGS_84);
+            let wanted = Georeference { origin: [8.0, 47.0], down: [0.0, down], right, system };
+            let tags = GeoTags::wgs84(&wanted);
+            assert_eq!(tags.georeference(), Ok(wanted));
+            assert!(matches!(tags.spacing(None), FileSpacing::Degrees(_)));
+        }
+    }
+
+    #[test]
+    fn heights_are_in_metres_or_feet() {
+        let metres = |code: u16| {
+            let keys =
+                [1, 1, 0, 2, geo_key::MODEL_TYPE, 0, 1, 2, geo_key::VERTICAL_UNITS, 0, 1, code];
+            tags(&keys).metres_per_height(None)
+        };
+        assert_eq!(metres(geo_key::METRE), Ok(1.0));
+        assert_eq!(metres(geo_key::FOOT), Ok(0.3048));
+        assert!(metres(9036).unwrap_err().contains("EPSG:9036"));
+        assert!(tags(&UTM).metres_per_height(Some("m")).is_ok());
+        assert!(tags(&UTM).metres_per_height(Some("fathom")).is_err());
     }
 
     #[test]

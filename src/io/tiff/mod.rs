@@ -37,6 +37,9 @@ pub(super) struct Raster {
     /// The coordinate reference system, or a message that says what is missing.
     pub system: Result<CoordinateSystem, String>,
     pub geo_tags: GeoTags,
+    /// The length of the unit of the values in metres, if they are heights, or a message that says why it is not
+    /// known.
+    pub metres: Result<f64, String>,
     /// Whether +infinity is the no-data value, as in our maps.
     pub unreached: bool,
 }
@@ -112,6 +115,7 @@ pub(super) fn decode(
         spacing: geo_tags.spacing(metadata.unit.as_deref()),
         georeference,
         system: geo_tags.system(),
+        metres: geo_tags.metres_per_height(metadata.unit.as_deref()),
         unreached: metadata.is_infinite(),
         geo_tags,
     })

@@ -159,7 +159,7 @@ fn places(path: &Path) {
         right: [1.0, 0.0],
         system: Some(CoordinateSystem::Projected(32616)),
     };
-    let frame = GridFrame { chart, georeference: Ok(georeference) };
+    let frame = GridFrame::new(chart, Ok(georeference));
     let is_on = |&[row, col]: &[f64; 2]| (0.0..=6.0).contains(&row) && (0.0..=8.0).contains(&col);
     if let Some(curves) = checked(path, file.curves(&frame)) {
         assert!(!curves.is_empty() && curves.iter().all(|curve| !curve.vertices.is_empty()));

@@ -210,6 +210,7 @@ impl Pairs {
 
     fn from_surface(args: &Args) -> Result<Self, Box<dyn Error>> {
         let scene = args.surface.read()?;
+        scene.refuse_added_lines("canonical")?;
         let surface = &scene.surface;
         let (chart, points) = every_few(surface, args.points);
         if chart != surface.chart() {

@@ -115,6 +115,20 @@ impl DirectionArgs {
         })
     }
 
+    /// Refuses directions on surfaces that have none.
+    pub fn check(&self, scene: &Scene) -> Result<(), String> {
+        let wanted = [
+            ("--back-direction", self.back_direction.is_some()),
+            ("--back-link", self.back_link.is_some()),
+            ("--nearest", self.nearest.is_some()),
+            ("--source-direction", self.source_direction.is_some()),
+            ("--log-map", self.log_map.is_some()),
+            ("--direction-picture", self.direction_picture.is_some()),
+        ];
+        let first = wanted.into_iter().find(|(_, is_wanted)| *is_wanted);
+        first.map_or(Ok(()), |(what, _)| scene.refuse_directions(what))
+    }
+
     /// Returns the file that is read.
     pub fn input(&self) -> Option<&Path> {
         self.sign.inside.as_deref()
@@ -122,23 +136,28 @@ impl DirectionArgs {
 }
 
 impl SignArgs {
-    /// Returns the distances with a sign, if that is wanted.
+    /// Returns whether the sign is that of the sides of curves.
+    pub fn needs_curves(&self) -> bool {
+        self.signed && self.inside.is_none()
+    }
+
+    /// Returns the distances of the given points with a sign, if that is wanted. `sources` lie on the surface's grid.
     pub fn of<R: Real>(
         &self,
         scene: &Scene,
         sources: &Sources,
-        map: &DistanceMap<R>,
+        distances: &[R],
     ) -> Result<Option<Vec<R>>, Box<dyn Error>> {
         if !self.signed {
             return Ok(None);
         }
         let signed = match &self.inside {
-            None => signed_distances(map.chart, sources, &map.distances)?,
+            None => signed_distances(scene.chart(), sources, distances)?,
             Some(path) => {
                 let place = scene.georeference.as_ref().ok();
-                let (rows, cols) = (map.chart.rows, map.chart.cols);
-                let inside = read_mask(path)?.fit_surface(path, rows, cols, place)?;
-                signed_distances_by_mask(map.chart, &map.distances, &inside)?
+                let chart = scene.chart();
+                let inside = read_mask(path)?.fit_surface(path, chart.rows, chart.cols, place)?;
+                signed_distances_by_mask(chart, distances, &inside)?
             }
         };
         Ok(Some(signed))

@@ -36,9 +36,10 @@ pub struct Args {
     #[command(flatten)]
     limits: LimitArgs,
 
-    /// Precision in which the map is computed and written
-    #[arg(long, value_enum, default_value_t, help_heading = "Accuracy")]
-    precision: Precision,
+    /// Precision in which the map is computed and written (default: single; double with --geodetic, unless a Vulkan
+    /// device is asked for)
+    #[arg(long, value_enum, help_heading = "Accuracy")]
+    precision: Option<Precision>,
     /// Output file for the estimated error of each distance, in the map's format and unit, with +infinity
     /// where there is no estimate. The estimate compares maps of every second and fourth point, which takes a
     /// third more time. Over floor plans it compares with a grid twice as fine, which takes four to five
@@ -105,7 +106,7 @@ Examples:
 }
 
 pub fn run(args: &Args) -> Outcome {
-    args.precision.run(args)
+    args.precision().run(args)
 }
 
 impl InPrecision for &Args {
@@ -115,23 +116,26 @@ impl InPrecision for &Args {
         let options = self.solver.options()?;
         let outputs = Outputs::new(self)?;
         let scene = self.surface.read()?;
-        let options = self.limits.options(options, &scene.frame())?;
-        let sources = self.sources.sources(&scene.frame())?;
-        let solved = {
+        self.check(&scene)?;
+        let options = self.limits.options(options, &scene)?;
+        let sources = self.sources.sources(&scene)?;
+        let mut solved = {
             let _spinner = Spinner::new("computing distances");
-            Solved::<R>::new(self, &scene.surface, &sources, &options)?
+            let solved = Solved::<R>::new(self, &scene.surface, &sources, &options);
+            solved.map_err(|error| scene.explain(error))?
         };
+        scene.count(&mut solved.map);
         self.comment(&scene.surface, &solved, &options);
         problem::comment_on_starts::<R>(&scene.surface, &sources);
         problem::comment_on_size::<R>(&scene.surface);
         problem::comment_on_corners(&scene.surface, &solved.map);
-        problem::comment_on_targets(&solved.map, &options);
+        problem::comment_on_targets(&scene, &solved.map, &options);
         let quantity = scene.quantity(self.unit.as_deref().or(scene.unit));
         let sign = &self.directions.sign;
         let written = outputs.write(&scene, &sources, sign, &quantity, &solved)?;
         problem::done_with_map(&scene, &solved.map.report, &written);
         if self.json {
-            print_json("distance", &Summary::new(&scene.surface, self, &solved))?;
+            print_json("distance", &Summary::new(&scene, self, &solved))?;
         }
         Ok(ExitCode::SUCCESS)
     }
@@ -178,6 +182,23 @@ impl<R: Number> Solved<R> {
 }
 
 impl Args {
+    fn precision(&self) -> Precision {
+        self.precision.unwrap_or(problem::default_precision(&self.surface, &self.solver))
+    }
+
+    /// Rejects outputs that the surface does not support, before anything is computed.
+    fn check(&self, scene: &Scene) -> Result<(), String> {
+        let of_open = [
+            ("--error", self.error.is_some()),
+            ("--extrapolate", self.extrapolate),
+            ("--signed", self.directions.sign.needs_curves()),
+        ];
+        for (what, _) in of_open.into_iter().filter(|(_, is_wanted)| *is_wanted) {
+            scene.refuse_round(what)?;
+        }
+        self.directions.check(scene)
+    }
+
     /// Prints notes about the map that the user should know.
     fn comment<R>(&self, surface: &Surface, solved: &Solved<R>, options: &Options) {
         let report = &solved.map.report;
@@ -216,7 +237,7 @@ struct Outputs {
 
 impl Outputs {
     fn new(args: &Args) -> Result<Self, Box<dyn Error>> {
-        let map_output = |path| map_output(path, args.precision);
+        let map_output = |path| map_output(path, args.precision());
         let map = args.output.as_deref().map(map_output).transpose()?;
         let error = args.error.as_deref().map(map_output).transpose()?;
         let picture = wanted_png(args.picture.as_ref())?;
@@ -238,19 +259,22 @@ impl Outputs {
         quantity: &str,
         Solved { map, estimate }: &Solved<R>,
     ) -> Result<Written, Box<dyn Error>> {
-        let (rows, cols) = (map.chart.rows, map.chart.cols);
+        let (rows, cols) = (scene.chart().rows, scene.chart().cols);
         let geo_tags = scene.geo_tags.as_ref();
         let mut staged = self.directions.stage(scene, sources, map)?;
         if let Some((output, format)) = self.map {
-            let signed = sign.of(scene, sources, map)?;
-            let distances = signed.as_deref().unwrap_or(&map.distances);
+            let distances = scene.crop(&map.distances);
+            let signed = sign.of(scene, sources, &distances)?;
+            let distances = signed.as_deref().unwrap_or(&distances);
             staged.push(
                 output.stage(|writer| format.write(writer, rows, cols, distances, geo_tags))?,
             );
         }
         if let Some(((output, format), Estimate { errors, .. })) = self.error.zip(estimate.as_ref())
         {
-            staged.push(output.stage(|writer| format.write(writer, rows, cols, errors, geo_tags))?);
+            let errors = scene.crop(errors);
+            staged
+                .push(output.stage(|writer| format.write(writer, rows, cols, &errors, geo_tags))?);
         }
         if let Some(output) = self.picture {
             let (surface, shape, map) = (&scene.surface, scene.shape(), &map.to_single());
@@ -270,8 +294,8 @@ fn map_output(
     if precision == Precision::Double && !format.holds_double() {
         let name = path.display();
         let message = format!(
-            "{name}: {format} files hold single precision only; write .npy or .tif, or leave \
-             --precision double out"
+            "{name}: {format} files hold single precision only; write .npy or .tif, or give \
+             --precision single"
         );
         return Err(message.into());
     }
@@ -288,10 +312,10 @@ struct Summary<'a, R> {
 }
 
 impl<'a, R: Number> Summary<'a, R> {
-    fn new(surface: &Surface, args: &Args, solved: &'a Solved<R>) -> Self {
+    fn new(scene: &Scene, args: &Args, solved: &'a Solved<R>) -> Self {
         let Solved { map, estimate } = solved;
         Self {
-            map: MapSummary::new(surface, map),
+            map: MapSummary::new(scene, map),
             extrapolated: args.extrapolate,
             mean_relative_error: estimate.as_ref().map(|estimate| estimate.mean_relative),
             max_relative_error: estimate.as_ref().map(|estimate| estimate.max_relative),

@@ -48,7 +48,7 @@ pub struct Args {
     /// with from, distance (the map's value at the start), length (of the path, times the slowness; together
     /// with the source's start value it equals the distance, apart from errors), time (length as a travel
     /// time; null without a slowness), surface_length (without any slowness), source (its index in the order
-    /// of --source, --source-xy, --source-points and --source-curve) and vertices
+    /// of --source, --source-xy, --source-lonlat, --source-points and --source-curve) and vertices
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -73,19 +73,24 @@ Examples:
 pub fn run(args: &Args) -> Outcome {
     let files = CurveFiles::new(&args.output)?;
     let file = args.from_file.as_deref().map(PlaceFile::read).transpose()?;
-    let mut problem = args.problem.solve(&files, None, args.from_file.as_deref())?;
+    let mut problem = args.problem.solve(&files, None, args.from_file.as_deref(), None)?;
     let picture = problem.picture.take();
     let Problem { scene, sources, map, .. } = &problem;
     let starts = args.starts(file.as_ref(), &scene.frame())?;
+    let places: Vec<_> = starts
+        .iter()
+        .map(|&start| scene.place(start).map_err(|why| format!("start {why}")))
+        .collect::<Result<_, _>>()?;
     let paths: Vec<Path> = {
         let _spinner = Spinner::new("tracing paths");
         let edges = EdgeLengths::new(&scene.surface)?;
         let paths = PathTracer::new(&scene.surface, &edges, sources, &map.distances)?;
-        paths.trace_all(&starts).into_iter().collect::<Result<_, PathError>>()?
+        let paths = paths.trace_all(&places).into_iter().collect::<Result<_, PathError>>();
+        paths.map_err(|error| scene.explain_path(error))?
     };
-    let row = |(from, path)| Row::new(from, path, &problem);
-    let rows: Vec<Row> =
-        starts.iter().copied().zip(&paths).map(row).collect::<Result<_, CurveError>>()?;
+    let ends = starts.iter().copied().zip(places);
+    let row = |(ends, path)| Row::new(ends, path, &problem);
+    let rows: Vec<Row> = ends.zip(&paths).map(row).collect::<Result<_, CurveError>>()?;
 
     let mut staged = files.stage(scene, &ATTRIBUTES, polylines(&paths, &rows, scene)?)?;
     if let Some((output, look)) = picture {
@@ -182,13 +187,18 @@ struct Row {
 }
 
 impl Row {
-    fn new(from: [f64; 2], path: &Path, problem: &Problem) -> Result<Self, CurveError> {
+    /// Describes a path from a given place, which is also known on the surface's grid.
+    fn new(
+        (from, place): ([f64; 2], [f64; 2]),
+        path: &Path,
+        problem: &Problem,
+    ) -> Result<Self, CurveError> {
         let Path { curve, distance, length, source } = path;
         let surface = &problem.scene.surface;
         let is_slowed = surface.slowness().is_some();
         Ok(Self {
             from,
-            distance: problem.double_at(from).unwrap_or(*distance),
+            distance: problem.double_at(place).unwrap_or(*distance),
             length: *length,
             time: is_slowed.then_some(*length),
             // Without a slowness, the path's own length is more accurate, since it is measured along arcs.

@@ -66,7 +66,7 @@ Examples:
 
 pub fn run(args: &Args) -> Outcome {
     let files = CurveFiles::new(&args.output)?;
-    let mut problem = args.problem.solve(&files, None, None)?;
+    let mut problem = args.problem.solve(&files, None, None, Some("ridges"))?;
     let picture = problem.picture.take();
     let Problem { scene, sources, map, .. } = &problem;
     let found = {

@@ -79,14 +79,19 @@ pub fn run(args: &Args) -> Outcome {
     let outputs: Vec<_> = files.files().chain(&labels).chain(&picture).collect();
     check_outputs(&outputs, args.surface.inputs().map(AsRef::as_ref))?;
     let scene = args.surface.read()?;
-    let (surface, chart) = (&scene.surface, scene.surface.chart());
+    let surface = &scene.surface;
     files.check(&scene)?;
+    let has_regions = [("--labels", labels.is_some()), ("--picture", picture.is_some())];
+    for (what, _) in has_regions.into_iter().filter(|(_, is_wanted)| *is_wanted) {
+        scene.refuse_round(what)?;
+    }
     let look = picture.as_ref().map(|_| args.picture.look(&scene)).transpose()?;
 
     let edges = EdgeLengths::new(surface)?;
-    let first = args.first.unwrap_or_else(|| middle(surface));
+    let first = args.first.map(|first| scene.place(first).map_err(|why| format!("--first {why}")));
+    let first = first.unwrap_or_else(|| Ok(middle(surface)))?;
     let sampled = farthest_points(surface, &edges, first, args.count);
-    let (points, samples) = sampled.map_err(|error| match error {
+    let (points, mut samples) = sampled.map_err(|error| match scene.explain(error) {
         // The message says `--first`, since here the source is a sample.
         geosweep::Error::Source(error) => error.to_string().replacen("source", "--first", 1).into(),
         error => Box::<dyn Error>::from(error),
@@ -104,7 +109,7 @@ pub fn run(args: &Args) -> Outcome {
         let (sources, distances) = (points.sources(), points.distances());
         let voronoi = Voronoi::new(surface, &edges, sources, &distances)?;
         if let Some(output) = labels {
-            staged.push(stage_labels(output, chart, &voronoi, scene.geo_tags.as_ref())?);
+            staged.push(stage_labels(output, surface.chart(), &voronoi, scene.geo_tags.as_ref())?);
         }
         if let Some((output, look)) = picture.zip(look) {
             let areas = voronoi.areas(surface);
@@ -128,6 +133,9 @@ pub fn run(args: &Args) -> Outcome {
     };
     done(["CPU".into(), counted(samples.len() as u64, "sample"), covers], &written);
     if args.json {
+        for sample in &mut samples {
+            [sample.row, sample.col] = scene.given([sample.row, sample.col]);
+        }
         print_json("sample", &Summary { radius: points.radius(), samples })?;
     }
     Ok(ExitCode::SUCCESS)

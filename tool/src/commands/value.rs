@@ -7,8 +7,9 @@ use geosweep::shown::exact;
 use geosweep::surface::EdgeLengths;
 use serde::Serialize;
 
-use crate::numbers::place;
+use crate::numbers::{coordinates, place, place_xy};
 use crate::output::check_outputs;
+use crate::precision::Precision;
 use crate::problem::{self, MapSummary, SolverArgs, SourceArgs, SurfaceArgs};
 use crate::terminal::{Outcome, print, print_json};
 
@@ -18,8 +19,12 @@ use crate::terminal::{Outcome, print, print_json};
 pub struct Args {
     /// Place: row and column, which may be fractional; repeatable
     #[arg(long, value_name = "R,C", value_parser = place, allow_hyphen_values = true)]
-    #[arg(required = true)]
+    #[arg(required_unless_present = "at_xy")]
     at: Vec<[f64; 2]>,
+    /// Place in map coordinates, if SURFACE is georeferenced, or longitude and latitude; repeatable. These follow the
+    /// places of --at
+    #[arg(long, value_name = "X,Y", value_parser = coordinates, allow_hyphen_values = true)]
+    at_xy: Vec<[f64; 2]>,
 
     #[command(flatten)]
     sources: SourceArgs,
@@ -69,18 +74,28 @@ pub fn run(args: &Args) -> Outcome {
     let options = args.solver.options()?;
     check_outputs(&[], problem::inputs(&args.surface, &args.sources))?;
     let scene = args.surface.read()?;
-    let sources = args.sources.sources(&scene.frame())?;
-    let map = problem::solve::<f32>(&scene, &sources, &options)?;
+    let sources = args.sources.sources(&scene)?;
+    let mut at = args.at.clone();
+    for &place in &args.at_xy {
+        at.push(place_xy("--at-xy", &scene.frame(), place)?);
+    }
+    let place = |&place| scene.place(place).map_err(|why| format!("--at {why}"));
+    let places: Vec<_> = at.iter().map(place).collect::<Result<_, _>>()?;
+    let map = match problem::default_precision(&args.surface, &args.solver) {
+        Precision::Single => problem::solve::<f32>(&scene, &sources, &options)?,
+        Precision::Double => problem::solve::<f64>(&scene, &sources, &options)?.to_single(),
+    };
     let edges = EdgeLengths::new(&scene.surface)?;
     // A distance does not depend on how the path is pulled taut.
     let paths = PathTracer::new(&scene.surface, &edges, &sources, &map.distances)?.along_the_map();
-    let found: Vec<_> = paths.trace_all(&args.at).into_iter().collect::<Result<_, PathError>>()?;
-    let values = args.at.iter().zip(found).map(|(&[row, col], path)| {
+    let found = paths.trace_all(&places).into_iter().collect::<Result<Vec<_>, PathError>>();
+    let found = found.map_err(|error| scene.explain_path(error))?;
+    let values = at.iter().zip(found).map(|(&[row, col], path)| {
         let distance = path.distance as f32;
         Value { row, col, distance }
     });
     if args.json {
-        let map = MapSummary::new(&scene.surface, &map);
+        let map = MapSummary::new(&scene, &map);
         print_json("value", &Summary { map, values: values.collect() })?;
         return Ok(ExitCode::SUCCESS);
     }

@@ -19,8 +19,8 @@ use crate::terminal::{Outcome, Spinner, print_json};
 #[command(after_help = examples())]
 pub struct Args {
     /// Output file for the regions: .npy (M, N) or .tif, int32. Each point has the index of its nearest
-    /// source, counted from 0 in the order of --source, --source-xy, --source-points and --source-curve; -1
-    /// at holes and where no source reaches
+    /// source, counted from 0 in the order of --source, --source-xy, --source-lonlat, --source-points and
+    /// --source-curve; -1 at holes and where no source reaches
     #[arg(short, long, value_name = "LABELS")]
     #[arg(required_unless_present_any = ["borders", "picture", "json"])]
     output: Option<PathBuf>,
@@ -59,7 +59,7 @@ Examples:
 pub fn run(args: &Args) -> Outcome {
     let labels = labels_output(args.output.as_ref())?;
     let borders = CurveFiles::new(&args.borders)?;
-    let mut problem = args.problem.solve(&borders, labels.as_ref(), None)?;
+    let mut problem = args.problem.solve(&borders, labels.as_ref(), None, Some("voronoi"))?;
     let picture = problem.picture.take();
     let Problem { scene, sources, map, .. } = &problem;
     let voronoi = {

@@ -8,7 +8,8 @@ use geosweep::io::OutputFile;
 use geosweep::{DistanceMap, Options, Sources};
 
 use super::{
-    CurveFiles, MapReport, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs, inputs, solve,
+    CurveFiles, MapReport, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs,
+    default_precision, inputs, solve,
 };
 use crate::output::check_outputs;
 use crate::picture::Look;
@@ -22,9 +23,10 @@ pub struct ProblemArgs {
     surface: SurfaceArgs,
     #[command(flatten)]
     solver: SolverArgs,
-    /// Precision of the map. Results from it are computed on the map rounded to single precision
-    #[arg(long, value_enum, default_value_t, help_heading = "Accuracy")]
-    precision: Precision,
+    /// Precision of the map. Results from it are computed on the map rounded to single precision (default: single;
+    /// double with --geodetic, unless a Vulkan device is asked for)
+    #[arg(long, value_enum, help_heading = "Accuracy")]
+    precision: Option<Precision>,
     #[command(flatten)]
     picture: PictureArgs,
 }
@@ -42,12 +44,14 @@ pub struct Problem {
 
 impl ProblemArgs {
     /// Computes the map, after all checks that do not need it. The outputs are checked against the inputs.
-    /// Outputs are the curves, the picture and possibly `output`; `input` is an additional input.
+    /// Outputs are the curves, the picture and possibly `output`; `input` is an additional input. `open` names what
+    /// does not pass seams.
     pub fn solve(
         &self,
         curves: &CurveFiles,
         output: Option<&OutputFile>,
         input: Option<&Path>,
+        open: Option<&str>,
     ) -> Result<Problem, Box<dyn Error>> {
         let options = self.solver.options()?;
         let picture = self.picture.output()?;
@@ -55,8 +59,9 @@ impl ProblemArgs {
         check_outputs(&outputs, inputs(&self.surface, &self.sources).chain(input))?;
         let scene = self.surface.read()?;
         curves.check(&scene)?;
+        open.map_or(Ok(()), |what| scene.refuse_round(what))?;
         let look = picture.as_ref().map(|_| self.picture.look(&scene)).transpose()?;
-        let sources = self.sources.sources(&scene.frame())?;
+        let sources = self.sources.sources(&scene)?;
         let (map, double) = self.maps(&scene, &sources, &options)?;
         Ok(Problem { scene, sources, map, double, picture: picture.zip(look) })
     }
@@ -67,7 +72,7 @@ impl ProblemArgs {
         sources: &Sources,
         options: &Options,
     ) -> Result<(DistanceMap, Option<DistanceMap<f64>>), geosweep::Error> {
-        match self.precision {
+        match self.precision.unwrap_or(default_precision(&self.surface, &self.solver)) {
             Precision::Single => Ok((solve::<f32>(scene, sources, options)?, None)),
             Precision::Double => {
                 let map = solve::<f64>(scene, sources, options)?;
@@ -90,10 +95,11 @@ impl ProblemArgs {
 impl Problem {
     /// Returns the JSON report of the map.
     pub fn report(&self) -> MapReport<'_> {
-        MapReport::new(&self.scene.surface, &self.map, self.double.as_ref())
+        MapReport::new(&self.scene, &self.map, self.double.as_ref())
     }
 
-    /// Returns the map's value at a place, if the place is a grid point and the map is in double precision.
+    /// Returns the map's value at a place on the surface's grid, if the place is a grid point and the map is in double
+    /// precision.
     pub fn double_at(&self, [row, col]: [f64; 2]) -> Option<f64> {
         let map = self.double.as_ref()?;
         let is_point = row.fract() == 0.0 && col.fract() == 0.0;

@@ -49,11 +49,19 @@ impl CurveFiles {
         self,
         scene: &Scene,
         attributes: &[&'static str],
-        polylines: Vec<Polyline>,
+        mut polylines: Vec<Polyline>,
     ) -> Result<Vec<StagedFile>, Box<dyn Error>> {
-        let chart = scene.surface.chart();
-        let georeference = scene.georeference.as_ref().ok().copied();
-        let drawing = Drawing { chart, georeference, attributes: attributes.to_vec(), polylines };
+        for vertex in polylines.iter_mut().flat_map(|line| &mut line.curve.vertices) {
+            *vertex = scene.given(*vertex);
+        }
+        let drawing = Drawing {
+            chart: scene.chart(),
+            georeference: scene.georeference.as_ref().ok().copied(),
+            // On the Earth, positions count from its middle.
+            has_heights: !scene.is_on_earth(),
+            attributes: attributes.to_vec(),
+            polylines,
+        };
         let stage = |(file, format): (OutputFile, CurveFormat)| {
             Ok(file.stage(|writer| format.write(writer, &drawing))?)
         };

@@ -4,10 +4,11 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use geosweep::io::{GridFrame, PlaceFile};
+use geosweep::io::PlaceFile;
+use geosweep::surface::Real;
 use geosweep::{DistanceMap, Options, Targets};
 
-use super::remark;
+use super::{Scene, remark};
 use crate::numbers::numbers;
 use crate::terminal::say;
 
@@ -49,7 +50,8 @@ fn grid_point(text: &str) -> Result<[usize; 2], String> {
 
 impl LimitArgs {
     /// Returns the options of the solver with these limits.
-    pub fn options(&self, options: Options, frame: &GridFrame) -> Result<Options, Box<dyn Error>> {
+    pub fn options(&self, options: Options, scene: &Scene) -> Result<Options, Box<dyn Error>> {
+        let frame = &scene.frame();
         let mut points = self.target.clone();
         for path in &self.targets {
             let file = PlaceFile::read(path)?;
@@ -63,6 +65,9 @@ impl LimitArgs {
         if points.is_empty() {
             return Ok(options);
         }
+        for point in &mut points {
+            *point = on_surface(scene, *point)?;
+        }
         Ok(options.with_targets(match self.target_mode {
             TargetMode::All => Targets::all(points),
             TargetMode::Any => Targets::any(points),
@@ -75,13 +80,26 @@ impl LimitArgs {
     }
 }
 
+/// Returns a target on the surface's grid.
+fn on_surface(scene: &Scene, given: [usize; 2]) -> Result<[usize; 2], String> {
+    let place =
+        scene.place(given.map(|at| at as f64)).map_err(|why| format!("the target {why}"))?;
+    let [row, col] = place.map(|at| at as usize);
+    if scene.is_on_earth() && !scene.surface.has(row, col) {
+        let [row, col] = given;
+        return Err(format!("the target {row},{col} is in a hole; choose a point of the surface"));
+    }
+    Ok([row, col])
+}
+
 /// Prints which targets were not reached.
-pub fn comment_on_targets<R: geosweep::surface::Real>(map: &DistanceMap<R>, options: &Options) {
+pub fn comment_on_targets<R: Real>(scene: &Scene, map: &DistanceMap<R>, options: &Options) {
     let Some(targets) = &options.targets else { return };
     let is_missed = |&&[row, col]: &&[usize; 2]| !map.distance(row, col).is_finite();
     let missed: Vec<_> = targets.points().iter().filter(is_missed).collect();
     let reached = targets.points().len() - missed.len();
-    let Some([row, col]) = missed.first().filter(|_| reached < targets.needed()) else { return };
+    let Some(first) = missed.first().filter(|_| reached < targets.needed()) else { return };
+    let [row, col] = scene.given(first.map(|at| at as f64));
     let others = match missed.len() {
         1 => String::new(),
         more => format!(" and {} others", more - 1),

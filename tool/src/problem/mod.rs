@@ -3,9 +3,12 @@
 
 mod args;
 mod curve_files;
+mod earth;
+mod geodetic;
 mod gluing;
 mod limits;
 mod picture;
+mod scene;
 mod solver;
 mod sources;
 mod summary;
@@ -23,13 +26,14 @@ pub use args::{Problem, ProblemArgs};
 pub use curve_files::CurveFiles;
 pub use limits::{LimitArgs, comment_on_targets};
 pub use picture::PictureArgs;
+pub use scene::Scene;
 pub use solver::SolverArgs;
 pub use sources::{SourceArgs, remark};
 pub use summary::{MapReport, MapSummary};
-pub use surface::{Scene, SurfaceArgs};
+pub use surface::SurfaceArgs;
 
 use crate::output::{Written, done};
-use crate::precision::Number;
+use crate::precision::{Number, Precision};
 use crate::terminal::{Spinner, counted, say};
 
 /// Returns a sentence on the built-in surfaces for the end of a command's help.
@@ -44,12 +48,21 @@ pub fn solve<R: Number>(
     options: &Options,
 ) -> Result<DistanceMap<R>, geosweep::Error> {
     let _spinner = Spinner::new("computing distances");
-    let map = R::MAP(&scene.surface, sources, options)?;
+    let mut map = R::MAP(&scene.surface, sources, options).map_err(|error| scene.explain(error))?;
+    scene.count(&mut map);
     comment(&map.report, options);
     comment_on_starts::<R>(&scene.surface, sources);
     comment_on_size::<R>(&scene.surface);
     comment_on_corners(&scene.surface, &map);
     Ok(map)
+}
+
+/// Returns the precision of maps if none is given. Thin cells near the poles of the Earth cost digits.
+pub fn default_precision(surface: &SurfaceArgs, solver: &SolverArgs) -> Precision {
+    match surface.geodetic.is_wanted() && !solver.wants_device() {
+        true => Precision::Double,
+        false => Precision::Single,
+    }
 }
 
 /// Returns all files that are read.

@@ -82,6 +82,12 @@ fn schedules() -> [(Schedule, &'static str); Schedule::ALL.len()] {
 }
 
 impl SolverArgs {
+    /// Returns whether a Vulkan device is asked for.
+    pub fn wants_device(&self) -> bool {
+        let is_vulkan = matches!(self.engine, Engine::Vulkan(_));
+        is_vulkan || self.device.is_some() || self.schedule.is_some()
+    }
+
     pub fn options(&self) -> Result<Options, String> {
         let stops = self.iterations.is_some() || self.tolerance.is_some();
         if self.engine == Engine::FastMarching && stops {

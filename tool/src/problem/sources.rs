@@ -4,8 +4,12 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use geosweep::Sources;
+use geosweep::geometry::Curve;
 use geosweep::io::{GridFrame, PlaceFile};
+use geosweep::shown::exact;
 
+use super::Scene;
+use super::geodetic::{check_latitude, check_longitude};
 use crate::numbers::{numbers, place_xy};
 use crate::terminal::say;
 
@@ -21,6 +25,11 @@ pub struct SourceArgs {
     #[arg(long, value_name = "X,Y[,T0]", group = "sources", help_heading = "Sources")]
     #[arg(value_parser = point_xy, allow_hyphen_values = true)]
     source_xy: Vec<[f64; 3]>,
+    /// Point source on the Earth, with --geodetic: longitude and latitude in degrees, and its start value (default
+    /// 0); repeatable. Longitudes may differ from the grid's by full turns
+    #[arg(long, value_name = "LON,LAT[,T0]", group = "sources", help_heading = "Sources")]
+    #[arg(value_parser = point_lonlat, allow_hyphen_values = true, requires = "geodetic")]
+    source_lonlat: Vec<[f64; 3]>,
     /// File of curves, every point of which is a source; repeatable. An .npy array is (K, 2) with rows and
     /// columns, (K, 3) with start values too, or (K, 5) as this tool writes curves; rows of NaN separate
     /// curves. A text file has a line `row,col` per vertex (any separator, and decimal commas), or columns
@@ -49,6 +58,14 @@ fn point_xy(text: &str) -> Result<[f64; 3], String> {
     with_start(numbers(text)?).ok_or_else(|| form.into())
 }
 
+fn point_lonlat(text: &str) -> Result<[f64; 3], String> {
+    let form = "a source is a longitude and a latitude, and perhaps a start value: LON,LAT[,T0]";
+    let [longitude, latitude, start] = with_start(numbers(text)?).ok_or(form)?;
+    check_longitude(longitude)?;
+    check_latitude(latitude)?;
+    Ok([longitude, latitude, start])
+}
+
 fn with_start(numbers: Vec<f64>) -> Option<[f64; 3]> {
     match numbers[..] {
         [first, second] => Some([first, second, 0.0]),
@@ -58,21 +75,27 @@ fn with_start(numbers: Vec<f64>) -> Option<[f64; 3]> {
 }
 
 impl SourceArgs {
-    /// Returns the sources: points as rows and columns, points in map coordinates, points of files, then
-    /// curves.
-    pub fn sources(&self, frame: &GridFrame) -> Result<Sources, Box<dyn Error>> {
+    /// Returns the sources on the surface's grid: points as rows and columns, points in map coordinates, points by
+    /// longitude and latitude, points of files, then curves.
+    pub fn sources(&self, scene: &Scene) -> Result<Sources, Box<dyn Error>> {
+        let frame = &scene.frame();
         let mut sources = Sources::default();
         for &[row, col, start] in &self.source {
+            let [row, col] = scene.place([row, col]).map_err(|why| format!("source {why}"))?;
             sources = sources.and_point(row, col, start);
         }
         for &[x, y, start] in &self.source_xy {
-            let [row, col] = place_xy("--source-xy", frame, [x, y])?;
+            let [row, col] = scene.place(place_xy("--source-xy", frame, [x, y])?)?;
+            sources = sources.and_point(row, col, start);
+        }
+        for &[longitude, latitude, start] in &self.source_lonlat {
+            let [row, col] = lonlat(scene, [longitude, latitude])?;
             sources = sources.and_point(row, col, start);
         }
         for path in &self.source_points {
             let file = PlaceFile::read(path)?;
             for point in file.points(frame)? {
-                let [row, col] = point.at;
+                let [row, col] = scene.place(point.at)?;
                 sources = sources.and_point(row, col, point.start);
             }
             remark(path, &file, frame);
@@ -90,9 +113,11 @@ impl SourceArgs {
         for path in &self.source_curve {
             let file = PlaceFile::read(path)?;
             for curve in file.curves(frame)? {
-                sources = match curve.vertices[..] {
+                let named = |why| format!("{}: {why}", path.display());
+                let vertices = scene.curve(curve.vertices).map_err(named)?;
+                sources = match vertices[..] {
                     [[row, col]] => sources.and_point(row, col, curve.start),
-                    _ => sources.and_curve(curve.vertices, curve.start),
+                    _ => sources.and_curve(vertices, curve.start),
                 };
             }
             remark(path, &file, frame);
@@ -104,6 +129,22 @@ impl SourceArgs {
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         self.source_curve.iter().chain(&self.source_points)
     }
+}
+
+/// Returns the place on the surface's grid of a longitude and a latitude in degrees.
+fn lonlat(scene: &Scene, [longitude, latitude]: [f64; 2]) -> Result<[f64; 2], String> {
+    let option = "--source-lonlat";
+    let place = scene.place(place_xy(option, &scene.frame(), [longitude, latitude])?)?;
+    let point = Curve { vertices: vec![place], closed: false };
+    if point.lift(&scene.surface).is_err() {
+        return Err(format!(
+            "{option} {},{}: lies in a hole of the surface (NaN, no-data or masked out); move it to a point of \
+             the surface",
+            exact(longitude),
+            exact(latitude)
+        ));
+    }
+    Ok(place)
 }
 
 /// Prints which parts of a file are not used, and what is assumed about it.

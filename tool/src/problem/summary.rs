@@ -1,10 +1,11 @@
 //! Reports how a map was computed.
 
+use geosweep::DistanceMap;
 use geosweep::geometry::farthest;
 use geosweep::surface::Seam;
-use geosweep::{DistanceMap, Surface};
 use serde::Serialize;
 
+use super::Scene;
 use crate::precision::{Number, Precision};
 
 /// The part of the JSON output on the map, which every command on a map prints.
@@ -42,21 +43,17 @@ pub enum MapReport<'a> {
 
 impl<'a> MapReport<'a> {
     /// Reports on a map in single precision, or on the map in double precision from which it was rounded.
-    pub fn new(
-        surface: &Surface,
-        map: &'a DistanceMap,
-        double: Option<&'a DistanceMap<f64>>,
-    ) -> Self {
+    pub fn new(scene: &Scene, map: &'a DistanceMap, double: Option<&'a DistanceMap<f64>>) -> Self {
         match double {
-            None => Self::Single(MapSummary::new(surface, map)),
-            Some(map) => Self::Double(MapSummary::new(surface, map)),
+            None => Self::Single(MapSummary::new(scene, map)),
+            Some(map) => Self::Double(MapSummary::new(scene, map)),
         }
     }
 }
 
 impl<'a, R: Number> MapSummary<'a, R> {
-    pub fn new(surface: &Surface, map: &'a DistanceMap<R>) -> Self {
-        let report = &map.report;
+    pub fn new(scene: &Scene, map: &'a DistanceMap<R>) -> Self {
+        let (report, chart) = (&map.report, scene.chart());
         Self {
             precision: R::PRECISION,
             engine: report.engine.name(),
@@ -66,16 +63,17 @@ impl<'a, R: Number> MapSummary<'a, R> {
             schedule: report.schedule,
             wavefront: report.wavefront.name(),
             iterations: report.iterations,
-            iteration_bound: surface.iteration_bound(),
+            iteration_bound: scene.surface.iteration_bound(),
             residual: report.residual,
             converged: report.converged,
             solve_seconds: report.solve_time.as_secs_f64(),
-            rows: map.chart.rows,
-            cols: map.chart.cols,
+            rows: chart.rows,
+            cols: chart.cols,
             points: report.points,
             reached: report.reached,
             max_distance: R::of(report.max_distance),
-            farthest: farthest(map.chart, &map.distances).map(|point| [point.row, point.col]),
+            farthest: farthest(chart, &scene.crop(&map.distances))
+                .map(|point| [point.row, point.col]),
             seams: report.seams.iter().map(Seam::to_string).collect(),
             sharp_edges: report.resolution.map(|resolution| resolution.sharp_edges),
         }

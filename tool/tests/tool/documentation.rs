@@ -121,7 +121,7 @@ fn run(page: &str) {
 
 #[test]
 fn the_commands_of_readme_and_maps_run() {
-    ["README.md", "docs/maps.md", "docs/errors.md", "docs/limits.md"]
+    ["README.md", "docs/closed.md", "docs/maps.md", "docs/errors.md", "docs/limits.md"]
         .iter()
         .for_each(|page| run(page));
 }
@@ -143,6 +143,7 @@ fn the_commands_on_time_and_profiles_run() {
 fn every_command_of_the_documentation_is_run() {
     let run = [
         "README.md",
+        "docs/closed.md",
         "docs/directions.md",
         "docs/errors.md",
         "docs/gallery.md",

@@ -12,6 +12,7 @@ mod documentation;
 mod estimate;
 mod figures;
 mod formats;
+mod geodetic;
 mod limits;
 mod notices;
 mod offsets;
@@ -26,4 +27,6 @@ mod regions;
 mod ridges;
 mod samples;
 mod tuning;
+#[path = "../../../tests/common/vincenty.rs"]
+mod vincenty;
 mod workbench;

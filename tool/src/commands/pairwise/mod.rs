@@ -162,6 +162,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     let Outputs { matrix, labels } = Outputs::new(args)?;
     let scene = args.surface.read()?;
+    scene.refuse_added_lines("pairwise")?;
     let surface = &scene.surface;
     let samples = args.sample.map(|count| Samples::new(surface, count)).transpose()?;
     let (sources, starts) = match &samples {
@@ -259,6 +260,7 @@ pub fn run(args: &Args) -> Outcome {
 fn run_sparse(args: &Args) -> Outcome {
     let output = sparse::output(args)?;
     let scene = args.surface.read()?;
+    scene.refuse_added_lines("pairwise")?;
     let (sources, starts) = match args.sample {
         Some(count) => {
             let points = Samples::new(&scene.surface, count)?.points;

@@ -1,0 +1,206 @@
+//! Places a grid of heights on the Earth, as the command line asks for it.
+
+use std::error::Error;
+use std::path::Path;
+
+use clap::ValueEnum;
+use geosweep::io::{CoordinateSystem, GeoTags, Georeference, SurfaceFile};
+use geosweep::shown::exact;
+use geosweep::surface::Chart;
+
+use crate::numbers::numbers;
+use crate::terminal::say;
+
+#[derive(clap::Args)]
+pub struct GeodeticArgs {
+    /// Take SURFACE as heights in metres on WGS 84, in a grid of longitudes and latitudes. Distances are in metres,
+    /// and pass the date line and the poles where the grid goes round the Earth. A GeoTIFF or an ESRI ASCII grid in
+    /// degrees says where it lies; other files need --extent
+    #[arg(long, help_heading = "Earth", conflicts_with_all = ["spacing", "metric", "glue"])]
+    geodetic: bool,
+    /// Extent of the grid in degrees, for files that do not give it. EAST may be less than WEST, across the date line
+    #[arg(long, value_name = "WEST,SOUTH,EAST,NORTH", help_heading = "Earth", value_parser = extent)]
+    #[arg(allow_hyphen_values = true, requires_all = ["geodetic", "registration"])]
+    extent: Option<Extent>,
+    /// Where the values lie in --extent
+    #[arg(long, value_enum, help_heading = "Earth", requires = "extent")]
+    registration: Option<Registration>,
+    /// The first row of the file is the southernmost one, not the northernmost
+    #[arg(long, help_heading = "Earth", requires = "extent")]
+    south_up: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Registration {
+    /// At the middles of cells, of which the extent is the outer edge: 180 x 360 values for the Earth at one degree
+    Pixel,
+    /// On lines, of which the outermost are the extent: 181 x 361 values
+    Gridline,
+}
+
+/// The sides of a grid in degrees. `east` is larger than `west`.
+#[derive(Clone, Copy, Debug)]
+struct Extent {
+    west: f64,
+    south: f64,
+    east: f64,
+    north: f64,
+}
+
+/// The location of a file's points in degrees, and the fields of a GeoTIFF that give it.
+pub struct Location {
+    pub georeference: Georeference,
+    pub geo_tags: GeoTags,
+}
+
+/// Largest longitude, and the angle of a full turn, in degrees.
+const TURN: f64 = 360.0;
+/// The systems whose longitudes and latitudes are those of WGS 84, without and with heights.
+const WGS_84: [CoordinateSystem; 2] =
+    [CoordinateSystem::WGS_84, CoordinateSystem::Geographic(4979)];
+
+fn extent(text: &str) -> Result<Extent, String> {
+    let form = "an extent is four numbers in degrees: WEST,SOUTH,EAST,NORTH";
+    let [west, south, east, north] = numbers(text)?.try_into().map_err(|_| form)?;
+    for longitude in [west, east] {
+        check_longitude(longitude)?;
+    }
+    for latitude in [south, north] {
+        check_latitude(latitude)?;
+    }
+    if south >= north {
+        return Err(format!(
+            "SOUTH {} is not less than NORTH {}; --south-up is for files that begin in the south",
+            exact(south),
+            exact(north)
+        ));
+    }
+    let east = if east < west { east + TURN } else { east };
+    if east == west || east - west > TURN {
+        return Err("the extent must span more than 0 and at most 360 degrees of longitude".into());
+    }
+    Ok(Extent { west, south, east, north })
+}
+
+/// Checks a longitude in degrees.
+pub fn check_longitude(degrees: f64) -> Result<(), String> {
+    match degrees.abs() <= TURN {
+        true => Ok(()),
+        false => Err(format!(
+            "longitude {}; longitudes lie between -360 and 360 degrees",
+            exact(degrees)
+        )),
+    }
+}
+
+/// Checks a latitude in degrees.
+pub fn check_latitude(degrees: f64) -> Result<(), String> {
+    match degrees.abs() <= 90.0 {
+        true => Ok(()),
+        false => {
+            Err(format!("latitude {}; latitudes lie between -90 and 90 degrees", exact(degrees)))
+        }
+    }
+}
+
+impl GeodeticArgs {
+    /// Returns whether the surface lies on the Earth.
+    pub fn is_wanted(&self) -> bool {
+        self.geodetic
+    }
+
+    /// Returns the location of the points of a file, which has this size.
+    pub fn location(
+        &self,
+        path: &Path,
+        file: &SurfaceFile,
+        chart: Chart,
+    ) -> Result<Location, Box<dyn Error>> {
+        let name = path.display();
+        match (file.georeference(), self.extent.zip(self.registration)) {
+            (Ok(_), Some(_)) => {
+                Err(format!("{name}: gives its own place on the Earth; leave --extent out").into())
+            }
+            (Err(why), None) => Err(format!(
+                "{why}. Give --extent WEST,SOUTH,EAST,NORTH and --registration pixel or gridline"
+            )
+            .into()),
+            (Err(_), Some((extent, registration))) => {
+                let georeference = extent.georeference(chart, registration, self.south_up);
+                Ok(Location { georeference, geo_tags: GeoTags::wgs84(&georeference) })
+            }
+            (Ok(given), None) => {
+                let georeference =
+                    in_degrees(given, chart).map_err(|why| format!("{name}: {why}"))?;
+                remark(path, given.system);
+                let geo_tags = file.geo_tags().cloned();
+                Ok(Location { georeference, geo_tags: geo_tags.unwrap_or_default() })
+            }
+        }
+    }
+}
+
+impl Extent {
+    fn georeference(
+        self,
+        Chart { rows, cols }: Chart,
+        registration: Registration,
+        south_up: bool,
+    ) -> Georeference {
+        let Self { west, south, east, north } = self;
+        // Values on lines are one more than the steps between them. A grid of one line is refused later.
+        let (fewer, half) = match registration {
+            Registration::Pixel => (0, 0.5),
+            Registration::Gridline => (1, 0.0),
+        };
+        let step = |span: f64, count: usize| span / count.saturating_sub(fewer).max(1) as f64;
+        let (right, up) = (step(east - west, cols), step(north - south, rows));
+        let (first, down) =
+            if south_up { (south + half * up, up) } else { (north - half * up, -up) };
+        Georeference {
+            origin: [west + half * right, first],
+            down: [0.0, down],
+            right: [right, 0.0],
+            system: Some(CoordinateSystem::WGS_84),
+        }
+    }
+}
+
+/// Returns a file's georeference if it gives longitudes and latitudes.
+fn in_degrees(given: Georeference, chart: Chart) -> Result<Georeference, String> {
+    if let Some(CoordinateSystem::Projected(epsg)) = given.system {
+        return Err(format!(
+            "its coordinates are those of the map EPSG:{epsg}, not longitudes and latitudes; leave \
+             --geodetic out, or gdalwarp -t_srs EPSG:4326 makes a grid of degrees"
+        ));
+    }
+    if given.down[0] != 0.0 || given.right[1] != 0.0 {
+        return Err("its rows do not follow parallels, or its columns meridians; gdalwarp -t_srs \
+                    EPSG:4326 makes such a grid"
+            .into());
+    }
+    for col in [0, chart.cols - 1] {
+        check_longitude(given.coordinates([0.0, col as f64])[0])
+            .map_err(|why| format!("column {col} lies at {why}"))?;
+    }
+    Ok(Georeference { system: given.system.or(Some(CoordinateSystem::WGS_84)), ..given })
+}
+
+/// Prints a note if the file's system is not known to be WGS 84.
+fn remark(path: &Path, system: Option<CoordinateSystem>) {
+    let name = path.display();
+    match system {
+        Some(system) if WGS_84.contains(&system) => {}
+        Some(system) => say(
+            "note",
+            format_args!(
+                "{name}: its longitudes and latitudes, EPSG:{}, are taken as those of WGS 84",
+                system.epsg()
+            ),
+        ),
+        None => say(
+            "note",
+            format_args!("{name}: names no coordinate system; it is taken as WGS 84, in degrees"),
+        ),
+    }
+}

@@ -1,0 +1,151 @@
+//! Holds the surface of a command and its place on the Earth. Commands take places of the given grid, that of the
+//! file, and convert them to the surface's.
+
+use std::borrow::Cow;
+
+use geosweep::geometry::PathError;
+use geosweep::io::{CoordinateSystem, GeoTags, Georeference, GridFrame};
+use geosweep::surface::{Chart, Real};
+use geosweep::{DistanceMap, Surface};
+
+use super::earth::Earth;
+
+/// The surface on which the map is computed, and the surface that is drawn.
+pub struct Scene {
+    /// The surface. On the Earth its grid may have more rows and columns than the file.
+    pub surface: Surface,
+    /// The surface that has positions, if lengths come from a separate metric.
+    pub(super) shape: Option<Surface>,
+    /// The map coordinates of the points, or why they are not known.
+    pub georeference: Result<Georeference, String>,
+    /// The coordinate reference system of the map coordinates, or why it is not known.
+    pub system: Result<CoordinateSystem, String>,
+    /// The tags that georeference a GeoTIFF of the same grid.
+    pub geo_tags: Option<GeoTags>,
+    /// The unit of lengths, if the file has one.
+    pub unit: Option<&'static str>,
+    /// The grid of the file, if the surface lies on the Earth.
+    pub(super) earth: Option<Earth>,
+}
+
+impl Scene {
+    /// Returns the map coordinates of places on the surface.
+    pub fn frame(&self) -> GridFrame {
+        let frame = GridFrame::new(self.chart(), self.georeference.clone());
+        match &self.earth {
+            Some(earth) => frame.with_margins(earth.grid.margins()),
+            None => frame,
+        }
+    }
+
+    /// Returns the size of the given grid.
+    pub fn chart(&self) -> Chart {
+        self.earth.as_ref().map_or(self.surface.chart(), |earth| earth.chart)
+    }
+
+    /// Returns the place on the surface's grid of a given place.
+    ///
+    /// # Errors
+    /// On the Earth, if the place lies outside the grid. Elsewhere the library checks it.
+    pub fn place(&self, given: [f64; 2]) -> Result<[f64; 2], String> {
+        self.earth.as_ref().map_or(Ok(given), |earth| earth.place(given))
+    }
+
+    /// Returns the places of a curve on the surface's grid.
+    ///
+    /// # Errors
+    /// On the Earth, if a vertex lies outside the grid or the curve leaps over more than half a turn.
+    pub fn curve(&self, given: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, String> {
+        self.earth.as_ref().map_or(Ok(given.clone()), |earth| earth.curve(&given))
+    }
+
+    /// Returns the given place of a place on the surface's grid. Poles may lie beyond the first and the last row.
+    pub fn given(&self, place: [f64; 2]) -> [f64; 2] {
+        self.earth.as_ref().map_or(place, |earth| earth.grid.to_given(place))
+    }
+
+    /// Returns the values at the given points, of values at all points of the surface.
+    pub fn crop<'a, T: Copy>(&self, values: &'a [T]) -> Cow<'a, [T]> {
+        self.extended().map_or(values.into(), |earth| earth.grid.crop(values).into())
+    }
+
+    /// Returns the largest distance and counts of a map as those of the given points.
+    pub fn count<R: Real>(&self, map: &mut DistanceMap<R>) {
+        let Some(earth) = self.extended() else { return };
+        let given = earth.grid.crop(&map.distances);
+        let given = DistanceMap::new(earth.chart, given, map.report.clone()).report;
+        map.report.points = earth.points(&self.surface);
+        (map.report.reached, map.report.max_distance) = (given.reached, given.max_distance);
+    }
+
+    /// Refuses what needs an output with a value for each point of the surface, if the grid lacks some of them.
+    pub fn refuse_added_lines(&self, what: &str) -> Result<(), String> {
+        match self.extended() {
+            None => Ok(()),
+            Some(_) => Err(format!(
+                "{what}: --geodetic adds a row at a pole or a column at the seam that the grid lacks, which \
+                 cannot be left out here; give a grid that has these lines, or one clear of them"
+            )),
+        }
+    }
+
+    /// Refuses what does not pass seams, if the grid goes round the Earth, or has no place for lines that are added.
+    pub fn refuse_round(&self, what: &str) -> Result<(), String> {
+        match self.earth.as_ref().is_some_and(|earth| earth.grid.goes_round()) {
+            true => Err(format!(
+                "{what}: does not pass the line where a grid that goes round the Earth begins and ends yet; \
+                 give a part of the Earth (gdal_translate -projwin), or leave it out"
+            )),
+            false => self.refuse_added_lines(what),
+        }
+    }
+
+    /// Refuses directions in the grid, if its rows do not run southwards or its columns eastwards, or it lacks points
+    /// of the surface.
+    pub fn refuse_directions(&self, what: &str) -> Result<(), String> {
+        self.refuse_round(what)?;
+        let is_north_up = |at: &Georeference| at.down[1] < 0.0 && at.right[0] > 0.0;
+        match self.georeference.as_ref().is_ok_and(is_north_up) || self.earth.is_none() {
+            true => Ok(()),
+            false => Err(format!(
+                "{what}: directions on the Earth need rows from north to south and columns from west to east; \
+                 gdalwarp makes such a grid"
+            )),
+        }
+    }
+
+    /// Lets an error name given places.
+    pub fn explain(&self, error: geosweep::Error) -> geosweep::Error {
+        match (error, &self.earth) {
+            (geosweep::Error::Source(error), Some(earth)) => earth.of_sources(error).into(),
+            (error, _) => error,
+        }
+    }
+
+    /// Lets an error on a path name given places.
+    pub fn explain_path(&self, error: PathError) -> PathError {
+        match &self.earth {
+            Some(earth) => earth.of_paths(error),
+            None => error,
+        }
+    }
+
+    /// Returns whether the surface lies on the Earth.
+    pub fn is_on_earth(&self) -> bool {
+        self.earth.is_some()
+    }
+
+    fn extended(&self) -> Option<&Earth> {
+        self.earth.as_ref().filter(|earth| earth.grid.is_extended())
+    }
+
+    pub fn shape(&self) -> &Surface {
+        self.shape.as_ref().unwrap_or(&self.surface)
+    }
+
+    /// Returns the quantity and unit of the map's values.
+    pub fn quantity(&self, unit: Option<&str>) -> String {
+        let name = if self.surface.slowness().is_some() { "travel time" } else { "distance" };
+        unit.map_or(name.into(), |unit| format!("{name} ({unit})"))
+    }
+}

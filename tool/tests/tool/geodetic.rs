@@ -1,0 +1,548 @@
+//! The Earth: grids of heights by longitude and latitude, against geodesics of the ellipsoid and against one another.
+
+use std::io::Cursor;
+
+use geosweep::io::{SurfaceFile, write_npy};
+use serde_json::Value;
+
+use crate::vincenty::vincenty;
+use crate::workbench::{Workbench, done, json, map, notes, run, stderr, text};
+
+/// Distance, in metres, beyond which Vincenty's formula may fail: that of nearly opposite points.
+const OPPOSITE: f64 = 1.9e7;
+/// Degrees between the lines of grids of the whole Earth.
+const STEP: f64 = 2.0;
+const GLOBE: &str = "--geodetic --extent -180,-90,180,90 --registration";
+
+/// The places of a grid's points.
+struct Grid {
+    longitudes: Vec<f64>,
+    latitudes: Vec<f64>,
+}
+
+impl Grid {
+    fn new([west, cols]: [f64; 2], [first, rows, step]: [f64; 3]) -> Self {
+        let longitudes = (0..cols as usize).map(|col| west + step.abs() * col as f64).collect();
+        let latitudes = (0..rows as usize).map(|row| first + step * row as f64).collect();
+        Self { longitudes, latitudes }
+    }
+
+    fn shape(&self) -> [usize; 2] {
+        [self.latitudes.len(), self.longitudes.len()]
+    }
+
+    fn places(&self) -> impl Iterator<Item = [f64; 2]> {
+        let row = |&latitude: &f64| self.longitudes.iter().map(move |&lon| [lon, latitude]);
+        self.latitudes.iter().flat_map(row)
+    }
+
+    /// Returns hills and valleys, which depend on the place on the Earth alone.
+    fn heights(&self) -> Vec<f64> {
+        let height = |[lon, lat]: [f64; 2]| {
+            let (lon, lat) = (lon.to_radians(), lat.to_radians());
+            4000.0 * (3.0 * lon).sin() * lat.cos().powi(3) * (5.0 * lat).cos()
+        };
+        self.places().map(height).collect()
+    }
+
+    /// Writes a file of these heights, or of the ellipsoid.
+    fn file(&self, bench: &Workbench, name: &str, is_hilly: bool) -> String {
+        let heights = if is_hilly { self.heights() } else { vec![0.0; self.places().count()] };
+        bench.array(name, &self.shape(), &heights)
+    }
+
+    /// Returns the mean and the largest relative error of distances on the ellipsoid.
+    fn errors(&self, source: [f64; 2], found: &[f64]) -> [f64; 2] {
+        assert_eq!(found.len(), self.places().count());
+        let (mut sum, mut weights, mut largest) = (0.0, 0.0, 0f64);
+        for (place, &found) in self.places().zip(found) {
+            let Some(exact) = vincenty(source, place) else { continue };
+            if (1.0..OPPOSITE).contains(&exact) {
+                let (error, weight) = ((found - exact).abs() / exact, place[1].to_radians().cos());
+                (sum, weights) = (sum + weight * error, weights + weight);
+                largest = largest.max(error);
+            }
+        }
+        [sum / weights, largest]
+    }
+}
+
+/// Writes a GeoTIFF of heights in degrees, whose first pixel lies at `corner` and whose pixels are areas or points.
+fn geotiff(grid: &Grid, corner: [f64; 2], is_point: bool) -> Vec<u8> {
+    use tiff::encoder::{TiffEncoder, colortype::Gray32Float};
+    use tiff::tags::Tag;
+    let [rows, cols] = grid.shape().map(|count| count as u32);
+    let mut file = Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut file).unwrap();
+    let mut image = encoder.new_image::<Gray32Float>(cols, rows).unwrap();
+    let tags = image.encoder();
+    let tie = [0.0, 0.0, 0.0, corner[0], corner[1], 0.0];
+    tags.write_tag(Tag::ModelPixelScaleTag, &[STEP, STEP, 0.0][..]).unwrap();
+    tags.write_tag(Tag::ModelTiepointTag, &tie[..]).unwrap();
+    let raster = if is_point { 2 } else { 1 };
+    let keys = [1, 1, 0, 3, 1024, 0, 1, 2, 1025, 0, 1, raster, 2048, 0, 1, 4326u16];
+    tags.write_tag(Tag::GeoKeyDirectoryTag, &keys[..]).unwrap();
+    let heights: Vec<_> = grid.heights().into_iter().map(|height| height as f32).collect();
+    image.write_data(&heights).unwrap();
+    file.into_inner()
+}
+
+/// Measured at 2 degrees: mean 8e-8 from a pole to 4.2e-5, largest 4.7e-3, beside a source inside a cell.
+#[test]
+fn maps_of_the_ellipsoid_are_those_of_geodesics() {
+    let bench = Workbench::new();
+    for (name, grid, tail) in [
+        ("lines", Grid::new([-180.0, 181.0], [90.0, 91.0, -STEP]), "gridline"),
+        ("cells", Grid::new([-179.0, 180.0], [89.0, 90.0, -STEP]), "pixel"),
+        ("south", Grid::new([-179.0, 180.0], [-89.0, 90.0, STEP]), "pixel --south-up"),
+    ] {
+        let file = grid.file(&bench, &format!("{name}.npy"), false);
+        // Inside a cell, on the date line, in the cells that close the surface, and on a pole.
+        for source in [[13.4, 52.5], [180.0, 10.0], [-179.8, -33.0], [179.9, 65.0], [40.0, 90.0]] {
+            let [lon, lat] = source;
+            let line = format!("distance {file} {GLOBE} {tail} --source-lonlat {lon},{lat}");
+            let said = json(&done(&bench, &format!("{line} -o {name}.npy --json")));
+            assert_eq!(
+                (&said["precision"], &said["seams"]),
+                (&"double".into(), &Value::Array(vec![]))
+            );
+            assert_eq!([&said["rows"], &said["cols"]], grid.shape().map(Value::from).each_ref());
+            let [mean, largest] = grid.errors(source, &map(&bench.output(&format!("{name}.npy"))));
+            println!("{name} from {source:?}: mean {mean:.1e}, largest {largest:.1e}");
+            let bound = if lat == 90.0 { 1e-6 } else { 6e-5 };
+            assert!(mean < bound && largest < 7e-3, "{name} {source:?}: {mean:e} {largest:e}");
+        }
+    }
+}
+
+/// From New York (JFK) to London (LHR) the geodesic is 5551.7594 km long (documentation of GeographicLib, GeodSolve).
+#[test]
+fn a_part_of_the_earth_has_known_distances() {
+    let bench = Workbench::new();
+    let heights = bench.array("part.npy", &[151, 421], &vec![0.0; 151 * 421]);
+    let earth = "--geodetic --extent -80,35,4,65 --registration gridline";
+    let line = format!("value {heights} {earth} --source-lonlat -73.8,40.6 --at 67,397.5 --json");
+    let said = json(&done(&bench, &line));
+    let found = said["values"][0]["distance"].as_f64().unwrap();
+    println!("JFK to LHR: {found}");
+    assert!((found - 5_551_759.4).abs() < 60.0, "{found}");
+    assert_eq!((said["rows"].as_u64(), said["cols"].as_u64()), (Some(151), Some(421)));
+    // By longitudes of other turns.
+    let other = line.replace("-73.8,", "286.2,").replace("--at 67,397.5", "--at-xy 359.5,51.6");
+    let mut same = json(&done(&bench, &other));
+    for place in same["values"].as_array_mut().unwrap() {
+        let near = |name: &str, exact: f64| (place[name].as_f64().unwrap() - exact).abs() < 1e-6;
+        assert!(near("row", 67.0) && near("col", 397.5), "{place}");
+        (place["row"], place["col"]) = (67.0.into(), 397.5.into());
+    }
+    assert_eq!(same["values"], said["values"]);
+}
+
+/// Returns the map of a grid from a place, by place.
+fn placed(bench: &Workbench, grid: &Grid, words: &str) -> Vec<([i64; 2], f64)> {
+    let file = grid.file(bench, "hills.npy", true);
+    done(bench, &format!("distance {file} --geodetic {words} --source-lonlat 13,53 -o map.npy"));
+    let key =
+        |[lon, lat]: [f64; 2]| [lon.rem_euclid(360.0), lat].map(|degrees| (100.0 * degrees) as i64);
+    let found = map(&bench.output("map.npy"));
+    let mut placed: Vec<_> = grid.places().map(key).zip(found).collect();
+    placed.sort_by_key(|(place, _)| *place);
+    placed.dedup_by_key(|(place, _)| *place);
+    placed
+}
+
+#[test]
+fn the_order_of_rows_and_columns_changes_nothing() {
+    let bench = Workbench::new();
+    let (down, up) = ([89.0, 90.0, -STEP], [-89.0, 90.0, STEP]);
+    let around = "--registration pixel --extent";
+    let first =
+        placed(&bench, &Grid::new([-179.0, 180.0], down), &format!("{around} -180,-90,180,90"));
+    for (name, grid, words) in [
+        ("south up", Grid::new([-179.0, 180.0], up), "-180,-90,180,90 --south-up"),
+        ("from Greenwich", Grid::new([1.0, 180.0], down), "0,-90,360,90"),
+        ("from 100 degrees", Grid::new([101.0, 180.0], up), "100,-90,100,90 --south-up"),
+    ] {
+        let words = words.replace("100,-90,100,90", "-260,-90,100,90");
+        let other = placed(&bench, &grid, &format!("{around} {words}"));
+        let mut largest = 0f64;
+        for ((place, found), (there, expected)) in other.iter().zip(&first) {
+            assert_eq!(place, there, "{name}");
+            largest = largest.max((found - expected).abs() / expected.max(1e5));
+        }
+        println!("{name}: differs by {largest:.1e}");
+        assert!(largest < 1e-9, "{name}: {largest:e}");
+    }
+}
+
+#[test]
+fn a_geotiff_in_degrees_says_where_it_lies() {
+    let bench = Workbench::new();
+    let (cells, lines) = (
+        Grid::new([1.0, 180.0], [89.0, 90.0, -STEP]),
+        Grid::new([0.0, 181.0], [90.0, 91.0, -STEP]),
+    );
+    let files = [
+        (
+            "area.tif",
+            &cells,
+            geotiff(&cells, [0.0, 90.0], false),
+            "0,-90,360,90 --registration pixel",
+        ),
+        (
+            "point.tif",
+            &cells,
+            geotiff(&cells, [1.0, 89.0], true),
+            "0,-90,360,90 --registration pixel",
+        ),
+        (
+            "lines.tif",
+            &lines,
+            geotiff(&lines, [0.0, 90.0], true),
+            "0,-90,360,90 --registration gridline",
+        ),
+    ];
+    for (name, grid, bytes, extent) in files {
+        let file = bench.input(name, bytes);
+        let refused = bench.run(["distance", &file, "-s", "3,4", "-o", "map.tif"]);
+        bench.refuses(&refused, &[name, "degrees", "--geodetic", "--spacing"]);
+        let output =
+            done(&bench, &format!("distance {file} --geodetic --source-lonlat -20,64 -o map.tif"));
+        let said = notes(&output);
+        assert!(
+            said.contains("ellipsoid") && said.contains("60,000th") && said.contains("double"),
+            "{said}"
+        );
+        assert_eq!(said.lines().count(), 1, "{said}");
+        // Single precision of the file's heights changes distances by less than a millimetre.
+        let array = grid.file(&bench, "same.npy", true);
+        let line = format!("distance {array} --geodetic --extent {extent} --source-lonlat -20,64");
+        done(&bench, &format!("{line} -o same.npy"));
+        let found = map(&bench.output("map.tif"));
+        for (found, expected) in found.iter().zip(map(&bench.output("same.npy"))) {
+            assert!((found - expected).abs() < 1e-2, "{name}: {found} {expected}");
+        }
+        let [given, written] = [file.as_ref(), bench.output("map.tif").as_path()]
+            .map(|path: &std::path::Path| SurfaceFile::read(path).unwrap().georeference().unwrap());
+        assert_eq!(given, written, "{name}");
+        std::fs::remove_file(bench.output("map.tif")).unwrap();
+        std::fs::remove_file(bench.output("same.npy")).unwrap();
+    }
+}
+
+/// Returns the parts of the lines of GeoJSON, with a property of each.
+fn parts(geojson: &str, property: &str) -> Vec<(f64, Vec<Vec<[f64; 2]>>)> {
+    let collection: Value = serde_json::from_str(geojson).unwrap();
+    assert!(collection.get("crs").is_none());
+    let place = |place: &Value| {
+        assert_eq!(place.as_array().unwrap().len(), 2, "{place}");
+        [place[0].as_f64().unwrap(), place[1].as_f64().unwrap()]
+    };
+    let line = |line: &Value| line.as_array().unwrap().iter().map(place).collect();
+    let feature = |feature: &Value| {
+        let (geometry, value) = (&feature["geometry"], &feature["properties"][property]);
+        let lines = match geometry["type"].as_str().unwrap() {
+            "MultiLineString" => {
+                geometry["coordinates"].as_array().unwrap().iter().map(line).collect()
+            }
+            _ => vec![line(&geometry["coordinates"])],
+        };
+        (value.as_f64().unwrap(), lines)
+    };
+    collection["features"].as_array().unwrap().iter().map(feature).collect()
+}
+
+/// RFC 7946, section 3.1.9.
+fn assert_divided(parts: &[Vec<[f64; 2]>]) {
+    for part in parts {
+        assert!(part.iter().all(|[lon, lat]| lon.abs() <= 180.0 && lat.abs() <= 90.0), "{part:?}");
+        assert!(part.windows(2).all(|ends| (ends[0][0] - ends[1][0]).abs() < 180.0), "{part:?}");
+    }
+}
+
+#[test]
+fn contours_are_circles_on_the_earth() {
+    let bench = Workbench::new();
+    let cells = Grid::new([1.0, 180.0], [89.0, 90.0, -STEP]).file(&bench, "cells.npy", false);
+    let source = [170.0, 30.0];
+    let earth = "--geodetic --extent 0,-90,360,90 --registration pixel --source-lonlat 170,30";
+    let line =
+        format!("contours {cells} {earth} --levels 5e5,4e6,1e7 -o c.geojson -o c.csv --json");
+    let said = json(&done(&bench, &line));
+    let closed = said["levels"].as_array().unwrap().iter().map(|level| level["closed"].as_u64());
+    assert_eq!(closed.collect::<Vec<_>>(), [Some(1); 3]);
+    let found = parts(&text(&bench, "c.geojson"), "level");
+    // The first circle stays west of the date line, the second crosses it twice, the third goes round the Earth.
+    assert_eq!(found.iter().map(|(_, parts)| parts.len()).collect::<Vec<_>>(), [1, 2, 1]);
+    for (level, parts) in &found {
+        assert_divided(parts);
+        for &place in parts.iter().flatten() {
+            let exact = vincenty(source, place).unwrap();
+            // Where the curve crosses a cell, distances are interpolated along its sides.
+            assert!((exact - level).abs() < 2e-3 * level, "{level} {place:?}: {exact}");
+        }
+    }
+    assert!(text(&bench, "c.csv").lines().count() > 300);
+}
+
+#[test]
+fn paths_cross_the_date_line_and_the_pole() {
+    let bench = Workbench::new();
+    let cells = Grid::new([-179.0, 180.0], [89.0, 90.0, -STEP]).file(&bench, "cells.npy", false);
+    let starts = [[-150.0, 10.0], [-10.0, 60.0], [120.0, 0.0]];
+    let from: Vec<_> = starts.iter().map(|[lon, lat]| format!("--from-xy {lon},{lat}")).collect();
+    let line = format!("path {cells} {GLOBE} pixel --source-lonlat 170,30 {}", from.join(" "));
+    let said = json(&done(&bench, &format!("{line} -o p.geojson --json")));
+    let found = parts(&text(&bench, "p.geojson"), "length");
+    assert_eq!(found.iter().map(|(_, parts)| parts.len()).collect::<Vec<_>>(), [2, 2, 1]);
+    for ((length, parts), start) in found.iter().zip(starts) {
+        assert_divided(parts);
+        let ends = [parts[0][0], *parts[parts.len() - 1].last().unwrap()];
+        for (end, wanted) in ends.iter().zip([start, [170.0, 30.0]]) {
+            assert!((0..2).all(|k| (end[k] - wanted[k]).abs() < 1e-6), "{ends:?}");
+        }
+        let exact = vincenty(start, [170.0, 30.0]).unwrap();
+        assert!((length - exact).abs() < 1e-3 * exact, "{start:?}: {length} {exact}");
+    }
+    // Both ends of the part over the pole lie on it, at opposite meridians.
+    let [before, after] = &found[1].1[..] else { panic!("{found:?}") };
+    assert_eq!([before.last().unwrap()[1], after[0][1]], [90.0, 90.0]);
+    // The place is told as given: between the last column and the first.
+    assert_eq!(said["paths"][0]["from"], serde_json::json!([39.5, 14.5]));
+}
+
+#[test]
+fn masks_slowness_and_targets_have_the_size_of_the_file() {
+    let bench = Workbench::new();
+    let grid = Grid::new([-179.0, 180.0], [89.0, 90.0, -STEP]);
+    let cells = grid.file(&bench, "cells.npy", true);
+    let line = format!("distance {cells} {GLOBE} pixel --source-lonlat 31,-5 -o");
+    done(&bench, &format!("{line} plain.npy"));
+    let twice = bench.array("twice.npy", &grid.shape(), &vec![2.0; 90 * 180]);
+    done(&bench, &format!("{line} slow.npy --slowness {twice}"));
+    let [plain, slow] = ["plain.npy", "slow.npy"].map(|name| map(&bench.output(name)));
+    assert!(plain.iter().zip(&slow).all(|(plain, slow)| (slow - 2.0 * plain).abs() <= 1e-9 * slow));
+    // Africa and the Arctic are islands.
+    let is_africa = |[lon, lat]: [f64; 2]| (lon - 20.0).abs() < 30.0 && lat.abs() < 30.0;
+    let is_land = |place: [f64; 2]| i32::from(is_africa(place) || place[1] > 75.0);
+    let mask: Vec<_> = grid.places().map(is_land).collect();
+    let mut bytes = Vec::new();
+    write_npy(&mut bytes, &grid.shape(), &mask).unwrap();
+    let africa = bench.input("mask.npy", bytes);
+    let said = json(&done(&bench, &format!("{line} africa.npy --mask {africa} --json")));
+    let land = mask.iter().filter(|&&land| land == 1).count() as u64;
+    let africa_has = grid.places().filter(|&place| is_africa(place)).count() as u64;
+    let counts = [&said["points"], &said["reached"]].map(Value::as_u64);
+    assert_eq!(counts, [Some(land), Some(africa_has)]);
+    let found = map(&bench.output("africa.npy"));
+    let is_right = |(place, found): ([f64; 2], &f64)| found.is_finite() == is_africa(place);
+    assert!(grid.places().zip(&found).all(is_right));
+    for (target, said) in [("47,105", true), ("0,0", false)] {
+        let output = done(&bench, &format!("{line} part.npy --mask {africa} --target {target}"));
+        let [row, col] = target.split_once(',').map(|(row, col)| [row, col]).unwrap();
+        let at = row.parse::<usize>().unwrap() * 180 + col.parse::<usize>().unwrap();
+        assert_eq!(map(&bench.output("part.npy"))[at].is_finite(), said);
+        let missed = notes(&output).contains(&format!("the target {target} is not reached"));
+        assert_eq!(missed, !said, "{}", notes(&output));
+    }
+    let hole = run(&bench, &format!("{line} hole.npy --mask {africa} --target 89,0"));
+    assert!(stderr(&hole).contains("the target 89,0 is in a hole"), "{}", stderr(&hole));
+    let hole = run(&bench, &format!("{line} hole.npy --mask {africa} --source-lonlat 100,40"));
+    assert!(!hole.status.success());
+    let said = stderr(&hole);
+    assert!(said.contains("--source-lonlat 100,40") && said.contains("hole"), "{said}");
+    // A source that is no longitude has the row of the file, not of the surface.
+    let hole = run(&bench, &format!("{line} hole.npy --mask {africa} -s 13,7"));
+    assert!(stderr(&hole).contains("source 13,7 lies in a hole"), "{}", stderr(&hole));
+}
+
+#[test]
+fn curves_are_sources_on_the_seam_but_do_not_leap_over_it() {
+    let bench = Workbench::new();
+    let grid = Grid::new([0.0, 181.0], [90.0, 91.0, -STEP]);
+    let lines = grid.file(&bench, "lines.npy", false);
+    let curve = |name: &str, places: &str| {
+        let geometry = format!(r#"{{"type":"LineString","coordinates":[{places}]}}"#);
+        bench.input(name, geometry)
+    };
+    let earth = "--geodetic --extent 0,-90,360,90 --registration gridline";
+    let line = format!("distance {lines} {earth} -o map.npy --source-curve");
+    // The equator up to Greenwich, where the grid begins and ends. Fronts around the ends of a curve err by up to a
+    // fifth of a cell, which is 220 km wide.
+    let whole = curve("whole.geojson", "[-5,0],[0,0]");
+    done(&bench, &format!("{line} {whole}"));
+    let found = map(&bench.output("map.npy"));
+    for ([lon, lat], found) in grid.places().zip(found) {
+        let lon = if lon > 180.0 { lon - 360.0 } else { lon };
+        if lon.abs() < 60.0 && lat.abs() < 30.0 {
+            let exact = vincenty([lon.clamp(-5.0, 0.0), 0.0], [lon, lat]).unwrap();
+            assert!((found - exact).abs() < 4.4e4, "{lon},{lat}: {found} {exact}");
+        }
+    }
+    std::fs::remove_file(bench.output("map.npy")).unwrap();
+    let leaping = curve("leaping.geojson", "[-5,0],[5,0]");
+    let output = run(&bench, &format!("{line} {leaping}"));
+    bench.refuses(&output, &["leaping.geojson", "half a turn", "divide it"]);
+}
+
+#[test]
+fn devices_map_the_earth_in_single_precision() {
+    let bench = Workbench::new();
+    let grid = Grid::new([-179.0, 180.0], [89.0, 90.0, -STEP]);
+    let cells = grid.file(&bench, "cells.npy", false);
+    let line = format!("distance {cells} {GLOBE} pixel --source-lonlat 13,52 -o map.npy --json");
+    let said = json(&done(&bench, &format!("{line} --engine vulkan")));
+    assert_eq!([&said["precision"], &said["engine"]], ["single", "vulkan"]);
+    let [mean, largest] = grid.errors([13.0, 52.0], &map(&bench.output("map.npy")));
+    println!("on a device: mean {mean:.1e}, largest {largest:.1e}");
+    assert!(mean < 4e-5 && largest < 4e-3, "{mean:e} {largest:e}");
+    let said = json(&done(&bench, &format!("{line} --precision single --engine cpu")));
+    assert_eq!(said["precision"], "single");
+}
+
+#[test]
+fn what_is_no_place_on_the_earth_is_refused() {
+    let bench = Workbench::new();
+    let flat = bench.flat(20, 30);
+    let tube = bench.tube();
+    let whole = "--geodetic --extent -180,-90,180,90 --registration pixel";
+    let part = "--geodetic --extent 170,-20,-170,20 --registration gridline";
+    let header = "ncols 30\nnrows 20\nxllcorner 500000\nyllcorner 4000000\ncellsize 30\n";
+    let far = bench.input("far.asc", format!("{header}{}", "0 ".repeat(600)));
+    let projected = geotiff_of_a_map(&bench);
+    for (surface, words, said) in [
+        (&flat, format!("{whole} --source-lonlat 13,90.5"), "latitudes lie between -90 and 90"),
+        (&flat, format!("{whole} --source-lonlat 361,0"), "longitudes lie between -360 and 360"),
+        (&flat, format!("{whole} --source-lonlat 13"), "LON,LAT[,T0]"),
+        (&flat, format!("{part} --source-lonlat 13,9"), "x 13, y 9 lies outside the grid"),
+        (
+            &flat,
+            format!("{part} -s 20,3"),
+            "source 20,3 lies outside the grid: rows run from 0 to 19",
+        ),
+        (&flat, format!("{part} -s 3,3 --target 3,30"), "target 3,30 lies outside the grid"),
+        (&flat, "--source-lonlat 13,9".into(), "--geodetic"),
+        (&flat, "--geodetic -s 3,3".into(), "--extent WEST,SOUTH,EAST,NORTH"),
+        (&flat, "--geodetic --extent 0,0,9,9 -s 3,3".into(), "--registration"),
+        (&flat, "--extent 0,0,9,9 --registration pixel -s 3,3".into(), "--geodetic"),
+        (&flat, "--geodetic --registration pixel -s 3,3".into(), "--extent"),
+        (&flat, whole.replace("-90,180,90", "90,180,-90") + " -s 3,3", "--south-up"),
+        (&flat, whole.replace("180,90", "180,95") + " -s 3,3", "latitude 95"),
+        (&flat, whole.replace("-180,-90", "-380,-90") + " -s 3,3", "longitude -380"),
+        (&flat, whole.replace("-180,-90", "-181,-90") + " -s 3,3", "at most 360 degrees"),
+        (&flat, whole.replace("-180,-90", "180,-90") + " -s 3,3", "more than 0"),
+        (&flat, format!("{whole} -s 3,3 --spacing 30"), "--spacing"),
+        (&flat, format!("{whole} -s 3,3 --glue globe"), "--glue"),
+        (&flat, format!("{whole} -s 3,3 --metric {flat}"), "--metric"),
+        (&flat, format!("{whole} -s 3,3 --error error.npy"), "--error: does not pass the line"),
+        (
+            &flat,
+            format!("{whole} -s 3,3 --back-direction b.npy"),
+            "--back-direction: does not pass",
+        ),
+        (&flat, format!("{part} --south-up -s 3,3 --back-link b.npy"), "rows from north to south"),
+        (&flat, format!("{whole} -s 3,3 --precision double --engine vulkan"), "double"),
+        (&tube, format!("{whole} -s 3,3"), "holds positions, not heights"),
+        (&far, "--geodetic -s 3,3".into(), "column 0 lies at longitude 500015"),
+        (&far, format!("{whole} -s 3,3"), "leave --extent out"),
+        (&projected, "--geodetic -s 3,3".into(), "EPSG:32616"),
+        (&"builtin:sphere:9x9".into(), "--geodetic -s 3,3".into(), "built-in"),
+    ] {
+        let output = run(&bench, &format!("distance {surface} {words} -o map.npy"));
+        bench.refuses(&output, &[said]);
+    }
+}
+
+#[test]
+fn what_the_commands_cannot_do_on_the_earth_is_refused() {
+    let bench = Workbench::new();
+    let flat = bench.flat(20, 30);
+    let whole = format!("{GLOBE} pixel");
+    let output = run(&bench, &format!("distance {flat} {whole} -s 3,3 -o map.exr"));
+    bench.refuses(&output, &["single precision only", "--precision single"]);
+    for (command, said) in [
+        ("voronoi", "voronoi: does not pass the line"),
+        ("ridges", "ridges: does not pass the line"),
+        ("offset --distances 1e5 --side left", "--side: does not pass the line"),
+        ("profile", "profile: does not pass the line"),
+    ] {
+        let output = if command == "profile" { "" } else { "-o lines.npy" };
+        let output = run(&bench, &format!("{command} {flat} {whole} -s 3,3 {output}"));
+        bench.refuses(&output, &[said]);
+    }
+    for command in ["pairwise", "canonical"] {
+        let output = run(&bench, &format!("{command} {flat} {whole} -o matrix.npy"));
+        bench.refuses(&output, &[&format!("{command}: --geodetic adds a row")]);
+    }
+    let output = run(&bench, &format!("sample {flat} {whole} -k 3 --labels l.npy -o samples.csv"));
+    bench.refuses(&output, &["--labels: does not pass the line"]);
+}
+
+/// Writes a GeoTIFF in metres on a map.
+fn geotiff_of_a_map(bench: &Workbench) -> String {
+    let grid = Grid::new([0.0, 30.0], [20.0, 20.0, -1.0]);
+    let keys = [1024, 0, 1, 1, 1025, 0, 1, 1, 3072, 0, 1, 32616];
+    bench.input("map.tif", with_keys(geotiff(&grid, [5e5, 4e6], false), keys))
+}
+
+/// Replaces the three keys of a GeoTIFF in degrees whose pixels are areas.
+fn with_keys(mut bytes: Vec<u8>, keys: [u16; 12]) -> Vec<u8> {
+    let words = |keys: [u16; 12]| keys.map(u16::to_le_bytes).concat();
+    let degrees = words([1024, 0, 1, 2, 1025, 0, 1, 1, 2048, 0, 1, 4326]);
+    let at = bytes.windows(degrees.len()).position(|window| window == degrees).unwrap();
+    bytes[at..at + degrees.len()].copy_from_slice(&words(keys));
+    bytes
+}
+
+#[test]
+fn heights_in_feet_become_metres() {
+    let bench = Workbench::new();
+    let cells = Grid::new([1.0, 180.0], [89.0, 90.0, -STEP]);
+    let keys = [1024, 0, 1, 2, 2048, 0, 1, 4326, 4099, 0, 1, 9002];
+    let feet = bench.input("feet.tif", with_keys(geotiff(&cells, [0.0, 90.0], false), keys));
+    let heights: Vec<_> = cells.heights().iter().map(|height| 0.3048 * height).collect();
+    let metres = bench.array("metres.npy", &cells.shape(), &heights);
+    let extent = "--extent 0,-90,360,90 --registration pixel";
+    for (surface, words, name) in [(feet, "", "feet.npy"), (metres, extent, "metres.npy")] {
+        let line = format!("distance {surface} --geodetic {words} --source-lonlat 9,1 -o {name}");
+        done(&bench, &line);
+    }
+    let [feet, metres] = ["feet.npy", "metres.npy"].map(|name| map(&bench.output(name)));
+    assert!(feet.iter().zip(&metres).all(|(feet, metres)| (feet - metres).abs() < 1e-2));
+}
+
+#[test]
+fn an_ascii_grid_in_degrees_is_a_part_of_the_earth() {
+    let bench = Workbench::new();
+    let header = "ncols 40\nnrows 30\nxllcorner 170\nyllcorner 50\ncellsize 0.5\n";
+    let asc = bench.input("part.asc", format!("{header}{}", "0 ".repeat(1200)));
+    bench.refuses(&bench.distance(&asc, "-s 3,3 -o map.npy"), &["degrees", "--geodetic"]);
+    let line = format!("distance {asc} --geodetic --source-lonlat -178.75,60.25 -o map.npy");
+    let said = notes(&done(&bench, &line));
+    assert!(said.contains("part.asc: names no coordinate system; it is taken as WGS 84"), "{said}");
+    let grid = Grid {
+        longitudes: (0..40).map(|col| 170.25 + 0.5 * f64::from(col)).collect(),
+        latitudes: (0..30).map(|row| 64.75 - 0.5 * f64::from(row)).collect(),
+    };
+    let [mean, largest] = grid.errors([181.25, 60.25], &map(&bench.output("map.npy")));
+    println!("a part by cells of half a degree: mean {mean:.1e}, largest {largest:.1e}");
+    assert!(mean < 5e-6 && largest < 2e-5, "{mean:e} {largest:e}");
+}
+
+/// Lines at the poles and on both sides of the seam need no more lines, so that matrices and samples have a place.
+#[test]
+fn grids_with_all_lines_have_matrices() {
+    let bench = Workbench::new();
+    let lines = bench.flat(13, 25);
+    let earth = "--geodetic --extent 0,-90,360,90 --registration gridline";
+    done(&bench, &format!("pairwise {lines} {earth} --sources 156..157 -o rows.npy"));
+    let row = map(&bench.output("rows.npy"));
+    // From the equator at 90 degrees east to both poles, by a quarter of a meridian, and to the same place at 0 and
+    // 360 degrees, by a quarter of the equator.
+    let quarter = 10_001_966.0;
+    for (point, exact) in [(0, quarter), (324, quarter), (150, 10_018_754.0), (174, 10_018_754.0)] {
+        assert!((row[point] - exact).abs() < 2e-3 * exact, "{point}: {}", row[point]);
+    }
+    let said = json(&done(&bench, &format!("sample {lines} {earth} -k 2 -o s.geojson --json")));
+    assert_eq!(said["samples"][0]["row"], 6.0);
+}
