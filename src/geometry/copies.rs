@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::order::rank;
-use crate::surface::{EdgeLengths, Groups};
+use crate::surface::{EdgeLengths, Groups, Real};
 
 /// The points that are one point of the surface. Empty for open surfaces.
 #[derive(Clone, Debug, Default)]
@@ -63,6 +63,14 @@ impl Copies {
     #[inline]
     pub(super) fn first(&self, point: usize) -> usize {
         self.group(point).map_or(point, |group| group[0] as usize)
+    }
+
+    /// Gives all copies of a point the earliest of their times. Maps may differ there by rounding.
+    pub(super) fn share_earliest(&self, times: &mut [f32]) {
+        for group in self.groups() {
+            let time = group.iter().fold(f32::FAR, |time, &copy| time.min(times[copy as usize]));
+            group.iter().for_each(|&copy| times[copy as usize] = time);
+        }
     }
 
     /// Returns the rank of a point in the order of arrival, which is that of all its copies.

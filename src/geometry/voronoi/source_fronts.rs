@@ -74,9 +74,10 @@ impl<'a> SourceFronts<'a> {
         sources: &Sources,
         distances: &[f32],
     ) -> Result<Self, MapError> {
-        let times = bordered(edges.chart(), distances)?;
+        let mut times = bordered(edges.chart(), distances)?;
         let neighbourhood = Neighbourhood::new(edges);
         let copies = Copies::new(edges);
+        copies.share_earliest(&mut times);
         let starts = starts(edges.chart(), &copies, surface, sources)?;
         let guess = Guess::new(&neighbourhood, &copies, &times, &first_labels(&starts));
         let mut known = KnownFronts::guessed(copies, times, guess.labels);
