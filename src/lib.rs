@@ -70,6 +70,7 @@ mod monitor;
 mod name;
 mod options;
 pub mod pairwise;
+mod share;
 pub mod shown;
 mod solve;
 mod stop;

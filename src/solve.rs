@@ -8,6 +8,7 @@ use crate::Stop;
 use crate::auto::Choice;
 use crate::cpu::{self, Connections, Limit};
 use crate::options::{DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, Options};
+use crate::share::share;
 use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface};
 use crate::update::Wavefront;
 use crate::vulkan::{self, DeviceChoice, Schedule, VulkanError};
@@ -182,15 +183,13 @@ impl<'a> Problem<'a> {
     }
 
     fn solve_on_the_best(&self) -> Result<DistanceMap, Error> {
-        if self.radius.is_finite() || self.targets.is_some() {
-            let reason = "the CPU solves a part of the map alone".into();
-            return Ok(self.solve_on_cpu()?.because(reason));
-        }
-        let reason =
-            match Choice::of(self.surface.chart(), self.wavefront, vulkan::are_pipelines_kept()) {
-                Choice::Cpu(reason) => return Ok(self.solve_on_cpu()?.because(reason)),
-                Choice::Gpu(reason) => reason,
-            };
+        let time = self.time_limit();
+        let share = share(self.surface, &self.seeds, time, self.targets.as_ref());
+        let (chart, is_kept) = (self.surface.chart(), vulkan::are_pipelines_kept());
+        let reason = match Choice::of(chart, self.wavefront, share, is_kept) {
+            Choice::Cpu(reason) => return Ok(self.solve_on_cpu()?.because(reason)),
+            Choice::Gpu(reason) => reason,
+        };
         use VulkanError::{NoDevice, NoLoader, NoUsableDevice, Surface};
         match self.solve_on_vulkan(&DeviceChoice::Gpu) {
             Ok(map) => self.finished(map.because(reason)),

@@ -8,6 +8,7 @@ use geosweep::vulkan::embed::{
 };
 
 use crate::Result;
+use crate::after_map::AfterMap;
 use crate::gpu::Gpu;
 use crate::memory::Buffer;
 use crate::sets::Sets;
@@ -99,22 +100,17 @@ impl Agents {
     /// agents.
     pub fn record(
         &mut self,
-        gpu: &Gpu,
-        solver: &Solver,
+        map: &AfterMap,
         (passes, layout): (&WalkPasses, &Layout),
-        (commands, set): (vk::CommandBuffer, vk::DescriptorSet),
-        (surface, changed): (&FrameSurface, bool),
+        set: vk::DescriptorSet,
     ) -> Result<()> {
-        self.outdated |= changed;
+        let AfterMap { gpu, commands, .. } = *map;
+        self.outdated |= map.changed;
         let Some(steps) = self.steps else { return Ok(()) };
         if steps == Steps::Directions && std::mem::replace(&mut self.outdated, false) {
-            let recording = solver.record(&gpu.device, commands, surface);
-            if !changed {
-                recording.begin(Access::NONE);
-            }
             let frame = DirectionFrame::new(SourceInput::Buffer(0), Reader::COMPUTE)
                 .with_before(Access::TRANSFER_WRITE);
-            recording.directions(&self.directions, &frame)?;
+            map.recording().directions(&self.directions, &frame)?;
         }
         self.start(gpu, commands);
         let pipeline = match steps {

@@ -2,12 +2,12 @@
 //! shader reads it in the same frame.
 
 use clap::ValueEnum;
-use geosweep::ash::vk;
 use geosweep::vulkan::embed::{
     Access, FrameSurface, LogMap, LogMapFrame, Reader, Solver, SourceInput,
 };
 
 use crate::Result;
+use crate::after_map::AfterMap;
 use crate::gpu::Gpu;
 use crate::sets::Sets;
 use crate::shaders;
@@ -95,29 +95,18 @@ impl Decal {
 
     /// Records the passes that compute the log map, if the map or the radius has changed, with `spacing`
     /// between lines.
-    pub fn record(
-        &mut self,
-        gpu: &Gpu,
-        solver: &Solver,
-        commands: vk::CommandBuffer,
-        (surface, changed): (&FrameSurface, bool),
-        spacing: f32,
-    ) -> Result<()> {
-        self.outdated |= changed;
+    pub fn record(&mut self, map: &AfterMap, spacing: f32) -> Result<()> {
+        self.outdated |= map.changed;
         let shown = self.look.placement == Some(Placement::LogMap);
         let Some(log_map) = self.log_map.as_ref().filter(|_| shown && self.outdated) else {
             return Ok(());
         };
         self.outdated = false;
-        let recording = solver.record(&gpu.device, commands, surface);
-        if !changed {
-            recording.begin(Access::NONE);
-        }
         let frame = LogMapFrame::new(SourceInput::Buffer(0), Reader::FRAGMENT)
             .with_before(Access::TRANSFER_WRITE)
             .with_radius((self.look.radius + MARGIN) * spacing)
             .with_unreached(NOWHERE);
-        recording.log_map(log_map, &frame)?;
+        map.recording().log_map(log_map, &frame)?;
         Ok(())
     }
 

@@ -1,13 +1,13 @@
 //! Contours and a path of a surface as lines. geosweep finds them after the map, and indirect draws draw them
 //! in the same frame. The program never reads them.
 
-use geosweep::ash::vk;
 use geosweep::vulkan::embed::{
     Access, ContourFrame, Contours, CurveBuffer, FrameSurface, LevelInput, PathFrame, Paths,
     PathsInfo, Solver, SourceInput, StartInput,
 };
 
 use crate::Result;
+use crate::after_map::AfterMap;
 use crate::gpu::Gpu;
 use crate::pick::{Pick, PickPass};
 
@@ -71,22 +71,12 @@ impl Lines {
 
     /// Records the passes that find the lines, if the map or the lines have changed, with a level every
     /// `spacing`.
-    pub fn record(
-        &mut self,
-        gpu: &Gpu,
-        solver: &Solver,
-        commands: vk::CommandBuffer,
-        (surface, changed): (&FrameSurface, bool),
-        spacing: f32,
-    ) -> Result<()> {
+    pub fn record(&mut self, map: &AfterMap, spacing: f32) -> Result<()> {
         let due = std::mem::replace(&mut self.due, false);
-        if !due && !changed {
+        if !due && !map.changed {
             return Ok(());
         }
-        let recording = solver.record(&gpu.device, commands, surface);
-        if !changed {
-            recording.begin(Access::NONE);
-        }
+        let recording = map.recording();
         let (points, reader) = (0, Access::DRAW);
         if let Some(contours) = self.contours.as_ref().filter(|_| self.shows_contours) {
             let levels = LevelInput::Spacing { step: spacing, count: LEVELS };

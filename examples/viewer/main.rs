@@ -15,6 +15,7 @@
 //! The code that uses geosweep is in `map.rs`, `lines.rs`, `decal.rs` and `agents.rs`; the order of a frame's
 //! passes is in `viewer.rs`.
 
+mod after_map;
 mod agents;
 mod camera;
 mod decal;

@@ -7,6 +7,7 @@ use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{Access, Solver};
 
 use crate::Result;
+use crate::after_map::AfterMap;
 use crate::agents::{Agents, WalkPasses};
 use crate::camera::Camera;
 use crate::decal::Decal;
@@ -170,9 +171,10 @@ impl Stage {
         commands: vk::CommandBuffer,
         changed: bool,
     ) -> Result<()> {
-        let (on, spacing) = ((self.map.surface(), changed), self.look.spacing);
-        self.lines.record(gpu, solver, commands, on, spacing)?;
-        self.decal.record(gpu, solver, commands, on, spacing)
+        let surface = self.map.surface();
+        let map = AfterMap { gpu, solver, commands, surface, changed };
+        self.lines.record(&map, self.look.spacing)?;
+        self.decal.record(&map, self.look.spacing)
     }
 
     /// Records the passes that find the agents' ways and move them.
@@ -186,8 +188,8 @@ impl Stage {
     ) -> Result<()> {
         let set = self.set(frame.index);
         let Some(agents) = &mut self.agents else { return Ok(()) };
-        let on = (self.map.surface(), changed);
-        agents.record(gpu, solver, passes, (frame.commands, set), on)
+        let (commands, surface) = (frame.commands, self.map.surface());
+        agents.record(&AfterMap { gpu, solver, commands, surface, changed }, passes, set)
     }
 
     pub fn destroy(&mut self, gpu: &mut Gpu) {

@@ -4,15 +4,16 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::arguments::{Output, chart, reference};
+use super::arguments::reference;
 use super::frame::{GeosweepAccess, GeosweepReader, GeosweepSources, access, reader, sources};
-use super::objects::{exclusive, hand_out, land, object, take};
+use super::objects::object;
 use super::record::{output_unless_null, record};
 use super::shared::Shared;
 use super::solver::GeosweepSolver;
-use super::status::{Failure, GeosweepStatus, guard};
+use super::status::{Failure, GeosweepStatus};
 use super::surface::{GeosweepImage, GeosweepSurface};
 use super::surface_info::GeosweepHostImage;
+use super::way_image::{self, ways};
 use crate::vulkan::embed::{self, Recording};
 
 /// Image of the directions in which ways lead back to the sources, and the passes that find them. A texel of
@@ -35,6 +36,8 @@ pub struct GeosweepDirectionFrame {
     pub reader: GeosweepReader,
 }
 
+ways!(GeosweepDirections, directions, directions_into);
+
 /// Computes the bytes of device memory that directions will take, before they are created: 12 (8 with an
 /// image of yours) per grid point.
 #[unsafe(no_mangle)]
@@ -44,13 +47,10 @@ pub unsafe extern "C" fn geosweep_directions_bytes_for(
     cols: u32,
     bytes: *mut u64,
 ) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (solver, output) = unsafe { (object(solver, "solver")?, Output::new(bytes, "bytes")?) };
-        let Shared { solver, device, .. } = &**solver.shared();
-        output.write(solver.bytes_for_directions(device, chart(rows, cols)?)?);
-        Ok(())
-    })
+    // SAFETY: the caller's promise.
+    unsafe {
+        way_image::bytes_for(solver, [rows, cols], bytes, embed::Solver::bytes_for_directions)
+    }
 }
 
 /// Creates directions of a surface, for maps with any wavefront. Allocates device memory and compiles passes.
@@ -63,23 +63,8 @@ pub unsafe extern "C" fn geosweep_directions_create(
     image: *const GeosweepHostImage,
     directions: *mut *mut GeosweepDirections,
 ) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (surface, output, image) = unsafe {
-            let image = if image.is_null() { None } else { Some(reference(image, "image")?) };
-            (object(surface, "surface")?, Output::new(directions, "directions")?, image)
-        };
-        let GeosweepSurface { shared, surface, .. } = surface;
-        let (solver, device, mut allocator) = (&shared.solver, &shared.device, shared.allocator());
-        let directions = match image {
-            None => solver.directions(device, &mut allocator, surface)?,
-            Some(image) => {
-                solver.directions_into(device, &mut allocator, surface, (*image).into())?
-            }
-        };
-        hand_out(output, GeosweepDirections { shared: Arc::clone(shared), directions });
-        Ok(())
-    })
+    // SAFETY: the caller's promise.
+    unsafe { way_image::create(surface, image, directions) }
 }
 
 /// Makes directions write to another image of yours in later recordings. They must have been created with an
@@ -89,12 +74,8 @@ pub unsafe extern "C" fn geosweep_directions_set_image(
     directions: *mut GeosweepDirections,
     image: *const GeosweepHostImage,
 ) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (of, image) =
-            unsafe { (exclusive(directions, "directions")?, reference(image, "image")?) };
-        Ok(of.directions.set_image((*image).into())?)
-    })
+    // SAFETY: the caller's promise.
+    unsafe { way_image::set_image(directions, image) }
 }
 
 /// Returns the bytes of device memory that directions take.
@@ -103,13 +84,8 @@ pub unsafe extern "C" fn geosweep_directions_bytes(
     directions: *const GeosweepDirections,
     bytes: *mut u64,
 ) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (of, output) =
-            unsafe { (object(directions, "directions")?, Output::new(bytes, "bytes")?) };
-        output.write(of.directions.bytes());
-        Ok(())
-    })
+    // SAFETY: the caller's promise.
+    unsafe { way_image::bytes(directions, bytes) }
 }
 
 /// Returns the image, also before it is recorded. `layout` is that of the reader for which it is recorded.
@@ -119,13 +95,8 @@ pub unsafe extern "C" fn geosweep_directions_image(
     layout: vk::ImageLayout,
     image: *mut GeosweepImage,
 ) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (of, output) =
-            unsafe { (object(directions, "directions")?, Output::new(image, "image")?) };
-        output.write(of.directions.image(layout).into());
-        Ok(())
-    })
+    // SAFETY: the caller's promise.
+    unsafe { way_image::image(directions, layout, image) }
 }
 
 /// Finds the direction in which the way back leaves each grid point. Call this after the map was recorded, in
@@ -166,13 +137,8 @@ pub unsafe extern "C" fn geosweep_directions_rebind(
     directions: *mut GeosweepDirections,
     surface: *const GeosweepSurface,
 ) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (of, surface) =
-            unsafe { (exclusive(directions, "directions")?, object(surface, "surface")?) };
-        let Shared { device, solver, .. } = &*surface.shared;
-        Ok(of.directions.rebind(device, solver, &surface.surface)?)
-    })
+    // SAFETY: the caller's promise.
+    unsafe { way_image::rebind(directions, surface) }
 }
 
 /// Destroys directions, before or after the surface. No submitted work may still use the directions; a solver
@@ -181,17 +147,6 @@ pub unsafe extern "C" fn geosweep_directions_rebind(
 pub unsafe extern "C" fn geosweep_directions_destroy(
     directions: *mut GeosweepDirections,
 ) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let Some(_) =
-            (unsafe { land(directions, "directions", |of| of.directions.is_in_flight()) })?
-        else {
-            return Ok(());
-        };
-        // SAFETY: the caller's promise.
-        let Some(directions) = unsafe { take(directions, "directions") }? else { return Ok(()) };
-        let GeosweepDirections { shared, mut directions } = directions;
-        directions.destroy(&shared.device, &mut shared.allocator());
-        Ok(())
-    })
+    // SAFETY: the caller's promise.
+    unsafe { way_image::destroy(directions) }
 }

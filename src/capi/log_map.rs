@@ -4,15 +4,16 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::arguments::{Output, chart, reference};
+use super::arguments::reference;
 use super::frame::{GeosweepAccess, GeosweepReader, GeosweepSources, access, reader, sources};
-use super::objects::{exclusive, hand_out, land, object, take};
+use super::objects::object;
 use super::record::{output_unless_null, record};
 use super::shared::Shared;
 use super::solver::GeosweepSolver;
-use super::status::{Failure, GeosweepStatus, guard};
+use super::status::{Failure, GeosweepStatus};
 use super::surface::{GeosweepImage, GeosweepSurface};
 use super::surface_info::GeosweepHostImage;
+use super::way_image::{self, ways};
 use crate::vulkan::embed::{self, Recording};
 
 /// Image of the log map of point sources, and the passes that compute it. A texel of
@@ -41,6 +42,8 @@ pub struct GeosweepLogMapFrame {
     pub unreached: f32,
 }
 
+ways!(GeosweepLogMap, log_map, log_map_into);
+
 /// Computes the bytes of device memory that a log map will take, before it is created: 40 (32 with an image
 /// of yours) per grid point.
 #[unsafe(no_mangle)]
@@ -50,13 +53,8 @@ pub unsafe extern "C" fn geosweep_log_map_bytes_for(
     cols: u32,
     bytes: *mut u64,
 ) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (solver, output) = unsafe { (object(solver, "solver")?, Output::new(bytes, "bytes")?) };
-        let Shared { solver, device, .. } = &**solver.shared();
-        output.write(solver.bytes_for_log_map(device, chart(rows, cols)?)?);
-        Ok(())
-    })
+    // SAFETY: the caller's promise.
+    unsafe { way_image::bytes_for(solver, [rows, cols], bytes, embed::Solver::bytes_for_log_map) }
 }
 
 /// Creates a log map of a surface, for maps with any wavefront. Allocates device memory and compiles passes.
@@ -69,21 +67,8 @@ pub unsafe extern "C" fn geosweep_log_map_create(
     image: *const GeosweepHostImage,
     log_map: *mut *mut GeosweepLogMap,
 ) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (surface, output, image) = unsafe {
-            let image = if image.is_null() { None } else { Some(reference(image, "image")?) };
-            (object(surface, "surface")?, Output::new(log_map, "log_map")?, image)
-        };
-        let GeosweepSurface { shared, surface, .. } = surface;
-        let (solver, device, mut allocator) = (&shared.solver, &shared.device, shared.allocator());
-        let log_map = match image {
-            None => solver.log_map(device, &mut allocator, surface)?,
-            Some(image) => solver.log_map_into(device, &mut allocator, surface, (*image).into())?,
-        };
-        hand_out(output, GeosweepLogMap { shared: Arc::clone(shared), log_map });
-        Ok(())
-    })
+    // SAFETY: the caller's promise.
+    unsafe { way_image::create(surface, image, log_map) }
 }
 
 /// Makes a log map write to another image of yours in later recordings. It must have been created with an
@@ -93,11 +78,8 @@ pub unsafe extern "C" fn geosweep_log_map_set_image(
     log_map: *mut GeosweepLogMap,
     image: *const GeosweepHostImage,
 ) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (of, image) = unsafe { (exclusive(log_map, "log_map")?, reference(image, "image")?) };
-        Ok(of.log_map.set_image((*image).into())?)
-    })
+    // SAFETY: the caller's promise.
+    unsafe { way_image::set_image(log_map, image) }
 }
 
 /// Returns the bytes of device memory that a log map takes.
@@ -106,12 +88,8 @@ pub unsafe extern "C" fn geosweep_log_map_bytes(
     log_map: *const GeosweepLogMap,
     bytes: *mut u64,
 ) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (of, output) = unsafe { (object(log_map, "log_map")?, Output::new(bytes, "bytes")?) };
-        output.write(of.log_map.bytes());
-        Ok(())
-    })
+    // SAFETY: the caller's promise.
+    unsafe { way_image::bytes(log_map, bytes) }
 }
 
 /// Returns the image, also before it is recorded. `layout` is that of the reader for which it is recorded.
@@ -121,12 +99,8 @@ pub unsafe extern "C" fn geosweep_log_map_image(
     layout: vk::ImageLayout,
     image: *mut GeosweepImage,
 ) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (of, output) = unsafe { (object(log_map, "log_map")?, Output::new(image, "image")?) };
-        output.write(of.log_map.image(layout).into());
-        Ok(())
-    })
+    // SAFETY: the caller's promise.
+    unsafe { way_image::image(log_map, layout, image) }
 }
 
 /// Computes the log map of the sources of the map. Call this after the map was recorded, in the same command
@@ -168,28 +142,14 @@ pub unsafe extern "C" fn geosweep_log_map_rebind(
     log_map: *mut GeosweepLogMap,
     surface: *const GeosweepSurface,
 ) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (of, surface) =
-            unsafe { (exclusive(log_map, "log_map")?, object(surface, "surface")?) };
-        let Shared { device, solver, .. } = &*surface.shared;
-        Ok(of.log_map.rebind(device, solver, &surface.surface)?)
-    })
+    // SAFETY: the caller's promise.
+    unsafe { way_image::rebind(log_map, surface) }
 }
 
 /// Destroys a log map, before or after the surface. No submitted work may still use the log map; a solver
 /// with checks verifies that. Null is allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_log_map_destroy(log_map: *mut GeosweepLogMap) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let Some(_) = (unsafe { land(log_map, "log_map", |of| of.log_map.is_in_flight()) })? else {
-            return Ok(());
-        };
-        // SAFETY: the caller's promise.
-        let Some(log_map) = unsafe { take(log_map, "log_map") }? else { return Ok(()) };
-        let GeosweepLogMap { shared, mut log_map } = log_map;
-        log_map.destroy(&shared.device, &mut shared.allocator());
-        Ok(())
-    })
+    // SAFETY: the caller's promise.
+    unsafe { way_image::destroy(log_map) }
 }

@@ -54,6 +54,7 @@ mod solver;
 mod status;
 mod surface;
 mod surface_info;
+mod way_image;
 
 pub use choices::{GeosweepEdgeRule, GeosweepSchedule, GeosweepWavefront};
 pub use contours::*;

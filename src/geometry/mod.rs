@@ -8,6 +8,7 @@ mod arrivals;
 pub mod canonical;
 mod chains;
 mod contours;
+mod copies;
 mod crest;
 mod curve;
 mod directions;

@@ -29,7 +29,8 @@ const FILES: [&str; 19] = [
     "profile",
 ];
 /// Files that declare nothing for C.
-const INTERNAL: [&str; 6] = ["arguments", "kinds", "loader", "mod", "objects", "shared"];
+const INTERNAL: [&str; 7] =
+    ["arguments", "kinds", "loader", "mod", "objects", "shared", "way_image"];
 
 fn generated() -> String {
     let config = cbindgen::Config::from_file(format!("{SOURCES}/cbindgen.toml")).unwrap();

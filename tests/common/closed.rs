@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use geosweep::glam::DVec3;
+use geosweep::glam::{DVec2, DVec3};
 use geosweep::surface::Gluing;
 use geosweep::{Spacing, Surface};
 
@@ -71,4 +71,49 @@ pub fn cube(side: usize) -> Surface {
         DVec3::from_array(place).normalize()
     });
     sphere.with_gluing(Gluing::Charts).unwrap()
+}
+
+/// A plane of 41 x 65 points with square cells, of which opposite sides are glued.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Flat {
+    /// The last column is glued to the first one.
+    pub cols: bool,
+    /// The rows are reversed beyond the columns.
+    pub flipped: bool,
+    /// The last row is glued to the first one.
+    pub rows: bool,
+}
+
+impl Flat {
+    /// Returns the shortest way from one place to another, in rows and columns at the first.
+    pub fn way(self, from: [f64; 2], to: [f64; 2]) -> DVec2 {
+        let [from, to] = [from, to].map(DVec2::from);
+        let images = |wraps: bool| if wraps { -1..=1 } else { 0..=0 };
+        let image = |down: i32, right: i32| {
+            let row = if self.flipped && right != 0 { 40.0 - to.x } else { to.x };
+            DVec2::new(row + 40.0 * f64::from(down), to.y + 64.0 * f64::from(right)) - from
+        };
+        let all =
+            images(self.rows).flat_map(|down| images(self.cols).map(move |by| image(down, by)));
+        all.min_by(|a, b| a.length().total_cmp(&b.length())).unwrap()
+    }
+
+    /// Returns whether the way to `to` is the only shortest one around a place. At the cut locus either way is right.
+    pub fn is_smooth(self, at: [f64; 2], to: [f64; 2]) -> bool {
+        let way = self.way(at, to);
+        [[0.0, 1.5], [0.0, -1.5], [1.5, 0.0], [-1.5, 0.0]].into_iter().all(|by| {
+            let moved = self.way([at[0] + by[0], at[1] + by[1]], to);
+            (moved + DVec2::from(by)).distance(way) < 1e-6
+        })
+    }
+}
+
+/// Returns the names, gluings and shapes of a cylinder, a torus and a Moebius strip.
+pub fn shapes() -> [(&'static str, Gluing, Flat); 3] {
+    let cylinder = Flat { cols: true, flipped: false, rows: false };
+    [
+        ("cylinder", Gluing::columns(), cylinder),
+        ("torus", Gluing::both(), Flat { rows: true, ..cylinder }),
+        ("Moebius strip", Gluing::flipped_columns(), Flat { flipped: true, ..cylinder }),
+    ]
 }

@@ -1,6 +1,7 @@
 //! Maps that end at a radius or at targets, held against the whole map.
 
 use geosweep::surface::Real;
+use geosweep::{Options, Sources, Spacing, Surface, Targets, distance_map};
 
 /// Returns the largest distance of a map.
 pub fn farthest<R: Real>(map: &[R]) -> f64 {
@@ -24,4 +25,22 @@ pub fn assert_is_part<R: Real>(near: &[R], whole: &[R], radius: f64, what: &str)
 /// Returns the number of points that a map reaches.
 pub fn reached<R: Real>(map: &[R]) -> usize {
     map.iter().filter(|distance| distance.is_finite()).count()
+}
+
+/// Asserts that all, any and the two nearest of some targets end a map with these options.
+pub fn assert_targets_end_maps(options: &Options) {
+    let surface = Surface::from_heights(40, 50, vec![0.0; 2000], Spacing::square(1.0)).unwrap();
+    let points = [[20, 26], [20, 40], [8, 20]];
+    for (targets, end) in [
+        (Targets::any(points), 6.0),
+        (Targets::nearest(2, points), 12.0),
+        (Targets::all(points), 20.0),
+        // A target at the source needs nothing else.
+        (Targets::any([[20, 20]]), 0.0),
+    ] {
+        let options = options.clone().with_targets(targets);
+        let map = distance_map(&surface, &Sources::point(20.0, 20.0), &options).unwrap();
+        let found = (map.report.max_distance, map.report.ends_at);
+        assert_eq!(found, (end, Some(end)), "{options:?}");
+    }
 }

@@ -6,6 +6,8 @@ mod bounds;
 #[cfg(feature = "canonical")]
 mod canonical;
 mod closed;
+mod closed_directions;
+mod closed_regions;
 #[path = "../common/mod.rs"]
 mod common;
 mod contours;

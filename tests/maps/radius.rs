@@ -7,7 +7,7 @@ use geosweep::surface::{EdgeLengths, Real, Seed};
 use geosweep::{Engine, Error, Options, Sources, Spacing, Surface, Targets, Wavefront};
 use geosweep::{distance_map, distance_map_f64};
 
-use crate::common::parts::{assert_is_part, farthest, reached};
+use crate::common::parts::{assert_is_part, assert_targets_end_maps, farthest, reached};
 use crate::common::{CONVERGED, at, rough};
 
 /// By patches of 32 points a side.
@@ -157,20 +157,8 @@ fn targets_cost_little_more_than_the_radius_that_they_need() {
 
 #[test]
 fn the_nearest_or_the_farthest_target_ends_the_map() {
-    let surface = Surface::from_heights(40, 50, vec![0.0; 2000], Spacing::square(1.0)).unwrap();
-    let points = [[20, 26], [20, 40], [8, 20]];
     for engine in [Engine::Cpu, Engine::FastMarching] {
-        for (targets, end) in [
-            (Targets::any(points), 6.0),
-            (Targets::nearest(2, points), 12.0),
-            (Targets::all(points), 20.0),
-            // A target at the source needs nothing else.
-            (Targets::any([[20, 20]]), 0.0),
-        ] {
-            let options = Options::default().with_engine(engine.clone()).with_targets(targets);
-            let map = distance_map(&surface, &at([20.0, 20.0]), &options).unwrap();
-            assert_eq!((map.report.max_distance, map.report.ends_at), (end, Some(end)));
-        }
+        assert_targets_end_maps(&Options::default().with_engine(engine));
     }
 }
 

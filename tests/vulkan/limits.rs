@@ -5,12 +5,9 @@ use geosweep::cpu::twins::{Rounds, ScanOrder, scan_due, tile_rounds_within};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::{HeadlessSolution, HeadlessSolver, Method, Schedule, SurfaceOnDevice};
-use geosweep::{
-    DeviceChoice, Engine, Options, Sources, Spacing, Stop, Surface, Targets, Wavefront,
-    distance_map,
-};
+use geosweep::{Engine, Options, Sources, Spacing, Stop, Surface, Targets, Wavefront};
 
-use crate::common::parts::{assert_is_part, farthest, reached};
+use crate::common::parts::{assert_is_part, assert_targets_end_maps, farthest, reached};
 use crate::common::*;
 use crate::headless::{FEW_TILES, is_processor};
 use crate::tile_lanes::{assert_nothing_said, problems};
@@ -179,24 +176,10 @@ fn targets_cost_little_more_than_the_radius_that_they_need() {
 /// All, any and the two nearest of some targets, on every schedule.
 #[test]
 fn the_nearest_or_the_farthest_target_ends_the_map() {
-    let surface = Surface::from_heights(40, 50, vec![0.0; 2000], Spacing::square(1.0)).unwrap();
-    let points = [[20, 26], [20, 40], [8, 20]];
-    let DeviceChoice::Name(device) = device_choice() else { unreachable!() };
     for schedule in Schedule::ALL {
-        for (targets, end) in [
-            (Targets::any(points), 6.0),
-            (Targets::nearest(2, points), 12.0),
-            (Targets::all(points), 20.0),
-            (Targets::any([[20, 20]]), 0.0),
-        ] {
-            let options = Options::default()
-                .with_engine(Engine::Vulkan(DeviceChoice::Name(device.clone())))
-                .with_schedule(schedule)
-                .with_targets(targets);
-            let map = distance_map(&surface, &Sources::point(20.0, 20.0), &options).unwrap();
-            let found = (map.report.max_distance, map.report.ends_at);
-            assert_eq!(found, (end, Some(end)), "{schedule}");
-        }
+        let options =
+            Options::default().with_engine(Engine::Vulkan(device_choice())).with_schedule(schedule);
+        assert_targets_end_maps(&options);
     }
 }
 

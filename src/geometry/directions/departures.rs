@@ -17,7 +17,7 @@ use super::frame::Frame;
 use super::stencil::{SIDE, Samples, derivative_beside_kink};
 use crate::cpu::RotatedScan;
 use crate::geometry::NO_REGION;
-use crate::surface::{Direction, EdgeLengths, Real, Source, Sources, Surface};
+use crate::surface::{Direction, EdgeLengths, Groups, Real, Source, Sources, Surface};
 use crate::{Engine, Error, Monitor, Options};
 
 /// The steps by which sources move, on each side.
@@ -63,8 +63,8 @@ impl Start {
     /// Returns whether the surface reaches as far as the source moves, by `steps` steps along a grid line.
     fn can_move(&self, surface: &Surface, to: Direction, steps: isize) -> bool {
         (1..=2 * steps.abs()).all(|half| {
-            let at = self.at + 0.5 * (half * steps.signum()) as f64 * to.vector();
-            surface.chart().holds(at) && surface.contains(at)
+            let moved = 0.5 * (half * steps.signum()) as f64 * to.vector();
+            surface.continued_place(self.at + moved).is_some_and(|at| surface.contains(at))
         })
     }
 }
@@ -94,7 +94,8 @@ impl<'a> Departures<'a> {
         monitor: &Monitor,
     ) -> Result<Self, Error> {
         let options = Options::default().with_engine(Engine::Cpu);
-        let sources: Sources = starts.iter().map(|start| start.source(DVec2::ZERO)).collect();
+        let sources: Sources =
+            starts.iter().map(|start| start.source(surface, DVec2::ZERO)).collect();
         let stop = options.stop(surface, crate::DEFAULT_TOLERANCE_F64)?;
         let wavefront = options.resolve_wavefront(surface, &sources)?;
         let edges = EdgeLengths::<f64>::measured(surface, || monitor.check())?;
@@ -116,7 +117,7 @@ impl<'a> Departures<'a> {
             for steps in (-MOVES..=MOVES).filter(|&steps| steps != 0) {
                 let there = starts.iter().filter(|start| start.can_move(surface, to, steps));
                 let sources: Sources =
-                    there.map(|start| start.source(steps as f64 * to.vector())).collect();
+                    there.map(|start| start.source(surface, steps as f64 * to.vector())).collect();
                 if sources.iter().next().is_some() {
                     moved[axis][(steps + MOVES) as usize] = Some(solve(&sources)?);
                 }
@@ -184,7 +185,7 @@ impl<'a> Departures<'a> {
     }
 
     /// Gives the points without a direction the mean direction of their neighbours, from point to point.
-    /// These are points at which two kinks meet.
+    /// These are points at which two kinks meet. Copies of a point have the direction of the first.
     fn filled(&self, mut found: Vec<Option<DVec2>>, labels: &[u32]) -> Vec<DVec2> {
         let chart = self.surface.chart();
         let mut missing: Vec<usize> =
@@ -211,12 +212,18 @@ impl<'a> Departures<'a> {
             }
             missing.retain(|&index| found[index].is_none());
         }
+        for group in self.surface.copies().into_iter().flat_map(Groups::iter) {
+            let first = found[group[0] as usize];
+            group.iter().for_each(|&copy| found[copy as usize] = first);
+        }
         found.into_iter().map(|way| way.unwrap_or(DVec2::NAN)).collect()
     }
 }
 
 impl Start {
-    fn source(&self, moved: DVec2) -> Source {
-        Source::Point { at: self.at + moved, initial: self.initial }
+    /// Returns the source moved by a step, which may lead over a seam.
+    fn source(&self, surface: &Surface, moved: DVec2) -> Source {
+        let at = self.at + moved;
+        Source::Point { at: surface.continued_place(at).unwrap_or(at), initial: self.initial }
     }
 }

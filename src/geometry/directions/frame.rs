@@ -75,11 +75,29 @@ impl Frame {
         (along.is_finite() && across.is_finite()).then_some([along, across])
     }
 
+    /// Returns the step of rows and columns along a vector in space. Returns `None` at a pole, and if the surface is
+    /// given by its metric.
+    pub(super) fn step(&self, way: DVec3) -> Option<DVec2> {
+        let [rows, cols] = self.tangents?;
+        let step = self.metric.inverse() * DVec2::new(rows.dot(way), cols.dot(way));
+        step.is_finite().then_some(step)
+    }
+
     /// Returns a step of rows and columns as a vector in space.
     pub(super) fn in_space(&self, step: DVec2) -> Option<DVec3> {
         let [rows, cols] = self.tangents?;
         Some(step.x * rows + step.y * cols)
     }
+}
+
+/// Returns the position in space of a place of the surface, given as fractional row and column. Returns `None` if the
+/// surface is given by its metric.
+pub(super) fn position(surface: &Surface, at: DVec2) -> Option<DVec3> {
+    let low = |at: f64, points: usize| (at as usize).min(points.saturating_sub(2));
+    let corner = [low(at.x, surface.rows()), low(at.y, surface.cols())];
+    let share = [at.x - corner[0] as f64, at.y - corner[1] as f64];
+    let points = weights(surface, corner, share).into_iter();
+    points.map(|(row, col, weight)| Some(surface.position(row, col)? * weight)).sum()
 }
 
 fn matrix(rr: f64, rc: f64, cc: f64) -> DMat2 {

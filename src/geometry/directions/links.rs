@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use super::frame::Frame;
 use super::ways::Way;
+use crate::geometry::copies::Copies;
 use crate::geometry::order::rank;
 use crate::surface::{Direction, Surface};
 
@@ -33,90 +34,159 @@ const CODES: [Direction; 8] = [
     Direction::NorthEast,
 ];
 
-/// Returns the links, row-major. `times` is a bordered array of arrival times; `is_beside_source` tells
-/// whether a source touches a cell of the point with an index in that array.
-pub(super) fn links(
-    surface: &Surface,
-    times: &[f32],
-    ways: &[Way],
-    is_beside_source: impl Fn(usize) -> bool + Sync,
-) -> Vec<i8> {
-    let chart = surface.chart();
-    let link = |index: usize| -> Option<i8> {
-        let (row, col) = chart.position(index);
-        let point = chart.bordered(row, col);
-        let (step, to_source) = match ways[index] {
-            Way::Unreached => return Some(NO_LINK),
-            Way::AtSource if is_beside_source(point) => return Some(0),
-            Way::AtSource => (DVec2::ZERO, false),
-            Way::Along { step, to_source } => (step.as_dvec2(), to_source),
-        };
-        let frame = Frame::at_point(surface, row, col);
-        let alike = |to: &usize| {
-            let cosine = frame.cosine(step, CODES[*to].vector());
-            if cosine.is_nan() { -1.0 } else { cosine }
-        };
-        let is_earlier = |to: &usize| {
-            let there = times[chart.beside(point, CODES[*to])];
-            there < times[point] && surface.has_edge(row, col, CODES[*to])
-        };
-        let next = (0..8).filter(is_earlier).max_by(|a, b| alike(a).total_cmp(&alike(b)));
-        // The source lies less than half-way to that neighbour: this point stands for the source.
-        let is_end =
-            |to: usize| to_source && frame.length(step) <= 0.5 * frame.length(CODES[to].vector());
-        match next {
-            Some(to) if is_end(to) => Some(0),
-            Some(to) => Some(to as i8 + 1),
-            None => is_beside_source(point).then_some(0),
-        }
-    };
-    let found: Vec<Option<i8>> = (0..chart.points()).into_par_iter().map(link).collect();
-    if let Some(all) = found.iter().copied().collect() {
-        all
-    } else {
-        flooded(surface, times, found)
-    }
+/// The points and edges along which links lead.
+pub(super) struct Links<'a> {
+    pub surface: &'a Surface,
+    pub copies: &'a Copies,
+    /// The arrival times, a bordered array.
+    pub times: &'a [f32],
 }
 
-/// Links the points without a link, and those whose walks end at them, to points from which walks arrive.
-fn flooded(surface: &Surface, times: &[f32], mut links: Vec<Option<i8>>) -> Vec<i8> {
-    let chart = surface.chart();
-    let next = |index: usize, link: i8| {
-        let (row, col) = chart.position(index);
-        let (row, col) = chart.neighbour(row, col, CODES[link as usize - 1])?;
-        Some(chart.index(row, col))
-    };
-    // Walks descend, so a point's successor is visited before it in the order of arrival.
-    let time = |index: usize| {
-        let (row, col) = chart.position(index);
-        times[chart.bordered(row, col)]
-    };
-    let mut order: Vec<usize> = (0..links.len()).filter(|&at| links[at] != Some(NO_LINK)).collect();
-    order.par_sort_by(|&a, &b| time(a).total_cmp(&time(b)));
-    let mut arrives = vec![false; links.len()];
-    for &index in &order {
-        arrives[index] = match links[index] {
-            Some(0) => true,
-            Some(link) => next(index, link).is_some_and(|next| arrives[next]),
-            None => false,
+/// A neighbour to which a link may lead.
+struct Next {
+    link: i8,
+    /// The cosine of the angle between the way back and the edge to the neighbour.
+    alike: f64,
+    /// Whether the way is to a source less than half-way to the neighbour: the point stands for the source.
+    is_end: bool,
+}
+
+impl Links<'_> {
+    /// Returns the links, row-major. Copies of a point have the link of the copy that has this neighbour.
+    /// `is_beside_source` tells whether a source touches a cell of the point with an index in a bordered array.
+    pub(super) fn find(
+        &self,
+        ways: &[Way],
+        is_beside_source: impl Fn(usize) -> bool + Sync,
+    ) -> Vec<i8> {
+        let link = |index: usize| -> Option<i8> {
+            let point = self.point(index);
+            let is_beside_source = || self.copies.all(point).any(&is_beside_source);
+            match ways[index] {
+                Way::Unreached => return Some(NO_LINK),
+                Way::AtSource if is_beside_source() => return Some(0),
+                _ if self.copies.first(point) != point => return Some(NO_LINK),
+                _ => {}
+            }
+            let all = self.copies.all(point).flat_map(|copy| self.earlier(copy, ways));
+            match all.max_by(|a, b| a.alike.total_cmp(&b.alike)) {
+                Some(next) if next.is_end => Some(0),
+                Some(next) => Some(next.link),
+                None => is_beside_source().then_some(0),
+            }
         };
+        let points = 0..self.surface.chart().points();
+        let found: Vec<Option<i8>> = points.into_par_iter().map(link).collect();
+        let all: Option<Vec<i8>> = found.iter().copied().collect();
+        let mut links = all.unwrap_or_else(|| self.flooded(found));
+        for group in self.copies.groups() {
+            let link = links[self.index(group[0] as usize)];
+            group.iter().for_each(|&copy| links[self.index(copy as usize)] = link);
+        }
+        links
     }
-    let entry = |index: usize| Reverse((rank(time(index), 0), index));
-    let mut open: BinaryHeap<_> =
-        order.iter().filter(|&&index| arrives[index]).map(|&index| entry(index)).collect();
-    while let Some(Reverse((_, index))) = open.pop() {
-        let (row, col) = chart.position(index);
-        for (code, to) in CODES.into_iter().enumerate() {
-            let Some((r, c)) = chart.neighbour(row, col, to) else { continue };
-            let there = chart.index(r, c);
-            let is_lost = !arrives[there] && links[there] != Some(NO_LINK);
-            if is_lost && surface.has_edge(row, col, to) {
-                arrives[there] = true;
-                links[there] = Some(((code + 4) % 8) as i8 + 1);
-                open.push(entry(there));
+
+    /// Returns the earlier neighbours of a point.
+    fn earlier(&self, point: usize, ways: &[Way]) -> impl Iterator<Item = Next> {
+        let (row, col) = self.surface.chart().bordered_position(point);
+        let (step, to_source) = match ways[self.index(point)] {
+            Way::Along { step, to_source } => (step.as_dvec2(), to_source),
+            _ => (DVec2::ZERO, false),
+        };
+        let frame = Frame::at_point(self.surface, row, col);
+        (1..).zip(CODES).filter_map(move |(link, to)| {
+            let there = self.times[self.surface.chart().beside(point, to)];
+            if there >= self.times[point] || !self.surface.has_edge(row, col, to) {
+                return None;
+            }
+            let cosine = frame.cosine(step, to.vector());
+            let alike = if cosine.is_nan() { -1.0 } else { cosine };
+            let is_end = to_source && frame.length(step) <= 0.5 * frame.length(to.vector());
+            Some(Next { link, alike, is_end })
+        })
+    }
+
+    /// Returns the indices of the points on the way from a point along `links`. Where it passes a seam, copies of a
+    /// point follow each other.
+    pub(super) fn walk(&self, links: &[i8], from: usize) -> Vec<usize> {
+        let mut way = vec![from];
+        let mut at = from;
+        while let Some([copy, next]) = self.next(at, links[at]).filter(|_| way.len() <= links.len())
+        {
+            way.extend([copy, next].into_iter().filter(|&point| point != at));
+            at = next;
+        }
+        way
+    }
+
+    /// Returns the indices of the copy of a point from which a link leads, and of the neighbour to which it leads:
+    /// the earliest of those that any copy has in this direction.
+    fn next(&self, index: usize, link: i8) -> Option<[usize; 2]> {
+        let to = *CODES.get(usize::try_from(link).ok()?.checked_sub(1)?)?;
+        let beside = |copy: usize| {
+            let chart = self.surface.chart();
+            let (row, col) = chart.bordered_position(copy);
+            let is_edge = self.surface.has_edge(row, col, to);
+            is_edge.then(|| [copy, chart.beside(copy, to)])
+        };
+        let all = self.copies.all(self.point(index)).filter_map(beside);
+        let first = all.min_by(|a, b| self.times[a[1]].total_cmp(&self.times[b[1]]))?;
+        Some(first.map(|point| self.index(point)))
+    }
+
+    fn point(&self, index: usize) -> usize {
+        let (row, col) = self.surface.chart().position(index);
+        self.surface.chart().bordered(row, col)
+    }
+
+    /// Returns the row-major index of a point.
+    fn index(&self, point: usize) -> usize {
+        let (row, col) = self.surface.chart().bordered_position(point);
+        self.surface.chart().index(row, col)
+    }
+
+    /// Links the points without a link, and those whose walks end at them, to points from which walks arrive. Of
+    /// copies only the first is linked.
+    fn flooded(&self, mut links: Vec<Option<i8>>) -> Vec<i8> {
+        let own = |index: usize| self.index(self.copies.first(self.point(index)));
+        // Walks descend, so a point's successor is visited before it in the order of arrival.
+        let time = |index: usize| self.times[self.point(index)];
+        let is_linked = |&at: &usize| links[at] != Some(NO_LINK) && own(at) == at;
+        let mut order: Vec<usize> = (0..links.len()).filter(is_linked).collect();
+        order.par_sort_by(|&a, &b| time(a).total_cmp(&time(b)));
+        let mut arrives = vec![false; links.len()];
+        for &index in &order {
+            arrives[index] = match links[index] {
+                Some(0) => true,
+                Some(link) => self.next(index, link).is_some_and(|[_, next]| arrives[own(next)]),
+                None => false,
+            };
+        }
+        let entry = |index: usize| Reverse((rank(time(index), 0), index));
+        let mut open: BinaryHeap<_> =
+            order.iter().filter(|&&index| arrives[index]).map(|&index| entry(index)).collect();
+        while let Some(Reverse((_, index))) = open.pop() {
+            for (copy, code) in self
+                .copies
+                .all(self.point(index))
+                .flat_map(|copy| (0..8).map(move |code| (copy, code)))
+            {
+                let (row, col) = self.surface.chart().bordered_position(copy);
+                if !self.surface.has_edge(row, col, CODES[code]) {
+                    continue;
+                }
+                let there = own(self.index(self.surface.chart().beside(copy, CODES[code])));
+                let back = ((code + 4) % 8) as i8 + 1;
+                let is_lost = !arrives[there] && links[there] != Some(NO_LINK);
+                // The same link may lead to another point from another copy.
+                if is_lost && self.next(there, back).is_some_and(|[_, next]| own(next) == index) {
+                    arrives[there] = true;
+                    links[there] = Some(back);
+                    open.push(entry(there));
+                }
             }
         }
+        // A point that the map reaches and the links do not belongs to another map's sources.
+        links.into_iter().map(|link| link.unwrap_or(NO_LINK)).collect()
     }
-    // A point that the map reaches and the links do not belongs to another map's sources.
-    links.into_iter().map(|link| link.unwrap_or(NO_LINK)).collect()
 }

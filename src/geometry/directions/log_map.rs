@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::bearing::{NO_BEARING, compass, east_and_north, grass};
 use super::departures::{Departures, Start};
 use crate::geometry::{NO_REGION, Voronoi};
-use crate::surface::{Chart, EdgeLengths, GluingError, Real, Source, Sources, Surface, UNGLUED};
+use crate::surface::{Chart, EdgeLengths, Real, Source, Sources, Surface};
 use crate::{Error, Monitor};
 
 /// The logarithmic map of one or several point sources: for each grid point the direction in which its
@@ -63,9 +63,6 @@ pub enum LogMapError {
     /// The maps that it needs cannot be computed.
     #[error(transparent)]
     Map(#[from] Error),
-    /// The surface is glued.
-    #[error(transparent)]
-    Glued(#[from] GluingError),
     /// A source is a curve.
     #[error(
         "source {source_index} is a curve, at which paths do not leave from one point; log maps and source directions need point sources"
@@ -98,8 +95,7 @@ impl LogMap {
     /// it has the coordinates of one of its paths.
     ///
     /// # Errors
-    /// If a source is a curve or lies off the surface, there is none, the surface is glued, or the maps cannot be
-    /// computed.
+    /// If a source is a curve, lies off the surface or at a pole, there is none, or the maps cannot be computed.
     pub fn new(surface: &Surface, sources: &Sources) -> Result<Self, LogMapError> {
         Self::watched(surface, sources, &Monitor::default())
     }
@@ -113,7 +109,6 @@ impl LogMap {
         sources: &Sources,
         monitor: &Monitor,
     ) -> Result<Self, LogMapError> {
-        surface.check_open("the log map", UNGLUED)?;
         let mut starts = Vec::new();
         // Sources off the surface are refused before anything is asked of the surface there.
         sources.seeds(surface).map_err(Error::from)?;

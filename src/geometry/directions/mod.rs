@@ -12,16 +12,20 @@ mod signed;
 mod stencil;
 mod ways;
 
-use glam::DVec2;
+use std::collections::HashMap;
+
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use super::copies::Copies;
 use super::order::bordered;
 use super::{MapError, PathError, PathTracer};
 use crate::Surface;
-use crate::surface::{EdgeLengths, Sources, UNGLUED};
+use crate::surface::{EdgeLengths, Sources};
 pub use bearing::NO_BEARING;
 use bearing::{compass, east_and_north, grass};
 use frame::Frame;
+use links::Links;
 pub use links::NO_LINK;
 pub use log_map::{Basis, LogMap, LogMapError};
 pub use nearest::{NO_SOURCE, Nearest};
@@ -33,6 +37,10 @@ use ways::{Way, Ways};
 ///
 /// It is the direction of the continuous path, which [`PathTracer`] follows, not one of eight directions.
 /// Where several fronts meet, it is the direction of one of the shortest paths.
+///
+/// On closed surfaces the copies of a point have the same way, each in the rows and columns of its own side. A step
+/// may lead beyond that side. At a pole the rows and columns of the copies have no common plane: the way leaves from
+/// one copy, and the others lead along the pole to it.
 ///
 /// ```
 /// use geosweep::geometry::BackDirections;
@@ -57,10 +65,13 @@ use ways::{Way, Ways};
 pub struct BackDirections<'a> {
     surface: &'a Surface,
     paths: PathTracer<'a>,
+    copies: Copies,
     /// The arrival times in a bordered array.
     times: Vec<f32>,
     /// The way back at each point, row-major.
     ways: Vec<Way>,
+    /// The way back in space at the points of poles, by their indices.
+    at_poles: HashMap<usize, DVec3>,
 }
 
 impl<'a> BackDirections<'a> {
@@ -70,17 +81,21 @@ impl<'a> BackDirections<'a> {
     ///
     /// # Errors
     /// If a source lies off the surface, or the number of distances or edges differs from the number of grid
-    /// points.
+    /// points. If runs of points of heights or a metric are glued ([`crate::surface::Gluing::Runs`]), whose
+    /// directions are not known beyond the seam.
     pub fn new(
         surface: &'a Surface,
         edges: &'a EdgeLengths<f32>,
         sources: &Sources,
         distances: &[f32],
     ) -> Result<Self, MapError> {
+        surface.check_directions("the search for directions")?;
         let paths = tracer(surface, edges, sources, distances)?;
-        let times = bordered(surface.chart(), distances)?;
-        let ways = Ways { surface, paths: &paths, times: &times, sources }.find();
-        Ok(Self { surface, paths, times, ways })
+        let (copies, mut times) = (Copies::new(edges), bordered(surface.chart(), distances)?);
+        copies.share_earliest(&mut times);
+        let (ways, at_poles) =
+            Ways { surface, paths: &paths, copies: &copies, times: &times, sources }.find();
+        Ok(Self { surface, paths, copies, times, ways, at_poles })
     }
 
     /// Returns the way back in the chart, row-major: the change of row and column of a step of length 1 in
@@ -100,6 +115,7 @@ impl<'a> BackDirections<'a> {
                 let (row, col) = self.surface.chart().position(index);
                 let frame = Frame::at_point(self.surface, row, col);
                 let way = frame.in_space(step).unwrap_or_default();
+                let way = self.at_poles.get(&index).copied().unwrap_or(way);
                 way.normalize_or_zero().as_vec3().to_array()
             })
         })
@@ -139,9 +155,28 @@ impl<'a> BackDirections<'a> {
     /// along links arrives at a source from every point, on a longer way than the shortest path. The points of
     /// a pole, which coincide, are the exception: walks leave them over equally early ones. A source between
     /// grid points ends walks at the grid points beside it that no neighbour precedes.
+    ///
+    /// On closed surfaces the copies of a point have one link. It leads from the copy whose neighbour in this
+    /// direction is the earliest; [`Self::walk`] follows it.
     pub fn links(&self) -> Vec<i8> {
         let is_beside_source = |point| self.paths.is_beside_source(point);
-        links::links(self.surface, &self.times, &self.ways, is_beside_source)
+        self.grid().find(&self.ways, is_beside_source)
+    }
+
+    /// Returns the grid points on the way from a grid point along the `links` of [`Self::links`]: their indices,
+    /// row-major, from the point `from` to the end. It is the point alone if it is a source or not reached.
+    ///
+    /// Where the way passes a seam of a closed surface, two copies of a point follow each other.
+    ///
+    /// # Panics
+    /// If there are not as many links as grid points, or `from` is none of them.
+    pub fn walk(&self, links: &[i8], from: usize) -> Vec<usize> {
+        assert_eq!(links.len(), self.ways.len(), "one link for each grid point");
+        self.grid().walk(links, from)
+    }
+
+    fn grid(&self) -> Links<'_> {
+        Links { surface: self.surface, copies: &self.copies, times: &self.times }
     }
 
     /// Returns a value for each grid point: that of points that are not reached, that of points at sources, or
@@ -168,7 +203,6 @@ fn tracer<'a>(
     sources: &Sources,
     distances: &[f32],
 ) -> Result<PathTracer<'a>, MapError> {
-    surface.check_open("the search for directions", UNGLUED)?;
     PathTracer::new(surface, edges, sources, distances).map_err(|error| match error {
         PathError::Source(error) => MapError::Source(error),
         PathError::Shape { found, rows, cols } => MapError::Shape { found, rows, cols },

@@ -16,8 +16,8 @@ impl LogMap {
     ///
     /// The place is found by walking from the source along the straight line to (u, v), which is the shortest
     /// path, one cell at a time. Coordinates are interpolated by cubics, and linearly beside holes, borders of
-    /// regions and the border of the grid. Returns `None` if the walk leaves the grid or the source's region,
-    /// or meets a hole or the cut locus.
+    /// regions and the border of the grid. Returns `None` if the walk leaves the grid, also over a seam,
+    /// or the source's region, or meets a hole or the cut locus.
     ///
     /// # Panics
     /// If there is no such source.

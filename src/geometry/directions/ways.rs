@@ -8,11 +8,14 @@
 //! Squared times are counted from the time at which the front started: at the source, or behind the corner
 //! of a hole at that corner. They are smooth there, as they are around a source.
 
-use glam::{DVec2, Vec2};
+use std::collections::HashMap;
+
+use glam::{DMat3, DVec2, DVec3, Vec2};
 use rayon::prelude::*;
 
-use super::frame::Frame;
+use super::frame::{Frame, position};
 use super::stencil::{SIDE, Samples, derivative};
+use crate::geometry::copies::Copies;
 use crate::geometry::order::by_arrival;
 use crate::geometry::paths::{FirstLine, LineEnd, PathTracer};
 use crate::surface::{Direction, Real, Sources, Surface};
@@ -43,25 +46,29 @@ const BENT: f64 = 0.9995;
 pub(super) struct Ways<'a> {
     pub surface: &'a Surface,
     pub paths: &'a PathTracer<'a>,
+    pub copies: &'a Copies,
     /// The arrival times in a bordered array, [`Real::FAR`] where no front arrives.
     pub times: &'a [f32],
     pub sources: &'a Sources,
 }
 
 impl Ways<'_> {
-    /// Returns the way back at each grid point, row-major.
-    pub(super) fn find(&self) -> Vec<Way> {
+    /// Returns the way back at each grid point, row-major. Also returns it in space for the points of poles, by
+    /// their indices.
+    pub(super) fn find(&self) -> (Vec<Way>, HashMap<usize, DVec3>) {
         let chart = self.surface.chart();
         let start = self.sources.start();
         let lines: Vec<Option<FirstLine>> = self.at_points(|point| {
-            self.is_reached(point).then(|| self.paths.first_line(point, start))?
+            // The first of copies stands for all of them.
+            let counts = self.is_reached(point) && self.copies.first(point) == point;
+            counts.then(|| self.paths.first_line(point, start))?
         });
         let moments = self.moments(&lines, start);
         let way = |index: usize| {
             let (row, col) = chart.position(index);
             let point = chart.bordered(row, col);
-            if !self.is_reached(point) {
-                return Way::Unreached;
+            if !self.is_reached(point) || self.copies.first(point) != point {
+                return (point, Way::Unreached);
             }
             let moment = moments.as_ref().map_or(start, |moments| moments[index]);
             let line = match lines[index] {
@@ -70,7 +77,112 @@ impl Ways<'_> {
             };
             self.way(point, line, moment)
         };
-        (0..chart.points()).into_par_iter().map(way).collect()
+        let found: Vec<(usize, Way)> = (0..chart.points()).into_par_iter().map(way).collect();
+        let moment = |point| moments.as_ref().map_or(start, |moments| moments[self.index(point)]);
+        let mut ways: Vec<Way> = found.iter().map(|&(_, way)| way).collect();
+        let mut at_poles = HashMap::new();
+        for group in self.copies.groups() {
+            let (from, way) = found[self.index(group[0] as usize)];
+            let in_space = self.at_pole(group, from, way, moment(group[0] as usize));
+            for copy in group.iter().map(|&copy| copy as usize) {
+                ways[self.index(copy)] = self.at_copy(from, copy, way);
+                at_poles.extend(in_space.map(|way| (self.index(copy), way)));
+            }
+        }
+        // The middle of a folded side is its own only copy, and the side has no direction there.
+        if self.surface.is_glued() {
+            let (row, col) = chart.last();
+            let middles = [(0, col / 2), (row, col / 2), (row / 2, 0), (row / 2, col)];
+            for point in middles.map(|(row, col)| chart.bordered(row, col)) {
+                if self.copies.has(point) {
+                    continue;
+                }
+                let (from, way) = found[self.index(point)];
+                let in_space = self.at_pole(&[point as u32], from, way, moment(point));
+                at_poles.extend(in_space.map(|way| (self.index(point), way)));
+            }
+        }
+        (ways, at_poles)
+    }
+
+    /// Returns the way back in space at a pole, where rows and columns have no common plane. It is the direction of
+    /// steepest descent that fits the squared times since `moment` on the lines that meet there, or that of the
+    /// path's first line. Returns `None` at other points, and where it is not known.
+    fn at_pole(&self, group: &[u32], from: usize, way: Way, moment: f64) -> Option<DVec3> {
+        let Way::Along { step, .. } = way else { return None };
+        if self.frame(from).basis().is_some() {
+            return None;
+        }
+        let lines: Vec<(DVec3, Option<f64>)> =
+            group.iter().flat_map(|&copy| self.lines(copy as usize, moment)).collect();
+        let own = lines.first()?.0;
+        let normals = lines.iter().map(|(line, _)| own.cross(*line));
+        let normal = normals.max_by(|a, b| a.length().total_cmp(&b.length()))?.normalize_or_zero();
+        // Least squares of the derivatives along the lines. The gradient has no part along the normal.
+        let (mut squares, mut sum) = (DMat3::ZERO, DVec3::ZERO);
+        for (line, slope) in lines.iter().filter_map(|&(line, slope)| Some((line, slope?))) {
+            let along = line - normal * line.dot(normal);
+            squares += DMat3::from_cols(along * along.x, along * along.y, along * along.z);
+            sum += along * slope;
+        }
+        let scale = squares.x_axis.x + squares.y_axis.y + squares.z_axis.z;
+        squares +=
+            DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z) * scale;
+        let descent = (squares.inverse() * -sum).normalize_or_zero();
+        let here = self.surface.chart().bordered_place(from);
+        let [to, start] = [here + step.as_dvec2(), here].map(|at| position(self.surface, at));
+        let line = to? - start?;
+        let line = (line - normal * line.dot(normal)).normalize_or_zero();
+        Some(if descent.dot(line) > ALIKE { descent } else { line })
+    }
+
+    /// Returns the tangent vectors of the grid lines at a point where they have a length, each with the derivative of
+    /// the squared time since `moment` along it.
+    fn lines(&self, point: usize, moment: f64) -> impl Iterator<Item = (DVec3, Option<f64>)> {
+        let tangents = self.frame(point).tangents.unwrap_or_default();
+        let slowness = self.slowness(point);
+        let noise = self.noise(point, moment);
+        [Direction::South, Direction::East].into_iter().zip(tangents).filter_map(
+            move |(to, line)| {
+                let square = line.length_squared() * slowness * slowness;
+                let slope = derivative(self.samples(point, to, moment), square, noise, 1.0);
+                (square > 0.0).then_some((line, slope))
+            },
+        )
+    }
+
+    fn slowness(&self, point: usize) -> f64 {
+        self.surface.slowness().map_or(1.0, |slowness| slowness[self.index(point)])
+    }
+
+    /// Returns the rounding of the squared time since `moment`.
+    fn noise(&self, point: usize, moment: f64) -> f64 {
+        let time = self.time(point);
+        2.0 * (time - moment) * time.abs() * f64::from(f32::EPSILON)
+    }
+
+    /// Returns the way back at a copy of the point `from`, which has the way `way`.
+    ///
+    /// Where the grid goes on over a seam, its rows and columns do. Elsewhere the way is the same in space. At a pole
+    /// the copies from which the way does not leave lead along the pole to the one from which it does.
+    fn at_copy(&self, from: usize, copy: usize, way: Way) -> Way {
+        let Way::Along { step, to_source } = way else { return way };
+        if from == copy {
+            return way;
+        }
+        let (chart, step) = (self.surface.chart(), step.as_dvec2());
+        let [there, here] = [from, copy].map(|point| chart.bordered_position(point));
+        let in_space = || self.frame(copy).step(self.frame(from).in_space(step)?);
+        let along =
+            || (chart.bordered_place(from) - chart.bordered_place(copy)).normalize_or_zero();
+        let step = self.surface.step_at_copy(there, here, step).or_else(in_space);
+        Way::Along { step: step.unwrap_or_else(along).as_vec2(), to_source }
+    }
+
+    /// Returns the row-major index of a point.
+    fn index(&self, point: usize) -> usize {
+        let (row, col) = self.surface.chart().bordered_position(point);
+        self.surface.chart().index(row, col)
     }
 
     fn at_points<T: Send>(&self, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
@@ -107,14 +219,11 @@ impl Ways<'_> {
         if initials.iter().all(|&initial| initial == start) && !(0..chart.points()).any(is_corner) {
             return None;
         }
-        let index = |point: usize| {
-            let (row, col) = chart.bordered_position(point);
-            chart.index(row, col)
-        };
+        let index = |point: usize| self.index(self.copies.first(point));
         let mut moments = vec![start; chart.points()];
         for point in by_arrival(self.times) {
             let point = point as usize;
-            let Some(line) = lines[index(point)] else { continue };
+            let Some(line) = lines[self.index(point)] else { continue };
             let moment = match line.end {
                 LineEnd::Source(source) => initials[source],
                 LineEnd::Point(end)
@@ -136,49 +245,59 @@ impl Ways<'_> {
     /// Returns whether the path from a point to a corner turns at the corner.
     fn bends(&self, point: usize, corner: usize, lines: &[Option<FirstLine>]) -> bool {
         let chart = self.surface.chart();
-        let (row, col) = chart.bordered_position(corner);
-        let Some(next) = lines[chart.index(row, col)] else { return false };
+        // Beyond a seam rows and columns may run in other directions.
+        let next = lines[self.index(corner)].filter(|next| next.from == corner);
+        let Some(next) = next else { return false };
         let at = chart.bordered_place(corner);
         let (before, after) = (at - chart.bordered_place(point), next.to - at);
         after != DVec2::ZERO && self.frame(corner).cosine(before, after) < BENT
     }
 
-    fn way(&self, point: usize, line: Option<FirstLine>, moment: f64) -> Way {
+    /// Returns the way back from a point, and the copy of the point from which it leaves.
+    fn way(&self, point: usize, line: Option<FirstLine>, moment: f64) -> (usize, Way) {
         let chart = self.surface.chart();
-        let here = chart.bordered_place(point);
-        let Some(FirstLine { to, end }) = line else {
+        let Some(FirstLine { from, to, end }) = line else {
             // Points that coincide, and minima by rounding.
-            let next = self.paths.first_of_detour(point);
-            return next.map_or(Way::AtSource, |next| Way::Along {
-                step: (chart.bordered_place(next) - here).as_vec2(),
-                to_source: false,
-            });
+            let Some([from, next]) = self.paths.first_of_detour(point) else {
+                return (point, Way::AtSource);
+            };
+            let step = (chart.bordered_place(next) - chart.bordered_place(from)).as_vec2();
+            return (from, Way::Along { step, to_source: false });
         };
-        let step = to - here;
+        let step = to - chart.bordered_place(from);
         if step == DVec2::ZERO {
-            return Way::AtSource;
+            return (from, Way::AtSource);
         }
         let to_corner = matches!(end, LineEnd::Point(end) if self.paths.is_corner(end));
         let tangent = match end {
             LineEnd::Source(_) => None,
-            _ if to_corner || self.paths.is_beside_source(point) => None,
-            _ => self.gradient(point, step, moment),
+            _ if to_corner || self.paths.is_beside_source(from) => None,
+            _ => self.gradient(from, step, moment),
         };
-        Way::Along {
+        let tangent = tangent.or_else(|| self.tangent_of_line(from, to));
+        let way = Way::Along {
             step: tangent.unwrap_or(step).as_vec2(),
             to_source: matches!(end, LineEnd::Source(_)),
+        };
+        (from, way)
+    }
+
+    /// Returns the step at a point of the shortest path to a place of a cell, on closed surfaces in space. Beside a
+    /// pole such a path is far from straight in rows and columns.
+    fn tangent_of_line(&self, point: usize, to: DVec2) -> Option<DVec2> {
+        if !self.surface.is_glued() || !self.surface.geometry().is_in_space() {
+            return None;
         }
+        let here = position(self.surface, self.surface.chart().bordered_place(point))?;
+        self.frame(point).step(position(self.surface, to)? - here)
     }
 
     /// Returns the direction of steepest descent at a point as a step of rows and columns, if the map is
     /// smooth there and the direction is close to that of `line`.
     fn gradient(&self, point: usize, line: DVec2, moment: f64) -> Option<DVec2> {
         let frame = self.frame(point);
-        let (row, col) = self.surface.chart().bordered_position(point);
-        let index = self.surface.chart().index(row, col);
-        let slowness = self.surface.slowness().map_or(1.0, |slowness| slowness[index]);
+        let (slowness, noise) = (self.slowness(point), self.noise(point, moment));
         let since = self.time(point) - moment;
-        let noise = 2.0 * since * self.time(point).abs() * f64::from(f32::EPSILON);
         let along = |to: Direction, square: f64, toward: f64| {
             let samples = self.samples(point, to, moment);
             derivative(samples, square * slowness * slowness, noise, toward)
@@ -193,18 +312,21 @@ impl Ways<'_> {
         fits.then_some(step / step.length())
     }
 
-    /// Returns the squared times since `moment` along a grid line, up to the first point that is not reached.
+    /// Returns the squared times since `moment` along a grid line, up to the first point that is not reached. The
+    /// line goes on over seams where the grid does.
     fn samples(&self, point: usize, to: Direction, moment: f64) -> Samples {
-        let mut samples = Samples::default();
-        for side in [to, to.opposite()] {
-            let mut at = point;
-            for k in 0..=SIDE {
-                if !self.is_reached(at) {
-                    break;
-                }
-                let slot = if side == to { SIDE + k } else { SIDE - k };
-                samples[slot] = Some((self.time(at) - moment).powi(2));
-                at = self.surface.chart().beside(at, side);
+        let (chart, mut samples) = (self.surface.chart(), Samples::default());
+        let (row, col) = chart.bordered_position(point);
+        let along = |k: isize| {
+            let (down, right) = to.step();
+            let (row, col) =
+                self.surface.continued(row as isize + k * down, col as isize + k * right)?;
+            Some(chart.bordered(row, col)).filter(|&at| self.is_reached(at))
+        };
+        for side in [1, -1] {
+            for k in (0..=SIDE as isize).map(|k| side * k) {
+                let Some(at) = along(k) else { break };
+                samples[(SIDE as isize + k) as usize] = Some((self.time(at) - moment).powi(2));
             }
         }
         samples

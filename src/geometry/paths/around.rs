@@ -17,10 +17,11 @@ use super::corners::Corners;
 use super::goals::Goals;
 use super::linked_path::{SharedParts, Trace};
 use super::place::Place;
-use super::seams::{Seams, SourcePart};
+use super::seams::SourcePart;
 use super::tracer::Tracer;
 use crate::Stop;
 use crate::cpu::RotatedScan;
+use crate::geometry::copies::Copies;
 use crate::surface::{Block, EdgeLengths, Seed, Sources};
 use crate::update::Wavefront;
 
@@ -169,7 +170,7 @@ impl Tracer<'_> {
             corners: Corners::default(),
             shortens: false,
             shared_parts: SharedParts::default(),
-            seams: Seams::default(),
+            seams: Copies::default(),
         })
     }
 }

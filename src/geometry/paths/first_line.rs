@@ -9,6 +9,8 @@ use super::search::End;
 /// The first straight line of a path, across one of the cells beside its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::geometry) struct FirstLine {
+    /// The point from which it starts: of copies, the one on whose side it lies.
+    pub from: usize,
     /// The row and column of the end.
     pub to: DVec2,
     pub end: LineEnd,
@@ -39,14 +41,20 @@ impl PathTracer<'_> {
             }
             End::Place(Place::Inside { .. }) => unreachable!("lines end on the sides of cells"),
         };
-        Some(FirstLine { to, end })
+        let from = match line.copy {
+            Some(Place::Point(copy)) => copy,
+            _ => point,
+        };
+        Some(FirstLine { from, to, end })
     }
 
-    /// Returns the first point of a way along edges from a point from which no line descends, to an earlier
-    /// one. Returns `None` if there is no such way.
-    pub(in crate::geometry) fn first_of_detour(&self, point: usize) -> Option<usize> {
+    /// Returns the first edge of a way along edges from a point from which no line descends, to an earlier
+    /// one. It starts at a copy of the point. Returns `None` if there is no such way.
+    pub(in crate::geometry) fn first_of_detour(&self, point: usize) -> Option<[usize; 2]> {
         let detour = self.tracer.detour(point, self.tracer.time(point))?;
-        detour.get(1).copied()
+        let is_jump =
+            |ends: &&[usize]| self.tracer.seams.copies(ends[0]).any(|copy| copy == ends[1]);
+        detour.windows(2).find(|ends| !is_jump(ends)).map(|ends| [ends[0], ends[1]])
     }
 
     /// Returns whether a point of the bordered array is the corner of a hole.

@@ -37,6 +37,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::Curve;
+use super::copies::Copies;
 use crate::shown::exact;
 use crate::surface::{Chart, EdgeLengths, Source, SourceError, Sources, Surface};
 use corners::Corners;
@@ -44,7 +45,7 @@ pub(super) use first_line::{FirstLine, LineEnd};
 use goals::Goals;
 use linked_path::{SharedParts, Trace};
 use place::Stuck;
-use seams::{Seams, parts_of_source};
+use seams::parts_of_source;
 use tracer::Tracer;
 
 /// A shortest path from a place to a source.
@@ -198,7 +199,7 @@ impl<'a> PathTracer<'a> {
         let around = sources.iter().find_map(place).unwrap_or_default();
         let corners = Corners::new(chart, &times);
         let (start, shared_parts) = (sources.start(), SharedParts::default());
-        let seams = Seams::new(edges);
+        let seams = Copies::new(edges);
         let tracer =
             Tracer { edges, times, start, goals, corners, shortens: true, shared_parts, seams };
         Ok(Self { surface, tracer, around })

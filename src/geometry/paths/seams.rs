@@ -3,44 +3,16 @@
 //! A path that reaches a side of the grid at a seam goes on from a copy of its place. The copy is a vertex of
 //! its own: both vertices are the same place on the surface, at different rows and columns.
 
-use std::collections::HashMap;
-
 use glam::DVec2;
 
 use super::place::Place;
-use crate::surface::{Chart, Direction, EdgeLengths, Groups, Surface};
+use crate::geometry::copies::Copies;
+use crate::surface::{Chart, Direction, Surface};
 
 /// The difference, in cells, up to which two lengths count as equal.
 const ON_LINE: f64 = 1e-9;
 
-/// The points that are one point of the surface, in bordered arrays. Empty for open surfaces.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Seams {
-    groups: Option<Groups>,
-    /// The number of each point's group.
-    numbers: HashMap<u32, usize>,
-}
-
-impl Seams {
-    pub(super) fn new(edges: &EdgeLengths<f32>) -> Self {
-        let groups = edges.copies().cloned();
-        let numbers = groups.as_ref().map(Groups::numbers).unwrap_or_default();
-        Self { groups, numbers }
-    }
-
-    /// Returns whether there are none.
-    pub(super) fn is_none(&self) -> bool {
-        self.groups.is_none()
-    }
-
-    /// Returns all copies of a point, itself included, or none if it has no other.
-    pub(super) fn copies(&self, point: usize) -> impl Iterator<Item = usize> + Clone {
-        let number = self.numbers.get(&(point as u32)).copied();
-        let members =
-            self.groups.iter().zip(number).flat_map(|(groups, number)| groups.get(number));
-        members.map(|&member| member as usize)
-    }
-
+impl Copies {
     /// Returns the other places that are the same place of the surface.
     pub(super) fn others(&self, chart: Chart, place: Place) -> Vec<Place> {
         match place {

@@ -8,7 +8,7 @@ use super::corners::Corners;
 use super::goals::Goals;
 use super::linked_path::SharedParts;
 use super::place::Place;
-use super::seams::Seams;
+use crate::geometry::copies::Copies;
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, corner_weights};
 
 /// A map prepared for tracing.
@@ -24,7 +24,7 @@ pub(super) struct Tracer<'a> {
     /// Whether paths are shortened beyond what the map alone gives.
     pub shortens: bool,
     pub shared_parts: SharedParts,
-    pub seams: Seams,
+    pub seams: Copies,
 }
 
 impl Tracer<'_> {

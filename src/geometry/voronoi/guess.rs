@@ -9,10 +9,11 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use rayon::prelude::*;
 
 use super::known::NO_REGION;
+use crate::geometry::copies::Copies;
 use crate::geometry::neighbourhood::Neighbourhood;
-use crate::geometry::order::rank;
+use crate::geometry::order::by_arrival;
 use crate::lanes::{Instructions, Loop};
-use crate::surface::{Direction, Offset, Real};
+use crate::surface::{Chart, Direction, Offset, Real};
 
 /// Labels taken from the earliest neighbours.
 pub(super) struct Guess {
@@ -30,54 +31,88 @@ const LINK: u32 = 1 << 31;
 
 impl Guess {
     /// Guesses all labels. `seeds` are the points that sources seed, each with the label of its first
-    /// wavefront.
+    /// wavefront. Of copies, the first has a seed and is doubtful for all of them.
     pub(super) fn new(
         neighbourhood: &Neighbourhood,
+        copies: &Copies,
         times: &[f32],
         seeds: &[(usize, u32)],
     ) -> Self {
         let chart = neighbourhood.chart();
-        let mut labels: Vec<AtomicU32> = times.iter().map(|_| AtomicU32::new(NO_REGION)).collect();
-        let rows = || (0..chart.rows).into_par_iter();
-        let instructions = Instructions::best();
-        chart.rows_mut(&mut labels).enumerate().for_each(|(row, line)| {
-            instructions.run(Earliest { around: chart.rows_around(times, row), line });
-        });
-        for &(point, label) in seeds {
-            *labels[point].get_mut() = label;
-        }
-        let mut offsets = Direction::ALL.map(|to| chart.offset(to));
-        offsets.sort_unstable();
-        rows().for_each(|row| {
-            let first = chart.bordered(row, 0);
-            (first..first + chart.cols).for_each(|point| resolve(&labels, &offsets, point));
-        });
-        let labels: Vec<u32> = labels.into_iter().map(AtomicU32::into_inner).collect();
-
+        let labels = if copies.is_none() {
+            linked(chart, times, seeds)
+        } else {
+            followed(neighbourhood, copies, times, seeds)
+        };
+        let around = |point| copies.all(point).flat_map(|copy| neighbourhood.neighbours(copy));
         let is_reached = |point: &usize| times[*point] < f32::FAR;
         let in_doubt = |point: &usize| {
-            let label = labels[*point];
-            let (here, mut neighbours) =
-                (rank(times[*point], *point), neighbourhood.neighbours(*point));
-            let before = |other| rank(times[other], other) < here;
-            label == NO_REGION || neighbours.any(|other| labels[other] != label && before(other))
+            let (label, here) = (labels[*point], copies.rank(times, *point));
+            let before = |other| copies.rank(times, other) < here;
+            label == NO_REGION
+                || around(*point).any(|other| labels[other] != label && before(other))
         };
         let of_row = |differences: &mut Vec<u32>, row: usize| {
             let first = chart.bordered(row, 0);
             differences.resize(chart.cols, 0);
             let around = chart.rows_around(&labels, row);
-            instructions.run(Differences { around, differences });
+            Instructions::best().run(Differences { around, differences });
             let found = differences.iter().zip(first..).filter(|&(&difference, _)| difference != 0);
             let found = found.map(|(_, point)| point).filter(is_reached).filter(in_doubt);
-            found.map(|point| point as u32).collect::<Vec<u32>>()
+            found.map(|point| copies.first(point) as u32).collect::<Vec<u32>>()
         };
-        let found: Vec<Vec<u32>> = rows().map_init(Vec::new, of_row).collect();
+        let rows = (0..chart.rows).into_par_iter();
+        let found: Vec<Vec<u32>> = rows.map_init(Vec::new, of_row).collect();
         let mut doubtful = found.concat();
-        let around = |&(point, _): &(usize, u32)| neighbourhood.neighbours(point).chain([point]);
-        let beside_seeds = seeds.iter().flat_map(around).filter(is_reached);
-        doubtful.extend(beside_seeds.map(|point| point as u32));
+        let beside_seeds = seeds.iter().flat_map(|&(point, _)| around(point).chain([point]));
+        let beside_seeds = beside_seeds.filter(is_reached);
+        doubtful.extend(beside_seeds.map(|point| copies.first(point) as u32));
         Self { labels, doubtful }
     }
+}
+
+/// Returns the labels of an open surface, by links from point to point.
+fn linked(chart: Chart, times: &[f32], seeds: &[(usize, u32)]) -> Vec<u32> {
+    let mut labels: Vec<AtomicU32> = times.iter().map(|_| AtomicU32::new(NO_REGION)).collect();
+    let instructions = Instructions::best();
+    chart.rows_mut(&mut labels).enumerate().for_each(|(row, line)| {
+        instructions.run(Earliest { around: chart.rows_around(times, row), line });
+    });
+    for &(point, label) in seeds {
+        *labels[point].get_mut() = label;
+    }
+    let mut offsets = Direction::ALL.map(|to| chart.offset(to));
+    offsets.sort_unstable();
+    (0..chart.rows).into_par_iter().for_each(|row| {
+        let first = chart.bordered(row, 0);
+        (first..first + chart.cols).for_each(|point| resolve(&labels, &offsets, point));
+    });
+    labels.into_iter().map(AtomicU32::into_inner).collect()
+}
+
+/// Returns the labels of a closed surface, by following the points in the order of their arrival. The earliest
+/// neighbour of a point may lie beside any of its copies.
+fn followed(
+    neighbourhood: &Neighbourhood,
+    copies: &Copies,
+    times: &[f32],
+    seeds: &[(usize, u32)],
+) -> Vec<u32> {
+    let mut labels = vec![NO_REGION; times.len()];
+    for &(point, label) in seeds {
+        labels[point] = label;
+    }
+    for point in by_arrival(times).into_iter().map(|point| point as usize) {
+        let first = copies.first(point);
+        if labels[first] == NO_REGION {
+            let around = copies.all(first).flat_map(|copy| neighbourhood.neighbours(copy));
+            let ranked = around.map(|other| (copies.rank(times, other), copies.first(other)));
+            let earliest = ranked.min().filter(|(rank, _)| *rank < copies.rank(times, first));
+            labels[first] = earliest.map_or(NO_REGION, |(_, other)| labels[other]);
+        }
+        labels[point] = labels[first];
+    }
+    labels
 }
 
 /// Gives the label at the end of a chain of links to all points of the chain. Other threads that follow the

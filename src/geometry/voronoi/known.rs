@@ -1,6 +1,6 @@
 //! Stores which wavefronts are known at each point, and when they arrive there.
 
-use crate::geometry::order::rank;
+use crate::geometry::copies::Copies;
 use crate::surface::Real;
 
 /// The label of points in no region: holes, and points that no source reaches.
@@ -20,8 +20,10 @@ struct Arrival {
     next: u32,
 }
 
-/// The wavefronts at all points of a bordered array. Points up to a certain rank have been visited.
+/// The wavefronts at all points of a bordered array. Points up to a certain rank have been visited. Copies of a
+/// point are one point.
 pub(super) struct KnownFronts {
+    copies: Copies,
     /// The arrival times of the map.
     times: Vec<f32>,
     /// The label of each point. With [`SEVERAL`] set, it is the index of the first of the point's arrivals.
@@ -34,8 +36,8 @@ pub(super) struct KnownFronts {
 
 impl KnownFronts {
     /// Starts with guessed labels at all points of a map.
-    pub(super) fn guessed(times: Vec<f32>, labels: Vec<u32>) -> Self {
-        Self { times, labels, arrivals: Vec::new(), now: 0 }
+    pub(super) fn guessed(copies: Copies, times: Vec<f32>, labels: Vec<u32>) -> Self {
+        Self { copies, times, labels, arrivals: Vec::new(), now: 0 }
     }
 
     /// Moves on to the point with the rank `rank`. All points up to it count as visited.
@@ -43,9 +45,13 @@ impl KnownFronts {
         self.now = rank;
     }
 
+    pub(super) fn copies(&self) -> &Copies {
+        &self.copies
+    }
+
     /// Returns the rank of a point in the order of arrival.
     pub(super) fn rank(&self, point: usize) -> u64 {
-        rank(self.times[point], point)
+        self.copies.rank(&self.times, point)
     }
 
     /// Returns whether the map reaches a point.
@@ -66,18 +72,18 @@ impl KnownFronts {
     /// Returns the known label of a point. For a point that has not been visited, a label is known only if a
     /// source seeds it.
     pub(super) fn label(&self, point: usize) -> u32 {
-        let label = self.labels[point];
+        let label = self.guess(point);
         if label & SEVERAL != 0 || !self.is_ahead(point) { label } else { NONE }
     }
 
     /// Returns the label of a point, which may be a guess.
     pub(super) fn guess(&self, point: usize) -> u32 {
-        self.labels[point]
+        self.labels[self.copies.first(point)]
     }
 
     /// Sets the label of a point. The label may be [`NONE`].
     pub(super) fn set_label(&mut self, point: usize, label: u32) {
-        self.labels[point] = label;
+        self.labels[self.copies.first(point)] = label;
     }
 
     /// Returns when a wavefront arrives at a point, or [`Real::FAR`] if that is not known.
@@ -106,6 +112,7 @@ impl KnownFronts {
 
     /// Adds a wavefront at a point, or makes its arrival earlier.
     pub(super) fn insert(&mut self, point: usize, label: u32, time: f64) {
+        let point = self.copies.first(point);
         let here = self.labels[point];
         if here != NONE && here & SEVERAL == 0 {
             self.labels[point] = NONE;
@@ -136,7 +143,7 @@ impl KnownFronts {
 
     /// Returns the label of a point, which is that of the first wavefront.
     pub(super) fn first_label(&self, point: usize) -> u32 {
-        let here = self.labels[point];
+        let here = self.guess(point);
         if here != NONE && has_several(here) { self.first(point).0 } else { here }
     }
 }

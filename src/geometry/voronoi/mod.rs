@@ -7,14 +7,14 @@ mod known;
 mod source_fronts;
 mod starts;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 
-use super::MapError;
 use super::area::{of_triangles, rows};
+use super::{Curve, MapError, join_over_seams};
 use crate::Surface;
-use crate::surface::{EdgeLengths, Sources, UNGLUED};
+use crate::surface::{EdgeLengths, Sources};
 pub use borders::Border;
 use borders::Split;
 pub use known::NO_REGION;
@@ -26,7 +26,8 @@ pub struct Voronoi {
     /// The label of each grid point, row-major: the index of its nearest source, or [`NO_REGION`]. Sources
     /// are numbered from 0 in the order in which they were given.
     pub labels: Vec<u32>,
-    /// The borders. Each runs from junction to junction.
+    /// The borders. Each runs from junction to junction, on glued surfaces over seams
+    /// ([`crate::geometry::join_over_seams`]).
     pub borders: Vec<Border>,
     /// The triangles on borders, with the fraction of each region.
     splits: Vec<Split>,
@@ -49,8 +50,7 @@ impl Voronoi {
     /// away from it.
     ///
     /// # Errors
-    /// If the surface is glued, a source lies off the surface, or the number of distances differs from the
-    /// number of grid points.
+    /// If a source lies off the surface, or the number of distances differs from the number of grid points.
     ///
     /// # Panics
     /// If `edges` belong to a surface of another size.
@@ -78,10 +78,10 @@ impl Voronoi {
         distances: &[f32],
     ) -> Result<Self, MapError> {
         assert_eq!(edges.chart(), surface.chart(), "the edges are another surface's");
-        surface.check_open("the diagram of regions", UNGLUED)?;
         let fronts = SourceFronts::new(surface, edges, sources, distances)?;
         let labels = fronts.labels();
         let (borders, splits) = borders::march(&fronts, &labels);
+        let borders = if surface.is_glued() { over_seams(borders, surface) } else { borders };
         Ok(Self { labels, borders, splits, regions: sources.iter().count() })
     }
 
@@ -133,4 +133,17 @@ impl Voronoi {
         }
         areas
     }
+}
+
+/// Joins the borders between the same two regions over the seams of a surface.
+fn over_seams(borders: Vec<Border>, surface: &Surface) -> Vec<Border> {
+    let mut by_regions: BTreeMap<[u32; 2], Vec<Curve>> = BTreeMap::new();
+    for Border { regions, curve } in borders {
+        by_regions.entry(regions).or_default().push(curve);
+    }
+    let joined = by_regions.into_iter().flat_map(|(regions, curves)| {
+        let curves = join_over_seams(curves, surface).into_iter();
+        curves.map(move |curve| Border { regions, curve })
+    });
+    joined.collect()
 }

@@ -20,6 +20,7 @@ use super::guess::Guess;
 use super::known::{KnownFronts, NONE, has_several};
 use super::starts::{first_labels, starts};
 use crate::geometry::MapError;
+use crate::geometry::copies::Copies;
 use crate::geometry::neighbourhood::Neighbourhood;
 use crate::geometry::order::bordered;
 use crate::surface::{Chart, EdgeLengths, Real, Sources, Surface, max, min, ring};
@@ -73,11 +74,13 @@ impl<'a> SourceFronts<'a> {
         sources: &Sources,
         distances: &[f32],
     ) -> Result<Self, MapError> {
-        let times = bordered(edges.chart(), distances)?;
+        let mut times = bordered(edges.chart(), distances)?;
         let neighbourhood = Neighbourhood::new(edges);
-        let starts = starts(edges.chart(), surface, sources)?;
-        let guess = Guess::new(&neighbourhood, &times, &first_labels(&starts));
-        let mut known = KnownFronts::guessed(times, guess.labels);
+        let copies = Copies::new(edges);
+        copies.share_earliest(&mut times);
+        let starts = starts(edges.chart(), &copies, surface, sources)?;
+        let guess = Guess::new(&neighbourhood, &copies, &times, &first_labels(&starts));
+        let mut known = KnownFronts::guessed(copies, times, guess.labels);
         starts.iter().for_each(|start| known.set_label(start.point, NONE));
         starts.iter().for_each(|start| known.insert(start.point, start.label, start.time));
         let ranks = guess.doubtful.par_iter().map(|&point| known.rank(point as usize));
@@ -138,17 +141,24 @@ impl<'a> SourceFronts<'a> {
 
     /// Queues the later neighbours of a point whose guessed label was wrong.
     fn enqueue_after(&mut self, point: usize) {
-        for to in 0..8 {
-            let neighbour = self.neighbourhood().neighbour(point, to);
-            if self.known.is_ahead(neighbour) && self.known.is_reached(neighbour) {
-                self.enqueue(neighbour);
+        let mut copies = 0;
+        while let Some(copy) = self.known.copies().nth(point, copies) {
+            copies += 1;
+            for to in 0..8 {
+                let neighbour = self.neighbourhood().neighbour(copy, to);
+                if self.known.is_ahead(neighbour) && self.known.is_reached(neighbour) {
+                    self.enqueue(self.known.copies().first(neighbour));
+                }
             }
         }
     }
 
     /// Labels a point whose earlier neighbours have all been visited.
     fn visit(&mut self, point: usize) {
-        let lengths = std::array::from_fn(|to| self.neighbourhood().length(point, to));
+        if self.known.copies().has(point) {
+            return self.visit_copies(point);
+        }
+        let lengths = self.lengths(point);
         let (mut found, visited, is_alone) = self.candidates(point, &lengths);
         if let [single] = &found[..]
             && is_alone
@@ -157,15 +167,62 @@ impl<'a> SourceFronts<'a> {
             self.room = found;
             return;
         }
-        for candidate in &mut found {
-            let Candidate { label, since, .. } = candidate;
-            let arrival = self.continuation.arrival(point, *label, since, &lengths);
-            candidate.time = min(candidate.time, arrival);
+        self.arrive(point, &mut found, &lengths);
+        self.settle(point, &mut found);
+        for front in &found {
+            // Neighbours that already know of a wavefront when it arrives here need not be told.
+            let since = self.continuation.since(front.label, front.time);
+            if front.known != visited || since < front.last {
+                self.news.push((point as u32, front.label));
+            }
         }
+        self.room = found;
+        self.tell_all();
+    }
+
+    /// Labels a point of a seam. Fronts come to it on the sides of all its copies.
+    fn visit_copies(&mut self, point: usize) {
+        let (mut all, mut copies): (Vec<Candidate>, usize) = (Vec::new(), 0);
+        while let Some(copy) = self.known.copies().nth(point, copies) {
+            copies += 1;
+            let lengths = self.lengths(copy);
+            let (mut found, ..) = self.candidates(copy, &lengths);
+            self.arrive(copy, &mut found, &lengths);
+            for front in found.drain(..) {
+                match all.iter_mut().find(|known| known.label == front.label) {
+                    Some(known) => known.time = min(known.time, front.time),
+                    None => all.push(front),
+                }
+            }
+            self.room = found;
+        }
+        self.settle(point, &mut all);
+        self.news.extend(all.iter().map(|front| (point as u32, front.label)));
+        self.tell_all();
+    }
+
+    fn lengths(&self, point: usize) -> [f64; 8] {
+        std::array::from_fn(|to| self.neighbourhood().length(point, to))
+    }
+
+    /// Returns the length of the longest edge of a point and its copies.
+    fn longest(&self, point: usize) -> f64 {
+        let longest = |copy| f64::from(self.neighbourhood().longest(copy));
+        self.known.copies().all(point).map(longest).fold(0.0, max)
+    }
+
+    /// Computes when candidates arrive at a point.
+    fn arrive(&self, point: usize, found: &mut [Candidate], lengths: &[f64; 8]) {
+        for Candidate { label, since, time, .. } in found {
+            *time = min(*time, self.continuation.arrival(point, *label, since, lengths));
+        }
+    }
+
+    /// Keeps the candidates that count at a point, and makes them known.
+    fn settle(&mut self, point: usize, found: &mut Vec<Candidate>) {
         if found.len() > 1 {
             let first = found.iter().map(|candidate| candidate.time).fold(f64::FAR, min);
-            let there = lengths.iter().copied().filter(|&length| length < f64::FAR);
-            let latest = latest(first, there.fold(0.0, max));
+            let latest = latest(first, self.longest(point));
             found.retain(|candidate| candidate.time <= latest);
         }
         found.retain(|candidate| candidate.time < f64::FAR);
@@ -178,16 +235,16 @@ impl<'a> SourceFronts<'a> {
                 several.iter().for_each(|front| known.insert(point, front.label, front.time));
             }
         }
-        for front in &found {
-            // Neighbours that already know of a wavefront when it arrives here need not be told.
-            let since = self.continuation.since(front.label, front.time);
-            if front.known != visited || since < front.last {
-                self.news.push((point as u32, front.label));
-            }
-        }
-        self.room = found;
+    }
+
+    /// Passes all news on.
+    fn tell_all(&mut self) {
         while let Some((point, label)) = self.news.pop() {
-            self.tell(point as usize, label);
+            let (mut copies, point) = (0, point as usize);
+            while let Some(copy) = self.known.copies().nth(point, copies) {
+                copies += 1;
+                self.tell(copy, label);
+            }
         }
     }
 
@@ -239,7 +296,7 @@ impl<'a> SourceFronts<'a> {
                 continue;
             }
             let (_, first) = self.known.first(neighbour);
-            let latest = latest(first, f64::from(self.neighbourhood().longest(neighbour)));
+            let latest = latest(first, self.longest(neighbour));
             if time >= latest {
                 continue;
             }

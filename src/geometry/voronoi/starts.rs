@@ -1,11 +1,12 @@
 //! Determines where the wavefronts of sources start.
 
 use crate::geometry::MapError;
+use crate::geometry::copies::Copies;
 use crate::surface::{Chart, Source, Sources, Surface};
 
 /// The start of a wavefront at a point that its source seeds.
 pub(super) struct Start {
-    /// The index of the point in a bordered array.
+    /// The index of the point in a bordered array. Of copies it is the first.
     pub point: usize,
     pub label: u32,
     pub time: f64,
@@ -14,6 +15,7 @@ pub(super) struct Start {
 /// Returns the starts of all sources. If two sources are the same, the second has none.
 pub(super) fn starts(
     chart: Chart,
+    copies: &Copies,
     surface: &Surface,
     sources: &Sources,
 ) -> Result<Vec<Start>, MapError> {
@@ -23,7 +25,7 @@ pub(super) fn starts(
         let seeds = Sources::from_iter([(*source).clone()]).seeds(surface)?;
         if !all[..label].contains(source) {
             starts.extend(seeds.into_iter().map(|seed| Start {
-                point: chart.bordered(seed.row, seed.col),
+                point: copies.first(chart.bordered(seed.row, seed.col)),
                 label: label as u32,
                 time: seed.time,
             }));

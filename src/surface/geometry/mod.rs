@@ -130,6 +130,12 @@ impl Geometry {
         !matches!(self, Self::Metric(_))
     }
 
+    /// Returns whether points that coincide on the surface have one position. Copies of a point of heights do
+    /// not.
+    pub(crate) fn is_in_space(&self) -> bool {
+        matches!(self, Self::Positions(_))
+    }
+
     /// Returns the three numbers from which edges are measured, on the CPU and in the shaders: a position or,
     /// in the third place, a height, both relative to `origin`; or a metric (rr, rc, cc).
     #[inline(always)]

@@ -145,7 +145,8 @@ impl Surface {
     /// copy. Heights and metrics must be equal in the same way. A point of which any copy is a hole becomes a
     /// hole. If the surface has a slowness, copies must have the same.
     ///
-    /// Functions that follow regions on the map refuse glued surfaces, as do matrices on Vulkan; each says so.
+    /// Ridges, offsets on one side, the estimate of errors and matrices on Vulkan refuse glued surfaces; each says
+    /// so.
     ///
     /// # Errors
     /// [`GluingError`], in [`SurfaceError::Gluing`], if the points do not coincide or the grid does not have

@@ -77,12 +77,12 @@ fn obtuse_triangles<R: Real>(edges: &EdgeLengths<R>) -> Option<Found> {
         let mut places = Vec::new();
         for cols in ranges {
             let (first, line) = (cols.start, &mut line[cols.clone()]);
-            match is_slowed {
-                true => Instructions::best().run(SlowedRowOfTriangles { edges, row, first, line }),
-                false => {
-                    Instructions::best().run(RowOfTriangles { edges, row, first, line });
-                    edges.leave_obtuse((row, first), line);
-                }
+            let triangles = RowOfTriangles { edges, row, first, line: &mut *line };
+            if is_slowed {
+                Instructions::best().run(Slowed(triangles));
+            } else {
+                Instructions::best().run(Plain(triangles));
+                edges.leave_obtuse((row, first), line);
             }
             places.extend(marked(line).map(|col| (first + col) as u32 + 1));
         }
@@ -136,8 +136,7 @@ fn any_bit(of: &[u8]) -> u8 {
     of.iter().fold(0, |all, bits| all | bits)
 }
 
-/// The loop that marks the triangles of points of a row, from `first` on, that may be obtuse. Its limit errs
-/// towards too many triangles, to allow for rounding.
+/// The triangles of points of a row, from `first` on, and the line in which obtuse ones are marked.
 struct RowOfTriangles<'a, R> {
     edges: &'a EdgeLengths<R>,
     row: usize,
@@ -145,12 +144,16 @@ struct RowOfTriangles<'a, R> {
     line: &'a mut [u8],
 }
 
-impl<R: Real> Loop for RowOfTriangles<'_, R> {
+/// The loop that marks the triangles that may be obtuse. Its limit errs towards too many triangles, to allow for
+/// rounding.
+struct Plain<'a, R>(RowOfTriangles<'a, R>);
+
+impl<R: Real> Loop for Plain<'_, R> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { edges, row, first, line } = self;
+        let RowOfTriangles { edges, row, first, line } = self.0;
         let points = line.len();
         let [fan, bases] = edges.fans(row, first..first + points);
         let limit = R::of(1.001 * OBTUSE);
@@ -167,21 +170,16 @@ impl<R: Real> Loop for RowOfTriangles<'_, R> {
     }
 }
 
-/// The loop that finds the obtuse triangles of points of a row, from `first` on, where edges are weighted by
-/// a slowness. It is a separate loop so that both are vectorized.
-struct SlowedRowOfTriangles<'a, R> {
-    edges: &'a EdgeLengths<R>,
-    row: usize,
-    first: usize,
-    line: &'a mut [u8],
-}
+/// The loop that finds the obtuse triangles where edges are weighted by a slowness. It is a separate loop so that both
+/// are vectorized.
+struct Slowed<'a, R>(RowOfTriangles<'a, R>);
 
-impl<R: Real> Loop for SlowedRowOfTriangles<'_, R> {
+impl<R: Real> Loop for Slowed<'_, R> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { edges, row, first, line } = self;
+        let RowOfTriangles { edges, row, first, line } = self.0;
         let cols = first..first + line.len();
         let [fan, bases] = edges.fans(row, cols.clone());
         let Some((own, around)) = edges.fan_slowness(row, cols) else { return };

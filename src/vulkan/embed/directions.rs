@@ -8,7 +8,7 @@ use super::outputs::HostImage;
 use super::recording::Recording;
 use super::solver::Solver;
 use super::surface::{FrameSurface, ResultImage};
-use super::way_image::{WayImage, WayKind};
+use super::way_image::{WayImage, WayKind, on_way_image};
 use crate::surface::Chart;
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
@@ -117,61 +117,15 @@ impl Directions {
         Ok(Self { image: WayImage::new(device, allocator, on, KIND, hosts)?, pipelines })
     }
 
-    /// Returns the image. `layout` is that of the [`Reader`] for which it was last recorded. The view is
-    /// valid from the start, for descriptor sets that are written early.
-    pub fn image(&self, layout: vk::ImageLayout) -> ResultImage {
-        self.image.image(layout)
-    }
-
     /// Returns the largest number of records that [`Recording::directions`] makes in a
     /// [`crate::vulkan::profile::Profile`], in addition to those of [`Solver::passes_of_frame`].
     pub fn passes(&self) -> u32 {
         // The passes clear, write the sources, examine these twice, visit all points, and copy.
         1 + 1 + 2 + 1 + 1
     }
-
-    /// Returns the number of bytes taken from the allocator's memory blocks.
-    pub fn bytes(&self) -> u64 {
-        self.image.bytes()
-    }
-
-    /// Binds the surface's current sources, after [`FrameSurface::set_sources`] has replaced some of them.
-    /// Recordings in flight still read the old ones, which the host keeps alive until these recordings have
-    /// run.
-    ///
-    /// # Errors
-    /// If the directions were made for another surface or were destroyed, or all of their descriptor sets are
-    /// in flight.
-    pub fn rebind(
-        &mut self,
-        device: &ash::Device,
-        solver: &Solver,
-        surface: &FrameSurface,
-    ) -> Result<(), VulkanError> {
-        self.image.rebind(device, solver, surface)
-    }
-
-    /// Replaces the host's image in all later recordings. Recordings in flight still write the old image,
-    /// which the host keeps alive until they have run.
-    ///
-    /// # Errors
-    /// If the directions have an image of their own or were destroyed, or a handle is null.
-    pub fn set_image(&mut self, image: HostImage) -> Result<(), VulkanError> {
-        self.image.set_image(image)
-    }
-
-    /// Returns whether a recording of the directions may not have run. This is known with
-    /// [`super::Tools::checks`] only.
-    pub fn is_in_flight(&self) -> bool {
-        self.image.is_in_flight()
-    }
-
-    /// Frees everything but an image of the host. No submitted work may still use the directions. A second
-    /// call does nothing.
-    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
-        self.image.destroy(device, allocator);
-    }
 }
+
+on_way_image!(Directions);
 
 impl Solver {
     /// Returns the number of bytes that directions take from the allocator's memory blocks on this device. No

@@ -8,7 +8,7 @@ use super::outputs::HostImage;
 use super::recording::Recording;
 use super::solver::Solver;
 use super::surface::{FrameSurface, ResultImage};
-use super::way_image::{WayImage, WayKind};
+use super::way_image::{WayImage, WayKind, on_way_image};
 use crate::constants::{LOG_MAP_DISC, LOG_MAP_STEPS};
 use crate::surface::Chart;
 use crate::update::Wavefront;
@@ -142,61 +142,15 @@ impl LogMap {
         Ok(Self { image, chart: on.1.chart(), pipelines })
     }
 
-    /// Returns the image. `layout` is that of the [`Reader`] for which it was last recorded. The view is
-    /// valid from the start, for descriptor sets that are written early.
-    pub fn image(&self, layout: vk::ImageLayout) -> ResultImage {
-        self.image.image(layout)
-    }
-
     /// Returns the largest number of records that [`Recording::log_map`] makes in a
     /// [`crate::vulkan::profile::Profile`], in addition to those of [`Solver::passes_of_frame`].
     pub fn passes(&self) -> u32 {
         // The passes clear, write the sources, examine these twice, begin the ways, step once, and copy.
         1 + 1 + 2 + 1 + 1 + rounds(self.chart) + 1
     }
-
-    /// Returns the number of bytes taken from the allocator's memory blocks.
-    pub fn bytes(&self) -> u64 {
-        self.image.bytes()
-    }
-
-    /// Binds the surface's current sources, after [`FrameSurface::set_sources`] has replaced some of them.
-    /// Recordings in flight still read the old ones, which the host keeps alive until these recordings have
-    /// run.
-    ///
-    /// # Errors
-    /// If the log map was made for another surface or was destroyed, or all of its descriptor sets are in
-    /// flight.
-    pub fn rebind(
-        &mut self,
-        device: &ash::Device,
-        solver: &Solver,
-        surface: &FrameSurface,
-    ) -> Result<(), VulkanError> {
-        self.image.rebind(device, solver, surface)
-    }
-
-    /// Replaces the host's image in all later recordings. Recordings in flight still write the old image,
-    /// which the host keeps alive until they have run.
-    ///
-    /// # Errors
-    /// If the log map has an image of its own or was destroyed, or a handle is null.
-    pub fn set_image(&mut self, image: HostImage) -> Result<(), VulkanError> {
-        self.image.set_image(image)
-    }
-
-    /// Returns whether a recording of the log map may not have run. This is known with
-    /// [`super::Tools::checks`] only.
-    pub fn is_in_flight(&self) -> bool {
-        self.image.is_in_flight()
-    }
-
-    /// Frees everything but an image of the host. No submitted work may still use the log map. A second call
-    /// does nothing.
-    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
-        self.image.destroy(device, allocator);
-    }
 }
+
+on_way_image!(LogMap);
 
 impl Solver {
     /// Returns the number of bytes that a log map takes from the allocator's memory blocks on this device. No

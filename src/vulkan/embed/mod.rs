@@ -95,3 +95,5 @@ pub use regions::{RegionBuffer, RegionFrame, Regions};
 pub use solver::{Solver, Tools};
 pub use surface::{FrameSurface, Outcome, PackedTimes, ResultImage, SurfaceInfo};
 pub use together::SurfaceFrame;
+#[cfg(feature = "capi")]
+pub(crate) use way_image::WayImage;

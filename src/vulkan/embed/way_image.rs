@@ -28,7 +28,7 @@ const WORD: u64 = size_of::<u32>() as u64;
 
 /// Image and buffer of directions or a log map of a surface.
 #[derive(Debug)]
-pub(super) struct WayImage {
+pub(crate) struct WayImage {
     kind: WayKind,
     chart: Chart,
     buffer: Option<Buffer>,
@@ -138,7 +138,7 @@ impl WayImage {
         self.buffer.as_ref().map_or(vk::Buffer::null(), |buffer| buffer.buffer)
     }
 
-    pub(super) fn image(&self, layout: vk::ImageLayout) -> ResultImage {
+    pub(crate) fn image(&self, layout: vk::ImageLayout) -> ResultImage {
         let (image, view) = match (&self.hosts, &self.image) {
             (Some(HostImage { image, view }), _) => (*image, *view),
             (None, Some(image)) => (image.image, image.view),
@@ -149,12 +149,12 @@ impl WayImage {
         ResultImage { image, view, format: self.kind.format, extent, layout }
     }
 
-    pub(super) fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         let buffer = self.buffer.as_ref().map_or(0, Buffer::bytes);
         buffer + self.image.as_ref().map_or(0, Image::bytes)
     }
 
-    pub(super) fn rebind(
+    pub(crate) fn rebind(
         &mut self,
         device: &ash::Device,
         solver: &Solver,
@@ -166,7 +166,7 @@ impl WayImage {
         sets.rebind(device, surface, &contents)
     }
 
-    pub(super) fn set_image(&mut self, image: HostImage) -> Result<(), VulkanError> {
+    pub(crate) fn set_image(&mut self, image: HostImage) -> Result<(), VulkanError> {
         self.sets.as_ref().ok_or(VulkanError::Destroyed)?;
         let what = self.kind.what;
         if self.hosts.is_none() {
@@ -178,11 +178,11 @@ impl WayImage {
         Ok(())
     }
 
-    pub(super) fn is_in_flight(&self) -> bool {
+    pub(crate) fn is_in_flight(&self) -> bool {
         self.sets.as_ref().is_some_and(BoundSets::are_in_flight)
     }
 
-    pub(super) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
+    pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
         if let Some(mut sets) = self.sets.take() {
             sets.destroy(device);
         }
@@ -293,3 +293,70 @@ impl WayPasses<'_> {
         result
     }
 }
+
+/// Gives a type with a `WayImage` in its field `image` the methods that all of them have. They are public, and the
+/// `WayImage` is not.
+macro_rules! on_way_image {
+    ($kind:ident) => {
+        impl $kind {
+            /// Returns the image. `layout` is that of the [`Reader`] for which it was last recorded. The view is
+            /// valid from the start, for descriptor sets that are written early.
+            pub fn image(&self, layout: vk::ImageLayout) -> ResultImage {
+                self.image.image(layout)
+            }
+
+            /// Returns the number of bytes taken from the allocator's memory blocks.
+            pub fn bytes(&self) -> u64 {
+                self.image.bytes()
+            }
+
+            /// Binds the surface's current sources, after [`FrameSurface::set_sources`] has replaced some of
+            /// them. Recordings in flight still read the old ones, which the host keeps alive until these
+            /// recordings have run.
+            ///
+            /// # Errors
+            /// If this object was made for another surface or was destroyed, or all of its descriptor sets are in
+            /// flight.
+            pub fn rebind(
+                &mut self,
+                device: &ash::Device,
+                solver: &Solver,
+                surface: &FrameSurface,
+            ) -> Result<(), VulkanError> {
+                self.image.rebind(device, solver, surface)
+            }
+
+            /// Replaces the host's image in all later recordings. Recordings in flight still write the old image,
+            /// which the host keeps alive until they have run.
+            ///
+            /// # Errors
+            /// If this object has an image of its own or was destroyed, or a handle is null.
+            pub fn set_image(&mut self, image: HostImage) -> Result<(), VulkanError> {
+                self.image.set_image(image)
+            }
+
+            /// Returns whether a recording of this object may not have run. This is known with
+            /// [`super::Tools::checks`] only.
+            pub fn is_in_flight(&self) -> bool {
+                self.image.is_in_flight()
+            }
+
+            /// Frees everything but an image of the host. No submitted work may still use this object. A second
+            /// call does nothing.
+            pub fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
+                self.image.destroy(device, allocator);
+            }
+
+            #[cfg(feature = "capi")]
+            pub(crate) fn way_image_mut(&mut self) -> &mut WayImage {
+                &mut self.image
+            }
+
+            #[cfg(feature = "capi")]
+            pub(crate) fn way_image(&self) -> &WayImage {
+                &self.image
+            }
+        }
+    };
+}
+pub(super) use on_way_image;

@@ -6,7 +6,7 @@ use ash::vk;
 use super::context::Context;
 use super::{HeadlessSolution, HeadlessSolver};
 use crate::surface::builtin::Builtin;
-use crate::surface::{Seed, Sources, Spacing, Surface};
+use crate::surface::{Sources, Spacing, Surface};
 use crate::vulkan::schedules::raster;
 use crate::vulkan::{DeviceChoice, Method, Schedule, TileLanes, Tuning};
 use crate::{Stop, Wavefront};
@@ -27,20 +27,8 @@ fn solver(group_order: i32, change: impl Fn(Tuning) -> Tuning) -> HeadlessSolver
 struct Problem {
     what: &'static str,
     surface: Surface,
-    seeds: Vec<Seed>,
+    sources: Sources,
     wavefronts: &'static [Wavefront],
-}
-
-impl Problem {
-    fn new(
-        what: &'static str,
-        surface: Surface,
-        sources: &Sources,
-        wavefronts: &'static [Wavefront],
-    ) -> Self {
-        let seeds = sources.seeds(&surface).unwrap();
-        Self { what, surface, seeds, wavefronts }
-    }
 }
 
 /// With holes and obtuse triangles, anchors, and several fronts that meet.
@@ -57,9 +45,19 @@ fn problems() -> [Problem; 3] {
     let sheared = Builtin::ShearedPlane { degrees: 60.0 }.surface(59, 64).unwrap();
     let several = Sources::point(20.0, 11.25).and_point(44.0, 50.0, 2.0);
     [
-        Problem::new("holes", holes, &Sources::point(30.0, 40.0), &[Planar, Curved]),
-        Problem::new("maze", maze, &Sources::point(0.0, 0.0), &[Anchored]),
-        Problem::new("obtuse", sheared, &several, &[Curved]),
+        Problem {
+            what: "holes",
+            surface: holes,
+            sources: Sources::point(30.0, 40.0),
+            wavefronts: &[Planar, Curved],
+        },
+        Problem {
+            what: "maze",
+            surface: maze,
+            sources: Sources::point(0.0, 0.0),
+            wavefronts: &[Anchored],
+        },
+        Problem { what: "obtuse", surface: sheared, sources: several, wavefronts: &[Curved] },
     ]
 }
 
@@ -70,11 +68,12 @@ fn maps(
     schedule: Schedule,
 ) -> Vec<HeadlessSolution> {
     let mut on_device = solver.upload(&problem.surface).unwrap();
+    let seeds = problem.sources.seeds(&problem.surface).unwrap();
     let stops = [Stop::after(1), Stop::after(9), Stop::within(1e-6).or_after(10_000)];
     let all = problem.wavefronts.iter().flat_map(|&wavefront| stops.map(|stop| (wavefront, stop)));
     all.map(|(wavefront, stop)| {
         let method = Method::new(wavefront, stop).with_schedule(schedule);
-        solver.solve(&mut on_device, &problem.seeds, method).unwrap()
+        solver.solve(&mut on_device, &seeds, method).unwrap()
     })
     .collect()
 }

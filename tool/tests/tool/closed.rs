@@ -59,3 +59,28 @@ fn glued_sides_have_one_distance() {
         assert!((on_device - on_cpu).abs() <= 1e-6 * on_cpu, "{on_device} {on_cpu}");
     }
 }
+
+#[test]
+fn directions_and_regions_pass_glued_sides() {
+    let bench = Workbench::new();
+    let tube = bench.tube();
+    let line = "-s 4,2 --glue columns -o map.npy --back-direction way.npy --back-link link.tif \
+                --nearest nearest.tif --log-map log.npy --direction-picture ways.png";
+    let output = bench.distance(&tube, line);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let outputs = ["link.tif", "log.npy", "map.npy", "nearest.tif", "way.npy", "ways.png"];
+    assert_eq!(bench.outputs(), outputs);
+    // Beyond the seam the way leads on to the east, from both copies of its points too.
+    let way = map(&bench.output("way.npy"));
+    for col in [28, 32, 0, 1] {
+        assert!((way[4 * 33 + col] - 90.0).abs() < 1e-3, "{col}: {}", way[4 * 33 + col]);
+    }
+    let line = format!("voronoi {tube} -s 4,2 -s 4,18 --glue columns --borders b.csv --json");
+    let report = json(&run(&bench, &line));
+    assert_eq!(report["neighbours"], serde_json::json!([[0, 1]]));
+    let area = |region: usize| report["regions"][region]["area"].as_f64().unwrap();
+    assert!((area(0) - area(1)).abs() < 1e-3 * area(0), "{} {}", area(0), area(1));
+    // Each border is half-way round on one side.
+    let borders = std::fs::read_to_string(bench.output("b.csv")).unwrap();
+    assert!(borders.lines().count() > 2, "{borders}");
+}

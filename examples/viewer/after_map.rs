@@ -1,0 +1,28 @@
+//! What is recorded after the map of a surface, in the commands of a frame: lines, the decal, and ways.
+
+use geosweep::ash::vk;
+use geosweep::vulkan::embed::{Access, FrameSurface, Recording, Solver};
+
+use crate::gpu::Gpu;
+
+/// A surface in the commands of a frame, after its map.
+#[derive(Clone, Copy)]
+pub struct AfterMap<'a> {
+    pub gpu: &'a Gpu,
+    pub solver: &'a Solver,
+    pub commands: vk::CommandBuffer,
+    pub surface: &'a FrameSurface,
+    /// Whether the map is new in this frame.
+    pub changed: bool,
+}
+
+impl<'a> AfterMap<'a> {
+    /// Begins the recording of passes over the map, which an earlier frame may have made.
+    pub fn recording(&self) -> Recording<'a> {
+        let recording = self.solver.record(&self.gpu.device, self.commands, self.surface);
+        if !self.changed {
+            recording.begin(Access::NONE);
+        }
+        recording
+    }
+}
