@@ -244,7 +244,13 @@ impl<'a> Problem<'a> {
 
     fn solve_on_vulkan(&self, choice: &DeviceChoice) -> Result<DistanceMap, VulkanError> {
         let monitor = self.monitor.clone();
-        let mut solver = vulkan::HeadlessSolver::new(choice)?.with_monitor(monitor);
+        vulkan::with_device(choice, monitor, |solver| self.solve_on_device(solver))
+    }
+
+    fn solve_on_device(
+        &self,
+        solver: &mut vulkan::HeadlessSolver,
+    ) -> Result<DistanceMap, VulkanError> {
         let mut surface = solver.upload(self.surface)?;
         let method = vulkan::Method::new(self.wavefront, self.stop)
             .with_schedule(self.schedule)

@@ -5,6 +5,7 @@ import signal
 import threading
 import time
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -261,6 +262,16 @@ def test_a_device_gives_the_same_map() -> None:
         with pytest.raises(RuntimeError):
             gs.distance(hill(), (3, 4), engine="gpu", device="no such device")
         pytest.skip("no Vulkan device")
-    m = gs.Surface.from_heights(hill()).solve((3, 4), engine="gpu", device=usable[0].index)
+    surface = gs.Surface.from_heights(hill())
+
+    def solve(_: int) -> gs.Map:
+        return surface.solve((3, 4), engine="gpu", device=usable[0].index)
+
+    m = solve(0)
     assert m.report["device"] == usable[0].name
     assert np.allclose(m.distance, gs.distance(hill(), (3, 4), engine="cpu"), rtol=1e-5)
+    # The device stays open for later calls, and calls at the same time have one each.
+    with ThreadPoolExecutor(2) as threads:
+        assert all(
+            np.array_equal(again.distance, m.distance) for again in threads.map(solve, range(4))
+        )

@@ -36,7 +36,10 @@ pub use device::requirements;
 pub use device::tile_lanes::TileLanes;
 pub use device::validation::ValidationLog;
 pub use error::VulkanError;
-pub use headless::{DeviceCeilings, HeadlessSolution, HeadlessSolver, SurfaceOnDevice};
+pub(crate) use headless::with_device;
+pub use headless::{
+    DeviceCeilings, HeadlessSolution, HeadlessSolver, SurfaceOnDevice, keep_devices,
+};
 pub use map_limit::{MOST_TARGETS, MapLimit, TargetPoint};
 pub use pairwise::{PairwiseOnDevice, PairwiseSchedule};
 pub use schedules::method::Method;

@@ -240,6 +240,8 @@ fn rooms(number: u64, rows: usize, cols: usize) -> (Surface, Sources) {
 /// The schedule is the default or any other, and the source is anywhere.
 #[test]
 fn rooms_are_the_same_in_every_schedule() {
+    // GPUs' drivers take seconds to compile the pipelines of each device that is opened.
+    geosweep::vulkan::keep_devices(true);
     let mut worst = 0.0f64;
     for number in 0..10 {
         let (surface, source) = rooms(number, 97, 73);
@@ -258,4 +260,5 @@ fn rooms_are_the_same_in_every_schedule() {
         }
     }
     println!("{worst:.1e}");
+    geosweep::vulkan::keep_devices(false);
 }

@@ -5,10 +5,12 @@ use std::f64::consts::{PI, TAU};
 use geosweep::cpu::twins::{self, ScanOrder};
 use geosweep::glam::DVec3;
 use geosweep::surface::{EdgeLengths, Gluing};
+use geosweep::vulkan::profile::{Detail, Grain, PassKind};
 use geosweep::vulkan::{HeadlessSolver, Method, Schedule, Tuning, VulkanError};
 use geosweep::{Engine, Options, Sources, Surface, Wavefront, distance_map};
 
 use crate::common::closed::*;
+use crate::common::parts::{assert_is_part, farthest};
 use crate::common::*;
 use crate::headless::assert_schedule_twins;
 
@@ -95,6 +97,61 @@ fn engines_agree_on_closed_surfaces() {
                 }
             }
         }
+    }
+}
+
+/// The radius ends fronts that have passed seams too.
+#[test]
+fn parts_of_closed_surfaces_are_those_of_the_whole_map() {
+    let mut solver = HeadlessSolver::with_validation(&device_choice()).unwrap();
+    for (name, surface, [row, col]) in closed_surfaces().into_iter().step_by(2) {
+        let seeds = Sources::point(row, col).seeds(&surface).unwrap();
+        let mut on_device = solver.upload(&surface).unwrap();
+        for wavefront in WAVEFRONTS {
+            for schedule in Schedule::ALL {
+                let method = Method::new(wavefront, CONVERGED).with_schedule(schedule);
+                let whole = solver.solve(&mut on_device, &seeds, method).unwrap();
+                let radius = 0.4 * farthest(&whole.distances);
+                let near =
+                    solver.solve(&mut on_device, &seeds, method.with_radius(radius)).unwrap();
+                let what = format!("{name}, {wavefront}, {schedule}");
+                assert_is_part(&near.distances, &whole.distances, radius, &what);
+            }
+        }
+    }
+    assert_eq!(solver.validation_log().unwrap().messages(), Vec::<String>::new());
+}
+
+/// The exchange of the seeds has a record too.
+#[test]
+fn profiles_of_closed_surfaces_have_all_exchanges() {
+    let mut solver = HeadlessSolver::for_profiling(&device_choice(), &[]).unwrap();
+    let (surface, seeds) = (globe(31, 61), Sources::point(10.0, 2.0));
+    let seeds = seeds.seeds(&surface).unwrap();
+    let mut on_device = solver.upload(&surface).unwrap();
+    for schedule in Schedule::ALL {
+        let method = Method::new(Wavefront::Curved, CONVERGED).with_schedule(schedule);
+        let detail = Detail { grain: Grain::Scans, ..Detail::default() };
+        let (map, profile) = solver.profile(&mut on_device, &seeds, method, detail).unwrap();
+        let count =
+            |is: fn(PassKind) -> bool| profile.passes().filter(|pass| is(pass.kind)).count();
+        let exchanges = count(|kind| kind == PassKind::Exchange);
+        match schedule {
+            Schedule::Raster => {
+                let scans = count(|kind| matches!(kind, PassKind::Scan(_)));
+                assert!(exchanges > 1 && exchanges <= scans + 1, "{exchanges} of {scans} scans");
+            }
+            Schedule::AllPoints => {
+                assert_eq!(exchanges, 1 + count(|kind| kind == PassKind::AllPoints));
+            }
+            Schedule::Tiles => {
+                assert_eq!(exchanges, 1);
+                let of_tiles = count(|kind| kind == PassKind::ExchangeOfTiles);
+                assert_eq!(of_tiles, count(|kind| kind == PassKind::Tiles));
+            }
+        }
+        let alone = solver.solve(&mut on_device, &seeds, method).unwrap();
+        assert_eq!(map.distances, alone.distances, "{schedule}");
     }
 }
 

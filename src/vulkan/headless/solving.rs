@@ -15,9 +15,11 @@ use crate::vulkan::record::{Commands, Recorder};
 use crate::vulkan::schedules;
 use crate::vulkan::schedules::method::Method;
 use crate::vulkan::schedules::plan;
-use crate::vulkan::schedules::plan::{Reached, Step};
+use crate::vulkan::schedules::plan::{Portions, Reached, Step};
 use crate::vulkan::upload::{SeedTexel, seed_texels};
-use crate::vulkan::{HeadlessSolver, MOST_TARGETS, MapLimit, Schedule, TargetPoint, VulkanError};
+use crate::vulkan::{
+    HeadlessSolver, MOST_TARGETS, MapLimit, Schedule, TargetPoint, TexelChart, VulkanError,
+};
 
 /// Part of the radius by which fronts go farther, so that rounding leaves no point within it out.
 const ROUNDING: f64 = 1e-6;
@@ -154,8 +156,10 @@ impl HeadlessSolver {
         let schedule = self.schedule(&surface.images, method);
         let (texels, tuning) = (surface.images.texels, self.tuning());
         let portions = tuning.portions(method.wavefront, texels);
-        let steps = schedule.plan(texels, portions, None, method.stop.iterations);
-        let passes = schedules::records(&steps, detail.grain);
+        let is_glued = surface.images.copies.is_some();
+        let steps = plan_of(schedule, (texels, portions), None, method.stop.iterations, is_glued);
+        // On a glued surface, seeds are exchanged too.
+        let passes = schedules::records(&steps, detail.grain) + u32::from(is_glued);
         let [cols, rows] = texels.tiles(portions.tile);
         let tiles = cols as usize * rows as usize;
         let detail = Detail { tiles: detail.tiles && schedule.has_rounds(), ..detail };
@@ -230,8 +234,7 @@ impl HeadlessSolver {
         let reached = Reached::around(places).filter(|_| has_bounds);
         let plan = |reached: Option<Reached>, left: u32| {
             let most = left.min(schedule.together(texels, portions));
-            let steps = schedule.plan(texels, portions, reached, most);
-            if is_glued { plan::with_exchanges(steps) } else { steps }
+            plan_of(schedule, (texels, portions), reached, most, is_glued)
         };
         let steps = plan(reached, stop.iterations);
         let parts = plan::parts(&steps, texels, portions.visits);
@@ -405,6 +408,18 @@ fn cut(distances: &mut [f32], end: f64) {
         let farther = |distance: &&mut f32| f64::from(**distance) > end;
         distances.iter_mut().filter(farther).for_each(|distance| *distance = f32::INFINITY);
     }
+}
+
+/// Returns the steps of at most `most` iterations of a map, in which fronts pass the seams of a glued surface.
+fn plan_of(
+    schedule: Schedule,
+    (texels, portions): (TexelChart, Portions),
+    reached: Option<Reached>,
+    most: u32,
+    is_glued: bool,
+) -> Vec<Step> {
+    let steps = schedule.plan(texels, portions, reached, most);
+    if is_glued { plan::with_exchanges(steps) } else { steps }
 }
 
 /// Records part `number` of a plan's steps. After the last part it records the copy of the outcome.

@@ -1,0 +1,136 @@
+//! Devices that stay open between the calls that compute one map, such as [`crate::distance_map`].
+
+use std::process;
+use std::sync::{Mutex, PoisonError};
+
+use super::solver::HeadlessSolver;
+use crate::Monitor;
+use crate::vulkan::{DeviceChoice, VulkanError};
+
+/// A device that no call uses at present.
+struct Idle {
+    choice: DeviceChoice,
+    /// The process that opened the device. A copy of the process by `fork` must not use it.
+    process: u32,
+    solver: HeadlessSolver,
+}
+
+/// The idle devices, or none if devices are closed after each call.
+static IDLE: Mutex<Option<Vec<Idle>>> = Mutex::new(None);
+
+/// Sets whether the calls of this process that compute one map on a Vulkan device, such as
+/// [`crate::distance_map`], leave the device open for the next call with the same [`DeviceChoice`]. To open one
+/// takes 0.3 s or more, and then its pipelines are compiled. At the start, devices are closed after each call.
+/// With `false`, the idle ones are closed now.
+///
+/// Each of several calls at the same time has a device of its own. A call that fails closes its device.
+/// [`HeadlessSolver`] keeps one device open for as long as it lives, and surfaces on it too.
+///
+/// ```no_run
+/// use geosweep::{Engine, DeviceChoice, Options, Sources, Spacing, Surface, distance_map, vulkan};
+/// vulkan::keep_devices(true);
+/// let surface = Surface::from_heights(300, 300, vec![0.0; 90_000], Spacing::square(1.0))?;
+/// let options = Options::default().with_engine(Engine::Vulkan(DeviceChoice::Any));
+/// for row in 0..300 {
+///     let map = distance_map(&surface, &Sources::point(row as f64, 0.0), &options)?;
+///     println!("{}", map.report.max_distance);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn keep_devices(keep: bool) {
+    let mut idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner);
+    let closed = match keep {
+        true if idle.is_some() => None,
+        true => idle.replace(Vec::new()),
+        false => idle.take(),
+    };
+    // Other calls need not wait until the devices are closed.
+    drop(idle);
+    closed.into_iter().flatten().for_each(|device| device.close());
+}
+
+impl Idle {
+    fn close(self) {
+        if self.process == process::id() {
+            drop(self.solver);
+        } else {
+            std::mem::forget(self.solver);
+        }
+    }
+}
+
+/// Calls `solve` with an idle device, or with one that is opened for it.
+pub(crate) fn with_device<T>(
+    choice: &DeviceChoice,
+    monitor: Monitor,
+    solve: impl FnOnce(&mut HeadlessSolver) -> Result<T, VulkanError>,
+) -> Result<T, VulkanError> {
+    let solver = match take(choice) {
+        Some(solver) => solver,
+        None => HeadlessSolver::new(choice)?,
+    };
+    let mut solver = solver.with_monitor(monitor);
+    let solved = solve(&mut solver)?;
+    if let Some(idle) = &mut *IDLE.lock().unwrap_or_else(PoisonError::into_inner) {
+        let solver = solver.with_monitor(Monitor::default());
+        idle.push(Idle { choice: choice.clone(), process: process::id(), solver });
+    }
+    Ok(solved)
+}
+
+fn take(choice: &DeviceChoice) -> Option<HeadlessSolver> {
+    let mut idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner);
+    let idle = idle.as_mut()?;
+    let found = idle
+        .iter()
+        .position(|device| device.choice == *choice && device.process == process::id())?;
+    Some(idle.swap_remove(found).solver)
+}
+
+#[cfg(test)]
+mod tests {
+    use ash::vk;
+
+    use super::*;
+    use crate::{Engine, Options, Sources, Spacing, Surface, distance_map};
+
+    /// Returns the idle devices of a choice, if devices are kept.
+    fn idle(choice: &DeviceChoice) -> Option<Vec<vk::Device>> {
+        let idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner);
+        let of_choice = |device: &&Idle| device.choice == *choice;
+        let handle = |device: &Idle| device.solver.context.device.handle();
+        idle.as_ref().map(|idle| idle.iter().filter(of_choice).map(handle).collect())
+    }
+
+    #[test]
+    fn devices_stay_open_for_the_next_call_of_the_same_choice() {
+        let name = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_else(|_| "llvmpipe".into());
+        // No other test of this process writes the name in this way.
+        let choice = DeviceChoice::Name(name.to_uppercase());
+        let heights = (0..12 * 15).map(|k| f64::from(k % 7)).collect();
+        let surface = Surface::from_heights(12, 15, heights, Spacing::square(1.0)).unwrap();
+        let map = |choice: &DeviceChoice| {
+            let options = Options::default().with_engine(Engine::Vulkan(choice.clone()));
+            distance_map(&surface, &Sources::point(3.0, 4.0), &options)
+        };
+        let closed = map(&choice).unwrap();
+        assert!(idle(&choice).is_none());
+
+        keep_devices(true);
+        let first = map(&choice).unwrap();
+        let opened = idle(&choice).unwrap();
+        assert_eq!(opened.len(), 1);
+        let second = map(&choice).unwrap();
+        assert_eq!(idle(&choice).unwrap(), opened, "it is the same device");
+        assert!(closed.distances == first.distances && first.distances == second.distances);
+        keep_devices(true);
+        assert_eq!(idle(&choice).unwrap(), opened, "nothing is closed");
+        let absent = DeviceChoice::Name("no such device".into());
+        assert!(map(&absent).is_err());
+        assert_eq!(idle(&absent).unwrap(), []);
+
+        keep_devices(false);
+        assert!(map(&choice).unwrap().distances == closed.distances);
+        assert!(idle(&choice).is_none());
+    }
+}
