@@ -63,7 +63,7 @@ impl Choice {
         let start = if is_kept { OPENING } else { OPENING + COMPILING };
         let mut of = format!("with {wavefront} fronts");
         if share < 1.0 {
-            of += &format!(" and a limit to about {:.0} % of them", 100.0 * share);
+            of += &format!(" and a limit to about {:.2} % of the points", 100.0 * share);
         }
         if cpu <= gpu {
             return Self::Cpu(format!(
@@ -73,8 +73,9 @@ impl Choice {
         let least = (start / (1e-9 * (cpu - gpu))).ceil() as usize;
         if points < least {
             Self::Cpu(format!(
-                "the CPU computes {points} points before a GPU is set up; {of} a GPU is used from \
-                 {least} on"
+                "the CPU computes {} points before a GPU is set up; {of} a GPU is used for grids of \
+                 {least} points or more",
+                (share * points as f64).ceil()
             ))
         } else {
             Self::Gpu(format!(
@@ -138,7 +139,8 @@ mod tests {
         assert_eq!(first(0.2), None);
         let limited = choice(1025, 0.5);
         assert!(
-            matches!(&limited, Choice::Cpu(reason) if reason.contains("about 50 % of them")),
+            matches!(&limited, Choice::Cpu(reason)
+                if reason.contains("525313 points") && reason.contains("about 50.00 % of the points")),
             "{limited:?}"
         );
         let small = choice(1025, 0.01);

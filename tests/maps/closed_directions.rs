@@ -82,7 +82,7 @@ fn ways_back_pass_the_seams_of_flat_surfaces() {
             };
             let name = format!("{name} from {source:?}");
             let Angles { mean, on_seams, largest } = angles(&name, &surface, angle);
-            assert!(mean < 1e-4 && on_seams < 2.0 * mean + 1e-5 && largest < 0.05, "{name}");
+            assert!(mean < 4e-6 && on_seams < 4e-6 && largest < 1e-4, "{name}");
             walk(&name, &ways, &distances, 1.0);
         }
     }
@@ -114,9 +114,11 @@ fn on_sphere(name: &str, surface: &Surface, source: [usize; 2]) -> Angles {
 
 #[test]
 fn ways_back_pass_poles_and_folds() {
-    for source in [[30, 10], [22, 0], [0, 40], [59, 100]] {
+    // The last source lies beside a pole, where cells are thin.
+    for (source, largest) in [([30, 10], 0.06), ([22, 0], 0.06), ([0, 40], 0.06), ([59, 100], 0.2)]
+    {
         let found = on_sphere("globe", &globe(61, 121), source);
-        assert!(found.mean < 1e-3 && found.on_seams < 1e-3 && found.largest < 0.2);
+        assert!(found.mean < 1e-3 && found.on_seams < 2e-4 && found.largest < largest);
     }
     for source in [[30, 20], [0, 40], [0, 25]] {
         // Rows and columns bend at the equator, where they have no tangents.
@@ -124,7 +126,7 @@ fn ways_back_pass_poles_and_folds() {
         assert!(found.mean < 1e-2 && found.on_seams < 2e-2 && found.largest < 0.9);
     }
     let found = on_sphere("cube", &cube(31), [10, 20]);
-    assert!(found.mean < 1e-3 && found.on_seams < 2e-3 && found.largest < 0.2);
+    assert!(found.mean < 1e-3 && found.on_seams < 1e-3 && found.largest < 0.06);
 }
 
 #[test]
@@ -176,7 +178,7 @@ fn log_maps_go_on_over_seams() {
                 shape.is_smooth(at, source).then(|| DVec2::new(way.y, way.x))
             };
             let [mean, largest] = log_errors(name, &surface, source, exact);
-            assert!(mean < 1e-5 && largest < 1e-3, "{name} {source:?}");
+            assert!(mean < 1e-7 && largest < 2e-6, "{name} {source:?}");
         }
     }
     let globe = globe(91, 181);
@@ -192,6 +194,6 @@ fn log_maps_go_on_over_seams() {
                 .then(|| DVec2::from(axes.map(|axis| way.dot(axis.into()))))
         };
         let [mean, largest] = log_errors("globe", &globe, source.map(|at| at as f64), exact);
-        assert!(mean < 1e-4 && largest < 2e-2, "globe {source:?}: {mean} {largest}");
+        assert!(mean < 1e-4 && largest < 6e-4, "globe {source:?}: {mean} {largest}");
     }
 }

@@ -262,7 +262,7 @@ impl Tuning {
     /// curvature, slowness and four copies of the fronts, at its points and those around it.
     fn tile_bytes(tile: u32, edges: bool) -> u32 {
         let of_edges = if edges { 16 } else { 0 };
-        (tile + 2).pow(2) * (of_edges + 8 + 4 * 8) + 96
+        (tile + 2).pow(2) * (of_edges + 8 + 4 * 8) + 100
     }
 
     /// Returns the sizes that a plan for a grid needs.
