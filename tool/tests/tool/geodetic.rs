@@ -268,9 +268,9 @@ pub fn assert_divided(parts: &[Vec<[f64; 2]>]) {
 #[test]
 fn contours_are_circles_on_the_earth() {
     let bench = Workbench::new();
-    let cells = Grid::new([1.3, 180.0], [89.0, 90.0, -STEP]).file(&bench, "cells.npy", false);
+    let cells = Grid::new([0.3, 180.0], [89.0, 90.0, -STEP]).file(&bench, "cells.npy", false);
     let source = [170.0, 30.0];
-    let earth = "--geodetic --extent 0.3,-90,360.3,90 --registration pixel --source-lonlat 170,30";
+    let earth = "--geodetic --extent=-0.7,-90,359.3,90 --registration pixel --source-lonlat 170,30";
     let line =
         format!("contours {cells} {earth} --levels 5e5,4e6,1e7 -o c.geojson -o c.csv --json");
     let said = json(&done(&bench, &line));
