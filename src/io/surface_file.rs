@@ -93,6 +93,17 @@ impl SurfaceFile {
         !unit.said
     }
 
+    /// Returns whether the file's map coordinates may be longitudes and latitudes: the file says so, or it does not say
+    /// what they are, as an ESRI ASCII grid without a .prj.
+    pub fn may_be_in_degrees(&self) -> bool {
+        let is_projected = self.geo_tags.as_ref().is_some_and(GeoTags::is_projected);
+        match &self.content {
+            Content::Heights(_, FileSpacing::Degrees(_)) => true,
+            Content::Heights(_, FileSpacing::Known(_, unit)) => !unit.said && !is_projected,
+            _ => false,
+        }
+    }
+
     /// Returns the map coordinates of the grid's points.
     ///
     /// # Errors

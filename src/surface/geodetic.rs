@@ -13,6 +13,8 @@ const FLATTENING: f64 = 1.0 / 298.257_223_563;
 const LARGEST_GAP: f64 = 1.5;
 /// Part of a step up to which two lines are the same.
 const SAME_LINE: f64 = 1e-3;
+/// Part of a step by which a row or column may be rounded.
+const ROUNDING: f64 = 1e-9;
 /// A turn round the Earth, and the latitude of a pole, in degrees.
 const TURN: f64 = 360.0;
 const POLE: f64 = 90.0;
@@ -145,11 +147,16 @@ impl GeodeticGrid {
     /// beside it if the pole is added.
     ///
     /// # Errors
-    /// If there is not one height for each point, or these points make no surface.
+    /// If there is not one height for each point, one is infinite, or these points make no surface.
     pub fn surface(&self, heights: &[f64]) -> Result<Surface, SurfaceError> {
         let [rows, cols] = self.given();
         if heights.len() != rows * cols {
             return Err(SurfaceError::Shape { what: "heights", found: heights.len(), rows, cols });
+        }
+        // The poles have means, and lines are added: afterwards an infinite height is another one, or none.
+        if let Some(index) = heights.iter().position(|height| height.is_infinite()) {
+            let (row, col) = (index / cols, index % cols);
+            return Err(SurfaceError::Infinite { what: "heights", row, col });
         }
         let heights = self.extend(heights);
         let places = self.latitudes.iter().flat_map(|&latitude| {
@@ -237,9 +244,10 @@ impl GeodeticGrid {
         let [of_rows, of_cols] = self.margins();
         let row = stretched(row, rows, of_rows.map(f64::recip)) + self.rows_before() as f64;
         let col = stretched(col, cols, of_cols.map(f64::recip));
-        // A pole is on the surface, whatever is rounded.
+        // A line is on the surface, whatever is rounded.
         let last = [&self.latitudes, &self.longitudes].map(|lines| (lines.len() - 1) as f64);
-        [row.clamp(0.0, last[0]), col.clamp(0.0, last[1])]
+        let on_line = |at: f64| if (at - at.round()).abs() <= ROUNDING { at.round() } else { at };
+        [on_line(row).clamp(0.0, last[0]), on_line(col).clamp(0.0, last[1])]
     }
 
     /// Returns the row and column on the given grid of a place on the surface's grid: the inverse of

@@ -194,7 +194,9 @@ fn every_array_finds_its_meaning() {
     let path = folder.file("i.npy", &npy(&[2], &[3.0, 34.0]));
     assert!(curves(&path).unwrap_err().to_string().contains("(K, 2)"));
     let points = PlaceFile::read(&path).unwrap().grid_points(&frame).unwrap();
-    assert_eq!(points, [(3, 0.0), (34, 0.0)]);
+    let points: Vec<_> = points.iter().map(|point| (point.at, point.start)).collect();
+    let last = [34 / COLS, 34 % COLS].map(|at| at as f64);
+    assert_eq!(points, [([0.0, 3.0], 0.0), (last, 0.0)]);
 
     let mut pixels = [255; ROWS * COLS];
     pixels[4] = 0;

@@ -11,6 +11,7 @@ pub(super) type Place = [f64; 3];
 /// Returns the parts of a line, with longitudes from -180 to 180. Neighbouring vertices are less than half a turn
 /// apart, except at a pole, where a line begins anew.
 pub(super) fn divided(line: &[Place]) -> Vec<Vec<Place>> {
+    let line: Vec<_> = line.iter().map(with_pole).collect();
     let Some((&[first, latitude, height], rest)) = line.split_first() else { return Vec::new() };
     // The number of turns from Greenwich to the part. Half a turn belongs to two parts.
     let mut turn = (first / TURN).round();
@@ -21,7 +22,7 @@ pub(super) fn divided(line: &[Place]) -> Vec<Vec<Place>> {
         let start = longitude - TURN * turn;
         longitude += step;
         let end = longitude - TURN * turn;
-        if step != 0.0 && before[1].abs() == POLE && next[1].abs() == POLE {
+        if step.abs() > ROUNDING && before[1].abs() == POLE && next[1].abs() == POLE {
             turn = (longitude / TURN).round();
             parts.push(Vec::new());
         } else if end.abs() > HALF + ROUNDING {
@@ -43,12 +44,23 @@ pub(super) fn divided(line: &[Place]) -> Vec<Vec<Place>> {
     parts
 }
 
-/// Degrees by which a longitude on the antimeridian may be rounded.
+/// Degrees by which longitudes and latitudes may be rounded: a tenth of a millimetre.
 const ROUNDING: f64 = 1e-9;
+
+/// Returns whether two places have the same longitude and latitude.
+pub(super) fn is_same(a: &Place, b: &Place) -> bool {
+    (0..2).all(|k| (a[k] - b[k]).abs() <= ROUNDING)
+}
+
+/// Returns a place whose latitude is exact at a pole.
+fn with_pole(&[longitude, latitude, height]: &Place) -> Place {
+    let is_pole = (latitude.abs() - POLE).abs() <= ROUNDING;
+    [longitude, if is_pole { POLE.copysign(latitude) } else { latitude }, height]
+}
 
 /// Appends a vertex to the last part, unless it is there already.
 fn push(parts: &mut [Vec<Place>], vertex: Place) {
-    let is_last = |part: &Vec<Place>| part.last().is_some_and(|last| last[..2] == vertex[..2]);
+    let is_last = |part: &Vec<Place>| part.last().is_some_and(|last| is_same(last, &vertex));
     if let Some(part) = parts.last_mut().filter(|part| !is_last(part)) {
         part.push(vertex);
     }
@@ -101,6 +113,19 @@ mod tests {
         let line = [[20.0, 80.0], [20.0, 90.0], [200.0, 90.0], [200.0, 80.0]];
         let parts = [vec![[20.0, 80.0], [20.0, 90.0]], vec![[-160.0, 90.0], [-160.0, 80.0]]];
         assert_eq!(parts_of(&line), parts);
+        // Latitudes of a pole as sums of steps round them.
+        for pole in [-90.00000000000001, -89.99999999999997, -90.0] {
+            let line = [[-170.5, -80.0], [-170.5, pole], [9.5, pole], [9.5, -80.0]];
+            let parts = [vec![[-170.5, -80.0], [-170.5, -90.0]], vec![[9.5, -90.0], [9.5, -80.0]]];
+            let line = line.map(|[east, north]| [east, north, 0.0]);
+            let found = divided(&line);
+            let found: Vec<Vec<_>> =
+                found.iter().map(|part| part.iter().map(|at| [at[0], at[1]]).collect()).collect();
+            assert_eq!(found, parts, "{pole}");
+        }
+        // Near a pole a line goes on.
+        let near = [[20.0, 80.0], [20.0, 89.9999], [150.0, 89.9999], [150.0, 80.0]];
+        assert_eq!(parts_of(&near).len(), 1);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use ::geojson::{
 };
 use glam::DVec3;
 
-use super::antimeridian::{Place, divided};
+use super::antimeridian::{Place, divided, is_same};
 use super::drawing::{Attribute, Drawing, Polyline};
 use crate::io::CoordinateSystem;
 
@@ -57,7 +57,8 @@ fn feature(polyline: &Polyline, places: Vec<Place>, system: CoordinateSystem) ->
     if polyline.curve.closed && parts.len() > 1 {
         // The first vertex of a ring is no end of a part.
         let first = parts.remove(0);
-        match parts.last_mut().filter(|last| last.last().map(on_map) == first.first().map(on_map)) {
+        let joins = |last: &&mut Vec<Place>| last.last().is_some_and(|end| is_same(end, &first[0]));
+        match parts.last_mut().filter(joins) {
             Some(last) => last.extend_from_slice(&first[1..]),
             None => parts.insert(0, first),
         }
@@ -94,10 +95,6 @@ fn feature(polyline: &Polyline, places: Vec<Place>, system: CoordinateSystem) ->
         ),
         foreign_members: None,
     }
-}
-
-fn on_map(&[east, north, _]: &Place) -> [f64; 2] {
-    [east, north]
 }
 
 fn rounded(value: f64, digits: i32) -> f64 {

@@ -64,7 +64,7 @@ impl GridFrame {
         Self { chart, georeference, margins: [[0.0; 2]; 2] }
     }
 
-    /// Lets places in map coordinates lie beyond the grid's points, by numbers of rows before the first and after the
+    /// Lets places lie beyond the grid's points, by numbers of rows before the first and after the
     /// last one, and of columns: those of a surface of which the grid has the middles of cells
     /// ([`crate::surface::GeodeticGrid::margins`]).
     pub fn with_margins(self, margins: [[f64; 2]; 2]) -> Self {
@@ -79,16 +79,16 @@ impl GridFrame {
     /// If the grid has no map coordinates, or the place lies outside it.
     pub fn place(&self, [x, y]: [f64; 2]) -> Result<[f64; 2], String> {
         let georeference = self.georeference.as_ref().map_err(|why| not_placed(why))?;
-        let (last_row, last_col) = self.chart.last();
-        let on_axis = |at: f64, last: usize, [before, after]: [f64; 2]| {
-            let (first, last) = (-before, last as f64 + after);
-            let at = if (at - at.round()).abs() <= ON_LINE { at.round() } else { at };
-            ((first - BORDER)..=last + BORDER).contains(&at).then(|| at.clamp(first, last))
-        };
-        let [of_rows, of_cols] = self.margins;
         let on_grid = |place: [f64; 2]| {
-            let [row, col] = georeference.place(place)?;
-            Some([on_axis(row, last_row, of_rows)?, on_axis(col, last_col, of_cols)?])
+            let place = georeference.place(place)?;
+            let nearest = self.nearest(place);
+            let ends = self.ends();
+            let on_axis = |k: usize| {
+                let ([first, last], line) = (ends[k], nearest[k]);
+                let at = if (place[k] - line).abs() <= ON_LINE { line } else { place[k] };
+                ((first - BORDER)..=last + BORDER).contains(&at).then(|| at.clamp(first, last))
+            };
+            Some([on_axis(0)?, on_axis(1)?])
         };
         let turns = match georeference.system {
             Some(CoordinateSystem::Geographic(_)) => &TURNS[..],
@@ -96,6 +96,55 @@ impl GridFrame {
         };
         let found = turns.iter().find_map(|turn| on_grid([x + turn, y]));
         found.ok_or_else(|| self.outside(georeference, [x, y], on_grid([y, x]).is_some()))
+    }
+
+    /// Returns a place given by row and column, if the surface has it. A place within a millionth of a cell of an end
+    /// of the surface beyond the grid's points is moved onto it, since files round numbers.
+    pub fn within(&self, place: [f64; 2]) -> Option<[f64; 2]> {
+        let ends = self.ends();
+        let on_axis = |k: usize| {
+            let is_end = |&k_end: &usize| {
+                self.margins[k][k_end] > 0.0 && (place[k] - ends[k][k_end]).abs() <= ON_LINE
+            };
+            let at = (0..2).find(is_end).map_or(place[k], |end| ends[k][end]);
+            (ends[k][0]..=ends[k][1]).contains(&at).then_some(at)
+        };
+        Some([on_axis(0)?, on_axis(1)?])
+    }
+
+    /// Returns the row and column of the surface's point that is nearest to a place. Beyond the grid's points, the
+    /// surface has points at its ends alone.
+    pub(super) fn nearest(&self, place: [f64; 2]) -> [f64; 2] {
+        let (last_row, last_col) = self.chart.last();
+        let ends = self.ends();
+        let on_axis = |k: usize, last: f64| {
+            let ([first, end], at) = (ends[k], place[k]);
+            match at {
+                ..0.0 => {
+                    if at > 0.5 * first {
+                        0.0
+                    } else {
+                        first
+                    }
+                }
+                _ if at > last => {
+                    if at - last < 0.5 * (end - last) {
+                        last
+                    } else {
+                        end
+                    }
+                }
+                _ => at.round(),
+            }
+        };
+        [on_axis(0, last_row as f64), on_axis(1, last_col as f64)]
+    }
+
+    /// Returns the first and the last row of the surface, and the same of columns.
+    fn ends(&self) -> [[f64; 2]; 2] {
+        let (last_row, last_col) = self.chart.last();
+        let ends = |last: usize, [before, after]: [f64; 2]| [0.0 - before, last as f64 + after];
+        [ends(last_row, self.margins[0]), ends(last_col, self.margins[1])]
     }
 
     fn outside(&self, georeference: &Georeference, [x, y]: [f64; 2], swapped: bool) -> String {
@@ -254,8 +303,33 @@ mod tests {
         let wider = world.clone().with_margins([[0.5, 0.0], [0.0, 1.0]]);
         assert_eq!(wider.place([195.0, 20.25]), Ok([-0.5, 50.0]));
         assert!(wider.place([195.5, 20.0]).is_err() && wider.place([180.0, 20.5]).is_err());
+        assert_eq!(wider.place([195.0 + 1e-8, 20.25 - 1e-8]), Ok([-0.5, 50.0]));
         assert!(MapCoordinates::Projected.check(&world).is_err());
         assert_eq!(MapCoordinates::Unnamed.assumption(&world), None);
+    }
+
+    #[test]
+    fn a_surface_ends_beyond_the_middles_of_cells() {
+        let world = frame(north_up([170.0, 20.0], 0.5, Some(CoordinateSystem::WGS_84)));
+        assert_eq!(
+            (world.within([0.0, 49.0]), world.within([0.0, 49.0 + 1e-9])),
+            (Some([0.0, 49.0]), None)
+        );
+        assert_eq!(world.nearest([-0.3, 49.7]), [0.0, 49.0]);
+        let rounded = 1.0 - f64::EPSILON;
+        for after in [1.0, rounded, 0.7] {
+            let wider = world.clone().with_margins([[0.5, 0.4], [0.0, after]]);
+            let end = 49.0 + after;
+            assert_eq!(wider.within([29.4, end + 1e-7]), Some([29.4, end]));
+            assert_eq!(wider.within([-0.5 - 1e-7, end - 1e-7]), Some([-0.5, end]));
+            assert_eq!(wider.within([7.25, 49.3]), Some([7.25, 49.3]));
+            for outside in [[-0.51, 3.0], [29.41, 3.0], [3.0, -1e-7], [3.0, end + 0.01]] {
+                assert_eq!(wider.within(outside), None, "{outside:?}");
+            }
+            assert_eq!(wider.nearest([-0.3, 49.1]), [-0.5, 49.0]);
+            assert_eq!(wider.nearest([-0.2, 49.6]), [0.0, end]);
+            assert_eq!(wider.nearest([29.3, 12.6]), [29.4, 13.0]);
+        }
     }
 
     #[test]

@@ -270,23 +270,20 @@ impl PlaceFile {
         Ok(placed)
     }
 
-    /// Returns the places as grid points, by row-major index, with their start values.
+    /// Returns the places as points of the grid, with whole rows and columns. At the ends of a frame with margins
+    /// they may be fractional or negative, and lie beyond the last row or column.
     ///
     /// # Errors
     /// The errors of [`PlaceFile::points`]. It is also an error if a place lies between grid points.
-    pub fn grid_points(&self, frame: &GridFrame) -> Result<Vec<(usize, f64)>, IoError> {
-        let chart = frame.chart;
-        if let Content::Raster(raster) = &self.content {
-            let cells = self.cells(raster, frame)?.into_iter();
-            return Ok(cells
-                .map(|[row, col]| (chart.index(row as usize, col as usize), 0.0))
-                .collect());
-        }
+    pub fn grid_points(&self, frame: &GridFrame) -> Result<Vec<PlacedPoint>, IoError> {
         if let Content::Indices(indices) = &self.content {
+            let points = frame.chart.points();
             let index = |&value: &f64| {
-                let fits = value.fract() == 0.0 && (0.0..chart.points() as f64).contains(&value);
-                fits.then_some((value as usize, 0.0)).ok_or_else(|| {
-                    let (last, value) = (chart.points() - 1, exact(value));
+                let fits = value.fract() == 0.0 && (0.0..points as f64).contains(&value);
+                let point =
+                    || PlacedPoint { at: position(frame.chart, value as usize), start: 0.0 };
+                fits.then(point).ok_or_else(|| {
+                    let (last, value) = (points - 1, exact(value));
                     self.content(format!(
                         "point {value} is none of the grid's, which are 0 to {last}"
                     ))
@@ -294,23 +291,22 @@ impl PlaceFile {
             };
             return indices.iter().map(index).collect();
         }
-        let curves = self.file_curves()?;
-        let point = |vertex: &Vertex| {
-            let [row, col] = self.place(curves, vertex, frame)?;
-            if row.fract() != 0.0 || col.fract() != 0.0 {
+        let points = self.points(frame)?;
+        let Content::Curves(curves) = &self.content else { return Ok(points) };
+        let vertices = curves.curves.iter().flat_map(FileCurve::once);
+        let is_between = |(_, point): &(&Vertex, &PlacedPoint)| frame.nearest(point.at) != point.at;
+        match vertices.zip(&points).find(is_between) {
+            None => Ok(points),
+            Some((vertex, point)) => {
+                let [row, col] = frame.nearest(point.at).map(exact);
                 let (what, number) = (curves.numbered, vertex.number);
-                let near = [row.round(), col.round()];
-                return Err(self.content(format!(
-                    "{what} {number}: {} lies between points of the grid; the nearest has row {}, \
-                     column {}",
+                Err(self.content(format!(
+                    "{what} {number}: {} lies between points of the grid; the nearest has row {row}, \
+                     column {col}",
                     curves.shown(vertex),
-                    near[0],
-                    near[1]
-                )));
+                )))
             }
-            Ok((chart.index(row as usize, col as usize), vertex.start))
-        };
-        curves.curves.iter().flat_map(FileCurve::once).map(point).collect()
+        }
     }
 
     /// Returns rows and columns of the cells that a raster selects. The raster must have the location of the
@@ -320,11 +316,7 @@ impl PlaceFile {
         let place = frame.georeference.as_ref().ok();
         let cells = raster.clone().fit_surface(&self.path, rows, cols, place)?;
         let meant = cells.into_iter().enumerate().filter(|(_, meant)| *meant);
-        let place = |(index, _)| {
-            let (row, col) = frame.chart.position(index);
-            [row as f64, col as f64]
-        };
-        Ok(meant.map(place).collect())
+        Ok(meant.map(|(index, _)| position(frame.chart, index)).collect())
     }
 
     fn file_curves(&self) -> Result<&FileCurves, IoError> {
@@ -346,7 +338,7 @@ impl PlaceFile {
         frame: &GridFrame,
     ) -> Result<[f64; 2], IoError> {
         let place = match &curves.coordinates {
-            Coordinates::Grid => on_grid(vertex.place, frame.chart),
+            Coordinates::Grid => on_grid(vertex.place, frame),
             Coordinates::Map(map) => {
                 map.check(frame).map_err(|reason| self.content(reason))?;
                 frame.place(vertex.place)
@@ -384,18 +376,22 @@ impl FileCurve {
     }
 }
 
-/// Returns a place given by row and column, if the grid has it.
-fn on_grid([row, col]: [f64; 2], chart: Chart) -> Result<[f64; 2], String> {
-    let (last_row, last_col) = chart.last();
-    let is_on = (0.0..=last_row as f64).contains(&row) && (0.0..=last_col as f64).contains(&col);
-    is_on.then_some([row, col]).ok_or_else(|| {
+/// Returns a place given by row and column, if the surface has it.
+fn on_grid(place: [f64; 2], frame: &GridFrame) -> Result<[f64; 2], String> {
+    frame.within(place).ok_or_else(|| {
+        let (last_row, last_col) = frame.chart.last();
+        let [row, col] = place.map(exact);
         format!(
-            "row {}, column {} lies outside the grid: rows run from 0 to {last_row}, columns from 0 \
-             to {last_col}",
-            exact(row),
-            exact(col)
+            "row {row}, column {col} lies outside the grid: rows run from 0 to {last_row}, columns from 0 \
+             to {last_col}"
         )
     })
+}
+
+/// Returns the row and column of a grid point.
+fn position(chart: Chart, index: usize) -> [f64; 2] {
+    let (row, col) = chart.position(index);
+    [row as f64, col as f64]
 }
 
 /// Returns the number of a cell if it is finite. Otherwise returns an error.

@@ -98,6 +98,11 @@ impl GeoTags {
         Self { transformation: Some(matrix), ..Self::default() }
     }
 
+    /// Returns whether the map coordinates are easting and northing.
+    pub(in crate::io) fn is_projected(&self) -> bool {
+        self.key(geo_key::MODEL_TYPE) == Some(geo_key::PROJECTED)
+    }
+
     fn key(&self, wanted: u16) -> Option<u16> {
         // Entries are (key, location, count, value). Location 0 means that the entry holds the value itself.
         let (entries, _) = self.keys.as_chunks::<4>();

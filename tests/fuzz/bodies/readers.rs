@@ -170,7 +170,8 @@ fn places(path: &Path) {
         assert!(points.iter().all(|point| is_on(&point.at) && point.start.is_finite()));
     }
     if let Some(points) = checked(path, file.grid_points(&frame)) {
-        assert!(points.iter().all(|&(point, _)| point < chart.points()));
+        let is_point = |&[row, col]: &[f64; 2]| row.fract() == 0.0 && col.fract() == 0.0;
+        assert!(points.iter().all(|point| is_on(&point.at) && is_point(&point.at)));
     }
     for remark in file.remarks(&frame) {
         assert!(remark.len() < 1000, "{remark}");

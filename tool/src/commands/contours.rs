@@ -83,7 +83,7 @@ impl LevelArgs {
 
 pub fn run(args: &Args) -> Outcome {
     let files = CurveFiles::new(&args.output)?;
-    let problem = args.problem.solve(&files, None, None, None)?;
+    let problem = args.problem.solve(&files, None, None, |_| Ok(()))?;
     let levels = args.levels.levels().on(&problem.map, &problem.sources)?;
     let mut found = contours(&problem.map, &problem.sources, &levels);
     for contour in &mut found {

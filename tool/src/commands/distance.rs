@@ -272,9 +272,8 @@ impl Outputs {
         }
         if let Some(((output, format), Estimate { errors, .. })) = self.error.zip(estimate.as_ref())
         {
-            let errors = scene.crop(errors);
-            staged
-                .push(output.stage(|writer| format.write(writer, rows, cols, &errors, geo_tags))?);
+            // Estimates are refused where lines are added to the grid.
+            staged.push(output.stage(|writer| format.write(writer, rows, cols, errors, geo_tags))?);
         }
         if let Some(output) = self.picture {
             let (surface, shape, map) = (&scene.surface, scene.shape(), &map.to_single());

@@ -73,7 +73,7 @@ Examples:
 pub fn run(args: &Args) -> Outcome {
     let files = CurveFiles::new(&args.output)?;
     let file = args.from_file.as_deref().map(PlaceFile::read).transpose()?;
-    let mut problem = args.problem.solve(&files, None, args.from_file.as_deref(), None)?;
+    let mut problem = args.problem.solve(&files, None, args.from_file.as_deref(), |_| Ok(()))?;
     let picture = problem.picture.take();
     let Problem { scene, sources, map, .. } = &problem;
     let starts = args.starts(file.as_ref(), &scene.frame())?;

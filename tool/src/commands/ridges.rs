@@ -66,7 +66,8 @@ Examples:
 
 pub fn run(args: &Args) -> Outcome {
     let files = CurveFiles::new(&args.output)?;
-    let mut problem = args.problem.solve(&files, None, None, Some("ridges"))?;
+    let mut problem =
+        args.problem.solve(&files, None, None, |scene| scene.refuse_round("ridges"))?;
     let picture = problem.picture.take();
     let Problem { scene, sources, map, .. } = &problem;
     let found = {

@@ -4,8 +4,8 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use geosweep::geometry::{Curve, CurveError, Voronoi};
-use geosweep::io::{Attribute, Polyline};
+use geosweep::geometry::{Curve, CurveError, FarthestPoints, Voronoi};
+use geosweep::io::{Attribute, OutputFile, Polyline, StagedFile};
 use geosweep::shown::seven_digits;
 use geosweep::surface::EdgeLengths;
 use serde::Serialize;
@@ -14,8 +14,8 @@ use super::labels::{labels_output, stage_labels};
 use super::samples::{Sample, farthest_points, middle};
 use crate::numbers::place;
 use crate::output::{check_outputs, commit, done, stage_picture};
-use crate::picture::Regions;
-use crate::problem::{CurveFiles, PictureArgs, SurfaceArgs, builtin_names};
+use crate::picture::{Look, Regions};
+use crate::problem::{CurveFiles, PictureArgs, Scene, SurfaceArgs, builtin_names};
 use crate::terminal::{Outcome, counted, print_json};
 
 /// The arguments of `geosweep sample`.
@@ -83,7 +83,7 @@ pub fn run(args: &Args) -> Outcome {
     files.check(&scene)?;
     let has_regions = [("--labels", labels.is_some()), ("--picture", picture.is_some())];
     for (what, _) in has_regions.into_iter().filter(|(_, is_wanted)| *is_wanted) {
-        scene.refuse_round(what)?;
+        scene.refuse_added_lines(what)?;
     }
     let look = picture.as_ref().map(|_| args.picture.look(&scene)).transpose()?;
 
@@ -106,23 +106,8 @@ pub fn run(args: &Args) -> Outcome {
         samples.iter().enumerate().map(polyline).collect::<Result<_, CurveError>>()?;
     let mut staged = files.stage(&scene, &["sample"], polylines)?;
     if labels.is_some() || picture.is_some() {
-        let (sources, distances) = (points.sources(), points.distances());
-        let voronoi = Voronoi::new(surface, &edges, sources, &distances)?;
-        if let Some(output) = labels {
-            staged.push(stage_labels(output, surface.chart(), &voronoi, scene.geo_tags.as_ref())?);
-        }
-        if let Some((output, look)) = picture.zip(look) {
-            let areas = voronoi.areas(surface);
-            let regions = Regions {
-                surface,
-                shape: scene.shape(),
-                sources,
-                values: &distances,
-                voronoi: &voronoi,
-                areas: Some((&areas, args.picture.unit(&scene))),
-            };
-            staged.push(stage_picture(output, || regions.draw(look))?);
-        }
+        let unit = args.picture.unit(&scene);
+        staged.extend(stage_regions(&scene, &edges, &points, labels, picture.zip(look), unit)?);
     }
     let written = commit(staged)?;
     let radius = points.radius();
@@ -139,6 +124,37 @@ pub fn run(args: &Args) -> Outcome {
         print_json("sample", &Summary { radius: points.radius(), samples })?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the labels and the picture of the samples' regions. The files do not have their final names yet.
+fn stage_regions(
+    scene: &Scene,
+    edges: &EdgeLengths<f32>,
+    points: &FarthestPoints,
+    labels: Option<OutputFile>,
+    picture: Option<(OutputFile, Look)>,
+    unit: Option<&str>,
+) -> Result<Vec<StagedFile>, Box<dyn Error>> {
+    let surface = &scene.surface;
+    let (sources, distances) = (points.sources(), points.distances());
+    let voronoi = Voronoi::new(surface, edges, sources, &distances)?;
+    let mut staged = Vec::new();
+    if let Some(output) = labels {
+        staged.push(stage_labels(output, surface.chart(), &voronoi, scene.geo_tags.as_ref())?);
+    }
+    if let Some((output, look)) = picture {
+        let areas = voronoi.areas(surface);
+        let regions = Regions {
+            surface,
+            shape: scene.shape(),
+            sources,
+            values: &distances,
+            voronoi: &voronoi,
+            areas: Some((&areas, unit)),
+        };
+        staged.push(stage_picture(output, || regions.draw(look))?);
+    }
+    Ok(staged)
 }
 
 #[derive(Serialize)]

@@ -1,5 +1,6 @@
 //! Implements `geosweep value`, which prints distances at places, also between grid points.
 
+use std::fmt;
 use std::process::ExitCode;
 
 use geosweep::geometry::{PathError, PathTracer};
@@ -9,8 +10,7 @@ use serde::Serialize;
 
 use crate::numbers::{coordinates, place, place_xy};
 use crate::output::check_outputs;
-use crate::precision::Precision;
-use crate::problem::{self, MapSummary, SolverArgs, SourceArgs, SurfaceArgs};
+use crate::problem::{self, MapReport, SolverArgs, SourceArgs, SurfaceArgs};
 use crate::terminal::{Outcome, print, print_json};
 
 /// The arguments of `geosweep value`.
@@ -42,7 +42,7 @@ pub struct Args {
 #[derive(Serialize)]
 struct Summary<'a> {
     #[serde(flatten)]
-    map: MapSummary<'a>,
+    map: MapReport<'a>,
     values: Vec<Value>,
 }
 
@@ -51,7 +51,24 @@ struct Summary<'a> {
 struct Value {
     row: f64,
     col: f64,
-    distance: f32,
+    distance: Distance,
+}
+
+/// A distance with as many digits as are known: all of a map in double precision at grid points.
+#[derive(Clone, Copy, Serialize)]
+#[serde(untagged)]
+enum Distance {
+    Single(f32),
+    Double(f64),
+}
+
+impl fmt::Display for Distance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Single(distance) => distance.fmt(f),
+            Self::Double(distance) => distance.fmt(f),
+        }
+    }
 }
 
 fn examples() -> String {
@@ -81,21 +98,20 @@ pub fn run(args: &Args) -> Outcome {
     }
     let place = |&place| scene.place(place).map_err(|why| format!("--at {why}"));
     let places: Vec<_> = at.iter().map(place).collect::<Result<_, _>>()?;
-    let map = match problem::default_precision(&args.surface, &args.solver) {
-        Precision::Single => problem::solve::<f32>(&scene, &sources, &options)?,
-        Precision::Double => problem::solve::<f64>(&scene, &sources, &options)?.to_single(),
-    };
+    let precision = problem::default_precision(&args.surface, &args.solver);
+    let (map, double) = problem::solve_in(precision, &scene, &sources, &options)?;
     let edges = EdgeLengths::new(&scene.surface)?;
     // A distance does not depend on how the path is pulled taut.
     let paths = PathTracer::new(&scene.surface, &edges, &sources, &map.distances)?.along_the_map();
     let found = paths.trace_all(&places).into_iter().collect::<Result<Vec<_>, PathError>>();
     let found = found.map_err(|error| scene.explain_path(error))?;
-    let values = at.iter().zip(found).map(|(&[row, col], path)| {
-        let distance = path.distance as f32;
+    let values = at.iter().zip(&places).zip(found).map(|((&[row, col], &place), path)| {
+        let at_point = problem::double_at(double.as_ref(), place).map(Distance::Double);
+        let distance = at_point.unwrap_or(Distance::Single(path.distance as f32));
         Value { row, col, distance }
     });
     if args.json {
-        let map = MapSummary::new(&scene, &map);
+        let map = MapReport::new(&scene, &map, double.as_ref());
         print_json("value", &Summary { map, values: values.collect() })?;
         return Ok(ExitCode::SUCCESS);
     }

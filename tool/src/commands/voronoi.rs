@@ -59,7 +59,8 @@ Examples:
 pub fn run(args: &Args) -> Outcome {
     let labels = labels_output(args.output.as_ref())?;
     let borders = CurveFiles::new(&args.borders)?;
-    let mut problem = args.problem.solve(&borders, labels.as_ref(), None, Some("voronoi"))?;
+    let check = |scene: &Scene| scene.refuse_added_lines("voronoi");
+    let mut problem = args.problem.solve(&borders, labels.as_ref(), None, check)?;
     let picture = problem.picture.take();
     let Problem { scene, sources, map, .. } = &problem;
     let voronoi = {

@@ -5,11 +5,11 @@ use std::error::Error;
 use std::path::Path;
 
 use geosweep::io::OutputFile;
-use geosweep::{DistanceMap, Options, Sources};
+use geosweep::{DistanceMap, Sources};
 
 use super::{
     CurveFiles, MapReport, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs,
-    default_precision, inputs, solve,
+    default_precision, double_at, inputs, solve_in,
 };
 use crate::output::check_outputs;
 use crate::picture::Look;
@@ -44,14 +44,14 @@ pub struct Problem {
 
 impl ProblemArgs {
     /// Computes the map, after all checks that do not need it. The outputs are checked against the inputs.
-    /// Outputs are the curves, the picture and possibly `output`; `input` is an additional input. `open` names what
-    /// does not pass seams.
+    /// Outputs are the curves, the picture and possibly `output`; `input` is an additional input. `check` refuses
+    /// surfaces that the command does not support.
     pub fn solve(
         &self,
         curves: &CurveFiles,
         output: Option<&OutputFile>,
         input: Option<&Path>,
-        open: Option<&str>,
+        check: impl FnOnce(&Scene) -> Result<(), String>,
     ) -> Result<Problem, Box<dyn Error>> {
         let options = self.solver.options()?;
         let picture = self.picture.output()?;
@@ -59,26 +59,13 @@ impl ProblemArgs {
         check_outputs(&outputs, inputs(&self.surface, &self.sources).chain(input))?;
         let scene = self.surface.read()?;
         curves.check(&scene)?;
-        open.map_or(Ok(()), |what| scene.refuse_round(what))?;
+        check(&scene)?;
         let look = picture.as_ref().map(|_| self.picture.look(&scene)).transpose()?;
         let sources = self.sources.sources(&scene)?;
-        let (map, double) = self.maps(&scene, &sources, &options)?;
+        let precision = default_precision(&self.surface, &self.solver);
+        let precision = self.precision.unwrap_or(precision);
+        let (map, double) = solve_in(precision, &scene, &sources, &options)?;
         Ok(Problem { scene, sources, map, double, picture: picture.zip(look) })
-    }
-
-    fn maps(
-        &self,
-        scene: &Scene,
-        sources: &Sources,
-        options: &Options,
-    ) -> Result<(DistanceMap, Option<DistanceMap<f64>>), geosweep::Error> {
-        match self.precision.unwrap_or(default_precision(&self.surface, &self.solver)) {
-            Precision::Single => Ok((solve::<f32>(scene, sources, options)?, None)),
-            Precision::Double => {
-                let map = solve::<f64>(scene, sources, options)?;
-                Ok((map.to_single(), Some(map)))
-            }
-        }
     }
 
     /// Returns the quantity and unit of the map's values.
@@ -100,9 +87,7 @@ impl Problem {
 
     /// Returns the map's value at a place on the surface's grid, if the place is a grid point and the map is in double
     /// precision.
-    pub fn double_at(&self, [row, col]: [f64; 2]) -> Option<f64> {
-        let map = self.double.as_ref()?;
-        let is_point = row.fract() == 0.0 && col.fract() == 0.0;
-        is_point.then(|| map.distance(row as usize, col as usize))
+    pub fn double_at(&self, place: [f64; 2]) -> Option<f64> {
+        double_at(self.double.as_ref(), place)
     }
 }

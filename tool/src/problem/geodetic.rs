@@ -55,6 +55,8 @@ pub struct Location {
 
 /// Largest longitude, and the angle of a full turn, in degrees.
 const TURN: f64 = 360.0;
+/// Least span of an extent in degrees, a tenth of a millimetre. Smaller ones are rounding errors of none.
+const LEAST_SPAN: f64 = 1e-9;
 /// The systems whose longitudes and latitudes are those of WGS 84, without and with heights.
 const WGS_84: [CoordinateSystem; 2] =
     [CoordinateSystem::WGS_84, CoordinateSystem::Geographic(4979)];
@@ -68,7 +70,7 @@ fn extent(text: &str) -> Result<Extent, String> {
     for latitude in [south, north] {
         check_latitude(latitude)?;
     }
-    if south >= north {
+    if south > north {
         return Err(format!(
             "SOUTH {} is not less than NORTH {}; --south-up is for files that begin in the south",
             exact(south),
@@ -76,8 +78,13 @@ fn extent(text: &str) -> Result<Extent, String> {
         ));
     }
     let east = if east < west { east + TURN } else { east };
-    if east == west || east - west > TURN {
-        return Err("the extent must span more than 0 and at most 360 degrees of longitude".into());
+    if east - west > TURN {
+        return Err("the extent must span at most 360 degrees of longitude".into());
+    }
+    if (east - west).min(north - south) < LEAST_SPAN {
+        return Err("the extent must span more than 0 degrees of longitude and of latitude; a grid that goes round \
+                    the Earth ends 360 degrees from where it begins"
+            .into());
     }
     Ok(Extent { west, south, east, north })
 }
@@ -131,10 +138,11 @@ impl GeodeticArgs {
             }
             (Ok(given), None) => {
                 let georeference =
-                    in_degrees(given, chart).map_err(|why| format!("{name}: {why}"))?;
+                    in_degrees(given, file, chart).map_err(|why| format!("{name}: {why}"))?;
                 remark(path, given.system);
-                let geo_tags = file.geo_tags().cloned();
-                Ok(Location { georeference, geo_tags: geo_tags.unwrap_or_default() })
+                let named = file.geo_tags().filter(|_| given.system.is_some()).cloned();
+                let geo_tags = named.unwrap_or_else(|| GeoTags::wgs84(&georeference));
+                Ok(Location { georeference, geo_tags })
             }
         }
     }
@@ -167,7 +175,11 @@ impl Extent {
 }
 
 /// Returns a file's georeference if it gives longitudes and latitudes.
-fn in_degrees(given: Georeference, chart: Chart) -> Result<Georeference, String> {
+fn in_degrees(
+    given: Georeference,
+    file: &SurfaceFile,
+    chart: Chart,
+) -> Result<Georeference, String> {
     if let Some(CoordinateSystem::Projected(epsg)) = given.system {
         return Err(format!(
             "its coordinates are those of the map EPSG:{epsg}, not longitudes and latitudes; leave \
@@ -177,6 +189,11 @@ fn in_degrees(given: Georeference, chart: Chart) -> Result<Georeference, String>
     if given.down[0] != 0.0 || given.right[1] != 0.0 {
         return Err("its rows do not follow parallels, or its columns meridians; gdalwarp -t_srs \
                     EPSG:4326 makes such a grid"
+            .into());
+    }
+    if !file.may_be_in_degrees() {
+        return Err("its points lie lengths apart on a map, not degrees; leave --geodetic out, or gdalwarp \
+                    -t_srs EPSG:4326 makes a grid of degrees"
             .into());
     }
     for col in [0, chart.cols - 1] {

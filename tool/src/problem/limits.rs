@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use geosweep::io::PlaceFile;
+use geosweep::shown::exact;
 use geosweep::surface::Real;
 use geosweep::{DistanceMap, Options, Targets};
 
@@ -52,22 +53,19 @@ impl LimitArgs {
     /// Returns the options of the solver with these limits.
     pub fn options(&self, options: Options, scene: &Scene) -> Result<Options, Box<dyn Error>> {
         let frame = &scene.frame();
-        let mut points = self.target.clone();
+        let whole = |point: &[usize; 2]| point.map(|at| at as f64);
+        let mut given: Vec<_> = self.target.iter().map(whole).collect();
         for path in &self.targets {
             let file = PlaceFile::read(path)?;
-            let found = file.grid_points(frame)?;
-            points.extend(
-                found.into_iter().map(|(point, _)| <[usize; 2]>::from(frame.chart.position(point))),
-            );
+            given.extend(file.grid_points(frame)?.iter().map(|point| point.at));
             remark(path, &file, frame);
         }
         let options = options.with_radius(self.radius);
-        if points.is_empty() {
+        if given.is_empty() {
             return Ok(options);
         }
-        for point in &mut points {
-            *point = on_surface(scene, *point)?;
-        }
+        let on_surface = |&place: &[f64; 2]| on_surface(scene, place);
+        let points = given.iter().map(on_surface).collect::<Result<Vec<_>, _>>()?;
         Ok(options.with_targets(match self.target_mode {
             TargetMode::All => Targets::all(points),
             TargetMode::Any => Targets::any(points),
@@ -81,12 +79,11 @@ impl LimitArgs {
 }
 
 /// Returns a target on the surface's grid.
-fn on_surface(scene: &Scene, given: [usize; 2]) -> Result<[usize; 2], String> {
-    let place =
-        scene.place(given.map(|at| at as f64)).map_err(|why| format!("the target {why}"))?;
-    let [row, col] = place.map(|at| at as usize);
+fn on_surface(scene: &Scene, given: [f64; 2]) -> Result<[usize; 2], String> {
+    let place = scene.place(given).map_err(|why| format!("the target {why}"))?;
+    let [row, col] = place.map(|at| at.round() as usize);
     if scene.is_on_earth() && !scene.surface.has(row, col) {
-        let [row, col] = given;
+        let [row, col] = given.map(exact);
         return Err(format!("the target {row},{col} is in a hole; choose a point of the surface"));
     }
     Ok([row, col])

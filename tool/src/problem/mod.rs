@@ -57,6 +57,29 @@ pub fn solve<R: Number>(
     Ok(map)
 }
 
+/// Computes the map in single precision, or in double precision and rounds it. Returns both then.
+pub fn solve_in(
+    precision: Precision,
+    scene: &Scene,
+    sources: &Sources,
+    options: &Options,
+) -> Result<(DistanceMap, Option<DistanceMap<f64>>), geosweep::Error> {
+    match precision {
+        Precision::Single => Ok((solve::<f32>(scene, sources, options)?, None)),
+        Precision::Double => {
+            let map = solve::<f64>(scene, sources, options)?;
+            Ok((map.to_single(), Some(map)))
+        }
+    }
+}
+
+/// Returns the value of a map in double precision, if there is one, at a place on the surface's grid, if it is a grid
+/// point.
+pub fn double_at(map: Option<&DistanceMap<f64>>, [row, col]: [f64; 2]) -> Option<f64> {
+    let is_point = row.fract() == 0.0 && col.fract() == 0.0;
+    map.filter(|_| is_point).map(|map| map.distance(row as usize, col as usize))
+}
+
 /// Returns the precision of maps if none is given. Thin cells near the poles of the Earth cost digits.
 pub fn default_precision(surface: &SurfaceArgs, solver: &SolverArgs) -> Precision {
     match surface.geodetic.is_wanted() && !solver.wants_device() {

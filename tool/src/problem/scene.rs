@@ -8,7 +8,7 @@ use geosweep::io::{CoordinateSystem, GeoTags, Georeference, GridFrame};
 use geosweep::surface::{Chart, Real};
 use geosweep::{DistanceMap, Surface};
 
-use super::earth::Earth;
+use super::earth::{Earth, parts};
 
 /// The surface on which the map is computed, and the surface that is drawn.
 pub struct Scene {
@@ -31,10 +31,9 @@ pub struct Scene {
 impl Scene {
     /// Returns the map coordinates of places on the surface.
     pub fn frame(&self) -> GridFrame {
-        let frame = GridFrame::new(self.chart(), self.georeference.clone());
         match &self.earth {
-            Some(earth) => frame.with_margins(earth.grid.margins()),
-            None => frame,
+            Some(earth) => earth.frame.clone(),
+            None => GridFrame::new(self.chart(), self.georeference.clone()),
         }
     }
 
@@ -51,12 +50,15 @@ impl Scene {
         self.earth.as_ref().map_or(Ok(given), |earth| earth.place(given))
     }
 
-    /// Returns the places of a curve on the surface's grid.
+    /// Returns the parts of a curve on the surface's grid between its jumps over seams.
     ///
     /// # Errors
     /// On the Earth, if a vertex lies outside the grid or the curve leaps over more than half a turn.
-    pub fn curve(&self, given: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, String> {
-        self.earth.as_ref().map_or(Ok(given.clone()), |earth| earth.curve(&given))
+    pub fn curve(&self, given: Vec<[f64; 2]>) -> Result<Vec<Vec<[f64; 2]>>, String> {
+        match &self.earth {
+            Some(earth) => earth.curve(&given, &self.surface),
+            None => Ok(parts(given, &self.surface)),
+        }
     }
 
     /// Returns the given place of a place on the surface's grid. Poles may lie beyond the first and the last row.
@@ -103,7 +105,7 @@ impl Scene {
     /// Refuses directions in the grid, if its rows do not run southwards or its columns eastwards, or it lacks points
     /// of the surface.
     pub fn refuse_directions(&self, what: &str) -> Result<(), String> {
-        self.refuse_round(what)?;
+        self.refuse_added_lines(what)?;
         let is_north_up = |at: &Georeference| at.down[1] < 0.0 && at.right[0] > 0.0;
         match self.georeference.as_ref().is_ok_and(is_north_up) || self.earth.is_none() {
             true => Ok(()),

@@ -88,7 +88,7 @@ struct Given {
 
 impl SurfaceArgs {
     pub fn read(&self) -> Result<Scene, Box<dyn Error>> {
-        let Given { surface: given, georeference, system, geo_tags, unit, earth } =
+        let Given { surface: given, georeference, system, geo_tags, unit, mut earth } =
             self.read_surface()?;
         // Seams are taken from the positions, since a metric does not define them.
         let mut seams = given.seams();
@@ -107,8 +107,8 @@ impl SurfaceArgs {
         };
         if let Some(path) = &self.mask {
             let mut mask = io::read_mask(path)?.fit_surface(path, rows, cols, place)?;
-            if let Some(earth) = &earth {
-                mask = earth.extend_mask(&mask);
+            if let Some(earth) = &mut earth {
+                mask = earth.mask(&mask);
             }
             surface = surface.with_mask(&mask).map_err(|e| format!("{}: {e}", path.display()))?;
             seams = match &shape {
@@ -117,12 +117,14 @@ impl SurfaceArgs {
             };
         }
         if let Some(path) = &self.slowness {
-            let mut slowness = io::read_slowness(path)?.fit_surface(path, rows, cols, place)?;
-            if let Some(earth) = &earth {
-                slowness = earth.grid.extend(&slowness);
-            }
-            surface =
-                surface.with_slowness(slowness).map_err(|e| format!("{}: {e}", path.display()))?;
+            let slowness = io::read_slowness(path)?.fit_surface(path, rows, cols, place)?;
+            let slowness = match &earth {
+                Some(earth) => earth.slowness(&slowness),
+                None => Ok(slowness),
+            };
+            surface = slowness
+                .and_then(|slowness| surface.with_slowness(slowness))
+                .map_err(|e| format!("{}: {e}", path.display()))?;
         }
         if let Some(glue) = self.glue {
             surface = glue.apply(surface, &seams)?;
@@ -227,7 +229,7 @@ impl SurfaceArgs {
         let chart = Chart { rows: heights.rows, cols: heights.cols };
         let Location { georeference, geo_tags } = self.geodetic.location(path, &file, chart)?;
         let named = |error: String| format!("{}: {error}", path.display());
-        let earth = Earth::new(&georeference, chart).map_err(named)?;
+        let earth = Earth::new(&georeference, chart, &heights.values).map_err(named)?;
         let surface = earth.grid.surface(&heights.values);
         let surface = surface.map_err(|error| named(error.to_string()))?;
         say("note", EARTH);

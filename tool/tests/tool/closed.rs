@@ -1,6 +1,6 @@
 //! Closed surfaces: the warning where they are cut open, and the options that glue their sides.
 
-use crate::workbench::{Workbench, json, map, notes, run, stderr};
+use crate::workbench::{Workbench, curves, json, map, notes, read, run, stderr};
 use serde_json::Value;
 
 #[test]
@@ -75,12 +75,38 @@ fn directions_and_regions_pass_glued_sides() {
     for col in [28, 32, 0, 1] {
         assert!((way[4 * 33 + col] - 90.0).abs() < 1e-3, "{col}: {}", way[4 * 33 + col]);
     }
-    let line = format!("voronoi {tube} -s 4,2 -s 4,18 --glue columns --borders b.csv --json");
+    let step = std::f64::consts::TAU / 32.0;
+    let log = read(&bench, "log.npy");
+    let log: Vec<f64> = log[log.len() - 4 * 2 * 9 * 33..]
+        .as_chunks()
+        .0
+        .iter()
+        .map(|bytes| f32::from_le_bytes(*bytes).into())
+        .collect();
+    let [link, nearest] = ["link.tif", "nearest.tif"].map(|name| map(&bench.output(name)));
+    // The link to the east is 1, that to the west 5.
+    for (col, steps, to) in [(28, -6.0, 1.0), (32, -2.0, 1.0), (0, -2.0, 1.0), (5, 3.0, 5.0)] {
+        let point = 4 * 33 + col;
+        assert_eq!([link[point], nearest[point]], [to, 0.0], "{col}");
+        let [east, up] = [0, 1].map(|k| log[2 * point + k]);
+        assert!((east - steps * step).abs() < 1e-5 && up.abs() < 1e-5, "{col}: {east} {up}");
+    }
+    let line = format!("voronoi {tube} -s 4,2 -s 4,18 --glue columns --borders b.npy --json");
     let report = json(&run(&bench, &line));
     assert_eq!(report["neighbours"], serde_json::json!([[0, 1]]));
     let area = |region: usize| report["regions"][region]["area"].as_f64().unwrap();
     assert!((area(0) - area(1)).abs() < 1e-3 * area(0), "{} {}", area(0), area(1));
     // Each border is half-way round on one side.
-    let borders = std::fs::read_to_string(bench.output("b.csv")).unwrap();
-    assert!(borders.lines().count() > 2, "{borders}");
+    let borders = curves(&read(&bench, "b.npy"));
+    let cols = |border: &Vec<[f64; 5]>| {
+        let cols = border.iter().map(|vertex| vertex[1]);
+        cols.fold([f64::INFINITY, 0.0], |[least, most], col| [col.min(least), col.max(most)])
+    };
+    let mut cols: Vec<_> = borders.iter().map(cols).collect();
+    cols.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    assert_eq!(cols.len(), 2);
+    for (ends, wanted) in cols.iter().zip([10.0, 26.0]) {
+        assert!(ends.iter().all(|col| (col - wanted).abs() < 1e-2), "{cols:?}");
+    }
+    assert!(borders.iter().all(|border| (border[0][0] - border[border.len() - 1][0]).abs() == 8.0));
 }

@@ -15,13 +15,13 @@ const STEP: f64 = 2.0;
 const GLOBE: &str = "--geodetic --extent -180,-90,180,90 --registration";
 
 /// The places of a grid's points.
-struct Grid {
+pub struct Grid {
     longitudes: Vec<f64>,
     latitudes: Vec<f64>,
 }
 
 impl Grid {
-    fn new([west, cols]: [f64; 2], [first, rows, step]: [f64; 3]) -> Self {
+    pub fn new([west, cols]: [f64; 2], [first, rows, step]: [f64; 3]) -> Self {
         let longitudes = (0..cols as usize).map(|col| west + step.abs() * col as f64).collect();
         let latitudes = (0..rows as usize).map(|row| first + step * row as f64).collect();
         Self { longitudes, latitudes }
@@ -31,7 +31,7 @@ impl Grid {
         [self.latitudes.len(), self.longitudes.len()]
     }
 
-    fn places(&self) -> impl Iterator<Item = [f64; 2]> {
+    pub fn places(&self) -> impl Iterator<Item = [f64; 2]> {
         let row = |&latitude: &f64| self.longitudes.iter().map(move |&lon| [lon, latitude]);
         self.latitudes.iter().flat_map(row)
     }
@@ -68,7 +68,7 @@ impl Grid {
 }
 
 /// Writes a GeoTIFF of heights in degrees, whose first pixel lies at `corner` and whose pixels are areas or points.
-fn geotiff(grid: &Grid, corner: [f64; 2], is_point: bool) -> Vec<u8> {
+pub fn geotiff(grid: &Grid, corner: [f64; 2], is_point: bool) -> Vec<u8> {
     use tiff::encoder::{TiffEncoder, colortype::Gray32Float};
     use tiff::tags::Tag;
     let [rows, cols] = grid.shape().map(|count| count as u32);
@@ -92,15 +92,21 @@ fn geotiff(grid: &Grid, corner: [f64; 2], is_point: bool) -> Vec<u8> {
 fn maps_of_the_ellipsoid_are_those_of_geodesics() {
     let bench = Workbench::new();
     for (name, grid, tail) in [
-        ("lines", Grid::new([-180.0, 181.0], [90.0, 91.0, -STEP]), "gridline"),
-        ("cells", Grid::new([-179.0, 180.0], [89.0, 90.0, -STEP]), "pixel"),
-        ("south", Grid::new([-179.0, 180.0], [-89.0, 90.0, STEP]), "pixel --south-up"),
+        ("lines", Grid::new([-180.0, 181.0], [90.0, 91.0, -STEP]), "-180,-90,180,90 gridline"),
+        ("cells", Grid::new([-178.7, 180.0], [89.0, 90.0, -STEP]), "-179.7,-90,180.3,90 pixel"),
+        (
+            "south",
+            Grid::new([-179.6, 180.0], [-89.0, 90.0, STEP]),
+            "-180.6,-90,179.4,90 pixel --south-up",
+        ),
     ] {
         let file = grid.file(&bench, &format!("{name}.npy"), false);
         // Inside a cell, on the date line, in the cells that close the surface, and on a pole.
         for source in [[13.4, 52.5], [180.0, 10.0], [-179.8, -33.0], [179.9, 65.0], [40.0, 90.0]] {
             let [lon, lat] = source;
-            let line = format!("distance {file} {GLOBE} {tail} --source-lonlat {lon},{lat}");
+            let earth = tail.replacen(' ', " --registration ", 1);
+            let earth = format!("--geodetic --extent {earth}");
+            let line = format!("distance {file} {earth} --source-lonlat {lon},{lat}");
             let said = json(&done(&bench, &format!("{line} -o {name}.npy --json")));
             assert_eq!(
                 (&said["precision"], &said["seams"]),
@@ -161,9 +167,8 @@ fn the_order_of_rows_and_columns_changes_nothing() {
     for (name, grid, words) in [
         ("south up", Grid::new([-179.0, 180.0], up), "-180,-90,180,90 --south-up"),
         ("from Greenwich", Grid::new([1.0, 180.0], down), "0,-90,360,90"),
-        ("from 100 degrees", Grid::new([101.0, 180.0], up), "100,-90,100,90 --south-up"),
+        ("from 100 degrees", Grid::new([101.0, 180.0], up), "-260,-90,100,90 --south-up"),
     ] {
-        let words = words.replace("100,-90,100,90", "-260,-90,100,90");
         let other = placed(&bench, &grid, &format!("{around} {words}"));
         let mut largest = 0f64;
         for ((place, found), (there, expected)) in other.iter().zip(&first) {
@@ -231,7 +236,7 @@ fn a_geotiff_in_degrees_says_where_it_lies() {
 }
 
 /// Returns the parts of the lines of GeoJSON, with a property of each.
-fn parts(geojson: &str, property: &str) -> Vec<(f64, Vec<Vec<[f64; 2]>>)> {
+pub fn parts(geojson: &str, property: &str) -> Vec<(f64, Vec<Vec<[f64; 2]>>)> {
     let collection: Value = serde_json::from_str(geojson).unwrap();
     assert!(collection.get("crs").is_none());
     let place = |place: &Value| {
@@ -253,7 +258,7 @@ fn parts(geojson: &str, property: &str) -> Vec<(f64, Vec<Vec<[f64; 2]>>)> {
 }
 
 /// RFC 7946, section 3.1.9.
-fn assert_divided(parts: &[Vec<[f64; 2]>]) {
+pub fn assert_divided(parts: &[Vec<[f64; 2]>]) {
     for part in parts {
         assert!(part.iter().all(|[lon, lat]| lon.abs() <= 180.0 && lat.abs() <= 90.0), "{part:?}");
         assert!(part.windows(2).all(|ends| (ends[0][0] - ends[1][0]).abs() < 180.0), "{part:?}");
@@ -263,9 +268,9 @@ fn assert_divided(parts: &[Vec<[f64; 2]>]) {
 #[test]
 fn contours_are_circles_on_the_earth() {
     let bench = Workbench::new();
-    let cells = Grid::new([1.0, 180.0], [89.0, 90.0, -STEP]).file(&bench, "cells.npy", false);
+    let cells = Grid::new([0.3, 180.0], [89.0, 90.0, -STEP]).file(&bench, "cells.npy", false);
     let source = [170.0, 30.0];
-    let earth = "--geodetic --extent 0,-90,360,90 --registration pixel --source-lonlat 170,30";
+    let earth = "--geodetic --extent=-0.7,-90,359.3,90 --registration pixel --source-lonlat 170,30";
     let line =
         format!("contours {cells} {earth} --levels 5e5,4e6,1e7 -o c.geojson -o c.csv --json");
     let said = json(&done(&bench, &line));
@@ -438,7 +443,7 @@ fn what_is_no_place_on_the_earth_is_refused() {
         (
             &flat,
             format!("{whole} -s 3,3 --back-direction b.npy"),
-            "--back-direction: does not pass",
+            "--back-direction: --geodetic adds a row",
         ),
         (&flat, format!("{part} --south-up -s 3,3 --back-link b.npy"), "rows from north to south"),
         (&flat, format!("{whole} -s 3,3 --precision double --engine vulkan"), "double"),
@@ -461,13 +466,11 @@ fn what_the_commands_cannot_do_on_the_earth_is_refused() {
     let output = run(&bench, &format!("distance {flat} {whole} -s 3,3 -o map.exr"));
     bench.refuses(&output, &["single precision only", "--precision single"]);
     for (command, said) in [
-        ("voronoi", "voronoi: does not pass the line"),
+        ("voronoi", "voronoi: --geodetic adds a row"),
         ("ridges", "ridges: does not pass the line"),
         ("offset --distances 1e5 --side left", "--side: does not pass the line"),
-        ("profile", "profile: does not pass the line"),
     ] {
-        let output = if command == "profile" { "" } else { "-o lines.npy" };
-        let output = run(&bench, &format!("{command} {flat} {whole} -s 3,3 {output}"));
+        let output = run(&bench, &format!("{command} {flat} {whole} -s 3,3 -o lines.npy"));
         bench.refuses(&output, &[said]);
     }
     for command in ["pairwise", "canonical"] {
@@ -475,7 +478,53 @@ fn what_the_commands_cannot_do_on_the_earth_is_refused() {
         bench.refuses(&output, &[&format!("{command}: --geodetic adds a row")]);
     }
     let output = run(&bench, &format!("sample {flat} {whole} -k 3 --labels l.npy -o samples.csv"));
-    bench.refuses(&output, &["--labels: does not pass the line"]);
+    bench.refuses(&output, &["--labels: --geodetic adds a row"]);
+}
+
+#[test]
+fn regions_and_directions_pass_the_date_line() {
+    let bench = Workbench::new();
+    let lines = bench.flat(37, 73);
+    for west in [-180.0, -0.7] {
+        let earth =
+            format!("--geodetic --extent={west},-90,{},90 --registration gridline", west + 360.0);
+        // Sources at opposite places of the equator.
+        let [near, far] = [west + 355.0, west + 175.0];
+        let sources = format!("--source-lonlat {near},0 --source-lonlat {far},0");
+        let line = format!("voronoi {lines} {earth} {sources} -o regions.npy --json");
+        let said = json(&done(&bench, &line));
+        let area = |region: usize| said["regions"][region]["area"].as_f64().unwrap();
+        // The ellipsoid has 5.10066e14 square metres.
+        assert!((area(0) - area(1)).abs() < 1e-3 * area(0), "{} {}", area(0), area(1));
+        assert!((area(0) + area(1) - 5.10066e14).abs() < 5e12, "{}", area(0) + area(1));
+        let line = format!("distance {lines} {earth} {sources} --back-direction way.npy");
+        done(&bench, &format!("{line} --nearest nearest.npy --log-map log.npy"));
+        let [regions, nearest, way] =
+            ["regions.npy", "nearest.npy", "way.npy"].map(|name| map(&bench.output(name)));
+        for col in [0, 1, 8, 64, 71, 72] {
+            assert_eq!([regions[18 * 73 + col], nearest[18 * 73 + col]], [0.0; 2], "{west} {col}");
+            let wanted = if (36..71).contains(&col) { 90.0 } else { 270.0 };
+            assert!(
+                col == 71 || (way[18 * 73 + col] - wanted).abs() < 1.0,
+                "{west} {col}: {}",
+                way[18 * 73 + col]
+            );
+        }
+        done(&bench, &format!("sample {lines} {earth} -k 5 --labels labels.npy --picture s.png"));
+        let labels = map(&bench.output("labels.npy"));
+        assert!((0..5).all(|label| labels.contains(&f64::from(label))));
+        assert!((0..37).all(|row| labels[row * 73] == labels[row * 73 + 72]), "{labels:?}");
+    }
+}
+
+#[test]
+fn maps_of_the_whole_earth_are_profiled() {
+    let bench = Workbench::new();
+    let cells = bench.flat(18, 36);
+    let line = format!("profile {cells} {GLOBE} pixel --source-lonlat 179,-50 --repeat 1 --json");
+    let said = json(&done(&bench, &line));
+    assert_eq!([&said["rows"], &said["cols"]], [20, 37]);
+    assert_eq!(said["converged"], true);
 }
 
 /// Writes a GeoTIFF in metres on a map.
@@ -486,7 +535,7 @@ fn geotiff_of_a_map(bench: &Workbench) -> String {
 }
 
 /// Replaces the three keys of a GeoTIFF in degrees whose pixels are areas.
-fn with_keys(mut bytes: Vec<u8>, keys: [u16; 12]) -> Vec<u8> {
+pub fn with_keys(mut bytes: Vec<u8>, keys: [u16; 12]) -> Vec<u8> {
     let words = |keys: [u16; 12]| keys.map(u16::to_le_bytes).concat();
     let degrees = words([1024, 0, 1, 2, 1025, 0, 1, 1, 2048, 0, 1, 4326]);
     let at = bytes.windows(degrees.len()).position(|window| window == degrees).unwrap();

@@ -50,7 +50,8 @@ impl RowsOf {
         }
     }
 
-    /// Returns the grid points of the rows, as row-major indices, and the start values of their distances.
+    /// Returns the grid points of the rows, as row-major indices, and the start values of their distances. The
+    /// surface has no points but the frame's.
     pub fn points(&self, frame: &GridFrame) -> Result<Vec<(usize, f64)>, String> {
         let points = frame.chart.points();
         match self {
@@ -64,7 +65,8 @@ impl RowsOf {
                 let file = PlaceFile::read(path).map_err(|error| error.to_string())?;
                 let found = file.grid_points(frame).map_err(|error| error.to_string())?;
                 remark(path, &file, frame);
-                Ok(found)
+                let index = |[row, col]: [f64; 2]| frame.chart.index(row as usize, col as usize);
+                Ok(found.iter().map(|point| (index(point.at), point.start)).collect())
             }
         }
     }

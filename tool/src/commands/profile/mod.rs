@@ -137,7 +137,6 @@ pub fn run(args: &Args) -> Outcome {
     let earlier = args.against.as_deref().map(Earlier::read).transpose()?;
     let capture = args.renderdoc.then(renderdoc::Capture::new).transpose()?;
     let scene = args.surface.read()?;
-    scene.refuse_round("profile")?;
     let sources = args.sources.sources(&scene)?;
     let wanted = Wanted {
         surface: &scene.surface,
