@@ -264,7 +264,7 @@ def test_a_device_gives_the_same_map() -> None:
         pytest.skip("no Vulkan device")
     surface = gs.Surface.from_heights(hill())
 
-    def solve(_: int) -> gs.Map:
+    def solve(_: int) -> gs.DistanceMap:
         return surface.solve((3, 4), engine="gpu", device=usable[0].index)
 
     m = solve(0)

@@ -15,7 +15,8 @@ fn rows<'a>(report: &'a Value, schedule: &'a str) -> impl Iterator<Item = &'a Va
 #[test]
 fn a_sweep_finds_the_same_maps_and_suggests_among_what_it_tried() {
     let bench = Workbench::new();
-    let report = json(&run(&bench, QUICK));
+    // A busy machine needs longer than the default budget.
+    let report = json(&run(&bench, &QUICK.replace("--json", "--budget 600 --json")));
     let mut tried = Vec::new();
     for schedule in ["raster", "tiles"] {
         let of_schedule: Vec<_> = rows(&report, schedule).collect();
@@ -72,7 +73,7 @@ fn a_bench_with_other_portions_counts_other_dispatches() {
     let bench = Workbench::new();
     let work = |tuning: &str| {
         let line = format!(
-            "bench --quick --sizes 257 --surfaces sphere --engines vulkan --schedules raster --json \
+            "bench --quick --limit 60 --sizes 257 --surfaces sphere --engines vulkan --schedules raster --json \
              --tuning {tuning}"
         );
         let report = json(&run(&bench, &line));
