@@ -1,4 +1,4 @@
-//! What is recorded after the map of a surface, in the commands of a frame: lines, the decal, and ways.
+//! Records passes that use the map of a surface into the commands of a frame: lines, the decal, and ways.
 
 use geosweep::ash::vk;
 use geosweep::vulkan::embed::{Access, FrameSurface, Recording, Solver};

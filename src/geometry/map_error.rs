@@ -9,7 +9,7 @@ pub enum MapError {
     /// A source does not lie on the surface.
     #[error(transparent)]
     Source(#[from] SourceError),
-    /// What was asked for does not pass the seams of this surface.
+    /// The computation does not pass the seams of this surface.
     #[error(transparent)]
     Glued(#[from] GluingError),
     /// The number of distances differs from the number of grid points.

@@ -178,7 +178,7 @@ impl Links<'_> {
                 let there = own(self.index(self.surface.chart().beside(copy, CODES[code])));
                 let back = ((code + 4) % 8) as i8 + 1;
                 let is_lost = !arrives[there] && links[there] != Some(NO_LINK);
-                // The same link may lead to another point from another copy.
+                // Followed from another copy, the link may lead to another point.
                 if is_lost && self.next(there, back).is_some_and(|[_, next]| own(next) == index) {
                     arrives[there] = true;
                     links[there] = Some(back);

@@ -86,7 +86,7 @@ mod tests {
         let parts =
             [vec![[170.0, 0.0], [180.0, 5.0]], vec![[-180.0, 5.0], [-170.0, 10.0], [-160.0, 10.0]]];
         assert_eq!(parts_of(&line), parts);
-        // The same line on a grid that jumps there, westwards.
+        // A westward line, on a grid whose longitudes jump there.
         let back = [[-160.0, 10.0], [-170.0, 10.0], [170.0, 0.0]];
         let reversed: Vec<Vec<_>> =
             parts.iter().rev().map(|part| part.iter().rev().copied().collect()).collect();
