@@ -119,7 +119,7 @@ ivec2 texel_around(int i) {
     return from_row_major(i, TEXELS + 2) - 1;
 }
 
-// What the images hold at a texel.
+// The front, the surface value and the slowness at each point of a texel.
 struct Held {
     vec4 time, carried, surface, slowness;
 };
