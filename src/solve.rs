@@ -256,7 +256,13 @@ impl<'a> Problem<'a> {
             .with_schedule(self.schedule)
             .with_radius(self.time_limit());
         let solution = match &self.targets {
-            Some(targets) => solver.solve_to(&mut surface, &self.seeds, targets, method)?,
+            Some(targets) => {
+                let estimate = match solver.schedule(&surface, method) {
+                    Schedule::Raster => self.estimate(targets)?,
+                    _ => f64::INFINITY,
+                };
+                solver.solve_to_about(&mut surface, &self.seeds, targets, estimate, method)?
+            }
             None => solver.solve(&mut surface, &self.seeds, method)?,
         };
         let report = Report {
@@ -266,6 +272,12 @@ impl<'a> Problem<'a> {
             ..self.report(UsedEngine::Vulkan, solution.schedule.name(), solution.time)
         };
         Ok(self.finish(solution.distances, report))
+    }
+
+    /// Returns an estimate of the time at which fronts come to the targets.
+    fn estimate(&self, targets: &Targets) -> Result<f64, VulkanError> {
+        let edges = EdgeLengths::<f32>::new(self.surface)?;
+        Ok(cpu::outlook(&edges, &self.seeds, targets).0)
     }
 
     /// Returns a map of a device, unless it was cancelled and is incomplete.

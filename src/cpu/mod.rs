@@ -37,6 +37,7 @@ pub(crate) use fast_marching::limited_march;
 pub use fast_marching::{Connections, fast_marching, fast_marching_with};
 pub(crate) use limit::Limit;
 pub(crate) use lines::Visited;
+pub(crate) use outlook::outlook;
 pub use pairwise::PairwiseScan;
 pub(crate) use progress::{Progress, bend_units};
 pub use raster_scan::raster_scan;

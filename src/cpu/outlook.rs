@@ -18,7 +18,7 @@ const LEAST_POINTS: usize = 24;
 
 /// Returns an estimate of the time at which fronts of the seeds have come to the targets, and the number of
 /// points that were visited for it. The time is not finite if no path was found on any of the grids.
-pub(super) fn outlook<R: Real>(
+pub(crate) fn outlook<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
     targets: &Targets,

@@ -173,6 +173,36 @@ fn targets_cost_little_more_than_the_radius_that_they_need() {
     }
 }
 
+/// Estimates that are right, too low by a little, and far too low. The first one costs little more than the radius
+/// that the targets need; in any case the distances are the same.
+#[test]
+fn scans_go_no_farther_than_an_estimate_of_the_targets_allows() {
+    let surface = Builtin::Peaks.surface(400, 400).unwrap();
+    let seeds = Sources::point(160.0, 180.0).seeds(&surface).unwrap();
+    let mut solver = vulkan_solver();
+    let mut on_device = solver.upload(&surface).unwrap();
+    for wavefront in [Wavefront::Planar, Wavefront::Curved] {
+        let method = method(wavefront, Schedule::Raster);
+        let whole = solver.solve(&mut on_device, &seeds, method).unwrap();
+        for target in [[130, 160], [70, 260]] {
+            let needed = f64::from(whole.distances[surface.chart().index(target[0], target[1])]);
+            let near = solver.solve(&mut on_device, &seeds, method.with_radius(needed)).unwrap();
+            for (share, most) in [(1.0, 1.3), (0.9, 2.6), (0.1, f64::INFINITY)] {
+                let targets = Targets::all([target, [160, 181]]);
+                let estimate = share * needed;
+                let found = solver
+                    .solve_to_about(&mut on_device, &seeds, &targets, estimate, method)
+                    .unwrap();
+                let what = format!("{wavefront} {target:?} {share}");
+                assert_is_part(&found.distances, &whole.distances, needed, &what);
+                let ratio = found.visits as f64 / near.visits as f64;
+                println!("{what}: {ratio:.3} times the visits");
+                assert!(ratio <= most, "{what}: {ratio:.3} times the visits");
+            }
+        }
+    }
+}
+
 /// All, any and the two nearest of some targets, on every schedule.
 #[test]
 fn the_nearest_or_the_farthest_target_ends_the_map() {

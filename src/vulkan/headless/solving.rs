@@ -24,6 +24,9 @@ use crate::vulkan::{
 /// Part of the radius by which fronts go farther, so that rounding leaves no point within it out.
 const ROUNDING: f64 = 1e-6;
 
+/// Factors of an estimated time up to which a map is solved, one after another, while targets are not reached.
+const MARGINS: [f64; 2] = [1.05, 1.3];
+
 /// Distance map computed by the Vulkan engine.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -60,7 +63,8 @@ impl HeadlessSolver {
     /// Computes a map from `seeds`, which must lie on the surface, for `targets`. It ends when fronts cannot come
     /// to those that are needed earlier. The distances of points that are farther are +infinity.
     ///
-    /// With more than [`MOST_TARGETS`] targets, the map is solved up to the radius, and cut at the end.
+    /// With more than [`MOST_TARGETS`] targets, the map is solved up to the radius, and cut at the end. Raster scans
+    /// solve the whole map too, unless they have an estimate ([`HeadlessSolver::solve_to_about`]).
     pub fn solve_to(
         &mut self,
         surface: &mut SurfaceOnDevice,
@@ -69,6 +73,39 @@ impl HeadlessSolver {
         method: Method,
     ) -> Result<HeadlessSolution, VulkanError> {
         self.solve_within(surface, seeds, method, Some(targets))
+    }
+
+    /// Computes a map for `targets` as [`HeadlessSolver::solve_to`] does, given an estimate of the time at which
+    /// fronts come to those that are needed.
+    ///
+    /// Iterations of raster scans bring early and late fronts in any order, and would go far beyond the targets.
+    /// So they are limited to 1.05 times the estimate. If the targets need more time, the map is solved again up to
+    /// 1.3 times the estimate, and at last without it. Other schedules ignore the estimate.
+    pub fn solve_to_about(
+        &mut self,
+        surface: &mut SurfaceOnDevice,
+        seeds: &[Seed],
+        targets: &Targets,
+        estimate: f64,
+        method: Method,
+    ) -> Result<HeadlessSolution, VulkanError> {
+        let is_used = self.schedule(surface, method) == Schedule::Raster;
+        let margins = if is_used { &MARGINS[..] } else { &[] };
+        let (mut iterations, mut visits, mut time) = (0, 0, Duration::ZERO);
+        let times = margins.iter().map(|margin| estimate * margin);
+        let tried = times.filter(|&time| time > 0.0 && time < method.radius);
+        for radius in tried.map(Some).chain([None]) {
+            let limited = method.with_radius(radius.unwrap_or(method.radius));
+            let solution = self.solve_within(surface, seeds, limited, Some(targets))?;
+            iterations += solution.iterations;
+            visits += solution.visits;
+            time += solution.time;
+            let end = end_of(Some(targets), &solution.distances, surface.images.chart);
+            if radius.is_none_or(|radius| end <= radius) || self.monitor.is_cancelled() {
+                return Ok(HeadlessSolution { iterations, visits, time, ..solution });
+            }
+        }
+        unreachable!("the last attempt has no estimate")
     }
 
     fn solve_within(
@@ -153,7 +190,7 @@ impl HeadlessSolver {
         detail: Detail,
     ) -> Result<(HeadlessSolution, SolveProfile), VulkanError> {
         let capabilities = self.capabilities().ok_or(VulkanError::NotForProfiling)?;
-        let schedule = self.schedule(&surface.images, method);
+        let schedule = self.schedule(surface, method);
         let (texels, tuning) = (surface.images.texels, self.tuning());
         let portions = tuning.portions(method.wavefront, texels);
         let is_glued = surface.images.copies.is_some();
@@ -175,8 +212,10 @@ impl HeadlessSolver {
         Ok((solution, profile))
     }
 
-    fn schedule(&self, images: &GridImages, method: Method) -> Schedule {
-        let best = || Schedule::best_on(self.for_device.limits.kind, images.chart);
+    /// Returns the schedule by which a map is solved.
+    pub(crate) fn schedule(&self, surface: &SurfaceOnDevice, method: Method) -> Schedule {
+        let chart = surface.images.chart;
+        let best = || Schedule::best_on(self.for_device.limits.kind, chart);
         method.schedule.unwrap_or_else(best)
     }
 
@@ -192,7 +231,7 @@ impl HeadlessSolver {
         let limit = limit.with_radius((radius * (1.0 + ROUNDING)) as f32);
         let has_targets = !limit.targets.is_empty();
         let (wavefront, carried) = surface.begin(method.wavefront, seeds, start)?;
-        let schedule = self.schedule(&surface.images, method);
+        let schedule = self.schedule(surface, method);
         let variant = Variant {
             wavefront,
             splits: surface.splits,
