@@ -7,7 +7,7 @@
 // is written. First, each invocation finds the earliest front of some parts of groups. A pole has many copies,
 // so that its group has many parts. Then each invocation writes some texels. Copies of several points may lie
 // in one texel.
-// Twin: src/cpu/exchange.rs. The buffer is written by src/vulkan/copies.rs.
+// Twin: src/cpu/fronts/exchange.rs. The buffer is written by src/vulkan/copies.rs.
 
 #include "shared/constants.glsl"
 #include "shared/chart.glsl"

@@ -6,7 +6,6 @@ use super::device::device_memory::DeviceMemory;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 
-use super::anchors::ANCHOR_BYTES;
 use super::copies::Copies;
 use super::device::bands::{
     bands, distance_bytes, frame_bytes, source_bytes, staged_bytes, transfer_bytes, upload_bytes,
@@ -18,7 +17,7 @@ use super::device::staging::{HALVES, Staging};
 use super::schedules::plan::Scan;
 use super::schedules::progress;
 use super::schedules::progress::Record;
-use super::upload::SOURCE_BYTES;
+use super::upload::{ANCHOR_BYTES, SOURCE_BYTES};
 use super::{TexelChart, Tuning, VulkanError};
 use crate::constants::LAYERS;
 use crate::surface::{Chart, Groups};

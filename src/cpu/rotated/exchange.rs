@@ -2,8 +2,8 @@
 
 use super::scan_copy::ScanCopy;
 use super::tiles::Tiles;
-use crate::cpu::exchange::{after_arrival, earliest};
 use crate::cpu::fronts::FrontKind;
+use crate::cpu::fronts::exchange::{after_arrival, earliest};
 use crate::surface::{EdgeLengths, Real, min};
 use crate::update::Kept;
 

@@ -7,7 +7,7 @@ use crate::constants::{BAND_SIDES, PATIENCE, SPLIT_REACH};
 use crate::cpu::Solution;
 use crate::cpu::behind::Behind;
 use crate::cpu::fronts::{PointKind, for_kind};
-use crate::cpu::point_fronts::PointFronts;
+use crate::cpu::points::PointFronts;
 use crate::cpu::rotated::typical_edge::typical_edge;
 use crate::cpu::scan::Scan;
 use crate::surface::{Chart, EdgeLengths, Real, Seed, Tiling, relative_change};
