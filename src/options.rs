@@ -1,7 +1,5 @@
 //! Holds the options of maps, and checks them.
 
-#[cfg(doc)]
-use crate::distance_map_f64;
 use crate::surface::{Sources, Surface};
 use crate::update::{EngineKind, Setting, SourceKind, Wavefront};
 use crate::vulkan::Schedule;
@@ -9,7 +7,7 @@ use crate::{Engine, Error, Monitor, Stop, Targets};
 
 /// Default of [`Options::tolerance`], near the rounding of single precision.
 pub const DEFAULT_TOLERANCE: f64 = 1e-6;
-/// Default of [`Options::tolerance`] in [`distance_map_f64`], near the rounding of double precision.
+/// Default of [`Options::tolerance`] in [`crate::distance_map_f64`], near the rounding of double precision.
 pub const DEFAULT_TOLERANCE_F64: f64 = 1e-13;
 
 /// Options of a map. The default suits most surfaces.
