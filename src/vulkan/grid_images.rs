@@ -216,8 +216,8 @@ impl GridImages {
     pub(crate) fn record(&self, number: usize) -> Record {
         let bytes = &self.outcome.read()[number * size_of::<Record>()..];
         let record: *const Record = bytemuck::from_bytes(&bytes[..size_of::<Record>()]);
-        // SAFETY: the record is there. The device may be writing it; whoever reads it too early learns that
-        // from its serial.
+        // SAFETY: the buffer has this record. The device may be writing it; the caller compares the serial, which
+        // shows whether the record is complete.
         unsafe { record.read_volatile() }
     }
 

@@ -40,7 +40,7 @@ pub(in crate::cpu) struct LinesInGrid<'a, R, C> {
     pub first: usize,
     /// Number of the grid's points before the first one of a line.
     pub before: usize,
-    /// Where the fronts at other points are, unless these lines have all.
+    /// The fronts of the whole grid, if these lines do not hold all points.
     pub beyond: Option<Beyond<'a, R, C>>,
 }
 

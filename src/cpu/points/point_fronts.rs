@@ -17,7 +17,7 @@ use crate::update::{Kept, SEED};
 pub(in crate::cpu) struct PointFronts<R: Real, K: PointKind<R>> {
     pub edges: EdgeLengths<R>,
     pub kind: K,
-    /// Fronts that come later do not matter. They reach no point for the first time.
+    /// Time after which fronts do not matter. Later fronts reach no further points.
     #[cfg(any(test, feature = "twins"))]
     limit: R,
     times: Vec<R>,
@@ -114,7 +114,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         self.change(before, after)
     }
 
-    /// Returns how much a front has changed. A front that is and was later than the limit does not count.
+    /// Returns how much a front has changed, or 0 if it was later than the limit before and after.
     #[inline]
     fn change(&self, before: Kept<R, K::Carried>, after: Kept<R, K::Carried>) -> R::Bits {
         #[cfg(any(test, feature = "twins"))]
@@ -132,7 +132,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
 /// Further methods for the shaders' twins.
 #[cfg(any(test, feature = "twins"))]
 impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
-    /// Creates fronts where only the seeds within a radius are reached, and nothing beyond it will be.
+    /// Creates the fronts of the seeds within a radius. Points beyond the radius are never reached.
     pub(in crate::cpu) fn start_within(
         edges: &EdgeLengths<R>,
         kind: K,
@@ -158,7 +158,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         self.set(point, from.at(point));
     }
 
-    /// Lets all copies of each point of a glued surface take the earliest front of theirs. Calls `changed` with
+    /// Gives all copies of each point of a glued surface the earliest front among them. Calls `changed` with
     /// each point whose front changes, and the fronts there before and after. Returns the largest change.
     pub(in crate::cpu) fn exchange(
         &mut self,

@@ -169,7 +169,7 @@ impl<R: Real, K: PointKind<R>> Tiles<R, K> {
         tiles
     }
 
-    /// Lets all copies of points of a glued surface take the earliest front of theirs, and enlists the tiles that
+    /// Gives all copies of points of a glued surface the earliest front among them, and enlists the tiles that
     /// see a change.
     fn exchange(&mut self, renews: bool) -> Visit<R::Bits> {
         let mut changes = Vec::new();
