@@ -12,8 +12,8 @@ struct Costs {
     gpu: f64,
 }
 
-/// Costs that a limited map has at all points, also at those that it does not reach: on the CPU the edges, on a GPU
-/// the set-up and the reading, which is all but its 2 ns of solving.
+/// Costs of a limited map for all points, reached or not: on the CPU measuring the edges, on a GPU the set-up and
+/// reading back, which is all but the 2 ns of solving.
 const MEASURING: f64 = 3.0;
 const SOLVING_ON_GPU: f64 = 2.0;
 

@@ -1,7 +1,5 @@
 //! Holds the options of maps, and checks them.
 
-#[cfg(doc)]
-use crate::distance_map_f64;
 use crate::surface::{Sources, Surface};
 use crate::update::{EngineKind, Setting, SourceKind, Wavefront};
 use crate::vulkan::Schedule;
@@ -9,7 +7,7 @@ use crate::{Engine, Error, Monitor, Stop, Targets};
 
 /// Default of [`Options::tolerance`], near the rounding of single precision.
 pub const DEFAULT_TOLERANCE: f64 = 1e-6;
-/// Default of [`Options::tolerance`] in [`distance_map_f64`], near the rounding of double precision.
+/// Default of [`Options::tolerance`] in [`crate::distance_map_f64`], near the rounding of double precision.
 pub const DEFAULT_TOLERANCE_F64: f64 = 1e-13;
 
 /// Options of a map. The default suits most surfaces.
@@ -50,7 +48,7 @@ pub struct Options {
     /// +infinity. Distances within the radius are those of the whole map. With `None` or +infinity there is no
     /// limit. The work is proportional to the area within the radius, except for measuring the surface.
     pub radius: Option<f64>,
-    /// The targets of the map. It ends when no front can come to them earlier, and points that are farther are
+    /// The targets of the map. The map ends when no front can reach them earlier, and points that are farther are
     /// unreached. On the CPU, and by tiles on a device, the work is about that of the radius that the targets
     /// need. A target that cannot be reached makes the map whole, and its distance is +infinity.
     pub targets: Option<Targets>,
@@ -109,7 +107,7 @@ impl Options {
         Self { monitor: monitor.into(), ..self }
     }
 
-    /// Returns the monitor, or one that nobody watches.
+    /// Returns the monitor, or a new one if none is set.
     pub(crate) fn monitor(&self) -> Monitor {
         self.monitor.clone().unwrap_or_default()
     }

@@ -1,7 +1,7 @@
 //! Estimates how much of a surface a limited map reaches, before any of it is measured.
 //!
 //! The estimate only serves the choice of the engine ([`crate::auto`]). It takes a typical edge from some places of
-//! the grid, and fronts as ellipses of grid points around the sources. It knows nothing of holes and seams.
+//! the grid, and fronts as ellipses of grid points around the sources. It ignores holes and seams.
 
 use std::f64::consts::PI;
 

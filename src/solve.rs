@@ -148,7 +148,7 @@ pub(crate) struct Problem<'a> {
     monitor: Monitor,
 }
 
-/// Part of the radius by which fronts go farther, so that rounding leaves no point within it out.
+/// Margin up to which fronts go beyond the radius, as a part of it, so that rounding leaves out no point within it.
 const ROUNDING: f64 = 1e-6;
 
 impl<'a> Problem<'a> {

@@ -1,4 +1,4 @@
-//! The stop criterion of the iterations and the result of the iterations, the same for every engine.
+//! Defines the stop criterion and the result of iterations, for all engines.
 
 /// Stop criterion of raster scans. Scans stop at whichever limit comes first.
 ///

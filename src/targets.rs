@@ -1,8 +1,8 @@
-//! The points that a map is computed for, if it is not the whole surface.
+//! Defines targets: the points whose distances are needed, if a map need not be whole.
 
 /// Grid points at which the computation of a map may end.
 ///
-/// A map with targets ends when no front that is still under way can come to them earlier. Points that are
+/// A map with targets ends when no moving front can reach them earlier. Points that are
 /// farther than the targets are unreached: their distance is +infinity.
 ///
 /// ```
@@ -25,7 +25,7 @@ pub struct Targets {
 
 impl Targets {
     /// The map ends when all of these points, given by row and column, have their distances. If one of them
-    /// cannot be reached, all points that can be are.
+    /// cannot be reached, the map is whole.
     pub fn all(points: impl IntoIterator<Item = [usize; 2]>) -> Self {
         Self::nearest(usize::MAX, points)
     }

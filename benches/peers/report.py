@@ -40,7 +40,7 @@ COLUMNS = (
 
 # Sizes on the page, and parts of the names of solvers that are left out there. The CSV file has
 # all sizes and solvers.
-PAGE_SIZES = (400, 1200)
+PAGE_SIZES = (400,)
 LEFT_OUT = ("vulkan", "fast-marching, circular", "fast-marching, curved", "all cores")
 
 

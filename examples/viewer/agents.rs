@@ -21,12 +21,12 @@ pub const PACE: f32 = 4.0;
 /// Four floats each, of which the last is not used.
 const BYTES: u64 = 16 * COUNT as u64;
 
-/// How agents choose their steps.
+/// The rule by which agents choose their steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Steps {
     /// Along the image of directions.
     Directions,
-    /// To one of eight neighbours, as agents on grids usually do. This reads the image of distances only.
+    /// Steps to one of eight neighbours, as agents on grids usually do. This reads the image of distances only.
     Neighbours,
 }
 

@@ -22,10 +22,10 @@ const FACTOR: f32 = 1.25;
 /// Value of u and v beyond the log map's reach.
 const NOWHERE: f32 = 1e6;
 
-/// How a point of the surface finds its place in the decal.
+/// The way in which a point of the surface finds its place in the decal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Placement {
-    /// By the log map, so that the decal lies on the surface as if it were glued there
+    /// Uses the log map, so that the decal lies on the surface as if it were glued there
     LogMap,
     /// Projected from above, so that the decal smears over slopes
     Projected,

@@ -10,7 +10,7 @@ pub struct Shown {
     pub contours: bool,
     pub decal: Look,
     agents: bool,
-    /// How agents step, also while they are hidden.
+    /// The rule by which agents step, also while they are hidden.
     steps: Steps,
 }
 

@@ -28,9 +28,13 @@ float[16] around(vec4 texels[9]) {
                    texels[6].y, texels[7].x, texels[7].y, texels[8].x);
 }
 
+// The index of the texel's first point among them.
+const int FIRST = 5;
+
+// Returns the values at the texel's four points, shifted by `step`.
 vec4 at_step(float values[16], ivec2 step) {
-    int first = 5 + row_major(step, 4);
-    return vec4(values[first], values[first + 1], values[first + 4], values[first + 5]);
+    ivec4 four = FIRST + corners_row_major(step, 4);
+    return vec4(values[four.x], values[four.y], values[four.z], values[four.w]);
 }
 
 // Returns the lengths of the edges that lead along `step` from the four points shifted by `from`.
@@ -38,9 +42,9 @@ vec4 edge_lengths(vec4 lengths[16], ivec2 from, ivec2 step) {
     bool here = stored_here(step);
     ivec2 at = from + (here ? ivec2(0) : step);
     ivec2 way = here ? step : -step;
-    int first = 5 + row_major(at, 4);
-    return vec4(stored_length(lengths[first], way), stored_length(lengths[first + 1], way),
-                stored_length(lengths[first + 4], way), stored_length(lengths[first + 5], way));
+    ivec4 four = FIRST + corners_row_major(at, 4);
+    return vec4(stored_length(lengths[four.x], way), stored_length(lengths[four.y], way),
+                stored_length(lengths[four.z], way), stored_length(lengths[four.w], way));
 }
 
 vec2 front_at(ivec2 point) {

@@ -1,19 +1,18 @@
 // Tracks which blocks are due in each scan. A block is LINES rows of texels (scans down and up) or columns
 // (scans right and left), counted from the first of the grid. It is due if a texel in it, or on the line
 // behind it, has changed since the scan last visited the block. A visit to any other block would change
-// nothing: what a scan brings to a block depends on that line and the block alone, and the scan has brought
-// it already.
+// nothing, since the fronts that a scan computes in a block depend on the block and that line alone.
 //
 // With anchors, a scan also reads corners further behind. In obtuse triangles it also reads points beyond
 // them. Some of these points lie in the block, and are read as they were before. If one of them has changed,
 // the block is due again in the next iteration.
 //
-// Two opposite scans may be at work at the same time, each in a half of the grid. In the first phase they come
-// from the ends to the middle, and in the second one they go on. Neither sees what the other one does in the
-// phase. So if a scan changes a line next to the middle in the second phase, the blocks that see it across the
-// middle are due in the next iteration. These marks are in words of their own, since a mark in the block's
-// word would be read by the block's dispatch, or not, by chance. No other mark concerns a block that the
-// opposite scan visits in the same phase.
+// Two opposite scans may run at the same time, each in a half of the grid. In the first phase they go from the
+// ends to the middle, and in the second one from the middle to the other ends. Neither sees the changes that the
+// other makes in the same phase. So if a scan changes a line next to the middle in the second phase, the blocks
+// that see the line across the middle are due in the next iteration. These marks have words of their own: in the
+// block's own word, the block's dispatch might read them or not, by chance. No other mark concerns a block that
+// the opposite scan visits in the same phase.
 //
 // A skipped block leaves both images of fronts as they are, and they are equal there. A scan that changes a
 // texel writes one image. The next scan reads that image and writes the other, and the texel's block is due

@@ -1,8 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Repeats updates from four triangles in registers. It measures how fast a pass can be that only computes.
-// One invocation is one texel. The texel is written at the end; otherwise a compiler would remove the
-// updates.
+// Repeats updates from four triangles in registers, to measure the rate of a pass that only computes. One
+// invocation is one texel. The texel is written at the end; otherwise a compiler would remove the updates.
 
 #include "shared/constants.glsl"
 #include "shared/chart.glsl"

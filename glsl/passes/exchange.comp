@@ -1,13 +1,13 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Lets all copies of a point of a glued surface take the earliest front of theirs. It follows the seeds, each scan,
+// Gives all copies of a point of a glued surface the earliest front among them. It runs after the seeds, each scan,
 // each update of all points and each round of tiles.
 //
 // A single workgroup is dispatched, since its invocations wait for each other: all fronts are read before any
 // is written. First, each invocation finds the earliest front of some parts of groups. A pole has many copies,
 // so that its group has many parts. Then each invocation writes some texels. Copies of several points may lie
 // in one texel.
-// Twin: src/cpu/exchange.rs. The buffer is written by src/vulkan/copies.rs.
+// Twin: src/cpu/fronts/exchange.rs. The buffer is written by src/vulkan/copies.rs.
 
 #include "shared/constants.glsl"
 #include "shared/chart.glsl"
@@ -125,7 +125,7 @@ vec2 earliest_of(int group) {
     return front;
 }
 
-// Returns the front at a point after the earliest one of its copies has come.
+// Returns the front at a point after the earliest front of its copies has arrived there.
 vec2 after_arrival(vec2 first, vec2 before) {
     bool is_own = floatBitsToUint(first) == floatBitsToUint(before);
     if (first.x >= FAR || is_own) return before;

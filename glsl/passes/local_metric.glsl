@@ -21,10 +21,11 @@ float mean_square(float a, float b) {
 Metric metric_of_point(ivec2 at, float unit) {
     ivec2 point = point_at(at);
     vec4 own = imageLoad(edges, point) / unit;
-    float west = imageLoad(edges, point + ivec2(-1, 0)).x / unit;
-    float south = imageLoad(edges, point + ivec2(0, 1)).y / unit;
-    float south_west = imageLoad(edges, point + ivec2(-1, 1)).z / unit;
-    float south_east = imageLoad(edges, point + ivec2(1, 1)).w / unit;
+    vec4 others = edges_to_point(point);
+    float west = others.x / unit;
+    float south = others.y / unit;
+    float south_west = others.z / unit;
+    float south_east = others.w / unit;
     float far = FAR / unit;
     // Lengths that do not exist stay so.
     own = mix(own, vec4(FAR), greaterThanEqual(own, vec4(0.5 * far)));

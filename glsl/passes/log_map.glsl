@@ -1,13 +1,13 @@
 // Follows the ways of a log map between grid points, for log_map_*.comp. Include after ways.glsl and
 // cell.glsl.
 //
-// A way leads a number of cells back towards the source. The way from a place between grid points is the mean
-// of the ways of the points around it, so a way can be doubled by the way from its end. All ways have the same
-// length in the grid. So the ways of neighbours lead to places side by side, and their mean is meaningful.
+// A way leads from a point some cells back towards the source. The way from a place between grid points is the
+// mean of the ways of the points around it. So a way can be continued by the way from its end, which doubles
+// it. All ways have the same length in the grid, so those of neighbours end side by side and have a mean.
 
 // The source of a point whose place in the log map is not known yet.
 const uint NO_LABEL = 0xffffffffu;
-// Stands for a way from a point that has none: holes, and what is beyond the radius.
+// The way of a point that has none: a hole, or a point beyond the radius.
 const vec2 NO_WAY = vec2(-4.0);
 
 bool is_way(vec2 way) {
@@ -44,8 +44,8 @@ vec2 place_of_point(int index) {
     return vec2(from_row_major(index, grid.x));
 }
 
-// Returns the place to which the way from a place leads. Points whose ways lead elsewhere, as across the cut
-// locus, do not count.
+// Returns the place to which the way from a place leads. Points are left out if their ways end far from that of
+// the nearest point, as across the cut locus.
 vec2 carried_back(vec2 place, Around around, int which) {
     if (around.nearest < 0) return place;
     vec2 on = read_pair(which, around.points[around.nearest]);

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Begins a log map: computes the direction of the way back from each grid point, and follows the ways of
-// points near a source to it. There it takes the direction in which they leave. One invocation is one point.
+// points near a source to it, to compute the direction in which they leave it. One invocation is one point.
 // Twin: src/geometry/directions/departures.rs computes the same from maps of sources that move.
 
 #include "shared/constants.glsl"

@@ -15,7 +15,7 @@ layout(local_size_x_id = 3) in;
 
 // Largest number of lines of texels in a block.
 layout(constant_id = 4) const int LINES = 1;
-// Scans go in turn.
+// Opposite scans do not go in pairs.
 const int PAIRS = 0;
 
 ivec3 place_of(ivec2 texel, int layer) {
@@ -42,8 +42,8 @@ bool passes(ivec2 point, ivec2 ahead) {
 void main() {
     block_line = line;
     block_lines = lines;
-    // As on a single map, a front that is bent by a varying slowness may meet itself, and one that comes
-    // through the parts of obtuse triangles must not depend on what arrives later.
+    // Updates must be causal where fronts may meet themselves, as over a varying slowness, and where they come
+    // through parts of obtuse triangles.
     causal = SLOWED != 0 || SPLITS != 0;
     if (maps[group_number().z].done == 0u) scan_block();
 }

@@ -1,4 +1,4 @@
-// Defines where a path is, and its state. Include after chart.glsl.
+// Defines the places of a path, and its state. Include after chart.glsl.
 
 // A time that is not known yet.
 const float UNKNOWN = 1e20;
@@ -27,7 +27,7 @@ struct Path {
     float start;    // time from which squared times count
     float earliest; // earliest and latest of the sources' initial values
     float latest;
-    int own;        // source to which it is known to lead; -1 if not known, -2 if not certain
+    int own;        // source to which the path leads; -1 if not known yet, -2 if not certain
 };
 
 bool is_point(Place place) {

@@ -1,8 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Counts an iteration and decides whether another one follows. If so, it makes the blocks past the middle of
-// the grid due that have waited for the end of the iteration; see blocks.glsl. A single invocation is
-// dispatched.
+// Counts an iteration and decides whether another one follows. If so, the blocks past the middle of the grid
+// that have waited for the end of the iteration become due; see blocks.glsl. A single invocation is dispatched.
 // Twin: src/cpu/progress.rs.
 
 #include "shared/constants.glsl"

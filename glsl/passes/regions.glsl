@@ -1,12 +1,12 @@
-// Computes regions of the points nearest to each source, in a buffer. For each grid point, in row-major
-// order, it holds twice what is known of the point's label, then twice the place to which its way leads, in
-// column and row. Each pass reads one copy and writes the other. The last pass leaves the labels in the first
-// copy.
+// Computes the points nearest to each source. A buffer holds two copies of the labels of all grid points, in
+// row-major order, and then two copies of the places to which their ways lead, as column and row. Each pass
+// reads one copy and writes the other. The last pass leaves the labels in the first copy.
 //
-// The way to a point is the line on which its front has come, followed back towards the source. At first it
-// leads to where it crosses the base of the triangle that has brought the front. From there it continues as
-// the ways of the points around do. So each pass over all points lengthens all ways by a factor. Ways do not
-// follow grid points, which would turn them by up to half the angle between two neighbours.
+// The way of a point is the line on which its front has come, followed back towards the source. At first it
+// leads to the point where it crosses the base of the triangle through which the front came. From there it
+// continues like the ways of the points around. So each pass over all points lengthens all ways by a factor.
+// Ways do not run from grid point to grid point, which would turn them by up to half the angle between two
+// neighbours.
 // Twin of all passes: src/cpu/twins/regions.rs.
 
 layout(set = 1, binding = 1) restrict buffer Regions {

@@ -58,8 +58,8 @@ shared uint is_due;
 // On a map with a limit: the first and the last place of a line at which fronts have changed.
 shared ivec2 changed_along;
 
-// Returns whether no front is so near to the texels that this workgroup writes that it may reach them in this
-// block. Workgroups beside it may have changed fronts in the same dispatch, but none as near.
+// Returns whether all changed fronts are too far from this workgroup's texels to reach them in this block.
+// Neighbouring workgroups may change fronts in the same dispatch, but none that are nearer.
 bool lies_apart() {
     if (in_turn != 0 || limit >= NO_LIMIT) return false;
     if (gl_LocalInvocationID.x == 0u) {

@@ -1,5 +1,5 @@
-// Scans a tile with two neighbouring points of a line for each invocation, whose four triangles it updates at
-// once. Invocations of CPUs pay for each barrier, and so for each invocation of a workgroup. Included by
+// Scans a tile. Each invocation has two neighbouring points of a line, and updates them from four triangles at
+// once. On CPUs a barrier costs time for each invocation of a workgroup, so there are few of them. Included by
 // tile_round.glsl.
 
 // Updates the points `at` and `at + along` of a line of one scan.
@@ -64,7 +64,7 @@ void run_scan(int copy, bool may_renew) {
     }
 }
 
-// Invocations of other subgroups make no difference here; see tile_points.glsl.
+// Subgroups make no difference here; see tile_points.glsl.
 void forget_subgroups() {}
 void note_subgroups() {}
 void know_subgroups() {}

@@ -2,9 +2,9 @@
 // Values of the next line that do not depend on times are computed while this line waits for its neighbours.
 // Included by tile_round.glsl.
 //
-// An invocation keeps its front on the line behind. With WITH_SHUFFLES it has those beside it from its
-// neighbours' registers. Neighbours of another subgroup, or all of them without, pass theirs in shared
-// memory.
+// An invocation keeps the front that it has written on the line behind. With WITH_SHUFFLES it reads the fronts
+// beside that one from the registers of its neighbours. Without, and between subgroups, neighbours pass their
+// fronts in shared memory.
 //
 // The update takes four triangles. Here the left triangle is in x and the right one in z. The other two are
 // constants, which compilers for GPUs leave out.
@@ -17,7 +17,7 @@ struct Seen {
     float time, carried, surface, slowness;
 };
 
-// Values at a point and behind it that no scan of this copy changes before it gets there.
+// Values at a point and behind it that the scan does not change before it reaches the point.
 struct Stored {
     Edges edges;
     Seen own;
@@ -118,7 +118,7 @@ bool are_lines_whole = false;
 // Whether any line is divided between subgroups.
 shared uint divided;
 
-// The device chooses which invocations make a subgroup, so neighbours tell their numbers. The workgroup has a
+// The device chooses which invocations make a subgroup, so neighbours exchange their numbers. The workgroup has a
 // barrier after each of the first two of these functions.
 void forget_subgroups() {
     divided = 0u;
@@ -145,7 +145,7 @@ void know_subgroups() {
 #endif
 }
 
-// Lets the invocations of a scan see what they have written.
+// Makes what is written on a line visible to all invocations of the scan.
 void end_line() {
 #ifdef WITH_SHUFFLES
     if (are_lines_whole) {
@@ -157,7 +157,7 @@ void end_line() {
     barrier();
 }
 
-// Completes what is known of the neighbours behind, given the front behind.
+// Completes the values of the neighbours behind by their fronts.
 void know_neighbours(Prepared now, Seen behind, ivec2 at_behind, ivec2 along, int copy, out Seen before, out Seen after) {
     before = now.stored.before;
     after = now.stored.after;
@@ -191,8 +191,8 @@ void know_neighbours(Prepared now, Seen behind, ivec2 at_behind, ivec2 along, in
     }
 }
 
-// Runs one of the four scans over its copy of the tile. All invocations see what it has brought before it
-// returns.
+// Runs one of the four scans over its copy of the tile. Before it returns, all invocations see the fronts that
+// it has written.
 void run_scan(int copy, bool may_renew) {
     const bool SEES_FURTHER = SPLITS != 0 || HAS_ANCHORS;
     ivec2 ahead = ahead_of(copy);

@@ -186,8 +186,8 @@ void merge(ivec2 in_tile, inout vec4 time, inout vec4 held) {
             for (int copy = 0; copy < 4; copy++) {
                 float other = times[copy * AREA + at];
                 float other_held = carried[copy * AREA + at];
-                // A front that the copy's own scan has not brought is the old one and does not count. If the
-                // old one has been withdrawn, no front is left.
+                // Only fronts that the copy's own scan has brought count; others are from before. If the front
+                // from before has been withdrawn, no front is left.
                 if (other >= FAR && !found) {
                     time[j] = other;
                     held[j] = other_held;

@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Takes back the fronts that come after the end of a map. They were renewed, or came before the limit fell. A map
-// that goes on keeps them, since it would bring them again. One invocation is one texel.
+// Removes the fronts that are later than the end of a map. They arrived before the limit was lowered, or were
+// renewed to come later. An unfinished map keeps them, since further iterations would bring them again. One
+// invocation is one texel.
 // Twin: the end of a map in src/solve.rs.
 
 #include "shared/constants.glsl"

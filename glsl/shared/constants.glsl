@@ -1,7 +1,7 @@
 // Constants shared with Rust. build.rs turns each #define below into a Rust constant, and the comment above
 // it into the documentation of that constant. An empty comment line would end that documentation.
 
-// Stands for "not reached" and "no such edge". It is large and finite, and sums of it stay finite.
+// Value for "not reached" and "no such edge". It is large, and sums of such values stay finite.
 #define FAR 1e30
 // Limit of the times on a map that has none. No sum of times and edges exceeds it.
 #define NO_LIMIT 3e38
@@ -11,7 +11,7 @@
 #define CIRCULAR 1
 #define CURVED 2
 #define ANCHORED 3
-// Least curvature of a front at a point source. It stands for infinity in the same way. It is a power of two,
+// Curvature of a front at a point source, in place of infinity. A tag may enlarge it. It is a power of two,
 // which a tag of 0 leaves unchanged.
 #define SOURCE_CURVATURE 5.764607523034235e17
 // Number of invocations in a workgroup. Every Vulkan device offers at least 128. A dispatch covers only one
@@ -181,8 +181,8 @@
 #define SURROUNDINGS_STEPS 40
 // Largest number of targets of a map.
 #define MOST_TARGETS 1024
-// Part of the last target's time by which a device's limit is later. Until a map has converged, a curved front
-// may be renewed to come later than at first.
+// Margin between the last target's time and a device's limit, as a part of that time. Until a map has converged,
+// a curved front may be renewed to come later.
 #define TARGET_MARGIN 0.02
 // Largest length of an edge. Squares and sums of such lengths stay within single precision and below FAR. A
 // larger coordinate in a renderer's memory marks a hole, as NaN does.
@@ -217,7 +217,7 @@
 // Number of steps by which one pass over regions extends the way of each point. On lavapipe, 3 steps take as
 // long as this at 256 points per side, and 2.4 times as long at 1024.
 #define FLOW_JUMPS 7
-// Number of steps in one pass over points whose ways lead nowhere. There are few of them.
+// Number of steps in one pass over points whose ways end without a source. There are few such points.
 #define PARENT_JUMPS 63
 // Number of words before the sections of a buffer of ways: the earliest and the latest initial value, and a
 // word for each round of a log map; see ways.glsl. It is even.

@@ -1,5 +1,5 @@
 // Stores curves in a buffer, so that they can be drawn without a readback. The buffer holds a record for each
-// curve. From a word that is passed to the passes, it has room for a number of vertices of each curve.
+// curve, and then room for the vertices of each curve. Passes receive the word at which the vertices begin.
 //
 // A record begins with what an indirect draw reads: the number of vertices, one instance, the first vertex,
 // instance 0. The number of vertices that exist or are needed follows, then the status of the curve. Paths

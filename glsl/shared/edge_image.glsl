@@ -16,6 +16,13 @@ bool has_edge(ivec2 point) {
     return false;
 }
 
+// Returns the lengths of the edges that are stored at the other end: to the west, south, south-west and
+// south-east.
+vec4 edges_to_point(ivec2 point) {
+    return vec4(imageLoad(edges, point + ivec2(-1, 0)).x, imageLoad(edges, point + ivec2(0, 1)).y,
+                imageLoad(edges, point + ivec2(-1, 1)).z, imageLoad(edges, point + ivec2(1, 1)).w);
+}
+
 // Returns the lengths of the six edges of a cell, in this order: north, west, north-west to south-east,
 // south-west to north-east, east, south.
 float[6] edges_of_cell(ivec2 first) {

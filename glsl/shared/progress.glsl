@@ -10,12 +10,12 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     uint done;          // 1 once the map has converged or the iterations have run out
     uint tolerance;     // largest residual at which a map has converged
     uint most;          // largest number of iterations
-    uint visited;       // number of workgroups so far that have updated a tile, a part of a block, or texels
+    uint visited;       // number of workgroups that have updated a tile, a part of a block, or texels
     uint fronts_meet;   // 0, FRONTS_MEET or FRONTS_ARE_ADDED; see wavefront.glsl
     float limit;        // time after which fronts do not matter; NO_LIMIT if there is none
     float end;          // time after which points count as unreached: a little earlier if there are targets
-    // The columns and rows in which the fronts of a map with a limit have changed: the first texel and the last
-    // one, counted without the border. Other maps leave them as they are.
+    // The first and the last texel, by column and row and counted without the border, where fronts of a map with
+    // a limit have changed. Maps without a limit do not write them.
     int changed_first[2];
     int changed_last[2];
     // Group counts of the indirect dispatches of further iterations, zero once the map is done.
@@ -28,7 +28,7 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     uint reached;           // 1 once a round has reached a point
     uint settled;           // number of texels copied by settle.comp, for profiles
     uint visits[VISIT_WORDS]; // a bit for each dispatch of a scan that has visited its block, for profiles
-    // Of a map with targets: their number, the number of those that are needed, and the row and column of each.
+    // The targets of a map: their number, the number of those that must be reached, and their rows and columns.
     uint target_count;
     uint targets_needed;
     uint targets[2 * MOST_TARGETS];

@@ -1,7 +1,7 @@
 // Implements fronts that carry the number of their anchor, with a tag. The surface values hold corners and
 // holes. The update is in anchored_ways.glsl. Anchors are numbered: first the points of the grid, row by row,
 // then sources inside cells.
-// Twins: the anchored front in src/update, and src/vulkan/anchors.rs.
+// Twins: the anchored front in src/update, and src/vulkan/upload/anchors.rs.
 
 // Returns the number of the anchor that a front carries.
 uint number_of(float held) {

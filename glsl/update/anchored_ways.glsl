@@ -131,7 +131,7 @@ int shadow_of(vec2 ray, ivec2 corner) {
 // The shape of the path from an anchor to an end of a base.
 struct Detour {
     bool known;
-    uint corner; // first corner at which it bends, or the end's own anchor if there is none or it is not known
+    uint corner; // first corner at which it bends; the end's own anchor if it is straight or not known
     vec2 border; // step from the anchor to that corner
     bool winds;  // whether the path bends to both sides
 };

@@ -1,6 +1,6 @@
 // Declares the data about a floor plan, other than its grid points, that the update with anchors reads. They
 // lie at the end of the upload buffer: the sources inside cells, then the metric.
-// Twin: src/vulkan/anchors.rs.
+// Twin: src/vulkan/upload/anchors.rs.
 
 layout(set = 0, binding = 3) readonly restrict buffer Anchors {
     vec4 anchors[];

@@ -133,7 +133,7 @@ void accept_curved(Fronts fronts, uint scan, bool renews, inout vec4 time, inout
     bvec4 is_new = not(both(ties, bends_alike));
     bvec4 comes_again = both(both(bvec4(renews), reached), equal(tag_before & SCAN_OF_TAG, uvec4(scan)));
     bvec4 first = either(both(not(ties), lessThan(fronts.time, time)), both(ties, knows));
-    // A seed knows better than an update when the front of its own source arrives.
+    // The time of a seed is more accurate than an update of its own source's front.
     bvec4 is_seed = both(equal(tag_before & SCAN_OF_TAG, uvec4(0u)), lessThanEqual(curvature, vec4(-FIRST_ORIGIN)));
     bvec4 own = both(both(reached, is_seed), are_alike_but_for_tags(curvature, tagged));
     // Exact seeds stay: two fronts taken for one would arrive too early.

@@ -123,8 +123,8 @@ struct FromOrigin {
 
 const float SIGHT_ROUNDING = 16.0;
 
-// Returns what the origin tells about the fronts at one end of the bases. `here` and `there` are the parts of
-// this end and of the other.
+// Computes the fronts at one end of the bases from the position of their origins. `here` and `there` are the
+// parts of this end and of the other.
 FromOrigin from_origin(Plane plane, vec4 base, Site site, Sighted sighted, EndFronts end, vec2 here, vec2 there) {
     FromOrigin from;
     from.is_known = lessThan(sighted.start, vec4(FAR));

@@ -1,13 +1,13 @@
 // Defines tags: the last binary digits of the value that a front carries, and of the surface value.
 //
 // The tag of a front is the number of the scan that has brought it, from 1 to 4. For a source it is 0, and
-// for a seed that stays it is EXACT. NOT_EXACT marks a front of a source that is solved alone, further from
-// it than its times are known to be exact: merge_surroundings.comp drops it. WHOLE is added if the front came
-// through a whole triangle or is that of a source. The tag of the surface is LACKING at points that lack an
-// edge, with DIFFRACTS added where waves diffract.
+// for an exact seed, which no front replaces, it is EXACT. NOT_EXACT marks fronts of a source that is solved
+// alone, at points so far away that other fronts may come first: merge_surroundings.comp drops these. WHOLE is
+// added if the front came through a whole triangle or is that of a source. The tag of the surface is LACKING at
+// points that lack an edge, with DIFFRACTS added where waves diffract.
 
 const uint SCAN_OF_TAG = TAG & ~WHOLE;
-// Tag of a source's front. It knows where it comes from as well as a front through a triangle does.
+// Tag of a source's front. Its direction is as certain as that of a front through a whole triangle.
 const uint SOURCE_TAG = WHOLE;
 
 // Returns a number with a tag. Zero becomes a tiny number.

@@ -9,16 +9,16 @@ from ._arrays import Floats
 
 @dataclass(frozen=True)
 class Place:
-    """Where the points of a grid lie, whose rows run to the south and columns to the east."""
+    """Location of a grid whose rows run to the south and columns to the east."""
 
     x0: float
     """x of column 0."""
     y0: float
     """y of row 0, the largest."""
     dx: float
-    """Distance of columns."""
+    """Distance between columns."""
     dy: float
-    """Distance of rows."""
+    """Distance between rows."""
     shape: tuple[int, int]
     crs: str | None
     """Coordinate reference system as WKT."""

@@ -58,4 +58,4 @@ class Basis(NamedTuple):
     v: tuple[float, float]
     """The axis of v in rows and columns, on the side of increasing rows."""
     in_space: Floats | None
-    """Both axes in space (2, 3); None if the surface is given by its metric."""
+    """The two axes in space (2, 3); None if the surface is given by its metric."""

@@ -294,7 +294,7 @@ class Surface:
         dtype
             Precision of the map: ``"float32"``, or on the CPU ``"float64"``.
         tolerance, iterations
-            When to stop: at this relative change, and after so many iterations.
+            Limits at which to stop: the relative change, and the number of iterations.
         radius
             Largest distance. Farther points are unreached, and not computed.
         targets

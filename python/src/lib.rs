@@ -35,7 +35,7 @@ fn devices(py: Python<'_>) -> PyResult<Vec<Device>> {
 
 #[pymodule(gil_used = false)]
 fn _geosweep(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    // Programs call for one map after another, and to open a device takes longer than most maps.
+    // Programs compute one map after another, and opening a device takes longer than most maps.
     geosweep::vulkan::keep_devices(true);
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<surface::Surface>()?;

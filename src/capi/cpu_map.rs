@@ -62,7 +62,7 @@ pub struct GeosweepMapOutputs {
     pub log_map: *mut f32,
     /// Distances that are negative where `inside` is not 0.
     pub signed_distances: *mut f32,
-    /// For `signed_distances`: a byte for each point, not 0 inside.
+    /// Points inside, for `signed_distances`: a byte for each point, 0 outside.
     pub inside: *const u8,
 }
 

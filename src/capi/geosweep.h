@@ -767,7 +767,7 @@ typedef struct GeosweepMapOutputs {
     float *log_map;
     // Distances that are negative where `inside` is not 0.
     float *signed_distances;
-    // For `signed_distances`: a byte for each point, not 0 inside.
+    // Points inside, for `signed_distances`: a byte for each point, 0 outside.
     const uint8_t *inside;
 } GeosweepMapOutputs;
 

@@ -1,4 +1,4 @@
-//! Objects that the program holds, and the marks that remain of destroyed ones.
+//! Hands objects to the program, and recognizes objects that were destroyed.
 
 use std::mem::MaybeUninit;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -7,7 +7,7 @@ use super::arguments::{Output, usable};
 use super::shared::Shared;
 use super::status::Failure;
 
-/// Target of a pointer that the program holds: a mark and the object.
+/// An object that the program holds by a pointer, after a mark of its kind.
 #[repr(C)]
 struct Handed<T> {
     /// [`Object::MARK`], or [`DESTROYED`].
@@ -77,8 +77,8 @@ pub(super) unsafe fn exclusive<'a, T: Object>(
     }
 }
 
-/// Returns an object that is about to be destroyed, or `None` for null. A solver with checks refuses this
-/// while a recording that uses the object has not run.
+/// Returns an object that is about to be destroyed, or `None` for null. With checks, this is an error while a
+/// recording that uses the object has not run.
 ///
 /// # Safety
 /// As for [`object`].

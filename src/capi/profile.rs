@@ -162,11 +162,9 @@ pub unsafe extern "C" fn geosweep_profile_create(
             decisions.destroy(device, &mut shared.allocator());
             VulkanError::Call { call: "vkCreateQueryPool", result }
         })?;
-        let slots = Slots {
-            timestamps: Some(QueryRange { pool, first: 0, count: passes + 1 }),
-            decisions: Some(Decided { buffer: decisions.buffer, offset: 0, portions: 1 }),
-            ..Slots::default()
-        };
+        let slots = Slots::default()
+            .with_timestamps(QueryRange { pool, first: 0, count: passes + 1 })
+            .with_decisions(Decided { buffer: decisions.buffer, offset: 0, portions: 1 });
         let profile = Profile::new(passes, grain, slots);
         let (shared, is_recorded) = (Arc::clone(shared), AtomicBool::new(false));
         hand_out(output, GeosweepProfile { shared, profile, clock, pool, decisions, is_recorded });

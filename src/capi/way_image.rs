@@ -1,4 +1,4 @@
-//! Objects with an image of ways: directions and log maps.
+//! Implements the functions of objects with an image: directions and log maps.
 
 use std::sync::Arc;
 
@@ -15,9 +15,9 @@ use crate::surface::Chart;
 use crate::vulkan::VulkanError;
 use crate::vulkan::embed::{FrameSurface, HostImage, Solver, WayImage};
 
-/// An object with an image of ways.
+/// An object with an image of directions or of a log map.
 pub(super) trait Ways: Object + Sized {
-    /// The name of arguments that are such objects.
+    /// The name of the argument in errors.
     const ARGUMENT: &'static str;
 
     /// Creates an object, in an image of the host if there is one.
@@ -33,8 +33,8 @@ pub(super) trait Ways: Object + Sized {
     fn image_mut(&mut self) -> (&mut WayImage, &Shared);
 }
 
-/// Makes a kind an object with an image of ways, in its field `$field`. The solver's method of the same name creates it,
-/// and `$into` does so in an image of the program.
+/// Implements [`Ways`] for a kind of object with the image in its field `$field`. The solver's method of this name
+/// creates the image, and its method `$into` uses an image of the program.
 macro_rules! ways {
     ($kind:ident, $field:ident, $into:ident) => {
         impl way_image::Ways for $kind {
@@ -85,7 +85,7 @@ pub(super) unsafe fn bytes_for(
     })
 }
 
-/// Creates an object, in an image of the program unless that is null.
+/// Creates an object. It uses the image of the program unless `image` is null.
 ///
 /// # Safety
 /// As for the functions of the header.

@@ -14,16 +14,14 @@
 
 mod behind;
 mod ceilings;
-mod exchange;
 mod fast_marching;
 mod fronts;
 mod limit;
 pub(crate) mod lines;
 mod outlook;
 mod pairwise;
-mod point_fronts;
+mod points;
 mod progress;
-mod raster_scan;
 mod rotated;
 mod scan;
 mod solution;
@@ -39,7 +37,7 @@ pub(crate) use limit::Limit;
 pub(crate) use lines::Visited;
 pub(crate) use outlook::outlook;
 pub use pairwise::PairwiseScan;
+pub use points::raster_scan;
 pub(crate) use progress::{Progress, bend_units};
-pub use raster_scan::raster_scan;
 pub use rotated::{Order, PatchCounts, RotatedScan, rotated_scan};
 pub use solution::Solution;

@@ -46,6 +46,12 @@ impl Scan {
         (start..end).map(move |k| if self.is_forward() { k } else { start + end - 1 - k })
     }
 
+    /// Returns the number of the line behind a line.
+    #[inline(always)]
+    pub(super) fn line_behind(self, line: usize) -> usize {
+        if self.is_forward() { line - 1 } else { line + 1 }
+    }
+
     /// Returns the step from a line to the next, in rows and columns.
     pub(super) fn ahead(self) -> [isize; 2] {
         let (row, col) = self.back().opposite().step();

@@ -11,12 +11,12 @@ use super::chart::{Block, Chart, Direction, EdgeSlot, STORED};
 use super::even_grid::EvenGrid;
 use super::geometry::Geometry;
 use super::gluing::{Groups, Strips};
-use super::measure::{LONGEST_EDGE, RowBends, SHORTEST_EDGE};
+use super::measure::RowBends;
 use super::obtuse::cells::{MarkedCells, RowAbove};
 use super::obtuse::lists::ObtuseTriangles;
 use super::obtuse::parts::Parts;
 use super::points::Row;
-use super::real::Real;
+use super::real::{LONGEST_EDGE, Real, SHORTEST_EDGE};
 use super::{Surface, SurfaceError};
 
 /// Number of rows that are measured together, so that each row's points and bends serve the next row.

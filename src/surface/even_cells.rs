@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{Direction, EvenGrid, Surface};
+use super::{Direction, Surface};
 
 /// Relative tolerance for the lengths of edges in one direction.
 const EVEN: f64 = 5e-6;
@@ -19,7 +19,7 @@ impl Surface {
             return false;
         }
         // On large grids, positions in single precision differ by more than the tolerance.
-        if EvenGrid::of(self).is_some() {
+        if self.even_grid().is_some() {
             return true;
         }
         let length = |(row, col): (usize, usize), to: Direction| {

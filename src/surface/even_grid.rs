@@ -1,46 +1,15 @@
-//! Detects flat surfaces whose points are evenly spaced: floor plans.
+//! Defines even grids, whose positions are an affine function of row and column.
 
-use glam::{DMat2, DVec2, DVec3};
-
-use rayon::prelude::*;
-
-use super::Surface;
+use glam::{DVec2, DVec3};
 
 /// A grid whose positions are an affine function of row and column.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EvenGrid {
     /// The vectors from a row to the next and from a column to the next.
-    steps: [DVec3; 2],
+    pub(super) steps: [DVec3; 2],
 }
 
-/// Largest distance of a position from such a grid, relative to the grid's extent: the rounding of single
-/// precision.
-const NEAR: f64 = 1e-7;
-
-/// Number of rows and of columns in a sample.
-const FEW: usize = 16;
-
 impl EvenGrid {
-    /// Fits an even grid to a surface by least squares. Returns `None` if the surface is not such a grid, has
-    /// a slowness or no positions, or if its points lie on a line.
-    pub(crate) fn of(surface: &Surface) -> Option<Self> {
-        if surface.is_weighted() {
-            return None;
-        }
-        // On most other surfaces a sample of the points, relative to one of them, already rules out an even
-        // grid.
-        let few = |lines: usize| (lines / FEW).max(1);
-        let first = surface.present().iter().position(|&is| is)?;
-        let (row, col) = surface.chart().position(first);
-        let origin = surface.position(row, col)?;
-        let sample = Fit::of(surface, origin, [few(surface.rows()), few(surface.cols())]);
-        if sample.grid().is_some_and(|grid| !sample.is_even(surface, grid, 4.0 * NEAR)) {
-            return None;
-        }
-        let all = Fit::of(surface, surface.origin(), [1, 1]);
-        all.grid().filter(|&grid| all.is_even(surface, grid, NEAR))
-    }
-
     /// Returns the first fundamental form: the entries for rows, for both, and for columns.
     pub(crate) fn metric(self) -> [f64; 3] {
         let [a, b] = self.steps;
@@ -61,123 +30,5 @@ impl EvenGrid {
     pub(crate) fn is_obtuse(self) -> bool {
         let [a, b] = self.steps;
         a.dot(b).abs() > a.length_squared().min(b.length_squared())
-    }
-}
-
-/// Sums over points, from which the least-squares grid follows. Places and positions are relative to the
-/// middle of the surface.
-#[derive(Clone, Copy, Default)]
-struct Fit {
-    /// Step from a sampled row to the next, and from a sampled column to the next.
-    every: [usize; 2],
-    /// The middle of the surface.
-    origin: DVec3,
-    count: f64,
-    place: DVec2,
-    position: DVec3,
-    squares: DMat2,
-    products: [DVec3; 2],
-}
-
-impl Fit {
-    fn of(surface: &Surface, origin: DVec3, every: [usize; 2]) -> Self {
-        // The default matrix is not zero.
-        let none = Self { every, origin, squares: DMat2::ZERO, ..Self::default() };
-        let of_row = |row| {
-            none.row(surface, row).fold(none, |fit, (place, position)| {
-                let squares = DMat2::from_cols(place * place.x, place * place.y);
-                let products = [position * place.x, position * place.y];
-                fit.and(Self { count: 1.0, place, position, squares, products, ..none })
-            })
-        };
-        // The sums are added in the order of rows, so that they do not depend on the number of threads.
-        let rows: Vec<_> =
-            (0..surface.rows()).into_par_iter().step_by(every[0]).map(of_row).collect();
-        rows.into_iter().fold(none, Self::and)
-    }
-
-    /// Returns the sampled points of a row that have a position.
-    fn row(self, surface: &Surface, row: usize) -> impl Iterator<Item = (DVec2, DVec3)> {
-        let middle = 0.5 * DVec2::new(surface.rows() as f64, surface.cols() as f64);
-        (0..surface.cols()).step_by(self.every[1]).filter_map(move |col| {
-            let place = DVec2::new(row as f64, col as f64) - middle;
-            Some((place, surface.position(row, col)? - self.origin))
-        })
-    }
-
-    fn and(self, other: Self) -> Self {
-        let [a, b] = [self.products, other.products];
-        Self {
-            count: self.count + other.count,
-            place: self.place + other.place,
-            position: self.position + other.position,
-            squares: self.squares + other.squares,
-            products: [a[0] + b[0], a[1] + b[1]],
-            ..self
-        }
-    }
-
-    /// Returns the least-squares grid, or `None` if the points lie on a line.
-    fn grid(&self) -> Option<EvenGrid> {
-        let (place, position) = (self.place / self.count, self.position / self.count);
-        let squares = self.squares - DMat2::from_cols(self.place * place.x, self.place * place.y);
-        let [a, b] = self.products;
-        let products = [a - self.place.x * position, b - self.place.y * position];
-        let scale = squares.x_axis.x * squares.y_axis.y;
-        if self.count < 3.0 || squares.determinant() <= 1e-9 * scale {
-            return None;
-        }
-        let inverse = squares.inverse();
-        let steps = [inverse.x_axis, inverse.y_axis]
-            .map(|share| products[0] * share.x + products[1] * share.y);
-        (steps[0].cross(steps[1]) != DVec3::ZERO).then_some(EvenGrid { steps })
-    }
-
-    /// Returns whether all sampled points lie within `near` of `grid`, relative to the extent of the grid.
-    fn is_even(&self, surface: &Surface, grid: EvenGrid, near: f64) -> bool {
-        let mean = self.position / self.count - grid.at(self.place / self.count);
-        let near = near * grid.length(DVec2::new(surface.rows() as f64, surface.cols() as f64));
-        let is_even = |row| {
-            self.row(surface, row)
-                .all(|(place, position)| position.distance(mean + grid.at(place)) <= near)
-        };
-        (0..surface.rows()).into_par_iter().step_by(self.every[0]).all(is_even)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::surface::Spacing;
-    use crate::surface::builtin::Builtin;
-
-    #[test]
-    fn planes_are_even_and_nothing_else_is() {
-        for builtin in Builtin::ALL {
-            let surface = builtin.surface(33, 49).unwrap();
-            let is_flat =
-                matches!(builtin, Builtin::Plane | Builtin::Maze | Builtin::ShearedPlane { .. });
-            assert_eq!(EvenGrid::of(&surface).is_some(), is_flat, "{builtin}");
-        }
-        let plane = || Surface::from_heights(9, 9, vec![0.0; 81], Spacing::square(1.0)).unwrap();
-        assert!(EvenGrid::of(&plane().with_slowness(vec![1.0; 81]).unwrap()).is_none());
-        let row: Vec<_> = (0..81).map(|index| index < 9).collect();
-        assert!(EvenGrid::of(&plane().with_mask(&row).unwrap()).is_none(), "points on a line");
-        let mut bumpy = vec![0.0; 81];
-        bumpy[40] = 1e-3;
-        let bumpy = Surface::from_heights(9, 9, bumpy, Spacing::square(1.0)).unwrap();
-        assert!(EvenGrid::of(&bumpy).is_none());
-    }
-
-    #[test]
-    fn lengths_are_those_between_positions() {
-        let surface = Builtin::ShearedPlane { degrees: 60.0 }.surface(20, 30).unwrap();
-        let grid = EvenGrid::of(&surface).unwrap();
-        let [a, b] = [(3, 4), (17, 22)].map(|(row, col)| surface.position(row, col).unwrap());
-        approx::assert_relative_eq!(
-            grid.length(DVec2::new(14.0, 18.0)),
-            a.distance(b),
-            max_relative = 1e-13
-        );
     }
 }

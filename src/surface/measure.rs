@@ -7,14 +7,8 @@ use super::arc::{arc, bends, end_bend, normal};
 use super::chart::{Direction, STORED};
 use super::geometry::{InSpace, Space};
 use super::points::Row;
-use super::real::{Real, max};
+use super::real::{LONGEST_EDGE, Real, SHORTEST_EDGE, max};
 use crate::lanes::{Instructions, Loop};
-
-/// Minimum length of an edge between distinct points, in the surface's unit of length.
-pub const SHORTEST_EDGE: f64 = 1e-12;
-/// Maximum length of an edge. Squares and sums of such lengths stay within single precision and below
-/// [`super::FAR`].
-pub const LONGEST_EDGE: f64 = crate::constants::LONGEST_EDGE;
 
 /// Index of the current row among the four rows of bends.
 const HERE: usize = 2;

@@ -9,8 +9,10 @@ mod chart;
 mod coarsen;
 mod corner;
 mod edges;
+mod error;
 mod even_cells;
 mod even_grid;
+mod floor_plan;
 mod gaussian_curvature;
 mod geodetic;
 mod geometry;
@@ -26,6 +28,7 @@ mod real;
 mod refine;
 mod resolution;
 mod seams;
+mod slowness;
 mod sources;
 mod tag;
 mod unfold;
@@ -36,10 +39,11 @@ pub(crate) use chart::{
     Block, Cell, Edge, EdgeSlot, Lines, Offset, Tiling, corner_weights, grid_crossings, ring,
     triangles,
 };
-pub use chart::{Chart, Direction};
+pub use chart::{Chart, Direction, GridSide};
 pub use coarsen::Coarsened;
 pub(crate) use corner::{is_corner, is_open};
 pub use edges::EdgeLengths;
+pub use error::SurfaceError;
 pub(crate) use even_grid::EvenGrid;
 pub(crate) use gaussian_curvature::{DIFFRACTS, LACKING};
 pub use geodetic::{GeodeticError, GeodeticGrid};
@@ -48,12 +52,11 @@ pub use geometry::{Geometry, MetricTensor, Spacing, Values};
 pub(crate) use gluing::UNGLUED;
 pub use gluing::{Gluing, GluingError, Groups, Run};
 pub(crate) use jump::jumps;
-pub use measure::{LONGEST_EDGE, SHORTEST_EDGE};
 pub(crate) use obtuse::{Part, is_obtuse};
-pub use real::{FAR, Real};
+pub use real::{FAR, LONGEST_EDGE, Real, SHORTEST_EDGE};
 pub(crate) use real::{max, min, relative_change};
 pub use resolution::Resolution;
-pub use seams::{GridSide, Seam};
+pub use seams::Seam;
 pub(crate) use sources::Origins;
 pub(crate) use sources::with_diagonals;
 pub use sources::{Origin, Seed, Source, SourceError, Sources};
@@ -63,6 +66,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
+use error::check_shape;
 use gluing::Glued;
 use inputs::Inputs;
 
@@ -88,122 +92,6 @@ pub struct Surface {
     floor: OnceLock<Option<EvenGrid>>,
     /// The gluing, if sides of the grid are glued.
     glued: Option<Arc<Glued>>,
-}
-
-/// The reason why an array is not a surface.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SurfaceError {
-    /// An array's length is not rows x columns.
-    #[error("{what}: {found} values do not fill a grid of {rows} x {cols} points")]
-    Shape {
-        /// Name of the array.
-        what: &'static str,
-        /// Length of the array.
-        found: usize,
-        /// Number of rows of the grid.
-        rows: usize,
-        /// Number of columns of the grid.
-        cols: usize,
-    },
-    /// The grid has no row or no column.
-    #[error("a grid of {rows} x {cols} points is empty; give at least one row and one column")]
-    Empty {
-        /// Number of rows of the grid.
-        rows: usize,
-        /// Number of columns of the grid.
-        cols: usize,
-    },
-    /// The grid cannot be coarsened.
-    #[error(
-        "a grid of {rows} x {cols} points cannot be compared with every second point of it: each side needs one point, or at least three of which some are not holes"
-    )]
-    TooSmall {
-        /// Number of rows of the grid.
-        rows: usize,
-        /// Number of columns of the grid.
-        cols: usize,
-    },
-    /// Every point is a hole.
-    #[error("no point of the surface is left: all are NaN or masked out")]
-    NoPoint,
-    /// A value is infinite where only finite values and NaN (a hole) are valid.
-    #[error("{what} at row {row}, column {col} is infinite; use NaN to mark a hole")]
-    Infinite {
-        /// Name of the array.
-        what: &'static str,
-        /// Row of the value.
-        row: usize,
-        /// Column of the value.
-        col: usize,
-    },
-    /// A spacing is zero, negative or not finite.
-    #[error("spacing {dx} x {dy} is not usable: both must be positive and finite")]
-    Spacing {
-        /// Spacing between columns.
-        dx: f64,
-        /// Spacing between rows.
-        dy: f64,
-    },
-    /// A slowness is negative.
-    #[error(
-        "slowness {value} at row {row}, column {col} is negative; 0 is free travel, and infinity or NaN a wall that nothing passes"
-    )]
-    Slowness {
-        /// The negative value.
-        value: f64,
-        /// Row of the value.
-        row: usize,
-        /// Column of the value.
-        col: usize,
-    },
-    /// A metric tensor is not positive definite.
-    #[error(
-        "metric at row {row}, column {col} is not positive definite: [[{rr}, {rc}], [{rc}, {cc}]]; its diagonal and its determinant must be positive"
-    )]
-    Metric {
-        /// Row of the tensor.
-        row: usize,
-        /// Column of the tensor.
-        col: usize,
-        /// The tensor's entry for rows.
-        rr: f64,
-        /// The tensor's mixed entry.
-        rc: f64,
-        /// The tensor's entry for columns.
-        cc: f64,
-    },
-    /// A coordinate makes edges too long for single precision.
-    #[error(
-        "{what} at row {row}, column {col}: {value:e} is too large, as edges may be no longer than {LONGEST_EDGE:e} units; if it stands for no data, make it NaN, mask it out or name it as the file's no-data value, else choose a larger unit of length"
-    )]
-    TooLarge {
-        /// Name of the array.
-        what: &'static str,
-        /// The value.
-        value: f64,
-        /// Row of the value.
-        row: usize,
-        /// Column of the value.
-        col: usize,
-    },
-    /// The surface cannot be glued, or something is not available on glued surfaces.
-    #[error(transparent)]
-    Gluing(#[from] GluingError),
-    /// An edge is too long or too short for single precision.
-    #[error(
-        "the edge from row {row}, column {col} to its {direction:?} neighbour is {length:e} units long; choose a unit of length in which edges lie between {SHORTEST_EDGE:e} and {LONGEST_EDGE:e}"
-    )]
-    EdgeLength {
-        /// Row of the edge's first end.
-        row: usize,
-        /// Column of the edge's first end.
-        col: usize,
-        /// Direction from the first end to the other.
-        direction: Direction,
-        /// Length of the edge.
-        length: f64,
-    },
 }
 
 impl Surface {
@@ -348,32 +236,6 @@ impl Surface {
         self.has(row, col).then(|| self.geometry().position(self.chart, row, col))?
     }
 
-    /// Returns whether the surface is a floor plan: a flat, evenly spaced grid without a slowness and without
-    /// gluing, with or without holes. The grid may be sheared as long as no triangle of neighbours is obtuse.
-    /// It may have about 30 million points at most. Over a floor plan, and from points,
-    /// [`crate::Wavefront::Anchored`] is exact.
-    ///
-    /// ```
-    /// use geosweep::{Spacing, Surface};
-    /// let floor = Surface::from_heights(3, 4, vec![1.0; 12], Spacing { dx: 0.5, dy: 0.25 })?;
-    /// assert!(floor.is_floor_plan());
-    /// let mut heights = vec![1.0; 12];
-    /// heights[5] = 1.1;
-    /// assert!(!Surface::from_heights(3, 4, heights, Spacing { dx: 0.5, dy: 0.25 })?.is_floor_plan());
-    /// # Ok::<(), geosweep::surface::SurfaceError>(())
-    /// ```
-    pub fn is_floor_plan(&self) -> bool {
-        self.floor().is_some()
-    }
-
-    /// Returns the even grid of a floor plan.
-    pub(crate) fn floor(&self) -> Option<EvenGrid> {
-        let grid = || EvenGrid::of(self).filter(|grid| !grid.is_obtuse());
-        // Anchors are places of the chart, and seams lead to other places.
-        let is_open = has_numbers(self.chart) && !self.is_glued();
-        *self.floor.get_or_init(|| is_open.then(grid).flatten())
-    }
-
     /// Returns whether the surface has an edge from a grid point to a neighbour. Both ends must be present. A
     /// diagonal also needs a third corner of its cell beside it; otherwise a path would slip through between
     /// two holes.
@@ -387,20 +249,3 @@ impl Surface {
 /// Number of anchors that a front can name. Half of the numbers are for grid points, half for sources inside
 /// cells. See `update/anchor.rs`.
 pub(crate) const ANCHORS: usize = 1 << 26;
-
-/// Upper bound for the number of rows and columns that engines keep around a grid.
-const AROUND: usize = 16;
-
-/// Returns whether fronts can carry the numbers of all points of a grid.
-fn has_numbers(chart: Chart) -> bool {
-    (chart.rows + AROUND) * (chart.cols + AROUND) <= ANCHORS / 2
-}
-
-fn check_shape(what: &'static str, found: usize, chart: Chart) -> Result<(), SurfaceError> {
-    let Chart { rows, cols } = chart;
-    if rows.checked_mul(cols) == Some(found) {
-        Ok(())
-    } else {
-        Err(SurfaceError::Shape { what, found, rows, cols })
-    }
-}

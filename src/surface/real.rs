@@ -1,10 +1,16 @@
-//! Defines the two precisions of the solvers.
+//! Defines the two precisions of the solvers, and the numbers that fit them.
 
 /// The value for "not reached" and "no such edge" inside the solvers and the shaders.
 ///
 /// It is a large finite number, since GLSL does not promise infinities, and their difference is NaN. The
 /// public interface uses +infinity instead.
 pub const FAR: f64 = crate::constants::FAR;
+
+/// Minimum length of an edge between distinct points, in the surface's unit of length.
+pub const SHORTEST_EDGE: f64 = 1e-12;
+/// Maximum length of an edge. Squares and sums of such lengths stay within single precision and below
+/// [`FAR`].
+pub const LONGEST_EDGE: f64 = crate::constants::LONGEST_EDGE;
 
 /// A precision of the solvers: f32 for use, f64 for reference.
 pub trait Real:

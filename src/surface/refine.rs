@@ -2,7 +2,8 @@
 
 use glam::DVec2;
 
-use super::{Direction, Surface, has_numbers};
+use super::floor_plan::has_numbers;
+use super::{Direction, Surface};
 
 impl Surface {
     /// Returns a floor plan ([`Self::is_floor_plan`]) with a point between any two neighbours. Row r and

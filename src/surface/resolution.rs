@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::Surface;
+use super::{Direction, Surface};
 use crate::constants::{LOOKS, SHARP_COSINE, TURN_UNITS};
 
 /// Measure of how well a grid resolves a surface, from some thousands of its points.
@@ -58,9 +58,10 @@ impl Surface {
         for row in (1..rows.saturating_sub(1)).step_by(step(rows)) {
             for col in (1..cols.saturating_sub(1)).step_by(step(cols)) {
                 let Some(here) = self.normal_at(row, col) else { continue };
-                for (up, right) in [(0, 1), (1, 0)] {
-                    let ahead = |steps: usize| {
-                        self.normal_at(row.checked_sub(steps * up)?, col + steps * right)
+                for to in [Direction::East, Direction::North] {
+                    let ahead = |steps: isize| {
+                        let (row, col) = self.chart().along((row, col), to, steps)?;
+                        self.normal_at(row, col)
                     };
                     let Some(next) = ahead(1) else { continue };
                     edges += 1;
@@ -80,13 +81,13 @@ impl Surface {
 
     /// Returns the surface's unit normal at a point, if all four of its neighbours are present.
     fn normal_at(&self, row: usize, col: usize) -> Option<DVec3> {
-        let at = |row: usize, col: usize| {
-            if row < self.rows() && col < self.cols() { self.position(row, col) } else { None }
+        let beside = |to| {
+            let (row, col) = self.chart().neighbour(row, col, to)?;
+            self.position(row, col)
         };
-        let (up, left) = (row.checked_sub(1)?, col.checked_sub(1)?);
-        let across = at(row, col + 1)? - at(row, left)?;
-        let along = at(row + 1, col)? - at(up, col)?;
-        at(row, col)?;
+        let across = beside(Direction::East)? - beside(Direction::West)?;
+        let along = beside(Direction::South)? - beside(Direction::North)?;
+        self.position(row, col)?;
         across.cross(along).try_normalize()
     }
 }

@@ -4,7 +4,8 @@ use std::fmt::{self, Display, Formatter};
 
 use glam::DVec3;
 
-use super::{Chart, Direction, Geometry, Surface};
+pub use super::chart::GridSide;
+use super::{Geometry, Surface};
 
 /// A part of the grid's border whose points coincide with other border points, so that the surface continues
 /// where the grid ends.
@@ -35,59 +36,6 @@ pub enum Seam {
         /// whose length is mere rounding are rejected.
         exact: bool,
     },
-}
-
-/// A side of the grid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GridSide {
-    /// Row 0.
-    FirstRow,
-    /// The last row.
-    LastRow,
-    /// Column 0.
-    FirstColumn,
-    /// The last column.
-    LastColumn,
-}
-
-impl GridSide {
-    /// Returns row and column of the side's points, from the first row or column on.
-    pub(super) fn places(self, chart: Chart) -> impl Iterator<Item = (usize, usize)> {
-        let (last_row, last_col) = chart.last();
-        let (from, along) = match self {
-            Self::FirstRow => ((0, 0), Direction::East),
-            Self::LastRow => ((last_row, 0), Direction::East),
-            Self::FirstColumn => ((0, 0), Direction::South),
-            Self::LastColumn => ((0, last_col), Direction::South),
-        };
-        chart.walk(from, along)
-    }
-
-    /// Returns the direction from the side into the grid.
-    fn inwards(self) -> Direction {
-        match self {
-            Self::FirstRow => Direction::South,
-            Self::LastRow => Direction::North,
-            Self::FirstColumn => Direction::East,
-            Self::LastColumn => Direction::West,
-        }
-    }
-
-    fn is_opposite(self, other: Self) -> bool {
-        use GridSide::{FirstColumn, FirstRow, LastColumn, LastRow};
-        matches!((self, other), (FirstRow, LastRow) | (FirstColumn, LastColumn))
-    }
-}
-
-impl Display for GridSide {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::FirstRow => "first row",
-            Self::LastRow => "last row",
-            Self::FirstColumn => "first column",
-            Self::LastColumn => "last column",
-        })
-    }
 }
 
 impl Display for Seam {
@@ -291,8 +239,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::surface::Spacing;
     use crate::surface::builtin::Builtin;
+    use crate::surface::{Chart, Spacing};
 
     fn surface(rows: usize, cols: usize, at: impl Fn(f64, f64) -> DVec3) -> Surface {
         let point = |index| {

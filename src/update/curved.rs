@@ -15,8 +15,8 @@ pub struct Front<R> {
     /// Geodesic curvature of the front, positive where it spreads: 1 / t around a point source in the plane,
     /// [`Seed::AT_SOURCE`] at the source itself.
     pub curvature: R,
-    /// Whether the front came through a whole triangle, which knows where the ray runs. It then takes
-    /// precedence over an equally early front along the same edge.
+    /// Whether the front came through a triangle with all three edges, which determines where the ray runs.
+    /// It then takes precedence over an equally early front along the same edge.
     pub whole: bool,
 }
 
@@ -61,9 +61,9 @@ impl<R: Real> Front<R> {
     }
 
     /// Returns whether this front is preferred to `kept`, which arrived together with it and may come from
-    /// another scan. It is if it is flatter by more than rounding. Along a diagonal two scans bring the same
-    /// front. If each point chose among the last digits of both, a change would follow the diagonal only as
-    /// far as the points of one scan go, and the rest only in later iterations.
+    /// another scan. It is preferred if it is flatter by more than rounding. Along a diagonal two scans bring
+    /// the same front, up to its last digits. If these digits decided, the points of a diagonal would take
+    /// their fronts from either scan, and a change would pass along the diagonal only in several iterations.
     #[inline(always)]
     pub(crate) fn replaces(self, kept: Self) -> bool {
         let apart = self.curvature.abs() * R::of(BENT_APART);
@@ -72,7 +72,7 @@ impl<R: Real> Front<R> {
     }
 }
 
-/// The inputs of the curved update at x0, x1 and x2 beside their triangle.
+/// The inputs of the curved update in addition to the triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Curvatures<R> {
     /// Curvatures of the front at x1 and x2.
@@ -80,10 +80,10 @@ pub struct Curvatures<R> {
     /// Gaussian curvatures of the surface at x0, x1 and x2. Their four lowest binary digits mark points
     /// beside a hole or the border, and corners of holes, where waves diffract.
     pub surface: [R; 3],
-    /// Whether only one of x1 and x2 is present: the neighbour across the grid's diagonal, beside a hole. A
-    /// front along that edge alone is assumed to have come around the hole's corner, as most fronts there
-    /// have, until another scan brings a better one. Without this assumption all points behind the corner
-    /// would have to be renewed.
+    /// Whether one of x1 and x2 is a hole, and the other is x0's neighbour across a diagonal. A front along
+    /// that diagonal is assumed to have come around the hole's corner, as most fronts there have, until
+    /// another scan brings a better one. Without this assumption all points behind the corner would have to
+    /// be renewed.
     pub alone: bool,
     /// Whether the update must be causal: x0 then does not depend on neighbours that arrive later. This is
     /// needed where several fronts meet; without it they would settle in more than one way, or never.
@@ -114,10 +114,10 @@ pub fn curved<R: Real>(triangle: Triangle<R>, curvatures: Curvatures<R>) -> Fron
     let (p, whole) = (shape.foot, shape.whole);
     let h = max(shape.height_squared, zero).sqrt();
     let d = (near_t - t) * shape.per_base;
-    // The curvatures of both ends at the time of the farther end. A source at the farther end says nothing
-    // about the front. The front at the farther end is that of a source at the nearer end only if it came
-    // along the base. Else, if it is about straight, it comes from beside the source (the end of a curve),
-    // and it is the front that arrives.
+    // The curvatures of both ends at the time of the farther end. If the farther end is a source, its front
+    // has no curvature yet. If the nearer end is a source, the front at the farther end usually came from
+    // there along the base. If it did not, and is nearly straight, it started beside the source, which is the
+    // end of a curve. Then it is the front that arrives at x0.
     let beside =
         (near_k >= at_source) & ((k * c).abs() < R::of(ABOUT_STRAIGHT)) & (d > R::of(-FROM_SOURCE));
     let near_kappa = if beside { k * c } else { near_k * c };

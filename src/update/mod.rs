@@ -81,8 +81,8 @@ impl<R: Real> Triangle<R> {
     }
 }
 
-/// The shape of a triangle in units of its base x1 x2, seen from one end of the base. It takes one division,
-/// and nothing overflows whatever the surface's unit of length.
+/// The shape of a triangle in units of its base x1 x2, seen from one end of the base. Computing it takes one
+/// division, and does not overflow in any unit of length.
 struct Shape<R> {
     /// 1 over the length of the base.
     per_base: R,
@@ -95,6 +95,7 @@ struct Shape<R> {
     /// Square of the height of x0 over the base. It is positive only if all three edges exist and are the
     /// sides of a triangle with an area.
     height_squared: R,
+    /// Whether all three edges exist and the triangle has an area.
     whole: bool,
 }
 
@@ -150,7 +151,7 @@ pub(crate) enum Corner {
     Edges,
     /// A single edge, of this length.
     Edge(f32),
-    /// No edge.
+    /// Neither edge exists.
     Nothing,
 }
 

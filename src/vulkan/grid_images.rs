@@ -6,7 +6,6 @@ use super::device::device_memory::DeviceMemory;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 
-use super::anchors::ANCHOR_BYTES;
 use super::copies::Copies;
 use super::device::bands::{
     bands, distance_bytes, frame_bytes, source_bytes, staged_bytes, transfer_bytes, upload_bytes,
@@ -18,7 +17,7 @@ use super::device::staging::{HALVES, Staging};
 use super::schedules::plan::Scan;
 use super::schedules::progress;
 use super::schedules::progress::Record;
-use super::upload::SOURCE_BYTES;
+use super::upload::{ANCHOR_BYTES, SOURCE_BYTES};
 use super::{TexelChart, Tuning, VulkanError};
 use crate::constants::LAYERS;
 use crate::surface::{Chart, Groups};
@@ -217,8 +216,8 @@ impl GridImages {
     pub(crate) fn record(&self, number: usize) -> Record {
         let bytes = &self.outcome.read()[number * size_of::<Record>()..];
         let record: *const Record = bytemuck::from_bytes(&bytes[..size_of::<Record>()]);
-        // SAFETY: the record is there. The device may be writing it; whoever reads it too early learns that
-        // from its serial.
+        // SAFETY: the buffer has this record. The device may be writing it; the caller compares the serial, which
+        // shows whether the record is complete.
         unsafe { record.read_volatile() }
     }
 

@@ -26,18 +26,19 @@ impl TargetPoint {
 /// Part of the surface for which a map is solved. Its distances are those of the whole map, and all other
 /// points are unreached.
 ///
-/// The work is about that of the part. By tiles, a map ends after the round in which the last target that is
-/// needed has its distance. By raster scans, targets are looked at after each iteration only, and the first
-/// one may go far beyond them; a radius limits it.
+/// The work is about that of the part. With tiles, a map ends after the round in which the last needed target
+/// gets its distance. With raster scans, targets are checked after each iteration only, and the first iteration
+/// may go far beyond them; a radius limits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct MapLimit<'a> {
     /// Largest arrival time: a distance where sources start at 0. With +infinity there is no radius.
     pub radius: f32,
-    /// Points that the map is for, at most [`MOST_TARGETS`]. With none, the radius alone counts. If fewer of
-    /// them than are needed can be reached, all points within the radius are reached.
+    /// Points whose distances are needed, at most [`MOST_TARGETS`]. Without any, the radius alone counts. If
+    /// fewer of them can be reached than are needed, the map extends to the radius.
     pub targets: &'a [TargetPoint],
-    /// Number of targets whose distances are needed, the nearest ones. A larger number than there are stands
-    /// for all of them.
+    /// Number of targets, the nearest ones, whose distances are needed. A number larger than that of the
+    /// targets stands for all of them.
     pub needed: u32,
 }
 
@@ -65,12 +66,12 @@ impl<'a> MapLimit<'a> {
         Self { needed, ..self }
     }
 
-    /// Returns whether the map is not the whole one.
+    /// Returns whether there is a radius or a target.
     pub(crate) fn is_there(&self) -> bool {
         self.radius < f32::INFINITY || !self.targets.is_empty()
     }
 
-    /// Returns an error if there cannot be such a map.
+    /// Checks the limit of a map on this grid.
     pub(crate) fn check(&self, chart: Chart) -> Result<(), VulkanError> {
         let fault = |reason: String| Err(VulkanError::Limit(reason));
         let Self { radius, targets, needed } = *self;

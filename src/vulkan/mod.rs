@@ -12,7 +12,6 @@
 //! renderer's device and with its allocator. [`HeadlessSolver`] brings its own device, command buffers and
 //! allocator. [`requirements`] lists what a device must offer: Vulkan 1.1, and no extension or feature.
 
-mod anchors;
 pub(crate) mod copies;
 pub(crate) mod device;
 pub mod embed;
@@ -20,7 +19,6 @@ mod error;
 pub(crate) mod grid_images;
 mod headless;
 mod map_limit;
-mod origins;
 mod pairwise;
 mod point_kind;
 pub mod profile;
@@ -43,6 +41,7 @@ pub use headless::{
 pub use map_limit::{MOST_TARGETS, MapLimit, TargetPoint};
 pub use pairwise::{PairwiseOnDevice, PairwiseSchedule};
 pub use schedules::method::Method;
-pub use schedules::schedule::{Schedule, Tuning};
+pub use schedules::schedule::Schedule;
+pub use schedules::tuning::Tuning;
 pub use schedules::{plan, planned};
 pub use texel_chart::TexelChart;

@@ -22,7 +22,7 @@ fn solved<R: Real>(
     (solver.distances(), convergence, solver.patches())
 }
 
-/// By patches of 32 points a side.
+/// Patches of 32 points a side.
 const PATCHES: Order = Order::Patches { side: 32 };
 
 /// Surfaces of sizes that are no multiples of a patch: flat, round, with obtuse triangles, with holes.
@@ -244,7 +244,7 @@ fn a_serpentine_is_followed_to_its_end() {
     }
 }
 
-/// How many threads rounds keep busy on average, and how often a patch is visited, where fronts are smooth.
+/// Checks the number of threads that rounds keep busy on average, and of visits to a patch, for smooth fronts.
 #[test]
 fn rounds_leave_room_for_many_threads() {
     let surface = Builtin::Sphere.surface(2048, 2048).unwrap();

@@ -10,7 +10,7 @@ use geosweep::{distance_map, distance_map_f64};
 use crate::common::parts::{assert_is_part, assert_targets_end_maps, farthest, reached};
 use crate::common::{CONVERGED, at, rough};
 
-/// By patches of 32 points a side.
+/// Patches of 32 points a side.
 const PATCHES: Order = Order::Patches { side: 32 };
 
 /// Surfaces with a source near the middle: flat, round, hilly, with obtuse triangles, with holes.

@@ -23,8 +23,8 @@ fn assert_nothing_said(solvers: &[HeadlessSolver]) {
     }
 }
 
-/// By each input, with several bands in each direction, anchors and numbered origins in the upload buffer,
-/// and more sources than it has room for.
+/// Maps have each input, several bands in each direction, anchors and numbered origins in the upload buffer, and
+/// more sources than it has room for.
 #[test]
 fn staged_maps_are_the_same_to_the_bit() {
     use Wavefront::{Anchored, Curved, Planar};
@@ -74,8 +74,8 @@ fn staged_maps_are_the_same_to_the_bit() {
     assert_nothing_said(&solvers);
 }
 
-/// In several batches, of which the third has no sources and the last one is smaller, with sources that are
-/// missing in between.
+/// Matrices have several batches. The third has no sources, the last one is smaller, and sources are missing in
+/// between.
 #[test]
 fn staged_matrices_are_the_same_to_the_bit() {
     let solvers = solvers();

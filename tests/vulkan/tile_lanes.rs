@@ -48,8 +48,8 @@ impl Problem {
     }
 }
 
-/// With holes, obtuse triangles, an uneven slowness, fronts of several origins, and anchors; no side is a
-/// multiple of that of a tile.
+/// Surfaces with holes, obtuse triangles, an uneven slowness, fronts of several origins, and anchors. No side is
+/// a multiple of that of a tile.
 pub fn problems() -> Vec<Problem> {
     use Wavefront::{Anchored, Circular, Curved, Planar};
     let middle = |surface: &Surface| {

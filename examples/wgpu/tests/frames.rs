@@ -187,7 +187,7 @@ fn a_reader_that_is_not_waited_for_is_reported() {
     );
 }
 
-/// Nothing is recorded then.
+/// Refused sources record nothing.
 fn a_source_off_the_grid_is_an_error() {
     let renderer = renderer();
     let mut encoder = renderer.device.create_command_encoder(&Default::default());

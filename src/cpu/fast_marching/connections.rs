@@ -248,9 +248,9 @@ mod tests {
         mask[3 * 9 + 4] = false;
         let holed = surface.with_mask(&mask).unwrap();
         let split = Connections::<f64>::split(&holed).unwrap();
-        let row = |point: usize| point / holed.chart().stride();
+        let row = |point: usize| holed.chart().entry(point).0;
         for triangle in &split.triangles {
-            let col = |point: usize| point % holed.chart().stride();
+            let col = |point: usize| holed.chart().entry(point).1;
             let corners = [triangle.x0, triangle.x1, triangle.x2];
             let rows = corners.map(row);
             let cols = corners.map(col);

@@ -10,7 +10,7 @@ use std::collections::{BinaryHeap, HashMap, HashSet};
 use super::behind::Behind;
 use super::fronts::{Anchored, FrontOver, PointKind, TriangleKind};
 use super::limit::Limit;
-use super::point_fronts::PointFronts;
+use super::points::PointFronts;
 use super::solution::Solution;
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Groups, Offset, Real, Seed};
 use crate::update::{Kept, Triangle, Wavefront};

@@ -284,7 +284,7 @@ pub(super) fn accept<R: Real>(
     let together = was_reached & front.arrives_with(before);
     let first = if together { front.replaces(before) } else { front.time < time };
     let is_new = !(together & front.is_same_as(before));
-    // A seed knows the arrival of its own source's front better than an update does.
+    // The time of a seed is more accurate than an update of its own source's front.
     let own = was_reached & curvature.is_seed_of(front.curvature);
     // Exact seeds stay: an update that takes two fronts for one would be too early.
     let held = was_reached & curvature.is_from(EXACT);

@@ -44,7 +44,7 @@ pub(in crate::cpu) trait FrontKind<R: Real>:
         renews: bool,
     ) -> Kept<R, Self::Carried>;
 
-    /// Returns the front at a point as one that arrives at a copy of the point, on a glued surface.
+    /// Converts the front at a point to an arrival at another copy of the point, on a glued surface.
     fn arrival_of_front(kept: Kept<R, Self::Carried>) -> Self::Arrival;
 
     /// Returns the first of two fronts at a point.

@@ -15,7 +15,7 @@ use crate::update::Triangle;
 
 /// A kind of front whose points can be updated line by line, in SIMD lanes.
 pub(in crate::cpu) trait LaneKind<R: Real>: FrontKind<R> {
-    /// Data that is needed of each point of the surface.
+    /// Data of a point of the surface that updates read.
     type SurfaceData: Pod + Send + Sync + std::fmt::Debug;
 
     /// Whether updates in SIMD lanes need edge lengths.

@@ -6,6 +6,7 @@
 mod anchored;
 mod circular;
 mod curved;
+pub(super) mod exchange;
 mod kind;
 mod lanes;
 mod origins;

@@ -21,8 +21,8 @@ use crate::update::{
 /// The front of [`crate::Wavefront::Curved`] over a surface with an uneven slowness.
 #[derive(Clone, Debug)]
 pub(in crate::cpu) struct SlowedCurved<R> {
-    /// The Gaussian curvature of the surface's metric weighted by the slowness, with a tag where waves
-    /// diffract; and the slowness.
+    /// The Gaussian curvature of the surface's metric times the squared slowness. It has a tag where waves
+    /// diffract.
     gaussian: Arc<Vec<R>>,
     slowness: Arc<Vec<R>>,
     origins: Origins,

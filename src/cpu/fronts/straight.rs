@@ -12,7 +12,7 @@ use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Chart, Origins, Real, Seed, min};
 use crate::update::{Kept, Triangle};
 
-/// The differences between such fronts.
+/// The operations in which such fronts differ.
 pub(in crate::cpu) trait Straight:
     Copy + std::fmt::Debug + Send + Sync + 'static
 {

@@ -40,7 +40,7 @@ pub(in crate::cpu) struct LinesInGrid<'a, R, C> {
     pub first: usize,
     /// Number of the grid's points before the first one of a line.
     pub before: usize,
-    /// Where the fronts at other points are, unless these lines have all.
+    /// The fronts of the whole grid, if these lines do not hold all points.
     pub beyond: Option<Beyond<'a, R, C>>,
 }
 
@@ -65,19 +65,21 @@ impl<'a, R: Real, C: Carried, G> GridLines<'a, R, C, G> {
         let count = points.len();
         let Self { behind, times, carried, surface_data, edges, place, .. } = self;
         let (stride, lines_before) = self.surface;
-        let behind_it = if place.scan.is_forward() { line - 1 } else { line + 1 };
-        let at = |line: usize| line * place.stride + points.start + 1 - place.before;
-        let on_surface = |line: usize| (line + lines_before) * stride + points.start + 1;
-        let here = on_surface(line);
+        let behind_it = place.scan.line_behind(line);
+        // The first point and the one before it, counted from the border.
+        let (before, first) = (points.start, points.start + 1);
+        let at = |line: usize, point: usize| line * place.stride + point - place.before;
+        let on_surface = |line: usize, point: usize| (line + lines_before) * stride + point;
+        let here = on_surface(line, first);
         let next = [place.stride, stride].map(|stride| stride as isize);
         ScanLine {
             times,
             carried,
-            here: at(line),
-            behind: at(behind_it) - 1,
+            here: at(line, first),
+            behind: at(behind_it, before),
             points: count,
             surface_data: &surface_data[here..][..count],
-            surface_behind: &surface_data[on_surface(behind_it) - 1..][..count + 2],
+            surface_behind: &surface_data[on_surface(behind_it, before)..][..count + 2],
             edges: match need_edges {
                 true => behind.edges().map(|slot| slot.row(*edges, here, count)),
                 false => [&[]; 3],

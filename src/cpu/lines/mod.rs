@@ -1,5 +1,5 @@
-//! Lines of points and the spans that an update takes of them. Kinds of fronts (`fronts/`) update them, and scans
-//! (`rotated/`) pass over them.
+//! Defines lines of points, and spans: the adjacent points of a line that are updated together. Kinds of fronts
+//! (`fronts/`) update spans, and scans (`rotated/`) pass over lines.
 
 pub(super) mod line;
 pub(crate) mod settled;

@@ -10,7 +10,7 @@
 //! less the bulge. Here x1 is the neighbour across the grid's diagonal, and u is the direction from it. A
 //! scan of the other kind has a triangle on the other side of that diagonal, and a front that came from there
 //! is settled. Until a map has converged, a point is visited about four times, and one or two visits need the
-//! update. With x1 and x2 exchanged, u is the direction from the neighbour beside. That test tells which of
+//! update. With x1 and x2 exchanged, u is the direction from the neighbour beside. That test decides which of
 //! its two triangles an update can skip.
 //!
 //! [`crate::cpu::pairwise`] has the same test, with coefficients that are computed once for many maps.
@@ -28,7 +28,7 @@ pub(crate) struct Visited<R> {
 
 impl<R: Real> Visited<R> {
     /// Returns whether no front arrives at the point earlier than the present one: no front is behind it, or
-    /// neither triangle brings an earlier one. `settled` tells the latter for each triangle.
+    /// neither triangle brings an earlier one. `settled` has the latter condition for each triangle.
     #[inline(always)]
     pub(crate) fn stays(&self, settled: [bool; 2]) -> bool {
         let [left, right] = &self.triangles;

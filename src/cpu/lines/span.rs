@@ -1,5 +1,5 @@
-//! Describes adjacent points as an update sees them: their own data and the data of the points behind. Holds
-//! what all updates of them share.
+//! Defines spans: adjacent points with their own data and the data of the points behind, as updates take them.
+//! Also defines the steps that all updates of spans share.
 
 use super::settled::Visited;
 use super::window::Fronts;

@@ -1,10 +1,10 @@
 //! Finds the tiles in which two scans have work, before they start.
 //!
 //! A scan has to examine every tile beside a change. In most of them it only confirms that the change has no
-//! effect. Where all points are settled (`lines/settled.rs`) with the fronts that the scan starts from, it changes
-//! nothing unless it brings a change there itself. This module finds such tiles for both scans of a pair at
-//! once. It goes row by row, as points lie in memory, and with any number of threads. Few tiles remain whose
-//! columns have to be transposed.
+//! effect. If all points of a tile are settled (`lines/settled.rs`) before a scan, the scan changes nothing there
+//! until it brings a change itself. This module finds such tiles for both scans of a pair at once. It goes row by
+//! row, as points lie in memory, and with any number of threads. Few tiles remain whose columns have to be
+//! transposed.
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::lanes::Loop;
 use crate::surface::Real;
 
-/// Finds the tiles in which up to four scans have work that start from the same fronts. Returns the number of
+/// Finds the tiles in which any of up to four scans has work. All scans start from the same fronts. Returns the number of
 /// examined points. A point that is examined for two scans counts twice. Rows of tiles are examined in parallel
 /// if the tiles are those of the whole grid.
 pub(in crate::cpu) fn find_due<R: Real, K: LaneKind<R>>(

@@ -2,13 +2,13 @@
 
 use super::scan_copy::ScanCopy;
 use super::tiles::Tiles;
-use crate::cpu::exchange::{after_arrival, earliest};
 use crate::cpu::fronts::FrontKind;
+use crate::cpu::fronts::exchange::{after_arrival, earliest};
 use crate::surface::{EdgeLengths, Real, min};
 use crate::update::Kept;
 
-/// Lets all copies of each point take the earliest front of theirs, and returns the largest change. The fronts
-/// before and after are the same in both `copies` of the map. Changes after `limit` are not passed on.
+/// Gives all copies of each point the earliest front among them, and returns the largest change. Both arrays in
+/// `copies` hold the same map, before and after. Changes after `limit` are not passed on.
 pub(in crate::cpu) fn exchange<R: Real, K: FrontKind<R>>(
     edges: &EdgeLengths<R>,
     copies: &mut [ScanCopy<R, K::Carried>; 2],

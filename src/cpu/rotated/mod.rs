@@ -1,4 +1,4 @@
-//! Rotated raster scans in SIMD lanes: lines, tiles, scans, and patches of large grids.
+//! Solves by rotated raster scans in SIMD lanes. Large grids are solved by patches.
 
 pub(in crate::cpu) mod changed;
 pub(in crate::cpu) mod due;

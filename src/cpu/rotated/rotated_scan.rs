@@ -39,7 +39,7 @@ const FURTHER: [f64; 6] = [0.02, 0.06, 0.15, 0.3, 0.6, 1.0];
 /// Both make the second map and all later ones faster.
 ///
 /// Large grids are solved patch by patch, by all threads of the pool that makes the solver ([`Order`]). On
-/// others, opposite scans run in parallel on two copies of the fronts, which are then merged. This loses
+/// smaller grids, opposite scans run in parallel on two copies of the fronts, which are then merged. This loses
 /// nothing: a front that turns back has to pass through the other pair of scans anyway. In either order the
 /// map is bit-identical for any number of threads. [`RotatedScan::new`] chooses the order by that number.
 ///
@@ -50,8 +50,9 @@ const FURTHER: [f64; 6] = [0.02, 0.06, 0.15, 0.3, 0.6, 1.0];
 pub struct RotatedScan<R> {
     edges: EdgeLengths<R>,
     chart: Chart,
-    /// The time after which fronts do not matter, and the one after which the last map has no distances.
+    /// Time after which fronts do not matter.
     radius: f64,
+    /// Time after which the last map has no distances.
     end: f64,
     /// Number of points that were visited to estimate the times of targets.
     foreseen: u64,
@@ -66,8 +67,8 @@ impl<R: Real> RotatedScan<R> {
         Self::in_order(edges, wavefront, order)
     }
 
-    /// Does the same as [`Self::new`], for maps in a given order instead of the best one. Glued surfaces are
-    /// solved by lines in any case.
+    /// Allocates the memory as [`Self::new`] does, for maps in a given order instead of the best one. Glued
+    /// surfaces are solved by lines in any case.
     ///
     /// ```
     /// use geosweep::cpu::{Order, RotatedScan};
@@ -106,7 +107,7 @@ impl<R: Real> RotatedScan<R> {
         self
     }
 
-    /// Tells `monitor` of each iteration. If the monitor cancels a map, [`Self::solve`] and [`Self::add`]
+    /// Reports each iteration to `monitor`. If the monitor cancels a map, [`Self::solve`] and [`Self::add`]
     /// return at once, and the map is incomplete.
     pub fn with_monitor(mut self, monitor: Monitor) -> Self {
         self.scanner.set_monitor(monitor);
@@ -149,11 +150,11 @@ impl<R: Real> RotatedScan<R> {
         self.scanner.solve(seeds, stop)
     }
 
-    /// Computes the part of the distance map of `seeds` that is no farther than the targets need
-    /// ([`Targets`]). It ends when no front that is under way can come to them earlier.
+    /// Computes the distance map of `seeds` as far as the targets need it ([`Targets`]). The map ends when no
+    /// moving front can reach them earlier.
     ///
-    /// The map is solved at first as far as a coarse estimate of the targets' times says. While targets are
-    /// not reached, the same map is solved further. Once they are, later fronts than theirs go no further.
+    /// At first the map is solved up to a coarse estimate of the targets' times. Until the targets are
+    /// reached, it is continued to later times. Once they are, fronts later than theirs are not continued.
     ///
     /// # Panics
     /// If a target lies outside the grid.
@@ -195,11 +196,11 @@ impl<R: Real> RotatedScan<R> {
     ///
     /// If the last map has converged, the result is the converged map of all sources. With the planar
     /// wavefront it equals the map that [`Self::solve`] finds from all of them, within the tolerance, since
-    /// planar updates have a single fixed point. In theory, the updates of the other wavefronts do not. In
-    /// practice both ways agree to rounding on smooth and on rough surfaces with holes
+    /// planar updates have a single fixed point. The updates of other wavefronts may have several. In practice
+    /// both ways agree to rounding on smooth and on rough surfaces with holes
     /// (`tests/maps/sampling.rs`), except where curved fronts do not settle. Arrival times only decrease,
     /// except that a curved front that is renewed may come later by its error. Seeds that start no earlier
-    /// than the map at their points change nothing. On a new solver this is the same as `solve`.
+    /// than the map at their points change nothing. On a new solver, `add` does the same as `solve`.
     ///
     /// ```
     /// use geosweep::cpu::RotatedScan;

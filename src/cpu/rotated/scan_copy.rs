@@ -22,7 +22,7 @@ pub(in crate::cpu) struct ScanCopy<R, C> {
     /// Arrival times and the data that fronts carry, as bordered arrays.
     pub times: Vec<R>,
     pub carried: Vec<C>,
-    /// How the scan has changed each tile.
+    /// Change of each tile by the scan.
     pub changed: Vec<Changed>,
     /// The spans of a band to visit, and how the tiles of one span have changed.
     runs: Vec<Range<usize>>,
@@ -32,7 +32,7 @@ pub(in crate::cpu) struct ScanCopy<R, C> {
     pub updates: u64,
 }
 
-/// What a scan needs beside the fronts of its window: the surface, a panel for columns, and the fronts of the
+/// Data that a scan needs beside the fronts of its window: the surface, a panel for columns, and the fronts of the
 /// whole grid if the window is smaller.
 pub(in crate::cpu) struct On<'a, R, C, G> {
     pub grid: Grid<'a, R, G>,

@@ -98,7 +98,7 @@ impl<R: Real, K: LaneKind<R>> Scanner<R, K> {
         self.tiles.reset();
     }
 
-    /// Starts fronts from those seeds that arrive before the map.
+    /// Starts fronts from the seeds that are earlier than the map at their points.
     fn seed(&mut self, seeds: &[Seed]) {
         let (chart, tiles) = (self.on.chart(), &mut self.tiles);
         let [copy, other] = &mut self.copies;

@@ -118,7 +118,7 @@ impl Tiles {
         })
     }
 
-    /// Notes that a point has been reached, in a way that concerns no scan.
+    /// Notes that a point has been reached by a front that no scan has to follow.
     pub(in crate::cpu) fn note(&mut self, row: usize, col: usize) {
         let (row, col) = self.place.tile_of((row, col));
         self.used[self.chart.index(row, col)] = true;

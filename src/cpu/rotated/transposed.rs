@@ -1,4 +1,4 @@
-//! Transposes columns of the grid into lines: which entries of an array go where.
+//! Transposes columns of the grid into lines: computes which entries of an array move, and to where.
 
 use std::ops::Range;
 
@@ -12,8 +12,8 @@ use crate::cpu::lines::window::Window;
 use crate::surface::{Chart, EdgeLengths, Real};
 
 /// The lengths of the edges from each point of a column to the column before: to the same row, the next and
-/// the previous one. They pay off for solvers that scan many times, since a scan to the right or left spends
-/// a third of its time on transposing them.
+/// the previous one. Solvers of many maps gain from them, since a scan to the right or left otherwise spends
+/// a third of its time on transposing these lengths.
 #[derive(Clone, Debug)]
 pub(in crate::cpu) struct TransposedEdges<R> {
     /// Distance in memory from a line to the next.

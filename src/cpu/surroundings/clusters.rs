@@ -1,9 +1,9 @@
 //! Solves the surroundings of each point source alone where point sources lie close together.
 //!
-//! Where fronts of two sources meet, a curved update takes both for one front. Two fronts that arrive
+//! Where fronts of two sources meet, a curved update treats them as one front. Two fronts that arrive
 //! together at the ends of a base look like a circle around a place between their sources, and this circle
-//! arrives too early. Sources side by side send their fronts the same way. Then the error adds up, to an
-//! eighth of a cell on square cells and to a third of the distance on others. The error of the circles
+//! arrives too early. The fronts of neighbouring sources move side by side, so that the error adds up: to an
+//! eighth of a cell on square cells, and to a third of the distance on others. The error of a single update
 //! decreases with the square of the distance from the sources. So each source's front is solved alone for
 //! some cells. The earliest fronts become seeds, and no front through a triangle replaces them
 //! ([`Seed::exact`]).
@@ -25,13 +25,13 @@ use crate::update::Wavefront;
 const REACH: usize = 16;
 /// Minimum number of rows and columns. With fewer there is little to gain.
 const LEAST_REACH: usize = 4;
-/// All these maps together have at most the grid's points divided by `SHARE`, or `MOST_POINTS` on small
-/// grids.
+/// Limits of the points of all these maps together: the grid's points divided by `SHARE`, or `MOST_POINTS` if
+/// that is larger.
 const SHARE: usize = 4;
 const MOST_POINTS: usize = 40_000;
 
-/// Returns exact seeds around the point sources that have another one near, given the origins of all fronts.
-/// Returns none on surfaces with even cells.
+/// Returns exact seeds around the point sources that have another one near. `seeds` are those of all sources,
+/// with their origins.
 pub(in crate::cpu) fn around_clusters(
     wavefront: Wavefront,
     surface: &Surface,
@@ -56,8 +56,8 @@ pub(in crate::cpu) fn around_clusters(
     for map in &maps {
         let around: Vec<_> = near.around(map.at).collect();
         let are_all = others.is_empty() && around.len() == maps.len();
-        // A front from further away has to cross the border of the surroundings. From there, it has at least
-        // as far to go as is left of the source's own way to the border.
+        // The front of another source has to cross the border of the surroundings first. It cannot reach a
+        // point earlier than the source's own front if the latter is at most half-way to the border in time.
         let alone = if are_all { map.complete } else { 0.5 * (map.complete + first) };
         let complete = around.iter().map(|&other| maps[other].complete).fold(alone, f64::min);
         for seed in &map.seeds {
@@ -82,7 +82,7 @@ fn points(seeds: &[Seed]) -> Vec<Origin> {
     found.into_values().collect()
 }
 
-/// Returns the sources whose fronts leave them. A source is left out if all neighbouring grid points have
+/// Returns the sources from which a front goes out. A source is left out if all neighbouring grid points have
 /// sources that start as early.
 fn outer(surface: &Surface, sources: &[Origin]) -> Vec<Origin> {
     let at_point =
@@ -157,7 +157,7 @@ impl Places {
 /// The front of a source that is alone.
 struct Alone {
     at: DVec2,
-    /// Exact where no other known front comes first.
+    /// Seeds at the points that the front reaches, exact where no other known front comes first.
     seeds: Vec<Seed>,
     /// Time at which the front first leaves its surroundings.
     complete: f64,

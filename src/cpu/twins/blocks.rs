@@ -6,7 +6,7 @@ use super::phases::{Part, ScanOrder};
 use crate::Stop;
 use crate::constants::SPLIT_REACH;
 use crate::cpu::fronts::{PointKind, for_kind};
-use crate::cpu::point_fronts::PointFronts;
+use crate::cpu::points::PointFronts;
 use crate::cpu::scan::Scan;
 use crate::cpu::{Progress, Solution};
 use crate::surface::{Chart, EdgeLengths, Real, Seed, Tiling};

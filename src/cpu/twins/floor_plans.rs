@@ -8,7 +8,7 @@ use crate::accuracy::Errors;
 use crate::cpu::{RotatedScan, Solution, raster_scan, rotated_scan};
 use crate::pairwise::Pairwise;
 use crate::surface::builtin::{Builtin, FlatPaths, FloorPlan};
-use crate::surface::{EdgeLengths, Real, Seed, Spacing, Surface, with_diagonals};
+use crate::surface::{Cell, Chart, EdgeLengths, Real, Seed, Spacing, Surface, with_diagonals};
 use crate::{Engine, Options, Sources, Wavefront, distance_map, distance_map_f64, estimate_error};
 
 const ROWS: usize = 97;
@@ -419,8 +419,8 @@ fn crowded(boxes: usize, [shortest, longest]: [DVec2; 2], seed: u64) -> Case {
         }
     }
     let is_free = |source: &DVec2| {
-        let index = source.x as usize * cols + source.y as usize;
-        [0, 1, cols, cols + 1].iter().all(|step| floor[index + step])
+        let cell = Cell::of((source.x as usize, source.y as usize));
+        cell.corners().into_iter().all(|(row, col)| floor[Chart { rows, cols }.index(row, col)])
     };
     let source = std::iter::repeat_with(|| place(first, last)).find(is_free).unwrap().to_array();
     let plane = Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0));

@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use crate::cpu::fronts::PointKind;
-use crate::cpu::point_fronts::PointFronts;
+use crate::cpu::points::PointFronts;
 use crate::cpu::scan::Scan;
 use crate::surface::{Chart, Real, Tiling};
 use crate::update::Kept;

@@ -5,7 +5,7 @@ use crate::Stop;
 use crate::constants::{FLOW_JUMPS, NEAR_PLACES, PARENT_JUMPS};
 use crate::cpu::behind::TriangleSlots;
 use crate::cpu::fronts::{TriangleKind, for_triangle_kind};
-use crate::cpu::point_fronts::PointFronts;
+use crate::cpu::points::PointFronts;
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
 use crate::update::{Kept, Setting, Wavefront, base_crossing};
 

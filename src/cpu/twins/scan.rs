@@ -3,7 +3,7 @@
 use super::behind;
 use crate::Stop;
 use crate::cpu::fronts::{PointKind, for_kind};
-use crate::cpu::point_fronts::PointFronts;
+use crate::cpu::points::PointFronts;
 use crate::cpu::scan::Scan;
 use crate::cpu::{Progress, Solution};
 use crate::surface::{EdgeLengths, Real, Seed};

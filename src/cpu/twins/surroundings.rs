@@ -9,7 +9,7 @@ use super::behind;
 use crate::constants::{SURROUNDINGS_STEPS, SURROUNDINGS_TEXELS};
 use crate::cpu::Solution;
 use crate::cpu::fronts::{PointKind, for_kind};
-use crate::cpu::point_fronts::PointFronts;
+use crate::cpu::points::PointFronts;
 use crate::surface::{Chart, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 

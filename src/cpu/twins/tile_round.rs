@@ -7,7 +7,7 @@ use crate::constants::{BAND_SIDES, PATIENCE, SPLIT_REACH};
 use crate::cpu::Solution;
 use crate::cpu::behind::Behind;
 use crate::cpu::fronts::{PointKind, for_kind};
-use crate::cpu::point_fronts::PointFronts;
+use crate::cpu::points::PointFronts;
 use crate::cpu::rotated::typical_edge::typical_edge;
 use crate::cpu::scan::Scan;
 use crate::surface::{Chart, EdgeLengths, Real, Seed, Tiling, relative_change};
@@ -169,7 +169,7 @@ impl<R: Real, K: PointKind<R>> Tiles<R, K> {
         tiles
     }
 
-    /// Lets all copies of points of a glued surface take the earliest front of theirs, and enlists the tiles that
+    /// Gives all copies of points of a glued surface the earliest front among them, and enlists the tiles that
     /// see a change.
     fn exchange(&mut self, renews: bool) -> Visit<R::Bits> {
         let mut changes = Vec::new();

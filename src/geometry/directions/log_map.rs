@@ -52,7 +52,7 @@ pub struct Basis {
     pub u: [f64; 2],
     /// The axis of v, in rows and columns: at a right angle to that of u, on the side of increasing rows.
     pub v: [f64; 2],
-    /// Both axes in space; `None` if the surface is given by its metric.
+    /// The two axes in space; `None` if the surface is given by its metric.
     pub in_space: Option<[[f64; 3]; 2]>,
 }
 

@@ -12,7 +12,7 @@ use crate::io::npy::shape_text;
 use crate::io::{IoError, OutputFile};
 use crate::surface::{EdgeLengths, Surface, SurfaceError};
 
-/// Everything on which the numbers of a matrix depend, as readable names and values. An unfinished matrix is
+/// The inputs on which the numbers of a matrix depend, as readable names and values. An unfinished matrix is
 /// resumed only with inputs that would give the same bytes.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]

@@ -127,7 +127,7 @@ impl MatrixLayout {
     /// Checks that the disk has `needed` bytes left.
     pub(super) fn check_space(&self, path: &Path, needed: u64) -> Result<(), IoError> {
         let folder = path.parent().filter(|folder| *folder != Path::new(""));
-        // If the system cannot tell the free space, writing will show it.
+        // If the system does not tell the free space, a full disk is an error of writing.
         let Ok(free) = fs4::available_space(folder.unwrap_or(Path::new("."))) else {
             return Ok(());
         };

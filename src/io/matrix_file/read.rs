@@ -52,8 +52,8 @@ pub fn read_matrix(path: &Path) -> Result<SquareMatrix, IoError> {
 }
 
 /// Returns whether a file is an `.npy` array that can be a matrix of distances and is unlikely to be anything
-/// else: the upper triangle of a matrix, or a square floating-point array. On the diagonal of the latter
-/// there are only 0 and, for holes, +infinity; in its first row there is also another value.
+/// else: an array with one axis (an upper triangle), or a square floating-point array. The diagonal of a square
+/// array must have only 0 and, for holes, +infinity, and its first row a positive value.
 pub fn is_distance_matrix(path: &Path) -> bool {
     let is = || {
         let size = check_regular(path).ok()?;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::super::IoError;
 use super::super::arrays::{read_array, wrong_shape};
-use super::{Content, Coordinates, CurveKind, FileCurve, FileCurves, Vertex};
+use super::content::{Content, Coordinates, CurveKind, FileCurve, FileCurves, Vertex};
 use crate::shown::exact;
 
 const SHAPES: &str = "places have shape (K, 2): row, column; (K, 3): row, column, start value; or \

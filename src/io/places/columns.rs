@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::Coordinates;
+use super::content::Coordinates;
 use super::frame::MapCoordinates;
 use crate::shown::excerpt;
 
@@ -158,5 +158,13 @@ impl Columns {
             unused.map(|(_, name)| name.clone()).filter(|name| is_named(name)).collect();
         unused.iter().try_for_each(|name| check_unused(name, "column"))?;
         Ok(unused)
+    }
+}
+
+/// Returns the number of a cell if it is finite. Otherwise returns an error.
+pub(super) fn finite(number: f64, text: &str, named: &Named) -> Result<f64, String> {
+    match number.is_finite() {
+        true => Ok(number),
+        false => Err(format!("`{}` {named} is no finite number", excerpt(text))),
     }
 }

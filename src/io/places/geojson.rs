@@ -2,9 +2,9 @@
 
 use ::geojson::{Feature, GeoJson, Geometry, GeometryValue, JsonObject, JsonValue, Position};
 
-use super::columns::{Named, check_unused, is_start};
+use super::columns::{Named, check_unused, finite, is_start};
+use super::content::{Coordinates, CurveKind, FileCurve, FileCurves, Vertex};
 use super::frame::MapCoordinates;
-use super::{Coordinates, CurveKind, FileCurve, FileCurves, Vertex, finite};
 use crate::shown::excerpt;
 
 /// The unit by which vertices are numbered.

@@ -2,6 +2,7 @@
 
 mod array;
 mod columns;
+mod content;
 mod frame;
 mod geojson;
 mod records;
@@ -13,9 +14,8 @@ use std::path::{Path, PathBuf};
 use super::{Grid, IoError, extension, read_bytes, read_mask};
 use crate::shown::{exact, excerpt};
 use crate::surface::Chart;
-use columns::Named;
+use content::{Content, Coordinates, CurveKind, FileCurve, FileCurves, Vertex};
 pub use frame::GridFrame;
-use frame::MapCoordinates;
 
 /// A file of points or curves on a surface, with or without start values.
 ///
@@ -57,72 +57,6 @@ use frame::MapCoordinates;
 pub struct PlaceFile {
     path: PathBuf,
     content: Content,
-}
-
-#[derive(Clone, Debug)]
-enum Content {
-    Curves(FileCurves),
-    /// Row-major indices of grid points.
-    Indices(Vec<f64>),
-    /// A raster over the surface, true at each point that it selects.
-    Raster(Grid<bool>),
-}
-
-/// The curves of a file, in the file's own coordinates.
-#[derive(Clone, Debug, Default)]
-struct FileCurves {
-    curves: Vec<FileCurve>,
-    coordinates: Coordinates,
-    /// Columns or properties that are not used.
-    unused: Vec<String>,
-    /// Whether a column or property gives start values.
-    has_starts: bool,
-    /// The unit by which vertices are numbered, such as `line`.
-    numbered: &'static str,
-    /// Number of features without a geometry.
-    empty: usize,
-}
-
-#[derive(Clone, Debug)]
-struct FileCurve {
-    vertices: Vec<Vertex>,
-    kind: CurveKind,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum CurveKind {
-    /// Points or a curve: the format does not distinguish them.
-    Any,
-    /// Points or a curve, as in [`Self::Any`]. The last vertex is followed by the first.
-    Closed,
-    /// Points that do not form a curve.
-    Points,
-    /// A line.
-    Line,
-    /// The ring of a polygon. The last vertex is followed by the first.
-    Ring,
-}
-
-impl CurveKind {
-    fn is_closed(self) -> bool {
-        matches!(self, Self::Closed | Self::Ring)
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Vertex {
-    place: [f64; 2],
-    start: f64,
-    /// Number of the line or feature, from 1, or of the row of the array, from 0.
-    number: usize,
-}
-
-#[derive(Clone, Debug, Default, PartialEq)]
-enum Coordinates {
-    /// Row and column.
-    #[default]
-    Grid,
-    Map(MapCoordinates),
 }
 
 /// A point on a grid.
@@ -353,29 +287,6 @@ impl PlaceFile {
     }
 }
 
-impl FileCurves {
-    /// Formats a vertex in the file's own coordinates.
-    fn shown(&self, vertex: &Vertex) -> String {
-        let [first, second] = vertex.place.map(exact);
-        match self.coordinates {
-            Coordinates::Grid => format!("row {first}, column {second}"),
-            Coordinates::Map(_) => format!("{first},{second}"),
-        }
-    }
-}
-
-impl FileCurve {
-    /// Returns the vertices, without the last one if it repeats the first.
-    fn once(&self) -> &[Vertex] {
-        match &self.vertices[..] {
-            [first, around @ .., last] if around.len() > 1 && first.place == last.place => {
-                &self.vertices[..self.vertices.len() - 1]
-            }
-            all => all,
-        }
-    }
-}
-
 /// Returns a place given by row and column, if the surface has it.
 fn on_grid(place: [f64; 2], frame: &GridFrame) -> Result<[f64; 2], String> {
     frame.within(place).ok_or_else(|| {
@@ -392,14 +303,6 @@ fn on_grid(place: [f64; 2], frame: &GridFrame) -> Result<[f64; 2], String> {
 fn position(chart: Chart, index: usize) -> [f64; 2] {
     let (row, col) = chart.position(index);
     [row as f64, col as f64]
-}
-
-/// Returns the number of a cell if it is finite. Otherwise returns an error.
-fn finite(number: f64, text: &str, named: &Named) -> Result<f64, String> {
-    match number.is_finite() {
-        true => Ok(number),
-        false => Err(format!("`{}` {named} is no finite number", excerpt(text))),
-    }
 }
 
 /// Maximum number of names in one remark.

@@ -2,9 +2,9 @@
 
 use std::borrow::Cow;
 
-use super::columns::{Columns, Named};
+use super::columns::{Columns, Named, finite};
+use super::content::{CurveKind, FileCurve, FileCurves, Vertex};
 use super::records::{Record, Records, separator_of};
-use super::{CurveKind, FileCurve, FileCurves, Vertex, finite};
 use crate::shown::excerpt;
 
 /// Reads a table.
@@ -262,7 +262,7 @@ fn number(text: &str) -> Option<(f64, Option<char>)> {
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::Coordinates;
+    use super::super::content::Coordinates;
     use super::super::frame::MapCoordinates;
     use super::*;
 

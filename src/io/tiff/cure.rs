@@ -1,4 +1,4 @@
-//! Says how to convert an unsupported TIFF file.
+//! Tells the user how to convert an unsupported TIFF file.
 
 use std::path::Path;
 

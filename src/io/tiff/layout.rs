@@ -95,7 +95,7 @@ impl Layout {
             1 => {}
             bands => {
                 return Err(format!(
-                    "has {bands} bands, where one is read; choose one: {}",
+                    "has {bands} bands, but only one can be read; choose one: {}",
                     cure.translate("-b 1")
                 ));
             }
@@ -106,8 +106,7 @@ impl Layout {
             Some(4) => Photometric::Mask,
             Some(other) => {
                 return Err(format!(
-                    "is a picture of colours (PhotometricInterpretation {other}), which are no \
-                     numbers"
+                    "is a picture of colours (PhotometricInterpretation {other}), not of numbers"
                 ));
             }
         };
@@ -212,7 +211,7 @@ impl Layout {
         self.rows.div_ceil(self.chunk[0])
     }
 
-    /// Returns the chunk at a row and column of chunks, or `None` if it is sparse.
+    /// Returns the chunk at a row and column of chunks, or `None` if it is not stored (a sparse file).
     pub fn chunk_at(&self, down: usize, across: usize, band: usize) -> Option<Chunk> {
         let plane = if self.planar { band } else { 0 };
         let index = (plane * self.chunks_down() + down) * self.chunks_across() + across;
@@ -231,7 +230,7 @@ impl Layout {
         if self.planar { 1 } else { self.samples }
     }
 
-    /// Returns the number of bytes of a row of a chunk. It saturates where it does not fit this machine.
+    /// Returns the number of bytes of a row of a chunk, or `usize::MAX` if it is larger.
     pub fn row_bytes(&self) -> usize {
         let numbers = self.chunk[1].saturating_mul(self.interleaved());
         numbers.saturating_mul(self.sample.bits).div_ceil(8)

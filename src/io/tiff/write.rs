@@ -9,7 +9,7 @@ use ::tiff::tags::{PhotometricInterpretation, SampleFormat, Tag};
 
 use super::GeoTags;
 
-/// Two channels of single precision, interleaved, which are no colours.
+/// Two interleaved channels of single precision that are not colours.
 pub enum Pair32Float {}
 
 impl Channel for Pair32Float {
@@ -18,7 +18,7 @@ impl Channel for Pair32Float {
     const BITS_PER_SAMPLE: &'static [u16] = &[32; 2];
     const SAMPLE_FORMAT: &'static [SampleFormat] = &[SampleFormat::IEEEFP; 2];
 
-    /// Only compressed integers are predicted from their neighbours; these values are written as they are.
+    /// Copies the values, since only compressed integers are predicted from their neighbours.
     fn horizontal_predict(row: &[f32], result: &mut Vec<f32>) {
         result.extend_from_slice(row);
     }
@@ -27,8 +27,8 @@ impl Channel for Pair32Float {
 /// The value of the tag `ExtraSamples` for a channel without a stated meaning.
 const UNSPECIFIED: u16 = 0;
 
-/// Writes values as channels with a no-data value and, if it is known, their location. Channels beyond the first
-/// have no stated meaning.
+/// Writes values as channels, with the no-data value and, if it is known, the location of the grid. The file
+/// states no meaning for channels after the first.
 pub fn encode<C: Channel>(
     writer: &mut (impl Write + Seek),
     [rows, cols]: [usize; 2],

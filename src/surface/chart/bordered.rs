@@ -39,7 +39,7 @@ impl Chart {
         (point / self.stride(), point % self.stride())
     }
 
-    /// Does the same as [`Self::entry`] for an index below 2^32, whose division is faster.
+    /// Returns [`Self::entry`] of an index below 2^32, by a faster division.
     #[inline(always)]
     pub(crate) const fn short_entry(self, point: u32) -> (u32, u32) {
         (point / self.stride() as u32, point % self.stride() as u32)

@@ -21,8 +21,7 @@ impl Chart {
 
     /// Returns the cells of a row of cells.
     pub(crate) fn cells_of_row(self, row: usize) -> impl Iterator<Item = Cell> {
-        let rows = [row, row + 1];
-        (0..self.cols.saturating_sub(1)).map(move |col| Cell { rows, cols: [col, col + 1] })
+        (0..self.cols.saturating_sub(1)).map(move |col| Cell::of((row, col)))
     }
 
     /// Returns the cells that have both `a` and `b` as corners.
@@ -35,9 +34,8 @@ impl Chart {
             a.max(b).saturating_sub(1)..(a.min(b) + 1).min(points.saturating_sub(1))
         };
         let cols = firsts(a.1, b.1, self.cols);
-        firsts(a.0, b.0, self.rows).flat_map(move |row| {
-            cols.clone().map(move |col| Cell { rows: [row, row + 1], cols: [col, col + 1] })
-        })
+        firsts(a.0, b.0, self.rows)
+            .flat_map(move |row| cols.clone().map(move |col| Cell::of((row, col))))
     }
 
     /// Returns the first corners of the cells at most `reach` rows and columns around a point, and of the
@@ -81,6 +79,11 @@ impl Chart {
 }
 
 impl Cell {
+    /// Returns the cell to the south-east of a grid point.
+    pub(crate) const fn of((row, col): (usize, usize)) -> Self {
+        Self { rows: [row, row + 1], cols: [col, col + 1] }
+    }
+
     /// Returns the corners: north-west, north-east, south-west and south-east. Some coincide on an edge.
     #[inline]
     pub(crate) const fn corners(self) -> [(usize, usize); 4] {

@@ -10,8 +10,8 @@ pub(crate) enum Lines {
 }
 
 impl Lines {
-    /// Returns row and column of a line's point. Conversely, row and column give the line and the point in
-    /// it.
+    /// Returns row and column of a point of a line. Given a row and a column, it returns the line and the
+    /// point.
     #[inline(always)]
     pub(crate) const fn place(self, line: usize, point: usize) -> (usize, usize) {
         match self {
@@ -28,8 +28,8 @@ impl Lines {
         }
     }
 
-    /// Returns the number of points at the start of a line that come before a point of the chart, which is
-    /// given by its index.
+    /// Returns the number of points of a line that come before the point `index` of the chart in row-major
+    /// order.
     pub(crate) const fn before(self, chart: Chart, line: usize, index: usize) -> usize {
         match self {
             Self::Rows => index.saturating_sub(chart.index(line, 0)),

@@ -13,6 +13,7 @@ mod direction;
 mod edge_slot;
 mod lines;
 mod offset;
+mod side;
 mod tiling;
 mod triangles;
 
@@ -23,6 +24,7 @@ pub(crate) use direction::ring;
 pub(crate) use edge_slot::{EdgeSlot, STORED};
 pub(crate) use lines::Lines;
 pub(crate) use offset::Offset;
+pub use side::GridSide;
 pub(crate) use tiling::Tiling;
 pub(crate) use triangles::{Edge, triangles};
 

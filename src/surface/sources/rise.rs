@@ -1,4 +1,4 @@
-//! Computes by how much paths inside a cell are longer along the surface than straight through space.
+//! Computes how much longer paths inside a cell are along the surface than straight through space.
 
 use glam::DVec2;
 
@@ -11,7 +11,8 @@ use crate::surface::{
 ///
 /// Let p = sum of w_i p_i over the corners, with one corner at the origin. Then |p|^2 is the sum of w_i w_j
 /// <p_i, p_j>, and 2 <p_i, p_j> = |p_i|^2 + |p_j|^2 - |p_i - p_j|^2. Both are linear in the squared lengths
-/// of the edges. The shader `sources.comp` sums these terms up; here chords are known more accurately.
+/// of the edges. The shader `sources.comp` sums up these terms. Here only their growth is summed up, since
+/// positions give chords more accurately.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rise {
     corners: [(usize, usize); 4],
@@ -21,7 +22,7 @@ pub(super) struct Rise {
 }
 
 impl Rise {
-    /// Returns the rise of a place, or `None` if there is none: if edges are chords, or cannot be measured.
+    /// Returns the rise of a place, or `None` if edges are chords or cannot be measured.
     pub(super) fn at(surface: &Surface, cell: Cell, place: DVec2) -> Option<Self> {
         let corners = cell.corners();
         if surface.edge_rule() == EdgeRule::Chord || corners[0] == corners[3] {
@@ -66,7 +67,7 @@ mod tests {
     use crate::surface::{EdgeRule, Sources, Spacing, Surface};
     use glam::DVec3;
 
-    /// On a cylinder both distances are known: the place itself lies on the bilinear patch.
+    /// The distances are known on a cylinder. The place itself lies on the bilinear patch.
     #[test]
     fn sources_between_points_of_a_cylinder_are_as_far_as_its_unrolled_plane_says() {
         let (radius, turn) = (1.0, 0.1);

@@ -48,8 +48,8 @@ impl Seed {
     /// the last place.
     ///
     /// A front that leaves the curve passes this point at the same time up to rounding, with a curvature that
-    /// includes that of the surface. Without the shift it would be left to chance which of both fronts stays,
-    /// and two maps of a rough surface would differ by hundredths. There is no shift at the ends of a curve,
+    /// includes that of the surface. Without the shift, rounding would decide which of the two fronts
+    /// stays, and two maps of a rough surface would differ by hundredths. There is no shift at the ends of a curve,
     /// where the front from beside the end is flatter and should stay.
     pub(crate) fn start_of_curved<R: Real>(&self) -> R {
         let is_beside =

@@ -85,7 +85,7 @@ pub(crate) struct Contents<'a> {
 /// Descriptor sets of a grid, or of a batch.
 #[derive(Debug, Default)]
 pub(crate) struct GridSets {
-    /// For each of the two images of fronts, the sets of a pass that writes it and reads the other.
+    /// Sets of passes that write one image of fronts and read the other, for each of the two images.
     pub(crate) writing: [Sets; 2],
     /// Set of the pass that unpacks distances, in the place of a set of the host.
     pub(crate) read_back: vk::DescriptorSet,
@@ -146,7 +146,8 @@ pub(crate) struct CopyContents<'a> {
 /// place of points and seeds, since devices need offer no more than four buffers.
 #[derive(Debug, Default)]
 pub(crate) struct CopySets {
-    /// As [`GridSets::writing`]. The pass also reads and writes tiles in the other image.
+    /// Returns the sets as [`GridSets::writing`] does, for a pass that also reads and writes tiles in the other
+    /// image.
     pub(crate) writing: [Sets; 2],
     pool: vk::DescriptorPool,
 }

@@ -11,6 +11,7 @@ pub(in crate::vulkan) mod instance;
 pub(in crate::vulkan) mod labels;
 pub(in crate::vulkan) mod limits;
 pub(crate) mod memory;
+pub(in crate::vulkan) mod memory_types;
 pub(in crate::vulkan) mod passes;
 pub(in crate::vulkan) mod pipeline_store;
 pub(in crate::vulkan) mod pipelines;

@@ -23,7 +23,7 @@ pub struct PipelineStore {
     digest: Option<u64>,
 }
 
-/// Name of the environment variable that names the folder, in place of the program's.
+/// Environment variable that names a folder in place of the program's.
 const VARIABLE: &str = "GEOSWEEP_PIPELINES";
 
 /// Folder in which the program has headless solvers keep their pipelines.
@@ -60,8 +60,8 @@ fn folder(variable: Option<OsString>) -> Option<PathBuf> {
     }
 }
 
-/// Number of newest files kept for a device. This many drivers and builds can alternate without compiling
-/// again.
+/// Number of newest files kept for a device, so that as many drivers and builds can alternate without
+/// compiling again.
 const FILES_KEPT: usize = 4;
 
 /// Largest size of a file that is read, in bytes. A larger file cannot come from this crate.
@@ -93,19 +93,19 @@ impl PipelineStore {
         let found = read(&file).filter(|data| is_of(data, properties));
         let data = found.as_deref().unwrap_or_default();
         let info = vk::PipelineCacheCreateInfo::default().initial_data(data);
-        // SAFETY: the data are whole, and by their header the driver's own.
+        // SAFETY: the data are complete, and their header says that this driver wrote them.
         let cache = unsafe { device.create_pipeline_cache(&info, None) }
             .map_err(VulkanError::from_call("vkCreatePipelineCache"))?;
         Ok(Self { cache, file, digest: found.as_deref().map(digest) })
     }
 
-    /// Returns the pipeline cache, to create pipelines with.
+    /// Returns the pipeline cache, which the creation of pipelines takes.
     pub fn cache(&self) -> vk::PipelineCache {
         self.cache
     }
 
-    /// Writes the file again if the cache has new pipelines. Another process finds the whole old file or the
-    /// whole new one.
+    /// Rewrites the file if the cache has new pipelines. Other processes find either the old file or the new
+    /// one, never a part.
     ///
     /// # Errors
     /// If the driver does not return the data, or the file cannot be written.
@@ -234,7 +234,7 @@ mod tests {
         let of = |variable: &str| folder(Some(variable.into()));
         assert_eq!([of("0"), of("")], [None, None]);
         assert_eq!(of("some/folder"), Some("some/folder".into()));
-        assert_eq!(folder(None), None, "a program says so");
+        assert_eq!(folder(None), None, "only a program sets a folder");
     }
 
     #[test]

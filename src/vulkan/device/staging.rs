@@ -9,23 +9,6 @@ use super::memory::{Buffer, BufferInfo};
 use super::pipelines::Pipelines;
 use crate::vulkan::VulkanError;
 
-/// Returns whether shaders should access the device's memory in place of the host's, with copies between the
-/// two.
-///
-/// On a device with memory of its own, what the program reads lies beyond a bus: the host's cached memory is
-/// not local to the device. Devices that share the host's memory have cached memory that is local to both.
-pub(in crate::vulkan) fn is_needed(memory: &vk::PhysicalDeviceMemoryProperties) -> bool {
-    use vk::MemoryPropertyFlags as Flags;
-    let types = memory.memory_types_as_slice();
-    let has = |with: Flags, without: Flags| {
-        let mut flags = types.iter().map(|kind| kind.property_flags);
-        flags.any(|flags| flags.contains(with) && !flags.intersects(without))
-    };
-    let cached = Flags::HOST_VISIBLE | Flags::HOST_COHERENT | Flags::HOST_CACHED;
-    has(Flags::DEVICE_LOCAL, Flags::HOST_VISIBLE)
-        && !has(cached | Flags::DEVICE_LOCAL, Flags::empty())
-}
-
 /// Number of parts of a staging buffer. The program works on one part while the device copies the other.
 pub(crate) const HALVES: usize = 2;
 
@@ -94,37 +77,4 @@ const COPIED_TOGETHER: usize = 512 << 10;
 pub(crate) fn copy_in_parallel(from: &[u8], to: &mut [u8]) {
     let parts = to.par_chunks_mut(COPIED_TOGETHER).zip(from.par_chunks(COPIED_TOGETHER));
     parts.for_each(|(to, from)| to.copy_from_slice(from));
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The memory types are those that drivers report.
-    #[test]
-    fn devices_with_memory_of_their_own_are_known_by_their_memory_types() {
-        use vk::MemoryPropertyFlags as Flags;
-        let own = Flags::DEVICE_LOCAL;
-        let written = Flags::HOST_VISIBLE | Flags::HOST_COHERENT;
-        let cached = written | Flags::HOST_CACHED;
-        let is_needed = |types: &[Flags]| {
-            let mut memory = vk::PhysicalDeviceMemoryProperties {
-                memory_type_count: types.len() as u32,
-                ..Default::default()
-            };
-            for (kind, &property_flags) in memory.memory_types.iter_mut().zip(types) {
-                kind.property_flags = property_flags;
-            }
-            super::is_needed(&memory)
-        };
-        // Discrete GPUs, without and with all of their memory visible to the host.
-        assert!(is_needed(&[Flags::empty(), own, written, cached]));
-        assert!(is_needed(&[Flags::empty(), own, written, cached, own | written]));
-        // lavapipe; an integrated GPU; one that sets memory aside; Apple's.
-        assert!(!is_needed(&[own | cached]));
-        assert!(!is_needed(&[own, own | written, own | cached]));
-        assert!(!is_needed(&[own, own | cached]));
-        // Nothing but the host's memory.
-        assert!(!is_needed(&[cached]));
-    }
 }

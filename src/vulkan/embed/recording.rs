@@ -46,7 +46,7 @@ pub struct Recording<'a> {
     pub(super) surface: &'a FrameSurface,
     /// Offset of the points in bytes from where the surface has them.
     points_at: u64,
-    /// Where the maps end.
+    /// The ends of the maps.
     limit: MapLimit<'a>,
 }
 

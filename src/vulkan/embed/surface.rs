@@ -205,7 +205,7 @@ pub struct Outcome {
     /// Number of the map's sources that reach no point: those off the grid, in holes, or with a time that is
     /// NaN or not below 1e30. Unused entries of a buffer count.
     pub passed_over: u32,
-    /// How well the grid resolves the surface, by the points that were measured last.
+    /// Resolution of the surface by the grid, for the points that were measured last.
     /// [`crate::Surface::resolution`] is the same on the CPU. It is `None` for a metric, or if the grid is too
     /// small to tell.
     pub resolution: Option<Resolution>,

@@ -31,7 +31,7 @@ struct Problem {
     wavefronts: &'static [Wavefront],
 }
 
-/// With holes and obtuse triangles, anchors, and several fronts that meet.
+/// The surfaces have holes and obtuse triangles, anchors, and several fronts that meet.
 fn problems() -> [Problem; 3] {
     use Wavefront::{Anchored, Curved, Planar};
     let is_hole = |i: u32| i % 83 != 40 && (i + 1).wrapping_mul(0x9e37_79b1) >> 29 == 0;

@@ -21,7 +21,7 @@ use crate::vulkan::{
     HeadlessSolver, MOST_TARGETS, MapLimit, Schedule, TargetPoint, TexelChart, VulkanError,
 };
 
-/// Part of the radius by which fronts go farther, so that rounding leaves no point within it out.
+/// Margin up to which fronts go beyond the radius, as a part of it, so that rounding leaves out no point within it.
 const ROUNDING: f64 = 1e-6;
 
 /// Factors of an estimated time up to which a map is solved, one after another, while targets are not reached.
@@ -60,8 +60,8 @@ impl HeadlessSolver {
         self.solve_within(surface, seeds, method, None)
     }
 
-    /// Computes a map from `seeds`, which must lie on the surface, for `targets`. It ends when fronts cannot come
-    /// to those that are needed earlier. The distances of points that are farther are +infinity.
+    /// Computes a map from `seeds`, which must lie on the surface, for `targets`. The map ends when no front can
+    /// reach the needed targets earlier. Distances of farther points are +infinity.
     ///
     /// With more than [`MOST_TARGETS`] targets, the map is solved up to the radius, and cut at the end. Raster scans
     /// solve the whole map too, unless they have an estimate ([`HeadlessSolver::solve_to_about`]).
@@ -141,7 +141,7 @@ impl HeadlessSolver {
         self.restore(surface, seeds, method, None, solution)
     }
 
-    /// Solves again from the seeds that are lost ([`Seed::is_lost`]), until none is.
+    /// Solves again from the seeds that are lost ([`Seed::is_lost`]), until no seed is lost.
     fn restore(
         &mut self,
         surface: &mut SurfaceOnDevice,
@@ -266,7 +266,7 @@ impl HeadlessSolver {
         }
         let count = write_seeds(last, images);
         let places = seeds.iter().map(|seed| (seed.texel[1] as u32, seed.texel[0] as u32));
-        // Bounds would have the first iteration visit what lies between them, also beyond the radius, and fronts
+        // With bounds, the first iteration would visit everything between them, even beyond the radius. Fronts
         // that pass a seam leave the box around their sources.
         let is_glued = images.copies.is_some();
         let has_bounds = start == Start::Fresh && !limit.is_there() && !is_glued;
@@ -323,7 +323,7 @@ impl HeadlessSolver {
         let time = begin.elapsed();
 
         let mut distances = self.read_back(submitter, images)?;
-        // Renewed fronts may have come later than the radius at last.
+        // Renewed fronts may have become later than the radius.
         cut(&mut distances, radius);
         self.context.check_validation()?;
         Ok(HeadlessSolution {

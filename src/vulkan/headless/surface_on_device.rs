@@ -6,13 +6,11 @@ use super::context::{CommandBuffer, Context};
 use crate::constants::SOURCES_INSIDE;
 use crate::surface::{Origins, Seed, Surface};
 use crate::update::{Setting, Wavefront};
-use crate::vulkan::anchors::Anchors;
 use crate::vulkan::device::passes::Variant;
 use crate::vulkan::device::pipelines::Pipelines;
 use crate::vulkan::grid_images::{GridImages, Purpose};
-use crate::vulkan::origins::NumberedOrigins;
 use crate::vulkan::schedules::plan::Step;
-use crate::vulkan::upload::curvatures;
+use crate::vulkan::upload::{Anchors, NumberedOrigins, curvatures};
 use crate::vulkan::{TexelChart, VulkanError};
 
 /// Edge lengths of a surface on a device, ready for any number of maps.

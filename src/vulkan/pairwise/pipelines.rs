@@ -11,7 +11,7 @@ use crate::vulkan::device::shaders::{
     pairwise_count, pairwise_fans, pairwise_scan, pairwise_shared, pairwise_start,
 };
 
-/// Pipelines of a batch, by where its maps lie.
+/// Pipelines of a batch, which depend on the memory that holds its maps.
 #[derive(Debug)]
 pub(super) enum BatchPipelines {
     SharedMemory {
@@ -102,7 +102,7 @@ mod tests {
             if name == c"vkCreateComputePipelines" {
                 return create_and_count as *const c_void;
             }
-            // SAFETY: the device is alive, and what is found is called as what its name says.
+            // SAFETY: the device is alive, and a function is called with the type of its name.
             unsafe {
                 std::mem::transmute::<vk::PFN_vkVoidFunction, *const c_void>(get(
                     handle,
@@ -116,8 +116,8 @@ mod tests {
     }
 
     /// Checks that a second matrix of the same size creates no pipelines, and that one of another size
-    /// creates at most that for maps in shared memory. Of these only a limited number is kept, except for
-    /// those in use.
+    /// creates at most the one for maps in shared memory. A limited number of these is kept, besides those in
+    /// use.
     #[test]
     fn matrices_share_the_pipelines_of_the_device() {
         let solver = counted();
@@ -149,7 +149,7 @@ mod tests {
         }
         assert_eq!(made_for(&kept, Wavefront::Planar, shared), 0, "it is in use");
         assert_eq!(made_for(&flat(3, 29), Wavefront::Planar, shared), 0, "it is the last");
-        assert_eq!(made_for(&flat(3, 4), Wavefront::Planar, shared), 1, "it is gone");
+        assert_eq!(made_for(&flat(3, 4), Wavefront::Planar, shared), 1, "it was dropped");
         drop(in_use);
         solver.context.check_validation().unwrap();
     }

@@ -18,7 +18,7 @@ pub enum PairwiseSchedule {
 }
 
 impl PairwiseSchedule {
-    /// Both schedules.
+    /// All schedules.
     pub const ALL: [Self; 2] = [Self::SharedMemory, Self::Images];
 
     /// Returns the name used in reports.

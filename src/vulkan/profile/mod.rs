@@ -21,7 +21,7 @@
 //! // Once for each frame in flight: a range of a pool of `TIMESTAMP` queries.
 //! let passes = solver.passes_of_frame(surface, plan, Grain::Scans);
 //! let range = QueryRange { pool: timestamps, first: 0, count: passes + 1 };
-//! let slots = Slots { timestamps: Some(range), ..Slots::default() };
+//! let slots = Slots::default().with_timestamps(range);
 //! let profile = Profile::new(passes, Grain::Scans, slots);
 //!
 //! // Every frame:

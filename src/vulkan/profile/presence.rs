@@ -1,5 +1,5 @@
-//! Completes the records of a plan's passes with the device's decisions, and counts the steps while they are
-//! recorded.
+//! Completes the records of passes with the decisions that the device has made, and counts the steps while they
+//! are recorded.
 
 use super::blocks::Blocks;
 use super::pass::{Area, PassKind, PassRecord};
@@ -9,7 +9,8 @@ use crate::vulkan::{TexelChart, Tuning};
 
 /// Bytes of a texel of four 32-bit numbers.
 const TEXEL: u64 = 16;
-/// Work of the count of an iteration: what it reads and writes of the progress (`glsl/passes/progress.comp`).
+/// Work of the count of an iteration: the bytes of the progress that `glsl/passes/progress.comp` reads and
+/// writes.
 /// It reads whether the map is done, the change, its tolerance, the iterations and their limit, the
 /// iterations since a point was first reached, and whether fronts may be renewed. It writes the change, the
 /// iterations, the iterations since a point was first reached, whether fronts may be renewed, and the last
@@ -17,7 +18,7 @@ const TEXEL: u64 = 16;
 const COUNT: Work = Work::of_bytes(4 * 7, 4 * 5);
 /// Work of a count whose map was done before.
 const COUNT_BEYOND: Work = Work::of_bytes(4, 0);
-/// Additional work of a count that finds the map done: it writes that, and that the grid has no workgroups.
+/// Additional work of a count that ends the map: it writes `done` and the number of workgroups, 0.
 const COUNT_LAST: Work = Work::of_bytes(0, 4 * 2);
 
 /// Condition that decides whether a pass visits anything.
@@ -60,8 +61,8 @@ pub(crate) struct Decisions<'a> {
     pub after: u32,
     /// Whether the map is done after the portion.
     pub is_done: bool,
-    /// For each round of the portion, the number of tiles on its list, and how many of them waited for the
-    /// next round.
+    /// Numbers of each round of the portion: tiles on its list, and tiles of these that waited for the next
+    /// round.
     pub rounds: &'a [[u32; 2]],
     /// Number of texels that were brought back to one image after the rounds.
     pub settled: u32,

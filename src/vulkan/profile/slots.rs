@@ -26,6 +26,7 @@ pub struct QueryRange {
 ///
 /// The sizes are for `passes` passes in a recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Slots {
     /// `passes + 1` queries of a pool of type `TIMESTAMP`. The first is written at the start of the
     /// recording, and the following ones at the end of each pass in turn. With [`Grain::Portions`] the last
@@ -61,6 +62,26 @@ pub struct Decided {
 impl Slots {
     /// Bytes of a portion of steps in [`Slots::decisions`].
     pub const DECISION_BYTES: u64 = decisions::BYTES;
+
+    /// Sets [`Slots::timestamps`].
+    pub fn with_timestamps(self, range: QueryRange) -> Self {
+        Self { timestamps: Some(range), ..self }
+    }
+
+    /// Sets [`Slots::statistics`].
+    pub fn with_statistics(self, range: QueryRange) -> Self {
+        Self { statistics: Some(range), ..self }
+    }
+
+    /// Sets [`Slots::decisions`].
+    pub fn with_decisions(self, decided: Decided) -> Self {
+        Self { decisions: Some(decided), ..self }
+    }
+
+    /// Sets [`Slots::tile_lists`].
+    pub fn with_tile_lists(self, buffer: vk::Buffer, offset: u64) -> Self {
+        Self { tile_lists: Some((buffer, offset)), ..self }
+    }
 }
 
 /// Passes of one recording, and the queries that will hold their times.

@@ -90,7 +90,7 @@ impl<'a> Commands<'a> {
         self.pipelines.labels.as_ref().map(|labels| labels.group(self.buffer, label))
     }
 
-    /// Returns whether the recorded part is another than the one whose turn it is.
+    /// Returns whether it is not the turn of the recorded part.
     fn is_skipped(&self) -> bool {
         self.turn.is_some_and(|turn| !turn.is_now())
     }

@@ -22,7 +22,7 @@ impl Recorder<'_> {
         }
     }
 
-    /// Lets all copies of each point take the earliest front of theirs, if the surface is glued. The fronts lie in
+    /// Gives all copies of each point the earliest front among them, if the surface is glued. The fronts lie in
     /// `image`. If tiles follow, `next_round` is the number of the next round, and each tile says in which
     /// image its fronts lie. The pipeline must have been made for `variant`.
     pub(in crate::vulkan) fn exchange(

@@ -74,7 +74,7 @@ impl Turn {
     }
 
     /// Appends `count` recordings to a command buffer part by part. `record` traverses the recording with a
-    /// given number. What `record` does besides recording is done as often as there are parts.
+    /// given number. Other effects of `record` are repeated once for each part.
     pub(crate) fn take(
         &self,
         (device, buffer): (&ash::Device, vk::CommandBuffer),

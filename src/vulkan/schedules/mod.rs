@@ -4,6 +4,7 @@
 
 mod accounts;
 mod all_points;
+mod iteration;
 pub(in crate::vulkan) mod method;
 mod order;
 pub mod plan;
@@ -13,14 +14,16 @@ mod recording;
 pub(in crate::vulkan) mod schedule;
 mod targets;
 mod tiles;
+pub(in crate::vulkan) mod tuning;
 
 use super::{Schedule, TexelChart};
 pub(super) use accounts::account;
 pub use accounts::planned;
 pub(crate) use accounts::records;
+pub(super) use iteration::Iteration;
 use order::Order;
 use plan::{Portions, Reached, Step};
-pub(super) use raster::{Iteration, block_of};
+pub(super) use raster::block_of;
 
 impl Schedule {
     fn order(self) -> &'static dyn Order {

@@ -1,4 +1,4 @@
-//! Defines the interface of a schedule, and what all schedules record with.
+//! Defines the interface of a schedule, and the functions with which all schedules record.
 
 use ash::vk;
 use bytemuck::{Pod, bytes_of};
@@ -13,13 +13,14 @@ use crate::vulkan::device::passes::{Pass, Variant};
 use crate::vulkan::profile::{PassRecord, Presence, StepCounter};
 use crate::vulkan::record::{Groups, Recorder};
 
-/// Schedule: its passes, plan, recording and work.
+/// The interface of a schedule: its passes, plan, recording and work.
 pub(super) trait Order: Sync {
-    /// Returns the numbers of its passes in the table, without the common passes. Each wavefront has
-    /// pipelines of its own for them.
+    /// Returns the numbers of the schedule's passes in the table, without the common passes. Each wavefront
+    /// has pipelines of its own for them.
     fn passes(&self) -> &'static [usize];
 
-    /// Returns what `glsl/passes/seed.comp` does for the schedule, in addition to setting the sources' texels.
+    /// Returns `SCANS_FOLLOW`, `NOTHING_FOLLOWS` or `TILES_FOLLOW`: the passes for which `glsl/passes/seed.comp`
+    /// prepares.
     fn follows(&self) -> u32;
 
     /// Returns the steps of a recording; see [`crate::vulkan::Schedule::plan`].
@@ -52,18 +53,16 @@ pub(super) trait Order: Sync {
         0
     }
 
-    /// Writes what the schedule keeps beside the progress, before the seeds of a map or of what is added to
-    /// one.
+    /// Writes the schedule's own state, before the seeds of a map or of sources that are added to one.
     fn start(&self, _: &Recorder, _is_added: bool) {}
 
-    /// Records what must precede further steps of a map.
+    /// Records the passes that must precede further steps of a map.
     fn go_on(&self, _: &Recorder) {}
 
-    /// Records one of the schedule's steps.
+    /// Records a step of the schedule.
     fn record(&self, recording: &mut Steps, step: &Step);
 
-    /// Returns the record of one of its steps, and the condition that decides whether the step visits
-    /// anything.
+    /// Returns the record of a step, and the condition that decides whether the step visits anything.
     fn account(&self, counter: &mut StepCounter, step: &Step) -> (PassRecord, Presence);
 }
 
@@ -119,7 +118,7 @@ impl Recorder<'_> {
         u64::from(self.tiles()) * size_of::<u32>() as u64
     }
 
-    /// Copies what passes have written to where the host reads it while the map goes on.
+    /// Copies data that passes have written into a buffer that the host reads while the map goes on.
     pub(super) fn copy_for_host(
         &self,
         from: vk::Buffer,

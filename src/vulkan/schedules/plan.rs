@@ -71,7 +71,7 @@ pub enum ScanPair {
 }
 
 impl ScanPair {
-    /// Both pairs, in the order of an iteration.
+    /// All pairs, in the order of an iteration.
     pub const ALL: [Self; 2] = [Self::DownUp, Self::RightLeft];
 
     /// Returns the pair that a scan belongs to.
@@ -165,7 +165,7 @@ pub enum Step {
         /// Number of rounds in the recording.
         rounds: u32,
     },
-    /// Lets all copies of each point of a glued surface take the earliest front of theirs.
+    /// Gives all copies of each point of a glued surface the earliest front among them.
     Exchange {
         /// Number of the image of fronts that was written last. After a round of tiles it is 0.
         image: usize,

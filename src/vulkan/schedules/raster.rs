@@ -1,10 +1,9 @@
 //! Plans and records the raster schedule: four rotated scans over the whole grid, in blocks of lines.
 
-use std::ops::Range;
-
+use super::iteration::{Iteration, along, block_number, lines_of, middle_block};
 use super::order::{Order, Steps};
 use super::plan::{Portions, Reached, Scan, ScanPair, ScanPass, Step};
-use crate::constants::{BORDER, SCANS_FOLLOW};
+use crate::constants::SCANS_FOLLOW;
 use crate::vulkan::device::passes::SCANS;
 use crate::vulkan::device::shaders::progress::Push as Halves;
 use crate::vulkan::device::shaders::scan::Push;
@@ -13,11 +12,6 @@ use crate::vulkan::record::{Groups, Recorder};
 use crate::vulkan::{TexelChart, Tuning};
 
 pub(super) struct Raster;
-
-/// Largest number of lines that a dispatch takes in turn, unless a single block has more. Mesa 22.3's
-/// lavapipe ends loops of shaders after 65,535 trips, counted over all loops of an invocation. The parts of
-/// obtuse triangles may take 784 trips a line.
-const LINES_IN_TURN: u32 = 64;
 
 /// Number of blocks of lines that one update of a buffer starts: 3 KiB.
 const BLOCKS_TOGETHER: usize = 256;
@@ -167,38 +161,12 @@ impl Order for Raster {
     }
 }
 
-/// Returns the lines of texels that a scan passes: rows or columns.
-fn lines_of(texels: TexelChart, scan: Scan) -> Range<u32> {
-    match ScanPair::of(scan) {
-        ScanPair::DownUp => texels.inner_rows(),
-        ScanPair::RightLeft => texels.inner_cols(),
-    }
-}
-
-/// Returns the number of the first block in the last half of a scan's lines.
-fn middle_block(lines: &Range<u32>, block: u32) -> u32 {
-    (lines.len() as u32).div_ceil(block).div_ceil(2)
-}
-
 /// Returns the push constants of the count that ends an iteration.
 pub(super) fn halves_of(texels: TexelChart, tuning: Tuning) -> Halves {
     let lines = tuning.scan_lines;
     let of = [Scan::Down, Scan::Right].map(|scan| lines_of(texels, scan));
     let middle = of.map(|of| middle_block(&of, lines) as i32);
     Halves { middle, pitch: texels.block_pitch(lines) as i32 }
-}
-
-/// Returns the texels of a line of a scan.
-fn along(texels: TexelChart, scan: Scan) -> Range<u32> {
-    match ScanPair::of(scan) {
-        ScanPair::DownUp => texels.inner_cols(),
-        ScanPair::RightLeft => texels.inner_rows(),
-    }
-}
-
-/// Returns the number of a pass's first block of lines, counted from the start of the grid.
-fn block_number(pass: &ScanPass, lines: u32) -> u32 {
-    (pass.line - BORDER) / lines
 }
 
 /// Returns the push constants of the pass over a block that notes no visit.
@@ -226,142 +194,6 @@ pub(super) fn in_order(together: &[Step]) -> impl Iterator<Item = &Step> {
     let is_reversed = false;
     let last = together.len() - 1;
     (0..together.len()).map(move |k| &together[if is_reversed { last - k } else { k }])
-}
-
-/// Order of the passes of an iteration.
-pub(crate) struct Iteration {
-    pub(crate) texels: TexelChart,
-    /// Number of lines in a block.
-    pub(crate) lines: u32,
-    /// Whether each of the four scans takes its blocks in turn.
-    pub(crate) in_turn: [bool; 4],
-    /// Whether opposite scans go in pairs.
-    pub(crate) pairs: bool,
-}
-
-impl Iteration {
-    /// Returns the passes of the iteration, and widens `reached` to the box that can have been reached after
-    /// it.
-    fn passes(&self, reached: &mut Reached) -> Vec<ScanPass> {
-        let mut all = Vec::new();
-        if !self.pairs {
-            for (index, scan) in Scan::ALL.into_iter().enumerate() {
-                let lines = lines_of(self.texels, scan);
-                all.extend(self.scan_passes(scan, lines, 1 - index % 2, None, reached));
-            }
-        } else {
-            for pair in ScanPair::ALL {
-                let lines = lines_of(self.texels, pair.scans()[0]);
-                let middle = lines.start + middle_block(&lines, self.lines) * self.lines;
-                let middle = middle.min(lines.end);
-                let halves = [lines.start..middle, middle..lines.end];
-                for phase in 0..2 {
-                    // Neither scan sees what the other one reaches in the phase.
-                    let mut found = [reached.clone(), reached.clone()];
-                    let [mut forth, mut back] = [0, 1].map(|way| {
-                        let (scan, half) = (pair.scans()[way], halves[way ^ phase].clone());
-                        let writes = 1 - phase;
-                        let found = &mut found[way];
-                        self.scan_passes(scan, half, writes, Some(middle), found).into_iter()
-                    });
-                    *reached = found[0].around_both(&found[1]);
-                    loop {
-                        let step = [forth.next(), back.next()];
-                        let beside_next = step.iter().all(Option::is_some);
-                        let [forth, back] = step;
-                        if forth.is_none() && back.is_none() {
-                            break;
-                        }
-                        all.extend(forth.map(|pass| ScanPass { beside_next, ..pass }));
-                        all.extend(back);
-                    }
-                }
-            }
-        }
-        let mut has_begun = [false; 4];
-        for pass in &mut all {
-            let lines = lines_of(self.texels, pass.scan);
-            if !std::mem::replace(&mut has_begun[pass.scan as usize], true) {
-                let forward = matches!(pass.scan, Scan::Down | Scan::Right);
-                pass.left_out =
-                    if forward { pass.line - lines.start } else { lines.end - 1 - pass.line };
-            }
-        }
-        all
-    }
-
-    /// Returns the scan and the number of each block of an iteration without bounds, in the order in which
-    /// they are recorded.
-    pub(crate) fn blocks(&self) -> Vec<(Scan, u32)> {
-        let passes = self.passes(&mut Reached::everywhere(self.texels));
-        let blocks = passes.iter().flat_map(|pass| {
-            let first = block_number(pass, self.lines);
-            let forward = matches!(pass.scan, Scan::Down | Scan::Right);
-            let number = move |k| if forward { first + k } else { first - k };
-            (0..pass.blocks(self.lines)).map(move |k| (pass.scan, number(k)))
-        });
-        blocks.collect()
-    }
-
-    /// Returns the passes of a scan over its lines in `half`, which may be the whole grid, and widens
-    /// `reached` to the box that can have been reached after them.
-    ///
-    /// A line of texels holds two lines of points. For each line of points that the scan passes, a front
-    /// advances by one point along the line. That is one texel for each line of texels.
-    fn scan_passes(
-        &self,
-        scan: Scan,
-        half: Range<u32>,
-        writes: usize,
-        middle: Option<u32>,
-        reached: &mut Reached,
-    ) -> Vec<ScanPass> {
-        let in_turn = self.in_turn[scan as usize];
-        let together = if in_turn { (LINES_IN_TURN / self.lines).max(1) } else { 1 };
-        let block = together * self.lines;
-        let inner_along = along(self.texels, scan);
-        let (lines, along) = match ScanPair::of(scan) {
-            ScanPair::DownUp => (&mut reached.rows, &mut reached.cols),
-            ScanPair::RightLeft => (&mut reached.cols, &mut reached.rows),
-        };
-        let forward = matches!(scan, Scan::Down | Scan::Right);
-        let visited = if forward {
-            lines.start.max(half.start)..half.end
-        } else {
-            half.start..lines.end.min(half.end)
-        };
-        let mut passes = Vec::with_capacity(visited.len().div_ceil(block as usize));
-        if visited.is_empty() {
-            return passes;
-        }
-        let mut passed = 0;
-        while passed < visited.len() as u32 {
-            let left = visited.len() as u32 - passed;
-            let line = if forward { visited.start + passed } else { visited.end - 1 - passed };
-            // Blocks have the same places as if all lines were visited.
-            let in_block = (line - half.start) % block;
-            let count = if forward { block - in_block } else { in_block + 1 }.min(left);
-            along.start = along.start.saturating_sub(count).max(inner_along.start);
-            along.end = (along.end + count).min(inner_along.end);
-            let texels = along.clone();
-            passes.push(ScanPass {
-                scan,
-                line,
-                lines: count,
-                texels,
-                writes,
-                always: true,
-                in_turn,
-                left_out: 0,
-                middle,
-                beside_next: false,
-            });
-            passed += count;
-        }
-        lines.start = lines.start.min(visited.start);
-        lines.end = lines.end.max(visited.end);
-        passes
-    }
 }
 
 #[cfg(test)]

@@ -63,7 +63,7 @@ impl Order for Tiles {
         rounds.clamp(2, ROUNDS.into()) as u32
     }
 
-    /// Makes the list that the last recording has left the first one.
+    /// Makes the list that the last recording has left the list of the first round.
     fn go_on(&self, recorder: &Recorder) {
         let later = offset::VISITS - offset::round(1);
         let (list, tiles) = (offset::round(1) - offset::round(0), recorder.tile_bytes());

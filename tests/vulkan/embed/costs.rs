@@ -106,7 +106,7 @@ fn row(host: &mut Host, solver: &embed::Solver, schedule: Schedule, side: usize)
 
     let decisions = host.buffer(Slots::DECISION_BYTES, true);
     let decided = Decided { buffer: decisions.handle, offset: 0, portions: 1 };
-    let slots = Slots { decisions: Some(decided), ..Slots::default() };
+    let slots = Slots::default().with_decisions(decided);
     let passes = solver.passes_of_frame(&surface, &plan, Grain::Blocks);
     let profile = Profile::new(passes, Grain::Blocks, slots);
     host.run(|commands| {

@@ -103,7 +103,7 @@ fn a_slot_in_flight_is_not_recorded_again() {
     assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
 }
 
-/// Without layers, which would report images that were never given a layout. Data that an earlier surface has
+/// The test uses no layers, which would report images that were never given a layout. Data that an earlier surface has
 /// left in the memory do not count as a preparation of this one.
 #[test]
 fn a_preparation_that_never_ran_shows() {

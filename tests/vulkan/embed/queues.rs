@@ -31,7 +31,7 @@ fn read() -> Access {
 const LEVELS: [f32; 5] = [3.0, 6.5, 10.0, 15.0, 24.0];
 const ROOM: u32 = 8192;
 
-/// How queue families access the resources of both queues.
+/// The way in which queue families access the resources of both queues.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
     /// Images and the host's buffers are created for both families.

@@ -57,7 +57,8 @@ fn maps(mut host: Kept) -> Vec<(Vec<f32>, u32)> {
     maps
 }
 
-/// With the layers and without them, where no barrier separates the scans of a pair. The layers report nothing.
+/// Maps are compared with the layers and without them, where no barrier separates the scans of a pair. The layers
+/// report nothing.
 #[test]
 fn frames_in_pairs_have_the_maps_of_frames_in_turn() {
     for sizes in [(64, 4), (16, 2)] {

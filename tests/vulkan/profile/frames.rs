@@ -155,16 +155,18 @@ fn missing_results_are_not_waited_for() {
 fn passes_without_room_are_counted() {
     let mut renderer = Renderer::new(Host::new(), Schedule::Raster, Tools::default());
     let all = renderer.timed_frame().1.len() as u32;
-    let timestamps = Some(QueryRange { pool: renderer.pool, first: 2, count: 11 });
-    renderer.profile = Profile::new(100, Grain::Blocks, Slots { timestamps, ..Slots::default() });
+    let range = QueryRange { pool: renderer.pool, first: 2, count: 11 };
+    let slots = Slots::default().with_timestamps(range);
+    renderer.profile = Profile::new(100, Grain::Blocks, slots);
     let device = &renderer.host.device;
     renderer.host.run(|commands| renderer.frame(device, commands, true));
     let found = renderer.profile.resolve(device, Some(renderer.clock), None).unwrap().unwrap();
     // Without a buffer for decisions, the two copies of them are not recorded.
     assert_eq!((found.passes.len(), found.left_out), (10, all - 2 - 10));
     // An empty range counts as none.
-    let timestamps = Some(QueryRange { pool: renderer.pool, first: 2, count: 0 });
-    renderer.profile = Profile::new(all, Grain::Blocks, Slots { timestamps, ..Slots::default() });
+    let range = QueryRange { pool: renderer.pool, first: 2, count: 0 };
+    let slots = Slots::default().with_timestamps(range);
+    renderer.profile = Profile::new(all, Grain::Blocks, slots);
     renderer.host.run(|commands| renderer.frame(device, commands, true));
     let found = renderer.profile.resolve(device, Some(renderer.clock), None).unwrap().unwrap();
     assert_eq!((found.passes.len(), found.left_out), (all as usize - 2, 0));

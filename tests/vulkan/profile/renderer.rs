@@ -59,9 +59,9 @@ impl Renderer {
             .query_count(2 + count + 1);
         let pool = unsafe { device.create_query_pool(&info, None) }.unwrap();
         let decisions = host.buffer(Slots::DECISION_BYTES, true);
-        let timestamps = Some(QueryRange { pool, first: 2, count: count + 1 });
+        let timestamps = QueryRange { pool, first: 2, count: count + 1 };
         let decided = Decided { buffer: decisions.handle, offset: 0, portions: 1 };
-        let slots = Slots { timestamps, decisions: Some(decided), ..Slots::default() };
+        let slots = Slots::default().with_timestamps(timestamps).with_decisions(decided);
         let profile = Profile::new(count, grain, slots);
         let family = crate::host::family(&host.instance, host.physical_device);
         let clock = Clock::of(&host.instance, host.physical_device, family).unwrap();
@@ -78,8 +78,8 @@ impl Renderer {
             .query_type(vk::QueryType::TIMESTAMP)
             .query_count(passes + 1);
         let pool = unsafe { self.host.device.create_query_pool(&info, None) }.unwrap();
-        let timestamps = Some(QueryRange { pool, first: 0, count: passes + 1 });
-        (Profile::new(passes, grain, Slots { timestamps, ..Slots::default() }), pool)
+        let range = QueryRange { pool, first: 0, count: passes + 1 };
+        (Profile::new(passes, grain, Slots::default().with_timestamps(range)), pool)
     }
 
     pub fn frame(

@@ -47,7 +47,7 @@ pub use visits::{Visit, Visits};
 pub struct Picture<'a> {
     /// The surface on which the map was computed.
     pub surface: &'a Surface,
-    /// The same grid with positions, for shading and proportions.
+    /// The grid with positions, for shading and proportions.
     pub shape: &'a Surface,
     pub map: &'a DistanceMap,
     pub sources: &'a Sources,

@@ -13,7 +13,7 @@ use super::raster::Paint;
 pub struct Regions<'a> {
     /// The surface on which the map was computed.
     pub surface: &'a Surface,
-    /// The same grid with positions.
+    /// The grid with positions.
     pub shape: &'a Surface,
     pub sources: &'a Sources,
     /// The distances from the sources.

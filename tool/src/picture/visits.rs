@@ -20,7 +20,7 @@ pub struct Visit {
 /// Visits in rows, with the meanings of the colours.
 pub struct Visits<'a> {
     pub surface: &'a Surface,
-    /// The same grid with positions, for proportions.
+    /// The grid with positions, for proportions.
     pub shape: &'a Surface,
     pub sources: &'a Sources,
     pub rows: &'a [Vec<Visit>],

@@ -7,18 +7,19 @@ use geosweep::io::{Georeference, GridFrame};
 use geosweep::shown::exact;
 use geosweep::surface::{Chart, GeodeticGrid, SourceError, SurfaceError};
 
-/// A grid of a file on the Earth. Its places are *given*, those of the surface's grid are not.
+/// The grid of a file on the Earth. Its rows, columns and points are called *given*, in contrast to those of the
+/// surface's grid.
 pub struct Earth {
     pub grid: GeodeticGrid,
     /// The size of the given grid.
     pub chart: Chart,
     /// The given grid in longitudes and latitudes, up to the ends of the surface.
     pub frame: GridFrame,
-    /// Whether each given point is no hole.
+    /// Whether each given point is present.
     present: Vec<bool>,
 }
 
-/// Columns within which a vertex is taken for one on the line where the grid begins and ends.
+/// Largest distance in columns at which a vertex counts as lying on the line where the grid begins and ends.
 const ON_SEAM: f64 = 1e-6;
 
 impl Earth {
@@ -69,8 +70,8 @@ impl Earth {
         }
     }
 
-    /// Returns a curve whose vertices on the seam are on the side of their neighbours off it, of which the one before
-    /// counts first. Where the curve crosses the seam there, it has the vertex on both sides.
+    /// Moves each vertex on the seam to the side of the nearest vertex off the seam: of the one before, or else of
+    /// the one after. Where the curve crosses the seam, the vertex is repeated on the other side.
     fn on_sides(&self, given: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let end = self.last()[1] as f64 + self.grid.margins()[1][1];
         let is_on =
@@ -121,12 +122,12 @@ impl Earth {
         values.iter().zip(&self.present).map(value).collect()
     }
 
-    /// Returns the number of given points of the surface that are no holes.
+    /// Returns the number of given points of the surface that are present.
     pub fn points(&self, surface: &Surface) -> usize {
         self.grid.crop(surface.present()).into_iter().filter(|&present| present).count()
     }
 
-    /// Lets an error on sources name given places.
+    /// Converts places in an error on sources to given ones.
     pub fn of_sources(&self, mut error: SourceError) -> SourceError {
         match &mut error {
             SourceError::Outside { row, col, .. }
@@ -138,7 +139,7 @@ impl Earth {
         error
     }
 
-    /// Lets an error on paths name given places.
+    /// Converts places in an error on paths to given ones.
     pub fn of_paths(&self, mut error: PathError) -> PathError {
         match &mut error {
             PathError::Source(_) => {}
@@ -172,6 +173,6 @@ pub fn parts(vertices: Vec<[f64; 2]>, surface: &Surface) -> Vec<Vec<[f64; 2]>> {
     let first = vertices.first().copied();
     let parts = Curve { vertices, closed: false }.parts(surface);
     let parts: Vec<_> = parts.into_iter().map(|part| part.vertices).collect();
-    // All vertices of a curve without a part are one place.
+    // A curve without parts has all vertices at one place.
     if parts.is_empty() { first.into_iter().map(|place| vec![place]).collect() } else { parts }
 }

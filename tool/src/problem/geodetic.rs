@@ -32,9 +32,9 @@ pub struct GeodeticArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Registration {
-    /// At the middles of cells, of which the extent is the outer edge: 180 x 360 values for the Earth at one degree
+    /// Values at the middles of cells, of which the extent is the outer edge: 180 x 360 values for the Earth at one degree
     Pixel,
-    /// On lines, of which the outermost are the extent: 181 x 361 values
+    /// Values on lines, of which the outermost are the extent: 181 x 361 values
     Gridline,
 }
 

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use geosweep::Surface;
 use geosweep::surface::{Gluing, Seam};
 
-/// Which sides of the grid are the same line of the surface.
+/// The sides of the grid that are the same line of the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Glue {
     /// All sides that coincide, as the warning about closed surfaces lists them

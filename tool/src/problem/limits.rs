@@ -27,7 +27,7 @@ pub struct LimitArgs {
     /// File of targets, as for --source-points of `geosweep distance`; repeatable
     #[arg(long, value_name = "FILE", help_heading = "Part of the map")]
     targets: Vec<PathBuf>,
-    /// Which targets the map needs
+    /// The targets that the map needs
     #[arg(long, value_enum, default_value_t, help_heading = "Part of the map")]
     target_mode: TargetMode,
 }

@@ -1,4 +1,4 @@
-//! Holds what all commands on a distance map share: the arguments for the surface, the sources and the
+//! Provides what all commands on a distance map share: the arguments for the surface, the sources and the
 //! solver, and the computation of the map.
 
 mod args;
@@ -57,7 +57,7 @@ pub fn solve<R: Number>(
     Ok(map)
 }
 
-/// Computes the map in single precision, or in double precision and rounds it. Returns both then.
+/// Computes the map. Returns it in single precision, and also in double precision if it was computed so.
 pub fn solve_in(
     precision: Precision,
     scene: &Scene,
@@ -73,8 +73,8 @@ pub fn solve_in(
     }
 }
 
-/// Returns the value of a map in double precision, if there is one, at a place on the surface's grid, if it is a grid
-/// point.
+/// Returns the value of a map in double precision at a place of the grid. Returns `None` without such a map, and
+/// between grid points.
 pub fn double_at(map: Option<&DistanceMap<f64>>, [row, col]: [f64; 2]) -> Option<f64> {
     let is_point = row.fract() == 0.0 && col.fract() == 0.0;
     map.filter(|_| is_point).map(|map| map.distance(row as usize, col as usize))
@@ -118,7 +118,7 @@ pub fn done_with_map(scene: &Scene, report: &Report, written: &Written) {
     done_with(scene, report, [], written);
 }
 
-/// Prints what was computed, how, what was made of the map (`made`), and what was written.
+/// Prints what was computed and how, then `made`, the results that follow from the map, then the files written.
 pub fn done_with(
     scene: &Scene,
     report: &Report,

@@ -8,6 +8,7 @@
 //! two-scale methods for eikonal equations", 2012), where cells wait in a heap.
 
 mod order;
+mod patch;
 mod room;
 mod visit;
 
@@ -28,10 +29,11 @@ use crate::cpu::scan::Scan;
 use crate::surface::{Block, EdgeLengths, Real, Seed, Tiling, relative_change};
 use crate::{Convergence, Monitor, Stop};
 use order::Dues;
+use patch::{Patch, Woken};
 use room::{Pool, Room};
 use visit::Visits;
 
-/// Borrows what the visits of a round share, and nothing else of the scanner.
+/// Borrows the fields of the scanner that the visits of a round share, and no others.
 macro_rules! visits {
     ($scanner:ident, $window:ident, $reach:ident) => {
         Visits {
@@ -46,14 +48,14 @@ macro_rules! visits {
     };
 }
 
-/// How a map is solved by patches.
+/// Parameters of a solution by patches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::cpu) struct Plan {
     /// Number of points on a side of a patch, a multiple of [`TILE`].
     pub side: usize,
-    /// A patch waits if it is due later than the first one by more than these sides of a patch.
+    /// Time, in sides of a patch, by which a patch may be due after the first one. Later patches wait.
     pub band: f64,
-    /// A patch waits if it is due later than a neighbour by more than these sides of a patch.
+    /// Time, in sides of a patch, by which a patch may be due after a neighbour. Later patches wait.
     pub lag: f64,
     /// Largest number of iterations in a visit.
     pub inner: u32,
@@ -68,31 +70,8 @@ impl Plan {
     }
 }
 
-/// Part of the tolerance from which on a change is passed on to a neighbour.
+/// Divisor of the tolerance. A change above this part of the tolerance is passed on to a neighbour.
 const PASSED_ON: u32 = 8;
-
-/// A part of the grid that is visited as one.
-#[derive(Clone, Debug)]
-struct Patch {
-    /// The points of the patch.
-    block: Block,
-    /// The patch and the tiles around it.
-    window: Window,
-    /// The tiles of the window, with the changes that the patch has yet to see.
-    tiles: Tiles,
-    progress: Progress,
-}
-
-/// A patch along whose border something has changed.
-struct Woken<'p, R: Real> {
-    number: usize,
-    patch: &'p mut Patch,
-    /// The time of the earliest front that has changed by more than the tolerance.
-    time: R,
-    /// Number of points that were examined, and whether a scan has work.
-    looked: u64,
-    is_due: bool,
-}
 
 /// A solver by patches for one kind of front.
 #[derive(Clone, Debug)]
@@ -155,7 +134,7 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
         }
     }
 
-    /// Examines all patches in which a scan has yet to see some change.
+    /// Examines all patches with a change that some scan has not seen.
     fn wake_unsettled(&mut self) {
         for (patch, woken) in self.patches.iter().zip(&mut self.woken) {
             if Scan::ALL.iter().any(|&scan| patch.tiles.has_pending(scan)) {
@@ -184,7 +163,7 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
         self.patches.iter_mut().for_each(|patch| patch.progress = Progress::new(stop));
     }
 
-    /// Starts fronts from those seeds that arrive before the map.
+    /// Starts fronts from the seeds that are earlier than the map at their points.
     fn seed(&mut self, seeds: &[Seed]) {
         let (chart, mut earlier) = (self.on.chart(), Vec::new());
         let fronts = (self.times.as_mut_slice(), self.carried.as_mut_slice());
@@ -196,7 +175,7 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
         earlier.into_iter().for_each(|(place, time)| self.touch(place, time));
     }
 
-    /// Notes, for all patches that see it, that a point has changed at a time.
+    /// Tells all patches that see a point that its front has changed to `time`.
     fn touch(&mut self, (row, col): (usize, usize), time: R) {
         for (near_row, near_col) in self.on.chart().around((row, col), self.reach()).places() {
             let ((tile_row, tile_col), _) = self.tiling.tile_of((near_row, near_col));
@@ -206,7 +185,7 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
         }
     }
 
-    /// Returns the distance from which points may see a point.
+    /// Returns the largest distance, in rows and columns, from which an update reads a point.
     fn reach(&self) -> usize {
         let is_split = K::NEEDS_EDGES && self.on.edges.has_obtuse_triangles();
         if is_split { SPLIT_REACH as usize } else { 1 }
@@ -297,7 +276,8 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
                 let Patch { tiles, progress, .. } = &mut self.patches[news.to];
                 tiles.touch(news.at.0, news.at.1);
                 // Changes within the tolerance add up from patch to patch, so a fraction of it is passed on.
-                // A patch that has gone on for long sees larger ones only, so that iterations end.
+                // A patch that no longer renews fronts is told of changes above the tolerance only, so that
+                // iterations end.
                 let least =
                     if progress.renews() { tolerance / PASSED_ON.into() } else { tolerance };
                 if news.change <= least {
@@ -429,16 +409,4 @@ impl<R: Real, K: LaneKind<R>> Scans<R> for PatchScanner<R, K> {
     fn boxed(&self) -> Box<dyn Scans<R>> {
         Box::new(self.clone())
     }
-}
-
-/// News from a patch for a neighbour: a tile along their border has changed.
-#[derive(Clone, Copy, Debug)]
-struct News<R: Real> {
-    /// The neighbour.
-    to: usize,
-    /// A point of the tile.
-    at: (usize, usize),
-    /// The earliest time that has changed by more than rounding, and the largest change.
-    time: R,
-    change: R::Bits,
 }

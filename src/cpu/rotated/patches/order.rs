@@ -2,7 +2,7 @@
 
 use crate::surface::{Chart, Real};
 
-/// When each patch is due.
+/// Times at which patches are due.
 #[derive(Clone, Debug)]
 pub(super) struct Dues<R> {
     /// The chart of the patches.
@@ -30,7 +30,7 @@ impl<R: Real> Dues<R> {
         *due = Some(due.map_or(time, |due| due.min(time)));
     }
 
-    /// Takes the patches of the next round, at most `most` and the earliest ones of these, in ascending order.
+    /// Removes and returns the patches of the next round in ascending order: the earliest ones, at most `most`.
     /// Patches that are due later than `limit` are never visited.
     pub(super) fn next_round(&mut self, most: usize, limit: R) -> Vec<usize> {
         let Some(first) = self.due.iter().flatten().copied().reduce(R::min) else {

@@ -2,13 +2,13 @@
 
 use std::sync::Mutex;
 
-use super::News;
+use super::patch::News;
 use crate::cpu::lines::window::{Fronts, Window};
 use crate::cpu::rotated::changed::Changed;
 use crate::cpu::rotated::panel::Panel;
 use crate::cpu::rotated::scan_copy::ScanCopy;
 use crate::cpu::rotated::tiles::Tiles;
-use crate::surface::{Block, Chart, Real};
+use crate::surface::{Block, Chart, Direction, Real};
 use crate::update::Carried;
 
 /// The fronts in the window of a visited patch, and the outcome of the visit.
@@ -17,15 +17,15 @@ pub(super) struct Room<R: Real, C> {
     pub copy: ScanCopy<R, C>,
     /// Blocks that hold all tiles of the patch that have changed.
     changed: Vec<Block>,
-    /// How the window's tiles have changed.
+    /// Changes of the window's tiles.
     pub marks: Vec<Changed>,
     /// News for the neighbours.
     pub news: Vec<News<R>>,
     /// Number of iterations of the visit.
     pub iterations: u32,
-    /// Whether the last iteration changed nothing by more than the tolerance, and otherwise the earliest time
-    /// from which the patch has to go on.
+    /// Whether the last iteration changed nothing by more than the tolerance.
     pub settled: bool,
+    /// Earliest time that is left to update, if the patch has not settled.
     pub first: R,
     /// Number of points that were examined before scans started, since the start of the map.
     pub looked: u64,
@@ -70,7 +70,8 @@ impl<R: Real, C: Carried> Room<R, C> {
         own.fill_border_rows(carried, C::default());
         for row in rows {
             let (here, there) = (window.index(row, cols.start), from.window.index(row, cols.start));
-            let ends = [here - 1, here + cols.len()];
+            let last = here + cols.len() - 1;
+            let ends = [own.beside(here, Direction::West), own.beside(last, Direction::East)];
             times[here..][..cols.len()].copy_from_slice(&from.times[there..][..cols.len()]);
             carried[here..][..cols.len()].copy_from_slice(&from.carried[there..][..cols.len()]);
             // At the grid's border nothing lies beyond the block.

@@ -1,7 +1,7 @@
 //! Visits a patch: scans it until it has settled, and finds out what its neighbours have to know.
 
+use super::patch::{News, Patch, Woken};
 use super::room::{Pool, Room};
-use super::{News, Patch, Woken};
 use crate::cpu::fronts::LaneKind;
 use crate::cpu::lines::span::{Before, TILE};
 use crate::cpu::lines::window::Fronts;
@@ -21,7 +21,7 @@ pub(super) struct Visits<'v, R: Real, K: LaneKind<R>> {
     pub far: Fronts<'v, R, K::Carried>,
     pub panels: &'v Pool<R, K::Carried, K::SurfaceData>,
     pub tiling: Tiling,
-    /// Distance from which points may see a point.
+    /// Largest distance, in rows and columns, from which an update reads a point.
     pub reach: usize,
     /// Largest number of iterations.
     pub inner: u32,

@@ -27,19 +27,19 @@ pub struct Args {
     /// Columns of each grid; the face has a quarter more rows
     #[arg(long, value_name = "N", default_value_t = 54, value_parser = columns)]
     size: usize,
-    /// Print one JSON object (docs/json.md) with surfaces, an array with an object for each: title, points,
-    /// stress_1, and deviation from the first bending's form (null for the face)
+    /// Print one JSON object (docs/json.md) with an array `surfaces`. Each has title, points, stress_1, and
+    /// deviation: the distance from the first bending's form (null for the face and that bending)
     #[arg(long)]
     json: bool,
 }
 
 const EXAMPLES: &str = "\
-Above are a face and three surfaces that bend into one another without stretching: a
-helicoid, a catenoid and one between them. Below are their canonical forms by
-least-squares scaling of all geodesic distances, rotated for the smallest squared
-difference. Apart from the errors of the distances, the three bendings have the same
-form. The number under each is its distance from the form of the first, as a fraction
-of its size (root mean squares).
+The upper row shows a face and three surfaces that bend into one another without
+stretching: a helicoid, a catenoid and one between them. The lower row shows their
+canonical forms, by least-squares scaling of all geodesic distances. Forms are rotated
+so that they differ least. The three bendings have the same form, apart from errors of
+the distances. The number under a form is its distance from the form of the helicoid,
+as a fraction of its size (root mean squares).
 
 Examples:
   geosweep figure canonical -o canonical.png
@@ -57,7 +57,7 @@ fn columns(text: &str) -> Result<usize, String> {
     }
 }
 
-/// A surface, its form in the pose in which it is shown, and the view of both.
+/// A surface and its canonical form as the figure shows them.
 struct Study {
     title: &'static str,
     surface: Surface,

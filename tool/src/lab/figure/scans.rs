@@ -17,9 +17,10 @@ pub struct Args {
 }
 
 const EXAMPLES: &str = "\
-Above are the two triangles from which each directed raster scan, and each scan turned
-by 45 degrees, updates a point, with the order of the scan. Below is the order of
-updates in one scan of each kind. Updates with the same number run at the same time.
+The upper rows show the two triangles from which a scan updates a point, and the order
+of the scan: first directed raster scans, then scans turned by 45 degrees. The lower row
+shows the order of updates in one scan of each kind. Updates with the same number run at
+the same time.
 
 Example:
   geosweep figure scans -o scans.png";

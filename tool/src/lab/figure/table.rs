@@ -1,4 +1,4 @@
-//! Holds what the tables beside the paper's tables share.
+//! Defines what figures that reproduce the paper's tables share.
 
 /// The rows of one of the paper's tables: the number of points per side, and the paper's values for such a
 /// grid.
@@ -21,7 +21,7 @@ impl<const ROWS: usize, const N: usize> Paper<ROWS, N> {
     }
 }
 
-/// Returns the machine as the end of a phrase.
+/// Returns " on a MACHINE", or nothing if the machine is not known.
 pub fn on_a(machine: Option<&String>) -> String {
     machine.map_or(String::new(), |machine| format!(" on a {machine}"))
 }
@@ -31,7 +31,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cells_are_empty_beside_sizes_that_the_paper_has_not() {
+    fn cells_are_empty_for_sizes_that_the_paper_does_not_have() {
         let paper = Paper([(32, [0.5, 2.0]), (64, [1.0, 3.0])]);
         let cells = |side| paper.cells(side, |[a, b]| [(b / a).to_string()]);
         assert_eq!((paper.sides(), cells(64), cells(33)), ([32, 64], ["3".into()], ["".into()]));

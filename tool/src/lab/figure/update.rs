@@ -1,4 +1,4 @@
-//! Implements `geosweep figure update`: the subject of the paper's figures 1 and 2, in a new drawing.
+//! Implements `geosweep figure update`: a new drawing of what the paper's figures 1 and 2 show.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -17,10 +17,10 @@ pub struct Args {
 }
 
 const EXAMPLES: &str = "\
-The left panel has a point of the grid with the two directions of its parameters and
-one of its triangles. The middle panel has the same on a surface, where the directions
-have lengths and an angle. The right panel has the planar update: the straight front
-that reaches x₁ and x₂ at t₁ and t₂ reaches x₀ at t₀.
+The left panel shows a point of the grid, the directions of rows and columns, and one of
+the point's triangles. The middle panel shows them on a surface, where the directions
+have lengths and an angle. The right panel shows the planar update: a straight front
+reaches x₁ at t₁, x₂ at t₂ and x₀ at t₀.
 
 Example:
   geosweep figure update -o update.png";

@@ -22,7 +22,7 @@ pub use over_map::MapPicture;
 pub struct CurvePicture<'a> {
     /// The surface on which the map was computed.
     pub surface: &'a Surface,
-    /// The same grid with positions.
+    /// The grid with positions.
     pub shape: &'a Surface,
     /// One value per grid point, infinite where there is none.
     pub values: &'a [f32],
@@ -169,7 +169,7 @@ impl CurvePicture<'_> {
         }
     }
 
-    /// Writes the names. `pixel` returns where a place is in the picture.
+    /// Writes the names. `pixel` converts a place to its position in the picture.
     fn write_names(
         &self,
         canvas: &mut Canvas,

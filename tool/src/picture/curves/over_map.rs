@@ -11,7 +11,7 @@ use crate::picture::{Canvas, scale_of};
 pub struct MapPicture<'a> {
     /// The surface on which the map was computed.
     pub surface: &'a Surface,
-    /// The same grid with positions.
+    /// The grid with positions.
     pub shape: &'a Surface,
     pub map: &'a DistanceMap,
     pub sources: &'a Sources,

@@ -1,10 +1,10 @@
 //! Converts sources to the form in which shaders read them.
 
-use super::TexelChart;
-pub(crate) use super::device::shaders::seed::SeedTexel;
 use crate::constants::WHOLE;
 use crate::surface::{FAR, Seed, Tagged};
 use crate::update::{Curvature, Wavefront, tag_of};
+use crate::vulkan::TexelChart;
+pub(crate) use crate::vulkan::device::shaders::seed::SeedTexel;
 
 /// Bytes of a source as `glsl/passes/sources.comp` reads it.
 pub(crate) const SOURCE_BYTES: usize = 16;

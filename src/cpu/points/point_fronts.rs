@@ -1,10 +1,10 @@
 //! Holds the fronts at all points of a bordered array, and updates them one by one.
 
-use super::behind::Behind;
+use crate::cpu::behind::Behind;
+use crate::cpu::fronts::PointKind;
 #[cfg(any(test, feature = "twins"))]
-use super::exchange::{after_arrival, earliest};
-use super::fronts::PointKind;
-use super::solution::Solution;
+use crate::cpu::fronts::exchange::{after_arrival, earliest};
+use crate::cpu::solution::Solution;
 #[cfg(any(test, feature = "twins"))]
 use crate::surface::Groups;
 use crate::surface::{EdgeLengths, Real, Seed};
@@ -14,10 +14,10 @@ use crate::update::{Kept, SEED};
 
 /// The fronts at all points while a solver works on them.
 #[derive(Clone)]
-pub(super) struct PointFronts<R: Real, K: PointKind<R>> {
+pub(in crate::cpu) struct PointFronts<R: Real, K: PointKind<R>> {
     pub edges: EdgeLengths<R>,
     pub kind: K,
-    /// Fronts that come later do not matter. They reach no point for the first time.
+    /// Time after which fronts do not matter. Later fronts reach no further points.
     #[cfg(any(test, feature = "twins"))]
     limit: R,
     times: Vec<R>,
@@ -26,7 +26,7 @@ pub(super) struct PointFronts<R: Real, K: PointKind<R>> {
 
 impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
     /// Creates fronts where only the seeds are reached.
-    pub(super) fn start(edges: &EdgeLengths<R>, kind: K, seeds: &[Seed]) -> Self {
+    pub(in crate::cpu) fn start(edges: &EdgeLengths<R>, kind: K, seeds: &[Seed]) -> Self {
         let points = edges.chart().bordered_points();
         let (times, carried) = (vec![R::FAR; points], vec![K::Carried::default(); points]);
         let mut fronts = Self {
@@ -47,7 +47,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
     }
 
     /// Restores seeds that are lost ([`Seed::is_lost`]). Returns whether there were any.
-    pub(super) fn restore(&mut self, seeds: &[Seed]) -> bool {
+    pub(in crate::cpu) fn restore(&mut self, seeds: &[Seed]) -> bool {
         let any = K::has_lost(self.edges.chart(), seeds, &self.times);
         if any {
             self.seed(seeds);
@@ -57,13 +57,13 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
 
     /// Returns the arrival time at a point.
     #[inline]
-    pub(super) fn time(&self, point: usize) -> R {
+    pub(in crate::cpu) fn time(&self, point: usize) -> R {
         self.times[point]
     }
 
     /// Returns the front at a point.
     #[inline]
-    pub(super) fn at(&self, point: usize) -> Kept<R, K::Carried> {
+    pub(in crate::cpu) fn at(&self, point: usize) -> Kept<R, K::Carried> {
         Kept { time: self.times[point], carried: self.carried[point] }
     }
 
@@ -73,13 +73,13 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
 
     /// Returns the first of the fronts that reach a point through the two triangles of a scan.
     #[inline]
-    pub(super) fn reach(&self, point: usize, behind: &Behind) -> K::Arrival {
+    pub(in crate::cpu) fn reach(&self, point: usize, behind: &Behind) -> K::Arrival {
         self.reach_seen(point, behind, |x| self.at(x))
     }
 
     /// Returns what [`Self::reach`] returns, with the fronts at other points given by `seen`.
     #[inline]
-    pub(super) fn reach_seen(
+    pub(in crate::cpu) fn reach_seen(
         &self,
         point: usize,
         behind: &Behind,
@@ -90,14 +90,14 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
 
     /// Accepts a front at a point if it is the first. Returns the change of the time.
     #[inline]
-    pub(super) fn lower(&mut self, point: usize, arrival: K::Arrival) -> R::Bits {
+    pub(in crate::cpu) fn lower(&mut self, point: usize, arrival: K::Arrival) -> R::Bits {
         self.accept(point, arrival, SEED, false)
     }
 
     /// Accepts a front that a scan, numbered from 1, brings to a point
-    /// ([`accept`](super::fronts::FrontKind::accept)). Returns the change of the front.
+    /// ([`accept`](crate::cpu::fronts::FrontKind::accept)). Returns the change of the front.
     #[inline]
-    pub(super) fn accept(
+    pub(in crate::cpu) fn accept(
         &mut self,
         point: usize,
         arrival: K::Arrival,
@@ -114,7 +114,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         self.change(before, after)
     }
 
-    /// Returns how much a front has changed. A front that is and was later than the limit does not count.
+    /// Returns how much a front has changed, or 0 if it was later than the limit before and after.
     #[inline]
     fn change(&self, before: Kept<R, K::Carried>, after: Kept<R, K::Carried>) -> R::Bits {
         #[cfg(any(test, feature = "twins"))]
@@ -124,7 +124,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         K::change(before, after)
     }
 
-    pub(super) fn finish(self, iterations: u32, residual: f64) -> Solution<R> {
+    pub(in crate::cpu) fn finish(self, iterations: u32, residual: f64) -> Solution<R> {
         Solution::new(self.edges.chart(), self.times, iterations, residual)
     }
 }
@@ -132,8 +132,8 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
 /// Further methods for the shaders' twins.
 #[cfg(any(test, feature = "twins"))]
 impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
-    /// Creates fronts where only the seeds within a radius are reached, and nothing beyond it will be.
-    pub(super) fn start_within(
+    /// Creates the fronts of the seeds within a radius. Points beyond the radius are never reached.
+    pub(in crate::cpu) fn start_within(
         edges: &EdgeLengths<R>,
         kind: K,
         seeds: &[Seed],
@@ -144,23 +144,23 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
     }
 
     /// Returns the time after which fronts do not matter.
-    pub(super) fn limit(&self) -> R {
+    pub(in crate::cpu) fn limit(&self) -> R {
         self.limit
     }
 
     /// Returns the change of the front at a point since `before`, as [`Self::accept`] measures it.
-    pub(super) fn change_from(&self, before: &Self, point: usize) -> R::Bits {
+    pub(in crate::cpu) fn change_from(&self, before: &Self, point: usize) -> R::Bits {
         self.change(before.at(point), self.at(point))
     }
 
     /// Copies the front at a point from `from`.
-    pub(super) fn copy_point(&mut self, from: &Self, point: usize) {
+    pub(in crate::cpu) fn copy_point(&mut self, from: &Self, point: usize) {
         self.set(point, from.at(point));
     }
 
-    /// Lets all copies of each point of a glued surface take the earliest front of theirs. Calls `changed` with
+    /// Gives all copies of each point of a glued surface the earliest front among them. Calls `changed` with
     /// each point whose front changes, and the fronts there before and after. Returns the largest change.
-    pub(super) fn exchange(
+    pub(in crate::cpu) fn exchange(
         &mut self,
         renews: bool,
         mut changed: impl FnMut((usize, usize), [Kept<R, K::Carried>; 2]),
@@ -183,7 +183,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
     /// Takes the earliest of the fronts that four scans have left at a point, and returns the change. `copies`
     /// are in the order of the scans. In each copy only a front that the copy's own scan brought counts. Any
     /// other front there is the present one, and stays, unless it has been taken back.
-    pub(super) fn take_first(&mut self, copies: &[Self; 4], point: usize) -> R::Bits {
+    pub(in crate::cpu) fn take_first(&mut self, copies: &[Self; 4], point: usize) -> R::Bits {
         let before = self.at(point);
         let (mut taken, mut left): (Option<Kept<R, K::Carried>>, _) = (None, before);
         for (copy, scan) in copies.iter().zip(1..) {

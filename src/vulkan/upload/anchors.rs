@@ -1,10 +1,10 @@
 //! Numbers the anchors of fronts over a floor plan for shaders. The twin of `glsl/update/anchors.glsl` and of
 //! the numbers in `glsl/update/anchored.glsl`.
 
-use super::TexelChart;
 use crate::constants::{FIRST_INSIDE, SOURCES_INSIDE};
 use crate::surface::{Seed, Surface};
 use crate::update::{Anchor, InsideSources};
+use crate::vulkan::TexelChart;
 
 /// Bytes of the sources inside cells and of the metric, where shaders find them.
 pub(crate) const ANCHOR_BYTES: usize = (SOURCES_INSIDE as usize + 1) * size_of::<[f32; 4]>();

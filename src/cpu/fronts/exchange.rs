@@ -1,7 +1,7 @@
 //! Finds the earliest front of all copies of a point on a glued surface, and what each copy makes of it. The twin
 //! of `glsl/passes/exchange.comp`.
 
-use super::fronts::FrontKind;
+use super::FrontKind;
 use crate::constants::COPIES_TOGETHER;
 use crate::surface::Real;
 use crate::update::{Carried, EXACT, EXCHANGED, Kept};

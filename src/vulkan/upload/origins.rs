@@ -2,11 +2,11 @@
 
 use std::collections::HashMap;
 
-use super::TexelChart;
-use super::upload::curvatures;
+use super::seeds::curvatures;
 use crate::constants::{SOURCES_INSIDE, WHOLE};
 use crate::surface::{Origin, Seed, Tagged};
 use crate::update::{Curvature, SEED};
+use crate::vulkan::TexelChart;
 
 /// Largest number of origins in shaders. Fronts of further origins carry their curvature.
 const MOST: usize = SOURCES_INSIDE as usize / 2;
@@ -16,25 +16,25 @@ type Words = [[f32; 4]; 2];
 
 /// Origins of a map, numbered in the order in which they come.
 #[derive(Debug, Default)]
-pub(super) struct NumberedOrigins {
+pub(in crate::vulkan) struct NumberedOrigins {
     numbers: HashMap<[u64; 5], u32>,
     words: Vec<Words>,
 }
 
 impl NumberedOrigins {
-    pub(super) fn is_empty(&self) -> bool {
+    pub(in crate::vulkan) fn is_empty(&self) -> bool {
         self.words.is_empty()
     }
 
     /// Forgets the origins of the last map.
-    pub(super) fn forget(&mut self) {
+    pub(in crate::vulkan) fn forget(&mut self) {
         self.numbers.clear();
         self.words.clear();
     }
 
     /// Returns what the fronts at seeds carry: the numbers of their origins, or their curvatures if the
     /// origin is unknown.
-    pub(super) fn carried(&mut self, seeds: &[Seed]) -> Vec<f32> {
+    pub(in crate::vulkan) fn carried(&mut self, seeds: &[Seed]) -> Vec<f32> {
         let mut carried = curvatures(seeds);
         for (carried, seed) in carried.iter_mut().zip(seeds) {
             if let Some(number) = seed.origin.and_then(|origin| self.number(&origin)) {
@@ -61,7 +61,7 @@ impl NumberedOrigins {
     }
 
     /// Writes the origins to where shaders find them.
-    pub(super) fn write(&self, bytes: &mut [u8]) {
+    pub(in crate::vulkan) fn write(&self, bytes: &mut [u8]) {
         let words: &[u8] = bytemuck::cast_slice(&self.words);
         bytes[..words.len()].copy_from_slice(words);
     }

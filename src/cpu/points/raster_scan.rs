@@ -1,11 +1,11 @@
 //! Solves by four directed raster scans, row by row (Algorithm 3).
 
-use super::Progress;
-use super::behind::Behind;
-use super::fronts::{PointKind, for_kind};
 use super::point_fronts::PointFronts;
-use super::solution::Solution;
 use crate::Stop;
+use crate::cpu::Progress;
+use crate::cpu::behind::Behind;
+use crate::cpu::fronts::{PointKind, for_kind};
+use crate::cpu::solution::Solution;
 use crate::surface::{Direction, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 

@@ -1,0 +1,41 @@
+//! Defines patches, and what their visits exchange.
+
+use crate::cpu::lines::window::Window;
+use crate::cpu::progress::Progress;
+use crate::cpu::rotated::tiles::Tiles;
+use crate::surface::{Block, Real};
+
+/// A part of the grid that is visited as one.
+#[derive(Clone, Debug)]
+pub(super) struct Patch {
+    /// The points of the patch.
+    pub block: Block,
+    /// The patch and the tiles around it.
+    pub window: Window,
+    /// The tiles of the window, with the changes that the patch has yet to see.
+    pub tiles: Tiles,
+    pub progress: Progress,
+}
+
+/// A patch along whose border something has changed.
+pub(super) struct Woken<'p, R: Real> {
+    pub number: usize,
+    pub patch: &'p mut Patch,
+    /// The time of the earliest front that has changed by more than the tolerance.
+    pub time: R,
+    /// Number of points that were examined, and whether a scan has work.
+    pub looked: u64,
+    pub is_due: bool,
+}
+
+/// News from a patch for a neighbour: a tile along their border has changed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct News<R: Real> {
+    /// The neighbour.
+    pub to: usize,
+    /// A point of the tile.
+    pub at: (usize, usize),
+    /// The earliest time that has changed by more than rounding, and the largest change.
+    pub time: R,
+    pub change: R::Bits,
+}
