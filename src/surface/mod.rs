@@ -45,7 +45,7 @@ pub(crate) use gaussian_curvature::{DIFFRACTS, LACKING};
 pub use geodetic::{GeodeticError, GeodeticGrid};
 pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing, Values};
-pub(crate) use gluing::UNGLUED;
+pub(crate) use gluing::{Glued, Lattice, Ring, UNGLUED};
 pub use gluing::{Gluing, GluingError, Groups, Run};
 pub(crate) use jump::jumps;
 pub use measure::{LONGEST_EDGE, SHORTEST_EDGE};
@@ -63,7 +63,6 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
-use gluing::Glued;
 use inputs::Inputs;
 
 /// An M x N grid of points on a surface: positions, heights or a metric, with an optional slowness and holes.
