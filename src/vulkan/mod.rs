@@ -13,6 +13,7 @@
 //! allocator. [`requirements`] lists what a device must offer: Vulkan 1.1, and no extension or feature.
 
 mod anchors;
+mod beyond;
 pub(crate) mod copies;
 pub(crate) mod device;
 pub mod embed;
