@@ -3,6 +3,7 @@
 
 layout(push_constant) uniform Band {
     ivec2 grid;      // columns and rows of the whole grid
+    ivec2 halo;      // columns and rows of points beyond each side; 0 where the grid ends
     int first_row;   // the band's first row
     int band_rows;   // rows measured
     int buffer_row;  // the grid row with which the buffer starts
@@ -13,5 +14,5 @@ layout(push_constant) uniform Band {
 };
 
 int buffer_index(ivec2 at) {
-    return row_major(at - ivec2(0, buffer_row), grid.x);
+    return row_major(at + ivec2(halo.x, -buffer_row), grid.x + 2 * halo.x);
 }

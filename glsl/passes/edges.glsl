@@ -19,13 +19,18 @@ layout(set = 0, binding = 0, rgba32f) uniform writeonly restrict image2D edges;
 layout(set = 0, binding = 1, rgba32f) uniform writeonly restrict image2D gaussians;
 
 bool is_present(ivec2 at) {
-    return in_grid(at, grid) && load(at).slowness > 0.0;
+    return in_grid(at + halo, grid + 2 * halo) && load(at).slowness > 0.0;
+}
+
+// Returns whether a point is present and not beyond a side where the grid goes on.
+bool is_own(ivec2 at) {
+    return in_grid(at, grid) && is_present(at);
 }
 
 // Returns the length of an edge, weighted by the mean slowness of its ends. A diagonal exists only if one of
 // the two points beside it does.
 float edge_length(ivec2 at, ivec2 step) {
-    if (!is_present(at + step)) return FAR;
+    if (!is_own(at + step)) return FAR;
     bool diagonal = step.x != 0 && step.y != 0;
     bool beside = is_present(at + ivec2(step.x, 0)) || is_present(at + ivec2(0, step.y));
     if (diagonal && !beside) return FAR;
@@ -39,10 +44,10 @@ float tagged_slowness(ivec2 at) {
     float own = load(at).slowness;
     bool jumps = false;
     for (int i = 0; i < 8; i++) {
-        if (!is_present(at + NEIGHBOURS[i])) continue;
+        if (!is_own(at + NEIGHBOURS[i])) continue;
         float there = load(at + NEIGHBOURS[i]).slowness;
         jumps = jumps || max(there, own) > EVEN_SLOWNESS * min(there, own);
-        if (!is_present(at - NEIGHBOURS[i])) continue;
+        if (!is_own(at - NEIGHBOURS[i])) continue;
         float back = load(at - NEIGHBOURS[i]).slowness;
         jumps = jumps || abs(there - own + (back - own)) > ROUGH_SLOWNESS * own;
     }
@@ -66,7 +71,7 @@ void main() {
     vec4 slowness;
     for (int i = 0; i < 4; i++) {
         ivec2 other = at + to_corner(i);
-        slowness[i] = is_present(other) ? tagged_slowness(other) : 1.0;
+        slowness[i] = is_own(other) ? tagged_slowness(other) : 1.0;
     }
     imageStore(gaussians, texel_of(point_at(at)) + ivec2(imageSize(gaussians).x / 2, 0), slowness);
 }

@@ -7,7 +7,7 @@
 // is written. First, each invocation finds the earliest front of some parts of groups. A pole has many copies,
 // so that its group has many parts. Then each invocation writes some texels. Copies of several points may lie
 // in one texel.
-// Twin: src/cpu/fronts/exchange.rs. The buffer is written by src/vulkan/copies.rs.
+// Twin: src/cpu/fronts/exchange.rs.
 
 #include "shared/constants.glsl"
 #include "shared/chart.glsl"
@@ -37,32 +37,9 @@ layout(local_size_x = EXCHANGE_WORKGROUP) in;
 layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray new_fronts;
 layout(set = 0, binding = 2, rgba32f) uniform restrict image2DArray old_fronts;
 
-layout(set = 0, binding = 3) restrict coherent buffer Copies {
-    // For each part of a group its first member, and the number of members at the end. Then for each member
-    // its point, as column + 65536 row. Then for each group its first part, and the number of parts at the
-    // end. Then for each texel with copies COPY_TEXEL_WORDS words: the texel, in the same way, and the group
-    // of each of its points, counted from 1, or 0. Then for each part its earliest front: time and carried
-    // value.
-    uint copies[];
-};
+#include "passes/copies.glsl"
 
 const int NO_ROUND = -1;
-
-int first_group() {
-    return parts + 1 + members;
-}
-
-int copy_texel_at(int index) {
-    return first_group() + groups + 1 + COPY_TEXEL_WORDS * index;
-}
-
-int earliest_at(int part) {
-    return copy_texel_at(copy_texels) + 2 * part;
-}
-
-ivec2 unpacked(uint word) {
-    return ivec2(word & 0xffffu, word >> 16);
-}
 
 // Returns whether the fronts of a texel lie in old_fronts.
 bool is_in_old(ivec2 texel) {
@@ -100,7 +77,7 @@ void gather(int part) {
     float held = 0.0;
     uint end = copies[part + 1];
     for (uint member = copies[part]; member < end; member++) {
-        ivec2 point = unpacked(copies[parts + 1 + int(member)]);
+        ivec2 point = point_of_member(member);
         vec4 times;
         vec4 carried;
         load(texel_of(point), times, carried);

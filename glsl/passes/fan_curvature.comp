@@ -19,13 +19,23 @@ layout(push_constant) uniform Size {
     ivec2 texels;       // columns and rows of texels, without the border
     float share_of_fan; // share of a fan's area to which its angle defect belongs
     uint is_slowed;     // whether the slowness of the surface varies
+    ivec2 grid;         // columns and rows of the whole grid
+    ivec2 lattice;      // see lattice.glsl
 };
+
+#include "shared/lattice.glsl"
+#include "passes/over_seams.glsl"
+
+// Returns the slowness at a point, which may lie beyond a side where the grid goes on.
+float slowness_beside(ivec2 point) {
+    return slowness_at(point_over_seams(point));
+}
 
 // Returns the length of an edge on the surface.
 float length_on_surface(ivec2 point, ivec2 step) {
-    float length = edge_length(point, step);
+    float length = edge_over_seams(point, step);
     if (is_slowed == 0u || length >= FAR) return length;
-    return (length + length) / (slowness_at(point) + slowness_at(point + step));
+    return (length + length) / (slowness_beside(point) + slowness_beside(point + step));
 }
 
 float squared(ivec2 point, ivec2 step) {
@@ -39,7 +49,7 @@ float slowed(ivec2 point, float gaussian) {
     float per_square = 1.0 / (own * own);
     if ((tag_of(own) & JUMPS) != 0u) return gaussian * per_square;
     float rise[8];
-    for (int i = 0; i < 8; i++) rise[i] = log(slowness_at(point + NEIGHBOURS[i]) / own);
+    for (int i = 0; i < 8; i++) rise[i] = log(slowness_beside(point + NEIGHBOURS[i]) / own);
     float flow = 0.0;
     float area = 0.0;
     for (int i = 0; i < 8; i++) {
@@ -107,7 +117,8 @@ void main() {
     ivec2 texel = with_border(inner);
     vec4 curvature;
     for (int i = 0; i < 4; i++) {
-        curvature[i] = fan_curvature(first_point(texel) + to_corner(i));
+        ivec2 point = first_point(texel) + to_corner(i);
+        curvature[i] = in_grid(at_point(point), grid) ? fan_curvature(point) : with_tag(0.0, LACKING);
     }
     imageStore(fronts_1, ivec3(texel, CARRIED), curvature);
 }

@@ -20,7 +20,13 @@ layout(push_constant) uniform Size {
     ivec2 texels;       // columns and rows of texels, without the border
     float share_of_fan; // see fan_curvature.comp
     uint is_floor;      // whether the surface is a floor plan
+    ivec2 grid;         // columns and rows of the whole grid
+    ivec2 lattice;      // see lattice.glsl
+    uint is_glued;      // whether points of the grid are copies of one another
 };
+
+#include "shared/lattice.glsl"
+#include "passes/over_seams.glsl"
 
 float fan_curvature(ivec2 point) {
     return imageLoad(fronts_1, ivec3(texel_of(point), CARRIED))[component_of(point)];
@@ -37,6 +43,18 @@ uint neighbours_of(ivec2 point) {
     return there;
 }
 
+// Returns the tag of a point, which had this one by its fan. Beside a pole some triangles have no area; they
+// count as missing elsewhere, but a front that passes the pole does not turn there.
+uint tag_beside_poles(ivec2 point, uint tag) {
+    if (is_glued == 0u || tag == 0u) return tag;
+    for (int i = 0; i < 8; i++) {
+        ivec2 to = NEIGHBOURS[i];
+        float base = edge_over_seams(point + to, NEIGHBOURS[(i + 1) % 8] - to);
+        if (max(edge_over_seams(point, to), base) >= FAR) return tag;
+    }
+    return 0u;
+}
+
 // Returns the surface value of a point.
 float settled(ivec2 point) {
     float own = fan_curvature(point);
@@ -45,13 +63,14 @@ float settled(ivec2 point) {
     curvatures[8] = own;
     float largest = is_whole(own) ? abs(own) : 0.0;
     for (int i = 0; i < 8; i++) {
-        bool exists = edge_length(point, NEIGHBOURS[i]) < FAR;
+        bool exists = edge_over_seams(point, NEIGHBOURS[i]) < FAR;
         // Neighbours in the border are not read: the border of the image is not written, and no edge leads
         // there.
-        curvatures[i] = exists ? fan_curvature(point + NEIGHBOURS[i]) : with_tag(0.0, LACKING);
+        curvatures[i] = exists ? fan_curvature(point_over_seams(point + NEIGHBOURS[i])) : with_tag(0.0, LACKING);
         if (is_whole(curvatures[i])) largest = max(largest, abs(curvatures[i]));
     }
-    if (largest <= 0.0) return with_tag(0.0, tag_of(own));
+    uint tag = tag_beside_poles(point, tag_of(own));
+    if (largest <= 0.0) return with_tag(0.0, tag);
     float sum = 0.0;
     float squares = 0.0;
     float count = 0.0;
@@ -67,7 +86,7 @@ float settled(ivec2 point) {
     float mean_square = squares / count;
     float agreement = max(2.0 * (mean * mean) - mean_square, 0.0) / mean_square;
     float curvature = is_whole(own) ? own : largest * mean;
-    return with_tag(curvature * agreement, tag_of(own));
+    return with_tag(curvature * agreement, tag);
 }
 
 void main() {
@@ -76,7 +95,8 @@ void main() {
     ivec2 texel = with_border(inner);
     vec4 curvature;
     for (int i = 0; i < 4; i++) {
-        curvature[i] = settled(first_point(texel) + to_corner(i));
+        ivec2 point = first_point(texel) + to_corner(i);
+        curvature[i] = in_grid(at_point(point), grid) ? settled(point) : with_tag(0.0, LACKING);
     }
     imageStore(gaussians, texel, curvature);
 }

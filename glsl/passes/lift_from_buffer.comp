@@ -12,12 +12,5 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(set = 1, binding = 0) readonly restrict buffer Input {
-    float words[];
-};
-
 #include "passes/lift.glsl"
-
-float component(ivec2 at, int index) {
-    return words[first_word + row_major(at, grid.x) * stride + index];
-}
+#include "passes/from_buffer.glsl"

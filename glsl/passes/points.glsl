@@ -1,8 +1,9 @@
-// Converts the host's points to the form that edges_from_*.comp read, for the shaders points_from_*.comp. One
-// invocation is one grid point of a band of rows.
+// Converts the host's points to the form that edges_from_*.comp read, for the shaders points_from_*.comp and
+// glued_points_from_*.comp. One invocation is one grid point of a band of rows.
 //
 // The including shader defines
 //     float component(ivec2 at, int index)              a component of the host's data for a point
+// and includes passes/open_points.glsl or passes/glued_points.glsl after this file.
 
 float component(ivec2 at, int index);
 
@@ -20,28 +21,44 @@ layout(push_constant) uniform Band {
     int slowness;   // index of the component with the slowness; -1 for a slowness of 1 everywhere
     int first_word; // offset in the host's buffer
     int stride;     // words from point to point
+    ivec2 halo;     // columns and rows of points beyond each side; 0 where the grid ends
+    ivec2 lattice;  // see lattice.glsl
 };
 
 #include "shared/usable.glsl"
 #include "shared/progress.glsl"
 
-void main() {
-    ivec2 place = ivec2(gl_GlobalInvocationID.xy);
-    if (is_beyond(place, ivec2(grid.x, band_rows))) return;
-    ivec2 at = place + ivec2(0, first_row);
-    int size = heights != 0 ? 1 : 3;
-    int to = row_major(place, grid.x) * (size + 1);
-    float weight = slowness < 0 ? 1.0 : component(at, slowness);
+// Returns the number of components of a position or height.
+int components() {
+    return heights != 0 ? 1 : 3;
+}
+
+// Returns the slowness at a point of the host, which may be unusable.
+float given_slowness(ivec2 at) {
+    return slowness < 0 ? 1.0 : component(at, slowness);
+}
+
+// Returns whether a point of the host is none of a hole.
+bool is_given(ivec2 at) {
+    float weight = given_slowness(at);
     bool present = is_usable(weight) && weight >= 0.0;
-    weight = max(weight, LEAST_SLOWNESS);
+    for (int i = 0; i < components(); i++) present = present && is_usable(component(at, i));
+    return present;
+}
+
+// Writes a point with this number in the band: that of the host at `from`, or a hole.
+void write_point(int number, ivec2 from, bool present) {
+    int size = components();
+    int to = number * (size + 1);
     for (int i = 0; i < size; i++) {
-        float value = component(at, i);
-        bool usable = is_usable(value);
-        present = present && usable;
-        points[to + i] = usable ? value : 0.0;
+        float value = component(from, i);
+        points[to + i] = is_usable(value) ? value : 0.0;
     }
-    points[to + size] = present ? weight : 0.0;
-    // The rows around a band belong to other bands and are counted there.
-    bool is_own = place.y >= first_own && place.y < first_own + own_rows;
-    if (!present && is_own) atomicAdd(holes, 1u);
+    points[to + size] = present ? max(given_slowness(from), LEAST_SLOWNESS) : 0.0;
+}
+
+// Counts a hole at a place of the band. The rows around a band belong to other bands and are counted there.
+void count_hole(int row) {
+    bool is_own = row >= first_own && row < first_own + own_rows;
+    if (is_own) atomicAdd(holes, 1u);
 }

@@ -21,12 +21,34 @@ layout(set = 0, binding = 3) writeonly restrict buffer Seeds {
 
 layout(push_constant) uniform Portion {
     ivec2 grid;     // columns and rows of the whole grid
+    ivec2 lattice;  // see lattice.glsl
     int first_word; // offset of the first source
     int count;      // number of sources
+    int copy;       // 0, or OVER_COLUMNS and OVER_ROWS for the copies of sources that lie on seams there
 };
+
+const int OVER_COLUMNS = 1;
+const int OVER_ROWS = 2;
 
 #include "shared/source.glsl"
 #include "update/source_arrival.glsl"
+
+// Moves a place from a side of the grid to the opposite one, where the grid goes on. Returns whether it does.
+bool pass_side(inout float across, inout float along, vec2 last, int beyond) {
+    bool is_on_seam = beyond != GRID_ENDS && (across == 0.0 || across == last.x);
+    across = last.x - across;
+    if (beyond == REVERSES) along = last.y - along;
+    return is_on_seam;
+}
+
+// Returns a source, or the copy of one. A source that has none does not count.
+Source copied(int index) {
+    Source s = source(index);
+    vec2 last = vec2(grid - 1);
+    if ((copy & OVER_COLUMNS) != 0 && !pass_side(s.col, s.row, last.xy, lattice.x)) s.time = FAR;
+    if ((copy & OVER_ROWS) != 0 && !pass_side(s.row, s.col, last.yx, lattice.y)) s.time = FAR;
+    return s;
+}
 
 // Returns the first of the texels that hold points of the cells around a source.
 ivec2 first_texel(Source s) {
@@ -51,21 +73,21 @@ void main() {
     int index = int(gl_GlobalInvocationID.x);
     if (index >= 4 * count) return;
     int number = index / 4;
-    Source own = source(number);
+    Source own = copied(number);
     seeds[index].texel = ivec2(-1);
-    if ((index & 3) == 0 && !arrives(own)) atomicAdd(passed_over, 1u);
+    if ((index & 3) == 0 && copy == 0 && !arrives(own)) atomicAdd(passed_over, 1u);
     if (!counts(own)) return;
     ivec2 texel = first_texel(own) + to_corner(index & 3);
     // Next to the last texel of the grid lies the border, which gets no seeds.
     if (is_beyond(without_border(texel), texels_of(grid))) return;
     for (int i = 0; i < number; i++) {
-        Source other = source(i);
+        Source other = copied(i);
         if (counts(other) && reaches(other, texel)) return;
     }
     vec4 times = vec4(FAR);
     vec4 curvatures = vec4(0.0);
     for (int i = number; i < count; i++) {
-        Source other = source(i);
+        Source other = copied(i);
         if (!counts(other) || !reaches(other, texel)) continue;
         for (int j = 0; j < 4; j++) {
             vec2 front = arrival(other, at_point(first_point(texel) + to_corner(j)));

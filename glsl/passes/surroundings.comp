@@ -31,6 +31,7 @@ layout(set = 0, binding = 3) writeonly restrict buffer Seeds {
 layout(push_constant) uniform Portion {
     ivec2 grid;     // columns and rows of the whole grid
     int first_word; // offset of the first source
+    uint is_glued;  // whether fronts may leave the grid through its sides and come back
 };
 
 #include "shared/source.glsl"
@@ -170,8 +171,10 @@ void take_own(Source own, ivec2 texel, out vec4 time, out vec4 held) {
     }
 }
 
-// Returns whether the grid continues beyond a texel of the window.
+// Returns whether the grid continues beyond a texel of the window, or fronts may leave through a side of the grid
+// there.
 bool is_at_way_out(ivec2 in_window, ivec2 inner, ivec2 texels) {
+    if (is_glued != 0u && !in_grid(inner - 1, texels - 2)) return true;
     bvec2 low = bvec2(uvec2(equal(in_window, ivec2(0))) & uvec2(greaterThan(inner, ivec2(0))));
     bvec2 high = bvec2(uvec2(equal(in_window, ivec2(TEXELS - 1))) & uvec2(lessThan(inner, texels - 1)));
     return any(low) || any(high);

@@ -2,9 +2,9 @@
 // resolves it.
 // Twin: src/surface/resolution.rs, where it is explained.
 
-// Returns the unit normal at a point with all four neighbours, otherwise zero.
+// Returns the unit normal at a point with all four neighbours on the grid, otherwise zero.
 vec3 normal_inside(ivec2 at) {
-    bool inside = is_present(at) && goes_on(at, ivec2(1, 0)) && goes_on(at, ivec2(0, 1));
+    bool inside = in_grid(at - 1, grid - 2) && is_present(at) && goes_on(at, ivec2(1, 0)) && goes_on(at, ivec2(0, 1));
     return inside ? normal(at) : vec3(0.0);
 }
 

@@ -67,6 +67,12 @@
 #define NOT_EXACT 6
 // Tag of a front that comes from another copy of its point on a glued surface, in place of the number of a scan.
 #define EXCHANGED 7
+// Sides of the grid: it ends there, goes on at the opposite side, or goes on there in reverse order.
+#define GRID_ENDS 0
+#define GOES_ON 1
+#define REVERSES 2
+// Number of lines beyond a side where the grid goes on, on which lengths of edges depend.
+#define SEAM_HALO 3
 // Largest number of copies of a point among which an invocation finds the earliest front.
 #define COPIES_TOGETHER 32
 // Number of invocations of the workgroup that exchanges fronts between copies. Every Vulkan device offers as many.

@@ -47,12 +47,40 @@ pub enum GeosweepEdgeRule {
     Chord = 1,
 }
 
+/// Sides of the grid that are one another. Both hold the points of the seam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub enum GeosweepGluing {
+    /// None: the surface is open.
+    None = 0,
+    /// The last column is the first one, as on a tube.
+    Columns = 1,
+    /// The last row is the first one.
+    Rows = 2,
+    /// Both, as on a torus.
+    Both = 3,
+    /// The last column is the first one in reverse order, as on a Moebius strip.
+    FlippedColumns = 4,
+    /// The last row is the first one in reverse order.
+    FlippedRows = 5,
+    /// Rows are latitudes and columns longitudes: the last column is the first one, and the first and the last row
+    /// are one point each.
+    Globe = 6,
+    /// Each side of a square is folded in its middle. The middle of the grid is one pole of a sphere, and its
+    /// corners are the other.
+    Octahedral = 7,
+    /// The pairs of points that `GeosweepSurfaceInfo::runs` names.
+    Runs = 8,
+}
+
 /// Number of a `GeosweepWavefront`, not checked yet.
 pub(super) type WavefrontNumber = i32;
 /// Number of a `GeosweepSchedule`, not checked yet.
 pub(super) type ScheduleNumber = i32;
 /// Number of a `GeosweepEdgeRule`, not checked yet.
 pub(super) type EdgeRuleNumber = i32;
+/// Number of a `GeosweepGluing`, not checked yet.
+pub(super) type GluingNumber = i32;
 
 pub(super) fn wavefront(number: WavefrontNumber, name: &str) -> Result<Wavefront, Failure> {
     let choices = Wavefront::ALL.map(|choice| (wavefront_number(choice), choice));
@@ -94,6 +122,13 @@ pub(super) fn edge_rule(number: EdgeRuleNumber, name: &str) -> Result<EdgeRule, 
     use GeosweepEdgeRule as R;
     let choices = [(R::Arc as i32, EdgeRule::Arc), (R::Chord as i32, EdgeRule::Chord)];
     choose(number, name, "GeosweepEdgeRule", &choices)
+}
+
+/// Returns the gluing with this number.
+pub(super) fn gluing(number: GluingNumber, name: &str) -> Result<GeosweepGluing, Failure> {
+    use GeosweepGluing::*;
+    let choices = [None, Columns, Rows, Both, FlippedColumns, FlippedRows, Globe, Octahedral, Runs];
+    choose(number, name, "GeosweepGluing", &choices.map(|choice| (choice as i32, choice)))
 }
 
 /// Returns the choice with this number.

@@ -130,6 +130,30 @@ typedef enum GeosweepEdgeRule {
     GEOSWEEP_EDGE_RULE_CHORD = 1,
 } GeosweepEdgeRule;
 
+// Sides of the grid that are one another. Both hold the points of the seam.
+typedef enum GeosweepGluing {
+    // None: the surface is open.
+    GEOSWEEP_GLUING_NONE = 0,
+    // The last column is the first one, as on a tube.
+    GEOSWEEP_GLUING_COLUMNS = 1,
+    // The last row is the first one.
+    GEOSWEEP_GLUING_ROWS = 2,
+    // Both, as on a torus.
+    GEOSWEEP_GLUING_BOTH = 3,
+    // The last column is the first one in reverse order, as on a Moebius strip.
+    GEOSWEEP_GLUING_FLIPPED_COLUMNS = 4,
+    // The last row is the first one in reverse order.
+    GEOSWEEP_GLUING_FLIPPED_ROWS = 5,
+    // Rows are latitudes and columns longitudes: the last column is the first one, and the first and the last row
+    // are one point each.
+    GEOSWEEP_GLUING_GLOBE = 6,
+    // Each side of a square is folded in its middle. The middle of the grid is one pole of a sphere, and its
+    // corners are the other.
+    GEOSWEEP_GLUING_OCTAHEDRAL = 7,
+    // The pairs of points that `GeosweepSurfaceInfo::runs` names.
+    GEOSWEEP_GLUING_RUNS = 8,
+} GeosweepGluing;
+
 // Unit of work that gets its own time. Timestamps take time: the finer the grain, the longer the frame.
 typedef enum GeosweepGrain {
     // Scans or rounds of tiles, and the passes around them.
@@ -385,6 +409,28 @@ typedef struct GeosweepLookup {
     uint32_t count;
 } GeosweepLookup;
 
+// Grid points along a line.
+typedef struct GeosweepRun {
+    // Row of the first point.
+    uint32_t row;
+    // Column of the first point.
+    uint32_t col;
+    // Rows from point to point: -1, 0 or 1.
+    int32_t row_step;
+    // Columns from point to point: -1, 0 or 1, not 0 if `row_step` is.
+    int32_t col_step;
+} GeosweepRun;
+
+// Two runs of points that coincide pair by pair.
+typedef struct GeosweepRunPair {
+    // One run.
+    struct GeosweepRun first;
+    // The other run.
+    struct GeosweepRun second;
+    // Number of points of each.
+    uint32_t points;
+} GeosweepRunPair;
+
 // Parameters of a surface. You keep images and buffers, which must be alive whenever a recording that uses
 // them runs. The arrays are not needed after the call, and may be null where their count is 0.
 typedef struct GeosweepSurfaceInfo {
@@ -419,6 +465,14 @@ typedef struct GeosweepSurfaceInfo {
     const struct GeosweepLookup *lookups;
     // Number of entries in `lookups`.
     uint32_t lookup_count;
+    // Sides of the grid that are one another, so that distances pass from one to the other. Copies of a point take
+    // the values of the first, and are a hole if any of them is. Nobody checks that they coincide. Plans for a
+    // glued surface have `GeosweepMethod::over_seams`.
+    GeosweepGluing gluing;
+    // Points that coincide, for `GEOSWEEP_GLUING_RUNS`.
+    const struct GeosweepRunPair *runs;
+    // Number of entries in `runs`.
+    uint32_t run_count;
 } GeosweepSurfaceInfo;
 
 // An image with usage `SAMPLED`, `STORAGE` and `TRANSFER_SRC`, which belongs to its surface.
@@ -500,6 +554,9 @@ typedef struct GeosweepMethod {
     // the grid's size limits their number in a recording: 8 at 48 x 48 points, 16 at 120 x 120, 32 at 256 x
     // 256, and never more than 128. `geosweep_plan_iterations` returns the number in the plan.
     uint32_t iterations;
+    // Anything but 0 for surfaces with a `GeosweepSurfaceInfo::gluing`: fronts pass seams after each scan, or each
+    // round of tiles.
+    uint32_t over_seams;
 } GeosweepMethod;
 
 // A source: a place at which the distance, or time, is given. `geosweep_source_at` returns the usual one.

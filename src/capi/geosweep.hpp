@@ -109,6 +109,8 @@ struct Method : GeosweepMethod {
     Method &tolerated(double most) { return tolerance = most, *this; }
     Method &in_all(uint32_t most) { return most_iterations = most, *this; }
     Method &in_a_recording(uint32_t count) { return iterations = count, *this; }
+    /* For glued surfaces. */
+    Method &passing_seams() { return over_seams = 1, *this; }
 };
 
 struct Points : GeosweepPoints {
@@ -143,6 +145,11 @@ struct SurfaceInfo : GeosweepSurfaceInfo {
     }
     SurfaceInfo &with(const GeosweepLookup *of, std::size_t count) {
         return lookups = of, lookup_count = static_cast<uint32_t>(count), *this;
+    }
+    /* Sides that are one another. Plans are made with passing_seams(). */
+    SurfaceInfo &glued(GeosweepGluing sides) { return gluing = sides, *this; }
+    SurfaceInfo &glued(const GeosweepRunPair *of, std::size_t count) {
+        return gluing = GEOSWEEP_GLUING_RUNS, runs = of, run_count = static_cast<uint32_t>(count), *this;
     }
     SurfaceInfo &shared_by(const std::vector<uint32_t> &families) {
         return queue_families = families.data(), queue_family_count = static_cast<uint32_t>(families.size()), *this;

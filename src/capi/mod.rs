@@ -56,7 +56,7 @@ mod surface;
 mod surface_info;
 mod way_image;
 
-pub use choices::{GeosweepEdgeRule, GeosweepSchedule, GeosweepWavefront};
+pub use choices::{GeosweepEdgeRule, GeosweepGluing, GeosweepSchedule, GeosweepWavefront};
 pub use contours::*;
 pub use cpu_map::*;
 pub use curves::*;

@@ -35,6 +35,9 @@ pub struct GeosweepMethod {
     /// the grid's size limits their number in a recording: 8 at 48 x 48 points, 16 at 120 x 120, 32 at 256 x
     /// 256, and never more than 128. `geosweep_plan_iterations` returns the number in the plan.
     pub iterations: u32,
+    /// Anything but 0 for surfaces with a `GeosweepSurfaceInfo::gluing`: fronts pass seams after each scan, or each
+    /// round of tiles.
+    pub over_seams: u32,
 }
 
 /// Passes of a recording, for any surface of one size. Many recordings may use a plan at the same time, on
@@ -84,6 +87,7 @@ pub unsafe extern "C" fn geosweep_plan_create(
         let shared = Arc::clone(solver.shared());
         let (method, iterations) = self::method(given)?;
         let plan = shared.solver.plan(chart, method, iterations)?;
+        let plan = if given.over_seams == 0 { plan } else { plan.over_seams() };
         hand_out(output, GeosweepPlan { shared, plan });
         Ok(())
     })

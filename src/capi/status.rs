@@ -102,6 +102,12 @@ fn message(error: &VulkanError) -> String {
             "the solver has no pipelines for the schedule {schedule} with {wavefront} fronts: name both in \
              GeosweepSolverInfo::passes"
         ),
+        VulkanError::OtherGluing { is_glued: true } => {
+            "the surface is glued and the plan has no step over seams: create it with GeosweepMethod::over_seams".into()
+        }
+        VulkanError::OtherGluing { is_glued: false } => {
+            "the plan is one over seams and the surface is not glued: GeosweepMethod::over_seams is 0 for it".into()
+        }
         VulkanError::NotPrepared => {
             "the surface is not prepared: geosweep_record_prepare comes once, before \
                                      anything else"

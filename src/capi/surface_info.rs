@@ -3,15 +3,17 @@
 use ash::vk;
 
 use super::arguments::{chart, list};
-use super::choices::{EdgeRuleNumber, edge_rule};
+use super::choices::{EdgeRuleNumber, GeosweepGluing, GluingNumber, edge_rule, gluing};
 use super::points::{Form, GeosweepPoints};
 use super::shared::Shared;
 use super::status::Failure;
-use crate::surface::{Chart, EdgeRule};
+use crate::surface::{Chart, Direction, EdgeRule, Gluing, Run};
 use crate::vulkan::embed;
 
 /// Largest number of entries in an array that describes a surface.
 const MOST: usize = 1024;
+/// Largest number of pairs of runs.
+const MOST_RUNS: usize = 1 << 20;
 /// Largest number of slots.
 const MOST_SLOTS: u32 = 64;
 
@@ -60,6 +62,32 @@ pub struct GeosweepHostImage {
     pub view: vk::ImageView,
 }
 
+/// Grid points along a line.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepRun {
+    /// Row of the first point.
+    pub row: u32,
+    /// Column of the first point.
+    pub col: u32,
+    /// Rows from point to point: -1, 0 or 1.
+    pub row_step: i32,
+    /// Columns from point to point: -1, 0 or 1, not 0 if `row_step` is.
+    pub col_step: i32,
+}
+
+/// Two runs of points that coincide pair by pair.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepRunPair {
+    /// One run.
+    pub first: GeosweepRun,
+    /// The other run.
+    pub second: GeosweepRun,
+    /// Number of points of each.
+    pub points: u32,
+}
+
 /// Parameters of a surface. You keep images and buffers, which must be alive whenever a recording that uses
 /// them runs. The arrays are not needed after the call, and may be null where their count is 0.
 #[derive(Clone, Copy, Debug)]
@@ -96,6 +124,14 @@ pub struct GeosweepSurfaceInfo {
     pub lookups: *const GeosweepLookup,
     /// Number of entries in `lookups`.
     pub lookup_count: u32,
+    /// Sides of the grid that are one another, so that distances pass from one to the other. Copies of a point take
+    /// the values of the first, and are a hole if any of them is. Nobody checks that they coincide. Plans for a
+    /// glued surface have `GeosweepMethod::over_seams`.
+    pub gluing: GluingNumber,
+    /// Points that coincide, for `GEOSWEEP_GLUING_RUNS`.
+    pub runs: *const GeosweepRunPair,
+    /// Number of entries in `runs`.
+    pub run_count: u32,
 }
 
 impl From<GeosweepHostImage> for embed::HostImage {
@@ -115,6 +151,7 @@ pub(super) struct Wanted<'a> {
     pub(super) points: Vec<Form>,
     sources: Vec<embed::SourceBuffer>,
     lookups: Vec<embed::Lookup>,
+    gluing: Option<Gluing>,
 }
 
 impl<'a> Wanted<'a> {
@@ -158,6 +195,8 @@ impl<'a> Wanted<'a> {
             points: points.iter().enumerate().map(form).collect::<Result<_, _>>()?,
             sources: sources.collect(),
             lookups: lookups.collect(),
+            // SAFETY: the caller's promise.
+            gluing: unsafe { gluing_of(info) }?,
         })
     }
 
@@ -170,6 +209,7 @@ impl<'a> Wanted<'a> {
             .with_points(points)
             .with_sources(&self.sources)
             .with_lookups(&self.lookups)
+            .with_gluing(&self.gluing)
     }
 
     pub(super) fn bytes(&self, shared: &Shared) -> Result<u64, Failure> {
@@ -181,6 +221,45 @@ impl<'a> Wanted<'a> {
         }
         Ok(bytes)
     }
+}
+
+/// Returns the gluing of a surface, if it has one.
+///
+/// # Safety
+/// There are as many runs as their count says.
+unsafe fn gluing_of(info: &GeosweepSurfaceInfo) -> Result<Option<Gluing>, Failure> {
+    // SAFETY: the caller's promise.
+    let runs = unsafe { list(info.runs, info.run_count, MOST_RUNS, "info->runs") }?;
+    let gluing = match gluing(info.gluing, "info->gluing")? {
+        GeosweepGluing::None => return Ok(None),
+        GeosweepGluing::Columns => Gluing::columns(),
+        GeosweepGluing::Rows => Gluing::rows(),
+        GeosweepGluing::Both => Gluing::both(),
+        GeosweepGluing::FlippedColumns => Gluing::flipped_columns(),
+        GeosweepGluing::FlippedRows => Gluing::flipped_rows(),
+        GeosweepGluing::Globe => Gluing::globe(),
+        GeosweepGluing::Octahedral => Gluing::Octahedral,
+        GeosweepGluing::Runs => {
+            let pair = |(index, pair): (usize, &GeosweepRunPair)| {
+                let GeosweepRunPair { first, second, points } = *pair;
+                let name = format!("info->runs[{index}]");
+                Ok([run(first, points, &name)?, run(second, points, &name)?])
+            };
+            let pairs = runs.iter().enumerate().map(pair);
+            Gluing::Runs(pairs.collect::<Result<_, Failure>>()?)
+        }
+    };
+    Ok(Some(gluing))
+}
+
+fn run(given: GeosweepRun, points: u32, name: &str) -> Result<Run, Failure> {
+    let GeosweepRun { row, col, row_step, col_step } = given;
+    let is_step = |to: &Direction| to.step() == (row_step as isize, col_step as isize);
+    let to = Direction::ALL.into_iter().find(is_step).ok_or_else(|| {
+        let reason = format!("has the step {row_step}, {col_step}, which leads to no neighbour");
+        Failure::argument(name, reason)
+    })?;
+    Ok(Run { from: (row as usize, col as usize), to, points: points as usize })
 }
 
 /// Returns the name of points in messages.

@@ -49,7 +49,7 @@ pub(crate) use gaussian_curvature::{DIFFRACTS, LACKING};
 pub use geodetic::{GeodeticError, GeodeticGrid};
 pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing, Values};
-pub(crate) use gluing::UNGLUED;
+pub(crate) use gluing::{Glued, Lattice, Ring, UNGLUED};
 pub use gluing::{Gluing, GluingError, Groups, Run};
 pub(crate) use jump::jumps;
 pub(crate) use obtuse::{Part, is_obtuse};
@@ -67,7 +67,6 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 
 use error::check_shape;
-use gluing::Glued;
 use inputs::Inputs;
 
 /// An M x N grid of points on a surface: positions, heights or a metric, with an optional slowness and holes.

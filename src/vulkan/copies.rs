@@ -1,35 +1,61 @@
-//! Lists the copies of points of a glued surface for shaders: the twin of the buffer of
-//! `glsl/passes/exchange.comp`.
+//! Lists the copies of points of a glued surface for shaders: the twin of the buffers of
+//! `glsl/passes/copies.glsl` and `glsl/passes/glued_points.glsl`.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 
-use super::device::descriptors::{CopyContents, CopySets, GridSets, Sets};
+use super::device::descriptors::{CopySets, GridContents, Sets};
 use super::device::device_memory::DeviceMemory;
-use super::device::memory::{Buffer, BufferInfo, Image};
+use super::device::memory::{Buffer, BufferInfo};
 use super::device::pipelines::Pipelines;
 use super::device::shaders::exchange::Push;
+use super::device::shaders::share_curvature;
 use super::{TexelChart, VulkanError};
 use crate::constants::{COPIES_TOGETHER, COPY_TEXEL_WORDS, LAYERS};
-use crate::surface::{Chart, Groups};
+use crate::surface::{Chart, Glued, Groups, Ring};
 
 /// In place of the number of the round of tiles that follows: none does.
 pub(crate) const NO_ROUND: i32 = -1;
 
+/// Alignment of a list by rows in words, which is one of storage buffers' offsets on every device.
+const ALIGNMENT: usize = 64;
+
 /// Copies of points in the order and the places in which shaders read them.
 #[derive(Clone, Debug, PartialEq)]
-struct CopyList {
+pub(crate) struct CopyList {
     words: Vec<u32>,
     /// Numbers of parts, members, groups and texels.
     parts: usize,
     members: usize,
     groups: usize,
     texels: usize,
+    /// Words of a list by rows, if there is one.
+    by_rows: Option<Range<usize>>,
 }
 
 impl CopyList {
+    /// Lists the groups of a surface that is measured on the host.
+    pub(crate) fn of_groups(chart: Chart, groups: &Groups) -> Self {
+        Self::new(chart, in_order(groups.iter().collect()).into_iter())
+    }
+
+    /// Lists the copies of a grid that is measured on a device, with the rings around them and a list by rows.
+    pub(crate) fn with_rings(chart: Chart, glued: &Glued) -> Self {
+        let rings = glued.rings(chart);
+        let ring_of: BTreeMap<_, _> = rings.iter().map(|ring| (ring.members[0], ring)).collect();
+        let groups = in_order(rings.iter().map(|ring| ring.members.as_slice()).collect());
+        let mut list = Self::new(chart, groups.iter().copied());
+        list.add_rings(groups.iter().map(|group| ring_of[&group[0]]));
+        list.words.resize(list.words.len().next_multiple_of(ALIGNMENT), 0);
+        let start = list.words.len();
+        list.words.extend(words_by_rows(chart, glued.groups()));
+        list.by_rows = Some(start..list.words.len());
+        list
+    }
+
     /// Lists groups of copies, given by their row-major indices.
     fn new<'g>(chart: Chart, groups: impl Iterator<Item = &'g [u32]>) -> Self {
         let (mut parts, mut members, mut of_groups) = (vec![0], Vec::new(), vec![0]);
@@ -38,8 +64,7 @@ impl CopyList {
             for part in group.chunks(COPIES_TOGETHER as usize) {
                 for &index in part {
                     let (row, col) = chart.position(index as usize);
-                    let before = TexelChart::POINTS_BEFORE;
-                    members.push(word(row as u32 + before, col as u32 + before));
+                    members.push(word_of_point(row, col));
                     let (texel_row, texel_col, component) = TexelChart::texel_of(row, col);
                     texels.entry((texel_row, texel_col)).or_default()[component] = number;
                 }
@@ -56,11 +81,58 @@ impl CopyList {
         debug_assert_eq!(words.len(), counts[0] + counts[1] + counts[2] + 2 + 5 * counts[3]);
         words.resize(words.len() + 2 * counts[0], 0);
         let [parts, members, groups, texels] = counts;
-        Self { words, parts, members, groups, texels }
+        Self { words, parts, members, groups, texels, by_rows: None }
+    }
+
+    /// Adds the cells around the members of each part, in the order of the groups, as
+    /// `glsl/passes/share_curvature.comp` reads them, and room for what it finds.
+    fn add_rings<'r>(&mut self, rings: impl Iterator<Item = &'r Ring>) {
+        let (mut starts, mut cells) = (vec![0], Vec::new());
+        for of_part in rings.flat_map(|ring| ring.cells.chunks(COPIES_TOGETHER as usize)) {
+            for cell in of_part.iter().flatten() {
+                let (row, col) = cell.first;
+                cells.extend([word_of_point(row, col), cell.ends]);
+            }
+            starts.push(cells.len() as u32 / 2);
+        }
+        debug_assert_eq!(starts.len(), self.parts + 1);
+        self.words.extend(starts);
+        self.words.extend(cells);
+        self.words.resize(self.words.len() + 4 * self.parts, 0);
+    }
+
+    /// Returns the buffer that holds the list.
+    pub(crate) fn buffer_info(&self) -> BufferInfo {
+        let size = size_of_val(self.words.as_slice()) as u64;
+        BufferInfo { name: "copies", size, location: MemoryLocation::GpuOnly }
     }
 }
 
+/// Returns the words of `glsl/passes/glued_points.glsl`.
+fn words_by_rows(chart: Chart, groups: &Groups) -> Vec<u32> {
+    let mut copies: Vec<_> = (groups.iter().zip(0u32..))
+        .flat_map(|(group, number)| group.iter().map(move |&index| (index, number)))
+        .collect();
+    copies.sort_unstable();
+    let before = |row: usize| {
+        copies.partition_point(|&(index, _)| (index as usize) < chart.index(row, 0)) as u32
+    };
+    let mut words = vec![groups.starts().len() as u32 - 1];
+    words.extend((0..=chart.rows).map(before));
+    words.extend(copies.iter().map(|&(index, _)| chart.position(index as usize).1 as u32));
+    words.extend(copies.iter().map(|&(_, number)| number));
+    words.extend_from_slice(groups.starts());
+    words.extend_from_slice(groups.members());
+    words
+}
+
 const _: () = assert!(COPY_TEXEL_WORDS == 5);
+
+/// Returns the place of a grid point in the images as one word.
+fn word_of_point(row: usize, col: usize) -> u32 {
+    let before = TexelChart::POINTS_BEFORE;
+    word(row as u32 + before, col as u32 + before)
+}
 
 /// Returns a row and a column of an image, which have at most 16 bits, as one word.
 fn word(row: u32, col: u32) -> u32 {
@@ -76,22 +148,18 @@ pub(crate) struct Copies {
 }
 
 impl Copies {
-    /// Allocates the list of a surface's copies and the sets of the pass that exchanges fronts between them.
+    /// Allocates the list of a surface's copies and the sets of the passes over them.
     /// [`Copies::destroy`] must be called before the device or the allocator is destroyed.
     pub(crate) fn new(
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
         pipelines: &Pipelines,
-        (chart, groups): (Chart, &Groups),
-        (grid, fronts, progress): (&GridSets, [&Image; 2], &Buffer),
+        list: CopyList,
+        grid: GridContents,
     ) -> Result<Self, VulkanError> {
-        let list = CopyList::new(chart, in_order(groups).into_iter());
-        let size = size_of_val(list.words.as_slice()) as u64;
-        let info = BufferInfo { name: "copies", size, location: MemoryLocation::GpuOnly };
-        let mut buffer = Buffer::new(device, allocator, info)?;
+        let mut buffer = Buffer::new(device, allocator, list.buffer_info())?;
         pipelines.name("copies", buffer.buffer);
-        let contents = CopyContents { grid, fronts, progress, copies: &buffer };
-        match CopySets::new(device, pipelines, contents) {
+        match CopySets::new(device, pipelines, grid, &buffer) {
             Ok(sets) => Ok(Self { list, buffer, sets }),
             Err(error) => {
                 buffer.destroy(device, allocator);
@@ -105,6 +173,24 @@ impl Copies {
         (self.buffer.buffer, bytemuck::cast_slice(&self.list.words))
     }
 
+    /// Returns the buffer, and the offset and size of the list by rows in bytes, if there is one.
+    pub(crate) fn by_rows(&self) -> Option<(vk::Buffer, u64, u64)> {
+        let Range { start, end } = self.list.by_rows.clone()?;
+        let [at, bytes] = [start, end - start].map(|words| (words * size_of::<u32>()) as u64);
+        Some((self.buffer.buffer, at, bytes))
+    }
+
+    /// Returns the push constants of the pass that shares the curvature of copies. The list has rings.
+    pub(crate) fn push_to_share(&self) -> share_curvature::Push {
+        let [parts, members, groups, copy_texels] = self.counts();
+        share_curvature::Push { parts, members, groups, copy_texels }
+    }
+
+    fn counts(&self) -> [i32; 4] {
+        let CopyList { parts, members, groups, texels, .. } = self.list;
+        [parts, members, groups, texels].map(|count| count as i32)
+    }
+
     /// Returns the sets of an exchange in one of the two images of fronts.
     pub(crate) fn sets(&self, image: usize) -> Sets {
         self.sets.writing[image]
@@ -112,9 +198,7 @@ impl Copies {
 
     /// Returns the push constants of an exchange.
     pub(crate) fn push(&self, texels: TexelChart, tile_texels: i32, next_round: i32) -> Push {
-        let CopyList { parts, members, groups, texels: copy_texels, .. } = self.list;
-        let [parts, members, groups, copy_texels] =
-            [parts, members, groups, copy_texels].map(|count| count as i32);
+        let [parts, members, groups, copy_texels] = self.counts();
         let texels = texels.inner().map(|texels| texels as i32);
         Push { texels, parts, members, groups, copy_texels, tile_texels, next_round }
     }
@@ -125,6 +209,13 @@ impl Copies {
         let texel = 16 * u64::from(LAYERS);
         let [members, texels] = [self.list.members, self.list.texels].map(|count| count as u64);
         [(members + texels) * texel, texels * texel]
+    }
+
+    /// Returns the bytes that are read and written if copies share their curvature: those of each copy, of the
+    /// edges of its cells, and of each texel with copies.
+    pub(crate) fn bytes_of_curvature(&self) -> [u64; 2] {
+        let [members, texels] = [self.list.members, self.list.texels].map(|count| count as u64);
+        [16 * (members * 13 + texels), 16 * texels]
     }
 
     pub(crate) fn bytes(&self) -> u64 {
@@ -139,11 +230,9 @@ impl Copies {
 }
 
 /// Returns the groups in the order in which they are listed. Tests change it.
-fn in_order(groups: &Groups) -> Vec<&[u32]> {
-    #[cfg(not(test))]
-    let groups = groups.iter().collect();
+fn in_order(groups: Vec<&[u32]>) -> Vec<&[u32]> {
     #[cfg(test)]
-    let groups = tests::reordered(groups.iter().collect());
+    let groups = tests::reordered(groups);
     groups
 }
 

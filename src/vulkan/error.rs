@@ -153,6 +153,16 @@ pub enum VulkanError {
     /// The plan was made for a grid of another size.
     #[error("the plan was made for a grid of another size than the surface's")]
     OtherGrid,
+    /// The plan is one over seams and the surface is not glued, or the other way round.
+    #[error("{}", if *.is_glued {
+        "the surface is glued and the plan has no step over seams: make it with Plan::over_seams"
+    } else {
+        "the plan is one over seams and the surface is not glued: leave Plan::over_seams out"
+    })]
+    OtherGluing {
+        /// Whether the surface is glued.
+        is_glued: bool,
+    },
     /// The surface was used before it was prepared.
     #[error("the surface is not prepared: record that once, before anything else")]
     NotPrepared,

@@ -6,11 +6,11 @@ use super::device::device_memory::DeviceMemory;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 
-use super::copies::Copies;
+use super::copies::{Copies, CopyList};
 use super::device::bands::{
     bands, distance_bytes, frame_bytes, source_bytes, staged_bytes, transfer_bytes, upload_bytes,
 };
-use super::device::descriptors::{Contents, GridSets};
+use super::device::descriptors::{Contents, GridContents, GridSets};
 use super::device::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo, RESULT_FORMAT};
 use super::device::pipelines::Pipelines;
 use super::device::staging::{HALVES, Staging};
@@ -20,7 +20,7 @@ use super::schedules::progress::Record;
 use super::upload::{ANCHOR_BYTES, SOURCE_BYTES};
 use super::{TexelChart, Tuning, VulkanError};
 use crate::constants::LAYERS;
-use crate::surface::{Chart, Groups};
+use crate::surface::{Chart, Lattice};
 
 /// Numbers that are kept for a tile.
 pub(crate) const TILE_WORDS: usize = 6;
@@ -41,8 +41,8 @@ pub(crate) enum Purpose<'a> {
     Headless { slowed: bool },
     /// Embedding in a renderer. Everything stays on the device. `slots` is the number of frames in flight,
     /// `results` the number of images of distances, and `families` are the queue families that use these
-    /// images.
-    Embedded { slots: usize, results: usize, families: &'a [u32], slowed: bool },
+    /// images. `lattice` says where the grid goes on beyond its sides.
+    Embedded { slots: usize, results: usize, families: &'a [u32], slowed: bool, lattice: Lattice },
 }
 
 impl Purpose<'_> {
@@ -57,6 +57,14 @@ impl Purpose<'_> {
     /// reads and writes the renderer's own buffers.
     fn is_staged(self, tuning: Tuning) -> bool {
         matches!(self, Self::Headless { .. }) && tuning.staged
+    }
+
+    /// Returns where the grid goes on, if its points are measured on the device.
+    fn lattice(self) -> Lattice {
+        match self {
+            Self::Headless { .. } => Lattice::default(),
+            Self::Embedded { lattice, .. } => lattice,
+        }
     }
 
     /// Returns whether there is a slowness beside the Gaussian curvature.
@@ -77,6 +85,8 @@ pub(crate) struct GridImages {
     pub(crate) edges: Image,
     pub(crate) gaussian: Image,
     slowed: bool,
+    /// Where the grid goes on beyond its sides, for a renderer's points.
+    pub(crate) lattice: Lattice,
     /// Number of frames in flight.
     pub(crate) slots: usize,
     pub(crate) fronts: [Image; 2],
@@ -165,6 +175,7 @@ impl GridImages {
             edges,
             gaussian,
             slowed: purpose.is_slowed(),
+            lattice: purpose.lattice(),
             slots: purpose.slots(),
             fronts: [fronts0, fronts1],
             results,
@@ -181,17 +192,22 @@ impl GridImages {
         })
     }
 
-    /// Allocates what the maps of a glued surface need in addition. `groups` are [`crate::Surface::copies`].
+    /// Allocates what the maps of a glued surface need in addition.
     pub(crate) fn glue(
         &mut self,
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
         pipelines: &Pipelines,
-        groups: &Groups,
+        list: CopyList,
     ) -> Result<(), VulkanError> {
-        let of_grid = (&self.sets, self.fronts.each_ref(), &self.progress);
-        let copies = Copies::new(device, allocator, pipelines, (self.chart, groups), of_grid)?;
-        self.copies = Some(copies);
+        let of_grid = GridContents {
+            sets: &self.sets,
+            edges: &self.edges,
+            gaussian: &self.gaussian,
+            fronts: self.fronts.each_ref(),
+            progress: &self.progress,
+        };
+        self.copies = Some(Copies::new(device, allocator, pipelines, list, of_grid)?);
         Ok(())
     }
 
@@ -384,8 +400,8 @@ fn buffer_infos(
             };
             (upload, locations[0], 1, ("read-back", distance_bytes(chart, most), locations[1]))
         }
-        Purpose::Embedded { slots, .. } => {
-            let upload = upload_bytes(chart, frame_bytes(chart));
+        Purpose::Embedded { slots, lattice, .. } => {
+            let upload = upload_bytes(lattice.with_halo(chart), frame_bytes(chart));
             // The additional record says how far the device has come.
             (upload, GpuOnly, slots + 1, ("sources", INLINE_SOURCES * SOURCE_BYTES, GpuOnly))
         }

@@ -11,6 +11,7 @@ mod host;
 mod allocations;
 mod build;
 mod caches;
+mod closed;
 mod cmake;
 mod cpu_maps;
 mod curves;

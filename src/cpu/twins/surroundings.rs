@@ -129,9 +129,14 @@ impl Window {
         start: f64,
         first: f64,
     ) -> R {
-        // Whether the grid continues beyond a texel at the side of the window.
+        let is_glued = alone.edges.copies().is_some();
+        // Whether the grid continues beyond a texel at the side of the window, or fronts may leave through a side
+        // of the grid there.
         let leaves = |span: &Range<usize>, at: usize, all: usize| {
-            at < span.start + 2 && span.start > 0 || at + 2 >= span.end && span.end < all
+            let is_at_side = [0, (all - 1) / 2].contains(&(at / 2));
+            at < span.start + 2 && span.start > 0
+                || at + 2 >= span.end && span.end < all
+                || is_glued && is_at_side
         };
         let is_at_way_out = |&(row, col): &(usize, usize)| {
             leaves(&self.rows, row, self.chart.rows) || leaves(&self.cols, col, self.chart.cols)

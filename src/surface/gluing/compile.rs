@@ -51,37 +51,31 @@ pub(in super::super) fn pairs_of(
     }
 }
 
-impl Surface {
-    pub(super) fn compile(&self, gluing: &Gluing) -> Result<Compiled, SurfaceError> {
+impl Compiled {
+    /// Compiles a gluing that the grid determines, or returns `None` for charts, which positions determine.
+    pub(super) fn on_grid(chart: Chart, gluing: &Gluing) -> Result<Option<Self>, GluingError> {
         use GridSide::{FirstColumn, FirstRow, LastColumn, LastRow};
         let compiled = match gluing {
-            Gluing::Seams(seams) => self.compile_seams(seams)?,
+            Gluing::Seams(seams) => Self::of_seams(chart, seams)?,
             Gluing::Octahedral => {
-                self.check_positions("an octahedral map")?;
                 let sides = [FirstRow, LastRow, FirstColumn, LastColumn];
-                self.compile_seams(&sides.map(Seam::Fold))?
-            }
-            Gluing::Charts => {
-                self.check_positions("the gluing of charts")?;
-                let pairs = self.coinciding()?;
-                Compiled { pairs, lattice: Lattice::default() }
+                Self::of_seams(chart, &sides.map(Seam::Fold))?
             }
             Gluing::Runs(runs) => {
-                let pairs = self.pairs_of_runs(runs)?;
-                Compiled { pairs, lattice: Lattice::default() }
+                Self { pairs: pairs_of_runs(chart, runs)?, lattice: Lattice::default() }
             }
+            Gluing::Charts => return Ok(None),
         };
-        self.check_pairs(&compiled.pairs)?;
-        Ok(compiled)
+        Ok(Some(compiled))
     }
 
-    fn compile_seams(&self, seams: &[Seam]) -> Result<Compiled, GluingError> {
-        let Chart { rows, cols } = self.chart;
-        let mut compiled = Compiled { pairs: Vec::new(), lattice: Lattice::default() };
+    fn of_seams(chart: Chart, seams: &[Seam]) -> Result<Self, GluingError> {
+        let Chart { rows, cols } = chart;
+        let mut compiled = Self { pairs: Vec::new(), lattice: Lattice::default() };
         for (number, seam) in seams.iter().enumerate() {
-            let pairs = pairs_of(self.chart, seam)?;
+            let pairs = pairs_of(chart, seam)?;
             if seams[..number].contains(seam) {
-                return Err(self.twice(pairs[0]));
+                return Err(twice(chart, pairs[0]));
             }
             let lattice = Lattice::of(seam);
             let is_small = lattice.cols.is_some() && cols < LEAST_LINES
@@ -89,67 +83,96 @@ impl Surface {
             if is_small || pairs.is_empty() {
                 return Err(GluingError::TooSmall { rows, cols });
             }
-            match seam {
-                Seam::Neighbours { .. } => {
-                    return Err(GluingError::Unsupported {
-                        what: "a seam between sides that are one cell apart",
-                        instead: "repeat the first line of points after the last one",
-                    });
-                }
-                _ if lattice != Lattice::default() => {
-                    if lattice.cols.or(lattice.rows) == Some(true)
-                        && !self.geometry().has_positions()
-                    {
-                        return Err(GluingError::ReversedMetric);
-                    }
-                }
-                Seam::Fold(_) => self.check_positions("a fold")?,
-                Seam::Pole { .. } => self.check_positions("a pole")?,
-                Seam::Sides { .. } => self.check_positions("a seam between a row and a column")?,
+            if let Seam::Neighbours { .. } = seam {
+                return Err(GluingError::Unsupported {
+                    what: "a seam between sides that are one cell apart",
+                    instead: "repeat the first line of points after the last one",
+                });
             }
             compiled.lattice = compiled.lattice.and(lattice);
             compiled.pairs.extend(pairs);
         }
         Ok(compiled)
     }
+}
 
-    fn check_positions(&self, what: &'static str) -> Result<(), GluingError> {
-        match self.geometry() {
-            Geometry::Positions(_) => Ok(()),
-            _ => Err(GluingError::NoPositions { what }),
+pub(super) fn twice(chart: Chart, pair: [usize; 2]) -> GluingError {
+    GluingError::Twice { places: pair.map(|index| chart.position(index)) }
+}
+
+fn pairs_of_runs(chart: Chart, runs: &[[Run; 2]]) -> Result<Vec<[usize; 2]>, GluingError> {
+    let Chart { rows, cols } = chart;
+    let mut pairs = Vec::new();
+    for run in runs {
+        let [a, b] = run.each_ref().map(|run| {
+            let points = chart.walk(run.from, run.to).take(run.points);
+            points.map(|(row, col)| chart.index(row, col)).collect::<Vec<_>>()
+        });
+        for (found, &Run { from: (row, col), points, .. }) in [&a, &b].into_iter().zip(run) {
+            if found.len() < points || chart.at(row as isize, col as isize).is_none() {
+                return Err(GluingError::Outside { row, col, rows, cols });
+            }
+        }
+        if a.len() != b.len() {
+            return Err(GluingError::Runs { points: [a.len(), b.len()] });
+        }
+        for pair in a.into_iter().zip(b).map(|(a, b)| [a.min(b), a.max(b)]) {
+            // A fold has a point that is its own copy.
+            if pair[0] != pair[1] {
+                pairs.push(pair);
+            }
         }
     }
+    let mut sorted = pairs.clone();
+    sorted.sort_unstable();
+    match sorted.windows(2).find(|pairs| pairs[0] == pairs[1]) {
+        Some(pairs) => Err(twice(chart, pairs[0])),
+        None if pairs.is_empty() => Err(GluingError::Nothing),
+        None => Ok(pairs),
+    }
+}
 
-    fn pairs_of_runs(&self, runs: &[[Run; 2]]) -> Result<Vec<[usize; 2]>, GluingError> {
-        let Chart { rows, cols } = self.chart;
-        let mut pairs = Vec::new();
-        for run in runs {
-            let [a, b] = run.each_ref().map(|run| {
-                let points = self.chart.walk(run.from, run.to).take(run.points);
-                points.map(|(row, col)| self.chart.index(row, col)).collect::<Vec<_>>()
-            });
-            for (found, &Run { from: (row, col), points, .. }) in [&a, &b].into_iter().zip(run) {
-                if found.len() < points || self.chart.at(row as isize, col as isize).is_none() {
-                    return Err(GluingError::Outside { row, col, rows, cols });
-                }
+impl Gluing {
+    /// Checks that a geometry allows the gluing: whether it has a position or a height at each point, and whether
+    /// points that coincide have one position.
+    pub(crate) fn check_geometry(
+        &self,
+        has_positions: bool,
+        is_in_space: bool,
+    ) -> Result<(), GluingError> {
+        let positions = |what| match is_in_space {
+            true => Ok(()),
+            false => Err(GluingError::NoPositions { what }),
+        };
+        let of_seam = |seam: &Seam| {
+            let Lattice { cols, rows } = Lattice::of(seam);
+            match (cols.or(rows), seam) {
+                (Some(true), _) if !has_positions => Err(GluingError::ReversedMetric),
+                (Some(_), _) | (None, Seam::Neighbours { .. }) => Ok(()),
+                (None, Seam::Fold(_)) => positions("a fold"),
+                (None, Seam::Pole { .. }) => positions("a pole"),
+                (None, Seam::Sides { .. }) => positions("a seam between a row and a column"),
             }
-            if a.len() != b.len() {
-                return Err(GluingError::Runs { points: [a.len(), b.len()] });
-            }
-            for pair in a.into_iter().zip(b).map(|(a, b)| [a.min(b), a.max(b)]) {
-                // A fold has a point that is its own copy.
-                if pair[0] != pair[1] {
-                    pairs.push(pair);
-                }
-            }
+        };
+        match self {
+            Self::Seams(seams) => seams.iter().try_for_each(of_seam),
+            Self::Octahedral => positions("an octahedral map"),
+            Self::Charts => positions("the gluing of charts"),
+            Self::Runs(_) => Ok(()),
         }
-        let mut sorted = pairs.clone();
-        sorted.sort_unstable();
-        match sorted.windows(2).find(|pairs| pairs[0] == pairs[1]) {
-            Some(pairs) => Err(self.twice(pairs[0])),
-            None if pairs.is_empty() => Err(GluingError::Nothing),
-            None => Ok(pairs),
-        }
+    }
+}
+
+impl Surface {
+    pub(super) fn compile(&self, gluing: &Gluing) -> Result<Compiled, SurfaceError> {
+        let geometry = self.geometry();
+        gluing.check_geometry(geometry.has_positions(), geometry.is_in_space())?;
+        let compiled = match Compiled::on_grid(self.chart, gluing)? {
+            Some(compiled) => compiled,
+            None => Compiled { pairs: self.coinciding()?, lattice: Lattice::default() },
+        };
+        self.check_pairs(&compiled.pairs)?;
+        Ok(compiled)
     }
 
     /// Returns the pairs of points beside holes or the border that coincide.

@@ -1,10 +1,11 @@
-//! Shares the Gaussian curvature among the copies of a point.
+//! Shares the Gaussian curvature among the copies of a point. The twin of `glsl/passes/share_curvature.comp`.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::super::chart::{Direction, EdgeSlot};
 use super::super::tag::{TAG, Tagged};
 use super::super::{Chart, DIFFRACTS, EdgeLengths, LACKING, Real};
+use crate::constants::COPIES_TOGETHER;
 
 impl<R: Real> EdgeLengths<R> {
     /// Gives the copies of each point the mean of their curvatures. A point that lies inside the glued surface
@@ -17,7 +18,12 @@ impl<R: Real> EdgeLengths<R> {
         let name =
             |point: u32| numbers.get(&point).map_or((1, point as usize), |&number| (0, number));
         for group in groups.iter() {
-            let sum = group.iter().fold(R::zero(), |sum, &point| sum + curvature[point as usize]);
+            // The shader has an invocation for each part of a group.
+            let of_part = |part: &[u32]| {
+                part.iter().fold(R::zero(), |sum, &point| sum + curvature[point as usize])
+            };
+            let parts = group.chunks(COPIES_TOGETHER as usize).map(of_part);
+            let sum = parts.fold(R::zero(), |sum, part| sum + part);
             let mean = sum / R::of(group.len() as f64);
             let tags = group.iter().map(|&point| tag_of(curvature[point as usize]));
             let tag = tags.fold(0, |all, tag| all | tag);

@@ -5,7 +5,7 @@ use super::super::{Chart, GridSide, Seam};
 /// The sides at which the grid continues on the opposite side: from the last column to the first one, and from
 /// the last row to the first one. Each value says whether it continues in reverse order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Lattice {
+pub(crate) struct Lattice {
     pub cols: Option<bool>,
     pub rows: Option<bool>,
 }

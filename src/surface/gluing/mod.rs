@@ -8,7 +8,7 @@
 //! kept. [`lattice`] knows where the grid goes on as a grid, so that edges and curvatures are measured there
 //! as inside ([`strips`]). Elsewhere, at poles, folds and where charts meet at an angle, each side measures
 //! its own edges, and copies share the mean of their Gaussian curvatures ([`curvature`]). [`places`] finds the
-//! copies of sources.
+//! copies of sources, and [`rings`] the cells around copies, for shaders.
 
 mod compile;
 mod curvature;
@@ -16,18 +16,20 @@ mod error;
 mod groups;
 mod lattice;
 mod places;
+mod rings;
 mod strips;
 
 pub use error::GluingError;
 pub use groups::Groups;
+pub(crate) use lattice::Lattice;
+pub(crate) use rings::Ring;
 pub(super) use strips::Strips;
 
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
-use super::{Direction, GridSide, Seam, Surface, SurfaceError};
-use compile::Compiled;
-use lattice::Lattice;
+use super::{Chart, Direction, GridSide, Seam, Surface, SurfaceError};
+use compile::{Compiled, twice};
 
 /// A gluing of sides of the grid. Each variant names points that are the same point of the surface.
 ///
@@ -128,6 +130,38 @@ pub(crate) struct Glued {
 pub(crate) const UNGLUED: &str = "leave the gluing out, and the surface is cut open there";
 
 impl Glued {
+    /// Compiles the gluing of a grid whose points are not known.
+    ///
+    /// # Errors
+    /// If the grid does not have the points, or the gluing depends on positions.
+    pub(crate) fn of_grid(chart: Chart, gluing: &Gluing) -> Result<Self, GluingError> {
+        let Some(Compiled { pairs, lattice }) = Compiled::on_grid(chart, gluing)? else {
+            return Err(GluingError::Unsupported {
+                what: "the gluing of charts whose positions are on a device",
+                instead: "name the pairs of points as Gluing::Runs",
+            });
+        };
+        match pairs.is_empty() {
+            true => Err(GluingError::Nothing),
+            false => Ok(Self::new(Groups::of(pairs), lattice)),
+        }
+    }
+
+    fn new(groups: Groups, lattice: Lattice) -> Self {
+        let numbers = groups.numbers();
+        Self { groups, numbers, lattice }
+    }
+
+    /// Returns the groups of copies, by their row-major indices.
+    pub(crate) fn groups(&self) -> &Groups {
+        &self.groups
+    }
+
+    /// Returns where the grid continues beyond its sides.
+    pub(crate) fn lattice(&self) -> Lattice {
+        self.lattice
+    }
+
     /// Returns whether the two points of each pair are one. The result is false without pairs.
     fn has_glued(&self, pairs: &[[usize; 2]]) -> bool {
         let is_one = |pair: &[usize; 2]| {
@@ -155,14 +189,13 @@ impl Surface {
         let before = self.glued.take();
         let Compiled { pairs, lattice } = self.compile(&gluing)?;
         if before.as_ref().is_some_and(|before| before.has_glued(&pairs)) {
-            return Err(self.twice(pairs[0]).into());
+            return Err(twice(self.chart, pairs[0]).into());
         }
         let lattice = before.as_ref().map_or(lattice, |before| before.lattice.and(lattice));
         let old = before.iter().flat_map(|before| before.groups.pairs());
         let groups = Groups::of(old.chain(pairs));
         self.floor = OnceLock::new();
-        let numbers = groups.numbers();
-        self.glued = Some(Arc::new(Glued { groups, numbers, lattice }));
+        self.glued = Some(Arc::new(Glued::new(groups, lattice)));
         self.agree()?;
         self.non_empty()
     }
@@ -194,9 +227,5 @@ impl Surface {
     pub(super) fn has_glued(&self, seam: &Seam) -> bool {
         let Some(glued) = &self.glued else { return false };
         glued.has_glued(&compile::pairs_of(self.chart, seam).unwrap_or_default())
-    }
-
-    fn twice(&self, pair: [usize; 2]) -> GluingError {
-        GluingError::Twice { places: pair.map(|index| self.chart.position(index)) }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::constants::SEAM_HALO;
 use crate::surface::Chart;
 
 /// Largest number of bytes of a band of rows. Edges are uploaded, points measured and distances read back in
@@ -50,14 +51,16 @@ pub(crate) fn bands(
     (0..chart.rows).step_by(step).map(move |row| row..(row + step).min(chart.rows))
 }
 
-/// Returns the rows whose points are needed to measure the edges of a band. An edge to the north also depends
-/// on how the surface bends at its other end. At an end where the line ends, it depends on the next two
-/// points inwards.
-pub(crate) fn rows_around(band: &Range<usize>, chart: Chart) -> Range<usize> {
-    band.start.saturating_sub(BEFORE)..(band.end + AFTER).min(chart.rows)
+/// Returns the rows whose points are needed to measure the edges of a band, of a grid with `beyond` rows of points
+/// beyond its first and last row. Those beyond the first are negative. An edge to the north also depends on how the
+/// surface bends at its other end. At an end where the line ends, it depends on the next two points inwards.
+pub(crate) fn rows_around(band: &Range<usize>, chart: Chart, beyond: usize) -> Range<isize> {
+    let [start, end, rows, beyond] =
+        [band.start, band.end, chart.rows, beyond].map(|count| count as isize);
+    (start - BEFORE as isize).max(-beyond)..(end + AFTER as isize).min(rows + beyond)
 }
 
-const BEFORE: usize = 3;
+const BEFORE: usize = SEAM_HALO as usize;
 const AFTER: usize = 2;
 /// Largest number of rows around a band.
 const HALO: usize = BEFORE + AFTER;

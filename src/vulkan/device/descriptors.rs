@@ -131,19 +131,19 @@ impl GridSets {
     }
 }
 
-/// Resources of the sets of an exchange between copies of points.
+/// Resources of a grid that passes over copies of points use.
 #[derive(Clone, Copy)]
-pub(crate) struct CopyContents<'a> {
+pub(crate) struct GridContents<'a> {
     /// Sets of the grid, whose sets of maps serve here too.
-    pub(crate) grid: &'a GridSets,
+    pub(crate) sets: &'a GridSets,
+    pub(crate) edges: &'a Image,
+    pub(crate) gaussian: &'a Image,
     pub(crate) fronts: [&'a Image; 2],
     pub(crate) progress: &'a Buffer,
-    /// List of copies.
-    pub(crate) copies: &'a Buffer,
 }
 
-/// Descriptor sets of the pass that exchanges fronts between the copies of a point. Its list of copies takes the
-/// place of points and seeds, since devices need offer no more than four buffers.
+/// Descriptor sets of the passes that exchange fronts between the copies of a point and share its curvature. Their
+/// list of copies takes the place of points and seeds, since devices need offer no more than four buffers.
 #[derive(Debug, Default)]
 pub(crate) struct CopySets {
     /// Returns the sets as [`GridSets::writing`] does, for a pass that also reads and writes tiles in the other
@@ -157,9 +157,10 @@ impl CopySets {
     pub(crate) fn new(
         device: &ash::Device,
         pipelines: &Pipelines,
-        contents: CopyContents,
+        contents: GridContents,
+        copies: &Buffer,
     ) -> Result<Self, VulkanError> {
-        let CopyContents { grid, fronts, progress, copies } = contents;
+        let GridContents { sets: grid, edges, gaussian, fronts, progress } = contents;
         let mut new = Self { pool: pool(device, &[&set_0::KINDS[..]; 2])?, ..Self::default() };
         let sets = match allocate(device, new.pool, &[pipelines.surface_set_layout; 2]) {
             Ok(sets) => sets,
@@ -170,6 +171,8 @@ impl CopySets {
         };
         for (writes, surface) in sets.into_iter().enumerate() {
             pipelines.name(["exchanges in fronts 0", "exchanges in fronts 1"][writes], surface);
+            write_image(device, surface, set_0::EDGES, edges);
+            write_image(device, surface, set_0::GAUSSIANS, gaussian);
             write_image(device, surface, set_0::OLD_FRONTS, fronts[1 - writes]);
             write_buffer(device, surface, set_0::PROGRESS, progress);
             write_buffer(device, surface, set_0::COPIES, copies);

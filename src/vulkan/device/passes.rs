@@ -190,6 +190,9 @@ passes! {
         SCAN_LEFT: scan, Scans Left;
         ALL_POINTS: all_points;
         EXCHANGE: exchange;
+        GLUED_POINTS_FROM_BUFFER: glued_points_from_buffer;
+        GLUED_POINTS_FROM_IMAGE: glued_points_from_image;
+        SHARE_CURVATURE: share_curvature;
         TILES: tiles or tiles_points or tiles_shuffled, Tiles;
         CONTOUR_COUNTS: contour_counts;
         CONTOUR_OFFSETS: contour_offsets;

@@ -112,6 +112,7 @@ impl Directions {
         on: (&Solver, &FrameSurface),
         hosts: Option<HostImage>,
     ) -> Result<Self, VulkanError> {
+        on.1.check_open("an image of directions")?;
         let make = |pass| on.0.pipelines.make(device, pass, Wavefront::Planar);
         let pipelines = [make(WAY_STARTS)?, make(DIRECTIONS)?];
         Ok(Self { image: WayImage::new(device, allocator, on, KIND, hosts)?, pipelines })

@@ -6,6 +6,7 @@ use super::inputs::{PointMemory, Points, SourceBuffer};
 use crate::constants::WORKGROUP;
 use crate::surface::Chart;
 use crate::vulkan::VulkanError;
+use crate::vulkan::copies::Copies;
 use crate::vulkan::device::limits::Limits;
 use crate::vulkan::device::pipelines::Pipelines;
 use crate::vulkan::device::shaders::set_1;
@@ -252,6 +253,19 @@ pub(super) fn points_content(
             Ok(Content::Input(Part::new(on, "points", buffer, offset, bytes)?.with_rest(on)))
         }
     }
+}
+
+/// Returns the content for points that are measured. On a glued surface it includes the list of copies.
+pub(super) fn measured_content(
+    on: (&ash::Device, &Limits),
+    points: &Points,
+    grid: &GridImages,
+) -> Result<Content, VulkanError> {
+    let content = points_content(on, points, grid.chart)?;
+    let Some((buffer, at, bytes)) = grid.copies.as_ref().and_then(Copies::by_rows) else {
+        return Ok(content);
+    };
+    Ok(content.and_output(Part::new(on, "copies", buffer, at, bytes)?))
 }
 
 /// Writes the content to a descriptor set that no submitted work uses.

@@ -135,6 +135,7 @@ impl LogMap {
         on: (&Solver, &FrameSurface),
         hosts: Option<HostImage>,
     ) -> Result<Self, VulkanError> {
+        on.1.check_open("a log map in a frame")?;
         let make = |pass| on.0.pipelines.make(device, pass, Wavefront::Planar);
         let pipelines =
             [make(WAY_STARTS)?, make(LOG_MAP_WAYS)?, make(STEPS)?, make(LOG_MAP_ROUNDS)?];

@@ -164,6 +164,7 @@ impl Paths {
         hosts: Option<vk::Buffer>,
     ) -> Result<Self, VulkanError> {
         let limits = &solver.limits;
+        surface.check_open("a path in a frame")?;
         let (layout, buffers) = parts(limits, info)?;
         let make = |pass| solver.pipelines.make(device, pass, Wavefront::Planar);
         let pipelines = [make(PATH_STARTS)?, make(PATHS)?];

@@ -18,6 +18,7 @@ pub struct Plan {
     steps: Vec<Step>,
     asked: u32,
     iterations: u32,
+    pub(super) is_over_seams: bool,
 }
 
 impl Plan {
@@ -42,7 +43,17 @@ impl Plan {
                 break;
             }
         }
-        Self { texels, schedule, wavefront, stop, steps, asked: iterations, iterations: planned }
+        let (asked, iterations, is_over_seams) = (iterations, planned, false);
+        Self { texels, schedule, wavefront, stop, steps, asked, iterations, is_over_seams }
+    }
+
+    /// Returns the plan for glued surfaces ([`super::SurfaceInfo::gluing`]): fronts pass seams after each scan, or
+    /// each round of tiles.
+    pub fn over_seams(self) -> Self {
+        if self.is_over_seams {
+            return self;
+        }
+        Self { steps: plan::with_exchanges(self.steps), is_over_seams: true, ..self }
     }
 
     /// Returns the largest number of profile records that a recording of the steps makes. It includes the

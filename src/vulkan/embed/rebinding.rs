@@ -1,12 +1,12 @@
 //! Replaces the host's memory of a surface: other buffers or images take the place of those that it was made
 //! with.
 
-use super::host_sets::{Content, points_content, sources_content};
+use super::host_sets::{Content, measured_content, sources_content};
 use super::inputs::{Points, SourceBuffer};
 use super::numbered::nth;
 use super::outputs::HostImage;
 use super::solver::Solver;
-use super::surface::FrameSurface;
+use super::surface::{FrameSurface, check_kind};
 use crate::vulkan::VulkanError;
 
 impl FrameSurface {
@@ -39,7 +39,10 @@ impl FrameSurface {
             let reason = "they have a slowness, and the surface was made for none".into();
             return Err(VulkanError::HostBuffer { what: "points", reason });
         }
-        let content = points_content((device, &solver.limits), points, self.grid.chart)?;
+        if let Some(gluing) = &self.gluing {
+            check_kind(gluing, points.kind)?;
+        }
+        let content = measured_content((device, &solver.limits), points, &self.grid)?;
         let set = &mut self.sets.points[number];
         set.replace(device, &self.flight, ("points", number), content)?;
         self.points[number] = *points;

@@ -12,11 +12,14 @@ use super::state::number_of_preparation;
 use super::surface::FrameSurface;
 use crate::constants::{NEVER_MEASURED, SOURCES_TOGETHER, SURROUNDINGS_TEXELS, WORKGROUP};
 use crate::surface::{Chart, EdgeRule};
+use crate::update::Wavefront;
 use crate::vulkan::device::bands::{POINT_BYTES, bands, frame_bytes, rows_around};
 use crate::vulkan::device::barrier::{PASS, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::device::passes::{
-    CommonPass, MERGE_SURROUNDINGS, POINTS_FROM_BUFFER, POINTS_FROM_IMAGE, SOURCES, Variant,
+    GLUED_POINTS_FROM_BUFFER, GLUED_POINTS_FROM_IMAGE, MERGE_SURROUNDINGS, POINTS_FROM_BUFFER,
+    POINTS_FROM_IMAGE, SOURCES, Variant,
 };
+use crate::vulkan::device::pipelines::Pipeline;
 use crate::vulkan::device::shaders::{
     merge_surroundings, points_from_buffer, sources, surroundings,
 };
@@ -166,21 +169,25 @@ impl<'a> Recording<'a> {
         // Arcs need positions. Other edges are straight.
         let rule = if kind.has_positions() { surface.edge_rule } else { EdgeRule::Chord };
         recorder.set_known(offset::POINTS, 0);
-        for rows in bands(chart, POINT_BYTES, frame_bytes(chart)) {
-            let around = rows_around(&rows, chart);
+        let (lattice, [halo_cols, halo_rows]) = (surface.grid.lattice, surface.grid.lattice.halo());
+        let wide = lattice.with_halo(chart);
+        for rows in bands(wide, POINT_BYTES, frame_bytes(chart)) {
+            let around = rows_around(&rows, chart, halo_rows);
             let band = points_from_buffer::Push {
                 grid: grid_size(chart),
                 first_row: around.start as i32,
                 band_rows: around.len() as i32,
-                first_own: (rows.start - around.start) as i32,
+                first_own: (rows.start as isize - around.start) as i32,
                 own_rows: rows.len() as i32,
                 heights: kind.spacing().is_some().into(),
                 slowness: info.slowness.map_or(-1, |index| index as i32),
                 first_word: set.first_word,
                 stride: info.memory.stride_words(),
+                halo: [halo_cols as i32, halo_rows as i32],
+                lattice: lattice.codes(),
             };
-            let pipeline = recorder.pipelines.of(points_pass(info.memory));
-            let size = [chart.cols as u32, around.len() as u32];
+            let pipeline = self.points_pass(info.memory);
+            let size = [wide.cols as u32, around.len() as u32];
             let slowness = u64::from(info.slowness.is_some());
             let each = [4 * (u64::from(kind.floats()) + slowness), kind.uploaded_bytes()];
             let pass = recorder.pass_of_each(PassKind::Points, size, each);
@@ -191,6 +198,22 @@ impl<'a> Recording<'a> {
         }
         if solver.is_curved() {
             recorder.bend(rule, false);
+            recorder.share_curvature();
+        }
+    }
+
+    /// Returns the pass that reads points from a type of memory.
+    fn points_pass(&self, memory: PointMemory) -> Pipeline<points_from_buffer::Push> {
+        let pipelines = self.recorder.pipelines;
+        let (open, glued) = match memory {
+            PointMemory::Buffer { .. } => (POINTS_FROM_BUFFER, GLUED_POINTS_FROM_BUFFER),
+            PointMemory::Image { .. } => (POINTS_FROM_IMAGE, GLUED_POINTS_FROM_IMAGE),
+        };
+        match self.surface.grid.copies.is_some() {
+            true => pipelines
+                .made(glued, Wavefront::Curved)
+                .expect("a glued surface is only made once its pipelines are"),
+            false => pipelines.of(open),
         }
     }
 
@@ -266,6 +289,10 @@ impl<'a> Recording<'a> {
         if plan.texels != self.surface.grid.texels {
             return Err(VulkanError::OtherGrid);
         }
+        let is_glued = self.surface.grid.copies.is_some();
+        if plan.is_over_seams != is_glued {
+            return Err(VulkanError::OtherGluing { is_glued });
+        }
         let (schedule, wavefront) = (plan.schedule, plan.wavefront);
         match self.solver.has_passes(schedule, self.variant(plan)) {
             true => Ok(()),
@@ -277,7 +304,8 @@ impl<'a> Recording<'a> {
     pub(super) fn variant(&self, plan: &Plan) -> Variant {
         let grid = &self.surface.grid;
         let small_tiles = self.solver.tuning().has_small_tiles(grid.texels);
-        Sort { slowed: grid.is_slowed(), small_tiles }.variant(plan.wavefront.into())
+        let glued = grid.copies.is_some();
+        Sort { slowed: grid.is_slowed(), small_tiles, glued }.variant(plan.wavefront.into())
     }
 
     pub(super) fn check_sources(&self, sources: SourceInput) -> Result<(), VulkanError> {
@@ -343,12 +371,19 @@ impl<'a> Recording<'a> {
         if let SourceInput::Inline(sources) = sources {
             recorder.write_sources(bytemuck::cast_slice(sources));
         }
-        for first in (0..count).step_by(SOURCES_TOGETHER as usize) {
+        let lattice = surface.grid.lattice;
+        // A source at a grid point passes to its copies with the other seeds.
+        let has_copies = sources.may_lie_inside_cells();
+        let copies = lattice.copies().filter(|&copy| has_copies || copy == 0);
+        let portions = (0..count).step_by(SOURCES_TOGETHER as usize);
+        for (copy, first) in copies.flat_map(|copy| portions.clone().map(move |at| (copy, at))) {
             let together = (count - first).min(SOURCES_TOGETHER);
             let portion = sources::Push {
                 grid: grid_size(surface.grid.chart),
+                lattice: lattice.codes(),
                 first_word: set.first_word + 4 * first as i32,
                 count: together as i32,
+                copy,
             };
             let pipeline = recorder.pipelines.of(SOURCES);
             let size = [4 * together, 1];
@@ -365,6 +400,7 @@ impl<'a> Recording<'a> {
         if gains || count > 1 && plan.wavefront.is_curved() {
             self.surroundings(set, count, plan);
         }
+        recorder.exchange_seeds(self.variant(plan), plan.schedule);
     }
 
     /// Records the passes that solve the surroundings of `count` sources, if the maps of the plan gain by it.
@@ -375,7 +411,9 @@ impl<'a> Recording<'a> {
         if count == 0 || count > most_surrounded(chart) {
             return;
         }
-        let sources = surroundings::Push { grid: grid_size(chart), first_word: set.first_word };
+        let is_glued = surface.grid.copies.is_some().into();
+        let (grid, first_word) = (grid_size(chart), set.first_word);
+        let sources = surroundings::Push { grid, first_word, is_glued };
         let each = SURROUNDINGS_TEXELS * SURROUNDINGS_TEXELS;
         let work = Work::of_surroundings(count.into(), each.into(), plan.wavefront.is_curved());
         let record = PassRecord {
@@ -409,13 +447,6 @@ impl<'a> Recording<'a> {
     /// before.
     pub(super) fn points_in(&self, set: HostSet) -> HostSet {
         set.at("points", self.points_at).expect("the points were checked")
-    }
-}
-
-fn points_pass(memory: PointMemory) -> CommonPass<points_from_buffer::Push> {
-    match memory {
-        PointMemory::Buffer { .. } => POINTS_FROM_BUFFER,
-        PointMemory::Image { .. } => POINTS_FROM_IMAGE,
     }
 }
 

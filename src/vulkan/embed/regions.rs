@@ -130,6 +130,7 @@ impl Regions {
         wavefront: Wavefront,
         hosts: Option<vk::Buffer>,
     ) -> Result<Self, VulkanError> {
+        surface.check_open("a region in a frame")?;
         let chart = surface.grid.chart;
         let info = info(&solver.limits, chart)?;
         let make = |pass| solver.pipelines.make(device, pass, wavefront);

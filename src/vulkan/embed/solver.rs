@@ -9,7 +9,10 @@ use crate::surface::Chart;
 use crate::update::{Setting, Wavefront};
 use crate::vulkan::device::labels::Labels;
 use crate::vulkan::device::limits::Limits;
-use crate::vulkan::device::passes::{COMMON, SURROUNDINGS, Variant};
+use crate::vulkan::device::passes::{
+    COMMON, EXCHANGE, GLUED_POINTS_FROM_BUFFER, GLUED_POINTS_FROM_IMAGE, SHARE_CURVATURE,
+    SURROUNDINGS, Variant,
+};
 use crate::vulkan::device::pipelines::{Cache, Pipeline, Pipelines};
 use crate::vulkan::device::requirements;
 use crate::vulkan::device::shaders::surroundings;
@@ -39,16 +42,33 @@ pub(super) struct Sort {
     pub(super) slowed: bool,
     /// Whether its grid has smaller tiles than others.
     pub(super) small_tiles: bool,
+    /// Whether sides of its grid are glued.
+    pub(super) glued: bool,
 }
 
 impl Sort {
     /// Returns all sorts, by their numbers.
-    fn all() -> [Self; 4] {
-        [0, 1, 2, 3].map(|number| Self { slowed: number & 1 != 0, small_tiles: number & 2 != 0 })
+    fn all() -> impl Iterator<Item = Self> {
+        (0..8).map(|number| {
+            let [slowed, small_tiles, glued] = [1, 2, 4].map(|bit| number & bit != 0);
+            Self { slowed, small_tiles, glued }
+        })
     }
 
     fn bit(self) -> u8 {
-        1 << (u8::from(self.slowed) + 2 * u8::from(self.small_tiles))
+        let Self { slowed, small_tiles, glued } = self;
+        1 << (u8::from(slowed) + 2 * u8::from(small_tiles) + 4 * u8::from(glued))
+    }
+
+    /// Returns the passes of maps of surfaces of this sort.
+    fn passes(
+        self,
+        schedule: Schedule,
+        wavefront: Wavefront,
+    ) -> impl Iterator<Item = (usize, Variant)> {
+        let exchange = self.glued.then(|| (EXCHANGE.number(), wavefront.into()));
+        let all = passes_of(schedule, wavefront).chain(exchange);
+        all.map(move |(pass, variant)| (pass, self.variant(variant)))
     }
 
     /// Returns the variant of pipelines for surfaces of this sort.
@@ -245,9 +265,8 @@ impl Solver {
     ) -> Result<(), VulkanError> {
         let mut wanted: Vec<_> = passes_of(schedule, over_any(wavefront)).collect();
         let made = *self.sorts.get_mut();
-        for sort in Sort::all().into_iter().filter(|sort| made & sort.bit() != 0) {
-            let of_sort = |(pass, variant)| (pass, sort.variant(variant));
-            wanted.extend(passes_of(schedule, over_any(wavefront)).map(of_sort));
+        for sort in Sort::all().filter(|sort| made & sort.bit() != 0) {
+            wanted.extend(sort.passes(schedule, over_any(wavefront)));
         }
         self.pipelines.make_each(device, &wanted)
     }
@@ -290,10 +309,14 @@ impl Solver {
         sort: Sort,
     ) -> Result<(), VulkanError> {
         self.sorts.fetch_or(sort.bit(), Ordering::Relaxed);
-        let of_surface = |(pass, variant)| (pass, sort.variant(variant));
-        let all =
-            self.all_passes().flat_map(|(schedule, wavefront)| passes_of(schedule, wavefront));
-        self.pipelines.make_each(device, &all.map(of_surface).collect::<Vec<_>>())
+        let mut wanted: Vec<_> = self
+            .all_passes()
+            .flat_map(|(schedule, wavefront)| sort.passes(schedule, wavefront))
+            .collect();
+        if sort.glued {
+            wanted.extend(OF_GLUED.map(|pass| (pass, Wavefront::Curved.into())));
+        }
+        self.pipelines.make_each(device, &wanted)
     }
 
     /// Returns the schedules and wavefronts for which the solver has pipelines.
@@ -341,6 +364,10 @@ impl Solver {
         self.pipelines.destroy(device);
     }
 }
+
+/// Passes of glued surfaces for all wavefronts.
+const OF_GLUED: [usize; 3] =
+    [GLUED_POINTS_FROM_BUFFER.number(), GLUED_POINTS_FROM_IMAGE.number(), SHARE_CURVATURE.number()];
 
 /// Returns the passes of a schedule and wavefront, and the one that solves the surroundings of sources.
 /// Headless solvers do without that one, and start from `Wavefront::seeds`.

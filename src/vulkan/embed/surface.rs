@@ -13,11 +13,15 @@ use super::solver::{Solver, Sort};
 use super::state::State;
 use super::surface_sets::HostSets;
 use crate::constants::{BORDER, NEVER_MEASURED, SOURCES_TOGETHER, TIME};
-use crate::surface::{Chart, EdgeRule, Resolution, SurfaceError};
+use crate::surface::{
+    Chart, EdgeRule, Glued, Gluing, GluingError, Lattice, Resolution, SurfaceError, UNGLUED,
+};
 use crate::vulkan::VulkanError;
+use crate::vulkan::copies::CopyList;
 use crate::vulkan::device::bands::{POINT_BYTES, bands, frame_bytes};
 use crate::vulkan::device::memory::{FORMAT, RESULT_FORMAT};
 use crate::vulkan::grid_images::{GridImages, INLINE_SOURCES, Purpose};
+use crate::vulkan::point_kind::PointKind;
 use crate::vulkan::schedules::progress::{Record, offset};
 
 /// Parameters of a surface. The host's images and buffers still belong to the host. They must be alive
@@ -36,6 +40,12 @@ pub struct SurfaceInfo<'a> {
     /// the readers, which may be the same. If this lists different families, their queues share the images
     /// without ownership transfers. If it is empty, other families need ownership transfers.
     pub queue_families: &'a [u32],
+    /// Sides of the grid that are one another, so that distances pass from one to the other; see
+    /// [`crate::Surface::with_gluing`]. Both sides hold the points of the seam. Copies of a point take the
+    /// values of the first, and are a hole if any of them is. Nobody checks that they coincide. Plans for the
+    /// surface are made with [`super::Plan::over_seams`]. It cannot be [`Gluing::Charts`], which
+    /// depends on positions.
+    pub gluing: Option<&'a Gluing>,
     /// Images of the host for the distances, one per slot. If this is empty, the surface allocates them. See
     /// [`HostImage`].
     pub results: &'a [HostImage],
@@ -58,6 +68,7 @@ impl<'a> SurfaceInfo<'a> {
             edge_rule: EdgeRule::default(),
             slots: 1,
             queue_families: &[],
+            gluing: None,
             results: &[],
             points: &[],
             sources: &[],
@@ -78,6 +89,11 @@ impl<'a> SurfaceInfo<'a> {
     /// Sets [`SurfaceInfo::queue_families`].
     pub fn with_queue_families(self, queue_families: &'a [u32]) -> Self {
         Self { queue_families, ..self }
+    }
+
+    /// Sets [`SurfaceInfo::gluing`].
+    pub fn with_gluing(self, gluing: impl Into<Option<&'a Gluing>>) -> Self {
+        Self { gluing: gluing.into(), ..self }
     }
 
     /// Sets [`SurfaceInfo::results`].
@@ -108,11 +124,18 @@ impl<'a> SurfaceInfo<'a> {
         families
     }
 
-    fn purpose<'f>(&self, families: &'f [u32]) -> Purpose<'f> {
+    /// Returns the gluing of the grid, after checking that all points allow it.
+    fn glued(&self) -> Result<Option<Glued>, VulkanError> {
+        let Some(gluing) = self.gluing else { return Ok(None) };
+        self.points.iter().try_for_each(|points| check_kind(gluing, points.kind))?;
+        Ok(Some(Glued::of_grid(self.chart, gluing).map_err(SurfaceError::from)?))
+    }
+
+    fn purpose<'f>(&self, families: &'f [u32], lattice: Lattice) -> Purpose<'f> {
         let slowed = self.points.iter().any(|points| points.slowness.is_some());
         let slots = self.slots.max(1);
         let results = if self.results.is_empty() { slots } else { 0 };
-        Purpose::Embedded { slots, results, families, slowed }
+        Purpose::Embedded { slots, results, families, slowed, lattice }
     }
 
     fn check(&self) -> Result<(), VulkanError> {
@@ -145,6 +168,14 @@ pub struct FrameSurface {
     pub(super) state: State,
     pub(super) flight: Arc<Flight>,
     pub(super) edge_rule: EdgeRule,
+    pub(super) gluing: Option<Gluing>,
+}
+
+/// Returns an error if points of a kind do not allow a gluing.
+pub(super) fn check_kind(gluing: &Gluing, kind: PointKind) -> Result<(), VulkanError> {
+    let is_in_space = matches!(kind, PointKind::Positions);
+    let checked = gluing.check_geometry(kind.has_positions(), is_in_space);
+    Ok(checked.map_err(SurfaceError::from)?)
 }
 
 /// Image that holds distances. It belongs to the surface, with the usages `SAMPLED`, `STORAGE` and
@@ -221,13 +252,23 @@ impl FrameSurface {
         info.check()?;
         let size = (info.chart, solver.limits.texels(info.chart)?);
         let (pipelines, families) = (&solver.pipelines, info.families());
-        let purpose = info.purpose(&families);
+        let glued = info.glued()?;
+        let lattice = glued.as_ref().map(Glued::lattice).unwrap_or_default();
+        let purpose = info.purpose(&families, lattice);
         let slowed = matches!(purpose, Purpose::Embedded { slowed: true, .. });
         let small_tiles = solver.tuning().has_small_tiles(size.1);
-        solver.make_passes_for(device, Sort { slowed, small_tiles })?;
+        let sort = Sort { slowed, small_tiles, glued: glued.is_some() };
+        solver.make_passes_for(device, sort)?;
         let mut grid = GridImages::new(device, allocator, pipelines, size, purpose)?;
         let host = (info.results, info.points, info.sources, info.lookups);
-        match HostSets::new(device, pipelines, &solver.limits, &grid, host) {
+        let list = glued.map(|glued| CopyList::with_rings(info.chart, &glued));
+        let made = match list {
+            Some(list) => grid.glue(device, allocator, pipelines, list),
+            None => Ok(()),
+        };
+        let made =
+            made.and_then(|()| HostSets::new(device, pipelines, &solver.limits, &grid, host));
+        match made {
             Ok(sets) => Ok(Self {
                 sets,
                 results: info.results.to_vec(),
@@ -235,6 +276,7 @@ impl FrameSurface {
                 sources: info.sources.to_vec(),
                 lookup_counts: info.lookups.iter().map(|lookup| lookup.count).collect(),
                 edge_rule: info.edge_rule,
+                gluing: info.gluing.cloned(),
                 state: State::new(info.slots.max(1)),
                 flight: Arc::new(Flight::new(grid.records())),
                 grid,
@@ -254,8 +296,12 @@ impl FrameSurface {
         info.check()?;
         let size = (info.chart, solver.limits.texels(info.chart)?);
         let families = info.families();
-        let purpose = info.purpose(&families);
-        GridImages::bytes_for(device, solver.pipelines.tuning, size, purpose)
+        let glued = info.glued()?;
+        let lattice = glued.as_ref().map(Glued::lattice).unwrap_or_default();
+        let purpose = info.purpose(&families, lattice);
+        let bytes = GridImages::bytes_for(device, solver.pipelines.tuning, size, purpose)?;
+        let list = glued.map(|glued| CopyList::with_rings(info.chart, &glued).buffer_info());
+        Ok(bytes + list.map_or(Ok(0), |info| info.bytes(device))?)
     }
 
     /// Returns the size of the grid.
@@ -266,6 +312,21 @@ impl FrameSurface {
     /// Returns the number of bytes taken from the allocator's memory blocks.
     pub fn bytes(&self) -> u64 {
         self.grid.bytes()
+    }
+
+    /// Returns whether sides of the grid are glued.
+    pub fn is_glued(&self) -> bool {
+        self.gluing.is_some()
+    }
+
+    /// Returns an error if the surface is glued. `what` is not available then.
+    pub(super) fn check_open(&self, what: &'static str) -> Result<(), VulkanError> {
+        match self.is_glued() {
+            true => {
+                Err(SurfaceError::from(GluingError::Unsupported { what, instead: UNGLUED }).into())
+            }
+            false => Ok(()),
+        }
     }
 
     /// Returns the number of slots. Each has an image of distances.
@@ -381,15 +442,17 @@ impl FrameSurface {
 
     /// Returns the largest number of passes of a frame beside those of its plan.
     pub(super) fn passes_around(&self) -> u32 {
-        let chart = self.grid.chart;
-        let measured = 2 * bands(chart, POINT_BYTES, frame_bytes(chart)).count() as u32 + 2;
+        let (chart, is_glued) = (self.grid.chart, u32::from(self.grid.copies.is_some()));
+        let wide = self.grid.lattice.with_halo(chart);
+        let copies = self.grid.lattice.copies().count() as u32;
+        let measured = 2 * bands(wide, POINT_BYTES, frame_bytes(chart)).count() as u32 + 2;
         let inline = INLINE_SOURCES as u32;
         let sources = self.sources.iter().map(|sources| sources.count).max();
         let sources = sources.unwrap_or(0).max(inline);
         // Sources are taken, and their seeds set, in portions. Their surroundings are solved, merged and set.
         // The other five passes forget the map, start it, take back what lies beyond its limit, copy the outcome,
-        // and unpack the distances.
-        measured + 1 + 2 * sources.div_ceil(SOURCES_TOGETHER) + 3 + 5
+        // and unpack the distances. On a glued surface, copies share their curvatures and exchange their seeds.
+        2 * is_glued + measured + 1 + 2 * copies * sources.div_ceil(SOURCES_TOGETHER) + 3 + 5
     }
 
     pub(super) fn check_slot(&self, slot: usize) -> Result<(), VulkanError> {

@@ -3,7 +3,7 @@
 use ash::vk;
 
 use super::host_sets::{
-    Content, HostSet, Part, WORD, check_count, describe, inline_sources_content, points_content,
+    Content, HostSet, Part, WORD, check_count, describe, inline_sources_content, measured_content,
     sources_content,
 };
 use super::input_sets::{InputSet, versions};
@@ -46,7 +46,7 @@ impl HostSets {
         let on = (device, limits);
         contents.push(inline_sources_content(on, grid)?);
         for points in points {
-            let content = points_content(on, points, grid.chart)?;
+            let content = measured_content(on, points, grid)?;
             contents.extend(std::iter::repeat_n(content, versions));
         }
         for sources in sources {

@@ -1,12 +1,20 @@
 //! Tests that no map depends on the order in which a device runs the workgroups of a dispatch, or dispatches
 //! that no barrier separates. The validation layers are off, since they would have a barrier between these.
 
+use std::f32::consts::PI;
+use std::sync::Arc;
+
 use ash::vk;
+use gpu_allocator::MemoryLocation;
 
 use super::context::Context;
 use super::{HeadlessSolution, HeadlessSolver};
 use crate::surface::builtin::Builtin;
-use crate::surface::{Sources, Spacing, Surface};
+use crate::surface::{Chart, Gluing, Sources, Spacing, Surface};
+use crate::vulkan::copies;
+use crate::vulkan::copies::tests::GroupOrder;
+use crate::vulkan::device::memory::{Buffer, BufferInfo};
+use crate::vulkan::embed;
 use crate::vulkan::schedules::raster;
 use crate::vulkan::{DeviceChoice, Method, Schedule, TileLanes, Tuning};
 use crate::{Stop, Wavefront};
@@ -151,4 +159,86 @@ fn rounds_of_tiles_do_not_depend_on_the_order_of_workgroups() {
             assert_same(a, b, &format!("{}, both forms", problem.what));
         }
     }
+}
+
+/// Copies of the points of a renderer's frame are listed in any order too: their curvatures, seeds and fronts are
+/// the same.
+#[test]
+fn copies_in_frames_can_be_listed_in_any_order() {
+    let solver = solver(0, |tuning| tuning);
+    let [found, reversed, scattered] =
+        [GroupOrder::AsFound, GroupOrder::Reversed, GroupOrder::Scattered].map(|order| {
+            copies::tests::ORDER.set(order);
+            let map = frame_of_a_globe(&solver.context);
+            copies::tests::ORDER.set(GroupOrder::AsFound);
+            map
+        });
+    assert!(found.iter().all(|distance| (0.0..3.2).contains(distance)), "{found:?}");
+    assert!(found == reversed && found == scattered);
+}
+
+/// Grid of a globe by latitudes and longitudes.
+const CHART: Chart = Chart { rows: 31, cols: 61 };
+
+/// Returns the positions of the globe's points, and their rows and columns.
+fn globe() -> [Vec<f32>; 2] {
+    let (mut points, mut places) = (Vec::new(), Vec::new());
+    for (row, col) in CHART.places() {
+        let (polar, angle) = (PI * row as f32 / 30.0, 2.0 * PI * (col % 60) as f32 / 60.0);
+        points.extend([polar.sin() * angle.cos(), polar.sin() * angle.sin(), polar.cos()]);
+        places.extend([row as f32, col as f32]);
+    }
+    [points, places]
+}
+
+/// Returns the map of the globe from a frame.
+fn frame_of_a_globe(context: &Arc<Context>) -> Vec<f32> {
+    let [points, places] = globe();
+    let Context { device, physical_device, .. } = &**context;
+    let filled = |name, floats: Vec<f32>, location| {
+        let info = BufferInfo { name, size: 4 * floats.len() as u64, location };
+        let mut buffer = Buffer::new(device, &mut *context.allocator(), info).unwrap();
+        if location == MemoryLocation::CpuToGpu {
+            let bytes: &[u8] = bytemuck::cast_slice(&floats);
+            buffer.mapped()[..bytes.len()].copy_from_slice(bytes);
+        }
+        buffer
+    };
+    let mut buffers = [
+        filled("points", points, MemoryLocation::CpuToGpu),
+        filled("places", places, MemoryLocation::CpuToGpu),
+        filled("distances", vec![0.0; CHART.points()], MemoryLocation::GpuToCpu),
+    ];
+    let passes = [(Schedule::Raster, Wavefront::Curved)];
+    let instance = &context.instance.handle;
+    let mut solver = embed::Solver::new(instance, *physical_device, device, &passes).unwrap();
+    let inputs = [embed::Points::positions(buffers[0].buffer, 12)];
+    let [_, places, distances] = buffers.each_ref().map(|buffer| buffer.buffer);
+    let count = CHART.points() as u32;
+    let lookups =
+        [embed::Lookup { places, places_offset: 0, distances, distances_offset: 0, count }];
+    let gluing = Gluing::globe();
+    let info = embed::SurfaceInfo::new(CHART)
+        .with_points(&inputs)
+        .with_lookups(&lookups)
+        .with_gluing(&gluing);
+    let mut surface = solver.surface(device, &mut *context.allocator(), &info).unwrap();
+    let method = Method::new(Wavefront::Curved, Stop::within(1e-6).or_after(100));
+    let plan = solver.plan(CHART, method, 20).unwrap().over_seams();
+    let sources = [embed::PointSource::at(8.0, 60.0)];
+    let record = |device: &ash::Device, commands| {
+        let recording = solver.record(device, commands, &surface);
+        recording.prepare();
+        let sources = embed::SourceInput::Inline(&sources);
+        let frame = embed::Frame::new(&plan, sources, embed::Reader::COPY).with_points(0);
+        recording.frame(&frame).unwrap();
+        recording.lookup(0, -1.0, embed::Access::NONE, embed::Access::HOST_READ).unwrap();
+    };
+    context.run(record).unwrap();
+    assert!(surface.outcome(0).unwrap().converged);
+    let map = bytemuck::cast_slice(&buffers[2].read()[..4 * CHART.points()]).to_vec();
+    surface.destroy(device, &mut *context.allocator());
+    solver.destroy(device);
+    buffers.iter_mut().for_each(|buffer| buffer.destroy(device, &mut *context.allocator()));
+    map
 }

@@ -6,6 +6,7 @@ use super::context::{CommandBuffer, Context};
 use crate::constants::SOURCES_INSIDE;
 use crate::surface::{Origins, Seed, Surface};
 use crate::update::{Setting, Wavefront};
+use crate::vulkan::copies::CopyList;
 use crate::vulkan::device::passes::Variant;
 use crate::vulkan::device::pipelines::Pipelines;
 use crate::vulkan::grid_images::{GridImages, Purpose};
@@ -63,7 +64,12 @@ impl SurfaceOnDevice {
         let purpose = Purpose::Headless { slowed };
         let mut images = GridImages::new(device, allocator, pipelines, sizes, purpose)?;
         if let Some(groups) = surface.copies() {
-            let glued = images.glue(device, allocator, pipelines, groups);
+            let glued = images.glue(
+                device,
+                allocator,
+                pipelines,
+                CopyList::of_groups(surface.chart(), groups),
+            );
             if let Err(error) = glued {
                 images.destroy(device, allocator);
                 return Err(error);

@@ -1,11 +1,12 @@
-//! Records the exchange of fronts between the copies of points of a glued surface.
+//! Records the exchange of fronts between the copies of points of a glued surface, and what else they share.
 
 use super::commands::Groups;
 use super::recorder::Recorder;
+use crate::update::Wavefront;
 use crate::vulkan::Schedule;
 use crate::vulkan::copies::NO_ROUND;
-use crate::vulkan::device::barrier::{CLEAR, PASS, SHADER};
-use crate::vulkan::device::passes::{EXCHANGE, Variant};
+use crate::vulkan::device::barrier::{CLEAR, PASS, SHADER, SHADER_WRITE};
+use crate::vulkan::device::passes::{EXCHANGE, SHARE_CURVATURE, Variant};
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 
 /// Largest number of bytes that one update of a buffer writes.
@@ -38,6 +39,21 @@ impl Recorder<'_> {
         let next_round = next_round.map_or(NO_ROUND, |round| round as i32);
         let push = copies.push(self.grid.texels, self.tile() as i32 / 2, next_round);
         self.dispatch(pipeline, &push, Groups::line(1));
+    }
+
+    /// Gives all copies of each point the mean of their curvatures, if the surface is glued. It was made for points
+    /// that are measured on the device.
+    pub(in crate::vulkan) fn share_curvature(&self) {
+        let Some(copies) = &self.grid.copies else { return };
+        let pipeline = self.pipelines.made(SHARE_CURVATURE, Wavefront::Curved);
+        let pipeline = pipeline.expect("a glued surface is only made once its pipelines are");
+        let [read, written] = copies.bytes_of_curvature();
+        let (groups, work) = (Some([1; 3]), Work::of_bytes(read, written));
+        let record = PassRecord { groups, work, ..PassRecord::new(PassKind::Curvature) };
+        let _pass = self.pass_with(record);
+        self.bind(pipeline, copies.sets(0));
+        self.dispatch(pipeline, &copies.push_to_share(), Groups::line(1));
+        self.barrier(SHADER_WRITE, SHADER);
     }
 
     /// Lets all copies of points with seeds have them, if the surface is glued. `schedule` is the one that follows.

@@ -6,7 +6,7 @@ use ash::vk;
 
 use super::recorder::{Recorder, dispatched};
 use crate::constants::{FAR, LAYERS};
-use crate::surface::{EdgeRule, Spacing};
+use crate::surface::{Chart, EdgeRule, Spacing};
 use crate::vulkan::TexelChart;
 use crate::vulkan::device::bands::rows_around;
 use crate::vulkan::device::barrier::{CLEAR, SHADER, SHADER_WRITE};
@@ -42,15 +42,18 @@ impl Recorder<'_> {
     pub(crate) fn measure(&self, kind: PointKind, arcs: bool, rows: Range<usize>) {
         let chart = self.grid.chart;
         let size = [chart.cols as u32, rows.len() as u32];
-        let around = rows_around(&rows, chart);
+        let halo = self.grid.lattice.halo();
+        let around = rows_around(&rows, chart, halo[1]);
         // Each point has four lengths.
-        let [read, written] = [kind.uploaded_bytes() * around.len() as u64, 16 * rows.len() as u64]
-            .map(|bytes| bytes * chart.cols as u64);
+        let wide = self.grid.lattice.with_halo(chart);
+        let read = kind.uploaded_bytes() * (around.len() * wide.cols) as u64;
+        let written = 16 * (rows.len() * chart.cols) as u64;
         let work = Work::of_bytes(read, written);
         let _pass = self.pass_with(PassRecord { work, ..dispatched(PassKind::Edges, size) });
         let spacing = kind.spacing().unwrap_or(Spacing::square(1.0));
         let band = edges_from_heights::Push {
             grid: [chart.cols as i32, chart.rows as i32],
+            halo: halo.map(|lines| lines as i32),
             first_row: rows.start as i32,
             band_rows: rows.len() as i32,
             buffer_row: around.start as i32,
@@ -119,16 +122,20 @@ impl Recorder<'_> {
         let inner = self.grid.texels.inner();
         let texels = inner.map(|texels| texels as i32);
         let share_of_fan = rule.share_of_fan() as f32;
+        let Chart { rows, cols } = self.grid.chart;
+        let (grid, lattice) = ([cols as i32, rows as i32], self.grid.lattice.codes());
         // Each pass reads the lengths of four points' edges. The second pass also reads a number of each
         // point.
         let pass = self.pass_of_each(PassKind::Curvature, inner, [64, 16]);
-        let size =
-            fan_curvature::Push { texels, share_of_fan, is_slowed: self.grid.is_slowed().into() };
+        let is_slowed = self.grid.is_slowed().into();
+        let size = fan_curvature::Push { texels, share_of_fan, is_slowed, grid, lattice };
         self.run(self.pipelines.of(FAN_CURVATURE), 0, &size, inner);
         self.barrier(SHADER_WRITE, SHADER);
         drop(pass);
         let _pass = self.pass_of_each(PassKind::Curvature, inner, [64 + 16, 16]);
-        let size = gaussian_curvature::Push { texels, share_of_fan, is_floor: is_floor.into() };
+        let (is_floor, is_glued) = (is_floor.into(), self.grid.copies.is_some().into());
+        let size =
+            gaussian_curvature::Push { texels, share_of_fan, is_floor, grid, lattice, is_glued };
         self.run(self.pipelines.of(GAUSSIAN_CURVATURE), 0, &size, inner);
         self.barrier(SHADER_WRITE, SHADER);
     }

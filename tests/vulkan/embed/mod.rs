@@ -2,6 +2,7 @@
 
 mod capture;
 mod changes;
+mod closed;
 mod costs;
 mod creation;
 mod curves;

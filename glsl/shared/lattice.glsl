@@ -1,0 +1,39 @@
+// Continues the grid beyond its sides, where opposite sides are glued. Include after chart.glsl.
+// Twin: src/surface/gluing/lattice.rs.
+//
+// The including shader declares
+//     ivec2 grid;       columns and rows of the whole grid
+//     ivec2 lattice;    GRID_ENDS, GOES_ON or REVERSES, beyond the first and last column and beyond the rows
+
+// Moves a point and a step from it by the length of the grid, until the point and the end of the step lie on the
+// grid or beyond sides at which it ends. The step is shorter than the grid.
+void continue_grid(inout ivec2 at, inout ivec2 step) {
+    // Each turn brings a column or a row to the grid.
+    for (int turn = 0; turn < 4; turn++) {
+        ivec2 low = min(at, at + step);
+        ivec2 high = max(at, at + step);
+        ivec2 last = grid - 1;
+        if (lattice.x != GRID_ENDS && (low.x < 0 || high.x > last.x)) {
+            at.x += low.x < 0 ? last.x : -last.x;
+            if (lattice.x == REVERSES) {
+                at.y = last.y - at.y;
+                step.y = -step.y;
+            }
+        } else if (lattice.y != GRID_ENDS && (low.y < 0 || high.y > last.y)) {
+            at.y += low.y < 0 ? last.y : -last.y;
+            if (lattice.y == REVERSES) {
+                at.x = last.x - at.x;
+                step.x = -step.x;
+            }
+        } else {
+            return;
+        }
+    }
+}
+
+// Returns the point of the grid that lies at a row and column beyond its sides, or a point off the grid.
+ivec2 on_grid(ivec2 at) {
+    ivec2 step = ivec2(0);
+    continue_grid(at, step);
+    return at;
+}

@@ -1,0 +1,32 @@
+//! Describes where a grid goes on beyond its sides, as `glsl/shared/lattice.glsl` has it.
+
+use crate::constants::{GOES_ON, GRID_ENDS, REVERSES, SEAM_HALO};
+use crate::surface::{Chart, Lattice};
+
+impl Lattice {
+    /// Returns the numbers of shaders for the continuation beyond the columns and beyond the rows.
+    pub(crate) fn codes(self) -> [i32; 2] {
+        [self.cols, self.rows].map(|reversed| match reversed {
+            None => GRID_ENDS as i32,
+            Some(false) => GOES_ON as i32,
+            Some(true) => REVERSES as i32,
+        })
+    }
+
+    /// Returns the numbers of columns and rows of points beyond each side that are measured with a grid.
+    pub(crate) fn halo(self) -> [usize; 2] {
+        [self.cols, self.rows].map(|side| side.map_or(0, |_| SEAM_HALO as usize))
+    }
+
+    /// Returns the numbers of the copies that `sources.comp` finds of sources on seams, after 0 for the sources.
+    pub(crate) fn copies(self) -> impl Iterator<Item = i32> {
+        let over = i32::from(self.cols.is_some()) + 2 * i32::from(self.rows.is_some());
+        (0..4).filter(move |copy| copy & !over == 0)
+    }
+
+    /// Returns the grid with the columns beyond its sides.
+    pub(crate) fn with_halo(self, chart: Chart) -> Chart {
+        let [cols, _] = self.halo();
+        Chart { cols: chart.cols + 2 * cols, ..chart }
+    }
+}
