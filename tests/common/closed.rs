@@ -1,9 +1,10 @@
 //! Closed surfaces, glued where their sides coincide.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use geosweep::glam::{DVec2, DVec3};
 use geosweep::surface::Gluing;
+use geosweep::surface::builtin::Closed;
 use geosweep::{Spacing, Surface};
 
 /// Returns the surface with these positions at rows and columns.
@@ -29,48 +30,22 @@ pub fn tube(rows: usize, cols: usize) -> Surface {
 
 /// Returns a sphere by latitudes and longitudes.
 pub fn globe(rows: usize, cols: usize) -> Surface {
-    let sphere = grid(rows, cols, |row, col| {
-        let (polar, angle) =
-            (PI * row as f64 / (rows - 1) as f64, TAU * col as f64 / (cols - 1) as f64);
-        DVec3::new(polar.sin() * angle.cos(), polar.sin() * angle.sin(), polar.cos())
-    });
-    sphere.with_gluing(Gluing::globe()).unwrap()
+    Closed::Globe.surface(rows, cols).unwrap()
 }
 
 /// Returns an octahedral map of a sphere, with 2 half + 1 points a side.
 pub fn octahedral(half: usize) -> Surface {
-    let side = 2 * half + 1;
-    let map = grid(side, side, |row, col| {
-        let [v, u] = [row, col].map(|k| k as f64 / half as f64 - 1.0);
-        let z = 1.0 - u.abs() - v.abs();
-        let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
-        let folded = DVec3::new((1.0 - v.abs()) * sign(u), (1.0 - u.abs()) * sign(v), z);
-        (if z < 0.0 { folded } else { DVec3::new(u, v, z) }).normalize()
-    });
-    map.with_gluing(Gluing::Octahedral).unwrap()
+    Closed::OctahedralSphere.surface(2 * half + 1, 2 * half + 1).unwrap()
+}
+
+/// Returns an octahedral map of a sphere whose cells have equal areas, with 2 half + 1 points a side.
+pub fn equal_area(half: usize) -> Surface {
+    Closed::EqualAreaSphere.surface(2 * half + 1, 2 * half + 1).unwrap()
 }
 
 /// Returns the six faces of a cube on the sphere, 2 x 3, with lines of holes between them.
 pub fn cube(side: usize) -> Surface {
-    let block = side + 1;
-    let sphere = grid(2 * block - 1, 3 * block - 1, |row, col| {
-        let (face, row, col) = (row / block * 3 + col / block, row % block, col % block);
-        if row == side || col == side {
-            return DVec3::NAN;
-        }
-        let [v, u] =
-            [row, col].map(|k| (PI / 4.0 * (2.0 * k as f64 / (side - 1) as f64 - 1.0)).tan());
-        let place = match face {
-            0 => [1.0, u, v],
-            1 => [-1.0, -u, v],
-            2 => [-u, 1.0, v],
-            3 => [u, -1.0, v],
-            4 => [u, v, 1.0],
-            _ => [u, -v, -1.0],
-        };
-        DVec3::from_array(place).normalize()
-    });
-    sphere.with_gluing(Gluing::Charts).unwrap()
+    Closed::CubeSphere.surface(2 * side + 1, 3 * side + 2).unwrap()
 }
 
 /// A plane of 41 x 65 points with square cells, of which opposite sides are glued.

@@ -106,11 +106,12 @@ fn a_globe_is_whole_across_its_poles_and_its_date_line() {
 
 #[test]
 fn an_octahedral_map_is_a_whole_sphere() {
-    let sphere = octahedral(60);
-    for source in [[60, 60], [40, 75], [0, 60], [0, 30], [0, 0]] {
-        let found = sphere_errors("octahedral", &sphere, source);
-        assert!(found.mean < 4.5e-5 && found.largest < 1e-3 && found.iterations <= 16);
-        assert!(found.on_seams < 4.0 * found.mean + 1e-6);
+    for (name, sphere) in [("octahedral", octahedral(60)), ("equal-area", equal_area(60))] {
+        for source in [[60, 60], [40, 75], [0, 60], [0, 30], [0, 0]] {
+            let found = sphere_errors(name, &sphere, source);
+            assert!(found.mean < 4.5e-5 && found.largest < 1e-3 && found.iterations <= 16);
+            assert!(found.on_seams < 4.0 * found.mean + 1e-6);
+        }
     }
 }
 
@@ -333,5 +334,6 @@ fn contours_close_over_seams() {
     check("tube", &tube(61, 97), [30, 2], &[0.3, 1.0, 1.5], on_plane);
     check("globe", &globe(81, 161), [30, 3], &[0.4, 1.0, 1.6, 2.5], on_sphere);
     check("octahedral map", &octahedral(40), [25, 18], &[0.4, 1.0, 1.6, 2.5], on_sphere);
+    check("equal-area map", &equal_area(40), [25, 18], &[0.4, 1.0, 1.6, 2.5], on_sphere);
     check("cube", &cube(31), [10, 20], &[0.4, 1.0, 1.6, 2.5], on_sphere);
 }

@@ -1,10 +1,11 @@
 //! Maps that are solved patch by patch: by any number of threads, as by scans of the whole grid.
 
 use geosweep::cpu::{Order, PatchCounts, RotatedScan};
-use geosweep::surface::builtin::Builtin;
+use geosweep::surface::builtin::{Builtin, Closed};
 use geosweep::surface::{EdgeLengths, Real, Seed};
 use geosweep::{Convergence, Sources, Spacing, Stop, Surface, Wavefront};
 
+use crate::common::closed::{cube, globe, octahedral};
 use crate::common::{CONVERGED, CONVERGED_F64, at, difference, off_centre, rough};
 
 /// A solved map, how it converged, and its visits.
@@ -36,6 +37,16 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
         ("maze", built(Builtin::Maze, 150, 110)),
         ("sheared plane", built(Builtin::ShearedPlane { degrees: 60.0 }, 90, 100)),
         ("rough with holes", rough(101, 77, 9)),
+    ]
+}
+
+/// Glued surfaces whose copies lie in several patches, with a source on a seam or beside one.
+fn closed_surfaces() -> Vec<(&'static str, Surface, Sources)> {
+    vec![
+        ("torus", Closed::Torus.surface(70, 101).unwrap(), at([0.0, 100.0])),
+        ("globe", globe(61, 121), at([20.0, 2.0])),
+        ("octahedral", octahedral(40), at([0.0, 25.0])),
+        ("cube", cube(31), at([3.0, 1.0])),
     ]
 }
 
@@ -80,6 +91,20 @@ fn patches_give_the_map_of_scans_of_the_whole_grid() {
     for (name, surface) in surfaces() {
         let seeds = source(name, &surface).seeds(&surface).unwrap();
         for wavefront in Wavefront::ALL {
+            let single = apart::<f32>(&surface, &seeds, wavefront, CONVERGED);
+            let double = apart::<f64>(&surface, &seeds, wavefront, CONVERGED_F64);
+            println!("{name} {wavefront}: {single:.1e} {double:.1e}");
+            assert!(single < 3e-6, "{name} {wavefront}: {single:e}");
+            assert!(double < 1e-12, "{name} {wavefront}: {double:e}");
+        }
+    }
+}
+
+#[test]
+fn fronts_pass_seams_between_patches() {
+    for (name, surface, sources) in closed_surfaces() {
+        let seeds = sources.seeds(&surface).unwrap();
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
             let single = apart::<f32>(&surface, &seeds, wavefront, CONVERGED);
             let double = apart::<f64>(&surface, &seeds, wavefront, CONVERGED_F64);
             println!("{name} {wavefront}: {single:.1e} {double:.1e}");

@@ -62,6 +62,7 @@ fn closed_surfaces() -> Vec<(&'static str, Surface, [f64; 2])> {
         ("globe", globe(31, 61), [10.0, 2.0]),
         ("globe from a pole", globe(22, 45), [0.0, 17.0]),
         ("octahedral map", octahedral(18), [0.0, 7.0]),
+        ("equal-area map", equal_area(17), [9.0, 9.0]),
         ("cube", cube(13), [0.0, 0.0]),
         ("hills", hills(false), [7.5, 0.0]),
         ("slowed hills", hills(true), [13.0, 35.0]),
@@ -226,6 +227,7 @@ fn spheres_are_whole_on_a_device() {
     let cases = [
         ("globe", globe(101, 201), vec![[50, 70], [40, 0], [0, 17], [1, 60]], 2e-5),
         ("octahedral map", octahedral(60), vec![[40, 75], [0, 30], [0, 0]], 4.5e-5),
+        ("equal-area map", equal_area(60), vec![[40, 75], [0, 30], [0, 0]], 4.5e-5),
         ("cube", cube(51), vec![[10, 33], [0, 20], [0, 0]], 3e-5),
     ];
     for (name, surface, sources, bound) in cases {

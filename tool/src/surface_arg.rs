@@ -8,7 +8,7 @@ use geosweep::Surface;
 use geosweep::io::checked_points;
 use geosweep::shown::excerpt;
 use geosweep::surface::SurfaceError;
-use geosweep::surface::builtin::Builtin;
+use geosweep::surface::builtin::{Builtin, Closed};
 
 /// A file or `builtin:NAME:ROWSxCOLS`.
 #[derive(Clone, Debug)]
@@ -30,7 +30,7 @@ impl SurfaceArg {
 /// A built-in surface at a given size.
 #[derive(Clone, Debug)]
 pub struct SizedBuiltin {
-    builtin: Builtin,
+    shape: Shape,
     rows: usize,
     cols: usize,
 }
@@ -39,7 +39,10 @@ impl SizedBuiltin {
     const PREFIX: &str = "builtin:";
 
     pub fn surface(&self) -> Result<Surface, SurfaceError> {
-        self.builtin.surface(self.rows, self.cols)
+        match self.shape {
+            Shape::Open(builtin) => builtin.surface(self.rows, self.cols),
+            Shape::Closed(closed) => closed.surface(self.rows, self.cols),
+        }
     }
 }
 
@@ -57,6 +60,39 @@ impl FromStr for SizedBuiltin {
         let number = |text: &str| text.parse().map_err(|_| form());
         let (rows, cols) = (number(rows)?, number(cols)?);
         checked_points(rows, cols)?;
-        Ok(Self { builtin: Builtin::parse(name)?, rows, cols })
+        Ok(Self { shape: name.parse()?, rows, cols })
     }
+}
+
+/// A built-in surface without its size.
+#[derive(Clone, Copy, Debug)]
+enum Shape {
+    Open(Builtin),
+    Closed(Closed),
+}
+
+impl FromStr for Shape {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        if let Some(closed) = Closed::parse(name) {
+            return Ok(Self::Closed(closed));
+        }
+        let is_known = |builtin: Builtin| name.split('@').next() == Some(builtin.name());
+        Builtin::parse(name).map(Self::Open).map_err(|error| {
+            match Builtin::ALL.into_iter().any(is_known) {
+                true => error,
+                false => format!("{error}, and the closed ones {}", Closed::names()),
+            }
+        })
+    }
+}
+
+/// Returns a list of all built-in surfaces for help texts.
+pub fn builtin_names() -> String {
+    format!(
+        "{}; sheared-plane@DEGREES sets the angle.\n  Closed ones: {}.",
+        Builtin::names(),
+        Closed::names()
+    )
 }

@@ -3,10 +3,8 @@
 use crate::cpu::behind::Behind;
 use crate::cpu::fronts::PointKind;
 #[cfg(any(test, feature = "twins"))]
-use crate::cpu::fronts::exchange::{after_arrival, earliest};
+use crate::cpu::fronts::exchange::exchange;
 use crate::cpu::solution::Solution;
-#[cfg(any(test, feature = "twins"))]
-use crate::surface::Groups;
 use crate::surface::{EdgeLengths, Real, Seed};
 #[cfg(any(test, feature = "twins"))]
 use crate::update::Carried;
@@ -166,17 +164,12 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         mut changed: impl FnMut((usize, usize), [Kept<R, K::Carried>; 2]),
     ) -> R::Bits {
         let (mut largest, edges) = (R::Bits::default(), self.edges.clone());
-        for group in edges.copies().into_iter().flat_map(Groups::iter) {
-            let first = earliest::<R, K>(group, |point| self.at(point));
-            let Some(first) = first else { continue };
-            for point in group.iter().map(|&point| point as usize) {
-                let before = self.at(point);
-                let Some(after) = after_arrival::<R, K>(first, before, renews) else { continue };
-                self.set(point, after);
-                largest = largest.max(K::change(before, after));
-                changed(edges.chart().bordered_position(point), [before, after]);
-            }
-        }
+        let at = |map: &Self, point| (map.at(point), renews);
+        exchange::<R, K, _>(&edges, self, at, |map, point, [before, after]| {
+            map.set(point, after);
+            largest = largest.max(K::change(before, after));
+            changed(edges.chart().bordered_position(point), [before, after]);
+        });
         largest
     }
 

@@ -3,7 +3,7 @@
 use super::scan_copy::ScanCopy;
 use super::tiles::Tiles;
 use crate::cpu::fronts::FrontKind;
-use crate::cpu::fronts::exchange::{after_arrival, earliest};
+use crate::cpu::fronts::exchange;
 use crate::surface::{EdgeLengths, Real, min};
 use crate::update::Kept;
 
@@ -17,28 +17,21 @@ pub(in crate::cpu) fn exchange<R: Real, K: FrontKind<R>>(
     limit: f64,
 ) -> R::Bits {
     let mut largest = R::Bits::default();
-    let Some(groups) = edges.copies() else { return largest };
-    for group in groups.iter() {
-        let front = |point: usize, copy: &ScanCopy<R, K::Carried>| Kept {
-            time: copy.times[point],
-            carried: copy.carried[point],
-        };
-        let first = earliest::<R, K>(group, |point| front(point, &copies[0]));
-        let Some(first) = first else { continue };
-        for point in group.iter().map(|&point| point as usize) {
-            let before = front(point, &copies[0]);
-            let Some(after) = after_arrival::<R, K>(first, before, renews) else { continue };
-            for copy in copies.iter_mut() {
-                copy.times[point] = after.time;
-                copy.carried[point] = after.carried;
-            }
-            largest = largest.max(K::change(before, after));
-            let (row, col) = edges.chart().bordered_position(point);
-            match min(before.time, after.time).wide() <= limit {
-                true => tiles.touch(row, col),
-                false => tiles.note(row, col),
-            }
+    let at = |copies: &[ScanCopy<R, K::Carried>; 2], point: usize| {
+        let ScanCopy { times, carried, .. } = &copies[0];
+        (Kept { time: times[point], carried: carried[point] }, renews)
+    };
+    exchange::exchange::<R, K, _>(edges, copies, at, |copies, point, [before, after]| {
+        for copy in copies {
+            copy.times[point] = after.time;
+            copy.carried[point] = after.carried;
         }
-    }
+        largest = largest.max(K::change(before, after));
+        let (row, col) = edges.chart().bordered_position(point);
+        match min(before.time, after.time).wide() <= limit {
+            true => tiles.touch(row, col),
+            false => tiles.note(row, col),
+        }
+    });
     largest
 }

@@ -67,8 +67,7 @@ impl<R: Real> RotatedScan<R> {
         Self::in_order(edges, wavefront, order)
     }
 
-    /// Allocates the memory as [`Self::new`] does, for maps in a given order instead of the best one. Glued
-    /// surfaces are solved by lines in any case.
+    /// Allocates the memory as [`Self::new`] does, for maps in a given order instead of the best one.
     ///
     /// ```
     /// use geosweep::cpu::{Order, RotatedScan};
@@ -86,8 +85,6 @@ impl<R: Real> RotatedScan<R> {
     /// # Ok::<(), geosweep::surface::SurfaceError>(())
     /// ```
     pub fn in_order(edges: &EdgeLengths<R>, wavefront: Wavefront, order: Order) -> Self {
-        // Patches do not exchange fronts over seams.
-        let order = if edges.copies().is_some() { Order::Lines } else { order };
         let scanner: Box<dyn Scans<R>> = for_kind!(edges, wavefront, kind => match order.plan() {
             Some(plan) => Box::new(PatchScanner::new(edges, kind, plan)),
             None => Box::new(Scanner::new(edges, kind)),

@@ -4,6 +4,7 @@
 //! patches are chosen so that the exact distance holds inside the patch, not only on the whole surface from
 //! which it is cut.
 
+mod closed;
 mod developable;
 mod face;
 mod flat_paths;
@@ -18,12 +19,13 @@ use glam::{DVec2, DVec3};
 
 use super::{Surface, SurfaceError};
 use crate::shown::excerpt;
+pub use closed::Closed;
 pub(crate) use flat_paths::FlatPaths;
 #[cfg(test)]
 pub(crate) use flat_paths::FloorPlan;
 use jet::{Jet, Smooth};
 
-/// A surface known by name, which can be sampled at any size.
+/// A surface known by name, which can be sampled at any size. [`Closed`] has those without a border.
 ///
 /// ```
 /// use geosweep::surface::builtin::Builtin;

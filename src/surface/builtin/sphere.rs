@@ -12,9 +12,13 @@ pub(super) fn position<T: Smooth>(uv: [T; 2]) -> [T; 3] {
     [x * shrink, y * shrink, shrink]
 }
 
-/// Returns the distance along the great circle. The formula is accurate for near, orthogonal and opposite
-/// points alike.
 pub(super) fn distance(a: DVec2, b: DVec2) -> f64 {
     let [a, b] = [a, b].map(|uv| DVec3::from_array(position(uv.to_array())));
+    great_circle(a, b)
+}
+
+/// Returns the distance along the great circle. The formula is accurate for near, orthogonal and opposite
+/// points alike.
+pub(super) fn great_circle(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b))
 }

@@ -22,9 +22,13 @@ impl Surface {
             all.extend(self.copies_of_point(at));
         } else if (low - high).abs().element_sum() == 1.0 {
             let share = (at - low).element_sum();
-            let ends: Vec<_> = self.copies_of_point(high).collect();
-            for from in self.copies_of_point(low) {
-                let is_beside = |to: &&DVec2| (**to - from).abs().element_sum() == 1.0;
+            // The middle of a folded side is its own only copy, and an end of edges to both halves.
+            let of_end = |end| self.copies_of_point(end).chain([end]).collect::<Vec<_>>();
+            let ends = of_end(high);
+            for from in of_end(low) {
+                let is_other = |to: DVec2| [from, to] != [low, high];
+                let is_beside =
+                    |to: &&DVec2| (**to - from).abs().element_sum() == 1.0 && is_other(**to);
                 all.extend(ends.iter().filter(is_beside).map(|to| from.lerp(*to, share)));
             }
         }

@@ -5,10 +5,9 @@ use std::process::ExitCode;
 
 use geosweep::Surface;
 use geosweep::io::write_npy;
-use geosweep::surface::builtin::Builtin;
 
 use crate::output::{commit, done, output_file};
-use crate::surface_arg::SizedBuiltin;
+use crate::surface_arg::{SizedBuiltin, builtin_names};
 use crate::terminal::{Outcome, counted};
 
 /// The arguments of `geosweep builtin`.
@@ -26,12 +25,12 @@ pub struct Args {
 fn examples() -> String {
     format!(
         "\
-Surfaces: {}; sheared-plane@DEGREES sets the angle.
+Surfaces: {}
 
 Examples:
   geosweep builtin sphere:257x257 -o sphere.npy
   geosweep builtin sheared-plane@72:129x129 -o sheared.npy",
-        Builtin::names()
+        builtin_names()
     )
 }
 

@@ -18,7 +18,6 @@ use std::path::Path;
 use std::time::Duration;
 
 use geosweep::shown::{exact, seven_digits};
-use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{Direction, EdgeLengths, Real};
 use geosweep::{DistanceMap, Options, Report, Sources, Surface, UsedEngine};
 
@@ -34,11 +33,12 @@ pub use surface::SurfaceArgs;
 
 use crate::output::{Written, done};
 use crate::precision::{Number, Precision};
+use crate::surface_arg;
 use crate::terminal::{Spinner, counted, say};
 
 /// Returns a sentence on the built-in surfaces for the end of a command's help.
 pub fn builtin_names() -> String {
-    format!("Built-in surfaces:\n  {}; sheared-plane@DEGREES sets the angle.", Builtin::names())
+    format!("Built-in surfaces:\n  {}", surface_arg::builtin_names())
 }
 
 /// Computes the map from some sources, and prints notes that the user should know.

@@ -12,6 +12,8 @@ mod patch;
 mod room;
 mod visit;
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 
 use super::prepared::{FEW_ITERATIONS, Prepared};
@@ -20,16 +22,18 @@ use super::tiles::Tiles;
 use super::typical_edge::typical_edge;
 use crate::constants::SPLIT_REACH;
 use crate::cpu::Instructions;
+use crate::cpu::fronts::exchange::exchange;
 use crate::cpu::fronts::LaneKind;
 use crate::cpu::limit::Limit;
 use crate::cpu::lines::span::TILE;
 use crate::cpu::lines::window::{Fronts, Window};
 use crate::cpu::progress::Progress;
 use crate::cpu::scan::Scan;
-use crate::surface::{Block, EdgeLengths, Real, Seed, Tiling, relative_change};
+use crate::surface::{Block, EdgeLengths, Real, Seed, Tiling, min, relative_change};
+use crate::update::Kept;
 use crate::{Convergence, Monitor, Stop};
 use order::Dues;
-use patch::{Patch, Woken};
+use patch::{News, Patch, Woken};
 use room::{Pool, Room};
 use visit::Visits;
 
@@ -173,16 +177,47 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
             }
         });
         earlier.into_iter().for_each(|(place, time)| self.touch(place, time));
+        self.exchange(R::Bits::default());
+        self.wake();
     }
 
     /// Tells all patches that see a point that its front has changed to `time`.
     fn touch(&mut self, (row, col): (usize, usize), time: R) {
-        for (near_row, near_col) in self.on.chart().around((row, col), self.reach()).places() {
-            let ((tile_row, tile_col), _) = self.tiling.tile_of((near_row, near_col));
-            let patch = self.tiling.tiles().index(tile_row, tile_col);
+        for patch in self.seeing((row, col)) {
             self.patches[patch].tiles.touch(row, col);
             self.dues.enlist(patch, time);
         }
+    }
+
+    /// Returns the patches that see a point.
+    fn seeing(&self, at: (usize, usize)) -> BTreeSet<usize> {
+        let patch = |near| {
+            let ((row, col), _) = self.tiling.tile_of(near);
+            self.tiling.tiles().index(row, col)
+        };
+        self.on.chart().around(at, self.reach()).places().map(patch).collect()
+    }
+
+    /// Lets all copies of each point of a glued surface take the earliest front of theirs, and tells the patches
+    /// that see a point what has changed there.
+    fn exchange(&mut self, tolerance: R::Bits) {
+        let (edges, tiling) = (self.on.edges.clone(), self.tiling);
+        let place = |point| edges.chart().bordered_position(point);
+        let at = |map: &Self, point: usize| {
+            let ((row, col), _) = tiling.tile_of(place(point));
+            let Patch { progress, .. } = &map.patches[tiling.tiles().index(row, col)];
+            let front = Kept { time: map.times[point], carried: map.carried[point] };
+            (front, progress.renews())
+        };
+        exchange::<R, K, _>(&edges, self, at, |map, point, [before, after]| {
+            (map.times[point], map.carried[point]) = (after.time, after.carried);
+            let (change, time) = (K::change(before, after), min(before.time, after.time));
+            if change > R::Bits::default() && time.wide() <= map.limit.time() {
+                for to in map.seeing(place(point)) {
+                    map.tell(News { to, at: place(point), time, change }, tolerance);
+                }
+            }
+        });
     }
 
     /// Returns the largest distance, in rows and columns, from which an update reads a point.
@@ -266,32 +301,37 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
     fn pass_on(&mut self, round: &[usize], tolerance: R::Bits) {
         self.counts.rounds += 1;
         self.counts.visits += round.len() as u64;
-        for (&patch, room) in round.iter().zip(&mut self.rooms) {
+        for (index, &patch) in round.iter().enumerate() {
+            let room = &mut self.rooms[index];
             self.counts.iterations += u64::from(room.iterations);
             let Patch { progress, .. } = &self.patches[patch];
             if !room.settled && !progress.is_last() {
                 self.dues.enlist(patch, room.first);
             }
-            for news in room.news.drain(..) {
-                let Patch { tiles, progress, .. } = &mut self.patches[news.to];
-                tiles.touch(news.at.0, news.at.1);
-                // Changes within the tolerance add up from patch to patch, so a fraction of it is passed on.
-                // A patch that no longer renews fronts is told of changes above the tolerance only, so that
-                // iterations end.
-                let least =
-                    if progress.renews() { tolerance / PASSED_ON.into() } else { tolerance };
-                if news.change <= least {
-                    continue;
-                }
-                if progress.is_last() {
-                    self.unseen = self.unseen.max(news.change);
-                } else {
-                    let woken = &mut self.woken[news.to];
-                    *woken = Some(woken.map_or(news.time, |time| time.min(news.time)));
-                }
-            }
+            let mut all = std::mem::take(&mut room.news);
+            all.drain(..).for_each(|news| self.tell(news, tolerance));
+            self.rooms[index].news = all;
         }
+        self.exchange(tolerance);
         self.wake();
+    }
+
+    /// Tells a patch of a change that it sees.
+    fn tell(&mut self, News { to, at, time, change }: News<R>, tolerance: R::Bits) {
+        let Patch { tiles, progress, .. } = &mut self.patches[to];
+        tiles.touch(at.0, at.1);
+        // Changes within the tolerance add up from patch to patch, so a fraction of it is passed on. A patch
+        // that has gone on for long sees larger ones only, so that iterations end.
+        let least = if progress.renews() { tolerance / PASSED_ON.into() } else { tolerance };
+        if change <= least {
+            return;
+        }
+        if progress.is_last() {
+            self.unseen = self.unseen.max(change);
+        } else {
+            let woken = &mut self.woken[to];
+            *woken = Some(woken.map_or(time, |earliest| earliest.min(time)));
+        }
     }
 
     /// Examines, side by side, the patches beside which something has changed. Those in which a scan has work

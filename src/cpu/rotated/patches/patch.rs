@@ -28,10 +28,10 @@ pub(super) struct Woken<'p, R: Real> {
     pub is_due: bool,
 }
 
-/// News from a patch for a neighbour: a tile along their border has changed.
+/// News for a patch: a tile along its border has changed, or a point that has copies beyond a seam.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct News<R: Real> {
-    /// The neighbour.
+    /// The patch that sees it.
     pub to: usize,
     /// A point of the tile.
     pub at: (usize, usize),

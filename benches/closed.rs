@@ -1,0 +1,215 @@
+//! Measures errors and times on closed surfaces: `cargo bench --bench closed`. `GEOSWEEP_BENCH_DEVICE` names the
+//! Vulkan device. Words after `--` choose surfaces by parts of their names.
+//!
+//! The first table has the errors of curved fronts in single precision at about 160,000 points, of both engines.
+//! "Largest" is up to 0.1 radians from the place opposite to the source. The second table has the ratio of times
+//! per iteration between a glued surface and the same grid cut open, medians of runs in turn.
+
+use std::f64::consts::{PI, TAU};
+use std::time::Duration;
+
+use geosweep::surface::builtin::Closed;
+use geosweep::surface::{Gluing, MetricTensor};
+use geosweep::vulkan::keep_devices;
+use geosweep::{
+    DeviceChoice, DistanceMap, Engine, Options, Sources, Spacing, Surface, Wavefront, distance_map,
+};
+
+/// Pairs of runs whose ratios of times are compared.
+const PAIRS: usize = 9;
+
+/// A closed surface, sources on it, and the exact distances from a source.
+struct Case {
+    name: &'static str,
+    surface: Surface,
+    sources: Vec<[f64; 2]>,
+    exact: Box<dyn Fn([f64; 2]) -> Vec<f64>>,
+}
+
+fn case(closed: Closed, [rows, cols]: [usize; 2], sources: &[[f64; 2]]) -> Case {
+    Case {
+        name: closed.name(),
+        surface: closed.surface(rows, cols).expect("the grid is large enough"),
+        sources: sources.to_vec(),
+        exact: Box::new(move |from| closed.distances(rows, cols, from)),
+    }
+}
+
+fn glued(surface: Result<Surface, geosweep::surface::SurfaceError>, gluing: Gluing) -> Surface {
+    surface.and_then(|surface| surface.with_gluing(gluing)).expect("opposite sides are alike")
+}
+
+/// Returns the distances on a plane of which opposite sides are glued, from a source. `images` are the source's
+/// rows and columns in the unrolled plane.
+fn unrolled([rows, cols]: [usize; 2], images: &[[f64; 2]]) -> Vec<f64> {
+    let places = (0..rows * cols).map(|index| [(index / cols) as f64, (index % cols) as f64]);
+    let nearest = |[row, col]: [f64; 2]| {
+        let lengths = images.iter().map(|from| (from[0] - row).hypot(from[1] - col));
+        lengths.fold(f64::INFINITY, f64::min)
+    };
+    places.map(nearest).collect()
+}
+
+fn flat_torus() -> Case {
+    let size @ [rows, cols] = [321, 501];
+    let tensor = MetricTensor { rr: 1.0, rc: 0.0, cc: 1.0 };
+    let turns = || [-1.0, 0.0, 1.0].into_iter();
+    Case {
+        name: "flat torus",
+        surface: glued(Surface::from_metric(rows, cols, vec![tensor; rows * cols]), Gluing::both()),
+        sources: vec![[100.0, 33.0], [320.0, 70.0]],
+        exact: Box::new(move |[row, col]| {
+            let image = |down, right| [row + 320.0 * down, col + 500.0 * right];
+            let images: Vec<_> =
+                turns().flat_map(|down| turns().map(move |right| image(down, right))).collect();
+            unrolled(size, &images)
+        }),
+    }
+}
+
+fn flat_moebius_strip() -> Case {
+    let size @ [rows, cols] = [321, 501];
+    let step = TAU / 500.0;
+    let spacing = Spacing { dx: step, dy: step };
+    let plane = Surface::from_heights(rows, cols, vec![0.0; rows * cols], spacing);
+    Case {
+        name: "flat Moebius strip",
+        surface: glued(plane, Gluing::flipped_columns()),
+        sources: vec![[100.0, 33.0], [240.0, 0.0]],
+        exact: Box::new(move |[row, col]| {
+            let images = [[row, col], [320.0 - row, col + 500.0], [320.0 - row, col - 500.0]];
+            unrolled(size, &images).into_iter().map(|cells| step * cells).collect()
+        }),
+    }
+}
+
+fn cases() -> Vec<Case> {
+    let octahedral =
+        [[200.0, 200.0], [140.0, 255.0], [100.0, 100.0], [0.0, 200.0], [0.0, 100.0], [0.0, 0.0]];
+    vec![
+        case(Closed::Cylinder, [277, 577], &[[90.0, 5.0], [150.0, 0.0]]),
+        flat_torus(),
+        flat_moebius_strip(),
+        case(Closed::Cone, [401, 401], &[[300.0, 5.0], [300.0, 0.0], [150.0, 5.0]]),
+        case(Closed::Torus, [253, 633], &[[60.0, 20.0], [0.0, 0.0], [126.0, 30.0]]),
+        case(
+            Closed::Globe,
+            [283, 565],
+            &[[120.0, 200.0], [120.0, 0.0], [0.0, 17.0], [1.0, 160.0], [2.0, 564.0]],
+        ),
+        case(Closed::OctahedralSphere, [401, 401], &octahedral),
+        case(Closed::EqualAreaSphere, [401, 401], &octahedral),
+        case(
+            Closed::CubeSphere,
+            [327, 491],
+            &[[81.0, 81.0], [30.0, 110.0], [0.0, 65.0], [0.0, 0.0], [1.0, 1.0]],
+        ),
+    ]
+}
+
+fn options(engine: &Engine) -> Options {
+    Options::default().with_engine(engine.clone()).with_wavefront(Wavefront::Curved)
+}
+
+fn solve(surface: &Surface, [row, col]: [f64; 2], engine: &Engine) -> DistanceMap {
+    distance_map(surface, &Sources::point(row, col), &options(engine)).expect("the map converges")
+}
+
+/// Returns the mean relative error off seams and on them, and the largest up to 0.1 radians from the opposite place.
+fn errors(case: &Case, exact: &[f64], distances: &[f32]) -> [f64; 3] {
+    let is_copy = {
+        let mut is_copy = vec![false; exact.len()];
+        let copies = case.surface.copies().expect("the surface is glued").members();
+        copies.iter().for_each(|&copy| is_copy[copy as usize] = true);
+        is_copy
+    };
+    let (mut sums, mut counts, mut largest) = ([0.0; 2], [0.0; 2], 0f64);
+    for (index, (&exact, &distance)) in exact.iter().zip(distances).enumerate() {
+        if !(exact > 1e-9 && exact.is_finite()) {
+            continue;
+        }
+        let error = (f64::from(distance) - exact).abs() / exact;
+        let on_seam = usize::from(is_copy[index]);
+        sums[on_seam] += error;
+        counts[on_seam] += 1.0;
+        if exact < PI - 0.1 || !case.name.contains("sphere") && case.name != "globe" {
+            largest = largest.max(error);
+        }
+    }
+    [sums[0] / counts[0], sums[1] / counts[1], largest]
+}
+
+fn print_errors(cases: &[Case], engines: &[(&str, Engine)]) {
+    println!("| surface | source | engine | mean off seams | on seams | largest | iterations |");
+    println!("|---|---|---|---:|---:|---:|---:|");
+    for case in cases {
+        for &source in &case.sources {
+            let exact = (case.exact)(source);
+            for (engine_name, engine) in engines {
+                let map = solve(&case.surface, source, engine);
+                let [off, on, largest] = errors(case, &exact, &map.distances);
+                let iterations = map.report.iterations;
+                println!(
+                    "| {} | {source:?} | {engine_name} | {off:.1e} | {on:.1e} | {largest:.1e} | {iterations} |",
+                    case.name
+                );
+            }
+        }
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Prints how much longer an iteration takes than on the same grid cut open.
+fn print_times(cases: &[Case], engines: &[(&str, Engine)]) {
+    println!("\n| surface | engine | open: ms an iteration | glued | ratio |");
+    println!("|---|---|---:|---:|---:|");
+    // A face of a cube that is cut open is a sixth of the work.
+    for case in cases.iter().filter(|case| case.name != "cube-sphere") {
+        let open = opened(&case.surface);
+        for (engine_name, engine) in engines {
+            let time = |surface: &Surface| {
+                let report = solve(surface, case.sources[0], engine).report;
+                let per_iteration = |time: Duration| 1e3 * time.as_secs_f64();
+                per_iteration(report.solve_time) / f64::from(report.iterations)
+            };
+            let pairs: Vec<_> = (0..PAIRS).map(|_| [&open, &case.surface].map(time)).collect();
+            let [of_open, of_glued] =
+                [0, 1].map(|k| median(pairs.iter().map(|pair| pair[k]).collect()));
+            let ratio = median(pairs.iter().map(|[open, glued]| glued / open).collect());
+            println!(
+                "| {} | {engine_name} | {of_open:.2} | {of_glued:.2} | {ratio:.2} |",
+                case.name
+            );
+        }
+    }
+}
+
+/// Returns the same grid without its gluing.
+fn opened(surface: &Surface) -> Surface {
+    let (rows, cols) = (surface.rows(), surface.cols());
+    let position = |index| surface.position(index / cols, index % cols);
+    match (0..rows * cols).map(position).collect() {
+        Some(positions) => Surface::from_positions(rows, cols, positions),
+        None => {
+            Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing { dx: 1.0, dy: 1.0 })
+        }
+    }
+    .expect("the grid has points")
+}
+
+fn main() {
+    keep_devices(true);
+    let words: Vec<_> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
+    let is_chosen = |case: &Case| {
+        words.is_empty() || words.iter().any(|word| case.name.contains(word.as_str()))
+    };
+    let device = std::env::var("GEOSWEEP_BENCH_DEVICE").unwrap_or_default();
+    let engines = [("CPU", Engine::Cpu), ("Vulkan", Engine::Vulkan(DeviceChoice::Name(device)))];
+    let cases: Vec<_> = cases().into_iter().filter(is_chosen).collect();
+    print_errors(&cases, &engines);
+    print_times(&cases, &engines);
+}
