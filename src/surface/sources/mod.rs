@@ -163,12 +163,11 @@ impl Sources {
         for source in self.iter() {
             let (parts, initial) = (Part::all(surface, source), source.initial());
             let first = parts.first().ok_or(SourceError::EmptyCurve)?.first();
-            let of_parts = parts.iter().map(|part| part.seeds(surface, initial));
-            let of_parts = of_parts.collect::<Result<Vec<_>, _>>()?;
+            let of_source = part::seeds(surface, &parts, initial)?;
             if initial.is_nan() || initial.abs() >= LARGEST_INITIAL {
                 return Err(SourceError::Initial { row: first.x, col: first.y, initial });
             }
-            for seed in of_parts.into_iter().flatten() {
+            for seed in of_source {
                 let first = seeds.entry((seed.row, seed.col)).or_insert(seed);
                 if seed.time < first.time {
                     *first = seed;
@@ -293,6 +292,22 @@ mod tests {
             if offset.abs() > 0.05 {
                 let exact = offset.signum() / (radius + offset);
                 approx::assert_relative_eq!(seed.curvature, exact, max_relative = 0.05);
+            }
+        }
+    }
+
+    /// Places between vertices are off the grid points by rounding.
+    #[test]
+    fn a_front_goes_to_both_sides_of_a_curve_through_grid_points() {
+        let sphere = crate::surface::builtin::Builtin::Sphere.surface(65, 65).unwrap();
+        for col in [7.0, 20.0, 41.0] {
+            let line = Sources::curve([[5.0, col - 5.0], [15.0, col], [25.0, col], [48.0, col]]);
+            let seeds = line.seeds(&sphere).unwrap();
+            let on_curve = |seed: &&Seed| seed.col as f64 == col && (17..48).contains(&seed.row);
+            let on_curve: Vec<_> = seeds.iter().filter(on_curve).collect();
+            assert_eq!(on_curve.len(), 31);
+            for seed in on_curve {
+                assert!(seed.time < 1e-12 && seed.curvature == 0.0, "{seed:?}");
             }
         }
     }

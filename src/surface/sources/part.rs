@@ -1,4 +1,6 @@
-//! Finds the seeds of a part of a source that runs over no seam.
+//! Finds the seeds of a source part by part, each of which runs over no seam.
+
+use std::collections::BTreeSet;
 
 use glam::DVec2;
 
@@ -50,8 +52,8 @@ impl Part {
         self.segments[0].ends[0].0
     }
 
-    /// Returns the initial values at the corners of the cells that the part touches.
-    pub(super) fn seeds(&self, surface: &Surface, initial: f64) -> Result<Vec<Seed>, SourceError> {
+    /// Cuts the part into pieces on a sheet around it.
+    fn placed<'a>(&self, surface: &'a Surface) -> Result<Placed<'a>, SourceError> {
         let places = || self.segments.iter().flat_map(|segment| segment.ends.map(|(at, _)| at));
         places().try_for_each(|at| check_inside(surface, at))?;
         let low = places().fold(DVec2::INFINITY, DVec2::min);
@@ -60,29 +62,66 @@ impl Part {
         let sheet = surface.sheet_over_seams(span(low.x, high.x), span(low.y, high.y), AROUND);
         let mut pieces = Pieces::default();
         for segment in &self.segments {
-            pieces.add(sheet.part(), moved(*segment, |at| sheet.local(at))).map_err(|error| {
-                match error {
-                    SourceError::Hole { row, col } => {
-                        let at = sheet.place(DVec2::new(row, col));
-                        SourceError::Hole { row: at.x, col: at.y }
-                    }
-                    other => other,
-                }
-            })?;
+            let segment = moved(*segment, |at| sheet.local(at));
+            pieces.add(sheet.part(), segment).map_err(|error| on_grid(&sheet, error))?;
         }
-        let seed = |(row, col)| {
-            let seed = pieces.seed(sheet.part(), row, col, initial);
-            self.on_grid(&sheet, seed)
-        };
-        Ok(pieces.corners(sheet.part()).into_iter().map(seed).collect())
+        Ok(Placed { sheet, pieces, name: self.name })
     }
+}
 
-    /// Returns a seed of the sheet on the whole grid.
-    fn on_grid(&self, sheet: &Sheet<'_>, seed: Seed) -> Seed {
-        let (row, col) = sheet.point((seed.row, seed.col));
-        let named = |at: DVec2| self.name.unwrap_or_else(|| sheet.place(at));
+/// Returns the initial values at the corners of the cells that the parts of a source touch. A point may have several.
+pub(super) fn seeds(
+    surface: &Surface,
+    parts: &[Part],
+    initial: f64,
+) -> Result<Vec<Seed>, SourceError> {
+    let parts: Vec<_> = parts.iter().map(|part| part.placed(surface)).collect::<Result<_, _>>()?;
+    if let [part] = &parts[..] {
+        let corners = part.pieces.corners(part.sheet.part()).into_iter();
+        return Ok(corners.filter_map(|local| part.seed(local, initial)).collect());
+    }
+    // Another part may be nearer to a corner, without touching its cells.
+    let name = |part: &Placed<'_>, local| surface.first_copy(part.sheet.point(local));
+    let corners: BTreeSet<_> = parts
+        .iter()
+        .flat_map(|part| {
+            part.pieces.corners(part.sheet.part()).into_iter().map(|at| name(part, at))
+        })
+        .collect();
+    let of_part = |part: &Placed<'_>| -> Vec<Seed> {
+        let near = part.pieces.around(part.sheet.part()).into_iter();
+        let near = near.filter(|&local| corners.contains(&name(part, local)));
+        near.filter_map(|local| part.seed(local, initial)).collect()
+    };
+    Ok(parts.iter().flat_map(of_part).collect())
+}
+
+/// A part on a sheet around it.
+struct Placed<'a> {
+    sheet: Sheet<'a>,
+    pieces: Pieces,
+    name: Option<DVec2>,
+}
+
+impl Placed<'_> {
+    /// Returns the initial value on the whole grid at a point of the sheet, if a piece is near.
+    fn seed(&self, (row, col): (usize, usize), initial: f64) -> Option<Seed> {
+        let seed = self.pieces.seed(self.sheet.part(), row, col, initial)?;
+        let (row, col) = self.sheet.point((row, col));
+        let named = |at: DVec2| self.name.unwrap_or_else(|| self.sheet.place(at));
         let origin = seed.origin.map(|origin| Origin { ends: origin.ends.map(named), ..origin });
-        Seed { row, col, from: seed.from.map(named), origin, ..seed }
+        Some(Seed { row, col, from: seed.from.map(named), origin, ..seed })
+    }
+}
+
+/// Lets an error name a place of the whole grid.
+fn on_grid(sheet: &Sheet<'_>, error: SourceError) -> SourceError {
+    match error {
+        SourceError::Hole { row, col } => {
+            let at = sheet.place(DVec2::new(row, col));
+            SourceError::Hole { row: at.x, col: at.y }
+        }
+        other => other,
     }
 }
 

@@ -78,9 +78,23 @@ impl Pieces {
         cells.flat_map(Cell::corners).filter(|&(row, col)| surface.has(row, col)).collect()
     }
 
-    /// Returns the initial value at a corner, from the nearest piece of the cells around it. Cells one step
-    /// further count too, if there cannot be a hole between.
-    pub(super) fn seed(&self, surface: &Surface, row: usize, col: usize, initial: f64) -> Seed {
+    /// Returns the points at most one row and column away from the cells that contain a piece.
+    pub(super) fn around(&self, surface: &Surface) -> BTreeSet<(usize, usize)> {
+        let cells = self.by_cell.values().flatten().map(|piece| piece.cell);
+        let around =
+            |Cell { rows, cols }: Cell| surface.chart().around_span(rows, cols, 1).places();
+        cells.flat_map(around).filter(|&(row, col)| surface.has(row, col)).collect()
+    }
+
+    /// Returns the initial value at a point, from the nearest piece of the cells around it. Cells one step
+    /// further count too, if there cannot be a hole between. The result is `None` if no piece is so near.
+    pub(super) fn seed(
+        &self,
+        surface: &Surface,
+        row: usize,
+        col: usize,
+        initial: f64,
+    ) -> Option<Seed> {
         let around = surface.chart().around((row, col), 2);
         let whole = around.places().all(|(row, col)| surface.has(row, col));
         let reach = if whole { 2 } else { 1 };
@@ -93,7 +107,6 @@ impl Pieces {
             .filter(own)
             .map(|piece| surface.seed_from(row, col, initial, piece))
             .min_by(|a, b| a.time.total_cmp(&b.time))
-            .expect("a corner belongs to a cell with a piece in it")
     }
 }
 
@@ -172,8 +185,11 @@ impl Surface {
         let (Some(Sample::Position(place)), Some(point)) = (place, self.position(row, col)) else {
             return 0.0;
         };
-        // The front spreads on the outer side of the bend. From the curve itself it goes to both sides.
-        let side = (point - place).normalize_or_zero().dot(bend);
+        // The front spreads on the outer side of the bend. From the curve itself it goes to both sides. Rounding may
+        // move a point of the curve off it.
+        let away = point - place;
+        let is_on_curve = away.length() * bend.length() <= AT_END;
+        let side = if is_on_curve { 0.0 } else { away.normalize_or_zero().dot(bend) };
         -side / (1.0 - side * distance).max(0.1)
     }
 
