@@ -8,6 +8,7 @@ mod canonical;
 mod closed;
 mod closed_directions;
 mod closed_regions;
+mod closed_sources;
 #[path = "../common/mod.rs"]
 mod common;
 mod contours;

@@ -51,10 +51,10 @@ pub(in crate::cpu) fn around_clusters(
         .into_par_iter()
         .filter_map(|origin| Alone::new(wavefront, surface, origin, reach, &others))
         .collect();
-    let near = Places::of(maps.iter().map(|map| map.at), 2 * reach + 2);
+    let near = Places::of(surface, maps.iter().map(|map| map.at), 2 * reach + 2);
     let mut earliest = BTreeMap::new();
     for map in &maps {
-        let around: Vec<_> = near.around(map.at).collect();
+        let around = near.around(map.at);
         let are_all = others.is_empty() && around.len() == maps.len();
         // The front of another source has to cross the border of the surroundings first. It cannot reach a
         // point earlier than the source's own front if the latter is at most half-way to the border in time.
@@ -89,19 +89,23 @@ fn outer(surface: &Surface, sources: &[Origin]) -> Vec<Origin> {
         |at: DVec2| (at.fract() == DVec2::ZERO).then_some((at.x as usize, at.y as usize));
     let mut starts = BTreeMap::new();
     for origin in sources {
-        if let Some(at) = at_point(origin.ends[0]) {
-            let first = starts.entry(at).or_insert(origin.start);
+        if let Some((row, col)) = at_point(origin.ends[0]) {
+            let first = starts.entry(surface.first_copy((row, col))).or_insert(origin.start);
             *first = first.min(origin.start);
         }
     }
     let is_inner = |origin: &Origin| {
         let Some((row, col)) = at_point(origin.ends[0]) else { return false };
-        Direction::ALL.into_iter().filter_map(|to| surface.chart().neighbour(row, col, to)).all(
-            |(row, col)| {
-                let start = starts.get(&(row, col));
-                !surface.has(row, col) || start.is_some_and(|start| *start <= origin.start)
-            },
-        )
+        let neighbour = |to: Direction| {
+            let (down, right) = to.step();
+            surface.continued(row as isize + down, col as isize + right)
+        };
+        let starts_as_early = |(row, col): (usize, usize)| {
+            let start = starts.get(&surface.first_copy((row, col)));
+            !surface.has(row, col) || start.is_some_and(|start| *start <= origin.start)
+        };
+        !surface.is_broken((row, col))
+            && Direction::ALL.into_iter().filter_map(neighbour).all(starts_as_early)
     };
     sources.iter().copied().filter(|origin| !is_inner(origin)).collect()
 }
@@ -112,28 +116,34 @@ fn crowded(surface: &Surface, sources: &[Origin]) -> Option<(Vec<Origin>, usize)
     let place = |origin: &Origin| origin.ends[0];
     // With a smaller reach, fewer sources are near each other.
     (LEAST_REACH..=REACH).rev().find_map(|reach| {
-        let near = Places::of(sources.iter().map(place), reach);
-        let has_other = |origin: &&Origin| near.around(place(origin)).count() > 1;
+        let near = Places::of(surface, sources.iter().map(place), reach);
+        let has_other = |origin: &&Origin| near.around(place(origin)).len() > 1;
         let crowded: Vec<_> = sources.iter().filter(has_other).copied().collect();
         let points = crowded.len().saturating_mul((2 * reach + 1).pow(2));
         (points <= most && !crowded.is_empty()).then_some((crowded, reach))
     })
 }
 
-/// Places sorted into squares of the grid, to find those that are near each other.
+/// Places sorted into squares of the grid, to find those that are near each other, also over seams.
 struct Places {
     side: f64,
-    all: Vec<DVec2>,
+    /// Each place, and the same place beyond the sides of the grid, with its number.
+    all: Vec<(DVec2, usize)>,
     by_square: BTreeMap<(i64, i64), Vec<usize>>,
 }
 
 impl Places {
     /// Sorts places for queries of those within `reach` rows and columns.
-    fn of(places: impl Iterator<Item = DVec2>, reach: usize) -> Self {
-        let mut new =
-            Self { side: reach as f64, all: places.collect(), by_square: BTreeMap::new() };
-        for (number, at) in new.all.iter().enumerate() {
-            new.by_square.entry(new.square(*at)).or_default().push(number);
+    fn of(surface: &Surface, places: impl Iterator<Item = DVec2>, reach: usize) -> Self {
+        let side = reach as f64;
+        let images = |(number, at): (usize, DVec2)| {
+            let beyond = surface.images_beyond(at, side);
+            std::iter::once(at).chain(beyond).map(move |at| (at, number))
+        };
+        let all = places.enumerate().flat_map(images).collect();
+        let mut new = Self { side, all, by_square: BTreeMap::new() };
+        for (index, (at, _)) in new.all.iter().enumerate() {
+            new.by_square.entry(new.square(*at)).or_default().push(index);
         }
         new
     }
@@ -144,13 +154,16 @@ impl Places {
     }
 
     /// Returns the numbers of the places near `at`.
-    fn around(&self, at: DVec2) -> impl Iterator<Item = usize> {
+    fn around(&self, at: DVec2) -> BTreeSet<usize> {
         let (row, col) = self.square(at);
         let squares: BTreeSet<_> = (-1..=1)
             .flat_map(|down| (-1..=1).map(move |right| (row + down, col + right)))
             .collect();
         let near = squares.into_iter().filter_map(|square| self.by_square.get(&square)).flatten();
-        near.copied().filter(move |&other| (self.all[other] - at).abs().max_element() <= self.side)
+        let near = near.map(|&index| self.all[index]);
+        near.filter(|(other, _)| (other - at).abs().max_element() <= self.side)
+            .map(|(_, number)| number)
+            .collect()
     }
 }
 
@@ -178,11 +191,10 @@ impl Alone {
         let mut seeds: Vec<_> =
             surroundings.seeds(wavefront, &own).into_iter().map(exact).collect();
         surroundings.shorten(&mut seeds);
-        let leaves = |seed: &&Seed| surroundings.is_at_way_out(surface, (seed.row, seed.col));
+        let leaves = |seed: &&Seed| surroundings.is_at_way_out((seed.row, seed.col));
         let complete =
             seeds.iter().filter(leaves).map(|seed| seed.time).fold(f64::INFINITY, f64::min);
-        let others: Vec<_> =
-            others.iter().filter(|seed| surroundings.have(seed)).map(unnamed).collect();
+        let others: Vec<_> = others.iter().map(unnamed).collect();
         if !others.is_empty() {
             let theirs = surroundings.seeds(wavefront, &others);
             let theirs: BTreeMap<_, _> =
@@ -192,7 +204,7 @@ impl Alone {
                 seed.exact = other.is_none_or(|time| seed.time <= *time);
             }
         }
-        Some(Self { at, seeds, complete })
+        Some(Self { at, seeds: surroundings.on_surface(seeds), complete })
     }
 }
 

@@ -88,7 +88,8 @@ fn with_surroundings(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) 
             return seeds;
         };
         let around = by_source.into_par_iter().flat_map_iter(|(source, own)| {
-            Surroundings::new(surface, source, reach).seeds(wavefront, &own)
+            let surroundings = Surroundings::new(surface, source, reach);
+            surroundings.on_surface(surroundings.seeds(wavefront, &own))
         });
         around.collect()
     };
@@ -171,7 +172,7 @@ fn among_obtuse_triangles(
         return None;
     }
     let own: Vec<_> = seeds.iter().map(|seed| Seed { from: Some(source), ..*seed }).collect();
-    Some(surroundings.seeds(wavefront, &own))
+    Some(surroundings.on_surface(surroundings.seeds(wavefront, &own)))
 }
 
 /// Returns the reach of the surroundings of `sources` sources, or `None` if there are no sources or too many.

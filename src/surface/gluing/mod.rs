@@ -8,7 +8,8 @@
 //! kept. [`lattice`] knows where the grid goes on as a grid, so that edges and curvatures are measured there
 //! as inside ([`strips`]). Elsewhere, at poles, folds and where charts meet at an angle, each side measures
 //! its own edges, and copies share the mean of their Gaussian curvatures ([`curvature`]). [`places`] finds the
-//! copies of sources, and [`rings`] the cells around copies, for shaders.
+//! copies of sources, [`rings`] the cells around copies, for shaders, and [`sheet`] cuts out parts that go on over
+//! seams.
 
 mod compile;
 mod curvature;
@@ -17,12 +18,14 @@ mod groups;
 mod lattice;
 mod places;
 mod rings;
+mod sheet;
 mod strips;
 
 pub use error::GluingError;
 pub use groups::Groups;
 pub(crate) use lattice::Lattice;
 pub(crate) use rings::Ring;
+pub(crate) use sheet::Sheet;
 pub(super) use strips::Strips;
 
 use std::collections::HashMap;

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::super::Surface;
 use super::lattice::Lattice;
-use super::{GluingError, UNGLUED};
+use super::{Glued, GluingError, UNGLUED};
 
 /// The distance, in cells, up to which two places of the grid count as one.
 const SAME: f64 = 1e-6;
@@ -86,22 +86,30 @@ impl Surface {
         copy: (usize, usize),
         step: DVec2,
     ) -> Option<DVec2> {
-        let (last, lattice) = (self.chart.last(), self.glued.as_ref()?.lattice);
-        let over_cols = |((row, col), step): ((usize, usize), DVec2)| {
-            let is_side = col == 0 || col == last.1;
-            let reversed = lattice.cols.filter(|_| is_side)?;
-            let (row, down) = if reversed { (last.0 - row, -step.x) } else { (row, step.x) };
-            Some(((row, last.1 - col), DVec2::new(down, step.y)))
+        let [from, copy] = [from, copy].map(|(row, col)| DVec2::new(row as f64, col as f64));
+        self.turn_at_copy(from, copy).map(|turn| turn * step)
+    }
+
+    /// Returns the factors of rows and columns, 1 or -1, with which steps at a place are the same as those at its
+    /// copy. Returns `None` if the grid does not go on from one to the other.
+    pub(crate) fn turn_at_copy(&self, from: DVec2, copy: DVec2) -> Option<DVec2> {
+        let Lattice { cols, rows } = self.glued.as_ref()?.lattice;
+        let (last_row, last_col) = self.chart.last();
+        let last = DVec2::new(last_row as f64, last_col as f64);
+        let is_side = |at: f64, last: f64| at <= SAME || at >= last - SAME;
+        let over_cols = |(at, turn): (DVec2, DVec2)| {
+            let reversed = cols.filter(|_| is_side(at.y, last.y))?;
+            let (row, sign) = if reversed { (last.x - at.x, -1.0) } else { (at.x, 1.0) };
+            Some((DVec2::new(row, last.y - at.y), DVec2::new(sign, 1.0) * turn))
         };
-        let over_rows = |((row, col), step): ((usize, usize), DVec2)| {
-            let is_side = row == 0 || row == last.0;
-            let reversed = lattice.rows.filter(|_| is_side)?;
-            let (col, right) = if reversed { (last.1 - col, -step.y) } else { (col, step.y) };
-            Some(((last.0 - row, col), DVec2::new(step.x, right)))
+        let over_rows = |(at, turn): (DVec2, DVec2)| {
+            let reversed = rows.filter(|_| is_side(at.x, last.x))?;
+            let (col, sign) = if reversed { (last.y - at.y, -1.0) } else { (at.y, 1.0) };
+            Some((DVec2::new(last.x - at.x, col), DVec2::new(1.0, sign) * turn))
         };
-        let start = (from, step);
+        let start = (from, DVec2::ONE);
         let ways = [over_cols(start), over_rows(start), over_cols(start).and_then(over_rows)];
-        ways.into_iter().flatten().find(|(at, _)| *at == copy).map(|(_, step)| step)
+        ways.into_iter().flatten().find(|(at, _)| at.distance(copy) <= SAME).map(|(_, turn)| turn)
     }
 
     /// Returns an error if directions cannot be carried from each point to its copies: where the grid does not go
@@ -121,10 +129,46 @@ impl Surface {
         }
     }
 
-    /// Returns whether a grid point has copies.
-    pub(crate) fn has_copies(&self, (row, col): (usize, usize)) -> bool {
+    /// Returns whether a grid point has copies to which the grid does not go on, as at a pole or a fold.
+    pub(crate) fn is_broken(&self, (row, col): (usize, usize)) -> bool {
+        let at = DVec2::new(row as f64, col as f64);
+        self.copies_of_point(at).any(|copy| copy != at && self.turn_at_copy(at, copy).is_none())
+    }
+
+    /// Returns the first copy of a grid point, itself included.
+    pub(crate) fn first_copy(&self, (row, col): (usize, usize)) -> (usize, usize) {
         let index = self.chart.index(row, col) as u32;
-        self.glued.as_ref().is_some_and(|glued| glued.numbers.contains_key(&index))
+        let group = |glued: &Glued| Some(glued.groups.get(*glued.numbers.get(&index)?)[0]);
+        let first = self.glued.as_deref().and_then(group).unwrap_or(index);
+        self.chart.position(first as usize)
+    }
+
+    /// Returns the places at most `reach` rows and columns beyond the grid's sides that are this place, where the grid
+    /// goes on.
+    pub(crate) fn images_beyond(&self, at: DVec2, reach: f64) -> Vec<DVec2> {
+        let Some(Lattice { cols, rows }) = self.glued.as_ref().map(|glued| glued.lattice) else {
+            return Vec::new();
+        };
+        let (last_row, last_col) = self.chart.last();
+        let last = DVec2::new(last_row as f64, last_col as f64);
+        let over_cols = |at: DVec2, by: f64| {
+            let row = if cols == Some(true) { last.x - at.x } else { at.x };
+            if by == 0.0 { at } else { DVec2::new(row, at.y + by * last.y) }
+        };
+        let over_rows = |at: DVec2, by: f64| {
+            let col = if rows == Some(true) { last.y - at.y } else { at.y };
+            if by == 0.0 { at } else { DVec2::new(at.x + by * last.x, col) }
+        };
+        let turns = |goes_on: Option<bool>| {
+            [0.0, -1.0, 1.0].into_iter().take(if goes_on.is_some() { 3 } else { 1 })
+        };
+        let all = turns(rows)
+            .flat_map(|down| turns(cols).map(move |right| (down, right)))
+            .filter(|by| *by != (0.0, 0.0))
+            .map(|(down, right)| over_rows(over_cols(at, right), down));
+        let is_near =
+            |at: &DVec2| at.cmpge(DVec2::splat(-reach)).all() && at.cmple(last + reach).all();
+        all.filter(is_near).collect()
     }
 
     /// Returns whether two places of the grid are copies of one place of the surface.

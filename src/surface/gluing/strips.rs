@@ -110,7 +110,7 @@ impl<R: Real> Strips<R> {
 impl Surface {
     /// Returns some rows and columns of the grid as an open surface. They may lie beyond the sides; where the
     /// grid does not go on there, the surface has holes.
-    fn beyond(&self, lattice: &Lattice, rows: Range<isize>, cols: Range<isize>) -> Self {
+    pub(super) fn beyond(&self, lattice: &Lattice, rows: Range<isize>, cols: Range<isize>) -> Self {
         let chart = super::super::Chart { rows: rows.len(), cols: cols.len() };
         let points: Vec<_> = rows
             .flat_map(|row| cols.clone().map(move |col| (row, col)))

@@ -1,8 +1,10 @@
 //! Defines sources, where the wavefront starts, and converts them to initial values at grid points.
 
+mod course;
 mod diagonals;
 mod error;
 mod origin;
+mod part;
 mod pieces;
 mod rise;
 mod seed;
@@ -16,7 +18,7 @@ pub(crate) use diagonals::with_diagonals;
 use error::LARGEST_INITIAL;
 pub use error::SourceError;
 pub use origin::Origin;
-use pieces::{Pieces, Vertex, bends, straight_runs};
+use part::Part;
 pub(crate) use seed::Origins;
 pub use seed::Seed;
 
@@ -83,6 +85,9 @@ impl Sources {
     }
 
     /// Adds a curve with an initial value.
+    ///
+    /// On a closed surface, two vertices in turn that are the same place at different rows and columns are a jump over
+    /// a seam, as in [`Curve`](crate::geometry::Curve), and the curve goes on from the second one.
     pub fn and_curve(mut self, vertices: impl IntoIterator<Item = [f64; 2]>, initial: f64) -> Self {
         let vertices = vertices.into_iter().map(DVec2::from_array).collect();
         self.0.push(Source::Curve { vertices, initial });
@@ -156,52 +161,14 @@ impl Sources {
     pub fn seeds_with_origins(&self, surface: &Surface) -> Result<Vec<Seed>, SourceError> {
         let mut seeds = BTreeMap::new();
         for source in self.iter() {
-            let mut pieces = Pieces::default();
-            let mut copies = Vec::new();
-            let initial = match source {
-                Source::Point { at, initial } => {
-                    // On a seam the copies of the place are one source, seen from each of its sides. At a grid
-                    // point one of them is enough: solvers let all copies of a point have the same front.
-                    copies = surface.copies_of(*at);
-                    let origin = Origin::point(copies[0], *initial);
-                    let is_grid_point = at.fract() == DVec2::ZERO;
-                    for &at in copies.iter().take(if is_grid_point { 1 } else { copies.len() }) {
-                        pieces.add(surface, [(at, Vertex::Corner); 2], Some(origin))?;
-                    }
-                    *initial
-                }
-                Source::Curve { vertices, initial } => {
-                    let bends = bends(surface, vertices);
-                    let vertices: Vec<_> = vertices.iter().copied().zip(bends).collect();
-                    let first = *vertices.first().ok_or(SourceError::EmptyCurve)?;
-                    let last = *vertices.last().unwrap_or(&first);
-                    let origins: Vec<_> = straight_runs(&vertices)
-                        .into_iter()
-                        .map(|run| run.map(|ends| Origin { ends, start: *initial }))
-                        .collect();
-                    // An end on a side of a cell also touches the cell beyond it.
-                    let closed = vertices.len() > 1 && first.0 == last.0;
-                    if !closed {
-                        let of_end = |run: Option<&Option<Origin>>| run.copied().flatten();
-                        pieces.add(surface, [first, first], of_end(origins.first()))?;
-                        pieces.add(surface, [last, last], of_end(origins.last()))?;
-                    }
-                    for (ends, origin) in vertices.windows(2).zip(origins) {
-                        pieces.add(surface, [ends[0], ends[1]], origin)?;
-                    }
-                    *initial
-                }
-            };
+            let (parts, initial) = (Part::all(surface, source), source.initial());
+            let first = parts.first().ok_or(SourceError::EmptyCurve)?.first();
+            let of_source = part::seeds(surface, &parts, initial)?;
             if initial.is_nan() || initial.abs() >= LARGEST_INITIAL {
-                let at = pieces.first();
-                return Err(SourceError::Initial { row: at.x, col: at.y, initial });
+                return Err(SourceError::Initial { row: first.x, col: first.y, initial });
             }
-            for (row, col) in pieces.corners(surface) {
-                let mut seed = pieces.seed(surface, row, col, initial);
-                if let [first, _, ..] = copies[..] {
-                    seed.from = seed.from.map(|_| first);
-                }
-                let first = seeds.entry((row, col)).or_insert(seed);
+            for seed in of_source {
+                let first = seeds.entry((seed.row, seed.col)).or_insert(seed);
                 if seed.time < first.time {
                     *first = seed;
                 }
@@ -325,6 +292,22 @@ mod tests {
             if offset.abs() > 0.05 {
                 let exact = offset.signum() / (radius + offset);
                 approx::assert_relative_eq!(seed.curvature, exact, max_relative = 0.05);
+            }
+        }
+    }
+
+    /// Places between vertices are off the grid points by rounding.
+    #[test]
+    fn a_front_goes_to_both_sides_of_a_curve_through_grid_points() {
+        let sphere = crate::surface::builtin::Builtin::Sphere.surface(65, 65).unwrap();
+        for col in [7.0, 20.0, 41.0] {
+            let line = Sources::curve([[5.0, col - 5.0], [15.0, col], [25.0, col], [48.0, col]]);
+            let seeds = line.seeds(&sphere).unwrap();
+            let on_curve = |seed: &&Seed| seed.col as f64 == col && (17..48).contains(&seed.row);
+            let on_curve: Vec<_> = seeds.iter().filter(on_curve).collect();
+            assert_eq!(on_curve.len(), 31);
+            for seed in on_curve {
+                assert!(seed.time < 1e-12 && seed.curvature == 0.0, "{seed:?}");
             }
         }
     }

@@ -5,99 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::{DVec2, DVec3};
 
 use super::Origin;
+use super::course::{Segment, Vertex};
 use super::error::SourceError;
 use super::rise::Rise;
 use super::seed::Seed;
 use crate::surface::{Cell, Sample, Surface, corner_weights, grid_crossings};
-
-/// The course of a curve through one of its vertices.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Vertex {
-    /// The curve ends or turns sharply: the front fans out as from a point.
-    Corner,
-    /// The curve bends gently. The value is its curvature vector, towards the centre of the bend.
-    Smooth(DVec3),
-}
-
-/// Cosine of the largest turn at a smooth vertex, 30 degrees. One of both segments there must also be shorter
-/// than [`SMOOTH_SEGMENT`].
-const SMOOTH_TURN_COSINE: f64 = 0.866;
-/// Length in cells below which a segment counts as a sample of a smooth curve. A curve of longer segments is
-/// the polygon that is given.
-const SMOOTH_SEGMENT: f64 = 2.0;
-
-/// Determines the course of a curve through its vertices. Only positions give the size of a bend. On a
-/// surface given by its metric, smooth vertices have a bend of zero, as straight as their segments.
-pub(super) fn bends(surface: &Surface, vertices: &[DVec2]) -> Vec<Vertex> {
-    let closed = vertices.len() > 2 && vertices.first() == vertices.last();
-    let place = |at: DVec2| match surface.place(at) {
-        Some(Sample::Position(position)) => Some(position),
-        _ => None,
-    };
-    let last = vertices.len().saturating_sub(1);
-    (0..vertices.len())
-        .map(|index| {
-            let (before, after) = match index {
-                _ if index > 0 && index < last => (index - 1, index + 1),
-                _ if closed => (last - 1, 1),
-                _ => return Vertex::Corner,
-            };
-            let ends = [before, index, after].map(|index| vertices[index]);
-            let [into, out] = [ends[1] - ends[0], ends[2] - ends[1]];
-            let is_short = |step: DVec2| step.abs().max_element() < SMOOTH_SEGMENT;
-            let places = ends.map(place);
-            let [Some(a), Some(b), Some(c)] = places else {
-                let cosine = turn_cosine(surface, ends[1], into, out);
-                let is_smooth = cosine >= SMOOTH_TURN_COSINE && (is_short(into) || is_short(out));
-                let bend =
-                    if is_smooth || is_straight(into, out) { Some(DVec3::ZERO) } else { None };
-                return bend.map_or(Vertex::Corner, Vertex::Smooth);
-            };
-            let is_fine = is_short(into) || is_short(out) || is_straight(into, out);
-            let (Some(into), Some(out)) = ((b - a).try_normalize(), (c - b).try_normalize()) else {
-                return Vertex::Smooth(DVec3::ZERO);
-            };
-            if into.dot(out) < SMOOTH_TURN_COSINE || !is_fine {
-                return Vertex::Corner;
-            }
-            Vertex::Smooth((out - into) / (0.5 * (a.distance(b) + b.distance(c))))
-        })
-        .collect()
-}
-
-/// Returns whether a curve runs straight on in the chart from one step to the next.
-fn is_straight(into: DVec2, out: DVec2) -> bool {
-    let across = into.perp_dot(out).abs();
-    into.dot(out) >= 0.0 && across <= 1e-9 * into.length() * out.length()
-}
-
-/// Returns the cosine of the angle by which a curve turns at a place of a surface given by its metric.
-fn turn_cosine(surface: &Surface, at: DVec2, into: DVec2, out: DVec2) -> f64 {
-    let Some(Sample::Metric { tensor, .. }) = surface.place(at) else { return 1.0 };
-    let dot = |a: DVec2, b: DVec2| a.dot(tensor * b);
-    let lengths = (dot(into, into) * dot(out, out)).sqrt();
-    if lengths > 0.0 { dot(into, out) / lengths } else { 1.0 }
-}
-
-/// Returns, for each segment of a curve, the ends of the straight line of which it is a part. The result is
-/// `None` unless the curve turns sharply or ends at both ends of that line.
-pub(super) fn straight_runs(vertices: &[(DVec2, Vertex)]) -> Vec<Option<[DVec2; 2]>> {
-    let step = |segment: usize| vertices[segment + 1].0 - vertices[segment].0;
-    let segments = vertices.len().saturating_sub(1);
-    let goes_on = |next: usize| {
-        matches!(vertices[next].1, Vertex::Smooth(_)) && is_straight(step(next - 1), step(next))
-    };
-    let mut runs = Vec::with_capacity(segments);
-    while runs.len() < segments {
-        let first = runs.len();
-        let end = (first + 1..segments).find(|&next| !goes_on(next)).unwrap_or(segments);
-        let ends = [vertices[first], vertices[end]];
-        let is_whole = ends.iter().all(|(_, vertex)| matches!(vertex, Vertex::Corner));
-        let run = is_whole.then(|| ends.map(|(place, _)| place));
-        runs.resize(end, run);
-    }
-    runs
-}
 
 /// The part of a source that lies in one cell: a straight segment, or a point.
 #[derive(Clone, Copy, Debug)]
@@ -133,8 +45,7 @@ impl Pieces {
     pub(super) fn add(
         &mut self,
         surface: &Surface,
-        ends: [(DVec2, Vertex); 2],
-        origin: Option<Origin>,
+        Segment { ends, origin }: Segment,
     ) -> Result<(), SourceError> {
         let (from, to) = (ends[0].0, ends[1].0);
         check_inside(surface, from)?;
@@ -161,20 +72,29 @@ impl Pieces {
         Ok(())
     }
 
-    /// Returns the first place of the source.
-    pub(super) fn first(&self) -> DVec2 {
-        self.by_cell.values().flatten().map(|piece| piece.ends[0].0).next().unwrap_or_default()
-    }
-
     /// Returns the corners of all cells that contain a piece.
     pub(super) fn corners(&self, surface: &Surface) -> BTreeSet<(usize, usize)> {
         let cells = self.by_cell.values().flatten().map(|piece| piece.cell);
         cells.flat_map(Cell::corners).filter(|&(row, col)| surface.has(row, col)).collect()
     }
 
-    /// Returns the initial value at a corner, from the nearest piece of the cells around it. Cells one step
-    /// further count too, if there cannot be a hole between.
-    pub(super) fn seed(&self, surface: &Surface, row: usize, col: usize, initial: f64) -> Seed {
+    /// Returns the points at most one row and column away from the cells that contain a piece.
+    pub(super) fn around(&self, surface: &Surface) -> BTreeSet<(usize, usize)> {
+        let cells = self.by_cell.values().flatten().map(|piece| piece.cell);
+        let around =
+            |Cell { rows, cols }: Cell| surface.chart().around_span(rows, cols, 1).places();
+        cells.flat_map(around).filter(|&(row, col)| surface.has(row, col)).collect()
+    }
+
+    /// Returns the initial value at a point, from the nearest piece of the cells around it. Cells one step
+    /// further count too, if there cannot be a hole between. The result is `None` if no piece is so near.
+    pub(super) fn seed(
+        &self,
+        surface: &Surface,
+        row: usize,
+        col: usize,
+        initial: f64,
+    ) -> Option<Seed> {
         let around = surface.chart().around((row, col), 2);
         let whole = around.places().all(|(row, col)| surface.has(row, col));
         let reach = if whole { 2 } else { 1 };
@@ -187,11 +107,10 @@ impl Pieces {
             .filter(own)
             .map(|piece| surface.seed_from(row, col, initial, piece))
             .min_by(|a, b| a.time.total_cmp(&b.time))
-            .expect("a corner belongs to a cell with a piece in it")
     }
 }
 
-fn check_inside(surface: &Surface, at: DVec2) -> Result<(), SourceError> {
+pub(super) fn check_inside(surface: &Surface, at: DVec2) -> Result<(), SourceError> {
     let (last_row, last_col) = surface.chart().last();
     if surface.chart().holds(at) {
         Ok(())
@@ -266,8 +185,11 @@ impl Surface {
         let (Some(Sample::Position(place)), Some(point)) = (place, self.position(row, col)) else {
             return 0.0;
         };
-        // The front spreads on the outer side of the bend. From the curve itself it goes to both sides.
-        let side = (point - place).normalize_or_zero().dot(bend);
+        // The front spreads on the outer side of the bend. From the curve itself it goes to both sides. Rounding may
+        // move a point of the curve off it.
+        let away = point - place;
+        let is_on_curve = away.length() * bend.length() <= AT_END;
+        let side = if is_on_curve { 0.0 } else { away.normalize_or_zero().dot(bend) };
         -side / (1.0 - side * distance).max(0.1)
     }
 

@@ -45,22 +45,19 @@ impl Earth {
         })
     }
 
-    /// Returns the parts of a curve on the surface's grid, divided where it passes a pole or the line where the grid
-    /// begins and ends. A vertex on that line is taken on the side of its neighbours.
-    pub fn curve(
-        &self,
-        given: &[[f64; 2]],
-        surface: &Surface,
-    ) -> Result<Vec<Vec<[f64; 2]>>, String> {
+    /// Returns the vertices of a curve on the surface's grid, which jumps where it passes a pole or the line where the
+    /// grid begins and ends. A vertex on that line is taken on the side of its neighbours.
+    pub fn curve(&self, given: &[[f64; 2]], surface: &Surface) -> Result<Vec<[f64; 2]>, String> {
         let given = if self.grid.goes_round() { self.on_sides(given) } else { given.to_vec() };
         let vertices =
             given.into_iter().map(|place| self.place(place)).collect::<Result<_, _>>()?;
-        let parts = parts(vertices, surface);
+        let curve = Curve { vertices, closed: false };
         let half = 0.5 * (surface.cols() - 1) as f64;
         let is_leap = |ends: &&[[f64; 2]]| (ends[0][1] - ends[1][1]).abs() > half;
-        let leap = parts.iter().find_map(|part| part.windows(2).find(is_leap));
+        let parts = curve.parts(surface);
+        let leap = parts.iter().find_map(|part| part.vertices.windows(2).find(is_leap));
         match leap.filter(|_| self.grid.goes_round()) {
-            None => Ok(parts),
+            None => Ok(curve.vertices),
             Some(ends) => Err(format!(
                 "a curve leads from column {} to column {}, over more than half a turn; divide it \
                  where the grid begins and ends, or give it a vertex there",
@@ -166,13 +163,4 @@ impl Earth {
     fn give(&self, row: &mut f64, col: &mut f64) {
         [*row, *col] = self.grid.to_given([*row, *col]);
     }
-}
-
-/// Returns the parts of a curve on the surface's grid between its jumps over seams.
-pub fn parts(vertices: Vec<[f64; 2]>, surface: &Surface) -> Vec<Vec<[f64; 2]>> {
-    let first = vertices.first().copied();
-    let parts = Curve { vertices, closed: false }.parts(surface);
-    let parts: Vec<_> = parts.into_iter().map(|part| part.vertices).collect();
-    // A curve without parts has all vertices at one place.
-    if parts.is_empty() { first.into_iter().map(|place| vec![place]).collect() } else { parts }
 }

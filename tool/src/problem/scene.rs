@@ -8,7 +8,7 @@ use geosweep::io::{CoordinateSystem, GeoTags, Georeference, GridFrame};
 use geosweep::surface::{Chart, Real};
 use geosweep::{DistanceMap, Surface};
 
-use super::earth::{Earth, parts};
+use super::earth::Earth;
 
 /// The surface on which the map is computed, and the surface that is drawn.
 pub struct Scene {
@@ -50,14 +50,14 @@ impl Scene {
         self.earth.as_ref().map_or(Ok(given), |earth| earth.place(given))
     }
 
-    /// Returns the parts of a curve on the surface's grid between its jumps over seams.
+    /// Returns the vertices of a given curve on the surface's grid, where it may jump over seams.
     ///
     /// # Errors
     /// On the Earth, if a vertex lies outside the grid or the curve leaps over more than half a turn.
-    pub fn curve(&self, given: Vec<[f64; 2]>) -> Result<Vec<Vec<[f64; 2]>>, String> {
+    pub fn curve(&self, given: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, String> {
         match &self.earth {
             Some(earth) => earth.curve(&given, &self.surface),
-            None => Ok(parts(given, &self.surface)),
+            None => Ok(given),
         }
     }
 

@@ -114,12 +114,11 @@ impl SourceArgs {
             let file = PlaceFile::read(path)?;
             for curve in file.curves(frame)? {
                 let named = |why| format!("{}: {why}", path.display());
-                for part in scene.curve(curve.vertices).map_err(named)? {
-                    sources = match part[..] {
-                        [[row, col]] => sources.and_point(row, col, curve.start),
-                        _ => sources.and_curve(part, curve.start),
-                    };
-                }
+                let vertices = scene.curve(curve.vertices).map_err(named)?;
+                sources = match vertices[..] {
+                    [[row, col]] => sources.and_point(row, col, curve.start),
+                    _ => sources.and_curve(vertices, curve.start),
+                };
             }
             remark(path, &file, frame);
         }

@@ -270,7 +270,8 @@ fn curves_along_the_seam_are_on_the_side_of_their_neighbours() {
                 let expected = inside[row * 180 + (col + 90) % 180];
                 largest = largest.max((found - expected).abs());
             }
-            // Near a seam, fronts lack the help of the sources' surroundings on the other side. Cells are 220 km wide.
+            // Where a curve runs through grid points, rounding decides which cells it touches, and how its front
+            // bends there. Cells are 220 km wide.
             println!("{name} at {seam}: differs by {largest:.1e}");
             assert!(largest < 2e4, "{name} at {seam}: {largest:e}");
         }

@@ -1,0 +1,184 @@
+//! Sources on and beside the seams of closed surfaces: curves that jump over them, points inside cells and clusters.
+
+use std::f64::consts::{PI, TAU};
+
+use geosweep::glam::{DVec2, DVec3};
+use geosweep::surface::Gluing;
+use geosweep::{DistanceMap, Engine, Options, Sources, Surface, Wavefront};
+use geosweep::{distance_map, distance_map_f64};
+
+use crate::common::closed::*;
+
+fn curved() -> Options {
+    Options::default().with_engine(Engine::Cpu).with_wavefront(Wavefront::Curved)
+}
+
+/// Returns the distance of a place from a polyline in the plane.
+fn from_polyline(line: &[[f64; 2]], at: DVec2) -> f64 {
+    let from_segment = |ends: &[[f64; 2]]| {
+        let [a, b] = [ends[0], ends[1]].map(DVec2::from);
+        let share = ((at - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+        at.distance(a.lerp(b, share))
+    };
+    line.windows(2).map(from_segment).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn curves_jump_over_the_seams_of_flat_surfaces() {
+    // Unrolled, the curve goes on beyond column 64. On the Moebius strip, rows are reversed there.
+    let unrolled = [[8.0, 50.0], [16.0, 64.0], [20.0, 71.0], [20.0, 80.0]];
+    let cylinder = [[8.0, 50.0], [16.0, 64.0], [16.0, 0.0], [20.0, 7.0], [20.0, 16.0]];
+    let moebius = [[8.0, 50.0], [16.0, 64.0], [24.0, 0.0], [20.0, 7.0], [20.0, 16.0]];
+    for (name, gluing, shape) in shapes() {
+        let surface = flat(41, 65).with_gluing(gluing).unwrap();
+        let jumping = if shape.flipped { moebius } else { cylinder };
+        let map = distance_map(&surface, &Sources::curve(jumping), &curved()).unwrap();
+        let images = |row: f64, col: f64| {
+            let turns = (-2..=2).flat_map(|right| (-1..=1).map(move |down| [down, right]));
+            turns.filter(move |[down, _]| *down == 0 || shape.rows).map(move |[down, right]| {
+                let row = if shape.flipped && right % 2 != 0 { 40.0 - row } else { row };
+                DVec2::new(row + 40.0 * f64::from(down), col + 64.0 * f64::from(right))
+            })
+        };
+        let (mut largest, mut sum) = (0f64, 0.0);
+        for index in 0..surface.chart().points() {
+            let (row, col) = surface.chart().position(index);
+            let places = images(row as f64, col as f64);
+            let exact = places.map(|at| from_polyline(&unrolled, at)).fold(f64::INFINITY, f64::min);
+            let error = (f64::from(map.distances[index]) - exact).abs();
+            (largest, sum) = (largest.max(error), sum + error);
+        }
+        let mean = sum / surface.chart().points() as f64;
+        println!("{name}: mean {mean:.1e} cells, largest {largest:.1e}");
+        // As from the same curve away from the seams: 1.7e-2 and 0.21, behind its bends.
+        assert!(mean < 2e-2 && largest < 0.25, "{name}: mean {mean:e}, largest {largest:e}");
+    }
+}
+
+/// A curve along a meridian, on the seam of a globe, against the distance from an arc of a great circle.
+#[test]
+fn a_curve_along_the_seam_of_a_globe_is_seen_from_both_sides() {
+    let globe = globe(91, 181);
+    let arc = [[30.0, 0.0], [60.0, 0.0]];
+    let map = distance_map(&globe, &Sources::curve(arc), &curved()).unwrap();
+    let [north, south] = [30, 60].map(|row| globe.position(row, 0).unwrap());
+    let (mut largest, mut sum) = (0f64, 0.0);
+    for index in 0..globe.chart().points() {
+        let (row, col) = globe.chart().position(index);
+        let at = globe.position(row, col).unwrap();
+        let foot = DVec3::new(at.x, 0.0, at.z).normalize_or_zero();
+        let angle = |to: DVec3| at.cross(to).length().atan2(at.dot(to));
+        let on_arc = foot.x > 0.0 && foot.z <= north.z && foot.z >= south.z;
+        let exact = if on_arc { angle(foot) } else { angle(north).min(angle(south)) };
+        let error = (f64::from(map.distances[index]) - exact).abs();
+        (largest, sum) = (largest.max(error), sum + error);
+    }
+    let mean = sum / globe.chart().points() as f64;
+    println!("mean {mean:.1e}, largest {largest:.1e}");
+    // As from any other meridian: 1.6e-4 and 5e-3, of a cell's side of 3.5e-2.
+    assert!(mean < 2e-4 && largest < 6e-3, "mean {mean:e}, largest {largest:e}");
+}
+
+/// Returns a torus whose columns are rolled, with both seams glued.
+fn torus(rows: usize, cols: usize, by: usize) -> Surface {
+    let turn = |k: usize, n: usize| TAU * (k % n) as f64 / n as f64;
+    let torus = grid(rows, cols, move |row, col| {
+        let (u, v) = (turn(col + by, cols - 1), turn(row, rows - 1));
+        let radius = 2.0 + v.cos();
+        DVec3::new(radius * u.cos(), radius * u.sin(), v.sin())
+    });
+    torus.with_gluing(Gluing::both()).unwrap()
+}
+
+/// Returns a curve on rolled columns. It needs a vertex wherever it passes the seam.
+fn rolled(curve: &[[f64; 2]], by: f64, turn: f64) -> Vec<[f64; 2]> {
+    let mut vertices: Vec<[f64; 2]> = Vec::new();
+    for &[row, col] in curve {
+        let col = (col - by).rem_euclid(turn);
+        if col == 0.0 && vertices.last().is_some_and(|before| before[1] > 0.5 * turn) {
+            vertices.push([row, turn]);
+        }
+        let comes_back = |before: &[f64; 2]| before[1] == 0.0 && col > 0.5 * turn;
+        if let Some(&[row, _]) = vertices.last().filter(|before| comes_back(before)) {
+            vertices.push([row, turn]);
+        }
+        vertices.push([row, col]);
+    }
+    vertices
+}
+
+#[test]
+fn rolling_columns_changes_nothing_but_rounding_whatever_the_sources() {
+    let (rows, cols) = (121, 161);
+    let turn = (cols - 1) as f64;
+    // No grid point is equally near to two segments of a curve: which one it takes would hang on their order.
+    let arch = |col: i32, sign: f64| {
+        let along = f64::from(col - 80) / 14.0;
+        [60.31 + sign * 9.7 * (0.5 * PI * along).cos(), f64::from(col)]
+    };
+    let lens: Vec<_> = (66..94)
+        .map(|col| arch(col, 1.0))
+        .chain((66..=94).rev().map(|col| arch(col, -1.0)))
+        .collect();
+    let onwards = (81..=90).map(|col| [41.6 + 0.86 * f64::from(col - 80), f64::from(col)]);
+    let along: Vec<_> = [[20.3, 80.0], [41.6, 80.0]].into_iter().chain(onwards).collect();
+    let slanting: Vec<_> =
+        (70..=90).map(|col| [0.5 * f64::from(col) + 0.13, f64::from(col)]).collect();
+    let points = |places: &[[f64; 2]], by: f64| {
+        places.iter().fold(Sources::default(), |all, &[row, col]| {
+            all.and_point(row, (col - by).rem_euclid(turn), 0.0)
+        })
+    };
+    let cluster = [[60.0, 79.0], [62.0, 81.0], [66.0, 80.0]];
+    let cases: [(&str, &dyn Fn(f64) -> Sources); 6] = [
+        ("closed curve", &|by| Sources::curve(rolled(&lens, by, turn))),
+        ("curve along the seam", &|by| Sources::curve(rolled(&along, by, turn))),
+        ("slanting curve", &|by| Sources::curve(rolled(&slanting, by, turn))),
+        ("point inside a cell", &|by| points(&[[40.3, 80.6]], by)),
+        ("point beside a corner", &|by| points(&[[0.3, 79.75]], by)),
+        ("cluster", &|by| points(&cluster, by)),
+    ];
+    for (name, sources) in cases {
+        let map = |by: usize| -> DistanceMap<f64> {
+            distance_map_f64(&torus(rows, cols, by), &sources(by as f64), &curved()).unwrap()
+        };
+        let plain = map(0);
+        for by in [79, 80, 81, 90, 160] {
+            let rolled = map(by);
+            let mut largest = 0f64;
+            for row in 0..rows {
+                for col in 0..cols - 1 {
+                    let [found, exact] =
+                        [rolled.distance(row, (col + 160 - by) % 160), plain.distance(row, col)];
+                    largest = largest.max((found - exact).abs());
+                }
+            }
+            println!("{name} by {by}: {largest:.1e}");
+            assert!(largest < 1e-12, "{name} by {by}: {largest:e}");
+        }
+    }
+}
+
+/// Ends of closed curves are no ends where they are copies of each other.
+#[test]
+fn a_circle_round_a_tube_has_no_ends() {
+    let tube = tube(41, 97);
+    let circle: Vec<_> = (0..=96).map(|col| [20.0, f64::from(col)]).collect();
+    let map = distance_map(&tube, &Sources::curve(circle), &curved()).unwrap();
+    let step = TAU / 96.0;
+    for (index, &found) in map.distances.iter().enumerate() {
+        let exact = step * ((index / 97) as f64 - 20.0).abs();
+        assert!((f64::from(found) - exact).abs() <= 1e-5 * exact, "{index}: {found} {exact}");
+    }
+}
+
+#[test]
+fn two_copies_in_turn_are_one_place() {
+    let tube = tube(41, 97);
+    let map = |sources: Sources| distance_map(&tube, &sources, &curved()).unwrap().distances;
+    let point = map(Sources::point(20.5, 0.0));
+    let curve = map(Sources::curve([[20.5, 96.0], [20.5, 0.0]]));
+    for (a, b) in point.iter().zip(&curve) {
+        assert!((a - b).abs() <= 1e-5 * a, "{a} {b}");
+    }
+}
