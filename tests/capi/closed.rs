@@ -1,6 +1,6 @@
 //! Closed surfaces through the functions of C: a tube that moves, and the other gluings, against the CPU.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::ptr::null_mut;
 
 use geosweep::Sources;
@@ -118,7 +118,6 @@ fn gluings_have_numbers_and_runs() {
         let exact = on_cpu(&truth, &seeds, geosweep::Wavefront::Curved, CONVERGED);
         let difference = difference(&map, &exact);
         assert!(difference < SAME, "{gluing:?}: {difference}");
-        assert!(map.iter().all(|&distance| f64::from(distance) < 1.2 * PI));
         unsafe {
             ok(geosweep_plan_destroy(plan));
             ok(geosweep_surface_destroy(surface));

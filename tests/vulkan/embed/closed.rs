@@ -387,6 +387,8 @@ fn what_does_not_fit_is_refused() {
 fn sources_between_points_of_a_seam_are_on_both_sides() {
     let cases = [
         (tube(33, 49), Gluing::columns(), [12.25, 48.0]),
+        (torus(25, 38), Gluing::both(), [0.0, 30.75]),
+        (torus(25, 38), Gluing::both(), [7.25, 0.0]),
         (moebius(21, 70), Gluing::flipped_columns(), [3.5, 0.0]),
     ];
     for (surface, gluing, [row, col]) in cases {
