@@ -54,7 +54,7 @@ impl Pieces {
         for cut in cuts.windows(2) {
             let (a, b) = (from.lerp(to, cut[0]), from.lerp(to, cut[1]));
             // Both ends of a piece lie on the border of the cell that contains its middle.
-            let middle = 0.5 * (a + b);
+            let middle = on_grid(0.5 * (a + b));
             let mut found = false;
             for cell in surface.chart().cells_around(middle) {
                 let ab = surface.sample_in(cell, a).zip(surface.sample_in(cell, b));
@@ -108,6 +108,17 @@ impl Pieces {
             .map(|piece| surface.seed_from(row, col, initial, piece))
             .min_by(|a, b| a.time.total_cmp(&b.time))
     }
+}
+
+/// Distance from a line of the grid, in rows or columns, below which a place counts as on it.
+const ON_LINE: f64 = 1e-9;
+
+/// Returns a place, on the lines of the grid beside it. Otherwise rounding would decide which cells a curve touches
+/// that leads along a line or through a grid point.
+fn on_grid(at: DVec2) -> DVec2 {
+    let lines = at.round();
+    let is_on = (at - lines).abs().cmple(DVec2::splat(ON_LINE));
+    DVec2::select(is_on, lines, at)
 }
 
 pub(super) fn check_inside(surface: &Surface, at: DVec2) -> Result<(), SourceError> {
@@ -214,5 +225,42 @@ impl Surface {
         let sample =
             |(weight, (row, col))| (weight, self.geometry().sample(self.chart(), row, col));
         Some(Sample::interpolate(&used.map(sample).collect::<Vec<_>>()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::surface::{Sources, Spacing, Surface};
+
+    /// Curves along lines of the grid and through its points, which rounding moves off them in some places.
+    #[test]
+    fn seeds_do_not_depend_on_where_a_curve_lies() {
+        let plane = Surface::from_heights(60, 260, vec![0.0; 60 * 260], Spacing::square(1.0));
+        let plane = plane.unwrap();
+        let curves: [&[[f64; 2]]; 4] = [
+            &[[42.5, 7.5], [40.0, 20.0], [35.0, 20.0], [25.0, 27.5]],
+            &[[10.0, 3.0], [40.0, 24.0]],
+            &[[7.3, 5.0], [33.1, 5.0], [33.1, 9.0]],
+            &[[11.0, 2.1], [11.0, 13.7]],
+        ];
+        for curve in curves {
+            let seeds = |right: usize| {
+                let moved = curve.iter().map(|&[row, col]| [row, col + right as f64]);
+                let seeds = Sources::curve(moved).seeds(&plane).unwrap();
+                let mut seeds: Vec<_> =
+                    seeds.iter().map(|seed| (seed.row, seed.col - right, seed.time)).collect();
+                seeds.sort_by_key(|seed| (seed.0, seed.1));
+                seeds
+            };
+            let first = seeds(0);
+            for right in 1..=230 {
+                let seeds = seeds(right);
+                assert_eq!(seeds.len(), first.len(), "{curve:?} moved by {right}");
+                for (seed, expected) in seeds.iter().zip(&first) {
+                    assert_eq!((seed.0, seed.1), (expected.0, expected.1));
+                    assert!((seed.2 - expected.2).abs() < 1e-12, "{seed:?} {expected:?}");
+                }
+            }
+        }
     }
 }
