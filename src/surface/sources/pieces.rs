@@ -258,7 +258,8 @@ mod tests {
                 assert_eq!(seeds.len(), first.len(), "{curve:?} moved by {right}");
                 for (seed, expected) in seeds.iter().zip(&first) {
                     assert_eq!((seed.0, seed.1), (expected.0, expected.1));
-                    assert!((seed.2 - expected.2).abs() < 1e-12, "{seed:?} {expected:?}");
+                    // Places have a rounding of 3e-14, which grows where a point lies next to the curve.
+                    assert!((seed.2 - expected.2).abs() < 1e-10, "{seed:?} {expected:?}");
                 }
             }
         }
