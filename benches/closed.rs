@@ -3,7 +3,13 @@
 //!
 //! The first table has the errors of curved fronts in single precision at about 160,000 points, of both engines.
 //! "Largest" is up to 0.1 radians from the place opposite to the source. The second table has the ratio of times
-//! per iteration between a glued surface and the same grid cut open, medians of runs in turn.
+//! per iteration between a glued surface and the same grid cut open, medians of runs in turn. The third one has the
+//! errors on the ellipsoid of the Earth in double precision (`-- Earth` prints it alone); it takes 2 GB of memory.
+
+#[path = "../tests/common/earth.rs"]
+mod earth;
+#[path = "../tests/common/vincenty.rs"]
+mod vincenty;
 
 use std::f64::consts::{PI, TAU};
 use std::time::Duration;
@@ -201,15 +207,32 @@ fn opened(surface: &Surface) -> Surface {
     .expect("the grid has points")
 }
 
+/// Prints errors against geodesics of the ellipsoid. "Largest" is up to nearly opposite places.
+fn print_earth() {
+    println!("\n| degrees | longitude, latitude | mean | largest |");
+    println!("|---:|---|---:|---:|");
+    for step in [1.0, 0.5, 0.1] {
+        let earth = earth::Earth::whole(step);
+        for source in earth::SOURCES {
+            let [mean, largest] = earth.errors(source, &earth.map(source));
+            println!("| {step} | {source:?} | {mean:.1e} | {largest:.1e} |");
+        }
+    }
+}
+
 fn main() {
     keep_devices(true);
     let words: Vec<_> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
-    let is_chosen = |case: &Case| {
-        words.is_empty() || words.iter().any(|word| case.name.contains(word.as_str()))
-    };
+    let is_named =
+        |name: &str| words.is_empty() || words.iter().any(|word| name.contains(word.as_str()));
     let device = std::env::var("GEOSWEEP_BENCH_DEVICE").unwrap_or_default();
     let engines = [("CPU", Engine::Cpu), ("Vulkan", Engine::Vulkan(DeviceChoice::Name(device)))];
-    let cases: Vec<_> = cases().into_iter().filter(is_chosen).collect();
-    print_errors(&cases, &engines);
-    print_times(&cases, &engines);
+    let cases: Vec<_> = cases().into_iter().filter(|case| is_named(case.name)).collect();
+    if !cases.is_empty() {
+        print_errors(&cases, &engines);
+        print_times(&cases, &engines);
+    }
+    if is_named("Earth") {
+        print_earth();
+    }
 }

@@ -6,6 +6,7 @@ pub mod bounds;
 mod cases;
 pub mod closed;
 mod devices;
+pub mod earth;
 mod irregular;
 pub mod parts;
 pub mod sheets;
