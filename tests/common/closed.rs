@@ -28,6 +28,17 @@ pub fn tube(rows: usize, cols: usize) -> Surface {
     cylinder.with_gluing(Gluing::columns()).unwrap()
 }
 
+/// Returns a torus in space with uneven cells, closed both ways.
+pub fn torus(rows: usize, cols: usize) -> Surface {
+    let torus = grid(rows, cols, |row, col| {
+        let [v, u] =
+            [(row, rows), (col, cols)].map(|(k, n)| TAU * (k % (n - 1)) as f64 / (n - 1) as f64);
+        let radius = 2.0 + v.cos();
+        DVec3::new(radius * u.cos(), radius * u.sin(), v.sin())
+    });
+    torus.with_gluing(Gluing::both()).unwrap()
+}
+
 /// Returns a sphere by latitudes and longitudes.
 pub fn globe(rows: usize, cols: usize) -> Surface {
     Closed::Globe.surface(rows, cols).unwrap()

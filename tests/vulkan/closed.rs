@@ -3,7 +3,6 @@
 use std::f64::consts::{PI, TAU};
 
 use geosweep::cpu::twins::{self, ScanOrder};
-use geosweep::glam::DVec3;
 use geosweep::surface::{EdgeLengths, Gluing};
 use geosweep::vulkan::profile::{Detail, Grain, PassKind};
 use geosweep::vulkan::{HeadlessSolver, Method, Schedule, Tuning, VulkanError};
@@ -21,17 +20,6 @@ const AGREEMENT: f64 = 1e-6;
 const AGREEMENT_BY_POINTS: f64 = 5e-6;
 
 const WAVEFRONTS: [Wavefront; 3] = Wavefront::FOR_ANY_SURFACE;
-
-/// Returns a torus in space with uneven cells.
-fn torus(rows: usize, cols: usize) -> Surface {
-    let torus = grid(rows, cols, |row, col| {
-        let [v, u] =
-            [(row, rows), (col, cols)].map(|(k, n)| TAU * (k % (n - 1)) as f64 / (n - 1) as f64);
-        let radius = 2.0 + v.cos();
-        DVec3::new(radius * u.cos(), radius * u.sin(), v.sin())
-    });
-    torus.with_gluing(Gluing::both()).unwrap()
-}
 
 /// Returns a closed hill with holes, whose triangles are obtuse in part, and with an uneven slowness.
 fn hills(slowed: bool) -> Surface {

@@ -14,7 +14,7 @@ use geosweep::{Sources, Stop, Surface, Wavefront};
 
 use crate::common::closed::*;
 use crate::common::parts::{assert_is_part, farthest};
-use crate::common::{difference, on_cpu, vulkan_solver};
+use crate::common::{Lent, difference, on_cpu, vulkan_solver};
 use crate::embed::stage::{Kept, STOP, Stage, source};
 use crate::host::HostBuffer;
 
@@ -51,15 +51,18 @@ fn points_in(buffer: &HostBuffer, kind: PointKind) -> [Points; 1] {
     [Points { memory, kind, slowness: None }]
 }
 
-/// Returns a torus in space with uneven cells.
-fn torus(rows: usize, cols: usize) -> Surface {
-    let torus = grid(rows, cols, |row, col| {
-        let [v, u] =
-            [(row, rows), (col, cols)].map(|(k, n)| TAU * (k % (n - 1)) as f64 / (n - 1) as f64);
-        let radius = 2.0 + v.cos();
-        DVec3::new(radius * u.cos(), radius * u.sin(), v.sin())
-    });
-    torus.with_gluing(Gluing::both()).unwrap()
+/// Returns a stage with a surface whose points lie in the buffer that is returned too.
+fn stage_on(
+    surface: &Surface,
+    gluing: &Gluing,
+    mut host: Lent<Kept>,
+    passes: &[(Schedule, Wavefront)],
+) -> (Stage, HostBuffer) {
+    let (kind, numbers) = numbers_of(surface);
+    let buffer = host.buffer_of(&numbers);
+    let points = points_in(&buffer, kind);
+    let info = SurfaceInfo::new(surface.chart()).with_points(&points).with_gluing(gluing);
+    (Stage::new(host, passes, &info), buffer)
 }
 
 /// Returns a Moebius strip in space.
@@ -125,12 +128,8 @@ fn maps_of_frames_pass_seams() {
 fn large_grids_are_measured_over_seams_in_bands() {
     let (rows, cols) = (90, 4001);
     let surface = torus(rows, cols);
-    let (kind, numbers) = numbers_of(&surface);
-    let mut host = Kept::unwatched();
-    let buffer = host.buffer_of(&numbers);
-    let (points, gluing) = (points_in(&buffer, kind), Gluing::both());
-    let info = SurfaceInfo::new(surface.chart()).with_points(&points).with_gluing(&gluing);
-    let stage = Stage::new(host, &[(Schedule::Raster, Wavefront::Curved)], &info);
+    let passes = [(Schedule::Raster, Wavefront::Curved)];
+    let (stage, buffer) = stage_on(&surface, &Gluing::both(), Kept::unwatched(), &passes);
     let method = Method::new(Wavefront::Curved, Stop::after(1)).with_schedule(Schedule::Raster);
     let plan = stage.solver.plan(surface.chart(), method, 1).unwrap().over_seams();
     let (row, col) = (1, 3999);
@@ -149,7 +148,8 @@ fn large_grids_are_measured_over_seams_in_bands() {
     stage.end([buffer]);
 }
 
-/// The tube bends and twists, without obtuse triangles, and its seam stays closed. One of its points becomes a hole, on one side of the seam only.
+/// The tube bends and twists, without obtuse triangles, and its seam stays closed. One of its points becomes a hole, on
+/// one side of the seam only.
 #[test]
 fn a_moving_tube_stays_closed() {
     let (rows, cols) = (33, 49);
@@ -244,12 +244,7 @@ fn slow_points_in_an_image_pass_seams() {
 #[test]
 fn parts_of_maps_and_added_sources_pass_seams() {
     let surface = torus(25, 38);
-    let (kind, numbers) = numbers_of(&surface);
-    let mut host = Kept::watched();
-    let buffer = host.buffer_of(&numbers);
-    let (points, gluing) = (points_in(&buffer, kind), Gluing::both());
-    let info = SurfaceInfo::new(surface.chart()).with_points(&points).with_gluing(&gluing);
-    let stage = Stage::new(host, &all_passes(), &info);
+    let (stage, buffer) = stage_on(&surface, &Gluing::both(), Kept::watched(), &all_passes());
     let own = source(6.0, 37.0);
     let start = SourceInput::Inline(&own);
     for (schedule, wavefront) in all_passes() {
@@ -392,12 +387,7 @@ fn sources_between_points_of_a_seam_are_on_both_sides() {
         (moebius(21, 70), Gluing::flipped_columns(), [3.5, 0.0]),
     ];
     for (surface, gluing, [row, col]) in cases {
-        let (kind, numbers) = numbers_of(&surface);
-        let mut host = Kept::watched();
-        let buffer = host.buffer_of(&numbers);
-        let points = points_in(&buffer, kind);
-        let info = SurfaceInfo::new(surface.chart()).with_points(&points).with_gluing(&gluing);
-        let stage = Stage::new(host, &all_passes(), &info);
+        let (stage, buffer) = stage_on(&surface, &gluing, Kept::watched(), &all_passes());
         let seeds = Sources::point(row, col).seeds(&surface).unwrap();
         for (schedule, wavefront) in all_passes() {
             let plan = stage.plan(schedule, wavefront, 12).over_seams();
