@@ -38,7 +38,7 @@ float given_slowness(ivec2 at) {
     return slowness < 0 ? 1.0 : component(at, slowness);
 }
 
-// Returns whether a point of the host is none of a hole.
+// Returns whether the host's data of a point are usable. Otherwise the point is a hole.
 bool is_given(ivec2 at) {
     float weight = given_slowness(at);
     bool present = is_usable(weight) && weight >= 0.0;

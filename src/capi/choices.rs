@@ -47,7 +47,7 @@ pub enum GeosweepEdgeRule {
     Chord = 1,
 }
 
-/// Sides of the grid that are one another. Both hold the points of the seam.
+/// Sides of the grid that coincide. Both hold the points of the seam.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub enum GeosweepGluing {

@@ -130,7 +130,7 @@ typedef enum GeosweepEdgeRule {
     GEOSWEEP_EDGE_RULE_CHORD = 1,
 } GeosweepEdgeRule;
 
-// Sides of the grid that are one another. Both hold the points of the seam.
+// Sides of the grid that coincide. Both hold the points of the seam.
 typedef enum GeosweepGluing {
     // None: the surface is open.
     GEOSWEEP_GLUING_NONE = 0,
@@ -465,9 +465,9 @@ typedef struct GeosweepSurfaceInfo {
     const struct GeosweepLookup *lookups;
     // Number of entries in `lookups`.
     uint32_t lookup_count;
-    // Sides of the grid that are one another, so that distances pass from one to the other. Copies of a point take
-    // the values of the first, and are a hole if any of them is. Nobody checks that they coincide. Plans for a
-    // glued surface have `GeosweepMethod::over_seams`.
+    // Sides of the grid that coincide, so that distances pass from one to the other. Copies of a point take
+    // the values of the first, and are a hole if any of them is. It is not checked that they coincide. Plans
+    // for a glued surface have `GeosweepMethod::over_seams`.
     GeosweepGluing gluing;
     // Points that coincide, for `GEOSWEEP_GLUING_RUNS`.
     const struct GeosweepRunPair *runs;

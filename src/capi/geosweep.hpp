@@ -146,7 +146,7 @@ struct SurfaceInfo : GeosweepSurfaceInfo {
     SurfaceInfo &with(const GeosweepLookup *of, std::size_t count) {
         return lookups = of, lookup_count = static_cast<uint32_t>(count), *this;
     }
-    /* Sides that are one another. Plans are made with passing_seams(). */
+    /* Sides that coincide. Plans for the surface are made with passing_seams(). */
     SurfaceInfo &glued(GeosweepGluing sides) { return gluing = sides, *this; }
     SurfaceInfo &glued(const GeosweepRunPair *of, std::size_t count) {
         return gluing = GEOSWEEP_GLUING_RUNS, runs = of, run_count = static_cast<uint32_t>(count), *this;

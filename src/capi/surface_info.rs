@@ -124,9 +124,9 @@ pub struct GeosweepSurfaceInfo {
     pub lookups: *const GeosweepLookup,
     /// Number of entries in `lookups`.
     pub lookup_count: u32,
-    /// Sides of the grid that are one another, so that distances pass from one to the other. Copies of a point take
-    /// the values of the first, and are a hole if any of them is. Nobody checks that they coincide. Plans for a
-    /// glued surface have `GeosweepMethod::over_seams`.
+    /// Sides of the grid that coincide, so that distances pass from one to the other. Copies of a point take
+    /// the values of the first, and are a hole if any of them is. It is not checked that they coincide. Plans
+    /// for a glued surface have `GeosweepMethod::over_seams`.
     pub gluing: GluingNumber,
     /// Points that coincide, for `GEOSWEEP_GLUING_RUNS`.
     pub runs: *const GeosweepRunPair,

@@ -118,10 +118,11 @@ impl<R: Real> Loop for Settled<'_, R> {
 ///
 /// On a smooth surface v falls with the square of the spacing, so that the curvature counts in full. Where
 /// the grid does not resolve the surface, the curvature changes its sign from point to point. Its effects on
-/// a front would not cancel: saddles spread the front for longer than caps focus it, and it would arrive early. Measured on real terrain (ten maps over 65 x 65 points against exact polyhedral distances
-/// on a spline refinement), the mean relative error is 1.9e-3 when all curvature counts and 9.4e-4 with this
-/// rule. A limit on the defect also helps (1.2e-3 at 0.005 radians), but it removes the curvature of well
-/// resolved surfaces too.
+/// a front would not cancel: saddles spread the front for longer than caps focus it, and it would arrive early.
+/// Measured on real terrain (ten maps over 65 x 65 points against exact polyhedral distances on a spline
+/// refinement), the mean relative error is 1.9e-3 when all curvature counts and 9.4e-4 with this
+/// rule. A limit on the defect also helps (1.2e-3 at 0.005 radians), but it removes the curvature of well resolved
+/// surfaces too.
 #[inline(always)]
 fn settled<R: Real>(own: R, around: [R; 8]) -> R {
     let [a, b, c, d, e, f, g, h] = around;

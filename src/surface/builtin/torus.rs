@@ -48,8 +48,9 @@ impl Unrolled {
     }
 }
 
-/// Returns distances on the whole torus, see `Closed::distances`, by shooting geodesics on the unrolled one. Shortest paths go half a turn along the columns at most, since the torus
-/// is its own mirror image, and less than a turn along the rows.
+/// Returns distances on the whole torus, see `Closed::distances`, by shooting geodesics on the unrolled one. Shortest
+/// paths go half a turn along the columns at most, since the torus is its own mirror image, and less than a turn along
+/// the rows.
 pub(super) fn whole_distances(rows: usize, cols: usize, from: [f64; 2]) -> Vec<f64> {
     let mut distances = vec![f64::NAN; rows * cols];
     if rows < 2 || cols < 2 {

@@ -23,8 +23,8 @@ pub(super) struct Part {
 impl Part {
     /// Returns the parts of a source.
     ///
-    /// What lies along a seam is seen from each of its sides. Where the grid goes on beyond the seam, one side sees
-    /// the other.
+    /// A source along a seam has a part on each of its sides. Where the grid goes on beyond the seam, the part on one
+    /// side holds the other side too.
     pub(super) fn all(surface: &Surface, source: &Source) -> Vec<Self> {
         match source {
             Source::Point { at, initial } => {

@@ -40,9 +40,9 @@ pub struct SurfaceInfo<'a> {
     /// the readers, which may be the same. If this lists different families, their queues share the images
     /// without ownership transfers. If it is empty, other families need ownership transfers.
     pub queue_families: &'a [u32],
-    /// Sides of the grid that are one another, so that distances pass from one to the other; see
+    /// Sides of the grid that coincide, so that distances pass from one to the other; see
     /// [`crate::Surface::with_gluing`]. Both sides hold the points of the seam. Copies of a point take the
-    /// values of the first, and are a hole if any of them is. Nobody checks that they coincide. Plans for the
+    /// values of the first, and are a hole if any of them is. It is not checked that they coincide. Plans for the
     /// surface are made with [`super::Plan::over_seams`]. It cannot be [`Gluing::Charts`], which
     /// depends on positions.
     pub gluing: Option<&'a Gluing>,
