@@ -9,7 +9,7 @@ use crate::auto::Choice;
 use crate::cpu::{self, Connections, Limit};
 use crate::options::{DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, Options};
 use crate::share::share;
-use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface};
+use crate::surface::{EdgeLengths, Real, Seed, SolverGrid, Sources, Surface};
 use crate::update::Wavefront;
 use crate::vulkan::{self, DeviceChoice, Schedule, VulkanError};
 use crate::{DistanceMap, Engine, Error, Monitor, Report, Targets, UsedEngine};
@@ -136,7 +136,8 @@ fn check_memory<R: Real>(surface: &Surface) -> Result<(), Error> {
 /// A checked problem, ready for any engine.
 pub(crate) struct Problem<'a> {
     surface: &'a Surface,
-    /// The seeds, with the smallest initial value subtracted. A single source then starts at zero, where the
+    grid: SolverGrid<'a>,
+    /// The seeds on the solver's grid, with the smallest initial value subtracted. A single source then starts at zero, where the
     /// circular front is exact.
     seeds: Vec<Seed>,
     start: f64,
@@ -144,6 +145,7 @@ pub(crate) struct Problem<'a> {
     schedule: Option<Schedule>,
     stop: Stop,
     radius: f64,
+    /// The targets on the solver's grid.
     targets: Option<Targets>,
     monitor: Monitor,
 }
@@ -177,14 +179,28 @@ impl<'a> Problem<'a> {
             seed.time -= start;
             seed.origin = seed.origin.map(|origin| origin.started_earlier(start));
         }
+        let grid = surface.solver_grid();
         let seeds = wavefront.seeds(surface, seeds);
+        let seeds = seeds.into_iter().map(|seed| grid.seed(seed)).collect();
+        let targets = targets.map(|targets| grid.targets(targets));
         let (schedule, monitor) = (options.schedule, options.monitor());
-        Ok(Self { surface, seeds, start, wavefront, schedule, stop, radius, targets, monitor })
+        Ok(Self {
+            surface,
+            grid,
+            seeds,
+            start,
+            wavefront,
+            schedule,
+            stop,
+            radius,
+            targets,
+            monitor,
+        })
     }
 
     fn solve_on_the_best(&self) -> Result<DistanceMap, Error> {
         let time = self.time_limit();
-        let share = share(self.surface, &self.seeds, time, self.targets.as_ref());
+        let share = share(self.grid.surface(), &self.seeds, time, self.targets.as_ref());
         let (chart, is_kept) = (self.surface.chart(), vulkan::are_pipelines_kept());
         let reason = match Choice::of(chart, self.wavefront, share, is_kept) {
             Choice::Cpu(reason) => return Ok(self.solve_on_cpu()?.because(reason)),
@@ -206,7 +222,7 @@ impl<'a> Problem<'a> {
     }
 
     fn solve_on_cpu<R: Real>(&self) -> Result<DistanceMap<R>, Error> {
-        let edges = EdgeLengths::<R>::measured(self.surface, || self.monitor.check())?;
+        let edges = EdgeLengths::<R>::measured(self.grid.surface(), || self.monitor.check())?;
         let start = Instant::now();
         let mut solver = cpu::RotatedScan::new(&edges, self.wavefront);
         solver = solver.with_monitor(self.monitor.clone());
@@ -227,8 +243,8 @@ impl<'a> Problem<'a> {
     }
 
     fn solve_by_fast_marching<R: Real>(&self) -> Result<DistanceMap<R>, Error> {
-        let edges = EdgeLengths::<R>::new(self.surface)?;
-        let split = Connections::split(self.surface)?;
+        let edges = EdgeLengths::<R>::new(self.grid.surface())?;
+        let split = Connections::split(self.grid.surface())?;
         let start = Instant::now();
         let time = self.time_limit();
         let limit = match &self.targets {
@@ -251,7 +267,7 @@ impl<'a> Problem<'a> {
         &self,
         solver: &mut vulkan::HeadlessSolver,
     ) -> Result<DistanceMap, VulkanError> {
-        let mut surface = solver.upload(self.surface)?;
+        let mut surface = solver.upload(self.grid.surface())?;
         let method = vulkan::Method::new(self.wavefront, self.stop)
             .with_schedule(self.schedule)
             .with_radius(self.time_limit());
@@ -276,7 +292,7 @@ impl<'a> Problem<'a> {
 
     /// Returns an estimate of the time at which fronts come to the targets.
     fn estimate(&self, targets: &Targets) -> Result<f64, VulkanError> {
-        let edges = EdgeLengths::<f32>::new(self.surface)?;
+        let edges = EdgeLengths::<f32>::new(self.grid.surface())?;
         Ok(cpu::outlook(&edges, &self.seeds, targets).0)
     }
 
@@ -306,7 +322,7 @@ impl<'a> Problem<'a> {
     /// value.
     fn end<R: Real>(&self, distances: &[R]) -> f64 {
         let Some(targets) = &self.targets else { return self.radius };
-        let chart = self.surface.chart();
+        let chart = self.grid.surface().chart();
         let last = targets.last(|[row, col]| {
             let distance = distances[chart.index(row, col)];
             (distance + R::of(self.start)).wide()
@@ -316,8 +332,9 @@ impl<'a> Problem<'a> {
 
     /// Adds the subtracted initial value to all distances, and counts the points that were reached. Points
     /// beyond the radius and the targets are unreached.
-    fn finish<R: Real>(&self, mut distances: Vec<R>, report: Report) -> DistanceMap<R> {
+    fn finish<R: Real>(&self, distances: Vec<R>, report: Report) -> DistanceMap<R> {
         let end = self.end(&distances);
+        let mut distances = self.grid.crop(distances);
         let of_row = |row: &mut [R]| {
             let (mut reached, mut largest) = (0, R::neg_infinity());
             for distance in row.iter_mut().filter(|distance| distance.is_finite()) {

@@ -52,6 +52,13 @@ impl Targets {
         self.needed
     }
 
+    /// Returns these targets on a grid whose rows and columns are larger by `by`.
+    pub(crate) fn moved(mut self, by: [usize; 2]) -> Self {
+        let points = self.points.iter_mut();
+        points.for_each(|[row, col]| (*row, *col) = (*row + by[0], *col + by[1]));
+        self
+    }
+
     /// Returns the time after which no front matters to the targets, given the times at points: that of the
     /// last target that is needed. It is +infinity if there is no target.
     pub(crate) fn last(&self, time: impl Fn([usize; 2]) -> f64) -> f64 {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::cpu::PairwiseScan;
-use crate::surface::{Chart, Surface};
+use crate::surface::Chart;
 
 /// Sources whose maps are computed together.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -97,12 +97,6 @@ impl Batches {
             lines.iter().flat_map(line).collect()
         })
     }
-}
-
-/// Returns the sources with `None` in place of holes.
-pub(super) fn without_holes(surface: &Surface, sources: &[usize]) -> Vec<Option<usize>> {
-    let present = surface.present();
-    sources.iter().map(|&source| present[source].then_some(source)).collect()
 }
 
 /// Returns the number of consecutive sources from the first on.

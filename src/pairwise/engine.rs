@@ -2,26 +2,26 @@
 
 use rayon::prelude::*;
 
-use super::batches::without_holes;
 use super::lanes::LaneEngine;
 use crate::cpu::{Connections, Order, RotatedScan, fast_marching_with};
-use crate::surface::{EdgeLengths, Seed, Surface};
+use crate::surface::{EdgeLengths, Seed, SolverGrid, Surface};
 use crate::vulkan::{HeadlessSolver, PairwiseOnDevice, SurfaceOnDevice};
 use crate::{Convergence, Engine, Error, Monitor, Options, Stop, UsedEngine, Wavefront};
 
 /// An engine, prepared for a surface.
 pub(super) struct RowEngine<'a> {
     surface: &'a Surface,
+    grid: SolverGrid<'a>,
     wavefront: Wavefront,
     pub monitor: Monitor,
     /// The distance after which points are unreached.
     radius: f64,
-    kind: Kind<'a>,
+    kind: Kind,
 }
 
-enum Kind<'a> {
+enum Kind {
     /// Batches of maps in SIMD lanes.
-    Lanes(LaneEngine<'a>),
+    Lanes(LaneEngine),
     /// One map per thread.
     Maps(EdgeLengths<f32>),
     /// Fast marching, the reference, with one map per thread.
@@ -46,25 +46,27 @@ impl<'a> RowEngine<'a> {
         options: &Options,
     ) -> Result<Self, Error> {
         let (monitor, radius) = (options.monitor(), options.checked_radius()?);
+        let grid = surface.solver_grid();
+        let on_grid = grid.surface();
         let kind = match &options.engine {
             Engine::Auto | Engine::Cpu => {
-                let edges = EdgeLengths::measured(surface, || monitor.check())?;
-                match LaneEngine::new(surface, &edges, wavefront) {
+                let edges = EdgeLengths::measured(on_grid, || monitor.check())?;
+                match LaneEngine::new(&grid, &edges, wavefront) {
                     Some(lanes) => Kind::Lanes(lanes),
                     None => Kind::Maps(edges),
                 }
             }
             Engine::FastMarching => {
-                Kind::FastMarching(EdgeLengths::new(surface)?, Connections::split(surface)?)
+                Kind::FastMarching(EdgeLengths::new(on_grid)?, Connections::split(on_grid)?)
             }
             Engine::Vulkan(choice) => {
                 let solver = HeadlessSolver::new(choice)?;
-                let on_device = solver.upload(surface)?;
+                let on_device = solver.upload(on_grid)?;
                 let pairwise = solver.pairwise(&on_device, wavefront, None)?;
                 Kind::Vulkan(Box::new(OnDevice { pairwise, surface: on_device, solver }))
             }
         };
-        Ok(Self { surface, wavefront, monitor, radius, kind })
+        Ok(Self { surface, grid, wavefront, monitor, radius, kind })
     }
 
     /// Returns the engine for the report.
@@ -87,11 +89,21 @@ impl<'a> RowEngine<'a> {
         self.wavefront
     }
 
-    /// Returns the engine that supports symmetric initialisation, if this is the one.
-    pub fn lanes(&self) -> Option<&LaneEngine<'a>> {
+    /// Returns the engine and the grid for the symmetric initialisation.
+    ///
+    /// # Errors
+    /// If the engine or the surface does not support it.
+    pub fn for_symmetry(&self) -> Result<(&LaneEngine, &SolverGrid<'a>), Error> {
+        let fault = |message: &str| Err(Error::Options(message.into()));
         match &self.kind {
-            Kind::Lanes(lanes) => Some(lanes),
-            _ => None,
+            Kind::Lanes(_) if self.grid.is_wider() => fault(
+                "the symmetric initialisation is not for surfaces with obtuse triangles beside a seam; leave it out",
+            ),
+            Kind::Lanes(lanes) => Ok((lanes, &self.grid)),
+            _ => fault(
+                "the symmetric initialisation is for the planar and the circular wavefront on the CPU; choose \
+                 these, or leave it out",
+            ),
         }
     }
 
@@ -153,9 +165,10 @@ impl<'a> RowEngine<'a> {
         into: &mut [f32],
         done: &(dyn Fn(usize) + Sync),
     ) -> Result<Convergence, Error> {
-        let (surface, wavefront, radius) = (self.surface, self.wavefront, self.radius);
+        let (surface, grid) = (self.surface, &self.grid);
+        let (wavefront, radius) = (self.wavefront, self.radius);
         match &mut self.kind {
-            Kind::Lanes(lanes) => Ok(lanes.solve(sources, stop, into, (&self.monitor, done))),
+            Kind::Lanes(lanes) => Ok(lanes.solve(grid, sources, stop, into, (&self.monitor, done))),
             Kind::Maps(edges) => {
                 // Threads are busy with maps of their own.
                 let new = || {
@@ -166,8 +179,8 @@ impl<'a> RowEngine<'a> {
                 };
                 let done = (&self.monitor, done);
                 Ok(map_by_map(surface, sources, into, done, new, |solver, seed| {
-                    let convergence = solver.solve(&[seed], stop);
-                    (convergence, solver.distances())
+                    let convergence = solver.solve(&[grid.seed(seed)], stop);
+                    (convergence, grid.crop(solver.distances()))
                 }))
             }
             Kind::FastMarching(edges, split) => {
@@ -178,7 +191,9 @@ impl<'a> RowEngine<'a> {
                     (&self.monitor, done),
                     || (),
                     |(), seed| {
-                        (MARCHED, fast_marching_with(edges, split, &[seed], wavefront).distances())
+                        let seed = grid.seed(seed);
+                        let marched = fast_marching_with(edges, split, &[seed], wavefront);
+                        (MARCHED, grid.crop(marched.distances()))
                     },
                 );
                 // Rows of holes count as marched too.
@@ -187,12 +202,26 @@ impl<'a> RowEngine<'a> {
             Kind::Vulkan(device) => {
                 let OnDevice { pairwise, surface: on_device, solver } = &mut **device;
                 let points = surface.chart().points();
+                let of_grid = grid.surface().chart().points();
+                let mut wide = vec![
+                    f32::INFINITY;
+                    if grid.is_wider() { pairwise.batch() * of_grid } else { 0 }
+                ];
                 let mut convergence = Convergence::NONE;
                 let batch = pairwise.batch();
                 for (sources, rows) in sources.chunks(batch).zip(into.chunks_mut(batch * points)) {
                     self.monitor.check()?;
-                    let sources = without_holes(surface, sources);
-                    let solved = pairwise.solve(solver, on_device, &sources, stop, rows)?;
+                    let sources = grid.points(sources);
+                    let solved = if grid.is_wider() {
+                        let wide = &mut wide[..sources.len() * of_grid];
+                        let solved = pairwise.solve(solver, on_device, &sources, stop, wide)?;
+                        let own = rows.chunks_exact_mut(points);
+                        own.zip(wide.chunks_exact(of_grid))
+                            .for_each(|(own, wide)| grid.crop_into(wide, own));
+                        solved
+                    } else {
+                        pairwise.solve(solver, on_device, &sources, stop, rows)?
+                    };
                     convergence = convergence.worse(solved);
                     done(sources.len());
                 }

@@ -2,14 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::batches::{Batch, Batches, without_holes};
+use super::batches::{Batch, Batches};
 use crate::cpu::PairwiseScan;
-use crate::surface::{EdgeLengths, Surface};
+use crate::surface::{EdgeLengths, SolverGrid};
 use crate::{Convergence, Monitor, Stop, Wavefront};
 
 /// The batched engine of a surface on the CPU, for wavefronts that support batches.
-pub(super) struct LaneEngine<'a> {
-    surface: &'a Surface,
+pub(super) struct LaneEngine {
     scan: PairwiseScan,
     batches: Batches,
 }
@@ -18,15 +17,12 @@ pub(super) struct LaneEngine<'a> {
 /// batches for the threads to share. With more rows, less is known on average when a row starts.
 const GENERATION: usize = 256;
 
-impl<'a> LaneEngine<'a> {
-    /// Prepares the engine. Returns `None` if maps of this wavefront cannot be computed side by side.
-    pub fn new(
-        surface: &'a Surface,
-        edges: &EdgeLengths<f32>,
-        wavefront: Wavefront,
-    ) -> Option<Self> {
-        let (scan, batches) = (PairwiseScan::new(edges, wavefront)?, Batches::new(surface.chart()));
-        Some(Self { surface, scan, batches })
+impl LaneEngine {
+    /// Prepares the engine. `edges` are those of the solver's grid. Returns `None` if maps of this wavefront cannot be
+    /// computed side by side.
+    pub fn new(grid: &SolverGrid, edges: &EdgeLengths<f32>, wavefront: Wavefront) -> Option<Self> {
+        let (scan, batches) = (PairwiseScan::new(edges, wavefront)?, Batches::new(grid.chart()));
+        Some(Self { scan, batches })
     }
 
     /// Returns the number of bytes held for the surface and for the work of `threads` threads.
@@ -51,40 +47,66 @@ impl<'a> LaneEngine<'a> {
     /// that have been added.
     pub fn solve(
         &self,
+        grid: &SolverGrid,
         sources: &[usize],
         stop: Stop,
         into: &mut [f32],
         (monitor, done): (&Monitor, &(dyn Fn(usize) + Sync)),
     ) -> Convergence {
-        let points = self.surface.chart().points();
+        let points = grid.chart().points();
         let mut rows: Vec<_> = into.chunks_exact_mut(points).map(Some).collect();
         let batches = self.batches.split(sources).flat_map(|(_, batches)| batches);
         let parts: Vec<_> = batches
             .map(|Batch { sources, places }| {
                 let rows: Vec<_> =
                     places.into_iter().map(|place| place.and_then(|at| rows[at].take())).collect();
-                (without_holes(self.surface, &sources), rows)
+                (grid.points(&sources), rows)
             })
             .collect();
         let solved = parts.into_par_iter().map(|(sources, mut rows)| {
             if monitor.is_cancelled() {
                 return Convergence::NONE;
             }
-            let convergence = self.scan.solve_rows(&sources, stop, &mut rows);
+            let convergence = match grid.is_wider() {
+                true => self.solve_on_wider(grid, &sources, stop, &mut rows),
+                false => self.scan.solve_rows(&sources, stop, &mut rows),
+            };
             done(rows.iter().flatten().count());
             convergence
         });
         solved.reduce(|| Convergence::NONE, Convergence::worse)
     }
 
-    /// Computes the whole matrix with the symmetric initialisation (paper, eq. 20).
+    /// Computes rows on a grid that is wider than the surface's own.
+    fn solve_on_wider(
+        &self,
+        grid: &SolverGrid,
+        sources: &[Option<usize>],
+        stop: Stop,
+        rows: &mut [Option<&mut [f32]>],
+    ) -> Convergence {
+        let points = grid.surface().chart().points();
+        let mut wide = vec![f32::INFINITY; rows.len() * points];
+        let mut wide: Vec<_> = wide.chunks_exact_mut(points).map(Some).collect();
+        let convergence = self.scan.solve_rows(sources, stop, &mut wide);
+        for (own, wide) in rows.iter_mut().zip(wide) {
+            if let (Some(own), Some(wide)) = (own, wide) {
+                grid.crop_into(wide, own);
+            }
+        }
+        convergence
+    }
+
+    /// Computes the whole matrix with the symmetric initialisation (paper, eq. 20). The grid must be the surface's
+    /// own.
     pub fn solve_by_symmetry<E: Send>(
         &self,
+        grid: &SolverGrid,
         stop: Stop,
         matrix: &mut [f32],
         done: &(dyn Fn(usize) -> Result<(), E> + Sync),
     ) -> Result<Convergence, E> {
-        let points = self.surface.chart().points();
+        let points = grid.chart().points();
         let mut convergence = Convergence::NONE;
         for first in (0..points).step_by(GENERATION) {
             let (known, rest) = matrix.split_at_mut(first * points);
@@ -93,7 +115,7 @@ impl<'a> LaneEngine<'a> {
             let solved = batches.map(|(batch, rows)| {
                 let first = first + batch * PairwiseScan::LANES;
                 let sources: Vec<_> = (first..first + rows.len() / points).collect();
-                let sources = without_holes(self.surface, &sources);
+                let sources = grid.points(&sources);
                 let convergence = self.scan.solve_below(known, first, &sources, stop, rows);
                 done(sources.len())?;
                 Ok(convergence)

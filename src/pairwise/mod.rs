@@ -110,19 +110,16 @@ impl<'a> Pairwise<'a> {
     ///
     /// # Errors
     /// As for [`Self::matrix`]; if the wavefront is curved, since its start would need curvatures as well; if
-    /// the engine does not support this initialisation; and any error of `done`.
+    /// the engine does not support this initialisation; if obtuse triangles lie beside a seam; and any error of
+    /// `done`.
     pub fn matrix_by_symmetry<E: From<Error> + Send>(
         &mut self,
         done: impl Fn(usize) -> Result<(), E> + Sync,
     ) -> Result<(Vec<f32>, PairwiseReport), E> {
-        let Some(lanes) = self.engine.lanes() else {
-            let message = "the symmetric initialisation is for the planar and the circular \
-                           wavefront on the CPU; choose these, or leave it out";
-            return Err(Error::Options(message.into()).into());
-        };
+        let (lanes, grid) = self.engine.for_symmetry()?;
         let mut matrix = self.room_for_a_matrix()?;
         let start = Instant::now();
-        let convergence = lanes.solve_by_symmetry(self.stop, &mut matrix, &done)?;
+        let convergence = lanes.solve_by_symmetry(grid, self.stop, &mut matrix, &done)?;
         Ok((matrix, self.report(self.points(), convergence, start.elapsed())))
     }
 

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::PairwiseReport;
 use crate::cpu::{Order, RotatedScan};
-use crate::surface::{EdgeLengths, Seed, Surface};
+use crate::surface::{EdgeLengths, Seed, SolverGrid, Surface};
 use crate::{Convergence, Engine, Error, Options, Stop, UsedEngine};
 
 /// Rows of a distance matrix that hold the distances within a radius, in compressed sparse row format (CSR), as
@@ -91,7 +91,8 @@ pub fn pairs_within(
         return fault(message);
     }
     let (wavefront, monitor) = (options.wavefront_of_rows(surface)?, options.monitor());
-    let edges = EdgeLengths::measured(surface, || monitor.check())?;
+    let grid = surface.solver_grid();
+    let edges = EdgeLengths::measured(grid.surface(), || monitor.check())?;
     let start = Instant::now();
     let solver = || {
         let solver = RotatedScan::in_order(&edges, wavefront, Order::Lines);
@@ -101,7 +102,7 @@ pub fn pairs_within(
     };
     let row = |solver: &mut RotatedScan<f32>, &source: &usize| {
         monitor.check()?;
-        Ok::<_, Error>(sparse_row(solver, surface, source, stop))
+        Ok::<_, Error>(sparse_row(solver, &grid, source, stop))
     };
     let solved: Vec<_> = sources.par_iter().map_init(solver, row).collect::<Result<_, _>>()?;
     monitor.check()?;
@@ -139,14 +140,15 @@ impl SparseRows {
 /// Returns the entries of a row in order.
 fn sparse_row(
     solver: &mut RotatedScan<f32>,
-    surface: &Surface,
+    grid: &SolverGrid,
     source: usize,
     stop: Stop,
 ) -> (Vec<(usize, f32)>, Convergence) {
-    let (row, col) = surface.chart().position(source);
-    if !surface.has(row, col) {
+    let (row, col) = grid.chart().position(source);
+    if grid.points(&[source]) == [None] {
         return (Vec::new(), Convergence::NONE);
     }
-    let convergence = solver.solve(&[Seed::at_source(row, col, 0.0)], stop);
-    (solver.reached(), convergence)
+    let convergence = solver.solve(&[grid.seed(Seed::at_source(row, col, 0.0))], stop);
+    let reached = solver.reached().into_iter();
+    (reached.filter_map(|(index, time)| Some((grid.own(index)?, time))).collect(), convergence)
 }

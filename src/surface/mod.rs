@@ -49,7 +49,7 @@ pub(crate) use gaussian_curvature::{DIFFRACTS, LACKING};
 pub use geodetic::{GeodeticError, GeodeticGrid};
 pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing, Values};
-pub(crate) use gluing::{Glued, Lattice, Ring, Sheet, UNGLUED};
+pub(crate) use gluing::{Glued, Lattice, Ring, Sheet, SolverGrid, UNGLUED};
 pub use gluing::{Gluing, GluingError, Groups, Run};
 pub(crate) use jump::jumps;
 pub(crate) use obtuse::{Part, is_obtuse};

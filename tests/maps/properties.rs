@@ -8,6 +8,7 @@ use geosweep::glam::DVec3;
 use geosweep::surface::{Direction, Geometry, Gluing};
 use geosweep::{
     EdgeRule, Engine, MetricTensor, Options, Sources, Spacing, Surface, Wavefront, distance_map,
+    distance_map_f64,
 };
 use proptest::prelude::*;
 
@@ -102,9 +103,11 @@ struct Wrapped {
 }
 
 fn wrapped() -> impl Strategy<Value = Wrapped> {
-    (4..=12usize, 3..=12usize, any::<[bool; 3]>())
-        .prop_flat_map(|(rows, round, flags)| {
-            let height = prop_oneof![9 => 0.0..0.4, 1 => Just(f64::NAN)];
+    // Triangles of steep heights are obtuse.
+    let steepness = prop_oneof![0.0..0.4, 0.4..4.0];
+    (4..=12usize, 3..=12usize, any::<[bool; 3]>(), steepness)
+        .prop_flat_map(|(rows, round, flags, steepness)| {
+            let height = prop_oneof![9 => 0.0..steepness, 1 => Just(f64::NAN)];
             let values = prop::collection::vec((height, 0.9..1.1), rows * round);
             (Just(rows), Just(round), Just(flags), values)
         })
@@ -509,7 +512,12 @@ proptest! {
         let wavefront = if wrapped.is_slowed { Wavefront::Planar } else { wavefront };
         let (surface, numbers) = wrapped.surface(|col| col);
         let (row, col) = present(&surface, from);
-        let distances = map(&surface, &sources((row, col)), wavefront);
+        // Obtuse triangles beside a seam need the points beyond it, which solvers alone do not look for.
+        let options = Options::default().with_engine(Engine::Cpu).with_wavefront(wavefront);
+        let map = |surface, source| {
+            distance_map_f64(surface, &sources(source), &options).unwrap().distances
+        };
+        let distances = map(&surface, (row, col));
         // Twice round, so that Moebius strips are as they were.
         let by = by.index(2 * wrapped.round);
         let (rolled, places) = wrapped.surface(|col| {
@@ -517,7 +525,7 @@ proptest! {
         });
         let source = places.iter().position(|number| *number == numbers[surface.chart().index(row, col)]);
         let source = rolled.chart().position(source.expect("both surfaces have all points"));
-        let found = map(&rolled, &sources(source), wavefront);
+        let found = map(&rolled, source);
         let mut expected = vec![f64::NAN; wrapped.values.len()];
         numbers.iter().zip(&distances).for_each(|(&number, &distance)| expected[number] = distance);
         let expected: Vec<_> = places.iter().map(|&number| expected[number]).collect();

@@ -98,7 +98,8 @@ impl<'a> Departures<'a> {
             starts.iter().map(|start| start.source(surface, DVec2::ZERO)).collect();
         let stop = options.stop(surface, crate::DEFAULT_TOLERANCE_F64)?;
         let wavefront = options.resolve_wavefront(surface, &sources)?;
-        let edges = EdgeLengths::<f64>::measured(surface, || monitor.check())?;
+        let grid = surface.solver_grid();
+        let edges = EdgeLengths::<f64>::measured(grid.surface(), || monitor.check())?;
         let start = sources.start();
         let mut solver = RotatedScan::new(&edges, wavefront).with_monitor(monitor.clone());
         let mut solve = |sources: &Sources| -> Result<Times, Error> {
@@ -107,9 +108,10 @@ impl<'a> Departures<'a> {
                 seed.time -= start;
                 seed.origin = seed.origin.map(|origin| origin.started_earlier(start));
             }
-            solver.solve(&wavefront.seeds(surface, seeds), stop);
+            let seeds = wavefront.seeds(surface, seeds).into_iter().map(|seed| grid.seed(seed));
+            solver.solve(&seeds.collect::<Vec<_>>(), stop);
             monitor.check()?;
-            Ok(solver.distances())
+            Ok(grid.crop(solver.distances()))
         };
         let times = solve(&sources)?;
         let mut moved: [[Option<Times>; 2 * MOVES as usize + 1]; 2] = Default::default();

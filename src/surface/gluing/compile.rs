@@ -145,7 +145,7 @@ impl Gluing {
             false => Err(GluingError::NoPositions { what }),
         };
         let of_seam = |seam: &Seam| {
-            let Lattice { cols, rows } = Lattice::of(seam);
+            let Lattice { cols, rows, .. } = Lattice::of(seam);
             match (cols.or(rows), seam) {
                 (Some(true), _) if !has_positions => Err(GluingError::ReversedMetric),
                 (Some(_), _) | (None, Seam::Neighbours { .. }) => Ok(()),

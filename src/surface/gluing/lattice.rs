@@ -8,6 +8,8 @@ use super::super::{Chart, GridSide, Seam};
 pub(crate) struct Lattice {
     pub cols: Option<bool>,
     pub rows: Option<bool>,
+    /// Numbers of rows and columns that the grid has beyond each seam. They repeat lines of the opposite side.
+    pub overlap: [usize; 2],
 }
 
 impl Lattice {
@@ -18,32 +20,38 @@ impl Lattice {
             Seam::Sides {
                 sides: [FirstColumn, LastColumn] | [LastColumn, FirstColumn],
                 reversed,
-            } => Self { cols: Some(reversed), rows: None },
+            } => Self { cols: Some(reversed), ..Self::default() },
             Seam::Sides { sides: [FirstRow, LastRow] | [LastRow, FirstRow], reversed } => {
-                Self { cols: None, rows: Some(reversed) }
+                Self { rows: Some(reversed), ..Self::default() }
             }
             _ => Self::default(),
         }
     }
 
     pub(super) fn and(self, other: Self) -> Self {
-        Self { cols: self.cols.or(other.cols), rows: self.rows.or(other.rows) }
+        Self {
+            cols: self.cols.or(other.cols),
+            rows: self.rows.or(other.rows),
+            overlap: self.overlap,
+        }
     }
 
     /// Returns the grid point at a row and column, which may lie beyond the sides.
     pub(super) fn at(self, chart: Chart, row: isize, col: isize) -> Option<(usize, usize)> {
         let (last_row, last_col) = (chart.rows as isize - 1, chart.cols as isize - 1);
         let (mut row, mut col) = (row, col);
+        let [turn_of_rows, turn_of_cols] = [(last_row, 0), (last_col, 1)]
+            .map(|(last, axis)| last - 2 * self.overlap[axis] as isize);
         // Each turn brings one of the two nearer to the grid.
         loop {
             if let Some(at) = chart.at(row, col) {
                 return Some(at);
             }
             if let Some(reversed) = self.cols.filter(|_| !(0..=last_col).contains(&col)) {
-                col += if col < 0 { last_col } else { -last_col };
+                col += if col < 0 { turn_of_cols } else { -turn_of_cols };
                 row = if reversed { last_row - row } else { row };
             } else if let Some(reversed) = self.rows.filter(|_| !(0..=last_row).contains(&row)) {
-                row += if row < 0 { last_row } else { -last_row };
+                row += if row < 0 { turn_of_rows } else { -turn_of_rows };
                 col = if reversed { last_col - col } else { col };
             } else {
                 return None;
@@ -59,7 +67,7 @@ mod tests {
     #[test]
     fn the_grid_goes_on_beyond_its_seams() {
         let chart = Chart { rows: 5, cols: 7 };
-        let at = |cols, rows, row, col| Lattice { cols, rows }.at(chart, row, col);
+        let at = |cols, rows, row, col| Lattice { cols, rows, overlap: [0; 2] }.at(chart, row, col);
         assert_eq!(at(None, None, 2, -1), None);
         assert_eq!(at(Some(false), None, 2, -1), Some((2, 5)));
         assert_eq!(at(Some(false), None, 2, 7), Some((2, 1)));
@@ -68,5 +76,12 @@ mod tests {
         assert_eq!(at(Some(false), Some(false), -1, 8), Some((3, 2)));
         assert_eq!(at(Some(false), Some(true), 6, 1), Some((2, 5)));
         assert_eq!(at(Some(true), Some(false), 6, 7), Some((2, 1)));
+        // One row and two columns are repeated at each side: there are two steps from row 1 to its copy in row 3.
+        let overlapping = |reversed, row, col| {
+            Lattice { cols: Some(reversed), rows: Some(false), overlap: [1, 2] }.at(chart, row, col)
+        };
+        assert_eq!(overlapping(false, -1, 3), Some((1, 3)));
+        assert_eq!(overlapping(false, 6, -1), Some((4, 1)));
+        assert_eq!(overlapping(true, 1, -1), Some((3, 1)));
     }
 }

@@ -8,8 +8,8 @@
 //! kept. [`lattice`] knows where the grid goes on as a grid, so that edges and curvatures are measured there
 //! as inside ([`strips`]). Elsewhere, at poles, folds and where charts meet at an angle, each side measures
 //! its own edges, and copies share the mean of their Gaussian curvatures ([`curvature`]). [`places`] finds the
-//! copies of sources, [`rings`] the cells around copies, for shaders, and [`sheet`] cuts out parts that go on over
-//! seams.
+//! copies of sources, [`rings`] the cells around copies, for shaders, [`sheet`] cuts out parts that go on over seams, and
+//! [`solver_grid`] repeats lines beyond seams for solvers, where obtuse triangles need them.
 
 mod compile;
 mod curvature;
@@ -19,6 +19,7 @@ mod lattice;
 mod places;
 mod rings;
 mod sheet;
+mod solver_grid;
 mod strips;
 
 pub use error::GluingError;
@@ -26,6 +27,7 @@ pub use groups::Groups;
 pub(crate) use lattice::Lattice;
 pub(crate) use rings::Ring;
 pub(crate) use sheet::Sheet;
+pub(crate) use solver_grid::SolverGrid;
 pub(super) use strips::Strips;
 
 use std::collections::HashMap;

@@ -63,7 +63,7 @@ impl Surface {
         if self.chart.holds(at) {
             return Some(at);
         }
-        let Lattice { cols, rows } = self.glued.as_ref()?.lattice;
+        let Lattice { cols, rows, .. } = self.glued.as_ref()?.lattice;
         let (last_row, last_col) = self.chart.last();
         let last = DVec2::new(last_row as f64, last_col as f64);
         let mut place = at;
@@ -93,7 +93,7 @@ impl Surface {
     /// Returns the factors of rows and columns, 1 or -1, with which steps at a place are the same as those at its
     /// copy. Returns `None` if the grid does not go on from one to the other.
     pub(crate) fn turn_at_copy(&self, from: DVec2, copy: DVec2) -> Option<DVec2> {
-        let Lattice { cols, rows } = self.glued.as_ref()?.lattice;
+        let Lattice { cols, rows, .. } = self.glued.as_ref()?.lattice;
         let (last_row, last_col) = self.chart.last();
         let last = DVec2::new(last_row as f64, last_col as f64);
         let is_side = |at: f64, last: f64| at <= SAME || at >= last - SAME;
@@ -146,7 +146,8 @@ impl Surface {
     /// Returns the places at most `reach` rows and columns beyond the grid's sides that are this place, where the grid
     /// goes on.
     pub(crate) fn images_beyond(&self, at: DVec2, reach: f64) -> Vec<DVec2> {
-        let Some(Lattice { cols, rows }) = self.glued.as_ref().map(|glued| glued.lattice) else {
+        let Some(Lattice { cols, rows, .. }) = self.glued.as_ref().map(|glued| glued.lattice)
+        else {
             return Vec::new();
         };
         let (last_row, last_col) = self.chart.last();

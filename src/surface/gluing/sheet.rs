@@ -53,7 +53,7 @@ impl Surface {
         Sheet { whole: self, part: Cow::Borrowed(self), first: (0, 0) }
     }
 
-    fn lattice(&self) -> Lattice {
+    pub(super) fn lattice(&self) -> Lattice {
         self.glued.as_ref().map_or_else(Lattice::default, |glued| glued.lattice)
     }
 }

@@ -50,7 +50,7 @@ impl<R: Real> Strips<R> {
         origin: DVec3,
     ) -> Result<Self, SurfaceError> {
         let Some(glued) = &surface.glued else { return Ok(Self::default()) };
-        let (chart, Lattice { cols, rows }) = (surface.chart(), glued.lattice);
+        let (chart, Lattice { cols, rows, .. }) = (surface.chart(), glued.lattice);
         let across = |lines: usize| [0..DEPTH.min(lines), lines.saturating_sub(DEPTH)..lines];
         let blocks_of =
             |is_glued: bool, blocks: [Block; 2]| blocks.into_iter().filter(move |_| is_glued);

@@ -32,6 +32,11 @@ impl Origin {
         Self { start: self.start - by, ..self }
     }
 
+    /// Returns this origin on a grid whose rows and columns are larger by `by`.
+    pub(crate) fn moved(self, by: DVec2) -> Self {
+        Self { ends: self.ends.map(|end| end + by), ..self }
+    }
+
     /// Returns a key that distinguishes origins.
     pub(crate) fn key(&self) -> [u64; 5] {
         let [a, b] = self.ends;
