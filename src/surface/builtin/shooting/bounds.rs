@@ -7,8 +7,8 @@ use std::f64::consts::TAU;
 use glam::{DVec2, USizeVec2};
 use rayon::prelude::*;
 
+use super::domain::{MARGIN, is_followed};
 use super::ray::{Frame, Position, Ray};
-use super::{MARGIN, is_followed};
 use crate::surface::builtin::jet::Jet;
 
 /// A bound for each cell of the domain, including the margin in which geodesics are followed.

@@ -2,8 +2,9 @@
 
 use glam::DVec2;
 
-use super::Fan;
 use super::arrivals::Arrivals;
+use super::domain::is_inside;
+use super::fan::Fan;
 use super::patch::{self, Cosines, Knot, Patch, RAYS};
 use super::ray::{Position, Ray};
 
@@ -146,11 +147,6 @@ fn parts_along(patch: &Patch, from_source: bool) -> usize {
     // is proportional to the length of a part.
     let parts = if from_source { off / SMALL } else { (off / SMALL).sqrt() };
     parts.ceil().clamp(1.0, MOST) as usize
-}
-
-/// Returns whether a place lies in the unit square, at least `from_border` from its border.
-pub(super) fn is_inside(uv: DVec2, from_border: f64) -> bool {
-    (uv - 0.5).abs().max_element() <= 0.5 - from_border
 }
 
 /// Returns position and derivatives along the rays, as Chebyshev series across them.
