@@ -8,6 +8,7 @@ mod part;
 mod pieces;
 mod rise;
 mod seed;
+mod source;
 
 use std::collections::BTreeMap;
 
@@ -21,25 +22,7 @@ pub use origin::Origin;
 use part::Part;
 pub(crate) use seed::Origins;
 pub use seed::Seed;
-
-/// One source. Rows and columns may be fractional, and count from 0.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Source {
-    /// A point, at a grid point or inside a cell.
-    Point {
-        /// Row and column.
-        at: DVec2,
-        /// Arrival time at the source itself.
-        initial: f64,
-    },
-    /// A polyline over the grid. Every point on it is a source.
-    Curve {
-        /// Rows and columns of the vertices. The last vertex may repeat the first.
-        vertices: Vec<DVec2>,
-        /// Arrival time along the curve.
-        initial: f64,
-    },
-}
+pub use source::Source;
 
 /// The sources of one distance map. The map holds the distance to the nearest source, initial values
 /// included.
@@ -51,15 +34,6 @@ pub enum Source {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sources(Vec<Source>);
-
-impl Source {
-    /// Returns the arrival time at the source.
-    pub fn initial(&self) -> f64 {
-        match self {
-            Self::Point { initial, .. } | Self::Curve { initial, .. } => *initial,
-        }
-    }
-}
 
 impl FromIterator<Source> for Sources {
     fn from_iter<T: IntoIterator<Item = Source>>(sources: T) -> Self {

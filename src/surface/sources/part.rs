@@ -6,8 +6,10 @@ use glam::DVec2;
 
 use super::course::{Segment, parts};
 use super::error::SourceError;
+use super::origin::Origin;
 use super::pieces::{Pieces, check_inside};
-use super::{Origin, Seed, Source};
+use super::seed::Seed;
+use super::source::Source;
 use crate::surface::{Sheet, Surface};
 
 /// Number of rows and columns around a part on which its seeds depend.
