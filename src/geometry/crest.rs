@@ -4,7 +4,8 @@
 use super::Curve;
 use super::arrivals::Arrivals;
 use super::chains::ways;
-use crate::surface::Chart;
+use crate::surface::Direction::{East, North, South, SouthEast, West};
+use crate::surface::{Cell, Direction};
 
 /// The rounding error of a largest distance in single precision that accumulates along the path, as a
 /// fraction of the distance since the start.
@@ -27,42 +28,33 @@ pub(super) fn curves(arrivals: &Arrivals, least: f64) -> Vec<Curve> {
         time.is_finite() && time >= least
     };
     let top = |(row, col): (usize, usize)| is_top(chart.index(row, col));
-    // Whether a corner of the cell is nearer; the cell is given by its first corner. Of a plateau only the
-    // border is kept.
-    let falls = |row: Option<usize>, col: Option<usize>| {
-        let (Some(row), Some(col)) = (row, col) else { return false };
-        let corners = [(row, col), (row, col + 1), (row + 1, col), (row + 1, col + 1)];
-        row + 1 < chart.rows
-            && col + 1 < chart.cols
-            && corners.into_iter().any(|at| {
-                let time = f64::from(arrivals.time(chart.index(at.0, at.1)));
-                time.is_finite() && time < least
-            })
+    // Whether a corner of the cell to the south-east of a point is nearer. Of a plateau only the border is kept.
+    let falls = |at: Option<(usize, usize)>| {
+        let whole = at.filter(|&(row, col)| chart.neighbour(row, col, SouthEast).is_some());
+        let corners = whole.map(|at| Cell::of(at).corners());
+        corners.into_iter().flatten().any(|(row, col)| {
+            let time = f64::from(arrivals.time(chart.index(row, col)));
+            time.is_finite() && time < least
+        })
     };
     let mut edges = Vec::new();
     let number = |(row, col): (usize, usize)| chart.index(row, col) as u64;
-    for (row, col) in chart.places() {
-        let (below, right) = (row + 1 < chart.rows, col + 1 < chart.cols);
-        let (north, west) = (row.checked_sub(1), col.checked_sub(1));
-        let (here, east, south, across) =
-            ((row, col), (row, col + 1), (row + 1, col), (row + 1, col + 1));
-        let is_border = |other: (Option<usize>, Option<usize>)| {
-            falls(Some(row), Some(col)) || falls(other.0, other.1)
-        };
-        if right && top(here) && top(east) && is_border((north, Some(col))) {
-            edges.push([here, east].map(number));
-        }
-        if below && top(here) && top(south) && is_border((Some(row), west)) {
-            edges.push([here, south].map(number));
-        }
-        if below && right {
-            // Diagonals are used only where no path along the sides of the cell exists.
-            let tops = [here, east, south, across].map(top);
-            if tops == [true, false, false, true] && falls(Some(row), Some(col)) {
-                edges.push([here, across].map(number));
+    for here in chart.places() {
+        let to = |way| chart.neighbour(here.0, here.1, way);
+        let is_border = |other: Direction| falls(Some(here)) || falls(to(other));
+        let beside = [(East, North), (South, West)];
+        for (end, other) in beside.into_iter().filter_map(|(way, other)| Some((to(way)?, other))) {
+            if top(here) && top(end) && is_border(other) {
+                edges.push([here, end].map(number));
             }
-            if tops == [false, true, true, false] && falls(Some(row), Some(col)) {
-                edges.push([east, south].map(number));
+        }
+        if to(SouthEast).is_some() && falls(Some(here)) {
+            // Diagonals are used only where no path along the sides of the cell exists.
+            let corners @ [_, east, south, across] = Cell::of(here).corners();
+            match corners.map(top) {
+                [true, false, false, true] => edges.push([here, across].map(number)),
+                [false, true, true, false] => edges.push([east, south].map(number)),
+                _ => (),
             }
         }
     }
@@ -86,17 +78,15 @@ fn curve(arrivals: &Arrivals, way: &[u64]) -> Curve {
 /// Returns whether the points to the left are nearer overall than the points to the right, as seen on the
 /// grid with rows downwards.
 fn is_left_nearer(arrivals: &Arrivals, points: &[(usize, usize)]) -> bool {
-    let Chart { rows, cols } = arrivals.chart;
+    let chart = arrivals.chart;
     let mut balance = 0.0;
     for step in points.windows(2) {
-        let ((row, col), (next_row, next_col)) = (step[0], step[1]);
-        let (down, right) = (next_row as isize - row as isize, next_col as isize - col as isize);
+        let [(row, col), (next_row, next_col)] =
+            [step[0], step[1]].map(|(row, col)| (row as isize, col as isize));
+        let (down, right) = (next_row - row, next_col - col);
         let at = |down: isize, right: isize| {
-            let (row, col) = (row.checked_add_signed(down)?, col.checked_add_signed(right)?);
-            let time = f64::from(
-                (row < rows && col < cols)
-                    .then(|| arrivals.time(arrivals.chart.index(row, col)))?,
-            );
+            let (row, col) = chart.at(row + down, col + right)?;
+            let time = f64::from(arrivals.time(chart.index(row, col)));
             time.is_finite().then_some(time)
         };
         let here = at(0, 0).unwrap_or(0.0);

@@ -3,7 +3,7 @@
 use glam::{DMat2, DVec2, DVec3};
 
 use crate::Surface;
-use crate::surface::{Direction, Geometry, corner_weights};
+use crate::surface::{Cell, Direction, Geometry, corner_weights};
 
 /// The metric of a surface at a place, in steps of rows and columns, and the tangent vectors of both.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -162,7 +162,7 @@ fn weights(
     let on_surface = |&(row, col, _): &(usize, usize, f64)| surface.has(row, col);
     let sixteen: Option<Vec<_>> = product.map(|point| point.filter(on_surface)).collect();
     sixteen.unwrap_or_else(|| {
-        let corners = [(row, col), (row, col + 1), (row + 1, col), (row + 1, col + 1)];
+        let corners = Cell::of((row, col)).corners();
         let there = corners.map(|(row, col)| surface.has(row, col));
         let weights = corner_weights(there, DVec2::new(v, u)).unwrap_or([0.25; 4]);
         let corners = corners.into_iter().zip(weights).zip(there);
