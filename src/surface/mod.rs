@@ -21,6 +21,7 @@ mod inputs;
 mod iteration_bound;
 mod jump;
 mod measure;
+mod measured;
 mod metric_curvature;
 mod obtuse;
 mod points;

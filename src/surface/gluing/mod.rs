@@ -20,7 +20,7 @@ mod places;
 mod rings;
 mod sheet;
 mod solver_grid;
-mod strips;
+pub(super) mod strips;
 
 pub use error::GluingError;
 pub use groups::Groups;
@@ -28,7 +28,6 @@ pub(crate) use lattice::Lattice;
 pub(crate) use rings::Ring;
 pub(crate) use sheet::Sheet;
 pub(crate) use solver_grid::SolverGrid;
-pub(super) use strips::Strips;
 
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
