@@ -2,11 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Gives all copies of a point of a glued surface the earliest front among them. It runs after the seeds, each scan,
 // each update of all points and each round of tiles.
-//
-// A single workgroup is dispatched, since its invocations wait for each other: all fronts are read before any
-// is written. First, each invocation finds the earliest front of some parts of groups. A pole has many copies,
-// so that its group has many parts. Then each invocation writes some texels. Copies of several points may lie
-// in one texel.
+// A single workgroup is dispatched; see exchange.glsl.
 // Twin: src/cpu/fronts/exchange.rs.
 
 #include "shared/constants.glsl"
@@ -69,49 +65,12 @@ void store(ivec2 texel, vec4 time, vec4 held) {
     }
 }
 
-// Finds the earliest front that a scan has brought to the members of a part of a group. Fronts that an earlier
-// exchange has brought do not count: those from which they were copied may have been renewed since.
-void gather(int part) {
-    bool found = false;
-    float time = FAR;
-    float held = 0.0;
-    uint end = copies[part + 1];
-    for (uint member = copies[part]; member < end; member++) {
-        ivec2 point = point_of_member(member);
-        vec4 times;
-        vec4 carried;
-        load(texel_of(point), times, carried);
-        int i = component_of(point);
-        if (times[i] >= FAR || scan_of(carried[i]) == uint(EXCHANGED)) continue;
-        take_first(times[i], carried[i], found, time, held);
-    }
-    copies[earliest_at(part)] = floatBitsToUint(time);
-    copies[earliest_at(part) + 1] = floatBitsToUint(held);
+bool renews_fronts() {
+    return renews != 0u;
 }
 
-// Returns the earliest front of a group; its time is FAR if there is none.
-vec2 earliest_of(int group) {
-    bool found = false;
-    vec2 front = vec2(FAR, 0.0);
-    uint end = copies[first_group() + group + 1];
-    for (uint part = copies[first_group() + group]; part < end; part++) {
-        float time = uintBitsToFloat(copies[earliest_at(int(part))]);
-        float held = uintBitsToFloat(copies[earliest_at(int(part)) + 1]);
-        if (time < FAR) take_first(time, held, found, front.x, front.y);
-    }
-    return front;
-}
-
-// Returns the front at a point after the earliest front of its copies has arrived there.
-vec2 after_arrival(vec2 first, vec2 before) {
-    bool is_own = floatBitsToUint(first) == floatBitsToUint(before);
-    if (first.x >= FAR || is_own) return before;
-    Fronts arrival = Fronts(vec4(first.x), vec4(first.y), bvec4((tag_of(first.y) & uint(WHOLE)) != 0u));
-    uint scan = scan_of(first.y) == uint(EXACT) ? uint(EXACT) : uint(EXCHANGED);
-    vec4 time = vec4(before.x);
-    vec4 held = vec4(before.y);
-    accept(arrival, scan, renews != 0u, time, held);
-    return vec2(time.x, held.x);
+int room_of(int part) {
+    return part;
 }
 
 // Puts the tiles that see a changed point on the list of the next round.
@@ -147,34 +106,11 @@ void note_changes(ivec2 texel, vec4 time_before, vec4 held_before, vec4 time, ve
     }
 }
 
-void scatter(int index) {
-    ivec2 texel = unpacked(copies[copy_texel_at(index)]);
-    vec4 time_before;
-    vec4 held_before;
-    load(texel, time_before, held_before);
-    vec4 time = time_before;
-    vec4 held = held_before;
-    for (int j = 0; j < 4; j++) {
-        int group = int(copies[copy_texel_at(index) + 1 + j]) - 1;
-        if (group < 0) continue;
-        vec2 after = after_arrival(earliest_of(group), vec2(time[j], held[j]));
-        time[j] = after.x;
-        held[j] = after.y;
-    }
-    bvec4 stays = equal(floatBitsToUint(time), floatBitsToUint(time_before));
-    if (all(stays) && floatBitsToUint(held) == floatBitsToUint(held_before)) return;
-    store(texel, time, held);
-    note_changes(texel, time_before, held_before, time, held);
-}
+#include "passes/exchange.glsl"
 
 void main() {
     if (done != 0u || (next_round > 0 && rounds[ROUND_WORDS * (next_round - 1) + 3] == 0u)) return;
     causal = fronts_meet != 0u;
     holds = fronts_meet != FRONTS_ARE_ADDED;
-    int own = int(gl_LocalInvocationIndex);
-    for (int part = own; part < parts; part += EXCHANGE_WORKGROUP) gather(part);
-    memoryBarrierBuffer();
-    memoryBarrierImage();
-    barrier();
-    for (int index = own; index < copy_texels; index += EXCHANGE_WORKGROUP) scatter(index);
+    exchange_all();
 }

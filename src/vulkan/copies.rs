@@ -12,7 +12,7 @@ use super::device::device_memory::DeviceMemory;
 use super::device::memory::{Buffer, BufferInfo};
 use super::device::pipelines::Pipelines;
 use super::device::shaders::exchange::Push;
-use super::device::shaders::share_curvature;
+use super::device::shaders::{pairwise_exchange, share_curvature};
 use super::{TexelChart, VulkanError};
 use crate::constants::{COPIES_TOGETHER, COPY_TEXEL_WORDS, LAYERS};
 use crate::surface::{Chart, Glued, Groups, Ring};
@@ -23,10 +23,15 @@ pub(crate) const NO_ROUND: i32 = -1;
 /// Alignment of a list by rows in words, which is one of storage buffers' offsets on every device.
 const ALIGNMENT: usize = 64;
 
+/// Number of words of the earliest front of a part: its time and what it carries.
+const EARLIEST_WORDS: usize = 2;
+
 /// Copies of points in the order and the places in which shaders read them.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CopyList {
     words: Vec<u32>,
+    /// Number of words behind these that shaders write before they read them.
+    room: usize,
     /// Numbers of parts, members, groups and texels.
     parts: usize,
     members: usize,
@@ -79,9 +84,9 @@ impl CopyList {
             words.extend(numbers);
         }
         debug_assert_eq!(words.len(), counts[0] + counts[1] + counts[2] + 2 + 5 * counts[3]);
-        words.resize(words.len() + 2 * counts[0], 0);
+        words.resize(words.len() + EARLIEST_WORDS * counts[0], 0);
         let [parts, members, groups, texels] = counts;
-        Self { words, parts, members, groups, texels, by_rows: None }
+        Self { words, room: 0, parts, members, groups, texels, by_rows: None }
     }
 
     /// Adds the cells around the members of each part, in the order of the groups, as
@@ -101,10 +106,22 @@ impl CopyList {
         self.words.resize(self.words.len() + 4 * self.parts, 0);
     }
 
+    /// Returns the list for a batch of maps. It has room for the earliest fronts of each map.
+    pub(crate) fn of_batch(&self, maps: u32) -> Self {
+        let Self { parts, members, groups, texels, .. } = *self;
+        let before = parts + 1 + members + groups + 1 + COPY_TEXEL_WORDS as usize * texels;
+        let room = EARLIEST_WORDS * parts * maps as usize;
+        Self { words: self.words[..before].to_vec(), room, by_rows: None, ..*self }
+    }
+
+    /// Returns the number of bytes of the list and its room.
+    pub(crate) fn bytes(&self) -> u64 {
+        ((self.words.len() + self.room) * size_of::<u32>()) as u64
+    }
+
     /// Returns the buffer that holds the list.
     pub(crate) fn buffer_info(&self) -> BufferInfo {
-        let size = size_of_val(self.words.as_slice()) as u64;
-        BufferInfo { name: "copies", size, location: MemoryLocation::GpuOnly }
+        BufferInfo { name: "copies", size: self.bytes(), location: MemoryLocation::GpuOnly }
     }
 }
 
@@ -168,6 +185,11 @@ impl Copies {
         }
     }
 
+    /// Returns the list.
+    pub(crate) fn list(&self) -> &CopyList {
+        &self.list
+    }
+
     /// Returns the buffer and what it has to hold before the first exchange.
     pub(crate) fn contents(&self) -> (vk::Buffer, &[u8]) {
         (self.buffer.buffer, bytemuck::cast_slice(&self.list.words))
@@ -184,6 +206,12 @@ impl Copies {
     pub(crate) fn push_to_share(&self) -> share_curvature::Push {
         let [parts, members, groups, copy_texels] = self.counts();
         share_curvature::Push { parts, members, groups, copy_texels }
+    }
+
+    /// Returns the push constants of an exchange on all maps of a batch.
+    pub(crate) fn push_of_batch(&self) -> pairwise_exchange::Push {
+        let [parts, members, groups, copy_texels] = self.counts();
+        pairwise_exchange::Push { parts, members, groups, copy_texels }
     }
 
     fn counts(&self) -> [i32; 4] {

@@ -3,6 +3,7 @@
 mod anchored;
 mod bounds;
 mod closed;
+mod closed_pairwise;
 #[path = "../common/mod.rs"]
 mod common;
 mod embed;

@@ -28,7 +28,7 @@ fn sources(surface: &Surface, count: usize) -> Vec<Option<usize>> {
 }
 
 /// Computes the rows of some sources. Asserts that they have converged or used all iterations.
-fn solve(
+pub fn solve(
     pairwise: &mut PairwiseOnDevice,
     (solver, uploaded, points): (&HeadlessSolver, &SurfaceOnDevice, usize),
     sources: &[Option<usize>],
@@ -60,7 +60,7 @@ fn rows_on_cpu(surface: &Surface, wavefront: Wavefront, sources: &[Option<usize>
 }
 
 /// Compares a device's rows with those of the CPU, map by map. A row without a source has no distances.
-fn assert_rows_agree(
+pub fn assert_rows_agree(
     surface: &Surface,
     wavefront: Wavefront,
     sources: &[Option<usize>],
@@ -151,24 +151,36 @@ fn every_iteration_of_the_shaders_is_one_of_their_twin() {
         (steep(37, 21), "some obtuse"),
     ];
     for (surface, what) in surfaces {
-        let (chart, edges) = (surface.chart(), EdgeLengths::<f32>::new(&surface).unwrap());
-        let points = chart.points();
-        let sources: Vec<_> = sources(&surface, 7).into_iter().filter(Option::is_some).collect();
-        let uploaded = solver.upload(&surface).unwrap();
-        for wavefront in Wavefront::FOR_ANY_SURFACE {
-            for schedule in PairwiseSchedule::ALL {
-                let mut pairwise = solver.pairwise(&uploaded, wavefront, Some(schedule)).unwrap();
-                for stop in [Stop::after(1), Stop::after(2), Stop::after(5), CONVERGED] {
-                    let rows = solve(&mut pairwise, (&solver, &uploaded, points), &sources, stop);
-                    for (source, row) in sources.iter().flatten().zip(rows.chunks_exact(points)) {
-                        let (r, c) = chart.position(*source);
-                        let seeds = [Seed::at_source(r, c, 0.0)];
-                        let twin = twins::scan_outward(&edges, &seeds, wavefront, stop).distances();
-                        let difference = difference(&twin, row);
-                        let what = format!("{what}, {wavefront}, {schedule}, {source}, {stop:?}");
-                        assert!(difference < TWINS, "{what}: {difference}");
-                    }
-                }
+        let sources: Vec<_> = sources(&surface, 7).into_iter().flatten().collect();
+        for schedule in PairwiseSchedule::ALL {
+            assert_twins(&solver, &surface, &sources, schedule, what);
+        }
+    }
+}
+
+/// Compares maps in images or in shared memory with the twin, after some iterations and converged.
+pub fn assert_twins(
+    solver: &HeadlessSolver,
+    surface: &Surface,
+    sources: &[usize],
+    schedule: PairwiseSchedule,
+    what: &str,
+) {
+    let (chart, edges) = (surface.chart(), EdgeLengths::<f32>::new(surface).unwrap());
+    let of_device: Vec<_> = sources.iter().copied().map(Some).collect();
+    let uploaded = solver.upload(surface).unwrap();
+    for wavefront in Wavefront::FOR_ANY_SURFACE {
+        let mut pairwise = solver.pairwise(&uploaded, wavefront, Some(schedule)).unwrap();
+        for stop in [Stop::after(1), Stop::after(2), Stop::after(5), CONVERGED] {
+            let device = (solver, &uploaded, chart.points());
+            let rows = solve(&mut pairwise, device, &of_device, stop);
+            for (source, row) in sources.iter().zip(rows.chunks_exact(chart.points())) {
+                let (r, c) = chart.position(*source);
+                let seeds = [Seed::at_source(r, c, 0.0)];
+                let twin = twins::scan_outward(&edges, &seeds, wavefront, stop).distances();
+                let difference = difference(&twin, row);
+                let what = format!("{what}, {wavefront}, {schedule}, {source}, {stop:?}");
+                assert!(difference < TWINS, "{what}: {difference}");
             }
         }
     }

@@ -217,6 +217,7 @@ passes! {
         PAIRWISE_SCAN_UP: pairwise_scan, Scans Up;
         PAIRWISE_SCAN_RIGHT: pairwise_scan, Scans Right;
         PAIRWISE_SCAN_LEFT: pairwise_scan, Scans Left;
+        PAIRWISE_EXCHANGE: pairwise_exchange;
         PAIRWISE_COUNT: pairwise_count;
         CEILING_COPY: ceiling_copy;
         CEILING_UPDATES: ceiling_updates;

@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 use ash::vk;
+use glam::DVec3;
 use gpu_allocator::MemoryLocation;
 
 use super::context::Context;
@@ -174,6 +175,31 @@ fn copies_in_frames_can_be_listed_in_any_order() {
             map
         });
     assert!(found.iter().all(|distance| (0.0..3.2).contains(distance)), "{found:?}");
+    assert!(found == reversed && found == scattered);
+}
+
+/// An exchange has a workgroup for each map.
+#[test]
+fn maps_of_a_batch_exchange_their_fronts_in_any_order() {
+    let [points, _] = globe();
+    let points =
+        points.chunks_exact(3).map(|at| DVec3::new(at[0].into(), at[1].into(), at[2].into()));
+    let ball = Surface::from_positions(CHART.rows, CHART.cols, points.collect()).unwrap();
+    let ball = ball.with_gluing(Gluing::globe()).unwrap();
+    let sources = [Some(7), Some(300), None, Some(500), Some(CHART.points() - 1)];
+    let list_orders = [GroupOrder::AsFound, GroupOrder::Reversed, GroupOrder::Scattered];
+    let [found, reversed, scattered] = [0, 1, 2].map(|k| {
+        let solver = solver(ORDERS[k], |old| Tuning { scan_width: 16, ..old });
+        copies::tests::ORDER.set(list_orders[k]);
+        let on_device = solver.upload(&ball).unwrap();
+        copies::tests::ORDER.set(GroupOrder::AsFound);
+        let mut pairwise = solver.pairwise(&on_device, Wavefront::Curved, None).unwrap();
+        let mut rows = vec![0.0; sources.len() * CHART.points()];
+        let stop = Stop::within(1e-6).or_after(1000);
+        pairwise.solve(&solver, &on_device, &sources, stop, &mut rows).unwrap();
+        rows
+    });
+    assert!(found[..CHART.points()].iter().all(|distance| (0.0..3.2).contains(distance)));
     assert!(found == reversed && found == scattered);
 }
 

@@ -126,6 +126,8 @@ pub(super) struct BatchLayout {
     pub(super) maps: u32,
     /// Bytes of each of the two images of a batch; 0 if it has none.
     pub(super) image: u64,
+    /// Bytes of the list of copies of points; 0 if the surface is not glued.
+    pub(super) copies: u64,
 }
 
 /// Largest number of bytes of a batch's distances, and of its images. Estimated, not measured: a thousand
@@ -169,7 +171,7 @@ impl BatchLayout {
         };
         let maps = maps.clamp(1, MOST_MAPS) as u32;
         let image = if workgroup.is_some() { 0 } else { 16 * layers * texels * u64::from(maps) };
-        Some(Self { chart, wavefront, workgroup, maps, image })
+        Some(Self { chart, wavefront, workgroup, maps, image, copies: 0 })
     }
 
     pub(super) fn schedule(&self) -> PairwiseSchedule {
@@ -211,6 +213,7 @@ impl BatchLayout {
             + self.kept()
             + self.distances()
             + 3 * progress::bytes(self.maps)
+            + self.copies
     }
 }
 

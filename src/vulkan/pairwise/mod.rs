@@ -31,7 +31,6 @@ use super::schedules::plan::{Portions, Reached};
 use super::{
     HeadlessSolver, Schedule, SurfaceOnDevice, TexelChart, Tuning, VulkanError, schedules,
 };
-use crate::surface::{GluingError, SurfaceError};
 use crate::update::{Setting, Wavefront};
 use crate::{Convergence, Stop};
 use layout::{BatchLayout, BatchLimits};
@@ -73,12 +72,11 @@ impl HeadlessSolver {
     /// Allocates resources for the maps of many sources of a surface. A batch has as many maps as suit the
     /// device and the grid. Curved fronts replace anchored ones. If the slowness is not the same everywhere,
     /// they replace circular ones too. `schedule` is for measurements. By default maps lie in shared memory
-    /// where they fit. If the slowness is not the same everywhere, or the surface has obtuse triangles, they
-    /// lie in images, whatever `schedule` is.
+    /// where they fit. If the slowness is not the same everywhere, or the surface is glued or has obtuse triangles,
+    /// they lie in images, whatever `schedule` is.
     ///
     /// # Errors
-    /// If the surface is glued, a batch does not fit the device's memory, or shared memory was requested and a map
-    /// does not fit it.
+    /// If a batch does not fit the device's memory, or shared memory was requested and a map does not fit it.
     ///
     /// # Panics
     /// If another solver has uploaded the surface.
@@ -90,10 +88,6 @@ impl HeadlessSolver {
     ) -> Result<PairwiseOnDevice, VulkanError> {
         let (context, grid) = (&self.context, &surface.images);
         assert!(Arc::ptr_eq(context, &surface.context), "a surface of another solver");
-        if grid.copies.is_some() {
-            let (what, instead) = ("a matrix on Vulkan", "let the CPU compute it");
-            return Err(SurfaceError::from(GluingError::Unsupported { what, instead }).into());
-        }
         let (chart, texels) = (grid.chart, grid.texels);
         let slowed = surface.slowed;
         let wavefront = match wavefront.or_curved(Setting::of_engine(false)) {
@@ -101,7 +95,7 @@ impl HeadlessSolver {
             wavefront => wavefront,
         };
         // Updates in shared memory read nothing but a point's neighbours and the lengths between them.
-        let schedule = match slowed || surface.splits {
+        let schedule = match slowed || surface.splits || grid.copies.is_some() {
             true => Some(PairwiseSchedule::Images),
             false => schedule,
         };
@@ -121,6 +115,8 @@ impl HeadlessSolver {
             let available = limits.shared_memory;
             return Err(VulkanError::NotInSharedMemory { rows, cols, device, available });
         };
+        let list = grid.copies.as_ref().map(|copies| copies.list().of_batch(layout.maps));
+        let layout = BatchLayout { copies: list.map_or(0, |list| list.bytes()), ..layout };
         let available = self.for_device.limits.heap;
         if layout.bytes() > available || layout.distances() > limits.buffer {
             let (needed, available) = (layout.bytes() >> 20, available.min(limits.buffer) >> 20);
@@ -140,15 +136,11 @@ impl HeadlessSolver {
         let flight = Flight::new(context)?;
         let SurfaceOnDevice { slowed, splits, .. } = *surface;
         let variant = Variant { slowed, splits, ..wavefront.into() };
-        let passes =
-            BatchPipelines::new(&context.device, &self.for_device.pipelines, &layout, variant)?;
-        let resources = Resources::new(
-            &context.device,
-            &mut context.allocator(),
-            &self.for_device.pipelines,
-            grid,
-            &layout,
-        )?;
+        let pipelines = &self.for_device.pipelines;
+        let is_glued = grid.copies.is_some();
+        let passes = BatchPipelines::new(&context.device, pipelines, &layout, variant, is_glued)?;
+        let resources =
+            Resources::new(&context.device, &mut context.allocator(), pipelines, grid, &layout)?;
         let mut new = PairwiseOnDevice {
             context: Arc::clone(context),
             edges: grid.edges.image,
@@ -323,7 +315,7 @@ impl PairwiseOnDevice {
         let schedule = self.schedule();
         let bring = self.resources.is_staged().then_some(half);
         let scans = self.scans(tuning, Some(reached), stop.iterations);
-        let mut steps = steps::first(schedule, scans, bring);
+        let mut steps = steps::first(schedule, scans, bring, self.is_glued());
         let mut gone = Vec::new();
         if submitter.is_watching() {
             gone = MapProgress::read(sources.len(), self.resources.write_staging());
@@ -367,7 +359,14 @@ impl PairwiseOnDevice {
         // They also keep a device at work without pairs of scans.
         let portions = tuning.portions(self.wavefront, self.texels);
         let portions = Portions { across: 0, pairs: false, ..portions };
+        if self.is_glued() {
+            return plan::with_exchanges(Schedule::Raster.plan(self.texels, portions, None, most));
+        }
         Schedule::Raster.plan(self.texels, portions, reached, most)
+    }
+
+    fn is_glued(&self) -> bool {
+        self.resources.copies.is_some()
     }
 
     /// Records commands for `maps` maps and submits them. The last ones have been waited for.
@@ -401,9 +400,9 @@ struct Rows<'a> {
     half: usize,
 }
 
-/// Largest number of passes in a submission beside scans and counts: copies, the first texels, and iterations
-/// in shared memory.
-const PASSES_AROUND: u32 = 5;
+/// Largest number of passes in a submission beside scans and counts: copies, the first texels, their exchange,
+/// and iterations in shared memory.
+const PASSES_AROUND: u32 = 6;
 
 impl Drop for PairwiseOnDevice {
     fn drop(&mut self) {
@@ -418,7 +417,7 @@ impl Drop for PairwiseOnDevice {
 mod tests {
     use super::layout::Workgroup;
     use super::*;
-    use crate::surface::{Spacing, Surface};
+    use crate::surface::{Gluing, Spacing, Surface};
     use crate::vulkan::DeviceChoice;
     use crate::vulkan::device::barrier::tests::{number as barrier_number, without};
     use crate::vulkan::device::barrier::{Access, PASS};
@@ -431,7 +430,17 @@ mod tests {
     }
 
     fn hill() -> Surface {
-        let heights = (0..20 * 30).map(|i| f64::from(i % 7 + i / 90).sin()).collect();
+        heights(|i| i)
+    }
+
+    /// Returns the hill with its first column again in place of the last one, glued there.
+    fn closed_hill() -> Surface {
+        heights(|i| i / 30 * 30 + i % 30 % 29).with_gluing(Gluing::columns()).unwrap()
+    }
+
+    /// Returns a surface whose points have the heights of the points `of` on the hill.
+    fn heights(of: fn(u32) -> u32) -> Surface {
+        let heights = (0..20 * 30).map(of).map(|i| f64::from(i % 7 + i / 90).sin()).collect();
         Surface::from_heights(20, 30, heights, Spacing::square(1.0)).unwrap()
     }
 
@@ -553,17 +562,21 @@ mod tests {
 
     #[test]
     fn all_barriers_in_place_leave_no_message_to_the_end() {
-        let (surface, solver) = (hill(), solver());
+        let solver = solver();
         let log = solver.validation_log().unwrap().clone();
-        let on_device = solver.upload(&surface).unwrap();
-        for wavefront in Wavefront::FOR_ANY_SURFACE {
-            for schedule in PairwiseSchedule::ALL {
-                let mut pairwise = solver.pairwise(&on_device, wavefront, Some(schedule)).unwrap();
-                pairwise.solve(&solver, &on_device, &SOURCES, STOP, &mut [0.0; 3 * 600]).unwrap();
-                pairwise.solve(&solver, &on_device, &SOURCES[..1], STOP, &mut [0.0; 600]).unwrap();
+        for surface in [hill(), closed_hill()] {
+            let on_device = solver.upload(&surface).unwrap();
+            for wavefront in Wavefront::FOR_ANY_SURFACE {
+                for schedule in PairwiseSchedule::ALL {
+                    let mut pairwise =
+                        solver.pairwise(&on_device, wavefront, Some(schedule)).unwrap();
+                    let mut rows = [0.0; 3 * 600];
+                    pairwise.solve(&solver, &on_device, &SOURCES, STOP, &mut rows).unwrap();
+                    let row = &mut rows[..600];
+                    pairwise.solve(&solver, &on_device, &SOURCES[..1], STOP, row).unwrap();
+                }
             }
         }
-        drop(on_device);
         drop(solver);
         assert_eq!(log.messages(), Vec::<String>::new());
     }

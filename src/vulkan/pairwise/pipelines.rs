@@ -3,12 +3,13 @@
 use super::layout::{BatchLayout, Workgroup};
 use crate::vulkan::VulkanError;
 use crate::vulkan::device::passes::{
-    KnownSize, MapSize, PAIRWISE_COUNT, PAIRWISE_FANS, PAIRWISE_SCANS, PAIRWISE_SHARED,
-    PAIRWISE_START, Variant,
+    KnownSize, MapSize, PAIRWISE_COUNT, PAIRWISE_EXCHANGE, PAIRWISE_FANS, PAIRWISE_SCANS,
+    PAIRWISE_SHARED, PAIRWISE_START, Variant,
 };
 use crate::vulkan::device::pipelines::{InUse, Pipeline, Pipelines};
 use crate::vulkan::device::shaders::{
-    pairwise_count, pairwise_fans, pairwise_scan, pairwise_shared, pairwise_start,
+    pairwise_count, pairwise_exchange, pairwise_fans, pairwise_scan, pairwise_shared,
+    pairwise_start,
 };
 
 /// Pipelines of a batch, which depend on the memory that holds its maps.
@@ -26,16 +27,19 @@ pub(super) enum BatchPipelines {
         /// Pipelines of the scans, in the order of an iteration.
         scans: [Pipeline<pairwise_scan::Push>; 4],
         count: Pipeline<pairwise_count::Push>,
+        /// Pipeline that exchanges fronts between copies of points, if the surface is glued.
+        exchange: Option<Pipeline<pairwise_exchange::Push>>,
     },
 }
 
 impl BatchPipelines {
-    /// Makes the pipelines that do not exist yet.
+    /// Makes the pipelines that do not exist yet, with that of exchanges if the surface `is_glued`.
     pub(super) fn new(
         device: &ash::Device,
         pipelines: &Pipelines,
         layout: &BatchLayout,
         variant: Variant,
+        is_glued: bool,
     ) -> Result<Self, VulkanError> {
         let wavefront = layout.wavefront;
         if let Some(workgroup) = layout.workgroup {
@@ -56,6 +60,10 @@ impl BatchPipelines {
             start: pipelines.make(device, PAIRWISE_START, wavefront)?,
             scans: [scan(down)?, scan(up)?, scan(right)?, scan(left)?],
             count: pipelines.make(device, PAIRWISE_COUNT, wavefront)?,
+            exchange: match is_glued {
+                true => Some(pipelines.make(device, PAIRWISE_EXCHANGE, wavefront)?),
+                false => None,
+            },
         })
     }
 }

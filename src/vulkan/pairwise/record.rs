@@ -12,13 +12,15 @@ use super::resources::Resources;
 use super::steps::Step;
 use crate::constants::WORKGROUP;
 use crate::vulkan::TexelChart;
-use crate::vulkan::device::barrier::{NOTHING, PASS, SHADER, SHADER_WRITE};
+use crate::vulkan::copies::Copies;
+use crate::vulkan::device::barrier::{CLEAR, NOTHING, PASS, SHADER, SHADER_WRITE};
 use crate::vulkan::device::descriptors::Sets;
 use crate::vulkan::device::memory::Buffer;
 use crate::vulkan::device::passes::UNPACK;
 use crate::vulkan::device::pipelines::Pipeline;
 use crate::vulkan::device::shaders::{
-    pairwise_count, pairwise_fans, pairwise_scan, pairwise_shared, pairwise_start, unpack,
+    pairwise_count, pairwise_exchange, pairwise_fans, pairwise_scan, pairwise_shared,
+    pairwise_start, unpack,
 };
 use crate::vulkan::profile::{PassKind, PassRecord, Presence, Scope, StepCounter, Work};
 use crate::vulkan::record::{Commands, Groups};
@@ -54,6 +56,10 @@ impl BatchRecorder<'_> {
         for image in &self.resources.fronts {
             self.image_barrier(image.image, NOTHING, SHADER, layouts);
         }
+        if let Some(copies) = &self.resources.copies {
+            self.write_copies(copies);
+            self.barrier(CLEAR, PASS);
+        }
         let &SharedMemory { fans, .. } = self.passes else { return };
         self.bind(fans, self.sets(0));
         let [cols, rows] = self.grid();
@@ -79,7 +85,9 @@ impl BatchRecorder<'_> {
     pub(super) fn steps(&self, steps: &[Step]) {
         let mut open = None;
         let has_two_layers = self.layout.wavefront.has_two_layers();
-        let mut counter = StepCounter::new(self.texels, self.pipelines.tuning, has_two_layers);
+        let exchanged = self.resources.copies.as_ref().map(Copies::bytes_moved);
+        let counter = StepCounter::new(self.texels, self.pipelines.tuning, has_two_layers);
+        let mut counter = counter.exchanging(exchanged);
         // A recording that does not begin a batch continues one.
         if steps.first() != Some(&Step::Begin) {
             self.barrier(PASS, PASS);
@@ -99,6 +107,7 @@ impl BatchRecorder<'_> {
                     let push = pairwise_start::Push { grid: self.signed_grid() };
                     self.run(*start, &push, self.start_groups());
                 }
+                (Step::ExchangeSources, Images { exchange, .. }) => self.exchange(*exchange, 0),
                 (Step::Workgroups, SharedMemory { maps, .. }) => {
                     let workgroup = self.layout.workgroup.expect("maps lie in shared memory");
                     let push = pairwise_shared::Push {
@@ -110,6 +119,9 @@ impl BatchRecorder<'_> {
                 }
                 (Step::Raster(plan::Step::Scan(pass)), Images { scans, .. }) => {
                     self.scan(scans[pass.scan as usize], pass);
+                }
+                (&Step::Raster(plan::Step::Exchange { image, .. }), Images { exchange, .. }) => {
+                    self.exchange(*exchange, image)
                 }
                 (Step::Raster(plan::Step::Count), Images { count, .. }) => {
                     let push = pairwise_count::Push { count: self.maps };
@@ -127,7 +139,7 @@ impl BatchRecorder<'_> {
                 (Step::Report, _) => {
                     self.copy_progress(self.resources.progress(), self.resources.outcome())
                 }
-                (Step::Start | Step::Workgroups | Step::Raster(_), _) => {
+                (Step::Start | Step::ExchangeSources | Step::Workgroups | Step::Raster(_), _) => {
                     unreachable!("{step:?} is of another schedule")
                 }
             }
@@ -154,6 +166,10 @@ impl BatchRecorder<'_> {
                 let written = 2 * 16 * texels * u64::from(numbers(self.layout.wavefront));
                 let work = Work::of_bytes(0, written);
                 PassRecord { work, ..dispatched(PassKind::Seed, self.start_groups()) }
+            }
+            Step::ExchangeSources => {
+                let (record, _) = counter.exchange(None);
+                PassRecord { work: record.work, ..dispatched(PassKind::Seed, [1, 1, self.maps]) }
             }
             Step::Workgroups => PassRecord {
                 iteration: Some(0),
@@ -210,6 +226,14 @@ impl BatchRecorder<'_> {
         };
         self.bind(scan, self.sets(pass.writes));
         self.dispatch(scan, &block, groups);
+    }
+
+    /// Records an exchange between copies of points in one of the images, for each map.
+    fn exchange(&self, exchange: Option<Pipeline<pairwise_exchange::Push>>, image: usize) {
+        let copies = self.resources.copies.as_ref().zip(exchange);
+        let (copies, exchange) = copies.expect("only glued surfaces have exchanges");
+        self.bind(exchange, copies.sets(image));
+        self.dispatch(exchange, &copies.push_of_batch(), Groups::These([1, 1, self.maps]));
     }
 
     fn unpack(&self) {

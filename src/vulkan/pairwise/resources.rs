@@ -7,7 +7,8 @@ use gpu_allocator::MemoryLocation;
 use super::layout::BatchLayout;
 use super::progress;
 use crate::vulkan::VulkanError;
-use crate::vulkan::device::descriptors::{Contents, GridSets};
+use crate::vulkan::copies::Copies;
+use crate::vulkan::device::descriptors::{Contents, GridContents, GridSets};
 use crate::vulkan::device::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo};
 use crate::vulkan::device::pipelines::Pipelines;
 use crate::vulkan::device::staging::Staging;
@@ -22,6 +23,8 @@ pub(super) struct Resources {
     /// Buffer in the host's memory for the distances of two batches, if the device has memory of its own.
     staging: Option<Staging>,
     pub(super) sets: GridSets,
+    /// Copies of the points of a glued surface.
+    pub(super) copies: Option<Copies>,
 }
 
 /// Buffers, in their order.
@@ -103,6 +106,17 @@ impl Resources {
             distances: self.distances(),
         };
         self.sets = GridSets::new(device, pipelines, contents)?;
+        if let (Some(of_grid), Some(fronts)) = (&grid.copies, self.fronts.first_chunk::<2>()) {
+            let of_batch = GridContents {
+                sets: &self.sets,
+                edges: &grid.edges,
+                gaussian: &grid.gaussian,
+                fronts: fronts.each_ref(),
+                progress: self.progress(),
+            };
+            let list = of_grid.list().of_batch(layout.maps);
+            self.copies = Some(Copies::new(device, allocator, pipelines, list, of_batch)?);
+        }
         Ok(())
     }
 
@@ -161,10 +175,12 @@ impl Resources {
         self.fronts.iter().map(Image::bytes).sum::<u64>()
             + self.buffers.iter().map(Buffer::bytes).sum::<u64>()
             + self.staging.as_ref().map_or(0, Staging::bytes)
+            + self.copies.as_ref().map_or(0, Copies::bytes)
     }
 
     /// Frees everything. No submitted work may still use it.
     pub(super) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
+        self.copies.iter_mut().for_each(|copies| copies.destroy(device, allocator));
         self.sets.destroy(device);
         self.fronts.iter_mut().for_each(|image| image.destroy(device, allocator));
         self.buffers.iter_mut().for_each(|buffer| buffer.destroy(device, allocator));

@@ -11,6 +11,8 @@ pub(super) enum Step {
     Begin,
     /// Fills both images, so that no point but the sources is reached.
     Start,
+    /// Gives all copies of each source its front.
+    ExchangeSources,
     /// Runs iterations of all maps in shared memory.
     Workgroups,
     /// Runs a step of the raster schedule over all maps.
@@ -37,7 +39,7 @@ impl Step {
     pub(super) fn ends(&self) -> (Access, Access) {
         match self {
             Self::Begin => (CLEAR, PASS),
-            Self::Start | Self::Raster(_) => (PASS, PASS),
+            Self::Start | Self::ExchangeSources | Self::Raster(_) => (PASS, PASS),
             Self::Workgroups | Self::Unpack => (SHADER_WRITE, HOST_READ),
             Self::Report | Self::Bring(_) => (CLEAR, HOST_READ),
         }
@@ -45,14 +47,17 @@ impl Step {
 }
 
 /// Returns the steps that start a batch and iterate it. `scans` are those of the raster schedule, for maps in
-/// images. `bring` is the half to which distances are copied, if they are.
+/// images. `bring` is the half to which distances are copied, if they are. On a glued surface, `exchanges` is set.
 pub(super) fn first(
     schedule: PairwiseSchedule,
     scans: Vec<plan::Step>,
     bring: Option<usize>,
+    exchanges: bool,
 ) -> Vec<Step> {
     let start = (schedule == PairwiseSchedule::Images).then_some(Step::Start);
-    [Step::Begin].into_iter().chain(start).chain(further(schedule, scans, bring)).collect()
+    let exchange = exchanges.then_some(Step::ExchangeSources);
+    let before = [Step::Begin].into_iter().chain(start).chain(exchange);
+    before.chain(further(schedule, scans, bring)).collect()
 }
 
 /// Returns the steps that continue maps that are not done. Maps in shared memory write their distances at the

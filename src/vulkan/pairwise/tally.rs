@@ -35,14 +35,18 @@ impl Tally<'_> {
                     pass.work = pass.work.of_maps(present as u64, maps);
                 }
                 (PassKind::Workgroups, _) => pass.work = self.in_shared_memory(before, after),
-                (PassKind::Scan(_) | PassKind::Count | PassKind::Iteration, Some(number)) => {
+                (
+                    PassKind::Scan(_) | PassKind::Exchange | PassKind::Count | PassKind::Iteration,
+                    Some(number),
+                ) => {
                     let goes_on = |map: &&MapProgress| map.iterations > number;
                     let count = after.iter().filter(goes_on).count() as u64;
                     pass.work = pass.work.of_maps(count, maps);
-                    if count == 0 && pass.kind != PassKind::Count {
+                    let is_indirect = matches!(pass.kind, PassKind::Scan(_) | PassKind::Iteration);
+                    if count == 0 && is_indirect {
                         pass.groups = Some([0, 1, 1]);
                     }
-                    if !matches!(pass.kind, PassKind::Scan(_)) {
+                    if matches!(pass.kind, PassKind::Count | PassKind::Iteration) {
                         pass.work = pass.work.and(of_ends(number, after));
                     }
                 }

@@ -1,10 +1,10 @@
 //! Records the exchange of fronts between the copies of points of a glued surface, and what else they share.
 
-use super::commands::Groups;
+use super::commands::{Commands, Groups};
 use super::recorder::Recorder;
 use crate::update::Wavefront;
 use crate::vulkan::Schedule;
-use crate::vulkan::copies::NO_ROUND;
+use crate::vulkan::copies::{Copies, NO_ROUND};
 use crate::vulkan::device::barrier::{CLEAR, PASS, SHADER, SHADER_WRITE};
 use crate::vulkan::device::passes::{EXCHANGE, SHARE_CURVATURE, Variant};
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
@@ -12,17 +12,18 @@ use crate::vulkan::profile::{PassKind, PassRecord, Work};
 /// Largest number of bytes that one update of a buffer writes.
 const MOST_BYTES: usize = 65_536;
 
-impl Recorder<'_> {
-    /// Writes the list of copies, if the surface is glued. A barrier after clears must follow.
-    pub(super) fn write_copies(&self) {
-        let Some(copies) = &self.grid.copies else { return };
+impl Commands<'_> {
+    /// Writes a list of copies. A barrier after clears must follow.
+    pub(in crate::vulkan) fn write_copies(&self, copies: &Copies) {
         let (buffer, bytes) = copies.contents();
         self.barrier(SHADER, CLEAR);
         for (part, number) in bytes.chunks(MOST_BYTES).zip(0..) {
             self.update(buffer, number * MOST_BYTES as u64, part);
         }
     }
+}
 
+impl Recorder<'_> {
     /// Gives all copies of each point the earliest front among them, if the surface is glued. The fronts lie in
     /// `image`. If tiles follow, `next_round` is the number of the next round, and each tile says in which
     /// image its fronts lie. The pipeline must have been made for `variant`.

@@ -34,7 +34,9 @@ impl Recorder<'_> {
         // either belongs to no point.
         self.clear(grid.gaussian.image, 0, if grid.is_slowed() { 1.0 } else { 0.0 });
         self.clear_fronts();
-        self.write_copies();
+        if let Some(copies) = &self.grid.copies {
+            self.write_copies(copies);
+        }
         self.barrier(CLEAR, SHADER);
     }
 
