@@ -9,6 +9,7 @@ mod closed;
 mod closed_directions;
 mod closed_regions;
 mod closed_sources;
+mod closed_steep;
 #[path = "../common/mod.rs"]
 mod common;
 mod contours;
