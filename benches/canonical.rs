@@ -18,8 +18,8 @@ fn canonical(c: &mut Criterion) {
             let mut group = c.benchmark_group(format!("{builtin}/{}", side * side));
             group.sample_size(10);
             let full = FormOptions::default();
-            let start = FormOptions { iterations: 0, ..FormOptions::default() };
-            let plain = FormOptions { extrapolate: false, ..FormOptions::default() };
+            let start = FormOptions::default().with_iterations(0);
+            let plain = FormOptions::default().with_extrapolation(false);
             for (name, options) in
                 [("classical scaling", start), ("plain SMACOF", plain), ("SMACOF", full)]
             {

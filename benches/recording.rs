@@ -167,7 +167,7 @@ fn curves(
         });
     }
     for paths in [1u32, 1000] {
-        let info = PathsInfo { paths, vertices: 3 * side as u32 };
+        let info = PathsInfo::new(paths, 3 * side as u32);
         let made = solver.paths(&device, host.allocator(), surface, info);
         let mut made = made.expect("there is memory");
         let starts = spread(paths, side);

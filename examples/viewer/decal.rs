@@ -3,7 +3,7 @@
 
 use clap::ValueEnum;
 use geosweep::vulkan::embed::{
-    Access, FrameSurface, LogMap, LogMapFrame, Reader, Solver, SourceInput,
+    Access, FrameSurface, LogMapFrame, LogMapImage, Reader, Solver, SourceInput,
 };
 
 use crate::Result;
@@ -43,7 +43,7 @@ pub struct Look {
 pub struct Decal {
     pub look: Look,
     /// Log map, created when it is first shown.
-    log_map: Option<LogMap>,
+    log_map: Option<LogMapImage>,
     /// Whether the log map is not that of the map and the radius.
     outdated: bool,
 }

@@ -16,7 +16,7 @@ const LEVELS: usize = 200;
 /// Number of vertices of all contours.
 const CONTOUR_ROOM: u32 = 400_000;
 /// Room for the path, which may have many bends.
-const PATH: PathsInfo = PathsInfo { paths: 1, vertices: 4096 };
+const PATH: PathsInfo = PathsInfo::new(1, 4096);
 
 pub struct Lines {
     /// Start of the path; at no place at first.

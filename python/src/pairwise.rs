@@ -69,7 +69,8 @@ pub fn canonical<'py>(
     let values: Vec<f32> = matrix.as_array().iter().copied().collect();
     let form = work::detached(py, || {
         let (distances, kept) = Distances::of_largest_piece(points, values)?;
-        let options = FormOptions { dimensions, iterations, ..FormOptions::default() };
+        let options =
+            FormOptions::default().with_dimensions(dimensions).with_iterations(iterations);
         canonical_form(&distances, &options).map(|form| (form, kept))
     })?;
     let (form, kept) = form.map_err(errors::value)?;

@@ -22,7 +22,7 @@ use crate::vulkan::embed::{self, Recording};
 /// increasing rows. Frames in flight on one queue share it.
 pub struct GeosweepLogMap {
     pub(super) shared: Arc<Shared>,
-    log_map: embed::LogMap,
+    log_map: embed::LogMapImage,
 }
 
 /// Sources of the log map, and the commands that read the image.

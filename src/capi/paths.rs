@@ -66,7 +66,7 @@ pub unsafe extern "C" fn geosweep_paths_bytes_for(
         // SAFETY: the caller's promise.
         let (solver, output) = unsafe { (object(solver, "solver")?, Output::new(bytes, "bytes")?) };
         let Shared { solver, device, .. } = &**solver.shared();
-        output.write(solver.bytes_for_paths(device, PathsInfo { paths: path_count, vertices })?);
+        output.write(solver.bytes_for_paths(device, PathsInfo::new(path_count, vertices))?);
         Ok(())
     })
 }
@@ -87,7 +87,7 @@ pub unsafe extern "C" fn geosweep_paths_create(
         let (surface, output) =
             unsafe { (object(surface, "surface")?, Output::new(paths, "paths")?) };
         let GeosweepSurface { shared, surface, .. } = surface;
-        let info = PathsInfo { paths: path_count, vertices };
+        let info = PathsInfo::new(path_count, vertices);
         let mut allocator = shared.allocator();
         let paths = shared.solver.paths(&shared.device, &mut allocator, surface, info)?;
         hand_out(output, GeosweepPaths { shared: Arc::clone(shared), paths });
@@ -105,7 +105,7 @@ pub unsafe extern "C" fn geosweep_paths_buffer_bytes(
     guard(|| {
         // SAFETY: the caller's promise.
         let output = unsafe { Output::new(bytes, "bytes") }?;
-        output.write(embed::Paths::buffer_bytes(embed::PathsInfo { paths: count, vertices }));
+        output.write(embed::Paths::buffer_bytes(embed::PathsInfo::new(count, vertices)));
         Ok(())
     })
 }
@@ -126,7 +126,7 @@ pub unsafe extern "C" fn geosweep_paths_create_into(
         // SAFETY: the caller's promise.
         let (surface, output) =
             unsafe { (object(surface, "surface")?, Output::new(paths, "paths")?) };
-        let info = embed::PathsInfo { paths: count, vertices };
+        let info = embed::PathsInfo::new(count, vertices);
         let GeosweepSurface { shared, surface, .. } = surface;
         let mut allocator = shared.allocator();
         let (solver, device) = (&shared.solver, &shared.device);

@@ -25,7 +25,7 @@ use crate::session::{Session, all_wrong, frame, method, ok, surface_info, wrong,
 const CHART: Chart = Chart { rows: 120, cols: 160 };
 const SPACING: f64 = 0.5;
 const ROOM: u32 = 6000;
-const PATHS: PathsInfo = PathsInfo { paths: 4, vertices: 400 };
+const PATHS: PathsInfo = PathsInfo::new(4, 400);
 
 /// Returns a saddle with a hole. Single precision holds its heights exactly.
 fn heights() -> Vec<f32> {

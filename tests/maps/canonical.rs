@@ -30,7 +30,7 @@ fn scattered(count: usize) -> Vec<f64> {
 }
 
 fn options(dimensions: usize) -> FormOptions {
-    FormOptions { dimensions, ..FormOptions::default() }
+    FormOptions::default().with_dimensions(dimensions)
 }
 
 #[test]
@@ -55,7 +55,8 @@ fn points_of_space_come_back_from_far_away() {
     let start = disturbed.map(|(a, b)| a + 0.6 * (b - 0.5)).collect();
     for extrapolate in [false, true] {
         let start = Start::Form(Vec::clone(&start));
-        let options = FormOptions { start, extrapolate, tolerance: 0.0, ..options(3) };
+        let options =
+            options(3).with_start(start).with_extrapolation(extrapolate).with_tolerance(0.0);
         let form = canonical_form(&distances, &options).unwrap();
         assert!(form.stresses[0] > 1e-3 * f64::from(150 * 149 / 2));
         assert!(form.stress_1() < 2e-6, "{}", form.stress_1());
@@ -109,7 +110,7 @@ fn stress_agrees_with_scikit_learns() {
         };
         let start = Start::Form((0..points * dimensions).map(coordinate).collect());
         let plain =
-            FormOptions { start, extrapolate: false, tolerance: 0.0, ..options(dimensions) };
+            options(dimensions).with_start(start).with_extrapolation(false).with_tolerance(0.0);
         let form = canonical_form(&distances, &plain).unwrap();
         for (iteration, expected) in [0, 1, 2, 10].into_iter().zip(expected) {
             let found = form.stresses[iteration];
@@ -118,7 +119,7 @@ fn stress_agrees_with_scikit_learns() {
         approx::assert_relative_eq!(form.raw_stress(), expected[4], max_relative = 1e-3);
 
         // The accelerated iteration from the same start ends in an equally low minimum.
-        let fast = FormOptions { extrapolate: true, ..plain };
+        let fast = plain.with_extrapolation(true);
         let form = canonical_form(&distances, &fast).unwrap();
         assert!(form.raw_stress() < 1.001 * expected[4], "{dimensions}: {}", form.raw_stress());
     }
@@ -129,7 +130,7 @@ fn stress_never_rises_and_extrapolation_takes_fewer_iterations() {
     let distances = sphere();
     for dimensions in [2, 3] {
         let form = |extrapolate| {
-            let options = FormOptions { extrapolate, tolerance: 1e-7, ..options(dimensions) };
+            let options = options(dimensions).with_extrapolation(extrapolate).with_tolerance(1e-7);
             canonical_form(&distances, &options).unwrap()
         };
         let (plain, fast) = (form(false), form(true));
@@ -155,7 +156,7 @@ fn form_of(surface: &Surface) -> Vec<f64> {
     let options = Options::default().with_wavefront(Wavefront::Curved);
     let (matrix, _) = Pairwise::new(surface, &options).unwrap().matrix(|_| ()).unwrap();
     let distances = Distances::new(surface.chart().points(), matrix).unwrap();
-    let options = FormOptions { tolerance: 1e-7, ..FormOptions::default() };
+    let options = FormOptions::default().with_tolerance(1e-7);
     canonical_form(&distances, &options).unwrap().coordinates
 }
 
@@ -255,10 +256,10 @@ fn options_out_of_range_are_refused() {
     assert_eq!(refused(options(4)), few);
     assert!(refused(options(0)).to_string().contains("at least one dimension"));
     for tolerance in [-0.1, 1.0, f64::NAN] {
-        let error = refused(FormOptions { tolerance, ..options(2) });
+        let error = refused(options(2).with_tolerance(tolerance));
         assert!(error.to_string().contains("not in the range"), "{error}");
     }
-    let start = |start: Vec<f64>| FormOptions { start: Start::Form(start), ..options(2) };
+    let start = |start: Vec<f64>| options(2).with_start(Start::Form(start));
     let size = CanonicalError::StartSize { found: 7, points: 4, dimensions: 2 };
     assert_eq!(refused(start(vec![0.0; 7])), size);
     let mut coordinates = vec![0.0; 8];

@@ -63,7 +63,7 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
     let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
     let allocator = host.allocator();
     let mut contours = solver.contours(&device, allocator, &surface, 1000).unwrap();
-    let info = PathsInfo { paths: 3, vertices: 600 };
+    let info = PathsInfo::new(3, 600);
     let mut paths = solver.paths(&device, allocator, &surface, info).unwrap();
     let regions = solver.regions(&device, allocator, &surface, Wavefront::Curved);
     let mut regions = regions.unwrap();

@@ -22,7 +22,7 @@
 //! let options = Options::default().with_wavefront(Wavefront::Circular);
 //! let (matrix, _) = Pairwise::new(&cylinder, &options)?.matrix(|_| ())?;
 //! let distances = Distances::new(13 * 17, matrix)?;
-//! let form = canonical_form(&distances, &FormOptions { dimensions: 2, ..FormOptions::default() })?;
+//! let form = canonical_form(&distances, &FormOptions::default().with_dimensions(2))?;
 //!
 //! let (width, height) = (1.5 * std::f64::consts::PI, 3.0);
 //! let flat: Vec<f64> = (0..13)

@@ -17,6 +17,7 @@ const ROUNDING: f64 = 1e-13;
 
 /// The options of a canonical form.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FormOptions {
     /// The number of coordinates of a point, K.
     pub dimensions: usize,
@@ -42,6 +43,33 @@ impl Default for FormOptions {
             start: Start::Classical,
             extrapolate: true,
         }
+    }
+}
+
+impl FormOptions {
+    /// Sets [`FormOptions::dimensions`].
+    pub fn with_dimensions(self, dimensions: usize) -> Self {
+        Self { dimensions, ..self }
+    }
+
+    /// Sets [`FormOptions::tolerance`].
+    pub fn with_tolerance(self, tolerance: f64) -> Self {
+        Self { tolerance, ..self }
+    }
+
+    /// Sets [`FormOptions::iterations`].
+    pub fn with_iterations(self, iterations: usize) -> Self {
+        Self { iterations, ..self }
+    }
+
+    /// Sets [`FormOptions::start`].
+    pub fn with_start(self, start: Start) -> Self {
+        Self { start, ..self }
+    }
+
+    /// Sets [`FormOptions::extrapolate`].
+    pub fn with_extrapolation(self, extrapolate: bool) -> Self {
+        Self { extrapolate, ..self }
     }
 }
 

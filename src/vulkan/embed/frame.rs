@@ -122,7 +122,7 @@ impl Solver {
     /// Returns the largest number of profile records that [`Recording::frame`] makes for a surface, or
     /// [`Recording::resume`] with the same plan. A [`crate::vulkan::profile::Profile`] needs room for that
     /// many. Other calls add to it: [`super::Contours::passes`], [`super::Paths::passes`],
-    /// [`super::Regions::passes`], [`super::Directions::passes`], [`super::LogMap::passes`], and one record for
+    /// [`super::Regions::passes`], [`super::Directions::passes`], [`super::LogMapImage::passes`], and one record for
     /// each lookup.
     pub fn passes_of_frame(&self, surface: &FrameSurface, plan: &Plan, grain: Grain) -> u32 {
         surface.passes_around() + plan.records(grain)

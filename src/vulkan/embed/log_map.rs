@@ -56,10 +56,10 @@ use crate::vulkan::profile::PassKind;
 /// # Ok(()) }
 /// ```
 ///
-/// Dropping a value of this type frees nothing. The host calls [`LogMap::destroy`], before or after it
+/// Dropping a value of this type frees nothing. The host calls [`LogMapImage::destroy`], before or after it
 /// destroys the surface.
 #[derive(Debug)]
-pub struct LogMap {
+pub struct LogMapImage {
     image: WayImage,
     chart: Chart,
     /// Passes that find the sources beside points, begin the ways, take their first step, and follow them.
@@ -128,7 +128,7 @@ const KIND: WayKind = WayKind {
     words_before: 2,
 };
 
-impl LogMap {
+impl LogMapImage {
     fn new(
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
@@ -151,7 +151,7 @@ impl LogMap {
     }
 }
 
-on_way_image!(LogMap);
+on_way_image!(LogMapImage);
 
 impl Solver {
     /// Returns the number of bytes that a log map takes from the allocator's memory blocks on this device. No
@@ -169,7 +169,7 @@ impl Solver {
 
     /// Creates a log map of a surface, for maps with any wavefront. The memory takes 40 bytes per grid point,
     /// 8 of them for the image. This is the only call that allocates for log maps. The first call for a
-    /// solver also creates the pipelines. The host calls [`LogMap::destroy`] in the end.
+    /// solver also creates the pipelines. The host calls [`LogMapImage::destroy`] in the end.
     ///
     /// # Errors
     /// If the buffer is larger than shaders can access, or memory runs out. Nothing is left behind then.
@@ -178,14 +178,14 @@ impl Solver {
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
         surface: &FrameSurface,
-    ) -> Result<LogMap, VulkanError> {
-        LogMap::new(device, allocator, (self, surface), None)
+    ) -> Result<LogMapImage, VulkanError> {
+        LogMapImage::new(device, allocator, (self, surface), None)
     }
 
     /// Creates a log map as [`Solver::log_map`] does, but in an image of the host. The image is 2D, of format
     /// R32G32_SFLOAT, with at least N x M texels (width x height), one sample and one mip level. Its usage is
     /// `TRANSFER_DST` and whatever its readers need. [`HostImage`] says how long it must live; each frame may
-    /// use another one ([`LogMap::set_image`]).
+    /// use another one ([`LogMapImage::set_image`]).
     ///
     /// # Errors
     /// As for [`Solver::log_map`], or if a handle is null.
@@ -195,8 +195,8 @@ impl Solver {
         allocator: &mut dyn DeviceMemory,
         surface: &FrameSurface,
         image: HostImage,
-    ) -> Result<LogMap, VulkanError> {
-        LogMap::new(device, allocator, (self, surface), Some(image))
+    ) -> Result<LogMapImage, VulkanError> {
+        LogMapImage::new(device, allocator, (self, surface), Some(image))
     }
 }
 
@@ -226,10 +226,10 @@ impl Recording<'_> {
     /// # Errors
     /// If the radius is not positive, the log map was destroyed or made for another surface, there is no map,
     /// the sources are too many or do not fit the surface, or they were replaced since the last
-    /// [`LogMap::rebind`].
+    /// [`LogMapImage::rebind`].
     pub fn log_map(
         &self,
-        log_map: &LogMap,
+        log_map: &LogMapImage,
         frame: &LogMapFrame,
     ) -> Result<ResultImage, VulkanError> {
         let LogMapFrame { before, sources, reader, radius, unreached } = *frame;

@@ -86,7 +86,7 @@ pub use curves::{CurveBuffer, CurveRecord, CurveStatus, CurveVertex};
 pub use directions::{DirectionFrame, Directions};
 pub use frame::Frame;
 pub use inputs::{Lookup, PointMemory, PointSource, Points, SourceBuffer, SourceInput};
-pub use log_map::{LogMap, LogMapFrame};
+pub use log_map::{LogMapFrame, LogMapImage};
 pub use outputs::HostImage;
 pub use paths::{PathFrame, Paths, PathsInfo, StartInput};
 pub use plan::Plan;

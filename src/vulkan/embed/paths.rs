@@ -33,7 +33,7 @@ use crate::vulkan::record::dispatched;
 /// #     commands: vk::CommandBuffer,
 /// # ) -> Result<(), VulkanError> {
 /// // Once: room for two paths.
-/// let info = PathsInfo { paths: 2, vertices: 1000 };
+/// let info = PathsInfo::new(2, 1000);
 /// let mut paths = solver.paths(device, allocator, surface, info)?;
 ///
 /// // Every frame, after the map:
@@ -66,12 +66,20 @@ pub struct Paths {
 
 /// Room for paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct PathsInfo {
     /// Largest number of paths at once, at most 65 535.
     pub paths: u32,
     /// Largest number of vertices of each path. A straight path has one vertex at each grid line that it
     /// crosses, so that M + N + 8 are enough on a surface without obstacles.
     pub vertices: u32,
+}
+
+impl PathsInfo {
+    /// Returns room for `paths` paths of up to `vertices` vertices each.
+    pub const fn new(paths: u32, vertices: u32) -> Self {
+        Self { paths, vertices }
+    }
 }
 
 /// Starts of paths. Each is a row and a column, two floats. A start that is off the grid or NaN has no path.

@@ -246,7 +246,7 @@ impl Solver {
     /// be alive whenever this solver creates pipelines: in [`Solver::with_cache`] and [`Solver::add_passes`],
     /// with the first surface that has a slowness or a small grid ([`Tuning::small_grid`]), and with the first
     /// [`super::Contours`], [`super::Paths`], [`super::Regions`] (of each wavefront), [`super::Directions`] and
-    /// [`super::LogMap`]. Pipelines do not
+    /// [`super::LogMapImage`]. Pipelines do not
     /// need it once they are created. This solver uses the cache from one thread at a time. For other uses at
     /// the same time, the rules of `vkCreateComputePipelines` apply.
     pub fn set_pipeline_cache(&self, cache: vk::PipelineCache) {

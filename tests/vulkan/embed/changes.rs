@@ -225,7 +225,7 @@ fn curves_and_regions_follow_points_and_sources() {
     let (solver, surface) = (&stage.solver, &stage.surface);
     let allocator = stage.host.allocator();
     let mut contours = solver.contours(&device, allocator, surface, 4000).unwrap();
-    let room = PathsInfo { paths: 1, vertices: 200 };
+    let room = PathsInfo::new(1, 200);
     let mut paths = solver.paths(&device, allocator, surface, room).unwrap();
     let mut regions = solver.regions(&device, allocator, surface, Wavefront::Curved).unwrap();
     let to = [(); 2].map(|()| stage.host.buffer(1 << 17, true));

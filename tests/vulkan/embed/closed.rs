@@ -343,7 +343,7 @@ fn what_does_not_fit_is_refused() {
         let refused = recording.frame(&Frame::new(&open, start, Reader::COPY).with_points(0));
         assert!(refused.unwrap_err().to_string().contains("Plan::over_seams"));
     });
-    let paths = PathsInfo { paths: 1, vertices: 100 };
+    let paths = PathsInfo::new(1, 100);
     let Stage { host, solver, surface, .. } = &mut stage;
     let allocator = host.allocator();
     let refused = [

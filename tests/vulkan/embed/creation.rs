@@ -161,7 +161,7 @@ fn a_second_solver_makes_nothing_that_the_cache_does_not_hold() {
         let allocator = host.allocator();
         let mut surface = solver.surface(&device, allocator, &info).unwrap();
         let mut contours = solver.contours(&device, allocator, &surface, 100).unwrap();
-        let paths = PathsInfo { paths: 1, vertices: 10 };
+        let paths = PathsInfo::new(1, 10);
         let mut paths = solver.paths(&device, allocator, &surface, paths).unwrap();
         let mut regions = solver.regions(&device, allocator, &surface, Wavefront::Curved).unwrap();
         contours.destroy(&device, allocator);

@@ -151,7 +151,7 @@ fn calls_that_fail_are_errors_and_leave_nothing_behind() {
         c"vkCreateComputePipelines",
     ] {
         let failing = host.device_with(|name| (name == call).then_some(lost as _));
-        let room = PathsInfo { paths: 3, vertices: 40 };
+        let room = PathsInfo::new(3, 40);
         let allocator = host.allocator();
         let errors = [
             solver.contours(&failing, allocator, &surface, 100).unwrap_err(),

@@ -186,7 +186,7 @@ fn every_recording_is_followed_with_checks() {
     let mut solver =
         embed::Solver::with_tools(&instance, physical, &device, passes, tools).unwrap();
     let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
-    let room = PathsInfo { paths: 1, vertices: 50 };
+    let room = PathsInfo::new(1, 50);
     let mut contours = solver.contours(&device, host.allocator(), &surface, 100).unwrap();
     let mut paths = solver.paths(&device, host.allocator(), &surface, room).unwrap();
     let curved = Wavefront::Curved;

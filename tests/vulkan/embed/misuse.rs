@@ -144,7 +144,7 @@ fn missing_and_other_maps_are_not_read() {
     let (solver, surface) = (&stage.solver, &stage.surface);
     let allocator = stage.host.allocator();
     let mut contours = solver.contours(&device, allocator, surface, 100).unwrap();
-    let room = PathsInfo { paths: 1, vertices: 50 };
+    let room = PathsInfo::new(1, 50);
     let mut paths = solver.paths(&device, allocator, surface, room).unwrap();
     let mut regions = solver.regions(&device, allocator, surface, Wavefront::Curved).unwrap();
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 4);
@@ -233,7 +233,7 @@ fn ranges_beyond_a_buffer_are_refused() {
     beyond(surface(&none.with_lookups(&[lookup])), "distances");
 
     let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 2);
-    let room = PathsInfo { paths: 10_000, vertices: 2 };
+    let room = PathsInfo::new(10_000, 2);
     let allocator = stage.host.allocator();
     let mut paths = stage.solver.paths(&device, allocator, &stage.surface, room).unwrap();
     let sources = source(3.0, 4.0);

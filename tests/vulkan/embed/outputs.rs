@@ -246,7 +246,7 @@ fn curves_and_labels_go_to_buffers_of_the_hosts() {
     let info = SurfaceInfo::new(CHART).with_points(&inputs);
     let mut stage = Stage::new(host, &RASTER[2..], &info);
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 12);
-    let room = PathsInfo { paths: 2, vertices: 200 };
+    let room = PathsInfo::new(2, 200);
     let bytes =
         [Contours::buffer_bytes(3000), Paths::buffer_bytes(room), Regions::buffer_bytes(CHART)];
     let [first, second] = [(); 2].map(|()| bytes.map(|bytes| stage.host.buffer(bytes, false)));

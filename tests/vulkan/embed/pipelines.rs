@@ -90,7 +90,7 @@ fn pipelines_are_made_once_and_by_the_hosts_cache() {
         let contours = solver.contours(&device, allocator, &surface, 100).unwrap();
         // The count includes the pipeline that lifts them.
         assert_eq!(made(), first(3 + 1));
-        let info = PathsInfo { paths: 1, vertices: 10 };
+        let info = PathsInfo::new(1, 10);
         let paths = solver.paths(&device, allocator, &surface, info).unwrap();
         assert_eq!(made(), first(2));
         let regions = solver.regions(&device, allocator, &surface, Wavefront::Curved).unwrap();

@@ -20,7 +20,7 @@ fn a_host_can_size_its_queries_for_contours_and_paths() {
     let (solver, surface) = (&renderer.solver, &renderer.surface);
     let allocator = renderer.host.allocator();
     let mut contours = solver.contours(&device, allocator, surface, 4000).unwrap();
-    let info = PathsInfo { paths: 3, vertices: 700 };
+    let info = PathsInfo::new(3, 700);
     let mut paths = solver.paths(&device, allocator, surface, info).unwrap();
 
     let (profile, pool) = renderer.profile_with(contours.passes() + paths.passes());

@@ -161,12 +161,10 @@ pub fn run(args: &Args) -> Outcome {
 
 impl Args {
     fn form(&self, distances: &Distances) -> Result<CanonicalForm, Box<dyn Error>> {
-        let options = FormOptions {
-            dimensions: self.dimensions,
-            tolerance: self.tolerance,
-            iterations: self.iterations,
-            ..FormOptions::default()
-        };
+        let options = FormOptions::default()
+            .with_dimensions(self.dimensions)
+            .with_tolerance(self.tolerance)
+            .with_iterations(self.iterations);
         let bar = progress(self.iterations);
         let form = canonical_form_with(distances, &options, |step| {
             bar.set_message(format!("stress {:.4e}", step.stress));

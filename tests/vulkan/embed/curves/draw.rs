@@ -83,7 +83,7 @@ fn draw(reader: Access) -> Drawn {
     let (solver, surface) = (&stage.solver, &stage.surface);
     let allocator = stage.host.allocator.as_mut().unwrap();
     let mut contours = solver.contours(&device, allocator, surface, 4000).unwrap();
-    let info = PathsInfo { paths: 2, vertices: 200 };
+    let info = PathsInfo::new(2, 200);
     let mut paths = solver.paths(&device, allocator, surface, info).unwrap();
 
     let host = &stage.host;

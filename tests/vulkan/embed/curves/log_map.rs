@@ -9,13 +9,13 @@ use super::Scene;
 use super::directions::on_cpu;
 use crate::embed::stage::Kept;
 
-fn read(scene: &mut Scene, log_map: &embed::LogMap, frame: &LogMapFrame) -> Vec<[f32; 2]> {
+fn read(scene: &mut Scene, log_map: &embed::LogMapImage, frame: &LogMapFrame) -> Vec<[f32; 2]> {
     let bytes = scene.copy_of(8, |recording| recording.log_map(log_map, frame).unwrap());
     let float = |bytes: &[u8]| f32::from_ne_bytes(bytes.try_into().unwrap());
     bytes.chunks_exact(8).map(|of| [float(&of[..4]), float(&of[4..])]).collect()
 }
 
-fn new_log_map(scene: &mut Scene) -> embed::LogMap {
+fn new_log_map(scene: &mut Scene) -> embed::LogMapImage {
     let stage = &mut scene.stage;
     let device = stage.host.device.clone();
     let new = stage.solver.log_map(&device, stage.host.allocator(), &stage.surface).unwrap();
@@ -24,7 +24,7 @@ fn new_log_map(scene: &mut Scene) -> embed::LogMap {
     new
 }
 
-fn end(mut scene: Scene, mut log_map: embed::LogMap) {
+fn end(mut scene: Scene, mut log_map: embed::LogMapImage) {
     let device = scene.stage.host.device.clone();
     log_map.destroy(&device, scene.stage.host.allocator());
     log_map.destroy(&device, scene.stage.host.allocator());

@@ -69,7 +69,7 @@ fn compare(
     let chart = surface.chart();
     let mut scene = Scene::new(Kept::watched_but_for_shaders(), surface, sources);
     let room = 8 * (chart.rows + chart.cols) as u32;
-    let paths = new_paths(&mut scene, PathsInfo { paths: PATHS as u32, vertices: room });
+    let paths = new_paths(&mut scene, PathsInfo::new(PATHS as u32, room));
     let starts = starts(chart.rows, chart.cols, PATHS);
     let (inline, given) = (StartInput::Inline(&starts), SourceInput::Inline(sources));
     let (records, all) = read(&mut scene, &paths, inline, given);
@@ -167,7 +167,7 @@ fn paths_on_the_sphere_are_great_circles() {
     let surface = Builtin::Sphere.surface(129, 129).unwrap();
     let source = PointSource::at(38.0, 51.0);
     let mut scene = Scene::new(Kept::watched_but_for_shaders(), &surface, &[source]);
-    let paths = new_paths(&mut scene, PathsInfo { paths: 200, vertices: 300 });
+    let paths = new_paths(&mut scene, PathsInfo::new(200, 300));
     let starts = starts(129, 129, 200);
     let sources = SourceInput::Inline(&[source]);
     let (records, all) = read(&mut scene, &paths, StartInput::Inline(&starts), sources);
@@ -194,11 +194,9 @@ fn impossible_paths_give_a_reason() {
     let surface = surface.with_mask(&mask).unwrap();
     let source = PointSource::at(2.0, 1.5);
     let mut scene = Scene::new(Kept::watched(), &surface, &[source]);
-    let paths = new_paths(&mut scene, PathsInfo { paths: 12, vertices: 9 });
-    let stated = scene
-        .stage
-        .solver
-        .bytes_for_paths(&scene.stage.host.device, PathsInfo { paths: 12, vertices: 9 });
+    let paths = new_paths(&mut scene, PathsInfo::new(12, 9));
+    let stated =
+        scene.stage.solver.bytes_for_paths(&scene.stage.host.device, PathsInfo::new(12, 9));
     assert_eq!(stated.unwrap(), paths.bytes());
     use CurveStatus::*;
     let expected = [
@@ -251,7 +249,7 @@ fn paths_that_make_no_sense_are_errors_before_anything_is_recorded() {
     // When the host is dropped, it reports objects that were left behind.
     let mut scene = Scene::new(Host::new(), &surface, &[source]);
     let other = Scene::new(Kept::watched(), &surface, &[source]);
-    let paths = new_paths(&mut scene, PathsInfo { paths: 2, vertices: 30 });
+    let paths = new_paths(&mut scene, PathsInfo::new(2, 30));
     let attempt = |scene: &Scene, frame: &PathFrame| {
         let stage = &scene.stage;
         stage.host.run(|commands| {
@@ -287,7 +285,7 @@ fn paths_that_make_no_sense_are_errors_before_anything_is_recorded() {
         (9, 1, "too few"),
         (60_000, 60_000, "bytes"),
     ] {
-        let info = PathsInfo { paths, vertices };
+        let info = PathsInfo::new(paths, vertices);
         let made = stage.solver.paths(&device, stage.host.allocator(), &stage.surface, info);
         let error = made.unwrap_err().to_string();
         assert!(error.starts_with("no paths: ") && error.contains(reason), "{error}");
@@ -316,7 +314,7 @@ fn every_path_falls_to_a_source() {
             .map(|index| chart.position(index))
             .map(|(row, col)| [row as f32, col as f32])
             .collect();
-        let info = PathsInfo { paths: starts.len() as u32, vertices: 300 };
+        let info = PathsInfo::new(starts.len() as u32, 300);
         let paths = new_paths(&mut scene, info);
         let inline = SourceInput::Inline(&sources);
         let (records, _) = read(&mut scene, &paths, StartInput::Inline(&starts), inline);
@@ -347,7 +345,7 @@ fn paths_cross_a_pole() {
     let surface = Surface::from_positions(rows, cols, points.collect()).unwrap();
     let sources = [PointSource::at(6.0, 0.0)];
     let mut scene = Scene::new(Kept::watched(), &surface, &sources);
-    let paths = new_paths(&mut scene, PathsInfo { paths: 2, vertices: 60 });
+    let paths = new_paths(&mut scene, PathsInfo::new(2, 60));
     let starts = StartInput::Inline(&[[7.0, 13.0], [7.5, 10.25]]);
     let (records, _) = read(&mut scene, &paths, starts, SourceInput::Inline(&sources));
     for (record, exact) in records.iter().zip([1.3, 1.35]) {

@@ -142,7 +142,7 @@ impl Study {
         let options = Options::default().with_wavefront(Wavefront::Curved);
         let (matrix, _) = Pairwise::new(&surface, &options)?.matrix(|_| ())?;
         let (distances, kept) = Distances::of_largest_piece(all.len(), matrix)?;
-        let options = FormOptions { tolerance: 1e-6, ..FormOptions::default() };
+        let options = FormOptions::default().with_tolerance(1e-6);
         let form = canonical_form(&distances, &options)?;
         let fixed = onto.unwrap_or(&positions);
         let fixed: Vec<f64> = kept.iter().flat_map(|&index| fixed[index].to_array()).collect();
