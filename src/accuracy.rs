@@ -19,9 +19,9 @@ pub struct Errors {
     pub mean_relative: f64,
     /// Root of the mean of (error / distance)^2. The source itself is left out.
     pub rms_relative: f64,
-    /// Largest |error| / distance.
+    /// Largest |error| / distance. Points at distance 0 are left out.
     pub max_relative: f64,
-    /// Largest |error| divided by the largest exact distance.
+    /// Largest |error| divided by the largest exact distance, or the largest |error| if that distance is 0.
     pub max_of_largest: f64,
     /// Number of points that only one of the two maps reaches.
     pub reached_by_one: usize,

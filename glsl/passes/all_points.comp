@@ -125,8 +125,8 @@ void main() {
             vec4 own = CARRIES ? at_step(surface_around, ivec2(0)) : vec4(0.0);
             vec4 own_slowness = SLOWED != 0 ? at_step(slowness_around, ivec2(0)) : vec4(0.0);
             fronts = update_four(sight, own, own_slowness, base_left, base_right, four);
-            bvec4 left = are_split(sight.ends[0], sight.ends[1], own_slowness, sight.edges[0], sight.edges[1], base_left);
-            bvec4 right = are_split(sight.ends[1], sight.ends[2], own_slowness, sight.edges[1], sight.edges[2], base_right);
+            bvec4 left = are_obtuse_at_x0(sight.ends[0], sight.ends[1], own_slowness, sight.edges[0], sight.edges[1], base_left);
+            bvec4 right = are_obtuse_at_x0(sight.ends[1], sight.ends[2], own_slowness, sight.edges[1], sight.edges[2], base_right);
             add_parts(four, left, right, fronts);
         }
         accept(fronts, uint(scan) + 1u, may_renew, time, carried);

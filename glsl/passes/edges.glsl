@@ -7,13 +7,13 @@
 //     Point load(ivec2 at)                              the point of the band's buffer
 // and defines
 //     float separation(ivec2 at, ivec2 step)            distance to a neighbour, without slowness
-//     void look_at_turns(ivec2 at)                      measures how far the surface turns at a point
+//     void measure_turns(ivec2 at)                      measures how far the surface turns at a point
 
 #include "update/tag.glsl"
 #include "shared/progress.glsl"
 
 float separation(ivec2 at, ivec2 step);
-void look_at_turns(ivec2 at);
+void measure_turns(ivec2 at);
 
 layout(set = 0, binding = 0, rgba32f) uniform writeonly restrict image2D edges;
 layout(set = 0, binding = 1, rgba32f) uniform writeonly restrict image2D gaussians;
@@ -63,7 +63,7 @@ void main() {
         for (int i = 0; i < 4; i++) {
             lengths[i] = edge_length(at, STORED[i]);
         }
-        look_at_turns(at);
+        measure_turns(at);
     }
     imageStore(edges, point_at(at), lengths);
     // The slowness of all points of a texel is written by the invocation of its first point.

@@ -31,7 +31,7 @@ float step_length(vec3 metric, ivec2 step) {
 
 #include "passes/edges.glsl"
 
-void look_at_turns(ivec2 at) {} // not known: a metric has no normals
+void measure_turns(ivec2 at) {} // a metric has no normals that could turn
 
 // Returns the mean of the lengths at both ends, weighted by their slowness. Multiplied by the mean slowness,
 // it gives the mean of the products of slowness and length. The host may have given these products alone.

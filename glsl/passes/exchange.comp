@@ -69,7 +69,7 @@ bool renews_fronts() {
     return renews != 0u;
 }
 
-int room_of(int part) {
+int slot_of(int part) {
     return part;
 }
 

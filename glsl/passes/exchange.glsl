@@ -1,6 +1,6 @@
-// Gives all copies of a point the earliest front among them, on one map.
+// Offers to each copy of a point the earliest front of all copies, on one map.
 //
-// A workgroup is one map, since its invocations wait for each other: all fronts are read before any is
+// Each workgroup handles one map, since its invocations wait for each other: all fronts are read before any is
 // written. First, each invocation finds the earliest front of some parts of groups. A pole has many copies, so
 // that its group has many parts. Then each invocation writes some texels. Copies of several points may lie in
 // one texel.
@@ -12,7 +12,7 @@
 //     void load(ivec2 texel, out vec4 time, out vec4 held)
 //     void store(ivec2 texel, vec4 time, vec4 held)     the fronts of a texel
 //     bool renews_fronts()                              whether fronts are renewed
-//     int room_of(int part)                             number of the place for the earliest front of a part
+//     int slot_of(int part)                             number of the place for the earliest front of a part
 //     void note_changes(ivec2 texel, vec4 time_before, vec4 held_before, vec4 time, vec4 held)
 //                                                       records that fronts of a texel have changed
 
@@ -32,8 +32,8 @@ void gather(int part) {
         if (times[i] >= FAR || scan_of(carried[i]) == uint(EXCHANGED)) continue;
         take_first(times[i], carried[i], found, time, held);
     }
-    copies[earliest_at(room_of(part))] = floatBitsToUint(time);
-    copies[earliest_at(room_of(part)) + 1] = floatBitsToUint(held);
+    copies[earliest_at(slot_of(part))] = floatBitsToUint(time);
+    copies[earliest_at(slot_of(part)) + 1] = floatBitsToUint(held);
 }
 
 // Returns the earliest front of a group; its time is FAR if there is none.
@@ -42,8 +42,8 @@ vec2 earliest_of(int group) {
     vec2 front = vec2(FAR, 0.0);
     uint end = copies[first_group() + group + 1];
     for (uint part = copies[first_group() + group]; part < end; part++) {
-        float time = uintBitsToFloat(copies[earliest_at(room_of(int(part)))]);
-        float held = uintBitsToFloat(copies[earliest_at(room_of(int(part))) + 1]);
+        float time = uintBitsToFloat(copies[earliest_at(slot_of(int(part)))]);
+        float held = uintBitsToFloat(copies[earliest_at(slot_of(int(part))) + 1]);
         if (time < FAR) take_first(time, held, found, front.x, front.y);
     }
     return front;

@@ -1,4 +1,5 @@
-// Converts the points of a glued grid, with points beyond the sides where the grid goes on. Include after
+// Writes the points of a glued grid as the passes of edges read them, and adds points beyond sides where the grid goes
+// on. Include after
 // points.glsl.
 //
 // All copies of a point take the values of the first, and are holes if any of them is.
@@ -6,8 +7,7 @@
 
 #include "shared/lattice.glsl"
 
-// The list is in the place of an output, since passes have no other buffer left. It is written by
-// src/vulkan/copies.rs.
+// The list is bound in place of an output buffer, which this pass does not need. src/vulkan/copies.rs writes it.
 layout(set = 1, binding = 1) readonly restrict buffer CopiesByRow {
     // The number of groups. Then for each row its first copy, and the number of copies at the end. Then for each
     // copy its column, and for each the number of its group. Then for each group its first member, and their

@@ -88,8 +88,8 @@ int follow(ivec2 at, float start, out vec2 last) {
         path.place = line.end;
         path.from = line.cell;
         float next = time_at(line.end.first);
-        path.below = line.time + (path.moment - next);
-        path.moment = next;
+        path.below = line.time + (path.base_time - next);
+        path.base_time = next;
         passed[0] = passed[1];
         passed[1] = passed[2];
         passed[2] = position(line.end);

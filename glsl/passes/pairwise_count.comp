@@ -19,7 +19,7 @@ void main() {
     if (map >= count || maps[map].done != 0u) return;
     uint residual = maps[map].residual;
     maps[map].last_residual = residual;
-    if (was_last(residual, tolerance, most, maps[map].iterations, maps[map].since_reached,
+    if (count_iteration(residual, tolerance, most, maps[map].iterations, maps[map].since_reached,
                  maps[map].renews)) {
         maps[map].done = 1u;
         bool was_last_map = atomicAdd(pending, ~0u) == 1u;

@@ -45,7 +45,7 @@ bool renews_fronts() {
     return maps[map()].renews != 0u;
 }
 
-int room_of(int part) {
+int slot_of(int part) {
     return int(map()) * parts + part;
 }
 

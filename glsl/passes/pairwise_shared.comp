@@ -189,7 +189,7 @@ void main() {
         barrier();
         last_residual = (iterations & 1u) == 0u ? atomicOr(maps[map].residual, 0u)
                                                 : atomicOr(maps[map].next_residual, 0u);
-        is_done = was_last(last_residual, tolerance, most, iterations, since_reached, renews);
+        is_done = count_iteration(last_residual, tolerance, most, iterations, since_reached, renews);
         if (is_done) break;
     }
 

@@ -14,7 +14,7 @@ struct Line {
     bool exists;
     int source;   // source at its end; -1 if it ends elsewhere
     Place end;
-    float time;   // time at its end, relative to the moment from which times of a step count
+    float time;   // time at its end, relative to the base_time from which times of a step count
     float size;
     ivec2 cell;
 };
@@ -49,7 +49,7 @@ bool weights_inside(Place place, Cell cell, out vec4 weights) {
 
 // Returns whether the time falls along a line by at least LEAST_FALL of its length.
 bool falls(Line line, Path path) {
-    float slack = ROUNDING * abs(path.moment + path.below);
+    float slack = ROUNDING * abs(path.base_time + path.below);
     return path.below - line.time >= LEAST_FALL * line.size - slack;
 }
 
@@ -64,7 +64,7 @@ void offer(Place end, float time, float size, Path path, ivec2 cell) {
 
 // Looks for a better line through a cell.
 void cross_cell(Cell cell, vec4 weights, Path path) {
-    float moment = path.moment;
+    float base_time = path.base_time;
     vec4 squares = squares_from(cell, weights);
     bvec4 reached = reached_corners(cell);
     int support = 0;
@@ -89,7 +89,7 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
             && (is_beside || !is_flat)) {
             vec4 times = vec4(time_at(point - step), cell.times[a], cell.times[b],
                               time_at(point + 2 * step));
-            Profile profile = profile_of(times, path.start, cell.unit, base);
+            Profile profile = profile_of(times, path.zero_time, cell.unit, base);
             float foot = clamp(0.5 + 0.5 * (ends.x - ends.y) / base, 0.0, 1.0);
             Crossing found = is_beside ? crossing_at(profile, ends, base, foot)
                                        : crossing(profile, ends, base);
@@ -97,12 +97,12 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
             float away = found.share > 0.5 ? 1.0 - found.share : found.share;
             // A line that passes a point closely ends there, unless the point is reached later than the start
             // of the line.
-            if (away == 0.0 || (away < AT_POINT && cell.times[end] - moment < path.below)) {
+            if (away == 0.0 || (away < AT_POINT && cell.times[end] - base_time < path.below)) {
                 Place there = Place(cell.first + to_corner(end), vec2(0.0));
                 float size = cell.unit * sqrt(max(squares[end], 0.0));
-                offer(there, cell.times[end] - moment, size, path, cell.first);
+                offer(there, cell.times[end] - base_time, size, path, cell.first);
             } else {
-                float time = cell.times[a] - moment + cell.unit * found.time;
+                float time = cell.times[a] - base_time + cell.unit * found.time;
                 Place there = Place(point, found.share * vec2(step));
                 offer(there, time, cell.unit * found.distance, path, cell.first);
             }
@@ -115,7 +115,7 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
             if (reached[end] && along && squares[end] < 0.5 * NO_EDGE) {
                 Place there = Place(cell.first + to_corner(end), vec2(0.0));
                 float size = cell.unit * sqrt(max(squares[end], 0.0));
-                offer(there, cell.times[end] - moment, size, path, cell.first);
+                offer(there, cell.times[end] - base_time, size, path, cell.first);
             }
         }
     }
@@ -123,13 +123,13 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
 
 // Replaces the nearest source by another one, if that lies in the cell and its front arrives earlier at a
 // place in the cell, over a straight line.
-void try_source(int number, Cell cell, vec4 weights, float moment, inout Line nearest) {
+void try_source(int number, Cell cell, vec4 weights, float base_time, inout Line nearest) {
     Source other = source(number);
     vec2 uv = place_of(other) - vec2(cell.first);
     bool inside = all(greaterThanEqual(uv, vec2(0.0))) && all(lessThanEqual(uv, vec2(1.0)));
     vec4 there;
     if (!inside || !counts(other) || !corner_weights(reached_corners(cell), uv, there)) return;
-    float time = other.time - moment;
+    float time = other.time - base_time;
     float size = cell.unit * distance_of(cell, weights, there);
     if (!nearest.exists || time + size < nearest.time + nearest.size) {
         nearest = Line(true, number, Place(cell.first, uv), time, size, ivec2(-2));
@@ -137,7 +137,7 @@ void try_source(int number, Cell cell, vec4 weights, float moment, inout Line ne
 }
 
 // Finds the source in a cell from which the front arrives first at a place in the cell, over a straight line.
-void find_source(Cell cell, vec4 weights, float moment, inout Line nearest);
+void find_source(Cell cell, vec4 weights, float base_time, inout Line nearest);
 
 // Returns the straight line across a cell on which the front arrives first, among those that end lower than
 // the place of the path. The cell beside the one from which the path comes is tried first.
@@ -156,8 +156,8 @@ Line line_from(Path path) {
         if (cells == 1) weights_inside(place, cell, weights);
         cross_cell(cell, weights, path);
         // A source in the cell is near, and so its time is not much earlier.
-        if (!is_known || path.moment + path.below - path.latest <= 4.0 * cell.unit) {
-            find_source(cell, weights, path.moment, nearest);
+        if (!is_known || path.base_time + path.below - path.latest <= 4.0 * cell.unit) {
+            find_source(cell, weights, path.base_time, nearest);
         }
         bool fits =
             best.exists && is_known && best.time + best.size <= path.below + FITS * best.size;

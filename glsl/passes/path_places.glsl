@@ -17,17 +17,17 @@ struct Path {
     int source;
     float time;
     float size;
-    // The state: the place, and the arrival time there, relative to `moment`.
+    // The state: the place, and the arrival time there less `base_time`, which keeps the digits of small differences.
     Place place;
     float below;
-    float moment;
+    float base_time;
     float lowest;   // earliest time of the grid points passed
     ivec2 from;     // cell through which the path came
     vec2 last;      // its last vertex, column and row
-    float start;    // time from which squared times count
+    float zero_time; // time that is subtracted before times are squared
     float earliest; // earliest and latest of the sources' initial values
     float latest;
-    int own;        // source to which the path leads; -1 if not known yet, -2 if not certain
+    int own;        // source that the path must lead to; -1 if not known yet, -2 if not certain
 };
 
 bool is_point(Place place) {

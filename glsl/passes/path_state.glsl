@@ -45,15 +45,15 @@ void begin(int number, inout Path path, float start) {
     path.place.share = at - vec2(path.place.first);
     bool is_known = is_point(path.place);
     // Between grid points, the earliest time of the corners serves.
-    path.moment = time_at(path.place.first);
+    path.base_time = time_at(path.place.first);
     for (int i = 0; i < 4 && !is_known; i++) {
-        path.moment = min(path.moment, time_at(path.place.first + to_corner(i)));
+        path.base_time = min(path.base_time, time_at(path.place.first + to_corner(i)));
     }
     path.below = is_known ? 0.0 : UNKNOWN;
-    path.time = is_known ? path.moment : UNKNOWN;
+    path.time = is_known ? path.base_time : UNKNOWN;
     path.lowest = FAR;
     path.from = NO_CELL;
-    path.start = start;
+    path.zero_time = start;
     add(number, path, at, path.time);
 }
 
@@ -71,13 +71,13 @@ void save(int number, Path path) {
     curves[at + 2] = floatBitsToUint(path.place.share.x);
     curves[at + 3] = floatBitsToUint(path.place.share.y);
     curves[at + 4] = floatBitsToUint(path.below);
-    curves[at + 5] = floatBitsToUint(path.moment);
+    curves[at + 5] = floatBitsToUint(path.base_time);
     curves[at + 6] = floatBitsToUint(path.lowest);
     curves[at + 7] = uint(path.from.x);
     curves[at + 8] = uint(path.from.y);
     curves[at + 9] = floatBitsToUint(path.last.x);
     curves[at + 10] = floatBitsToUint(path.last.y);
-    curves[at + 11] = floatBitsToUint(path.start);
+    curves[at + 11] = floatBitsToUint(path.zero_time);
     curves[at + 12] = floatBitsToUint(path.earliest);
     curves[at + 13] = floatBitsToUint(path.latest);
     curves[at + 14] = uint(path.own);
@@ -96,11 +96,11 @@ Path load(int number) {
     path.place.first = ivec2(curves[at], curves[at + 1]);
     path.place.share = vec2(uintBitsToFloat(curves[at + 2]), uintBitsToFloat(curves[at + 3]));
     path.below = uintBitsToFloat(curves[at + 4]);
-    path.moment = uintBitsToFloat(curves[at + 5]);
+    path.base_time = uintBitsToFloat(curves[at + 5]);
     path.lowest = uintBitsToFloat(curves[at + 6]);
     path.from = ivec2(curves[at + 7], curves[at + 8]);
     path.last = vec2(uintBitsToFloat(curves[at + 9]), uintBitsToFloat(curves[at + 10]));
-    path.start = uintBitsToFloat(curves[at + 11]);
+    path.zero_time = uintBitsToFloat(curves[at + 11]);
     path.earliest = uintBitsToFloat(curves[at + 12]);
     path.latest = uintBitsToFloat(curves[at + 13]);
     path.own = int(curves[at + 14]);

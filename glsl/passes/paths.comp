@@ -22,8 +22,8 @@ layout(local_size_x = WORKGROUP) in;
 // Points coincide if they are nearer to one another than this, in units of their longest edges.
 const float SAME_POINT = 1e-6;
 
-void find_source(Cell cell, vec4 weights, float moment, inout Line nearest) {
-    for (int i = 0; i < count; i++) try_source(i, cell, weights, moment, nearest);
+void find_source(Cell cell, vec4 weights, float base_time, inout Line nearest) {
+    for (int i = 0; i < count; i++) try_source(i, cell, weights, base_time, nearest);
 }
 
 // Returns the earliest of the grid points next to a place.
@@ -131,7 +131,7 @@ void escape(int number, inout Path path) {
     }
     if (!detour(number, path, point)) return;
     path.place = Place(point, vec2(0.0));
-    path.moment = time_at(point);
+    path.base_time = time_at(point);
     path.below = 0.0;
 }
 
@@ -143,7 +143,7 @@ void go_on(int number, inout Path path) {
         escape(number, path);
         return;
     }
-    if (path.time == UNKNOWN) path.time = path.moment + line.time + line.size;
+    if (path.time == UNKNOWN) path.time = path.base_time + line.time + line.size;
     path.size += line.size;
     if (line.source >= 0) {
         path.source = line.source;
@@ -156,10 +156,10 @@ void go_on(int number, inout Path path) {
     }
     path.place = line.end;
     path.from = line.cell;
-    if (!add(number, path, vec2(line.end.first) + line.end.share, path.moment + line.time)) return;
+    if (!add(number, path, vec2(line.end.first) + line.end.share, path.base_time + line.time)) return;
     float next = time_at(line.end.first);
-    path.below = line.time + (path.moment - next);
-    path.moment = next;
+    path.below = line.time + (path.base_time - next);
+    path.base_time = next;
 }
 
 // Restarts a path with the initial value of its own source. Squared times are smooth at a source if they

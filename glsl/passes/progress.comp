@@ -19,7 +19,7 @@ layout(push_constant) uniform Halves {
 void main() {
     if (done != 0u) return;
     last_residual = residual;
-    if (was_last(residual, tolerance, most, iterations, since_reached, renews)) {
+    if (count_iteration(residual, tolerance, most, iterations, since_reached, renews)) {
         done = 1u;
         grid_groups[0] = 0u;
         for (int i = 1; i < blocks.length(); i += 3) blocks[i] = 0u;

@@ -216,8 +216,8 @@ bool pass_triangles(ivec2 point, NeighboursBehind behind, vec4 base_left, vec4 b
 #else
         Fronts fronts = update_four(behind, own.first.surface, own_slowness, base_left, base_right);
 #endif
-        bvec4 left = are_split(behind.ends[0], behind.ends[1], own_slowness, behind.edges[0], behind.edges[1], base_left);
-        bvec4 right = are_split(behind.ends[1], behind.ends[2], own_slowness, behind.edges[1], behind.edges[2], base_right);
+        bvec4 left = are_obtuse_at_x0(behind.ends[0], behind.ends[1], own_slowness, behind.edges[0], behind.edges[1], base_left);
+        bvec4 right = are_obtuse_at_x0(behind.ends[1], behind.ends[2], own_slowness, behind.edges[1], behind.edges[2], base_right);
         any_obtuse = any(either(left, right));
         add_parts(four, left, right, fronts);
         accept(fronts, SCAN, may_renew, own.first.time, own.first.carried);
@@ -236,7 +236,7 @@ bool pass_triangles(ivec2 point, NeighboursBehind behind, vec4 base_left, vec4 b
 #else
         Fronts fronts = update_pair(own.first, surface, slowness, l1, l2, base);
 #endif
-        bvec4 obtuse = are_split_of_pair(own.first, slowness, l1, l2, base);
+        bvec4 obtuse = are_obtuse_in_pair(own.first, slowness, l1, l2, base);
         any_obtuse = any_obtuse || any(obtuse);
         add_parts(pair, obtuse, obtuse.zwxy, fronts);
         accept(fronts, SCAN, may_renew, own.second, own.second_carried);

@@ -16,7 +16,7 @@ layout(local_size_x = WORKGROUP) in;
 layout(push_constant) uniform Count {
     ivec2 texels; // columns and rows of texels, without the border
     int count;
-    uint follows; // SCANS_FOLLOW, TILES_FOLLOW or NOTHING_FOLLOWS
+    uint follows; // SCANS_FOLLOW, TILES_FOLLOW or ALL_POINTS_FOLLOW
     int tile_texels; // number of texels on a side of a tile
 };
 #define TEXELS tile_texels

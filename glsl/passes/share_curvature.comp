@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Gives the copies of each point of a glued surface the mean of their Gaussian curvatures. A point that lies inside
-// the glued surface lacks no triangle, although each of its copies does: its tag is cleared.
+// Gives the copies of each point of a glued surface the mean of their Gaussian curvatures. A point inside the
+// glued surface has all its triangles, but each copy alone has only some: its tag is cleared.
 //
 // A single workgroup is dispatched, since its invocations wait for each other. First, each invocation adds up some
 // parts of groups, then finds the values of some groups, then writes some texels. Points in the middles of folded
@@ -27,8 +27,9 @@ layout(push_constant) uniform Push {
 #include "passes/copies.glsl"
 
 // The rings: for each part its first cell, and the number of cells at the end. Then for each cell its first point,
-// as that of a member, and the number of its ends. Then for each part the sum of its curvatures, the tags that any
-// of them has, whether any of its cells exists, and the exclusive or of the ends of those that do.
+// as that of a member, and a code of the two ends of its sides on the ring. Then for each part the sum of its
+// curvatures, the tags that any of them has, whether any of its cells exists, and the exclusive or of the codes of
+// those that do.
 int first_cell_at(int part) {
     return earliest_at(parts) + part;
 }

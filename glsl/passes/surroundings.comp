@@ -111,8 +111,8 @@ void update_texel(ivec2 at, inout vec4 time, inout vec4 held) {
         vec4 base = edge_lengths(at + first, along);
         EndFronts end1 = ends_at(at + first);
         EndFronts end2 = ends_at(at + second);
-        bvec4 obtuse = are_split(end1, end2, own_slowness, l1, l2, base);
-        Fronts through = update(end1, end2, own, own_slowness, l1, l2, without_faces(obtuse, base), alone);
+        bvec4 obtuse = are_obtuse_at_x0(end1, end2, own_slowness, l1, l2, base);
+        Fronts through = update(end1, end2, own, own_slowness, l1, l2, bases_of_acute(obtuse, base), alone);
         bvec4 none = bvec4(false);
         bool is_left = (triangle & 1) == 0;
         Places four = Places(window + at, ivec2(1, 0), ivec2(0, 1), ahead, along);

@@ -32,7 +32,7 @@ float edge_in_tile(ivec2 at, ivec2 step) {
     return lengths[component_stored(stored) * AREA + spot(from)];
 }
 
-// Edges that the update of a point of a line needs, from x0 to the points behind, and their bases.
+// Edges that the update of a point of a line needs, from x0 to the points behind, and the bases of both triangles.
 struct Edges {
     float left, middle, right;
     float base_left, base_right;
@@ -50,8 +50,8 @@ StoredLengths lengths_around(ivec2 at, ivec2 ahead, ivec2 along) {
     return StoredLengths(lengths_in_image(at), lengths_in_image(at - ahead - along), lengths_in_image(at - ahead + along));
 }
 
-// Returns the edges of a point. `all` is what lies in the image around it. `behind` is what lies there at the
-// point behind, and becomes what lies at this one.
+// Returns the edges of a point. `all` has the lengths stored around it. `behind` has those stored at the point
+// behind, and takes this point's for the next line.
 Edges edges_of(ivec2 at, ivec2 ahead, ivec2 along, StoredLengths all, inout vec4 behind) {
     if (EDGES_SHARED != 0) {
         return Edges(edge_in_tile(at, -ahead - along), edge_in_tile(at, -ahead), edge_in_tile(at, along - ahead),

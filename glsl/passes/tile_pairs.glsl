@@ -1,5 +1,5 @@
 // Scans a tile. Each invocation has two neighbouring points of a line, and updates them from four triangles at
-// once. On CPUs a barrier costs time for each invocation of a workgroup, so there are few of them. Included by
+// once. On CPUs each invocation adds to the cost of a barrier, so there are few invocations. Included by
 // tile_round.glsl.
 
 // Updates the points `at` and `at + along` of a line of one scan.
@@ -39,7 +39,7 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
         vec2 own = CARRIES ? vec2(surface[spot(at)], surface[spot(next)]) : vec2(0.0);
         vec2 slow = SLOWED != 0 ? vec2(slowness[spot(at)], slowness[spot(next)]) : vec2(0.0);
         fronts = update_pair(ends, own, slow, l1, l2, bases.xyyz, pair);
-        bvec4 obtuse = are_split_of_pair(ends, slow, l1, l2, bases.xyyz);
+        bvec4 obtuse = are_obtuse_in_pair(ends, slow, l1, l2, bases.xyyz);
         add_parts(pair, obtuse, obtuse.zwxy, fronts);
     }
     accept(fronts, uint(copy) + 1u, may_renew, time, held);
@@ -65,6 +65,6 @@ void run_scan(int copy, bool may_renew) {
 }
 
 // Subgroups make no difference here; see tile_points.glsl.
-void forget_subgroups() {}
-void note_subgroups() {}
-void know_subgroups() {}
+void reset_subgroup_flags() {}
+void find_subgroup_neighbours() {}
+void read_subgroup_flags() {}

@@ -10,7 +10,7 @@
 // constants, which compilers for GPUs leave out.
 
 // Values of a triangle's component that is left out: lengths of a triangle that is not obtuse.
-const float NO_EDGE = 1.0;
+const float UNUSED_LENGTH = 1.0;
 
 // Front, surface value and slowness at a point.
 struct Seen {
@@ -60,9 +60,9 @@ Prepared prepare(Stored stored) {
     Prepared next;
     next.stored = stored;
     Edges edges = stored.edges;
-    next.l1 = sided(edges.left, edges.middle, NO_EDGE);
-    next.l2 = sided(edges.middle, edges.right, NO_EDGE);
-    next.base = sided(edges.base_left, edges.base_right, NO_EDGE);
+    next.l1 = sided(edges.left, edges.middle, UNUSED_LENGTH);
+    next.l2 = sided(edges.middle, edges.right, UNUSED_LENGTH);
+    next.base = sided(edges.base_left, edges.base_right, UNUSED_LENGTH);
     next.obtuse = bvec4(false);
     if (SLOWED == 0 && !HAS_ANCHORS) {
         next.obtuse = are_obtuse(next.l1, next.l2, next.base);
@@ -74,11 +74,11 @@ Prepared prepare(Stored stored) {
 // Returns the fronts at a point, in all components, given the three points behind.
 Fronts update_point(Prepared now, Seen before, Seen behind, Seen after, Places places) {
     EndFronts near = EndFronts(sided(before.time, behind.time, 0.0), sided(before.carried, behind.carried, 0.0),
-                     sided(before.surface, behind.surface, 0.0), sided(before.slowness, behind.slowness, NO_EDGE));
+                     sided(before.surface, behind.surface, 0.0), sided(before.slowness, behind.slowness, UNUSED_LENGTH));
     EndFronts far = EndFronts(sided(behind.time, after.time, 0.0), sided(behind.carried, after.carried, 0.0),
-                    sided(behind.surface, after.surface, 0.0), sided(behind.slowness, after.slowness, NO_EDGE));
+                    sided(behind.surface, after.surface, 0.0), sided(behind.slowness, after.slowness, UNUSED_LENGTH));
     vec4 own = sided(now.stored.own.surface, now.stored.own.surface, 0.0);
-    vec4 slow = sided(now.stored.own.slowness, now.stored.own.slowness, NO_EDGE);
+    vec4 slow = sided(now.stored.own.slowness, now.stored.own.slowness, UNUSED_LENGTH);
     bvec4 alone = bvec4(now.l1.z >= FAR);
     Fronts both_sides;
     if (NAMED != 0 || SLOWED != 0) {
@@ -90,7 +90,7 @@ Fronts update_point(Prepared now, Seen before, Seen behind, Seen after, Places p
                          sided(left.second_col.x, right.second_col.x, 1.0),
                          sided(left.second_row.x, right.second_row.x, 0.0));
         both_sides = update_at(near, far, own, slow, now.l1, now.l2, now.base, alone, site);
-        now.obtuse = are_split(near, far, slow, now.l1, now.l2, now.base);
+        now.obtuse = are_obtuse_at_x0(near, far, slow, now.l1, now.l2, now.base);
     } else {
         both_sides = update_on(now.face, near, far, own, alone);
     }
@@ -120,11 +120,11 @@ shared uint divided;
 
 // The device chooses which invocations make a subgroup, so neighbours exchange their numbers. The workgroup has a
 // barrier after each of the first two of these functions.
-void forget_subgroups() {
+void reset_subgroup_flags() {
     divided = 0u;
 }
 
-void note_subgroups() {
+void find_subgroup_neighbours() {
 #ifdef WITH_SHUFFLES
     int number = int(gl_LocalInvocationIndex);
     int before = subgroupShuffleUp(number, 1u);
@@ -139,7 +139,7 @@ void note_subgroups() {
 #endif
 }
 
-void know_subgroups() {
+void read_subgroup_flags() {
 #ifdef WITH_SHUFFLES
     are_lines_whole = divided == 0u;
 #endif

@@ -101,7 +101,7 @@ ivec2 neighbour(uint bit) {
     return from_row_major(int(bit), 3) - 1;
 }
 
-// Loads the tile of an entry of the list into shared memory, and the states of 3 x 3 tiles, each by another
+// Loads the number and urgency of a tile of the list into shared memory, and the states of 3 x 3 tiles, each by another
 // invocation. A barrier does not order accesses to buffers, so what is changed in this pass is read atomically.
 void load_states(uint entry, uint count, ivec2 tile_grid) {
     uint number = atomicOr(tiles[entry], 0u);
@@ -249,14 +249,14 @@ void main() {
     if (gl_LocalInvocationIndex == 0u) {
         atomicAdd(visited, 1u);
         woken = 0u;
-        forget_subgroups();
+        reset_subgroup_flags();
         border_change = 0u;
         for (int i = 0; i < 9; i++) urgencies[i] = 0u;
     }
     window = window_at(first_texel_of(tile));
     load(tile, tile_grid);
     barrier();
-    note_subgroups();
+    find_subgroup_neighbours();
 
     vec4 time_before[SHARE];
     vec4 held_before[SHARE];
@@ -273,9 +273,9 @@ void main() {
         time[k] = time_before[k];
         held[k] = held_before[k];
     }
-    // The first line of a scan may be written by another subgroup, so all invocations read before that.
+    // Another subgroup may write the first line of a scan, so all invocations must have read their texels before.
     barrier();
-    know_subgroups();
+    read_subgroup_flags();
 
     int copy = int(gl_LocalInvocationID.y);
     for (int inner = 0; inner < INNER; inner++) {
@@ -345,8 +345,8 @@ void main() {
         ivec2 other = tile + neighbour(gl_LocalInvocationIndex);
         uint wanted = uint(row_major(other, tile_grid.x));
         uint due = urgencies[gl_LocalInvocationIndex];
-        // A tile may return to the fronts from before the round without having settled. Then it has no
-        // urgency of its own.
+        // A tile may end with the fronts it had before the round although its last iteration changed them. Then it
+        // has no urgency of its own.
         enlist(wanted, due != 0u ? due : urgency, round + 1u, count);
     }
 }

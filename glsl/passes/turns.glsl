@@ -9,7 +9,7 @@ vec3 normal_inside(ivec2 at) {
 }
 
 // Compares the normal at a point with those one and two steps away, at a sample of the points.
-void look_at_turns(ivec2 at) {
+void measure_turns(ivec2 at) {
     ivec2 every = (grid + (LOOKS - 1)) / LOOKS;
     if (min(at.x, at.y) < 1 || any(notEqual((at - 1) % every, ivec2(0)))) return;
     // The normals are computed in one loop, since compilers would otherwise inline the code of a normal five

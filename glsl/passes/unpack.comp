@@ -1,9 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Unpacks arrival times into rows of distances. One invocation is one column of a row of texels in a band of
-// rows. Neighbouring invocations then write to adjacent addresses, which matters since the output crosses a
-// bus to the host. The third dimension of the dispatch is the map.
-// Twin: the distances of a solution in src/cpu.
+// Unpacks arrival times into rows of distances. Each invocation unpacks two points, one column of a texel.
+// Neighbouring invocations then write to adjacent addresses, which matters since the output crosses a bus to the
+// host. The third dimension of the dispatch selects the map. Twin: the distances of a solution in src/cpu.
 
 #include "shared/constants.glsl"
 #include "shared/chart.glsl"

@@ -28,11 +28,11 @@ int source_beside(ivec2 at) {
 }
 
 // The sources beside the cell's corners are those that matter.
-void find_source(Cell cell, vec4 weights, float moment, inout Line nearest) {
+void find_source(Cell cell, vec4 weights, float base_time, inout Line nearest) {
     int before = -1;
     for (int i = 0; i < 4; i++) {
         int number = source_beside(cell.first + to_corner(i));
-        if (number >= 0 && number != before) try_source(number, cell, weights, moment, nearest);
+        if (number >= 0 && number != before) try_source(number, cell, weights, base_time, nearest);
         before = number;
     }
 }
@@ -41,10 +41,10 @@ void find_source(Cell cell, vec4 weights, float moment, inout Line nearest) {
 Path path_from(ivec2 at, float start) {
     Path path;
     path.place = Place(at, vec2(0.0));
-    path.moment = time_at(at);
+    path.base_time = time_at(at);
     path.below = 0.0;
     path.from = NO_CELL;
-    path.start = start;
+    path.zero_time = start;
     // Sources are looked up, so that no test of time saves anything.
     path.latest = FAR;
     return path;

@@ -1,9 +1,10 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Finds for each grid point around a source when the source's own front arrives there over a straight line,
-// and in a second pass the number of the first source whose front is the earliest. One invocation is one
-// source. Atomics whose order does not matter find both.
-// Twin: src/geometry/paths/goals.rs, which lists the sources of each cell.
+// In the first pass (turn 0), stores the earliest and the latest initial value of all sources, and for each corner of a
+// source's cells when a front arrives there over a straight line from a source. In the second pass (turn 1), stores the
+// first source whose front is the earliest there. Values are complements, so that atomics keep the smallest one
+// whatever their order; see ways.glsl. One invocation is one source.
+// Counterpart: src/geometry/paths/goals.rs, which lists the sources of each cell.
 
 #include "shared/constants.glsl"
 #include "shared/chart.glsl"

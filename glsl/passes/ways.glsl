@@ -3,12 +3,11 @@
 // sources (by rank, see start.glsl), the rank of the latest one, and for each round of a log map whether
 // points are left. Sections follow, each in row-major order:
 //
-//     words   two copies of one word a point. At first they hold the number of a source beside the point,
-//             and when its front arrives. Both are complements, so that zero means none.
-//     pairs   three copies of two words a point: (u, v) of the log map, and twice a direction or a place, in
-//             column and row.
-//
-// Only log maps have the pairs. Directions have the packed result in the second copy of the words.
+//     words   two arrays of one word a point. At first, array 0 holds the complement of the number of a source beside
+//             the point, and array 1 the complement of the rank of its arrival time. Zero means none. Later, array 1
+//             holds packed directions.
+//     pairs   three arrays of two words a point, for log maps only. Array 0 is (u, v) of the log map. Arrays 1 and 2
+//             take turns as input and output: directions or places, as column and row.
 
 layout(set = 1, binding = 1) restrict buffer Ways {
     uint ways[];
@@ -18,7 +17,7 @@ layout(push_constant) uniform Push {
     ivec2 grid;      // columns and rows of the whole grid
     int first_word;  // offset of the first source
     int count;       // number of sources
-    int turn;        // starts: 1 in the second pass; rounds: the number of the round
+    int turn;        // in way_starts.comp 1 in the second pass; in log_map_rounds.comp the number of the round
     float radius;    // points that are later than all sources by more than this are not in the log map
     float unreached; // u and v of points that are not in it
 };
@@ -31,7 +30,7 @@ int word_of(int which, int index) {
     return WAYS_HEADER + which * points_of(grid) + index;
 }
 
-// Returns the first word of a pair: 0 for (u, v), 1 and 2 for the copies of directions or places.
+// Returns the first word of a pair: 0 for (u, v), 1 and 2 for the arrays of directions or places.
 int pair_of(int which, int index) {
     return WAYS_HEADER + 2 * ((1 + which) * points_of(grid) + index);
 }

@@ -1,5 +1,5 @@
 // Defines the chart: where each point is stored. All arithmetic on borders, neighbours, texels and lines is
-// in this file. A surface glued along its borders would change this file and fill a halo.
+// in this file.
 //
 // Coordinates are ivec2(column, row), with x to the east and y to the south:
 //

@@ -101,8 +101,8 @@
 #define SPLIT_STEPS 16
 // Largest distance of such a point from x0, in rows and columns.
 #define SPLIT_REACH 6
-// Smallest relevant difference between the places of two such points, as a part of squared lengths. Anything
-// below is rounding.
+// Relative margin by which two unfolded points must differ in squared distance or in direction. Anything below is
+// rounding.
 #define SPLIT_MARGIN 1e-3
 // See src/update/curved.rs. GRAZING is not a ratio of small whole numbers. Rays between grid points often
 // turn by such a ratio, and rounding would decide whether they turn by more.
@@ -141,17 +141,18 @@
 #define FIRST_INSIDE 33554432
 // Largest number of sources inside cells on a map with anchors.
 #define SOURCES_INSIDE 4096
-// Number of texels around the grid in every image. With them, no access to a neighbour needs a bounds test.
+// Number of texels of 2 x 2 points around the grid in every image. The image of edges, with a texel a point, has twice
+// as many. With them, no access to a neighbour needs a bounds test.
 #define BORDER 1
 // Number of iterations without a newly reached point after which curved fronts are no longer renewed; see
 // progress.rs.
 #define PATIENCE 50
-// Change of a front in units of the last place that only a first front exceeds, by the change from FAR.
+// Change in units of the last place that only a point's first front exceeds, since it takes the place of FAR.
 #define FIRST_REACHED 167772160
 // Passes that follow the seeds of a map, for which the pass of seeds prepares: scans, updates of all points,
 // or rounds of tiles.
 #define SCANS_FOLLOW 0
-#define NOTHING_FOLLOWS 1
+#define ALL_POINTS_FOLLOW 1
 #define TILES_FOLLOW 2
 // Largest number of rounds of tiles in a recording. It is even.
 #define ROUNDS 128
@@ -198,7 +199,7 @@
 // Cosine of 30 degrees. A surface turns sharply where the cosine of the angle between unit normals is
 // smaller.
 #define SHARP_COSINE 0.8660254
-// Number of units in 1 with which sums of squared differences of normals are kept.
+// Fixed-point scale of sums of squared differences of normals.
 #define TURN_UNITS 1024
 // Stands for the number of points that a renderer's surface lacks until it has been measured.
 #define NEVER_MEASURED 4294967295
@@ -258,11 +259,11 @@
 #define ROUGH_SLOWNESS 0.03
 // Tag of the slowness at points where it jumps.
 #define JUMPS 1
-// A metric jumps where the ratio of lengths exceeds EVEN_SLOWNESS by 1 over this value. It jumps in part
-// where the ratio lies between both limits.
+// A metric jumps fully where the ratio of lengths exceeds EVEN_SLOWNESS by 1 / JUMPS_PER_RATIO, and in part where
+// the ratio lies between both limits.
 #define JUMPS_PER_RATIO 2.0
-// Number of Newton steps that find where a ray crosses the base of a triangle with an uneven slowness. A
-// smooth one needs two in single precision, and one more where it jumps.
+// Number of Newton steps that find where a ray crosses the base of a triangle with an uneven slowness. In single
+// precision, two steps suffice where the slowness is smooth, and three where it jumps.
 #define CROSSING_STEPS 3
 // Part of the least positive slowness that counts where the slowness is 0. Travel is free there, but edges
 // need a length.

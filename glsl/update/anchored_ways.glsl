@@ -1,8 +1,8 @@
-// Implements the update of fronts with anchors, which is exact over floor plans. Four points are updated at
-// once if all that each sees behind it has one anchor, which holds nearly everywhere. Other points are
+// Implements the update of fronts with anchors, which is exact over floor plans. Four points are updated at once if
+// all neighbours behind each of them have the same anchor, which holds nearly everywhere. Other points are
 // updated one after another. Include after wavefront.glsl, edge_image.glsl, surface_image.glsl and
 // splits.glsl.
-// Twin: the anchored front in src/update, where it is explained.
+// Twin: src/update/anchored.rs and src/update/sight.rs, where it is explained.
 
 #include "shared/processor.glsl"
 #include "update/corner.glsl"
@@ -257,9 +257,9 @@ bool sees(vec2 x0, vec2 point, Anchor anchor, float start, Known ends, int end) 
     return !is_hidden || is_clear(ivec2(x0), anchor.place - x0);
 }
 
-// Returns the arrival times at an anchor. `known` is the time stored there, and `time - straight` is the one
-// that follows from the neighbour. The known time is returned if both agree up to rounding. Otherwise the one
-// that follows is returned, since a change must come from the neighbours.
+// Returns the arrival times at an anchor. `known` is the time stored there, and `time - straight` is the
+// time that the neighbour implies. If both agree up to rounding, the known time is returned. Otherwise the implied
+// one is returned, since the anchor may have changed.
 vec4 start_of(float known, vec4 time, vec4 straight) {
     vec4 follows = time - straight;
     return mix(follows, vec4(known), lessThanEqual(abs(known - follows), ALIKE_AT_ANCHOR * PRECISION * time));

@@ -1,6 +1,6 @@
-// Finds corners of holes, at which shortest paths bend. On floor plans, they are the surface values of points
-// that lack an edge, beside the tag. Neighbours are bits, one for each of the eight directions,
-// counter-clockwise from east. Include after tag.glsl.
+// Finds corners of holes, at which shortest paths bend. On floor plans, points that lack an edge keep in
+// their surface value whether they are a corner, and their open eighths, beside the tag. `there` has one bit for each
+// present neighbour, counter-clockwise from east. Include after tag.glsl.
 // Twin: src/surface/corner.rs.
 
 const uint AXES = 0x55u;
@@ -15,7 +15,7 @@ uint turned(uint bits, int by) {
 uint open_eighths(uint there) {
     uint axes = there & AXES;
     uint diagonals = there & ~AXES;
-    uint next = axes & turned(axes, 2); // with the next axis
+    uint next = axes & turned(axes, 2); // cells of which both axes are present
     return next | turned(next, 7) | (axes & turned(diagonals, 1)) | (diagonals & turned(axes, 1));
 }
 
@@ -31,7 +31,7 @@ bool is_corner(uint there) {
 
 const uint CORNER = 1u << 12;
 
-// Encodes corners and open eighths beside a tag. The number is as small as a zero with this tag.
+// Encodes corners and open eighths beside a tag. Its exponent is that of FLAT, so that it counts as zero.
 float with_corner(uint there, uint tag) {
     uint held = floatBitsToUint(FLAT) & 0x7f800000u;
     return uintBitsToFloat(held | (is_corner(there) ? CORNER : 0u) | open_eighths(there) << 4 | tag);

@@ -167,7 +167,7 @@ vec4 carried_on(FromOrigin from, vec4 time, vec4 number, vec4 gaussian, vec4 bas
 }
 
 // Replaces the arriving front by another one, where that comes and is not later.
-void take_first(inout Fronts arrival, bvec4 comes, vec4 time, vec4 carried) {
+void take_where_first(inout Fronts arrival, bvec4 comes, vec4 time, vec4 carried) {
     bvec4 is_first = both(comes, lessThanEqual(time, arrival.time));
     arrival.time = mix(arrival.time, time, is_first);
     arrival.carried = mix(arrival.carried, carried, is_first);
@@ -212,7 +212,7 @@ Fronts curved_from_origins(EndFronts end1, EndFronts end2, vec4 g0, vec4 l1, vec
     bvec4 faceless = either(either(apart, either(comes1, comes2)), either(exact, obtuse));
     Fronts arrival = curved(EndFronts(end1.time, first.curvature, end1.surface, vec4(0.0)),
                             EndFronts(end2.time, second.curvature, end2.surface, vec4(0.0)), g0, l1, l2,
-                            without_faces(faceless, c), alone, both(bvec4(causal), not(of_one)));
+                            bases_of_acute(faceless, c), alone, both(bvec4(causal), not(of_one)));
     bvec4 keeps_name = both(both(inexact, first.crosses), lessThan(arrival.time, vec4(FAR)));
     vec4 named = carried_on(first, arrival.time, end1.carried, g0, base);
     // A front along an edge gives way to one that arrives with it, up to rounding, and tells its origin.
@@ -220,8 +220,8 @@ Fronts curved_from_origins(EndFronts end1, EndFronts end2, vec4 g0, vec4 l1, vec
     bvec4 gives_way = both(not(keeps_name), either(first.is_known, second.is_known));
     arrival.time = mix(arrival.time, arrival.time + rounding, gives_way);
     arrival.carried = mix(arrival.carried, named, keeps_name);
-    take_first(arrival, comes1, time1, carried_on(first, time1, end1.carried, g0, base));
-    take_first(arrival, comes2, second.time, carried_on(second, second.time, end2.carried, g0, base));
+    take_where_first(arrival, comes1, time1, carried_on(first, time1, end1.carried, g0, base));
+    take_where_first(arrival, comes2, second.time, carried_on(second, second.time, end2.carried, g0, base));
     return arrival;
 }
 
@@ -230,8 +230,8 @@ Fronts update_at(EndFronts end1, EndFronts end2, vec4 surface, vec4 slowness, ve
     // Over an uneven slowness, fronts do not run along straight lines.
     bool named = NAMED != 0 && HAS_CURVATURE && SLOWED == 0 && any(either(are_numbers(end1.carried), are_numbers(end2.carried)));
     if (named) return curved_from_origins(end1, end2, surface, l1, l2, c, alone, site);
-    bvec4 obtuse = are_split(end1, end2, slowness, l1, l2, c);
-    return update(end1, end2, surface, slowness, l1, l2, without_faces(obtuse, c), alone);
+    bvec4 obtuse = are_obtuse_at_x0(end1, end2, slowness, l1, l2, c);
+    return update(end1, end2, surface, slowness, l1, l2, bases_of_acute(obtuse, c), alone);
 }
 
 // Returns the fronts as update_four() and update_pair() in wavefront.glsl do, given also the places from

@@ -1,8 +1,8 @@
-// Selects the kind of front. This is the only place that asks for the kind. Each kind has a file, which
-// defines what its fronts carry beside their arrival time, and how they are updated, compared and accepted,
-// and their changes measured. A kind adds a line to each function here that it handles in its own way.
-// Include after constants.glsl.
-// Twins: Wavefront in src/update, and its kinds there and in src/cpu.
+// Selects the kind of front. Only this file asks for WAVEFRONT itself; others ask for HAS_CURVATURE, HAS_ANCHORS and
+// CARRIES. Each kind has a file, which defines what its fronts carry beside their arrival time, and how they are
+// updated, compared and accepted, and their changes measured. A kind adds a line to each function here that it
+// handles in its own way. Include after constants.glsl. Twins: Wavefront in src/update, and its kinds there and in
+// src/cpu.
 
 // Kind of front: PLANAR, CIRCULAR, CURVED or ANCHORED. Large shaders are compiled once for each kind, which the
 // build then defines: drivers would take time to read code that is then left out.
@@ -82,20 +82,20 @@ Fronts earlier(Fronts a, Fronts b) {
 }
 
 // Returns whether triangles are obtuse at x0, given the slowness there.
-bvec4 are_split(EndFronts end1, EndFronts end2, vec4 slowness, vec4 l1, vec4 l2, vec4 c) {
+bvec4 are_obtuse_at_x0(EndFronts end1, EndFronts end2, vec4 slowness, vec4 l1, vec4 l2, vec4 c) {
     if (SLOWED != 0) return are_obtuse_on_surface(l1, l2, c, slowness, end1.slowness, end2.slowness);
     return are_obtuse(l1, l2, c);
 }
 
 // Returns whether the triangles between a pair of points of a line and the four points behind are obtuse; see
 // update_pair().
-bvec4 are_split_of_pair(EndFronts behind, vec2 slowness, vec4 l1, vec4 l2, vec4 c) {
+bvec4 are_obtuse_in_pair(EndFronts behind, vec2 slowness, vec4 l1, vec4 l2, vec4 c) {
     if (SLOWED != 0) return are_obtuse_on_surface(l1, l2, c, slowness.xyxy, behind.slowness.xyyz, behind.slowness.yzzw);
     return are_obtuse(l1, l2, c);
 }
 
 // Returns the bases of triangles, or FAR for obtuse ones, of which only the edges count; see splits.glsl.
-vec4 without_faces(bvec4 obtuse, vec4 c) {
+vec4 bases_of_acute(bvec4 obtuse, vec4 c) {
     return mix(c, vec4(FAR), obtuse);
 }
 
@@ -103,12 +103,12 @@ vec4 without_faces(bvec4 obtuse, vec4 c) {
 // these triangles.
 Fronts update_four(NeighboursBehind sight, vec4 surface, vec4 slowness, vec4 base_left, vec4 base_right) {
     bvec4 alone = are_alone(sight.edges[1]);
-    bvec4 left = are_split(sight.ends[0], sight.ends[1], slowness, sight.edges[0], sight.edges[1], base_left);
-    bvec4 right = are_split(sight.ends[1], sight.ends[2], slowness, sight.edges[1], sight.edges[2], base_right);
+    bvec4 left = are_obtuse_at_x0(sight.ends[0], sight.ends[1], slowness, sight.edges[0], sight.edges[1], base_left);
+    bvec4 right = are_obtuse_at_x0(sight.ends[1], sight.ends[2], slowness, sight.edges[1], sight.edges[2], base_right);
     return earlier(update(sight.ends[0], sight.ends[1], surface, slowness, sight.edges[0], sight.edges[1],
-                          without_faces(left, base_left), alone),
+                          bases_of_acute(left, base_left), alone),
                    update(sight.ends[1], sight.ends[2], surface, slowness, sight.edges[1], sight.edges[2],
-                          without_faces(right, base_right), alone));
+                          bases_of_acute(right, base_right), alone));
 }
 
 // Returns the fronts at a pair of points of a line, each repeated, from the four points behind. Left
@@ -116,7 +116,7 @@ Fronts update_four(NeighboursBehind sight, vec4 surface, vec4 slowness, vec4 bas
 Fronts update_pair(EndFronts behind, vec2 surface, vec2 slowness, vec4 l1, vec4 l2, vec4 base) {
     EndFronts near = EndFronts(behind.time.xyyz, behind.carried.xyyz, behind.surface.xyyz, behind.slowness.xyyz);
     EndFronts far = EndFronts(behind.time.yzzw, behind.carried.yzzw, behind.surface.yzzw, behind.slowness.yzzw);
-    base = without_faces(are_split_of_pair(behind, slowness, l1, l2, base), base);
+    base = bases_of_acute(are_obtuse_in_pair(behind, slowness, l1, l2, base), base);
     Fronts sided = update(near, far, surface.xyxy, slowness.xyxy, l1, l2, base, are_alone(l1.zwzw));
     return earlier(Fronts(sided.time.xyxy, sided.carried.xyxy, sided.whole.xyxy),
                    Fronts(sided.time.zwzw, sided.carried.zwzw, sided.whole.zwzw));
@@ -136,7 +136,7 @@ void accept(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 c
     }
 }
 
-// Returns whether the first of two fronts at one point is kept, where different scans brought them.
+// Returns whether the front (time, carried) is kept in place of the other one, where different scans brought them.
 bool is_first(float time, float carried, float other, float other_carried) {
     bool first = time < other;
     if (HAS_CURVATURE) first = is_first_curved(time, carried, other, other_carried);
@@ -144,15 +144,15 @@ bool is_first(float time, float carried, float other, float other_carried) {
     return first;
 }
 
-// Whether the earlier of two times is kept, whichever of the two fronts is. It is not if a time belongs to
-// the carried value.
+// Whether a point keeps the earlier of two times even if it takes the carried value of the other front. The time of
+// anchored fronts follows from their anchor, so they do not.
 const bool KEEPS_EARLIER_TIME = !HAS_ANCHORS;
 
-// Takes another front at a point in place of the present one if it is the first, or if none has been found.
+// Replaces the present front at a point by another one if is_first() prefers that, or if none has been found.
 void take_first(float other, float other_carried, inout bool found, inout float time, inout float carried) {
-    bool second = !found || is_first(other, other_carried, time, carried);
-    if (second) carried = other_carried;
-    bool keeps = KEEPS_EARLIER_TIME ? found && !(other < time) : !second;
+    bool takes_other = !found || is_first(other, other_carried, time, carried);
+    if (takes_other) carried = other_carried;
+    bool keeps = KEEPS_EARLIER_TIME ? found && !(other < time) : !takes_other;
     if (!keeps) time = other;
     found = true;
 }

@@ -250,14 +250,14 @@ impl Copied {
         Ok(new)
     }
 
-    /// Writes the points again.
+    /// Copies all points of the surface into the buffer. Holes become NaN.
     pub(super) fn write(&mut self, surface: &Surface) {
         let mapped = self.buffer.mapped();
         let (chart, bytes) = (surface.chart(), 4 * self.layout.floats());
         for (index, point) in mapped.chunks_exact_mut(bytes).take(chart.points()).enumerate() {
             let (row, col) = chart.position(index);
             if !surface.has(row, col) {
-                // NaN: curves must not be lifted to a value that was in a hole.
+                // Holes are NaN, so that curves are never lifted to a stale value there.
                 point.fill(0xFF);
                 continue;
             }

@@ -4,7 +4,7 @@ use super::scan::Scan;
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Offset, Real};
 use crate::update::Triangle;
 
-/// Three successive neighbours of a point, and the two triangles that they form with it.
+/// Three neighbours of a point in turn around it, and the two triangles that they form with it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Behind {
     triangles: [TriangleSlots; 2],
@@ -122,7 +122,7 @@ impl TriangleSlots {
         Triangle { t1, t2, l1, l2, c }
     }
 
-    /// Returns whether, of x1 and x2, only the one across a diagonal exists.
+    /// Returns whether the edge to the neighbour along a grid axis is missing.
     #[inline]
     pub(super) fn is_alone<R: Real>(&self, triangle: Triangle<R>) -> bool {
         [triangle.l1, triangle.l2][self.axis] >= R::FAR

@@ -1,9 +1,9 @@
 //! Estimates the error of a map over a floor plan, from the map of a grid twice as fine.
 //!
 //! Fronts with anchors are exact except for rounding, and except for corners that light less than a cell for
-//! long, as many do among single missing points. On a coarser grid outlines would change, and it would say
-//! nothing about such corners. On a finer grid outlines stay the same, and the region that such a corner
-//! lights is twice as many points wide.
+//! long, as many do among single missing points. On a coarser grid outlines would change, and it would not show such
+//! corners about such corners. On a finer grid outlines stay the same, and the region that such a corner lights is
+//! twice as many points wide.
 
 use super::ErrorEstimate;
 use crate::Options;
@@ -13,7 +13,7 @@ use crate::{DistanceMap, Error};
 
 /// Ratio of the error to the difference of the two maps: up to half of an error is assumed to remain on the
 /// finer grid.
-const LEFT: f64 = 2.0;
+const ERROR_PER_DIFFERENCE: f64 = 2.0;
 
 /// Estimates the error of a map with anchors from the map over `fine`, the same floor plan on a grid twice as
 /// fine.
@@ -33,7 +33,7 @@ pub(super) fn estimate<R: Precision>(
         if distance.is_infinite() {
             return (R::infinity(), distance);
         }
-        let off = LEFT * (distance - better).wide().abs();
+        let off = ERROR_PER_DIFFERENCE * (distance - better).wide().abs();
         let length = distance.wide() - sources.start();
         (R::of(off + rounding * length), better)
     };

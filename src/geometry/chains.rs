@@ -50,7 +50,7 @@ pub(super) fn join<K: Copy + Ord + Send + Sync>(
                 }
             }
         };
-        if let Some(curve) = simplified(vertices, closed) {
+        if let Some(curve) = without_repeated_vertices(vertices, closed) {
             curves.push((segments[start].key, curve));
         }
     }
@@ -90,7 +90,7 @@ pub(super) fn ways(segments: &[[u64; 2]]) -> Vec<Vec<u64>> {
 }
 
 /// Removes repeated vertices. Returns `None` if too few vertices are left.
-fn simplified(mut vertices: Vec<[f64; 2]>, closed: bool) -> Option<Curve> {
+fn without_repeated_vertices(mut vertices: Vec<[f64; 2]>, closed: bool) -> Option<Curve> {
     let same = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) <= SAME;
     vertices.dedup_by(|a, b| same(*a, *b));
     while closed && vertices.len() > 1 && same(vertices[0], vertices[vertices.len() - 1]) {

@@ -8,11 +8,11 @@
 //!
 //! A cubic with the bends a and b at its ends, in units of the chord, is longer than its chord by the
 //! fraction m^2 / 24 + d^2 / 1440, where m is the mean of the bends and d their difference. We use the
-//! fraction s / 24 with s = |m| sqrt(a b), which agrees with it to second order in d. It vanishes where only
-//! one end bends (a crease that runs through a grid point has flat surface on either side) and where the ends
-//! bend to different sides. It needs no threshold that noise could cross. Measured on real terrain with
-//! curved fronts (see [`EdgeRule`]), the error is 9.4e-4 with this rule, 9.7e-4 with a b / 24, and 8.8e-4
-//! with m^2 / 24 where a b > 0; the last rule would bend a noisy crease.
+//! fraction s / 24 with s = |m| sqrt(a b), which differs from it only by terms of second order in d. It vanishes
+//! where only one end bends (a crease that runs through a grid point has flat surface on either side) and where the
+//! ends bend to different sides. It needs no threshold that noise could cross. Measured on real terrain with curved
+//! fronts (see [`EdgeRule`]), the error is 9.4e-4 with this rule, 9.7e-4 with a b / 24, and 8.8e-4 with m^2 / 24
+//! where a b > 0; the last rule would bend a noisy crease.
 //!
 //! A curve of curvature k and torsion t is longer than its chord c by the fraction k^2 c^2 / 24. The term of
 //! the next order is k^2 (k^2 + t^2) c^4 / 180 - (bend / c)^4 / 1152, if the bend is that of a helix with
@@ -55,8 +55,8 @@ pub enum EdgeRule {
     /// exact distances on a mesh, and for surfaces that are polyhedra.
     Chord,
     /// The arc of a cubic through the neighbouring samples, where the surface bends to the same side at both
-    /// ends of the edge, and the chord at creases. Where a neighbour is missing, at a hole or the border, the
-    /// surface is continued with the bend of the next two points inwards.
+    /// ends of the edge, and the chord at creases. Where a neighbour is missing, at a hole or the border, the bend
+    /// there is the smaller one of the next two points inwards, or 0 if these bend to different sides.
     #[default]
     Arc,
 }
@@ -71,8 +71,8 @@ impl std::fmt::Display for EdgeRule {
 }
 
 impl EdgeRule {
-    /// Returns the share of the area of a point's fan of eight triangles to which the fan's angle defect
-    /// belongs.
+    /// Returns the part of the area of a point's fan of eight triangles over which the angle defect at its tip is
+    /// spread.
     ///
     /// With chords the fan is a part of the polyhedron, and its tip stands for one of its four cells (exactly
     /// so where the grid follows the lines of curvature). With arcs each angle of a curved triangle is larger
@@ -97,8 +97,8 @@ pub(super) fn arc<R: Real>(chord: R, [a, b]: [R; 2], [m, n]: [[R; 3]; 2]) -> R {
     if chord > R::zero() { arc } else { chord }
 }
 
-/// Returns the angle in radians by which a bend turns a chord, limited to one radian: samples cannot show
-/// more.
+/// Returns the angle in radians by which a bend turns a chord, limited to one radian, since coarser samples do not
+/// show the curve.
 #[inline(always)]
 fn turn<R: Real>(bend: R, chord: R) -> R {
     min(max(bend / chord, -R::one()), R::one())

@@ -67,7 +67,7 @@ impl Surface {
             Err(SurfaceError::NoPoint) => Err(too_small()),
             surface => surface,
         }?;
-        let surface = surface.weighted_like(self, &kept).with_edge_rule(self.edge_rule());
+        let surface = surface.with_slowness_of(self, &kept).with_edge_rule(self.edge_rule());
         Ok(Coarsened { surface, fine, rows, cols })
     }
 }

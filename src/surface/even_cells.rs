@@ -14,11 +14,12 @@ impl Surface {
     pub(crate) fn has_even_cells(&self) -> bool {
         const WAYS: [Direction; 4] =
             [Direction::East, Direction::SouthEast, Direction::South, Direction::SouthWest];
-        // Straight lines of the chart end at seams.
+        // Origins are continued along straight lines of the chart, which end at seams.
         if self.is_slowed_unevenly() || self.is_glued() {
             return false;
         }
-        // On large grids, positions in single precision differ by more than the tolerance.
+        // An even grid is fitted first: on large grids, rounded positions give lengths of edges that differ by more
+        // than the tolerance.
         if self.even_grid().is_some() {
             return true;
         }

@@ -79,7 +79,7 @@ impl Surface {
         })
     }
 
-    /// Returns the surface's unit normal at a point, if all four of its neighbours are present.
+    /// Returns the surface's unit normal at a point, if it and all four neighbours are present.
     fn normal_at(&self, row: usize, col: usize) -> Option<DVec3> {
         let beside = |to| {
             let (row, col) = self.chart().neighbour(row, col, to)?;

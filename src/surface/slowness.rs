@@ -169,7 +169,7 @@ impl Surface {
     }
 
     /// Returns this surface with the slowness of another one at `points`.
-    pub(super) fn weighted_like(mut self, other: &Self, points: &[usize]) -> Self {
+    pub(super) fn with_slowness_of(mut self, other: &Self, points: &[usize]) -> Self {
         let slowness = other.slowness();
         self.inputs.slowness = slowness.map(|all| points.iter().map(|&index| all[index]).collect());
         self.floor = OnceLock::new();

@@ -43,8 +43,7 @@ pub fn wanted_png(path: Option<&PathBuf>) -> Result<Option<OutputFile>, Box<dyn 
     path.map(|path| png_output(path)).transpose()
 }
 
-/// Refuses to write a file twice or over an input. Two names for the same file are rare and worth an error
-/// before anything is lost.
+/// Refuses to write a file twice or over an input. A command must not overwrite its inputs or its own outputs.
 pub fn check_outputs<'a>(
     outputs: &[&OutputFile],
     inputs: impl Iterator<Item = &'a Path>,
@@ -52,7 +51,7 @@ pub fn check_outputs<'a>(
     for (index, output) in outputs.iter().enumerate() {
         if outputs[..index].iter().any(|before| before.is_same(output)) {
             let name = output.path().display();
-            return Err(format!("{name}: is given for two outputs; choose another name"));
+            return Err(format!("{name} is given for two outputs; choose another name"));
         }
     }
     let resolve = |path: &Path| fs::canonicalize(path).ok();

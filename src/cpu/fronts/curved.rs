@@ -341,10 +341,10 @@ pub(in crate::cpu) struct CurvedLine<'k, R> {
 }
 
 impl<R: Real> CurvedLine<'_, R> {
-    /// Returns the first fronts to reach a span of points. `OBTUSE` tells whether some of their triangles
+    /// Returns the first fronts to reach a span of points. `SPLIT` tells whether some of their triangles
     /// are obtuse.
     #[inline(always)]
-    fn first_fronts<const OBTUSE: bool>(
+    fn first_fronts<const SPLIT: bool>(
         &self,
         line: &ScanLine<'_, '_, R, Curvature<R>, R>,
         [start, points]: [usize; 2],
@@ -352,15 +352,15 @@ impl<R: Real> CurvedLine<'_, R> {
         options: UpdateOptions,
     ) -> FirstFronts<R> {
         let gaussian_behind = line.surface_behind(start, points);
-        let bent = Bent::<_, OBTUSE> { span, gaussian_behind, causal: self.causal };
+        let bent = Bent::<_, SPLIT> { span, gaussian_behind, causal: self.causal };
         let origins =
             self.origins.as_ref().and_then(|origins| origins.behind(start, &span, points));
         if let Some(origins) = &origins {
             fronts_of_origins(&bent, origins, points)
         } else if span.comes_from_left(points) {
-            first_fronts::<R, true, false, OBTUSE>(&bent, points, options)
+            earliest_of_both::<R, true, false, SPLIT>(&bent, points, options)
         } else {
-            first_fronts::<R, false, true, OBTUSE>(&bent, points, options)
+            earliest_of_both::<R, false, true, SPLIT>(&bent, points, options)
         }
     }
 }
@@ -454,10 +454,10 @@ fn fronts_of_origins<R: Real, const SPLIT: bool>(
     first
 }
 
-/// Returns the first fronts through the triangle that the front most likely comes through. The other triangle
-/// is used too, unless no front comes first through it.
+/// Returns the earliest front at each point of a span. The likelier triangle is computed first. The other one is
+/// computed only if its front might be earlier, since that test costs less than an update.
 #[inline(always)]
-fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool, const SPLIT: bool>(
+fn earliest_of_both<R: Real, const LIKELY_LEFT: bool, const OTHER_LEFT: bool, const SPLIT: bool>(
     bent: &Bent<R, SPLIT>,
     points: usize,
     options: UpdateOptions,
@@ -465,19 +465,19 @@ fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool, const 
     let span = &bent.span;
     let mut first = FirstFronts::default();
     for i in 0..points {
-        first.set(i, bent.front::<FIRST_LEFT>(i));
+        first.set(i, bent.front::<LIKELY_LEFT>(i));
     }
     let mut settled = true;
     for i in 0..points {
         // A renewed front may come later than before.
         let renewed = options.renews & span.carried[i].is_from(options.scan.0);
         let now = if renewed { first.times[i] } else { min(span.times[i], first.times[i]) };
-        let other = span.seen_from_beside::<SECOND_LEFT, SPLIT>(i);
-        settled &= from_curved(other, bent.fronts::<SECOND_LEFT>(i), now);
+        let other = span.seen_from_beside::<OTHER_LEFT, SPLIT>(i);
+        settled &= from_curved(other, bent.fronts::<OTHER_LEFT>(i), now);
     }
     if !settled {
         for i in 0..points {
-            first.set(i, Front::first(first.get(i), bent.front::<SECOND_LEFT>(i)));
+            first.set(i, Front::first(first.get(i), bent.front::<OTHER_LEFT>(i)));
         }
     }
     first

@@ -34,7 +34,7 @@ impl Order {
         PATCHES.iter().find(applies).map_or(Self::Lines, |&(.., side)| Self::Patches { side })
     }
 
-    /// Returns how a map is solved by patches, if it is.
+    /// Returns the plan of patches, or `None` if whole lines are scanned.
     pub(in crate::cpu) fn plan(self) -> Option<Plan> {
         match self {
             Self::Lines => None,

@@ -24,7 +24,7 @@ pub(in crate::cpu) trait Scans<R>: std::fmt::Debug + Send + Sync {
     /// Sets the limit of the next map. It falls with the times of its targets.
     fn set_limit(&mut self, limit: Limit);
 
-    /// Returns the present limit. Times after it are provisional.
+    /// Returns the current limit. Arrival times after it are not final.
     fn limit(&self) -> f64;
 
     fn set_instructions(&mut self, instructions: Instructions);
@@ -36,7 +36,7 @@ pub(in crate::cpu) trait Scans<R>: std::fmt::Debug + Send + Sync {
 
     fn into_times(self: Box<Self>) -> Vec<R>;
 
-    /// Returns the number of points that the last map has read.
+    /// Returns the number of point visits of the last map.
     fn visits(&self) -> u64;
 
     /// Returns the number of points that the last map has updated.

@@ -63,7 +63,7 @@ pub(super) fn classical_scaling(
     }
 }
 
-/// Returns centred pseudo-random vectors, which are the same on every machine.
+/// Returns a matrix of `width` centred pseudo-random columns, the same on every machine.
 fn start(points: usize, width: usize) -> DMatrix<f64> {
     let number = |row, col| {
         let hash = ((row * width + col + 1) as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);

@@ -1,4 +1,4 @@
-//! Defines the errors of canonical forms, and the limits that matrices must keep. Each message says what to do.
+//! Defines the errors of canonical forms, and the limits on matrices. Most messages say what to do.
 
 use std::ops::RangeInclusive;
 
@@ -60,7 +60,7 @@ pub enum CanonicalError {
     },
     /// The two distances of a pair of points differ by more than a solver's error.
     #[error(
-        "the distance from point {from} to point {to} is {there}, and {back} back; a matrix of \
+        "the distance from point {from} to point {to} is {there}, but {back} in the other direction; a matrix of \
          distances is symmetric but for errors below {} of the largest, so symmetrise it if this \
          is meant",
         ASYMMETRY
@@ -95,7 +95,7 @@ pub enum CanonicalError {
         dimensions: usize,
     },
     /// All distances are zero.
-    #[error("all distances are zero: there is no form")]
+    #[error("all distances are zero: give at least two distinct points")]
     NoExtent,
     /// Squared distances are outside the range of single precision.
     #[error(

@@ -63,27 +63,28 @@ impl Ways<'_> {
             let counts = self.is_reached(point) && self.copies.first(point) == point;
             counts.then(|| self.paths.first_line(point, start))?
         });
-        let moments = self.moments(&lines, start);
+        let zero_times = self.zero_times(&lines, start);
         let way = |index: usize| {
             let (row, col) = chart.position(index);
             let point = chart.bordered(row, col);
             if !self.is_reached(point) || self.copies.first(point) != point {
                 return (point, Way::Unreached);
             }
-            let moment = moments.as_ref().map_or(start, |moments| moments[index]);
+            let zero_time = zero_times.as_ref().map_or(start, |zero_times| zero_times[index]);
             let line = match lines[index] {
-                line if moment == start => line,
-                line => self.paths.first_line(point, moment).or(line),
+                line if zero_time == start => line,
+                line => self.paths.first_line(point, zero_time).or(line),
             };
-            self.way(point, line, moment)
+            self.way(point, line, zero_time)
         };
         let found: Vec<(usize, Way)> = (0..chart.points()).into_par_iter().map(way).collect();
-        let moment = |point| moments.as_ref().map_or(start, |moments| moments[self.index(point)]);
+        let zero_time =
+            |point| zero_times.as_ref().map_or(start, |zero_times| zero_times[self.index(point)]);
         let mut ways: Vec<Way> = found.iter().map(|&(_, way)| way).collect();
         let mut at_poles = HashMap::new();
         for group in self.copies.groups() {
             let (from, way) = found[self.index(group[0] as usize)];
-            let in_space = self.at_pole(group, from, way, moment(group[0] as usize));
+            let in_space = self.at_pole(group, from, way, zero_time(group[0] as usize));
             for copy in group.iter().map(|&copy| copy as usize) {
                 ways[self.index(copy)] = self.at_copy(from, copy, way);
                 at_poles.extend(in_space.map(|way| (self.index(copy), way)));
@@ -98,7 +99,7 @@ impl Ways<'_> {
                     continue;
                 }
                 let (from, way) = found[self.index(point)];
-                let in_space = self.at_pole(&[point as u32], from, way, moment(point));
+                let in_space = self.at_pole(&[point as u32], from, way, zero_time(point));
                 at_poles.extend(in_space.map(|way| (self.index(point), way)));
             }
         }
@@ -106,15 +107,15 @@ impl Ways<'_> {
     }
 
     /// Returns the way back in space at a pole, where rows and columns have no common plane. It is the direction of
-    /// steepest descent that fits the squared times since `moment` on the lines that meet there, or that of the
+    /// steepest descent that fits the squared times since `zero_time` on the lines that meet there, or that of the
     /// path's first line. Returns `None` at other points, and where it is not known.
-    fn at_pole(&self, group: &[u32], from: usize, way: Way, moment: f64) -> Option<DVec3> {
+    fn at_pole(&self, group: &[u32], from: usize, way: Way, zero_time: f64) -> Option<DVec3> {
         let Way::Along { step, .. } = way else { return None };
         if self.frame(from).basis().is_some() {
             return None;
         }
         let lines: Vec<(DVec3, Option<f64>)> =
-            group.iter().flat_map(|&copy| self.lines(copy as usize, moment)).collect();
+            group.iter().flat_map(|&copy| self.lines(copy as usize, zero_time)).collect();
         let own = lines.first()?.0;
         let normals = lines.iter().map(|(line, _)| own.cross(*line));
         let normal = normals.max_by(|a, b| a.length().total_cmp(&b.length()))?.normalize_or_zero();
@@ -137,15 +138,15 @@ impl Ways<'_> {
     }
 
     /// Returns the tangent vectors of the grid lines at a point where they have a length, each with the derivative of
-    /// the squared time since `moment` along it.
-    fn lines(&self, point: usize, moment: f64) -> impl Iterator<Item = (DVec3, Option<f64>)> {
+    /// the squared time since `zero_time` along it.
+    fn lines(&self, point: usize, zero_time: f64) -> impl Iterator<Item = (DVec3, Option<f64>)> {
         let tangents = self.frame(point).tangents.unwrap_or_default();
         let slowness = self.slowness(point);
-        let noise = self.noise(point, moment);
+        let noise = self.noise(point, zero_time);
         [Direction::South, Direction::East].into_iter().zip(tangents).filter_map(
             move |(to, line)| {
                 let square = line.length_squared() * slowness * slowness;
-                let slope = derivative(self.samples(point, to, moment), square, noise, 1.0);
+                let slope = derivative(self.samples(point, to, zero_time), square, noise, 1.0);
                 (square > 0.0).then_some((line, slope))
             },
         )
@@ -155,10 +156,10 @@ impl Ways<'_> {
         self.surface.slowness().map_or(1.0, |slowness| slowness[self.index(point)])
     }
 
-    /// Returns the rounding of the squared time since `moment`.
-    fn noise(&self, point: usize, moment: f64) -> f64 {
+    /// Returns the rounding of the squared time since `zero_time`.
+    fn noise(&self, point: usize, zero_time: f64) -> f64 {
         let time = self.time(point);
-        2.0 * (time - moment) * time.abs() * f64::from(f32::EPSILON)
+        2.0 * (time - zero_time) * time.abs() * f64::from(f32::EPSILON)
     }
 
     /// Returns the way back at a copy of the point `from`, which has the way `way`.
@@ -209,7 +210,7 @@ impl Ways<'_> {
 
     /// Returns for each grid point when its front started: at its source, or at the last corner around which
     /// its path bends. Returns `None` if all fronts started at `start`.
-    fn moments(&self, lines: &[Option<FirstLine>], start: f64) -> Option<Vec<f64>> {
+    fn zero_times(&self, lines: &[Option<FirstLine>], start: f64) -> Option<Vec<f64>> {
         let chart = self.surface.chart();
         let initials: Vec<f64> = self.sources.iter().map(|source| source.initial()).collect();
         let is_corner = |index| {
@@ -220,26 +221,26 @@ impl Ways<'_> {
             return None;
         }
         let index = |point: usize| self.index(self.copies.first(point));
-        let mut moments = vec![start; chart.points()];
+        let mut zero_times = vec![start; chart.points()];
         for point in by_arrival(self.times) {
             let point = point as usize;
             let Some(line) = lines[self.index(point)] else { continue };
-            let moment = match line.end {
+            let zero_time = match line.end {
                 LineEnd::Source(source) => initials[source],
                 LineEnd::Point(end)
                     if self.paths.is_corner(end) && self.bends(point, end, lines) =>
                 {
                     self.time(end)
                 }
-                LineEnd::Point(end) => moments[index(end)],
+                LineEnd::Point(end) => zero_times[index(end)],
                 LineEnd::Edge(ends) => {
                     let [a, b] = ends;
-                    moments[index(if self.times[a] <= self.times[b] { a } else { b })]
+                    zero_times[index(if self.times[a] <= self.times[b] { a } else { b })]
                 }
             };
-            moments[index(point)] = moment.min(self.time(point));
+            zero_times[index(point)] = zero_time.min(self.time(point));
         }
-        Some(moments)
+        Some(zero_times)
     }
 
     /// Returns whether the path from a point to a corner turns at the corner.
@@ -254,7 +255,7 @@ impl Ways<'_> {
     }
 
     /// Returns the way back from a point, and the copy of the point from which it leaves.
-    fn way(&self, point: usize, line: Option<FirstLine>, moment: f64) -> (usize, Way) {
+    fn way(&self, point: usize, line: Option<FirstLine>, zero_time: f64) -> (usize, Way) {
         let chart = self.surface.chart();
         let Some(FirstLine { from, to, end }) = line else {
             // Points that coincide, and minima by rounding.
@@ -272,7 +273,7 @@ impl Ways<'_> {
         let tangent = match end {
             LineEnd::Source(_) => None,
             _ if to_corner || self.paths.is_beside_source(from) => None,
-            _ => self.gradient(from, step, moment),
+            _ => self.gradient(from, step, zero_time),
         };
         let tangent = tangent.or_else(|| self.tangent_of_line(from, to));
         let way = Way::Along {
@@ -294,12 +295,12 @@ impl Ways<'_> {
 
     /// Returns the direction of steepest descent at a point as a step of rows and columns, if the map is
     /// smooth there and the direction is close to that of `line`.
-    fn gradient(&self, point: usize, line: DVec2, moment: f64) -> Option<DVec2> {
+    fn gradient(&self, point: usize, line: DVec2, zero_time: f64) -> Option<DVec2> {
         let frame = self.frame(point);
-        let (slowness, noise) = (self.slowness(point), self.noise(point, moment));
-        let since = self.time(point) - moment;
+        let (slowness, noise) = (self.slowness(point), self.noise(point, zero_time));
+        let since = self.time(point) - zero_time;
         let along = |to: Direction, square: f64, toward: f64| {
-            let samples = self.samples(point, to, moment);
+            let samples = self.samples(point, to, zero_time);
             derivative(samples, square * slowness * slowness, noise, toward)
         };
         let gradient = DVec2::new(
@@ -312,9 +313,9 @@ impl Ways<'_> {
         fits.then_some(step / step.length())
     }
 
-    /// Returns the squared times since `moment` along a grid line, up to the first point that is not reached. The
+    /// Returns the squared times since `zero_time` along a grid line, up to the first point that is not reached. The
     /// line goes on over seams where the grid does.
-    fn samples(&self, point: usize, to: Direction, moment: f64) -> Samples {
+    fn samples(&self, point: usize, to: Direction, zero_time: f64) -> Samples {
         let (chart, mut samples) = (self.surface.chart(), Samples::default());
         let (row, col) = chart.bordered_position(point);
         let along = |k: isize| {
@@ -326,7 +327,7 @@ impl Ways<'_> {
         for side in [1, -1] {
             for k in (0..=SIDE as isize).map(|k| side * k) {
                 let Some(at) = along(k) else { break };
-                samples[(SIDE as isize + k) as usize] = Some((self.time(at) - moment).powi(2));
+                samples[(SIDE as isize + k) as usize] = Some((self.time(at) - zero_time).powi(2));
             }
         }
         samples

@@ -43,21 +43,22 @@ pub(super) struct Ahead {
 
 impl Ahead {
     /// Puts a path into the lane `lane`. The path enters a cell at `entry` in the direction `heading`.
-    /// `moment` is the time from which squared times are counted; `below` is the arrival time at the entry.
+    /// `zero_time` is the time that is subtracted before times are squared; `below` is the arrival time at the entry.
     #[inline(always)]
     pub(super) fn enter(
         &mut self,
         lane: usize,
         entry: Entry,
         heading: DVec2,
-        [moment, below]: [f64; 2],
+        [zero_time, below]: [f64; 2],
     ) {
         let inside = entry.inside();
         let Headings { inside: [row, col], heading: [by_row, by_col], .. } = &mut self.headings;
         (row[lane], col[lane]) = (inside.x, inside.y);
         (by_row[lane], by_col[lane]) = (heading.x, heading.y);
         let cells = &mut self.cells;
-        (cells.moment[lane], cells.below[lane], cells.share[lane]) = (moment, below, entry.share);
+        (cells.zero_time[lane], cells.below[lane], cells.share[lane]) =
+            (zero_time, below, entry.share);
         self.entries[lane] = Some(entry);
     }
 
@@ -154,7 +155,7 @@ impl Loop for &mut Headings {
 /// Lines across cells: the inputs of the search for the earliest arrival, and its results.
 #[derive(Default)]
 struct Cells {
-    moment: Lanes,
+    zero_time: Lanes,
     /// The arrival times at the starts of the lines.
     below: Lanes,
     /// The fractions of the sides on which the lines start.
@@ -189,7 +190,7 @@ impl Loop for &mut Cells {
                 rest * (a * a) + share * (b * b) - spread
             };
             let ends = [square(0), square(1)];
-            let edge = EdgeTimes::new(self.moment[lane], times, length);
+            let edge = EdgeTimes::new(self.zero_time[lane], times, length);
             let (Crossing { share, time, distance }, is_settled) =
                 edge.crossing_near(self.share_ahead[lane], ends);
             self.found[0][lane] = share;

@@ -9,7 +9,7 @@ use super::search::End;
 /// The first straight line of a path, across one of the cells beside its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::geometry) struct FirstLine {
-    /// The point from which it starts: of copies, the one on whose side it lies.
+    /// The point where the line starts. Of copies, it is the one in whose cells the line lies.
     pub from: usize,
     /// The row and column of the end.
     pub to: DVec2,
@@ -27,12 +27,16 @@ pub(in crate::geometry) enum LineEnd {
 }
 
 impl PathTracer<'_> {
-    /// Returns the first line of the path from a point of the bordered array that the map reaches. `moment`
-    /// is the time from which squared times are counted. Returns `None` if no line descends.
-    pub(in crate::geometry) fn first_line(&self, point: usize, moment: f64) -> Option<FirstLine> {
+    /// Returns the first line of the path from a point of the bordered array that the map reaches. `zero_time`
+    /// is the time that is subtracted before times are squared. Returns `None` if no line descends.
+    pub(in crate::geometry) fn first_line(
+        &self,
+        point: usize,
+        zero_time: f64,
+    ) -> Option<FirstLine> {
         let tracer = &self.tracer;
         let chart = tracer.chart();
-        let line = tracer.line(moment, Place::Point(point), tracer.time(point), usize::MAX)?;
+        let line = tracer.line(zero_time, Place::Point(point), tracer.time(point), usize::MAX)?;
         let (to, end) = match line.end {
             End::Source { source, at, .. } => (at, LineEnd::Source(source)),
             End::Place(place @ Place::Point(end)) => (place.at(chart), LineEnd::Point(end)),
@@ -48,8 +52,8 @@ impl PathTracer<'_> {
         Some(FirstLine { from, to, end })
     }
 
-    /// Returns the first edge of a way along edges from a point from which no line descends, to an earlier
-    /// one. It starts at a copy of the point. Returns `None` if there is no such way.
+    /// Returns the first edge of a path along edges to an earlier point, from a point from which no line descends. It
+    /// starts at a copy of the point. Returns `None` if there is no such way.
     pub(in crate::geometry) fn first_of_detour(&self, point: usize) -> Option<[usize; 2]> {
         let detour = self.tracer.detour(point, self.tracer.time(point))?;
         let is_jump =

@@ -38,8 +38,8 @@ pub(super) struct LinkedPath {
 pub(super) struct Key {
     /// The corner of a hole, a point of the bordered array.
     pub corner: usize,
-    /// The bits of the time from which squared times are counted.
-    moment: u64,
+    /// The bits of the time that is subtracted before times are squared.
+    zero_time: u64,
 }
 
 pub(super) type SharedPart = Result<Arc<LinkedPath>, Stuck>;
@@ -59,12 +59,12 @@ impl SharedParts {
 }
 
 impl Key {
-    pub(super) fn new(corner: usize, moment: f64) -> Self {
-        Self { corner, moment: moment.to_bits() }
+    pub(super) fn new(corner: usize, zero_time: f64) -> Self {
+        Self { corner, zero_time: zero_time.to_bits() }
     }
 
-    pub(super) fn moment(self) -> f64 {
-        f64::from_bits(self.moment)
+    pub(super) fn zero_time(self) -> f64 {
+        f64::from_bits(self.zero_time)
     }
 }
 

@@ -93,22 +93,22 @@ const FLAT: f64 = 1e-14;
 impl Tracer<'_> {
     /// Returns the straight line across a cell on which the wavefront arrives first and which ends at a time
     /// below `below`. If the path comes from the cell `from`, the cell on the other side of the edge is tried
-    /// first. `moment` is the time from which squared times are counted.
+    /// first. `zero_time` is the time that is subtracted before times are squared.
     ///
     /// On a seam the line may cross a cell beside a copy of the place.
     pub(super) fn line(
         &self,
-        moment: f64,
+        zero_time: f64,
         place: Place,
         below: f64,
         from: usize,
     ) -> Option<CellLine> {
-        let own = self.line_from(moment, place, below, from);
+        let own = self.line_from(zero_time, place, below, from);
         if self.seams.is_none() {
             return own;
         }
         let copies = self.seams.others(self.chart(), place).into_iter().filter_map(|copy| {
-            let line = self.line_from(moment, copy, below, from)?;
+            let line = self.line_from(zero_time, copy, below, from)?;
             Some(CellLine { copy: Some(copy), ..line })
         });
         own.into_iter().chain(copies).reduce(|best, line| match (best.end, line.end) {
@@ -121,7 +121,7 @@ impl Tracer<'_> {
     }
 
     /// Returns the line from a place, across one of the cells that contain it.
-    fn line_from(&self, moment: f64, place: Place, below: f64, from: usize) -> Option<CellLine> {
+    fn line_from(&self, zero_time: f64, place: Place, below: f64, from: usize) -> Option<CellLine> {
         let (mut cells, count) = place.cells(self.chart());
         if cells[0].0 == from {
             cells[..count].rotate_left(1);
@@ -129,7 +129,7 @@ impl Tracer<'_> {
         let (mut best, mut source): (Option<CellLine>, Option<NearestSource>) = (None, None);
         for (north_west, weights) in &cells[..count] {
             let cell = CellLengths::new(self.edges, *north_west);
-            self.cross(moment, *north_west, &cell, weights, below, &mut best);
+            self.cross(zero_time, *north_west, &cell, weights, below, &mut best);
             let nearest = self.goals.nearest(*north_west, &cell, weights);
             source = match (source, nearest) {
                 (Some(a), Some(b)) if a.time + a.distance <= b.time + b.distance => Some(a),
@@ -157,7 +157,7 @@ impl Tracer<'_> {
     /// Searches one cell for a line better than `best`.
     fn cross(
         &self,
-        moment: f64,
+        zero_time: f64,
         north_west: usize,
         cell: &CellLengths,
         weights: &Weights,
@@ -194,7 +194,7 @@ impl Tracer<'_> {
             let is_beside =
                 is_flat && support > 2 && length > 0.0 && ends[0].max(ends[1]) < NO_EDGE;
             if reached[a] && reached[b] && (is_beside || !is_flat) {
-                let times = EdgeTimes::new(moment, self.times_along(points), length);
+                let times = EdgeTimes::new(zero_time, self.times_along(points), length);
                 let crossing = if is_beside { times.foot(ends) } else { times.crossing(ends) };
                 let end = usize::from(crossing.share > 0.5);
                 let away = (crossing.share - end as f64).abs();

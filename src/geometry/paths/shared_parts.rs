@@ -15,11 +15,11 @@ use super::place::{Place, Stuck};
 use super::tracer::Tracer;
 use super::walk::{Head, HeadEnd};
 
-/// Returns the key of the corner that a path reaches. `moment` is the time from which squared times are
+/// Returns the key of the corner that a path reaches. `zero_time` is the time from which squared times are
 /// counted.
-fn corner((head, moment): (&Result<Head, Stuck>, f64)) -> Option<Key> {
+fn corner((head, zero_time): (&Result<Head, Stuck>, f64)) -> Option<Key> {
     match head.as_ref().ok()?.end {
-        HeadEnd::Corner(corner) => Some(Key::new(corner, moment)),
+        HeadEnd::Corner(corner) => Some(Key::new(corner, zero_time)),
         HeadEnd::Source { .. } => None,
     }
 }
@@ -49,9 +49,13 @@ impl Tracer<'_> {
     /// Traces the paths from some places. Each walk has the time from which its squared times are counted.
     fn linked_paths(&self, walks: &[(DVec2, f64)]) -> Vec<Result<LinkedPath, Stuck>> {
         let heads = self.heads(walks);
-        let moments = walks.iter().map(|&(_, moment)| moment);
-        self.trace_shared_parts(heads.iter().zip(moments.clone()).filter_map(corner).collect());
-        heads.into_iter().zip(moments).map(|(head, moment)| self.link(head?, moment)).collect()
+        let zero_times = walks.iter().map(|&(_, zero_time)| zero_time);
+        self.trace_shared_parts(heads.iter().zip(zero_times.clone()).filter_map(corner).collect());
+        heads
+            .into_iter()
+            .zip(zero_times)
+            .map(|(head, zero_time)| self.link(head?, zero_time))
+            .collect()
     }
 
     /// Traces and keeps the paths from the given corners.
@@ -62,22 +66,22 @@ impl Tracer<'_> {
             if keys.is_empty() {
                 break;
             }
-            let walk = |key: &Key| (self.at(Place::Point(key.corner)), key.moment());
+            let walk = |key: &Key| (self.at(Place::Point(key.corner)), key.zero_time());
             let walks: Vec<_> = keys.iter().map(walk).collect();
             heads.extend(keys.iter().copied().zip(self.heads(&walks)));
-            keys = keys.iter().filter_map(|key| corner((&heads[key], key.moment()))).collect();
+            keys = keys.iter().filter_map(|key| corner((&heads[key], key.zero_time()))).collect();
         }
         let mut heads: Vec<_> = heads.into_iter().collect();
         // Arrival times decrease from corner to corner, so each path's rest is kept before the path needs it.
         heads.sort_by(|(a, _), (b, _)| self.time(a.corner).total_cmp(&self.time(b.corner)));
         for (key, head) in heads {
-            let linked = head.and_then(|head| self.link(head, key.moment()));
+            let linked = head.and_then(|head| self.link(head, key.zero_time()));
             self.shared_parts.keep(key, linked.map(Arc::new));
         }
     }
 
     /// Completes a path from its head. The path from the corner at which the head ends must have been kept.
-    fn link(&self, head: Head, moment: f64) -> Result<LinkedPath, Stuck> {
+    fn link(&self, head: Head, zero_time: f64) -> Result<LinkedPath, Stuck> {
         let Head { vertices, time, length, end } = head;
         let linked = match end {
             HeadEnd::Source { source, initial } => {
@@ -85,7 +89,7 @@ impl Tracer<'_> {
             }
             HeadEnd::Corner(point) => {
                 let stuck = Stuck(self.at(Place::Point(point)));
-                let rest = self.shared_parts.get(Key::new(point, moment)).ok_or(stuck)??;
+                let rest = self.shared_parts.get(Key::new(point, zero_time)).ok_or(stuck)??;
                 let (length, source, initial) = (length + rest.length, rest.source, rest.initial);
                 LinkedPath { vertices, time, length, source, initial, rest: Some(rest) }
             }

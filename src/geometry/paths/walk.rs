@@ -38,7 +38,7 @@ pub(super) enum HeadEnd {
 /// A path that is being traced.
 struct Walk {
     /// The time from which squared times are counted.
-    moment: f64,
+    zero_time: f64,
     place: Place,
     /// The arrival time at the place.
     time: f64,
@@ -59,14 +59,14 @@ struct Walk {
 }
 
 impl Walk {
-    fn new(tracer: &Tracer, start: DVec2, moment: f64) -> Result<Self, Stuck> {
+    fn new(tracer: &Tracer, start: DVec2, zero_time: f64) -> Result<Self, Stuck> {
         let place = tracer.place(start).ok_or(Stuck(start))?;
         let time = match place {
             Place::Point(point) => tracer.time(point),
             _ => f64::INFINITY,
         };
         Ok(Self {
-            moment,
+            zero_time,
             place,
             time,
             from: usize::MAX,
@@ -108,7 +108,7 @@ impl Walk {
         if let Place::Point(point) = self.place {
             self.lowest = self.lowest.min(tracer.time(point));
         }
-        let Some(line) = tracer.line(self.moment, self.place, self.time, self.from) else {
+        let Some(line) = tracer.line(self.zero_time, self.place, self.time, self.from) else {
             self.detour(tracer)?;
             self.head(tracer);
             return Ok(None);
@@ -200,7 +200,7 @@ impl Tracer<'_> {
     /// is then in the cache for those beside it.
     pub(super) fn heads(&self, starts: &[(DVec2, f64)]) -> Vec<Result<Head, Stuck>> {
         let mut heads: Vec<_> = starts.iter().map(|&(start, _)| Err(Stuck(start))).collect();
-        let walk = |&(start, moment): &_| Walk::new(self, start, moment).ok();
+        let walk = |&(start, zero_time): &_| Walk::new(self, start, zero_time).ok();
         let mut walks: Vec<_> = starts.iter().map(walk).collect();
         let (mut ahead, mut band) = (Ahead::default(), None);
         let time = |walk: &Walk| walk.time;
@@ -230,10 +230,10 @@ impl Tracer<'_> {
         let mut lanes: [Option<usize>; LANES] = std::array::from_fn(|_| waiting.next());
         while lanes.iter().any(Option::is_some) {
             for (lane, path) in lanes.iter().enumerate() {
-                if let Some(Walk { entry: Some((entry, heading)), moment, time, .. }) =
+                if let Some(Walk { entry: Some((entry, heading)), zero_time, time, .. }) =
                     path.and_then(|path| walks[path].as_ref())
                 {
-                    ahead.enter(lane, *entry, *heading, [*moment, *time]);
+                    ahead.enter(lane, *entry, *heading, [*zero_time, *time]);
                 }
             }
             ahead.look(self);

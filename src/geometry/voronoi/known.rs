@@ -6,12 +6,12 @@ use crate::surface::Real;
 /// The label of points in no region: holes, and points that no source reaches.
 pub const NO_REGION: u32 = u32::MAX;
 
-/// The end of a list of wavefronts, and the label of a point that has not been visited.
+/// The end of a list of arrivals. [`KnownFronts::label`] returns it for a point that has not been visited.
 pub(super) const NONE: u32 = NO_REGION;
-/// The flag in the label of a point that several wavefronts reach.
-const SEVERAL: u32 = 1 << 31;
+/// The flag of a label that is the index of a list of arrivals.
+const LIST: u32 = 1 << 31;
 
-/// The arrival of a wavefront at a point near a border.
+/// The arrival of a wavefront at a point near a border between regions.
 #[derive(Clone, Copy, Debug)]
 struct Arrival {
     label: u32,
@@ -20,13 +20,13 @@ struct Arrival {
     next: u32,
 }
 
-/// The wavefronts at all points of a bordered array. Points up to a certain rank have been visited. Copies of a
-/// point are one point.
+/// The wavefronts at all points of a bordered array. Points up to a certain rank have been visited. Copies of a point
+/// share one entry.
 pub(super) struct KnownFronts {
     copies: Copies,
     /// The arrival times of the map.
     times: Vec<f32>,
-    /// The label of each point. With [`SEVERAL`] set, it is the index of the first of the point's arrivals.
+    /// The label of each point. With [`LIST`] set, it is the index of the first of the point's arrivals.
     /// The labels of points that have not been visited are guesses.
     labels: Vec<u32>,
     arrivals: Vec<Arrival>,
@@ -73,7 +73,7 @@ impl KnownFronts {
     /// source seeds it.
     pub(super) fn label(&self, point: usize) -> u32 {
         let label = self.guess(point);
-        if label & SEVERAL != 0 || !self.is_ahead(point) { label } else { NONE }
+        if label & LIST != 0 || !self.is_ahead(point) { label } else { NONE }
     }
 
     /// Returns the label of a point, which may be a guess.
@@ -99,9 +99,9 @@ impl KnownFronts {
 
     /// Returns the wavefronts known at a point whose known label is `here`.
     pub(super) fn of_label(&self, point: usize, here: u32) -> impl Iterator<Item = (u32, f64)> {
-        let several = here != NONE && here & SEVERAL != 0;
-        let single = (here & SEVERAL == 0).then(|| (here, f64::from(self.times[point])));
-        let mut next = if several { here & !SEVERAL } else { NONE };
+        let several = here != NONE && here & LIST != 0;
+        let single = (here & LIST == 0).then(|| (here, f64::from(self.times[point])));
+        let mut next = if several { here & !LIST } else { NONE };
         let listed = std::iter::from_fn(move || {
             let Arrival { label, time, next: following } = *self.arrivals.get(next as usize)?;
             next = following;
@@ -114,12 +114,12 @@ impl KnownFronts {
     pub(super) fn insert(&mut self, point: usize, label: u32, time: f64) {
         let point = self.copies.first(point);
         let here = self.labels[point];
-        if here != NONE && here & SEVERAL == 0 {
+        if here != NONE && here & LIST == 0 {
             self.labels[point] = NONE;
             self.insert(point, here, f64::from(self.times[point]));
         }
         let first = self.labels[point];
-        let mut next = if first == NONE { NONE } else { first & !SEVERAL };
+        let mut next = if first == NONE { NONE } else { first & !LIST };
         while let Some(arrival) = self.arrivals.get_mut(next as usize) {
             if arrival.label == label {
                 arrival.time = arrival.time.min(time);
@@ -127,8 +127,8 @@ impl KnownFronts {
             }
             next = arrival.next;
         }
-        let next = if first == NONE { NONE } else { first & !SEVERAL };
-        self.labels[point] = SEVERAL | self.arrivals.len() as u32;
+        let next = if first == NONE { NONE } else { first & !LIST };
+        self.labels[point] = LIST | self.arrivals.len() as u32;
         self.arrivals.push(Arrival { label, time, next });
     }
 
@@ -150,5 +150,5 @@ impl KnownFronts {
 
 /// Returns whether a label stands for a list of wavefronts, or for none.
 pub(super) fn has_several(label: u32) -> bool {
-    label & SEVERAL != 0
+    label & LIST != 0
 }

@@ -8,6 +8,7 @@ use crate::surface::{Chart, Source, Sources, Surface};
 pub(super) struct Start {
     /// The index of the point in a bordered array. Of copies it is the first.
     pub point: usize,
+    /// The index of the source.
     pub label: u32,
     pub time: f64,
 }

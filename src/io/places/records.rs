@@ -73,7 +73,7 @@ impl<'a> Records<'a> {
         let begin = raw.trim_start_matches(['\r', '\n']);
         let passed = raw[..raw.len() - begin.len()].matches('\n').count();
         let line = first_line as usize + passed;
-        if is_open(begin, self.separator) {
+        if ends_inside_quotes(begin, self.separator) {
             return Err(format!("line {line}: a quoted field has no end; close it by a `\"`"));
         }
         let fields = record.iter().map(unquoted).collect();
@@ -81,20 +81,20 @@ impl<'a> Records<'a> {
     }
 }
 
-/// Removes quotes that follow a blank from a field.
+/// Removes the quotes that the csv crate keeps in a field because a blank precedes them.
 fn unquoted(field: &str) -> String {
     let inside = field.strip_prefix('"').and_then(|field| field.strip_suffix('"'));
     inside.unwrap_or(field).to_owned()
 }
 
-/// Returns whether the last record of a text ends inside a quoted field.
-fn is_open(record: &str, separator: Option<u8>) -> bool {
+/// Returns whether a record, as it stands in the text, ends inside a quoted field.
+fn ends_inside_quotes(record: &str, separator: Option<u8>) -> bool {
     let separator = separator.map_or(' ', char::from);
     let (mut is_quoted, mut at_start) = (false, true);
     for c in record.chars() {
         match c {
             '"' if is_quoted => is_quoted = false,
-            // The second half of a doubled quote inside a field also arrives here.
+            // A doubled quote stands for a quote. Its first half closes the field, and its second half opens it again.
             '"' if at_start => is_quoted = true,
             _ => {}
         }

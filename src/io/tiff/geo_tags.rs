@@ -152,7 +152,7 @@ impl GeoTags {
         if !(usable(dx) && usable(dy)) {
             return Err("the file's pixels have no size".into());
         }
-        // The rounding of a rotation is smaller.
+        // The rounding errors of a rotated grid stay below this bound.
         if (right[0] * down[0] + right[1] * down[1]).abs() > 1e-6 * dx * dy {
             return Err(
                 "the file's rows and columns are not at right angles; gdalwarp makes a plain \

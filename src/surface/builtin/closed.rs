@@ -134,7 +134,8 @@ impl Closed {
         }
     }
 
-    /// Returns the position of a place, given as fractional row and column. It is NaN between faces of the cube.
+    /// Returns the position in space of a place on the grid, given as fractional row and column. It is NaN between
+    /// faces of the cube.
     fn position(self, rows: usize, cols: usize, at: [f64; 2]) -> DVec3 {
         let uv = unit_square(rows, cols, at);
         let open = [uv.x / OPEN_SHARE, uv.y];

@@ -100,6 +100,8 @@ pub(super) fn twice(chart: Chart, pair: [usize; 2]) -> GluingError {
     GluingError::Twice { places: pair.map(|index| chart.position(index)) }
 }
 
+/// Returns the pairs of copies that runs name, or an error if a run leaves the grid, runs differ in length, or a pair
+/// occurs twice.
 fn pairs_of_runs(chart: Chart, runs: &[[Run; 2]]) -> Result<Vec<[usize; 2]>, GluingError> {
     let Chart { rows, cols } = chart;
     let mut pairs = Vec::new();
@@ -117,7 +119,7 @@ fn pairs_of_runs(chart: Chart, runs: &[[Run; 2]]) -> Result<Vec<[usize; 2]>, Glu
             return Err(GluingError::Runs { points: [a.len(), b.len()] });
         }
         for pair in a.into_iter().zip(b).map(|(a, b)| [a.min(b), a.max(b)]) {
-            // A fold has a point that is its own copy.
+            // The middle of a fold is its own copy.
             if pair[0] != pair[1] {
                 pairs.push(pair);
             }

@@ -1,8 +1,8 @@
 //! Repeats lines of the grid beyond seams, where obtuse triangles need them.
 //!
 //! An obtuse triangle is split by grid points some steps away, which solvers look for on the grid
-//! (`unfold.rs`). Beside a seam these points lie on the other side. So solvers get a grid on which each point has
-//! a copy with all points around it.
+//! (`unfold.rs`). Beside a seam these points lie on the other side. So solvers get a wider grid, on which at least
+//! one copy of each point has all its neighbours.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -17,8 +17,9 @@ use crate::constants::SPLIT_REACH;
 #[derive(Clone, Debug)]
 pub(crate) struct SolverGrid<'a> {
     surface: Cow<'a, Surface>,
-    /// The grid of the surface itself, and the row and column of its first point on the solver's grid.
+    /// The surface's own grid.
     chart: Chart,
+    /// Row and column of its first point on the solver's grid.
     first: (usize, usize),
 }
 
@@ -33,7 +34,7 @@ impl Surface {
         SolverGrid { surface: Cow::Borrowed(self), chart: self.chart, first: (0, 0) }
     }
 
-    /// Returns whether triangles are obtuse so near to a seam that points beyond it may split them.
+    /// Returns whether there are obtuse triangles so near to a seam that points beyond it may split them.
     fn has_obtuse_triangles_beside(&self, lattice: Lattice) -> bool {
         let reach = REACH as isize;
         let whole = |points: usize, goes_on: Option<bool>| match goes_on {
@@ -48,7 +49,7 @@ impl Surface {
         of_cols.into_iter().chain(of_rows).any(|(rows, cols)| {
             let strip = self.beyond(&lattice, rows, cols);
             let go_on = || Ok::<_, SurfaceError>(());
-            // A solver that measures the surface tells of edges that are too long.
+            // Errors are left to the solver, which reports edges that are too long when it measures the surface.
             let edges = EdgeLengths::<f64>::measured_from(&strip, self.origin(), go_on);
             edges.is_ok_and(|edges| edges.has_obtuse_triangles())
         })
@@ -73,6 +74,7 @@ impl Surface {
     }
 }
 
+/// Number of lines beyond a seam in which a triangle's splits may lie.
 const REACH: usize = SPLIT_REACH as usize;
 
 impl SolverGrid<'_> {
@@ -86,7 +88,7 @@ impl SolverGrid<'_> {
         matches!(self.surface, Cow::Owned(_))
     }
 
-    /// Returns a seed of the surface on the solver's grid.
+    /// Moves a seed from the surface's own grid to the solver's grid.
     pub(crate) fn seed(&self, mut seed: Seed) -> Seed {
         let (down, right) = self.first;
         let by = glam::DVec2::new(down as f64, right as f64);
@@ -97,7 +99,7 @@ impl SolverGrid<'_> {
         seed
     }
 
-    /// Returns targets of the surface on the solver's grid.
+    /// Moves targets from the surface's own grid to the solver's grid.
     pub(crate) fn targets(&self, targets: Targets) -> Targets {
         targets.moved([self.first.0, self.first.1])
     }
@@ -121,15 +123,15 @@ impl SolverGrid<'_> {
         self.surface.chart().index(row + self.first.0, col + self.first.1)
     }
 
-    /// Returns the index of a point of the surface, given its index on the solver's grid, or `None` if the surface's own
-    /// grid does not have it.
+    /// Returns the index of a point of the surface, given its index on the solver's grid, or `None` if the surface's
+    /// own grid does not have it.
     pub(crate) fn own(&self, index: usize) -> Option<usize> {
         let (row, col) = self.surface.chart().position(index);
         let (row, col) = (row.checked_sub(self.first.0)?, col.checked_sub(self.first.1)?);
         (row < self.chart.rows && col < self.chart.cols).then(|| self.chart.index(row, col))
     }
 
-    /// Returns the surface's part of values at the points of the solver's grid.
+    /// Returns the values at the surface's own points, given those at the points of the solver's grid.
     pub(crate) fn crop<T: Copy>(&self, values: Vec<T>) -> Vec<T> {
         if !self.is_wider() {
             return values;
@@ -138,7 +140,7 @@ impl SolverGrid<'_> {
         lines.flat_map(|first| &values[first..][..self.chart.cols]).copied().collect()
     }
 
-    /// Writes the surface's part of values at the points of the solver's grid.
+    /// Writes the values at the surface's own points, given those at the points of the solver's grid.
     pub(crate) fn crop_into<T: Copy>(&self, values: &[T], into: &mut [T]) {
         for (row, own) in into.chunks_exact_mut(self.chart.cols).enumerate() {
             let first = self.index(row * self.chart.cols);
@@ -152,7 +154,7 @@ mod tests {
     use super::*;
     use crate::surface::{Direction, Gluing, Spacing};
 
-    /// Returns columns of heights of which the last is the first one; rows are level.
+    /// Returns a surface whose columns have the heights 0 and `step` in turn. The last column repeats the first.
     fn corrugated(step: f64) -> Surface {
         let heights = (0..9 * 13).map(|index| step * f64::from(index % 13 % 12 % 2));
         Surface::from_heights(9, 13, heights.collect(), Spacing::square(1.0)).unwrap()
@@ -162,7 +164,7 @@ mod tests {
     fn only_obtuse_triangles_beside_seams_make_the_grid_wider() {
         let is_wider = |surface: Surface| surface.solver_grid().is_wider();
         let sheared = |gluing: Option<Gluing>, from: usize| {
-            // Rows move along a steep slope.
+            // Heights rise along rows and columns, which makes triangles obtuse.
             let heights = (0..30 * 41).map(|index| {
                 let (row, col) = (index / 41, index % 41);
                 let inside = (from..40 - from).contains(&(col % 40));

@@ -12,11 +12,12 @@ use crate::surface::real::Real;
 /// Number of adjacent cells of a row that are marked together.
 pub(super) const CELLS: usize = 32;
 
-/// Marks of the cells in which a triangle may be obtuse. They are set while edges are measured, which costs
-/// less than to read all edges again.
+/// Marks of groups of [`CELLS`] adjacent cells of a row, in which a triangle may be obtuse. They are set while edges
+/// are measured, which costs less than to read all edges again.
 #[derive(Clone, Debug)]
 pub(in crate::surface) struct MarkedCells {
-    /// Number of marks in a row of cells. Row r of cells lies between the points of rows r - 1 and r.
+    /// Number of marks in a row of cells. Row r of cells lies between the points of rows r - 1 and r, unlike in
+    /// [`Chart::rows_of_cells`].
     in_row: usize,
     pub(super) marks: Vec<bool>,
 }
@@ -97,7 +98,8 @@ impl<R: Real> Loop for Cells<'_, R> {
         let (above, east) = (&self.above[..cells], &self.east[..cells]);
         let (left, right) = (&self.north[..cells], &self.north[1..][..cells]);
         let (rising, falling) = (&self.north_east[..cells], &self.north_west[1..][..cells]);
-        // The limit errs towards too many triangles, since shaders would find a missed one.
+        // The limit marks too many triangles rather than too few: shaders test each triangle themselves, and the
+        // engines would differ at a missed one.
         let (limit, missing) = (R::of(1.001 * OBTUSE), R::FAR * R::FAR);
         for (at, mark) in self.marks.iter_mut().enumerate() {
             let mut found = false;

@@ -66,20 +66,21 @@ impl<R: Real> Band<R> {
     }
 }
 
-/// Reciprocal of the largest fraction of a surface's points that have obtuse triangles for which storing the
-/// parts pays within a single map. If all points have some, storing takes half as long again as the map.
+/// Parts are stored for a single map if at most one point in `FEW` has obtuse triangles. If all points have some,
+/// storing takes half as long again as the map.
 const FEW: usize = 4;
 
 impl<R: Real> EdgeLengths<R> {
-    /// Stores the parts of obtuse triangles if there are few. A map of few iterations finds more of them as
-    /// it needs them.
+    /// Stores the parts of obtuse triangles if there are few. If there are more, a map of few iterations finds them
+    /// when it needs them.
     pub(crate) fn store_few_parts(&self) {
         if self.obtuse_count() <= self.chart().points() / FEW {
             self.parts_on_side(Direction::North);
         }
     }
 
-    /// Returns the parts of obtuse triangles on one side of their points if they are stored already.
+    /// Returns the stored parts of obtuse triangles on one side of their points. The result is `None` if nothing is
+    /// stored yet, if there is no such triangle, or if there are too many to store.
     pub(crate) fn stored_parts_on_side(&self, side: Direction) -> Option<&SideParts<R>> {
         let sides = self.shared.parts.0.get()?.as_ref()?;
         Some(&sides[side as usize / 2])

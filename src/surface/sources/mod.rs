@@ -92,7 +92,7 @@ impl Sources {
         self.iter().filter(is_inside).count()
     }
 
-    /// Returns the smallest initial value.
+    /// Returns the smallest initial value, or infinity if there is no source.
     pub fn start(&self) -> f64 {
         self.iter().map(Source::initial).fold(f64::INFINITY, f64::min)
     }

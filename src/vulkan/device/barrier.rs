@@ -9,9 +9,10 @@ pub(crate) const MOST_TOGETHER: usize = 64;
 pub(crate) type Access = (vk::PipelineStageFlags, vk::AccessFlags);
 
 pub(crate) const NOTHING: Access = (vk::PipelineStageFlags::TOP_OF_PIPE, vk::AccessFlags::NONE);
-pub(crate) const CLEAR: Access =
+pub(crate) const TRANSFER_WRITE: Access =
     (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_WRITE);
-pub(crate) const COPY: Access = (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_READ);
+pub(crate) const TRANSFER_READ: Access =
+    (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_READ);
 /// Clears, copies and updates.
 pub(crate) const TRANSFER: Access = (
     vk::PipelineStageFlags::TRANSFER,

@@ -1,4 +1,4 @@
-//! Creates a Vulkan instance of this crate's own.
+//! Creates the Vulkan instance that this crate owns.
 
 use std::ffi::CStr;
 
@@ -34,7 +34,7 @@ impl Instance {
             .application_name(c"geosweep")
             .engine_name(c"geosweep")
             .api_version(API_VERSION);
-        // SAFETY: no layer's extensions are requested.
+        // SAFETY: no layer's name is passed, so that no pointer needs to stay valid.
         let offered = unsafe { entry.enumerate_instance_extension_properties(None) };
         let offered = offered.unwrap_or_default();
         let offers = |name: &CStr| {

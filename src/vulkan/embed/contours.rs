@@ -13,7 +13,7 @@ use crate::constants::{LEVELS_TOGETHER, WORKGROUP};
 use crate::surface::Chart;
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
-use crate::vulkan::device::barrier::{CLEAR, SHADER, SHADER_WRITE};
+use crate::vulkan::device::barrier::{SHADER, SHADER_WRITE, TRANSFER_WRITE};
 use crate::vulkan::device::limits::Limits;
 use crate::vulkan::device::memory::BufferInfo;
 use crate::vulkan::device::passes::{CONTOUR_COUNTS, CONTOUR_OFFSETS, CONTOUR_SEGMENTS};
@@ -364,11 +364,11 @@ impl Recording<'_> {
         let (recorder, chart) = (&self.recorder, self.surface.grid.chart);
         let _group = recorder.group(c"geosweep: contours");
         let (stages, access) = frame.reader.side();
-        let ours = (CLEAR.0 | SHADER.0, CLEAR.1 | SHADER.1);
+        let ours = (TRANSFER_WRITE.0 | SHADER.0, TRANSFER_WRITE.1 | SHADER.1);
         recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);
         if count > 0 {
             recorder.update(curves.counts(), 0, bytemuck::cast_slice(&levels[..count]));
-            recorder.barrier(CLEAR, SHADER);
+            recorder.barrier(TRANSFER_WRITE, SHADER);
         }
         let push = Push {
             grid: grid_size(chart),

@@ -13,7 +13,7 @@ use super::surface::FrameSurface;
 use crate::constants::{CURVE_WORDS, PATH_WORDS, STEPS_TOGETHER};
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
-use crate::vulkan::device::barrier::{CLEAR, SHADER, SHADER_WRITE, TRANSFER};
+use crate::vulkan::device::barrier::{SHADER, SHADER_WRITE, TRANSFER, TRANSFER_WRITE};
 use crate::vulkan::device::limits::Limits;
 use crate::vulkan::device::memory::BufferInfo;
 use crate::vulkan::device::passes::{PATH_STARTS, PATHS};
@@ -370,7 +370,7 @@ impl Recording<'_> {
                 recorder.copy((buffer, offset), (curves.output(), to), size);
             }
         }
-        recorder.barrier(CLEAR, SHADER);
+        recorder.barrier(TRANSFER_WRITE, SHADER);
         if let SourceInput::Inline(sources) = frame.sources {
             recorder.write_sources(bytemuck::cast_slice(sources));
         }

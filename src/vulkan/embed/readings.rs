@@ -8,7 +8,7 @@ use super::numbered::nth;
 use super::recording::{Recording, grid_size};
 use super::surface::{Outcome, ResultImage};
 use crate::vulkan::VulkanError;
-use crate::vulkan::device::barrier::{CLEAR, SHADER, SHADER_WRITE};
+use crate::vulkan::device::barrier::{SHADER, SHADER_WRITE, TRANSFER_WRITE};
 use crate::vulkan::device::passes::{LOOKUP, RESULT};
 use crate::vulkan::device::shaders::{lookup, result};
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
@@ -65,7 +65,7 @@ impl Recording<'_> {
         )?;
         self.surface.state.check_map()?;
         self.recorder.outcome_to(buffer, offset);
-        self.recorder.barrier(CLEAR, after.side());
+        self.recorder.barrier(TRANSFER_WRITE, after.side());
         self.note();
         Ok(())
     }

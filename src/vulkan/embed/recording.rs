@@ -90,8 +90,8 @@ impl<'a> Recording<'a> {
     }
 
     /// Returns this recording with maps that end at a radius or at targets, in [`Recording::solve`]
-    /// and [`Recording::add`], which check the limit. A frame has its own: [`super::Frame::limit`]. The map of [`Recording::add`] should
-    /// have the limit of the map to which sources are added.
+    /// and [`Recording::add`], which check the limit. A frame has its own: [`super::Frame::limit`]. The map of
+    /// [`Recording::add`] should have the limit of the map to which sources are added.
     pub fn limited(self, limit: MapLimit<'a>) -> Self {
         Self { limit, ..self }
     }
@@ -197,7 +197,7 @@ impl<'a> Recording<'a> {
             recorder.measure(kind, rule == EdgeRule::Arc, rows);
         }
         if solver.is_curved() {
-            recorder.bend(rule, false);
+            recorder.compute_gaussian_curvature(rule, false);
             recorder.share_curvature();
         }
     }

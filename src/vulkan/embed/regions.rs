@@ -16,7 +16,7 @@ use crate::constants::{FLOW_JUMPS, PARENT_JUMPS};
 use crate::surface::Chart;
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
-use crate::vulkan::device::barrier::{CLEAR, SHADER, SHADER_WRITE};
+use crate::vulkan::device::barrier::{SHADER, SHADER_WRITE, TRANSFER_WRITE};
 use crate::vulkan::device::limits::Limits;
 use crate::vulkan::device::memory::{Buffer, BufferInfo};
 use crate::vulkan::device::passes::{REGION_FLOW, REGION_LABELS, REGION_STARTS, REGION_WAYS};
@@ -390,14 +390,14 @@ impl Recording<'_> {
         let (recorder, labels, chart) = (&self.recorder, regions.labels(), regions.chart);
         let _group = recorder.group(c"geosweep: regions");
         let (stages, access) = frame.reader.and(frame.before).side();
-        let ours = (CLEAR.0 | SHADER.0, CLEAR.1 | SHADER.1);
+        let ours = (TRANSFER_WRITE.0 | SHADER.0, TRANSFER_WRITE.1 | SHADER.1);
         recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);
         let record = PassRecord { dispatches: 0, ..PassRecord::new(PassKind::Regions) };
         let work = Work::of_bytes(0, 2 * labels.bytes);
         let pass = recorder.pass_with(PassRecord { work, ..record });
         recorder.fill(labels.buffer, 0, 2 * labels.bytes);
         drop(pass);
-        recorder.barrier(CLEAR, SHADER);
+        recorder.barrier(TRANSFER_WRITE, SHADER);
         if let SourceInput::Inline(sources) = frame.sources {
             recorder.write_sources(bytemuck::cast_slice(sources));
         }

@@ -15,7 +15,9 @@ use super::surface::{FrameSurface, ResultImage};
 use crate::constants::WAYS_HEADER;
 use crate::surface::Chart;
 use crate::vulkan::VulkanError;
-use crate::vulkan::device::barrier::{CLEAR, COPY, SHADER, SHADER_WRITE, TRANSFER};
+use crate::vulkan::device::barrier::{
+    SHADER, SHADER_WRITE, TRANSFER, TRANSFER_READ, TRANSFER_WRITE,
+};
 use crate::vulkan::device::device_memory::DeviceMemory;
 use crate::vulkan::device::limits::Limits;
 use crate::vulkan::device::memory::{Buffer, BufferInfo, Image, ImageInfo};
@@ -47,7 +49,7 @@ pub(super) struct WayKind {
     pub(super) pass: PassKind,
     /// Number of words of the buffer for each grid point, after the header.
     pub(super) point_words: u64,
-    /// Number of these words before those of the image.
+    /// Number of these words that precede the words copied to the image.
     pub(super) words_before: u64,
 }
 
@@ -64,7 +66,7 @@ impl WayKind {
         ImageInfo { name: self.what, format: self.format, extent, layers: 1, families: &[] }
     }
 
-    /// Returns the bytes taken from the allocator, without the image if the host provides it.
+    /// Returns the number of bytes that the buffer and an image of its own take from the allocator.
     pub(super) fn bytes_for(
         self,
         device: &ash::Device,
@@ -196,7 +198,7 @@ impl WayImage {
     }
 
     /// Records the passes that find the sources beside each grid point, after which others may be recorded.
-    /// The first of `pipelines` is that pass. Returns what records others.
+    /// `starts` is the pipeline of these passes. Returns what records others.
     pub(super) fn start<'a>(
         &'a self,
         recording: &'a Recording<'a>,
@@ -221,7 +223,7 @@ impl WayImage {
         let pass = recorder.pass_with(record);
         recorder.fill(self.output(), 0, cleared);
         drop(pass);
-        recorder.barrier(CLEAR, SHADER);
+        recorder.barrier(TRANSFER_WRITE, SHADER);
         if let SourceInput::Inline(sources) = sources {
             recorder.write_sources(bytemuck::cast_slice(sources));
         }
@@ -277,15 +279,15 @@ impl WayPasses<'_> {
         let start = WORD * (u64::from(WAYS_HEADER) + kind.words_before * points);
         let texel = if kind.format == vk::Format::R16G16_SFLOAT { WORD } else { 2 * WORD };
         let pass = recorder.pass_of_copy(kind.pass, texel * points);
-        recorder.barrier(SHADER_WRITE, COPY);
+        recorder.barrier(SHADER_WRITE, TRANSFER_READ);
         let (stages, access) = reader.access.side();
-        let before = (stages | CLEAR.0, access | CLEAR.1);
+        let before = (stages | TRANSFER_WRITE.0, access | TRANSFER_WRITE.1);
         let layouts = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::GENERAL);
-        recorder.image_barrier(result.image, before, CLEAR, layouts);
+        recorder.image_barrier(result.image, before, TRANSFER_WRITE, layouts);
         let whole = (vk::Offset3D::default(), extent(of.chart));
         recorder.copy_to_image((of.output(), start), result.image, whole);
         let layouts = (vk::ImageLayout::GENERAL, reader.layout);
-        recorder.image_barrier(result.image, CLEAR, reader.access.side(), layouts);
+        recorder.image_barrier(result.image, TRANSFER_WRITE, reader.access.side(), layouts);
         drop(pass);
         if let Some(sets) = &of.sets {
             sets.are_used(recording.note());
@@ -294,8 +296,8 @@ impl WayPasses<'_> {
     }
 }
 
-/// Gives a type with a `WayImage` in its field `image` the methods that all of them have. They are public, and the
-/// `WayImage` is not.
+/// Defines the methods that all types with a `WayImage` in their field `image` share. It is a macro, since these
+/// methods are public and `WayImage` is not.
 macro_rules! on_way_image {
     ($kind:ident) => {
         impl $kind {

@@ -12,7 +12,7 @@ use crate::constants::{LAYERS, WORKGROUP};
 use crate::surface::Chart;
 use crate::update::Wavefront;
 use crate::vulkan::DeviceChoice;
-use crate::vulkan::device::barrier::{CLEAR, COPY, HOST_READ, PASS};
+use crate::vulkan::device::barrier::{HOST_READ, PASS, TRANSFER_READ, TRANSFER_WRITE};
 use crate::vulkan::device::memory::{Buffer, BufferInfo};
 use crate::vulkan::device::passes::{CEILING_COPY, CEILING_UPDATES};
 use crate::vulkan::device::requirements;
@@ -205,7 +205,7 @@ impl<'a> Probe<'a> {
                 device.cmd_fill_buffer(commands, groups, 0, ONE_GROUP, 0);
                 device.cmd_fill_buffer(commands, groups, ONE_GROUP, vk::WHOLE_SIZE, 1);
             }
-            recorder.barrier(CLEAR, PASS);
+            recorder.barrier(TRANSFER_WRITE, PASS);
             for &pipeline in self.updates.iter().chain([&self.copy]) {
                 self.dispatch(commands, pipeline, Load { texels: [1, 1], repeats: 1 });
                 self.barrier(commands);
@@ -260,9 +260,9 @@ impl<'a> Probe<'a> {
         let (from, to) = (self.buffers[0].buffer, self.buffers[1].buffer);
         self.commands.record(|_, commands| {
             let recorder = self.recording(commands);
-            recorder.barrier(PASS, COPY);
+            recorder.barrier(PASS, TRANSFER_READ);
             recorder.copy((from, 0), (to, 0), READ_BACK as u64);
-            recorder.barrier(CLEAR, HOST_READ);
+            recorder.barrier(TRANSFER_WRITE, HOST_READ);
         })?;
         let (mut shortest, mut array) = (Duration::MAX, vec![0; READ_BACK]);
         for _ in 0..TRIES {

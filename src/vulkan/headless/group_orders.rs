@@ -108,16 +108,17 @@ fn raster_scans_do_not_depend_on_the_order_of_workgroups() {
         let [mut in_order, mut other] = [ORDERS[0], order].map(with_order);
         for problem in &problems {
             let wanted = maps(&mut in_order, problem, Schedule::Raster);
-            raster::tests::IS_REVERSED.set(order < 0);
+            raster::tests::PAIRS_ARE_REVERSED.set(order < 0);
             let found = maps(&mut other, problem, Schedule::Raster);
-            raster::tests::IS_REVERSED.set(false);
+            raster::tests::PAIRS_ARE_REVERSED.set(false);
             let what = format!("{}, {scan_lines} lines, {scan_pairs}, {order}", problem.what);
             assert_same(&wanted, &found, &what);
         }
     }
 }
 
-/// A workgroup that takes blocks in turn has the dispatch for itself, but not its pair.
+/// A workgroup that takes blocks in turn is the only one of its dispatch, but the opposite scan of the pair runs at the
+// same time.
 #[test]
 fn scans_of_a_pair_can_run_in_any_order() {
     let problems = problems();
@@ -125,9 +126,9 @@ fn scans_of_a_pair_can_run_in_any_order() {
         solver(0, |old| Tuning { scan_width: 64, scan_lines: 4, scan_pairs: true, ..old });
     for problem in &problems {
         let [in_order, reversed] = [false, true].map(|reversed| {
-            raster::tests::IS_REVERSED.set(reversed);
+            raster::tests::PAIRS_ARE_REVERSED.set(reversed);
             let maps = maps(&mut solver, problem, Schedule::Raster);
-            raster::tests::IS_REVERSED.set(false);
+            raster::tests::PAIRS_ARE_REVERSED.set(false);
             maps
         });
         assert_same(&in_order, &reversed, problem.what);

@@ -136,7 +136,7 @@ impl HeadlessSolver {
 
     /// Returns a tuning with [`Tuning::tile_edges`] as it is best on this device: set if shared memory has
     /// room for the edges of tiles of this size.
-    pub fn place_edges(&self, tuning: Tuning) -> Tuning {
+    pub fn with_edges_placed(&self, tuning: Tuning) -> Tuning {
         let instance = &self.context.instance.handle;
         // SAFETY: the physical device is from this instance.
         let properties =
@@ -198,7 +198,9 @@ mod tests {
     use crate::vulkan::copies;
     use crate::vulkan::copies::tests::GroupOrder;
     use crate::vulkan::device::barrier::tests::without;
-    use crate::vulkan::device::barrier::{Access, CLEAR, COPY, PASS, SHADER, SHADER_WRITE};
+    use crate::vulkan::device::barrier::{
+        Access, PASS, SHADER, SHADER_WRITE, TRANSFER_READ, TRANSFER_WRITE,
+    };
     use crate::vulkan::{Method, Schedule};
 
     const STOP: Stop = Stop::within(1e-6).or_after(100);
@@ -336,7 +338,8 @@ mod tests {
         let surface = hill();
         // After distances are unpacked, and after sources are copied: the barrier that follows clears comes
         // first.
-        for (missing, number) in [((SHADER_WRITE, COPY), 0), ((CLEAR, SHADER), 1)] {
+        for (missing, number) in [((SHADER_WRITE, TRANSFER_READ), 0), ((TRANSFER_WRITE, SHADER), 1)]
+        {
             let solver = solver();
             let tuning = Tuning { staged: true, ..solver.tuning() };
             let mut solver = solver.with_tuning(tuning).unwrap();

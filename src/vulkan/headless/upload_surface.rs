@@ -55,7 +55,9 @@ impl HeadlessSolver {
         if let Some(slowness) = known.as_ref().and_then(EdgeLengths::slowness) {
             self.upload_ground(images, slowness, true)?;
         }
-        self.run(&mut Unwatched, images, |recorder| recorder.bend(rule, is_floor))?;
+        self.run(&mut Unwatched, images, |recorder| {
+            recorder.compute_gaussian_curvature(rule, is_floor)
+        })?;
         let is_derived = has_positions && !surface.is_glued();
         if let Some(known) = known.filter(|_| !is_derived && !is_floor) {
             self.upload_ground(images, known.gaussian_curvature(), false)?;

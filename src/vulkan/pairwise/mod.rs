@@ -227,7 +227,7 @@ impl PairwiseOnDevice {
         let capabilities = solver.capabilities().ok_or(VulkanError::NotForProfiling)?;
         let scans = self.scans(solver.tuning(), None, stop.iterations);
         let passes = schedules::records(&scans, detail.grain) + PASSES_AROUND;
-        // Each map converges by itself, so that the work is known only by iteration.
+        // Each map converges by itself, so that the work is known for whole iterations only.
         let grain = match detail.grain {
             Grain::Portions => Grain::Iterations,
             finer => finer,
@@ -369,7 +369,7 @@ impl PairwiseOnDevice {
         self.resources.copies.is_some()
     }
 
-    /// Records commands for `maps` maps and submits them. The last ones have been waited for.
+    /// Records commands for `maps` maps and submits them. The commands submitted before have finished.
     fn start(
         &mut self,
         solver: &HeadlessSolver,

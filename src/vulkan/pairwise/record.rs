@@ -13,7 +13,7 @@ use super::steps::Step;
 use crate::constants::WORKGROUP;
 use crate::vulkan::TexelChart;
 use crate::vulkan::copies::Copies;
-use crate::vulkan::device::barrier::{CLEAR, NOTHING, PASS, SHADER, SHADER_WRITE};
+use crate::vulkan::device::barrier::{NOTHING, PASS, SHADER, SHADER_WRITE, TRANSFER_WRITE};
 use crate::vulkan::device::descriptors::Sets;
 use crate::vulkan::device::memory::Buffer;
 use crate::vulkan::device::passes::UNPACK;
@@ -58,7 +58,7 @@ impl BatchRecorder<'_> {
         }
         if let Some(copies) = &self.resources.copies {
             self.write_copies(copies);
-            self.barrier(CLEAR, PASS);
+            self.barrier(TRANSFER_WRITE, PASS);
         }
         let &SharedMemory { fans, .. } = self.passes else { return };
         self.bind(fans, self.sets(0));
@@ -93,7 +93,7 @@ impl BatchRecorder<'_> {
             self.barrier(PASS, PASS);
         }
         for step in steps {
-            for &(before, after) in step.waits() {
+            for &(before, after) in step.barriers_before() {
                 self.barrier(before, after);
             }
             Scope::go_on(&mut open, self.watch(), || {
@@ -143,7 +143,7 @@ impl BatchRecorder<'_> {
                     unreachable!("{step:?} is of another schedule")
                 }
             }
-            let (before, after) = step.ends();
+            let (before, after) = step.barrier_after();
             self.barrier(before, after);
         }
     }

@@ -1,7 +1,9 @@
 //! Lists the passes over a batch as plain values that need no device.
 
 use super::schedule::PairwiseSchedule;
-use crate::vulkan::device::barrier::{Access, CLEAR, COPY, HOST_READ, PASS, SHADER_WRITE};
+use crate::vulkan::device::barrier::{
+    Access, HOST_READ, PASS, SHADER_WRITE, TRANSFER_READ, TRANSFER_WRITE,
+};
 use crate::vulkan::schedules::plan;
 
 /// Step of a recording.
@@ -27,21 +29,21 @@ pub(super) enum Step {
 
 impl Step {
     /// Returns the barriers before the step.
-    pub(super) fn waits(&self) -> &'static [(Access, Access)] {
+    pub(super) fn barriers_before(&self) -> &'static [(Access, Access)] {
         match self {
-            Self::Begin => &[(COPY, CLEAR), (PASS, CLEAR)],
-            Self::Report | Self::Bring(_) => &[(PASS, COPY)],
+            Self::Begin => &[(TRANSFER_READ, TRANSFER_WRITE), (PASS, TRANSFER_WRITE)],
+            Self::Report | Self::Bring(_) => &[(PASS, TRANSFER_READ)],
             _ => &[],
         }
     }
 
     /// Returns the barrier after the step.
-    pub(super) fn ends(&self) -> (Access, Access) {
+    pub(super) fn barrier_after(&self) -> (Access, Access) {
         match self {
-            Self::Begin => (CLEAR, PASS),
+            Self::Begin => (TRANSFER_WRITE, PASS),
             Self::Start | Self::ExchangeSources | Self::Raster(_) => (PASS, PASS),
             Self::Workgroups | Self::Unpack => (SHADER_WRITE, HOST_READ),
-            Self::Report | Self::Bring(_) => (CLEAR, HOST_READ),
+            Self::Report | Self::Bring(_) => (TRANSFER_WRITE, HOST_READ),
         }
     }
 }

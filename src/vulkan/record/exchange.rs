@@ -5,7 +5,7 @@ use super::recorder::Recorder;
 use crate::update::Wavefront;
 use crate::vulkan::Schedule;
 use crate::vulkan::copies::{Copies, NO_ROUND};
-use crate::vulkan::device::barrier::{CLEAR, PASS, SHADER, SHADER_WRITE};
+use crate::vulkan::device::barrier::{PASS, SHADER, SHADER_WRITE, TRANSFER_WRITE};
 use crate::vulkan::device::passes::{EXCHANGE, SHARE_CURVATURE, Variant};
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 
@@ -16,7 +16,7 @@ impl Commands<'_> {
     /// Writes a list of copies. A barrier after clears must follow.
     pub(in crate::vulkan) fn write_copies(&self, copies: &Copies) {
         let (buffer, bytes) = copies.contents();
-        self.barrier(SHADER, CLEAR);
+        self.barrier(SHADER, TRANSFER_WRITE);
         for (part, number) in bytes.chunks(MOST_BYTES).zip(0..) {
             self.update(buffer, number * MOST_BYTES as u64, part);
         }

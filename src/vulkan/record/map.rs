@@ -7,7 +7,7 @@ use ash::vk;
 use super::recorder::{Recorder, dispatched};
 use crate::constants::{CARRIED, FAR, LAYERS, TIME};
 use crate::vulkan::device::barrier::{
-    CLEAR, COPY, HOST_READ, PASS, SHADER, SHADER_WRITE, TRANSFER,
+    HOST_READ, PASS, SHADER, SHADER_WRITE, TRANSFER, TRANSFER_READ, TRANSFER_WRITE,
 };
 use crate::vulkan::device::passes::{SEED, TRIM, UNPACK};
 use crate::vulkan::device::shaders::{seed, trim, unpack};
@@ -23,9 +23,9 @@ impl Recorder<'_> {
     /// Clears the map: no point is reached in either image.
     pub(crate) fn forget(&self) {
         let _pass = self.pass_over_images(PassKind::Forget, 0, 2 * u64::from(LAYERS) * 16);
-        self.barrier(SHADER, CLEAR);
+        self.barrier(SHADER, TRANSFER_WRITE);
         self.clear_fronts();
-        self.barrier(CLEAR, SHADER);
+        self.barrier(TRANSFER_WRITE, SHADER);
     }
 
     pub(super) fn clear_fronts(&self) {
@@ -68,7 +68,7 @@ impl Recorder<'_> {
         for (from, to, size) in parts.into_iter().filter(|(.., size)| *size > 0) {
             self.copy(from, to, size);
         }
-        self.barrier(CLEAR, SHADER);
+        self.barrier(TRANSFER_WRITE, SHADER);
     }
 
     /// Writes sources into the buffer from which `sources.comp` reads them.
@@ -79,15 +79,15 @@ impl Recorder<'_> {
         let work = Work::of_bytes(0, bytes.len() as u64);
         let record = PassRecord { dispatches: 0, work, ..PassRecord::new(PassKind::Sources) };
         let _pass = self.pass_with(record);
-        self.barrier(SHADER, CLEAR);
+        self.barrier(SHADER, TRANSFER_WRITE);
         self.update(self.grid.download.buffer, 0, bytes);
-        self.barrier(CLEAR, SHADER);
+        self.barrier(TRANSFER_WRITE, SHADER);
     }
 
     /// Copies the outcome of the iterations to one of the records that the host reads.
     pub(crate) fn outcome(&self, number: usize) {
         self.outcome_to(self.grid.outcome.buffer, record_offset(number));
-        self.barrier(CLEAR, HOST_READ);
+        self.barrier(TRANSFER_WRITE, HOST_READ);
     }
 
     /// Copies the outcome and marks the record with a serial, by which the host sees that the record is
@@ -95,18 +95,18 @@ impl Recorder<'_> {
     pub(crate) fn outcome_with_serial(&self, number: usize, serial: u32) {
         let (buffer, at) = (self.grid.outcome.buffer, record_offset(number));
         self.outcome_to(buffer, at);
-        self.barrier(CLEAR, CLEAR);
+        self.barrier(TRANSFER_WRITE, TRANSFER_WRITE);
         self.fill_with(buffer, at + offset::SERIAL_IN_RECORD, size_of::<u32>() as u64, serial);
-        self.barrier(CLEAR, HOST_READ);
+        self.barrier(TRANSFER_WRITE, HOST_READ);
     }
 
     /// Writes a serial after all passes so far to the record with this number, where the host finds it.
     pub(crate) fn mark(&self, number: usize, serial: u32) {
         let at = record_offset(number) + offset::SERIAL_IN_RECORD;
         let passes = (PASS.0 | TRANSFER.0, PASS.1 | TRANSFER.1);
-        self.barrier(passes, CLEAR);
+        self.barrier(passes, TRANSFER_WRITE);
         self.fill_with(self.grid.outcome.buffer, at, size_of::<u32>() as u64, serial);
-        self.barrier(CLEAR, HOST_READ);
+        self.barrier(TRANSFER_WRITE, HOST_READ);
     }
 
     /// Copies the outcome of the iterations, and the state of the input, to a buffer that has room for them
@@ -121,17 +121,17 @@ impl Recorder<'_> {
                 .size(offset::INPUT_BYTES),
         ];
         let _pass = self.pass_of_copy(PassKind::Outcome, size + offset::INPUT_BYTES);
-        self.barrier(PASS, COPY);
+        self.barrier(PASS, TRANSFER_READ);
         self.copy_parts(self.grid.progress.buffer, to, &parts);
     }
 
     /// Sets a part of the state of a renderer's input between passes: the number of its preparation, or the
     /// properties of its points.
     pub(crate) fn set_known(&self, bytes: Range<u64>, number: u32) {
-        self.barrier(PASS, CLEAR);
+        self.barrier(PASS, TRANSFER_WRITE);
         let count = bytes.end - bytes.start;
         self.fill_with(self.grid.progress.buffer, bytes.start, count, number);
-        self.barrier(CLEAR, SHADER);
+        self.barrier(TRANSFER_WRITE, SHADER);
     }
 
     /// Unpacks the arrival times in image 0 for a band of rows, to where the host reads them: in the
@@ -151,13 +151,13 @@ impl Recorder<'_> {
         let staging = self.grid.read_back_at(half);
         if staging.is_some() {
             // The last band may still be copied.
-            self.barrier(COPY, SHADER_WRITE);
+            self.barrier(TRANSFER_READ, SHADER_WRITE);
         }
         self.host_pass(self.pipelines.of(UNPACK), self.grid.sets.read_back, &band, size);
         if let Some(to) = staging {
-            self.barrier(SHADER_WRITE, COPY);
+            self.barrier(SHADER_WRITE, TRANSFER_READ);
             self.copy((self.grid.download.buffer, 0), to, 4 * points);
-            self.barrier(CLEAR, HOST_READ);
+            self.barrier(TRANSFER_WRITE, HOST_READ);
         } else {
             self.barrier(SHADER_WRITE, HOST_READ);
         }

@@ -9,7 +9,7 @@ use crate::constants::{FAR, LAYERS};
 use crate::surface::{Chart, EdgeRule, Spacing};
 use crate::vulkan::TexelChart;
 use crate::vulkan::device::bands::rows_around;
-use crate::vulkan::device::barrier::{CLEAR, SHADER, SHADER_WRITE};
+use crate::vulkan::device::barrier::{SHADER, SHADER_WRITE, TRANSFER_WRITE};
 use crate::vulkan::device::passes::{FAN_CURVATURE, GAUSSIAN_CURVATURE, TYPICAL_EDGE};
 use crate::vulkan::device::shaders::{
     edges_from_heights, fan_curvature, gaussian_curvature, typical_edge,
@@ -27,7 +27,7 @@ impl Recorder<'_> {
         let layouts = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::GENERAL);
         for image in [&grid.edges, &grid.gaussian, &grid.fronts[0], &grid.fronts[1]] {
             // The barrier covers passes of an earlier map, if the surface is prepared again.
-            self.image_barrier(image.image, SHADER, CLEAR, layouts);
+            self.image_barrier(image.image, SHADER, TRANSFER_WRITE, layouts);
         }
         self.clear(grid.edges.image, 0, FAR);
         // Beside curvatures of 0 there are slownesses of 1, if there are any. No edge leads to a texel where
@@ -37,7 +37,7 @@ impl Recorder<'_> {
         if let Some(copies) = &self.grid.copies {
             self.write_copies(copies);
         }
-        self.barrier(CLEAR, SHADER);
+        self.barrier(TRANSFER_WRITE, SHADER);
     }
 
     /// Measures the edges of a band of rows. The points of [`rows_around`] it are in the upload buffer.
@@ -88,19 +88,19 @@ impl Recorder<'_> {
         };
         let bytes = 16 * u64::from(extent.width) * u64::from(extent.height);
         let _pass = self.pass_of_copy(PassKind::Edges, bytes);
-        self.barrier(SHADER, CLEAR);
+        self.barrier(SHADER, TRANSFER_WRITE);
         let border = TexelChart::POINTS_BEFORE as i32;
         let offset = vk::Offset3D { x: border, y: border + rows.start as i32, z: 0 };
         let from = self.grid.upload_at(half);
         self.copy_to_image(from, self.grid.edges.image, (offset, extent));
-        self.barrier(CLEAR, SHADER);
+        self.barrier(TRANSFER_WRITE, SHADER);
         if rows.end == self.grid.chart.rows {
             self.find_typical_edge();
         }
     }
 
-    /// Copies values at the points of a band of rows, 2 x 2 a texel, from a half of the upload buffer. They
-    /// are the Gaussian curvature or, to its `right`, the slowness.
+    /// Copies values at the points of a band of rows, 2 x 2 a texel, from a half of the upload buffer. With `right`
+    /// set, they are the slowness, whose texels lie to the right of those of the Gaussian curvature.
     pub(crate) fn upload_ground(&self, rows: Range<usize>, right: bool, half: usize) {
         let extent = vk::Extent3D {
             width: self.grid.chart.cols.div_ceil(2) as u32,
@@ -109,24 +109,24 @@ impl Recorder<'_> {
         };
         let bytes = 16 * u64::from(extent.width) * u64::from(extent.height);
         let _pass = self.pass_of_copy(PassKind::Edges, bytes);
-        self.barrier(SHADER, CLEAR);
+        self.barrier(SHADER, TRANSFER_WRITE);
         let (row, col, _) = TexelChart::texel_of(rows.start, 0);
         let x = if right { self.grid.texels.cols + col } else { col } as i32;
         let offset = vk::Offset3D { x, y: row as i32, z: 0 };
         let from = self.grid.upload_at(half);
         self.copy_to_image(from, self.grid.gaussian.image, (offset, extent));
-        self.barrier(CLEAR, SHADER);
+        self.barrier(TRANSFER_WRITE, SHADER);
     }
 
     /// Computes the surface's Gaussian curvature, once all edges are measured by the rule. On floor plans it
-    /// also computes where shortest paths can bend.
-    pub(crate) fn bend(&self, rule: EdgeRule, is_floor: bool) {
+    /// also computes where shortest paths can compute_gaussian_curvature.
+    pub(crate) fn compute_gaussian_curvature(&self, rule: EdgeRule, is_floor: bool) {
         let inner = self.grid.texels.inner();
         let texels = inner.map(|texels| texels as i32);
         let share_of_fan = rule.share_of_fan() as f32;
         let Chart { rows, cols } = self.grid.chart;
         let (grid, lattice) = ([cols as i32, rows as i32], self.grid.lattice.codes());
-        // Each pass reads the lengths of four points' edges. The second pass also reads a number of each
+        // Each pass reads the lengths of four points' edges. The second pass also reads the fan curvature of each
         // point.
         let pass = self.pass_of_each(PassKind::Curvature, inner, [64, 16]);
         let is_slowed = self.grid.is_slowed().into();

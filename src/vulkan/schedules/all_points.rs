@@ -3,7 +3,7 @@
 use super::order::{Order, Steps};
 use super::plan::{Portions, Reached, Step};
 use super::progress::offset;
-use crate::constants::{NOTHING_FOLLOWS, WORKGROUP};
+use crate::constants::{ALL_POINTS_FOLLOW, WORKGROUP};
 use crate::vulkan::TexelChart;
 use crate::vulkan::device::passes::ALL_POINTS;
 use crate::vulkan::device::shaders::all_points::Push;
@@ -25,7 +25,7 @@ impl Order for AllPoints {
     }
 
     fn follows(&self) -> u32 {
-        NOTHING_FOLLOWS
+        ALL_POINTS_FOLLOW
     }
 
     fn has_rounds(&self) -> bool {

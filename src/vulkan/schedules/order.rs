@@ -8,7 +8,7 @@ use super::plan;
 use super::plan::{Portions, Reached, Step};
 use super::progress::{Progress, offset};
 use crate::vulkan::TexelChart;
-use crate::vulkan::device::barrier::{COPY, PASS, PASS_AND_HOST, TRANSFER};
+use crate::vulkan::device::barrier::{PASS, PASS_AND_HOST, TRANSFER, TRANSFER_READ};
 use crate::vulkan::device::passes::{Pass, Variant};
 use crate::vulkan::profile::{PassRecord, Presence, StepCounter};
 use crate::vulkan::record::{Groups, Recorder};
@@ -19,7 +19,7 @@ pub(super) trait Order: Sync {
     /// has pipelines of its own for them.
     fn passes(&self) -> &'static [usize];
 
-    /// Returns `SCANS_FOLLOW`, `NOTHING_FOLLOWS` or `TILES_FOLLOW`: the passes for which `glsl/passes/seed.comp`
+    /// Returns `SCANS_FOLLOW`, `ALL_POINTS_FOLLOW` or `TILES_FOLLOW`: the passes for which `glsl/passes/seed.comp`
     /// prepares.
     fn follows(&self) -> u32;
 
@@ -126,7 +126,7 @@ impl Recorder<'_> {
         to: (vk::Buffer, u64),
         size: u64,
     ) {
-        self.barrier(PASS, COPY);
+        self.barrier(PASS, TRANSFER_READ);
         self.copy((from, start), to, size);
         self.barrier(TRANSFER, PASS_AND_HOST);
     }

@@ -189,7 +189,7 @@ pub(crate) fn block_of(pass: &ScanPass, texels: TexelChart, lines: u32) -> Push 
 /// reverse it, since some devices run them one after another anyway.
 pub(super) fn in_order(together: &[Step]) -> impl Iterator<Item = &Step> {
     #[cfg(test)]
-    let is_reversed = tests::IS_REVERSED.get();
+    let is_reversed = tests::PAIRS_ARE_REVERSED.get();
     #[cfg(not(test))]
     let is_reversed = false;
     let last = together.len() - 1;
@@ -207,7 +207,7 @@ pub(in crate::vulkan) mod tests {
 
     thread_local! {
         /// Whether scans of a pair are recorded in the opposite order.
-        pub(in crate::vulkan) static IS_REVERSED: Cell<bool> = const { Cell::new(false) };
+        pub(in crate::vulkan) static PAIRS_ARE_REVERSED: Cell<bool> = const { Cell::new(false) };
     }
 
     fn texels(rows: usize, cols: usize) -> TexelChart {

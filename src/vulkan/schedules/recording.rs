@@ -11,7 +11,9 @@ use crate::Stop;
 use crate::constants::{FRONTS_ARE_ADDED, FRONTS_MEET, WORKGROUP};
 use crate::vulkan::copies::Copies;
 use crate::vulkan::device::barrier::MOST_TOGETHER;
-use crate::vulkan::device::barrier::{CLEAR, COPY, PASS, PASS_AND_HOST, TRANSFER};
+use crate::vulkan::device::barrier::{
+    PASS, PASS_AND_HOST, TRANSFER, TRANSFER_READ, TRANSFER_WRITE,
+};
 use crate::vulkan::device::passes::{COUNT, EXCHANGE, SEED, SETTLE, Variant};
 use crate::vulkan::grid_images::TILE_WORDS;
 use crate::vulkan::profile::{self, PassKind, PassRecord, Profile, Scope, StepCounter, Work};
@@ -64,8 +66,8 @@ impl Recorder<'_> {
         let _pass = self.pass_with(PassRecord { work, ..PassRecord::new(PassKind::Start) });
         let texels = self.grid.texels.inner();
         let grid = [texels[0].div_ceil(WORKGROUP), texels[1]];
-        self.barrier(COPY, CLEAR);
-        self.barrier(PASS, CLEAR);
+        self.barrier(TRANSFER_READ, TRANSFER_WRITE);
+        self.barrier(PASS, TRANSFER_WRITE);
         let fronts_meet = match (causal, is_added) {
             (false, _) => 0,
             (true, false) => FRONTS_MEET,
@@ -83,7 +85,7 @@ impl Recorder<'_> {
         }
         self.fill(self.grid.tiles.buffer, 0, vk::WHOLE_SIZE);
         order.start(self, is_added);
-        self.barrier(CLEAR, PASS);
+        self.barrier(TRANSFER_WRITE, PASS);
     }
 
     /// Dispatches no workgroup of any pass of a map, since drivers may compile a pipeline at its first

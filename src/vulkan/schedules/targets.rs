@@ -1,4 +1,4 @@
-//! Records what lets a map end at its targets.
+//! Records a map's targets, and the pass that ends the map once they are reached.
 
 use super::plan::Step;
 use super::progress::offset;

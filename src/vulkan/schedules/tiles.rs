@@ -7,7 +7,7 @@ use super::progress;
 use super::progress::offset;
 use crate::constants::{ROUNDS, TILES_FOLLOW};
 use crate::vulkan::TexelChart;
-use crate::vulkan::device::barrier::{CLEAR, COPY, PASS, TRANSFER};
+use crate::vulkan::device::barrier::{PASS, TRANSFER, TRANSFER_READ, TRANSFER_WRITE};
 use crate::vulkan::device::passes::{SETTLE, TILES};
 use crate::vulkan::device::shaders::{settle, tiles};
 use crate::vulkan::profile::{PassKind, PassRecord, Presence, Profile, StepCounter, Work};
@@ -75,12 +75,12 @@ impl Order for Tiles {
         // `settle.comp` has put it there, however many rounds that recording had.
         let (from, to) = (offset::round(ROUNDS), offset::round(0));
         recorder.copy((progress, from), (progress, to), list);
-        recorder.barrier(COPY, CLEAR);
+        recorder.barrier(TRANSFER_READ, TRANSFER_WRITE);
         recorder.write_progress(&progress::before_rounds(recorder.tiles()), offset::round(1));
         // Clears the rounds for which tiles wait. The tiles' states are zero after they have settled, and the
         // lists stay.
         recorder.fill(recorder.grid.tiles.buffer, tiles, tiles);
-        recorder.barrier(CLEAR, PASS);
+        recorder.barrier(TRANSFER_WRITE, PASS);
     }
 
     fn record(&self, recording: &mut Steps, step: &Step) {

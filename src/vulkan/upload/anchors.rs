@@ -1,4 +1,4 @@
-//! Numbers the anchors of fronts over a floor plan for shaders. The twin of `glsl/update/anchors.glsl` and of
+//! Gives shaders a number for each anchor of fronts over a floor plan. The twin of `glsl/update/anchors.glsl` and of
 //! the numbers in `glsl/update/anchored.glsl`.
 
 use crate::constants::{FIRST_INSIDE, SOURCES_INSIDE};
@@ -6,7 +6,7 @@ use crate::surface::{Seed, Surface};
 use crate::update::{Anchor, InsideSources};
 use crate::vulkan::TexelChart;
 
-/// Bytes of the sources inside cells and of the metric, where shaders find them.
+/// Size in bytes of the buffer that holds the sources inside cells and the metric.
 pub(crate) const ANCHOR_BYTES: usize = (SOURCES_INSIDE as usize + 1) * size_of::<[f32; 4]>();
 
 /// Floor plan with the sources inside cells of its last map.

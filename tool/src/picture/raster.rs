@@ -222,7 +222,7 @@ impl Raster<'_> {
         })
     }
 
-    /// Returns the change of the value per pixel.
+    /// Returns the size of the change of the value per pixel, from the larger change on either side of each corner.
     fn slope(&self, around: &Around, slopes: &Slopes) -> f64 {
         let (mut slope, mut weights) = (DVec2::ZERO, 0.0);
         for &(row, col, weight) in &around.corners {

@@ -93,8 +93,7 @@ pub struct KindRow {
 pub struct Total {
     /// The time of all passes on the device.
     pub passes: Vec<f64>,
-    /// The share of the passes in the time of the command buffers on the device, from a run in which both
-    /// were measured.
+    /// The time of the passes divided by that of the command buffers, from a run in which both were measured.
     pub share_of_command_buffers: Option<f64>,
     /// The time on the host's clock.
     pub host: Vec<f64>,
@@ -168,7 +167,7 @@ impl KindRow {
         }
     }
 
-    /// Returns the share of the texels that bounds, lists and convergence have saved.
+    /// Returns the share of the texels that were not visited, thanks to bounds, lists and convergence.
     pub fn skipped_share(&self) -> Option<f64> {
         let (texels, skipped) = (self.texels? as f64, self.skipped? as f64);
         (texels + skipped > 0.0).then(|| skipped / (texels + skipped))

@@ -142,7 +142,7 @@ pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
                     Some(tuning) => {
                         let Tuning { scan_pairs, tile_lanes, staged, .. } = solver.tuning();
                         let tuning = Tuning { scan_pairs, tile_lanes, staged, ..tuning };
-                        let tuning = solver.place_edges(tuning);
+                        let tuning = solver.with_edges_placed(tuning);
                         solver.with_tuning(tuning)
                     }
                     None => Ok(solver),

@@ -81,7 +81,7 @@ pub fn sweep(plan: &Plan) -> Result<Swept, Box<dyn Error>> {
         for (knob, values) in knobs(schedule, plan.quick) {
             for &value in values {
                 // Tiles of each size as the device would use them, or edges would favour the untuned size.
-                let tuning = plain.place_edges(knob.set(untuned, value));
+                let tuning = plain.with_edges_placed(knob.set(untuned, value));
                 if tuning == untuned {
                     tuner.bar.inc(1);
                     continue;
@@ -91,7 +91,7 @@ pub fn sweep(plan: &Plan) -> Result<Swept, Box<dyn Error>> {
             }
         }
     }
-    let suggested = plain.place_edges(suggested(untuned, &rows));
+    let suggested = plain.with_edges_placed(suggested(untuned, &rows));
     for schedule in SCHEDULES {
         let is_of = |row: &&Row| row.schedule == schedule && row.knob == Knob::Untuned;
         let before = rows.iter().find(is_of).expect("each schedule has its untuned row");
