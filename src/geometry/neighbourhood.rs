@@ -52,6 +52,12 @@ impl<'a> Neighbourhood<'a> {
         wide(self.edges.at(point, self.neighbourhood[to].edge))
     }
 
+    /// Returns the length of the edge between two neighbours, or 0 if they are none.
+    pub(super) fn length_between(&self, from: usize, to: usize) -> f64 {
+        let towards = (0..8).find(|&direction| self.neighbour(from, direction) == to);
+        towards.map_or(0.0, |direction| self.length(from, direction))
+    }
+
     /// Returns the length of the edge from a neighbour to the next neighbour.
     #[inline]
     pub(super) fn base(&self, point: usize, to: usize) -> f64 {

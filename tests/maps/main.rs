@@ -8,6 +8,7 @@ mod canonical;
 mod closed;
 mod closed_directions;
 mod closed_regions;
+mod closed_ridges;
 mod closed_sources;
 mod closed_steep;
 #[path = "../common/mod.rs"]
