@@ -1,8 +1,9 @@
 //! Computes offset curves: the points at a given distance on one side of a curve (paper, figure 7).
 
+mod line;
 mod sides;
 
-use super::{Contour, Curve, MapError, contours};
+use super::{Contour, Curve, MapError, contours, join_over_seams};
 use crate::surface::{EdgeLengths, Source, Sources};
 use crate::{DistanceMap, Surface};
 use sides::Sides;
@@ -59,8 +60,11 @@ pub enum OffsetError {
 /// sides meet on the prolongation of the curve, so each side has a quarter of a circle there. Offsets less
 /// than a cell away from the curve have gaps.
 ///
+/// On a glued surface, offset curves go on over seams ([`join_over_seams`]). Where a seam turns the grid over, as on a
+/// Moebius strip, the left side is that at the curve's first vertex, followed along the curve.
+///
 /// # Errors
-/// If the surface is glued, if a source is a point or lies off the surface, or the map has another size than
+/// If a source is a point or lies off the surface, or the map has another size than
 /// the surface.
 ///
 /// # Panics
@@ -107,7 +111,7 @@ pub fn offset_curves(
                 curve.vertices.iter().map(|&at| sign * side_at(&sides, at)).collect();
             cut(curve, &sides)
         });
-        Contour { level: contour.level, curves: pieces.collect() }
+        Contour { level: contour.level, curves: join_over_seams(pieces.collect(), surface) }
     };
     Ok(contours(map, sources, levels).into_iter().map(cut).collect())
 }

@@ -6,38 +6,38 @@
 //! angle changes smoothly where no wavefronts meet; so the prolongation does not drift along the grid's
 //! directions. Between two points the angle is interpolated with the times as weights, which is exact in the
 //! plane.
+//!
+//! All copies of a point of a glued surface have one angle. It comes from the copy at which the first ray arrives.
 
-use std::collections::{BTreeMap, HashMap};
-use std::f64::consts::FRAC_PI_2;
+use std::collections::HashMap;
 
 use glam::{DMat2, DVec2, Vec2};
 use rayon::prelude::*;
 
+use super::line::Line;
 use crate::geometry::MapError;
+use crate::geometry::copies::Copies;
 use crate::geometry::neighbourhood::Neighbourhood;
-use crate::geometry::order::{bordered, by_arrival, rank};
-use crate::surface::{EdgeLengths, Real, Source, Sources, Surface, UNGLUED, ring};
+use crate::geometry::order::{bordered, by_arrival};
+use crate::surface::{EdgeLengths, Real, Source, Sources, Surface, ring};
 
 /// The angle at each point.
 pub(super) struct Sides<'a> {
     neighbourhood: Neighbourhood<'a>,
+    copies: Copies,
     times: Vec<f32>,
     start: f64,
     /// The cosine and sine of each angle; NaN at points that have not been visited.
     angles: Vec<Vec2>,
 }
 
-/// The first ray to arrive at a point: the base of the triangle that it crosses, and where it crosses that
+/// The first ray to arrive at a point: the ends of the base of the triangle that it crosses, and where it crosses that
 /// base.
 #[derive(Clone, Copy)]
 struct Ray {
-    base: u8,
+    base: [u32; 2],
     share: f32,
 }
-
-/// The number of rows and columns around an open end in which angles are measured instead of propagated. The
-/// curvature of the wavefront jumps there, and the error of the map turns the rays nearby.
-const AROUND_END: usize = 8;
 
 impl<'a> Sides<'a> {
     pub(super) fn new(
@@ -46,44 +46,23 @@ impl<'a> Sides<'a> {
         sources: &Sources,
         distances: &[f32],
     ) -> Result<Self, MapError> {
-        surface.check_open("the side of a curve", UNGLUED)?;
-        let times = bordered(edges.chart(), distances)?;
+        let mut times = bordered(edges.chart(), distances)?;
+        let copies = Copies::new(edges);
+        copies.share_earliest(&mut times);
         let order = by_arrival(&times);
         let angles = vec![Vec2::NAN; times.len()];
         let mut sides = Self {
             neighbourhood: Neighbourhood::new(edges),
+            copies,
             times,
             start: sources.start(),
             angles,
         };
-        let mut seen = HashMap::new();
-        for source in sources.iter() {
-            let Source::Curve { vertices, initial } = source else { continue };
-            for ((row, col), is_seed) in beside(surface, source)? {
-                let point = sides.neighbourhood.chart().bordered(row, col);
-                let at = DVec2::new(row as f64, col as f64);
-                let Some(nearest) = nearest(vertices, at, sides.neighbourhood.metric(point)) else {
-                    continue;
-                };
-                // If several curves are near, the curve whose wavefront reaches this point first is taken.
-                let late = f64::from(sides.times[point]) - initial - nearest.distance;
-                // Here the map's wavefront came from another curve or around an obstacle.
-                let other =
-                    !(-0.1..0.3).contains(&(late / nearest.distance.max(f64::MIN_POSITIVE)));
-                if !is_seed && other {
-                    continue;
-                }
-                let late = late.abs();
-                if seen.get(&point).is_none_or(|&other| late < other) {
-                    seen.insert(point, late);
-                    sides.angles[point] = DVec2::from_angle(nearest.angle).as_vec2();
-                }
-            }
-        }
+        sides.measure(surface, sources)?;
         // The rays do not depend on the angles. Finding them takes the most time, so it runs in parallel.
         let ray = |point: usize| {
-            let here = rank(sides.times[point], point);
-            let is_before = |other: usize| rank(sides.times[other], other) < here;
+            let here = sides.rank(point);
+            let is_before = |other: usize| sides.rank(other) < here;
             let is_wanted = sides.times[point] < f32::FAR && !sides.is_known(point);
             is_wanted
                 .then(|| sides.ray(point, |other| is_before(other) || sides.is_known(other)))?
@@ -96,6 +75,63 @@ impl<'a> Sides<'a> {
         Ok(sides)
     }
 
+    /// Measures the angles beside curves and around their ends.
+    fn measure(&mut self, surface: &Surface, sources: &Sources) -> Result<(), MapError> {
+        let mut seen = HashMap::new();
+        for source in sources.iter() {
+            let Source::Curve { vertices, initial } = source else { continue };
+            let line = Line::new(surface, vertices);
+            for ((row, col), is_seed) in line.beside(source)? {
+                let point = self.neighbourhood.chart().bordered(row, col);
+                let at = DVec2::new(row as f64, col as f64);
+                let Some(nearest) = line.nearest(at, self.metric(surface, at, point)) else {
+                    continue;
+                };
+                // If several curves are near, the curve whose wavefront reaches this point first is taken.
+                let late = f64::from(self.times[point]) - initial - nearest.distance;
+                // Here the map's wavefront came from another curve or around an obstacle.
+                let other =
+                    !(-0.1..0.3).contains(&(late / nearest.distance.max(f64::MIN_POSITIVE)));
+                if !is_seed && other {
+                    continue;
+                }
+                let (late, first) = (late.abs(), self.copies.first(point));
+                if seen.get(&first).is_none_or(|&other| late < other) {
+                    seen.insert(first, late);
+                    self.set(point, DVec2::from_angle(nearest.angle).as_vec2());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the metric at a point, in rows and columns there. It is the mean over all copies to which the grid goes
+    /// on.
+    fn metric(&self, surface: &Surface, at: DVec2, point: usize) -> DMat2 {
+        let chart = self.neighbourhood.chart();
+        let of_copy = |copy: usize| {
+            let (row, col) = chart.bordered_position(copy);
+            let turn = match copy == point {
+                true => DVec2::ONE,
+                false => surface.turn_at_copy(at, DVec2::new(row as f64, col as f64))?,
+            };
+            Some(turned(self.neighbourhood.metric(copy), turn))
+        };
+        let all = self.copies.all(point).filter_map(of_copy);
+        let (sum, count) =
+            all.fold((DMat2::ZERO, 0.0), |(sum, count), metric| (sum + metric, count + 1.0));
+        sum * (1.0 / count)
+    }
+
+    /// Sets the angle of a point and all its copies.
+    fn set(&mut self, point: usize, angle: Vec2) {
+        self.copies.all(point).for_each(|copy| self.angles[copy] = angle);
+    }
+
+    fn rank(&self, point: usize) -> u64 {
+        self.copies.rank(&self.times, point)
+    }
+
     fn is_known(&self, point: usize) -> bool {
         !self.angles[point].is_nan()
     }
@@ -104,15 +140,21 @@ impl<'a> Sides<'a> {
         (f64::from(self.times[point]) - self.start).max(0.0)
     }
 
-    /// Returns the first ray that arrives at a point from those neighbours for which `counts` is true.
+    /// Returns the first ray that arrives at a point, or at a copy of it, from those neighbours for which `counts` is
+    /// true.
     fn ray(&self, point: usize, counts: impl Fn(usize) -> bool) -> Option<Ray> {
-        let since = std::array::from_fn(|to| {
-            let neighbour = self.neighbourhood.neighbour(point, to);
-            if counts(neighbour) { self.since(neighbour) } else { f64::FAR }
-        });
-        self.neighbourhood
-            .first_ray(point, &since)
-            .map(|(_, base, share)| Ray { base: base as u8, share: share as f32 })
+        let of_copy = |copy: usize| {
+            let since = std::array::from_fn(|to| {
+                let neighbour = self.neighbourhood.neighbour(copy, to);
+                if counts(neighbour) { self.since(neighbour) } else { f64::FAR }
+            });
+            let (time, base, share) = self.neighbourhood.first_ray(copy, &since)?;
+            let ends = [base, ring::next(base)];
+            let base = ends.map(|to| self.neighbourhood.neighbour(copy, to) as u32);
+            Some((time, Ray { base, share: share as f32 }))
+        };
+        let rays = self.copies.all(point).filter_map(of_copy);
+        rays.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, ray)| ray)
     }
 
     /// Propagates the angle to a point whose earlier neighbours have been visited.
@@ -120,19 +162,18 @@ impl<'a> Sides<'a> {
         if self.is_known(point) {
             return;
         }
-        let angle = ray.map(|ray| self.along(point, ray)).filter(|angle| !angle.is_nan());
+        let angle = ray.map(|ray| self.along(ray)).filter(|angle| !angle.is_nan());
         let angle = angle.or_else(|| {
             // A ray that comes from points without an angle does not count.
             let ray = self.ray(point, |other| self.is_known(other))?;
-            Some(self.along(point, ray))
+            Some(self.along(ray))
         });
-        self.angles[point] = angle.unwrap_or(Vec2::NAN);
+        self.set(point, angle.unwrap_or(Vec2::NAN));
     }
 
     /// Returns the angle that a ray carries to a point.
-    fn along(&self, point: usize, Ray { base, share }: Ray) -> Vec2 {
-        let ends = [usize::from(base), ring::next(base.into())]
-            .map(|to| self.neighbourhood.neighbour(point, to));
+    fn along(&self, Ray { base, share }: Ray) -> Vec2 {
+        let ends = base.map(|end| end as usize);
         let [a, b] = ends.map(|end| self.angles[end]);
         let arm = |end: usize| self.since(end) * self.angles[end].as_dvec2();
         match share {
@@ -148,8 +189,7 @@ impl<'a> Sides<'a> {
         let points = ends.map(|(row, col)| self.neighbourhood.chart().bordered(row, col));
         let [a, b] = points.map(|point| self.angles[point].as_dvec2().to_angle());
         let [since_a, since_b] = points.map(|point| f64::from(self.times[point]) - self.start);
-        let to = |to: &usize| self.neighbourhood.neighbour(points[0], *to) == points[1];
-        let length = (0..8).find(to).map_or(0.0, |to| self.neighbourhood.length(points[0], to));
+        let length = self.neighbourhood.length_between(points[0], points[1]);
         // The curve itself lies between the two points. The map decreases towards it from the later point.
         if since_a + since_b <= 1.01 * length {
             return if since_a > since_b { a } else { b };
@@ -158,74 +198,9 @@ impl<'a> Sides<'a> {
     }
 }
 
-/// Returns the grid points at which the angle is measured: the points that the curve seeds (true), and points
-/// around its ends (false). The latter do not count if another source is nearer.
-fn beside(surface: &Surface, source: &Source) -> Result<BTreeMap<(usize, usize), bool>, MapError> {
-    let Source::Curve { vertices, .. } = source else { return Ok(BTreeMap::new()) };
-    let mut points = BTreeMap::new();
-    for end in [vertices.first(), vertices.last()].into_iter().flatten() {
-        let all = surface.chart().around_place(*end, AROUND_END).places();
-        points.extend(all.filter(|&(row, col)| surface.has(row, col)).map(|at| (at, false)));
-    }
-    let seeds = Sources::from_iter([source.clone()]).seeds(surface)?;
-    points.extend(seeds.iter().map(|seed| ((seed.row, seed.col), true)));
-    Ok(points)
-}
-
-/// The place on a curve nearest to a point, as the distance and the angle there.
-struct Foot {
-    distance: f64,
-    angle: f64,
-}
-
-/// Returns the nearest place on a curve, as if the surface were flat around the point.
-fn nearest(vertices: &[DVec2], at: DVec2, metric: DMat2) -> Option<Foot> {
-    let dot = |a: DVec2, b: DVec2| a.dot(metric * b);
-    let near = |a: &DVec2, b: &DVec2| {
-        const REACH: f64 = 2.0 + AROUND_END as f64;
-        let (low, high) = (a.min(*b) - REACH, a.max(*b) + REACH);
-        at.cmpge(low).all() && at.cmple(high).all()
-    };
-    let foot = |(index, ends): (usize, &[DVec2])| {
-        let (along, from) = (ends[1] - ends[0], at - ends[0]);
-        if dot(along, along) <= 0.0 || !near(&ends[0], &ends[1]) {
-            return None;
-        }
-        let share = (dot(from, along) / dot(along, along)).clamp(0.0, 1.0);
-        let away = from - share * along;
-        Some((dot(away, away), index, share))
-    };
-    let feet = vertices.windows(2).enumerate().filter_map(foot);
-    let (square, index, share) = feet.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let distance = square.max(0.0).sqrt();
-    let direction = |index: usize| {
-        let along = vertices[index + 1] - vertices[index];
-        let length = dot(along, along).sqrt();
-        if length > 0.0 { along / length } else { DVec2::ZERO }
-    };
-    // Positive to the left of `along`, with rows downwards.
-    let left = |along: DVec2, away: DVec2| along.x * away.y - along.y * away.x;
-    let (last, here) = (vertices.len() - 2, direction(index));
-    let closed = vertices[0] == vertices[vertices.len() - 1];
-    let away = at - vertices[index].lerp(vertices[index + 1], share);
-    let other = match share {
-        0.0 if index > 0 => Some(direction(index - 1)),
-        1.0 if index < last => Some(direction(index + 1)),
-        0.0 if closed => Some(direction(last)),
-        1.0 if closed => Some(direction(0)),
-        // The nearest place is an open end of the curve.
-        0.0 | 1.0 => None,
-        _ => Some(here),
-    };
-    let angle = match other {
-        _ if distance == 0.0 => 0.0,
-        // At a corner of the curve, the two adjoining segments together decide the side.
-        Some(other) => FRAC_PI_2.copysign(left(here + other, away)),
-        None => {
-            let outwards = if share == 0.0 { -here } else { here };
-            let cosine = dot(outwards, away) / distance;
-            cosine.clamp(0.0, 1.0).acos().copysign(left(here, away))
-        }
-    };
-    Some(Foot { distance, angle })
+/// Returns a metric for steps whose rows and columns are multiplied by factors of 1 or -1.
+pub(super) fn turned(metric: DMat2, turn: DVec2) -> DMat2 {
+    let [rr, rc, _, cc] = metric.to_cols_array();
+    let rc = rc * turn.x * turn.y;
+    DMat2::from_cols_array(&[rr, rc, rc, cc])
 }

@@ -146,19 +146,31 @@ impl Surface {
     /// Returns the places at most `reach` rows and columns beyond the grid's sides that are this place, where the grid
     /// goes on.
     pub(crate) fn images_beyond(&self, at: DVec2, reach: f64) -> Vec<DVec2> {
+        self.turned_images(at, reach).into_iter().map(|(image, _)| image).collect()
+    }
+
+    /// Returns the places of [`Self::images_beyond`], each with the factors of rows and columns, 1 or -1, with which
+    /// steps there are those at the place itself.
+    pub(crate) fn turned_images(&self, at: DVec2, reach: f64) -> Vec<(DVec2, DVec2)> {
         let Some(Lattice { cols, rows, .. }) = self.glued.as_ref().map(|glued| glued.lattice)
         else {
             return Vec::new();
         };
         let (last_row, last_col) = self.chart.last();
         let last = DVec2::new(last_row as f64, last_col as f64);
-        let over_cols = |at: DVec2, by: f64| {
-            let row = if cols == Some(true) { last.x - at.x } else { at.x };
-            if by == 0.0 { at } else { DVec2::new(row, at.y + by * last.y) }
+        let over_cols = |(at, turn): (DVec2, DVec2), by: f64| match cols {
+            _ if by == 0.0 => (at, turn),
+            Some(true) => {
+                (DVec2::new(last.x - at.x, at.y + by * last.y), DVec2::new(-turn.x, turn.y))
+            }
+            _ => (DVec2::new(at.x, at.y + by * last.y), turn),
         };
-        let over_rows = |at: DVec2, by: f64| {
-            let col = if rows == Some(true) { last.y - at.y } else { at.y };
-            if by == 0.0 { at } else { DVec2::new(at.x + by * last.x, col) }
+        let over_rows = |(at, turn): (DVec2, DVec2), by: f64| match rows {
+            _ if by == 0.0 => (at, turn),
+            Some(true) => {
+                (DVec2::new(at.x + by * last.x, last.y - at.y), DVec2::new(turn.x, -turn.y))
+            }
+            _ => (DVec2::new(at.x + by * last.x, at.y), turn),
         };
         let turns = |goes_on: Option<bool>| {
             [0.0, -1.0, 1.0].into_iter().take(if goes_on.is_some() { 3 } else { 1 })
@@ -166,9 +178,10 @@ impl Surface {
         let all = turns(rows)
             .flat_map(|down| turns(cols).map(move |right| (down, right)))
             .filter(|by| *by != (0.0, 0.0))
-            .map(|(down, right)| over_rows(over_cols(at, right), down));
-        let is_near =
-            |at: &DVec2| at.cmpge(DVec2::splat(-reach)).all() && at.cmple(last + reach).all();
+            .map(|(down, right)| over_rows(over_cols((at, DVec2::ONE), right), down));
+        let is_near = |(at, _): &(DVec2, DVec2)| {
+            at.cmpge(DVec2::splat(-reach)).all() && at.cmple(last + reach).all()
+        };
         all.filter(is_near).collect()
     }
 

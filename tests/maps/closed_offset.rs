@@ -1,0 +1,136 @@
+//! Offsets on one side of curves that pass seams of closed surfaces.
+
+use std::f64::consts::{PI, TAU};
+
+use geosweep::geometry::{Contour, Side, offset_curves};
+use geosweep::glam::DVec3;
+use geosweep::surface::{EdgeLengths, Gluing};
+use geosweep::{Engine, Options, Sources, Surface, distance_map};
+
+use crate::common::closed::*;
+
+fn offsets(surface: &Surface, sources: &Sources, levels: &[f64], side: Side) -> Vec<Contour> {
+    let options = Options::default().with_engine(Engine::Cpu);
+    let map = distance_map(surface, sources, &options).unwrap();
+    let edges = EdgeLengths::new(surface).unwrap();
+    offset_curves(surface, &edges, sources, &map, levels, side).unwrap()
+}
+
+/// The curve crosses the seam, ends near it, or lies far from it. Each offset is a straight line and two quarters of a
+/// circle, on the curve's own left and right side, also where the strip turns the grid over.
+#[test]
+fn offsets_of_lines_are_whole_over_seams() {
+    for (name, gluing, shape) in shapes() {
+        let surface = flat(41, 65).with_gluing(gluing).unwrap();
+        let beyond = |row: f64| if shape.flipped { 40.0 - row } else { row };
+        for col in [10.0, 37.0, 50.0, 34.0, 63.0] {
+            let (row, end) = (18.0, col + 28.0);
+            let mut line = vec![[row, col], [row, end]];
+            if end >= 64.0 {
+                line = vec![[row, col], [row, 64.0], [beyond(row), 0.0], [beyond(row), end - 64.0]];
+            }
+            let sources = Sources::curve(line);
+            for (side, sign) in [(Side::Left, -1.0), (Side::Right, 1.0)] {
+                let found = offsets(&surface, &sources, &[8.0], side);
+                let [curve] = &found[0].curves[..] else {
+                    panic!("{name} {col} {side}: {found:?}")
+                };
+                let exact = 28.0 + 8.0 * PI;
+                let length = curve.length(&surface).unwrap();
+                println!("{name} {col} {side}: {length:.2} of {exact:.2}");
+                assert!((length - exact).abs() < 0.02 * exact, "{name} {col} {side}: {length}");
+                for at in &curve.vertices {
+                    // The vertex in the rows and columns that continue those at the beginning of the curve.
+                    let right = if at[1] < col - 9.0 { 64.0 } else { 0.0 };
+                    let right = if at[1] > end + 9.0 { -64.0 } else { right };
+                    let row = if right == 0.0 { at[0] } else { beyond(at[0]) };
+                    assert!(sign * (row - 18.0) > -0.3, "{name} {col} {side}: {at:?}");
+                }
+            }
+        }
+    }
+}
+
+/// A circle of latitude has no ends, though it begins and ends on the seam.
+#[test]
+fn offsets_of_a_circle_around_a_globe_are_circles() {
+    let surface = globe(61, 121);
+    let circle = Sources::curve((0..=60).map(|k| [20.0, 2.0 * f64::from(k)]));
+    // Eastwards, so that the north is on the left.
+    for (side, polar) in [(Side::Left, PI / 3.0 - 0.3), (Side::Right, PI / 3.0 + 0.3)] {
+        let found = offsets(&surface, &circle, &[0.3], side);
+        let [curve] = &found[0].curves[..] else { panic!("{side}: {found:?}") };
+        assert!(curve.closed, "{side}");
+        let exact = TAU * polar.sin();
+        approx::assert_relative_eq!(curve.length(&surface).unwrap(), exact, max_relative = 0.01);
+        for at in curve.lift(&surface).unwrap() {
+            approx::assert_abs_diff_eq!(at.z.acos(), polar, epsilon = 0.01);
+        }
+    }
+}
+
+/// The curve is an arc of a great circle over the pole. Between its ends, offsets keep their distance from its plane.
+#[test]
+fn offsets_of_an_arc_over_a_pole_lie_beside_it() {
+    let surface = globe(61, 121);
+    let arc = Sources::curve([[10.0, 20.0], [0.0, 20.0], [0.0, 80.0], [10.0, 80.0]]);
+    let [from, to] = [20, 80].map(|col| surface.position(10, col).unwrap());
+    // Walking from the first end to the last one over the pole, seen from outside.
+    let left = from.cross(to).normalize();
+    for (side, sign) in [(Side::Left, 1.0), (Side::Right, -1.0)] {
+        let found = offsets(&surface, &arc, &[0.3], side);
+        let pieces = &found[0].curves;
+        let length: f64 = pieces.iter().map(|curve| curve.length(&surface).unwrap()).sum();
+        let exact = PI / 3.0 * 0.3f64.cos() + PI * 0.3f64.sin();
+        println!("{side}: {} pieces, {length:.3} of {exact:.3}", pieces.len());
+        assert!((length - exact).abs() < 0.03 * exact, "{side}: {length} {exact}");
+        for at in pieces.iter().flat_map(|curve| curve.lift(&surface).unwrap()) {
+            let beside = sign * at.dot(left);
+            assert!(beside > -0.03, "{side}: {at} {beside}");
+            let along = at.dot((from + to).normalize());
+            if along > (PI / 6.0).cos() * 0.3f64.cos() + 0.02 {
+                approx::assert_abs_diff_eq!(beside, 0.3f64.sin(), epsilon = 0.01);
+            }
+        }
+    }
+}
+
+/// A torus in space whose columns begin at any other one has the same offsets.
+#[test]
+fn offsets_do_not_depend_on_where_the_grid_is_cut() {
+    let (rows, cols) = (41, 61);
+    let rolled = |by: usize| {
+        let at = |row: usize, col: usize| {
+            let [v, u] = [(row, rows), (col + by, cols)]
+                .map(|(k, n)| TAU * (k % (n - 1)) as f64 / (n - 1) as f64);
+            let radius = 2.0 + v.cos();
+            DVec3::new(radius * u.cos(), radius * u.sin(), v.sin() + 0.1 * (3.0 * u).sin())
+        };
+        let surface = grid(rows, cols, at).with_gluing(Gluing::both()).unwrap();
+        // A bent line from column 20 to column 34 of the first grid.
+        let line = [[12.0, 20.0], [15.0, 24.0], [13.0, 29.0], [16.0, 34.0]];
+        let mut vertices: Vec<[f64; 2]> = Vec::new();
+        for [row, col] in line {
+            let col = (col - by as f64).rem_euclid(60.0);
+            if let Some(&[before_row, before]) = vertices.last().filter(|before| before[1] > col) {
+                let share = (60.0 - before) / (60.0 - before + col);
+                let row = before_row + share * (row - before_row);
+                vertices.extend([[row, 60.0], [row, 0.0]]);
+            }
+            vertices.push([row, col]);
+        }
+        let found = offsets(&surface, &Sources::curve(vertices), &[0.5, 0.8], Side::Left);
+        let length = |contour: &Contour| -> f64 {
+            contour.curves.iter().map(|curve| curve.length(&surface).unwrap()).sum()
+        };
+        [length(&found[0]), length(&found[1])]
+    };
+    let plain = rolled(0);
+    for by in [10, 27, 33] {
+        let other = rolled(by);
+        println!("{by}: {other:?}, {plain:?}");
+        for (a, b) in plain.iter().zip(other) {
+            assert!((a - b).abs() < 1e-3 * a, "{by}: {a} {b}");
+        }
+    }
+}
