@@ -19,7 +19,7 @@ use std::time::Duration;
 use crate::Options;
 use crate::solve::{Precision, Problem, in_precision};
 use crate::surface::{
-    Coarsened, Real, Seed, Source, SourceError, Sources, Surface, SurfaceError, UNGLUED,
+    Coarsened, Groups, Real, Seed, Source, SourceError, Sources, Surface, SurfaceError,
 };
 use crate::update::{Setting, Wavefront};
 use crate::{DistanceMap, Error};
@@ -102,8 +102,8 @@ pub struct ErrorEstimate<R = f32> {
 ///
 /// # Errors
 /// The errors of [`distance_map`](crate::distance_map). Where coarser grids are compared, also if a side of
-/// the grid has two points or both sides have one, or if no point near a source is left on every second row
-/// and column.
+/// the grid has two points or both sides have one, if no point near a source is left on every second row
+/// and column, or if the seams of a glued surface do not meet there ([`Surface::coarsened`]).
 pub fn estimate_error(
     surface: &Surface,
     sources: &Sources,
@@ -130,7 +130,6 @@ fn estimate<R: Precision>(
     sources: &Sources,
     options: &Options,
 ) -> Result<ErrorEstimate<R>, Error> {
-    surface.check_open("the estimate of errors", UNGLUED).map_err(SurfaceError::from)?;
     if options.resolve_wavefront(surface, sources)? == Wavefront::Anchored
         && let Some(fine) = surface.halved_floor()
     {
@@ -281,7 +280,7 @@ impl<R: Precision> Level<R> {
         let surface = self.coarse.surface();
         let coarse = match surface.coarsened(&grid_points(surface, &self.sources)) {
             Ok(coarse) => coarse,
-            Err(SurfaceError::TooSmall { .. }) => return Ok(None),
+            Err(SurfaceError::TooSmall { .. } | SurfaceError::Gluing(_)) => return Ok(None),
             Err(error) => return Err(error.into()),
         };
         match Self::new(surface, coarse, &self.sources, &self.map, options) {
@@ -334,7 +333,7 @@ impl<R: Precision> Level<R> {
             let places = chart.around(chart.position(index), 1).places();
             places.map(move |(row, col)| chart.index(row, col))
         };
-        (0..errors.len())
+        let mut largest: Vec<f64> = (0..errors.len())
             .map(|index| {
                 if errors[index].is_infinite() {
                     return f64::INFINITY;
@@ -342,7 +341,14 @@ impl<R: Precision> Level<R> {
                 let known = around(index).map(|k| errors[k].abs()).filter(|e| e.is_finite());
                 known.fold(0.0, f64::max)
             })
-            .collect()
+            .collect();
+        // A point of a seam has neighbours beside all of its copies.
+        for group in self.coarse.surface().copies().into_iter().flat_map(Groups::iter) {
+            let copies = || group.iter().map(|&copy| copy as usize);
+            let error = copies().map(|copy| largest[copy]).fold(0.0, f64::max);
+            copies().for_each(|copy| largest[copy] = error);
+        }
+        largest
     }
 }
 

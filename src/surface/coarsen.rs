@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
-use super::{Chart, Direction, Source, Sources, Surface, SurfaceError, UNGLUED};
+use super::{Chart, Direction, GluingError, Source, Sources, Surface, SurfaceError};
 
 /// A surface on about every second row and column of a finer surface, with the numbers of these rows and
 /// columns.
@@ -38,21 +38,19 @@ impl Surface {
     /// points that stay, one of them becomes a hole, so that any path on the coarse surface exists on the
     /// fine one.
     ///
+    /// The coarse surface is glued as this one is. On every second row and column, both copies of a point of a seam stay
+    /// or none. Points of `through` may get lost for that. Lines of holes between charts stay too.
+    ///
     /// # Errors
-    /// If a side has two points, or both sides have one, or only holes would be left.
+    /// If a side has two points, or both sides have one, or only holes would be left;
+    /// [`GluingError::Uneven`] if the seams would not meet.
     pub fn coarsened(&self, through: &[[usize; 2]]) -> Result<Coarsened, SurfaceError> {
-        self.check_open("the comparison with a coarser grid", UNGLUED)?;
         let fine = self.chart();
         let too_small = || SurfaceError::TooSmall { rows: fine.rows, cols: fine.cols };
         if fine.rows == 2 || fine.cols == 2 || fine.points() == 1 {
             return Err(too_small());
         }
-        let evenly = !self.geometry().has_positions();
-        let lines = |points, axis: usize| {
-            let through: Vec<usize> = through.iter().map(|point| point[axis]).collect();
-            every_second(points, &through, evenly)
-        };
-        let (rows, cols) = (lines(fine.rows, 0), lines(fine.cols, 1));
+        let [rows, cols] = self.coarse_lines(through)?;
         let kept: Vec<usize> = rows
             .iter()
             .flat_map(|&row| cols.iter().map(move |&col| fine.index(row, col)))
@@ -68,7 +66,48 @@ impl Surface {
             surface => surface,
         }?;
         let surface = surface.with_slowness_of(self, &kept).with_edge_rule(self.edge_rule());
+        let surface = surface.glued_like(self, &kept)?;
         Ok(Coarsened { surface, fine, rows, cols })
+    }
+
+    /// Returns the rows and columns that stay.
+    fn coarse_lines(&self, through: &[[usize; 2]]) -> Result<[Vec<usize>; 2], SurfaceError> {
+        let Chart { rows, cols } = self.chart();
+        let evenly = !self.geometry().has_positions();
+        let ends = [[0, 0], [rows - 1, cols - 1]];
+        // Where seams would not meet, points of `through` get lost, then all steps are of two from either end.
+        for through in [through, &[], &ends] {
+            let lines = |points, axis: usize| {
+                let through: Vec<usize> = through.iter().map(|point| point[axis]).collect();
+                every_second(points, &through, evenly)
+            };
+            let lines = self.with_gaps([lines(rows, 0), lines(cols, 1)]);
+            if self.seams_meet(&lines) {
+                return Ok(lines);
+            }
+        }
+        let size = |points: usize| (points - 1).next_multiple_of(4) + 1;
+        Err(GluingError::Uneven { rows: size(rows), cols: size(cols) }.into())
+    }
+
+    /// Adds the lines of holes between charts that would fall between two lines, if the surface is glued.
+    fn with_gaps(&self, lines: [Vec<usize>; 2]) -> [Vec<usize>; 2] {
+        if !self.is_glued() {
+            return lines;
+        }
+        let Chart { rows, cols } = self.chart();
+        let [of_rows, of_cols] = lines;
+        let added = |kept: Vec<usize>, is_gap: &dyn Fn(usize) -> bool| -> Vec<usize> {
+            let between = kept.windows(2).flat_map(|pair| pair[0] + 1..pair[1]);
+            let gaps: Vec<usize> = between.filter(|&line| is_gap(line)).collect();
+            let mut all = [kept, gaps].concat();
+            all.sort_unstable();
+            all
+        };
+        [
+            added(of_rows, &|row| (0..cols).all(|col| !self.has(row, col))),
+            added(of_cols, &|col| (0..rows).all(|row| !self.has(row, col))),
+        ]
     }
 }
 
@@ -161,7 +200,7 @@ impl Coarsened {
     /// Converts the fine surface's sources to coarse rows and columns.
     ///
     /// A curve gets an additional vertex wherever the steps between rows or columns change, since its
-    /// segments would not stay straight there.
+    /// segments would not stay straight there. Between the two copies of a place where it passes a seam it gets none.
     pub fn sources(&self, fine: &Sources) -> Sources {
         fine.iter().fold(Sources::default(), |sources, source| match source {
             Source::Point { at, initial } => {
@@ -171,7 +210,9 @@ impl Coarsened {
             Source::Curve { vertices, initial } => {
                 let mut places: Vec<DVec2> = vertices.first().copied().into_iter().collect();
                 for ends in vertices.windows(2) {
-                    places.extend(self.cuts(ends[0], ends[1]));
+                    if !self.surface.are_copies(self.place(ends[0]), self.place(ends[1])) {
+                        places.extend(self.cuts(ends[0], ends[1]));
+                    }
                     places.push(ends[1]);
                 }
                 let places = places.into_iter().map(|at| self.place(at).to_array());

@@ -9,14 +9,14 @@ use geosweep::{
 
 use crate::common::{at, device_choice, off_centre};
 
-const WAVEFRONTS: [Wavefront; 3] = [Wavefront::Planar, Wavefront::Circular, Wavefront::Curved];
+pub const WAVEFRONTS: [Wavefront; 3] = [Wavefront::Planar, Wavefront::Circular, Wavefront::Curved];
 const SMOOTH: [Builtin; 3] = [Builtin::Sphere, Builtin::Cylinder, Builtin::Cone];
 
 fn options(wavefront: Wavefront) -> Options {
     Options::default().with_engine(Engine::Cpu).with_wavefront(wavefront)
 }
 
-fn estimate(surface: &Surface, sources: &Sources, wavefront: Wavefront) -> ErrorEstimate {
+pub fn estimate(surface: &Surface, sources: &Sources, wavefront: Wavefront) -> ErrorEstimate {
     let estimate = estimate_error(surface, sources, &options(wavefront)).unwrap();
     for (index, &distance) in estimate.map.distances.iter().enumerate() {
         let (error, extrapolated) = (estimate.errors[index], estimate.extrapolated[index]);
@@ -29,16 +29,16 @@ fn estimate(surface: &Surface, sources: &Sources, wavefront: Wavefront) -> Error
 
 /// Comparison of an estimate with the truth.
 #[derive(Debug)]
-struct Comparison {
+pub struct Comparison {
     /// Mean estimate divided by the mean error.
-    ratio: f64,
+    pub ratio: f64,
     /// Fraction of points whose error is below twice its estimate.
-    within_twice: f64,
+    pub within_twice: f64,
     /// Mean error of the extrapolated distances divided by that of the map.
-    left: f64,
+    pub left: f64,
 }
 
-fn compare(estimate: &ErrorEstimate, exact: &[f64]) -> Comparison {
+pub fn compare(estimate: &ErrorEstimate, exact: &[f64]) -> Comparison {
     let (mut errors, mut estimates, mut left) = (0.0, 0.0, 0.0);
     let (mut within, mut count) = (0.0, 0.0);
     for (index, &exact) in exact.iter().enumerate() {

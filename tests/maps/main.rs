@@ -7,6 +7,7 @@ mod bounds;
 mod canonical;
 mod closed;
 mod closed_directions;
+mod closed_estimate;
 mod closed_offset;
 mod closed_regions;
 mod closed_ridges;

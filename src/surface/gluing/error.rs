@@ -81,6 +81,18 @@ pub enum GluingError {
     /// A metric is glued in reverse order.
     #[error("a metric cannot be glued in reverse order; give positions")]
     ReversedMetric,
+    /// A coarser grid, on every second row and column, would not be glued as the surface is.
+    #[error(
+        "the seams of the surface do not meet on every second row and column, which the comparison with a coarser \
+         grid needs; a grid of {rows} x {cols} points has such a coarser one, and so have charts with an odd number of \
+         points on each side"
+    )]
+    Uneven {
+        /// Number of rows of a grid that has a coarser one.
+        rows: usize,
+        /// Number of columns of that grid.
+        cols: usize,
+    },
     /// Something is not available on glued surfaces.
     #[error("{what} does not pass seams yet; {instead}")]
     Unsupported {

@@ -11,6 +11,7 @@
 //! copies of sources, [`rings`] the cells around copies, for shaders, [`sheet`] cuts out parts that go on over seams, and
 //! [`solver_grid`] repeats lines beyond seams for solvers, where obtuse triangles need them.
 
+mod coarse;
 mod compile;
 mod curvature;
 mod error;
@@ -183,9 +184,6 @@ impl Surface {
     /// copy. Heights and metrics must be equal in the same way. A point of which any copy is a hole becomes a
     /// hole. If the surface has a slowness, copies must have the same.
     ///
-    /// Ridges, offsets on one side, the estimate of errors and matrices on Vulkan refuse glued surfaces; each says
-    /// so.
-    ///
     /// # Errors
     /// [`GluingError`], in [`SurfaceError::Gluing`], if the points do not coincide or the grid does not have
     /// them.
@@ -198,6 +196,11 @@ impl Surface {
         let lattice = before.as_ref().map_or(lattice, |before| before.lattice.and(lattice));
         let old = before.iter().flat_map(|before| before.groups.pairs());
         let groups = Groups::of(old.chain(pairs));
+        self.glued_by(groups, lattice)
+    }
+
+    /// Glues the points of each group, and gives them the geometry of the first one.
+    fn glued_by(mut self, groups: Groups, lattice: Lattice) -> Result<Self, SurfaceError> {
         self.floor = OnceLock::new();
         self.glued = Some(Arc::new(Glued::new(groups, lattice)));
         self.agree()?;
@@ -213,18 +216,6 @@ impl Surface {
     /// Returns whether sides of the grid are glued.
     pub fn is_glued(&self) -> bool {
         self.glued.is_some()
-    }
-
-    /// Returns an error on glued surfaces, on which `what` is not available.
-    pub(crate) fn check_open(
-        &self,
-        what: &'static str,
-        instead: &'static str,
-    ) -> Result<(), GluingError> {
-        match self.glued {
-            Some(_) => Err(GluingError::Unsupported { what, instead }),
-            None => Ok(()),
-        }
     }
 
     /// Returns whether the points of a seam are glued.
