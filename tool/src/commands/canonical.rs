@@ -208,11 +208,10 @@ impl Pairs {
 
     fn from_surface(args: &Args) -> Result<Self, Box<dyn Error>> {
         let scene = args.surface.read()?;
-        scene.refuse_added_lines("canonical")?;
         let surface = &scene.surface;
-        let (chart, points) = every_few(surface, args.points);
-        if chart != surface.chart() {
-            let (Chart { rows, cols }, whole) = (chart, surface.chart());
+        let (chart, points) = every_few(scene.chart(), args.points);
+        if chart != scene.chart() {
+            let (Chart { rows, cols }, whole) = (chart, scene.chart());
             say(
                 "note",
                 format_args!(
@@ -221,6 +220,8 @@ impl Pairs {
                 ),
             );
         }
+        let points: Vec<usize> =
+            points.into_iter().map(|point| scene.index(point)).collect::<Result<_, _>>()?;
         let options = Options::default().with_wavefront(args.wavefront);
         let mut pairwise = Pairwise::new(surface, &options)?;
         let bar = progress(points.len()).with_message("computing distances");
@@ -234,19 +235,18 @@ impl Pairs {
     }
 }
 
-/// Returns the grid of every k-th row and column, and the indices of its points. `k` is the smallest step
-/// that leaves at most `most` points.
-fn every_few(surface: &Surface, most: usize) -> (Chart, Vec<usize>) {
-    let whole = surface.chart();
+/// Returns the grid of every k-th row and column of the whole one, and the rows and columns of its points there. `k` is
+/// the smallest step that leaves at most `most` points.
+fn every_few(whole: Chart, most: usize) -> (Chart, Vec<(usize, usize)>) {
     let count = |points: usize, step: usize| (points - 1) / step + 1;
     let grid = |step| Chart { rows: count(whole.rows, step), cols: count(whole.cols, step) };
     let step = (1..).find(|&step| grid(step).points() <= most).expect("some step leaves one point");
     let chart = grid(step);
-    let index = |index| {
+    let place = |index| {
         let (row, col) = chart.position(index);
-        whole.index(row * step, col * step)
+        (row * step, col * step)
     };
-    (chart, (0..chart.points()).map(index).collect())
+    (chart, (0..chart.points()).map(place).collect())
 }
 
 /// The form's points among all points.

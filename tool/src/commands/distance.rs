@@ -188,13 +188,8 @@ impl Args {
 
     /// Rejects outputs that the surface does not support, before anything is computed.
     fn check(&self, scene: &Scene) -> Result<(), String> {
-        let of_open = [
-            ("--error", self.error.is_some()),
-            ("--extrapolate", self.extrapolate),
-            ("--signed", self.directions.sign.needs_curves()),
-        ];
-        for (what, _) in of_open.into_iter().filter(|(_, is_wanted)| *is_wanted) {
-            scene.refuse_round(what)?;
+        if self.directions.sign.needs_curves() {
+            scene.refuse_round("--signed")?;
         }
         self.directions.check(scene)
     }
@@ -272,8 +267,9 @@ impl Outputs {
         }
         if let Some(((output, format), Estimate { errors, .. })) = self.error.zip(estimate.as_ref())
         {
-            // Estimates are refused where lines are added to the grid.
-            staged.push(output.stage(|writer| format.write(writer, rows, cols, errors, geo_tags))?);
+            let errors = scene.crop(errors);
+            staged
+                .push(output.stage(|writer| format.write(writer, rows, cols, &errors, geo_tags))?);
         }
         if let Some(output) = self.picture {
             let (surface, shape, map) = (&scene.surface, scene.shape(), &map.to_single());

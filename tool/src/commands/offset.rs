@@ -65,8 +65,7 @@ Examples:
 
 pub fn run(args: &Args) -> Outcome {
     let files = CurveFiles::new(&args.output)?;
-    let check = |scene: &problem::Scene| args.side.map_or(Ok(()), |_| scene.refuse_round("--side"));
-    let problem = args.problem.solve(&files, None, None, check)?;
+    let problem = args.problem.solve(&files, None, None, |_| Ok(()))?;
     let Problem { scene, sources, map, .. } = &problem;
     if let Some(before) = args.distances.0.iter().find(|&&distance| distance < sources.start()) {
         let (before, start) = (exact(*before), exact(sources.start()));

@@ -50,6 +50,12 @@ impl Scene {
         self.earth.as_ref().map_or(Ok(given), |earth| earth.place(given))
     }
 
+    /// Returns the row-major index, on the surface's grid, of a point of the given grid.
+    pub fn index(&self, (row, col): (usize, usize)) -> Result<usize, String> {
+        let [row, col] = self.place([row as f64, col as f64])?;
+        Ok(self.surface.chart().index(row.round() as usize, col.round() as usize))
+    }
+
     /// Returns the vertices of a given curve on the surface's grid, where it may jump over seams.
     ///
     /// # Errors
@@ -71,12 +77,22 @@ impl Scene {
         self.extended().map_or(values.into(), |earth| earth.grid.crop(values).into())
     }
 
+    /// Returns the number of given points that are present.
+    pub fn points(&self) -> usize {
+        self.extended().map_or(self.surface.points(), |earth| earth.points(&self.surface))
+    }
+
+    /// Returns whether the surface has rows or columns that the given grid lacks.
+    pub fn has_added_lines(&self) -> bool {
+        self.extended().is_some()
+    }
+
     /// Returns the largest distance and counts of a map as those of the given points.
     pub fn count<R: Real>(&self, map: &mut DistanceMap<R>) {
         let Some(earth) = self.extended() else { return };
         let given = earth.grid.crop(&map.distances);
         let given = DistanceMap::new(earth.chart, given, map.report.clone()).report;
-        map.report.points = earth.points(&self.surface);
+        map.report.points = self.points();
         (map.report.reached, map.report.max_distance) = (given.reached, given.max_distance);
     }
 

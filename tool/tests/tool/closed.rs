@@ -110,3 +110,35 @@ fn directions_and_regions_pass_glued_sides() {
     }
     assert!(borders.iter().all(|border| (border[0][0] - border[border.len() - 1][0]).abs() == 8.0));
 }
+
+/// The tube has rows of a cell's width. Fronts from one source meet on the line opposite it.
+#[test]
+fn ridges_offsets_errors_and_matrices_pass_glued_sides() {
+    let bench = Workbench::new();
+    let tube = bench.tube();
+    let line = format!("ridges {tube} -s 4,16 --glue columns -o ridges.npy --json");
+    let report = json(&run(&bench, &line));
+    let [ridge] = &report["ridges"].as_array().unwrap()[..] else { panic!("{report}") };
+    assert!(ridge["least_angle"].as_f64().unwrap() > 120.0, "{report}");
+    let [ridge] = &curves(&read(&bench, "ridges.npy"))[..] else { panic!("one ridge") };
+    assert!(ridge.iter().all(|at| at[1].min(32.0 - at[1]) < 0.5), "{ridge:?}");
+    // A circle around the tube has one on each side.
+    let around = bench.input("around.csv", "row,col\n4,0\n4,16\n4,32\n");
+    let words = format!("--source-curve {around} --glue columns --distances 0.5 --side left");
+    let report = json(&run(&bench, &format!("offset {tube} {words} -o left.npy --json")));
+    assert_eq!([&report["levels"][0]["curves"], &report["levels"][0]["closed"]], [1, 1]);
+    let length = report["levels"][0]["length"].as_f64().unwrap();
+    assert!((length - std::f64::consts::TAU).abs() < 0.05, "{report}");
+    let line = "-s 4,2 --glue columns -o map.npy --error error.npy --json";
+    let report = json(&bench.distance(&tube, line));
+    assert!(report["mean_relative_error"].as_f64().unwrap() < 1e-3, "{report}");
+    let [distances, errors] = ["map.npy", "error.npy"].map(|name| map(&bench.output(name)));
+    assert!(errors.iter().all(|error| error.is_finite()));
+    let words =
+        format!("pairwise {tube} --glue columns --sources 134..135 --engine vulkan -o row.npy");
+    let output = run(&bench, &words);
+    assert!(output.status.success(), "{}", stderr(&output));
+    for (found, distance) in map(&bench.output("row.npy")).iter().zip(&distances) {
+        assert!((found - distance).abs() < 1e-5, "{found} {distance}");
+    }
+}

@@ -439,7 +439,6 @@ fn what_is_no_place_on_the_earth_is_refused() {
         (&flat, format!("{whole} -s 3,3 --spacing 30"), "--spacing"),
         (&flat, format!("{whole} -s 3,3 --glue globe"), "--glue"),
         (&flat, format!("{whole} -s 3,3 --metric {flat}"), "--metric"),
-        (&flat, format!("{whole} -s 3,3 --error error.npy"), "--error: does not pass the line"),
         (
             &flat,
             format!("{whole} -s 3,3 --back-direction b.npy"),
@@ -465,17 +464,13 @@ fn what_the_commands_cannot_do_on_the_earth_is_refused() {
     let whole = format!("{GLOBE} pixel");
     let output = run(&bench, &format!("distance {flat} {whole} -s 3,3 -o map.exr"));
     bench.refuses(&output, &["single precision only", "--precision single"]);
-    for (command, said) in [
-        ("voronoi", "voronoi: --geodetic adds a row"),
-        ("ridges", "ridges: does not pass the line"),
-        ("offset --distances 1e5 --side left", "--side: does not pass the line"),
-    ] {
-        let output = run(&bench, &format!("{command} {flat} {whole} -s 3,3 -o lines.npy"));
-        bench.refuses(&output, &[said]);
-    }
-    for command in ["pairwise", "canonical"] {
-        let output = run(&bench, &format!("{command} {flat} {whole} -o matrix.npy"));
-        bench.refuses(&output, &[&format!("{command}: --geodetic adds a row")]);
+    let output = run(&bench, &format!("voronoi {flat} {whole} -s 3,3 -o lines.npy"));
+    bench.refuses(&output, &["voronoi: --geodetic adds a row"]);
+    for words in ["--sample 3", "--from-symmetry", "--format csr --radius 1e6"] {
+        let file = if words.contains("csr") { "matrix.npz" } else { "matrix.npy" };
+        let output = run(&bench, &format!("pairwise {flat} {whole} {words} -o {file}"));
+        let what = words.split(" --radius").next().unwrap().trim_end_matches(" 3");
+        bench.refuses(&output, &[&format!("{what}: --geodetic adds a row")]);
     }
     let output = run(&bench, &format!("sample {flat} {whole} -k 3 --labels l.npy -o samples.csv"));
     bench.refuses(&output, &["--labels: --geodetic adds a row"]);

@@ -13,6 +13,7 @@ mod estimate;
 mod figures;
 mod formats;
 mod geodetic;
+mod geodetic_lines;
 mod geodetic_places;
 mod limits;
 mod notices;

@@ -162,7 +162,12 @@ pub fn run(args: &Args) -> Outcome {
     }
     let Outputs { matrix, labels } = Outputs::new(args)?;
     let scene = args.surface.read()?;
-    scene.refuse_added_lines("pairwise")?;
+    for (what, _) in [("--sample", args.sample.is_some()), ("--from-symmetry", args.from_symmetry)]
+        .into_iter()
+        .filter(|(_, is_given)| *is_given)
+    {
+        scene.refuse_added_lines(what)?;
+    }
     let surface = &scene.surface;
     let samples = args.sample.map(|count| Samples::new(surface, count)).transpose()?;
     let (sources, starts) = match &samples {
@@ -174,7 +179,7 @@ pub fn run(args: &Args) -> Outcome {
     let points = pairwise.points();
     let layout = MatrixLayout {
         rows: sources.len(),
-        cols: points,
+        cols: scene.chart().points(),
         element: args.numbers,
         upper: args.upper,
         symmetric: args.symmetrize,
@@ -207,6 +212,7 @@ pub fn run(args: &Args) -> Outcome {
         row_by_row(
             &mut pairwise,
             file.as_mut(),
+            &scene,
             (&sources[resumed_rows..], &starts[resumed_rows..]),
             &bar,
         )
@@ -250,7 +256,7 @@ pub fn run(args: &Args) -> Outcome {
     if args.json {
         let places = samples.as_ref().map(|samples| samples.places(surface.chart()));
         let bytes = (memory_bytes, disk_bytes);
-        let summary = Summary::new(surface, &report, resumed_rows, bytes, places);
+        let summary = Summary::new(&scene, &report, resumed_rows, bytes, places);
         print_json("pairwise", &summary)?;
     }
     Ok(ExitCode::SUCCESS)
@@ -260,7 +266,7 @@ pub fn run(args: &Args) -> Outcome {
 fn run_sparse(args: &Args) -> Outcome {
     let output = sparse::output(args)?;
     let scene = args.surface.read()?;
-    scene.refuse_added_lines("pairwise")?;
+    scene.refuse_added_lines("--format csr")?;
     let (sources, starts) = match args.sample {
         Some(count) => {
             let points = Samples::new(&scene.surface, count)?.points;
@@ -296,12 +302,17 @@ impl Args {
 
     /// Returns the grid points of the rows, and the start values of their distances.
     fn sources(&self, scene: &Scene) -> Result<(Vec<usize>, Vec<f64>), Box<dyn Error>> {
-        let surface = &scene.surface;
-        let points = surface.chart().points();
-        let Some(rows) = &self.sources else {
-            return Ok(((0..points).collect(), vec![0.0; points]));
+        let (surface, chart) = (&scene.surface, scene.chart());
+        let given = match &self.sources {
+            None => (0..chart.points()).map(|point| (point, 0.0)).collect(),
+            Some(rows) => rows.points(&scene.frame())?,
         };
-        let (sources, starts): (Vec<_>, Vec<_>) = rows.points(&scene.frame())?.into_iter().unzip();
+        let on_surface = |(point, start): (usize, f64)| {
+            scene.index(chart.position(point)).map(|point| (point, start))
+        };
+        let all = given.into_iter().map(on_surface).collect::<Result<Vec<_>, _>>()?;
+        let (sources, starts): (Vec<_>, Vec<_>) = all.into_iter().unzip();
+        let Some(rows) = &self.sources else { return Ok((sources, starts)) };
         let holes = sources.iter().filter(|&&source| !surface.present()[source]).count();
         if holes > 0 && rows.file().is_some() {
             say("note", format_args!("{holes} of the sources are holes; their rows are +infinity"));
@@ -389,10 +400,11 @@ impl Samples {
     }
 }
 
-/// Computes rows and writes them.
+/// Computes rows and writes the distances to the given points.
 fn row_by_row(
     pairwise: &mut Pairwise,
     mut file: Option<&mut MatrixFile>,
+    scene: &Scene,
     (sources, starts): (&[usize], &[f64]),
     bar: &ProgressBar,
 ) -> Result<PairwiseReport, Stopped> {
@@ -400,8 +412,8 @@ fn row_by_row(
     let mut starts = starts.iter();
     pairwise.rows(sources, |rows: Rows| {
         if let Some(file) = &mut file {
-            if has_starts {
-                file.append(&started(&rows, &mut starts))?;
+            if has_starts || scene.has_added_lines() {
+                file.append(&started(&rows, scene, &mut starts))?;
             } else {
                 file.append(rows.distances)?;
             }
@@ -411,11 +423,11 @@ fn row_by_row(
     })
 }
 
-/// Returns rows with the start value of each added to its distances.
-fn started<'a>(rows: &Rows, starts: &mut impl Iterator<Item = &'a f64>) -> Vec<f32> {
+/// Returns rows of the given points, with the start value of each added to its distances.
+fn started<'a>(rows: &Rows, scene: &Scene, starts: &mut impl Iterator<Item = &'a f64>) -> Vec<f32> {
     let row = |((_, distances), start): ((usize, &[f32]), &f64)| {
         let later = |distance: &f32| (f64::from(*distance) + start) as f32;
-        distances.iter().map(later).collect::<Vec<_>>()
+        scene.crop(distances).iter().map(later).collect::<Vec<_>>()
     };
     rows.iter().zip(starts).flat_map(row).collect()
 }
@@ -478,7 +490,7 @@ struct Summary<'a> {
 
 impl<'a> Summary<'a> {
     fn new(
-        surface: &Surface,
+        scene: &Scene,
         report: &'a PairwiseReport,
         resumed_rows: usize,
         (memory_bytes, disk_bytes): (usize, u64),
@@ -486,11 +498,11 @@ impl<'a> Summary<'a> {
     ) -> Self {
         Self {
             precision: Precision::Single,
-            rows: surface.rows(),
-            cols: surface.cols(),
-            points: surface.points(),
+            rows: scene.chart().rows,
+            cols: scene.chart().cols,
+            points: scene.points(),
             matrix_rows: resumed_rows + report.rows,
-            matrix_cols: report.points,
+            matrix_cols: scene.chart().points(),
             engine: report.engine.name(),
             device: report.device.as_deref(),
             wavefront: report.wavefront.name(),

@@ -68,7 +68,7 @@ pub fn run(
     if args.json {
         let bytes = bytes(&rows);
         let stored = rows.data.len();
-        let summary = Summary::new(&scene.surface, &report, 0, (bytes, bytes as u64), None);
+        let summary = Summary::new(scene, &report, 0, (bytes, bytes as u64), None);
         print_json("pairwise", &summary.with_stored(stored))?;
     }
     Ok(ExitCode::SUCCESS)
