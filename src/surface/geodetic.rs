@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::{Gluing, GridSide, Seam, Surface, SurfaceError};
+use super::completed::completed;
+use super::{Chart, CompletedGrid, GluingError, GridSide, Seam, Surface, SurfaceError};
 
 /// Semi-major axis of the WGS84 ellipsoid, in metres.
 const EQUATOR: f64 = 6_378_137.0;
@@ -13,8 +14,6 @@ const FLATTENING: f64 = 1.0 / 298.257_223_563;
 const LARGEST_GAP: f64 = 1.5;
 /// Part of a step up to which two lines are the same.
 const SAME_LINE: f64 = 1e-3;
-/// Part of a step by which a row or column may be rounded.
-const ROUNDING: f64 = 1e-9;
 /// A turn round the Earth, and the latitude of a pole, in degrees.
 const TURN: f64 = 360.0;
 const POLE: f64 = 90.0;
@@ -94,9 +93,7 @@ pub struct GeodeticGrid {
     latitudes: Vec<f64>,
     /// Longitudes of the surface's columns, in degrees, with the column that is added. They have no jumps.
     longitudes: Vec<f64>,
-    /// Whether a row is added before the first one, and after the last one.
-    has_poles_added: [bool; 2],
-    has_column_added: bool,
+    lines: CompletedGrid,
     goes_round: bool,
 }
 
@@ -128,17 +125,16 @@ impl GeodeticGrid {
         if has_column_added {
             longitudes.push(longitudes[0] + TURN.copysign(span));
         }
-        let first = End::of(latitudes[1], latitudes[0]);
-        let last = End::of(latitudes[rows - 2], latitudes[rows - 1]);
-        let given = latitudes.iter().enumerate().map(|(row, &latitude)| match row {
-            0 => first.latitude,
-            _ if row == rows - 1 => last.latitude,
-            _ => latitude,
-        });
-        let latitudes = first.added.into_iter().chain(given).chain(last.added).collect();
-        let has_poles_added = [first, last].map(|end| end.added.is_some());
+        let ends = [[0, 1], [rows - 1, rows - 2]];
+        let ends = ends.map(|[last, before]| End::of(latitudes[before], latitudes[last]));
+        let mut given = latitudes.to_vec();
+        (given[0], given[rows - 1]) = (ends[0].latitude, ends[1].latitude);
         let goes_round = is_repeated || has_column_added;
-        Ok(Self { latitudes, longitudes, has_poles_added, has_column_added, goes_round })
+        let beyond = gap / (longitudes[cols - 1] - longitudes[cols - 2]).abs();
+        let lines = lines_of(Chart { rows, cols }, ends, is_repeated, has_column_added, beyond);
+        let lines = lines.map_err(|_| GeodeticError::TooSmall { rows, cols })?;
+        let latitudes = ends[0].added.into_iter().chain(given).chain(ends[1].added).collect();
+        Ok(Self { latitudes, longitudes, lines, goes_round })
     }
 
     /// Makes the surface, in metres from the middle of the Earth. `heights` are those of the given points above the
@@ -149,7 +145,7 @@ impl GeodeticGrid {
     /// # Errors
     /// If there is not one height for each point, one is infinite, or these points make no surface.
     pub fn surface(&self, heights: &[f64]) -> Result<Surface, SurfaceError> {
-        let [rows, cols] = self.given();
+        let Chart { rows, cols } = self.lines.given();
         if heights.len() != rows * cols {
             return Err(SurfaceError::Shape { what: "heights", found: heights.len(), rows, cols });
         }
@@ -165,46 +161,24 @@ impl GeodeticGrid {
         let points = places.zip(heights).map(|(place, height)| position(place, height)).collect();
         let (rows, cols) = (self.latitudes.len(), self.longitudes.len());
         let surface = Surface::from_positions(rows, cols, points)?;
-        if self.goes_round { surface.with_gluing(self.gluing()) } else { Ok(surface) }
+        match self.goes_round {
+            true => surface.with_gluing(self.lines.gluing().clone()),
+            false => Ok(surface),
+        }
     }
 
-    /// Returns the seams of a grid that goes round.
-    fn gluing(&self) -> Gluing {
-        let sides = [GridSide::FirstColumn, GridSide::LastColumn];
-        let ends = [GridSide::FirstRow, GridSide::LastRow].into_iter();
-        let latitudes = [self.latitudes.first(), self.latitudes.last()];
-        let at_poles = ends
-            .zip(latitudes)
-            .filter(|(_, latitude)| latitude.is_some_and(|latitude| latitude.abs() == POLE));
-        let poles = at_poles.map(|(side, _)| Seam::Pole { side, exact: true });
-        Gluing::Seams([Seam::Sides { sides, reversed: false }].into_iter().chain(poles).collect())
+    /// Returns the lines of the grid, with those that are added: a row at a pole, and a column where the grid goes round.
+    /// Poles have means of their rows ([`CompletedGrid::extend`]).
+    pub fn lines(&self) -> &CompletedGrid {
+        &self.lines
     }
 
-    /// Returns the numbers of rows and columns that were given.
-    fn given(&self) -> [usize; 2] {
-        let added = self.has_poles_added.map(usize::from).iter().sum::<usize>();
-        let (rows, cols) = (self.latitudes.len(), self.longitudes.len());
-        [rows - added, cols - usize::from(self.has_column_added)]
-    }
-
-    /// Returns values at all points of the surface, of values at the given points, both row-major. A pole has the
-    /// mean of its row, or of the row beside it if it is added. An added column has the values of the first one.
-    /// NaN and infinity are no part of a mean.
+    /// Returns values at all points of the surface, of values at the given points, as [`CompletedGrid::extend`] does.
     ///
     /// # Panics
     /// If there is not one value for each given point.
     pub fn extend(&self, values: &[f64]) -> Vec<f64> {
-        let [rows, cols] = self.given();
-        assert_eq!(values.len(), rows * cols, "one value for each point");
-        let mut all = Vec::with_capacity(self.latitudes.len() * self.longitudes.len());
-        for (row, &latitude) in self.latitudes.iter().enumerate() {
-            let given = row.saturating_sub(self.rows_before()).min(rows - 1);
-            let of_row = &values[given * cols..][..cols];
-            let at_pole = (latitude.abs() == POLE).then(|| mean(of_row));
-            let at = |col: usize| at_pole.unwrap_or(of_row[col % cols]);
-            all.extend((0..self.longitudes.len()).map(at));
-        }
-        all
+        self.lines.extend(values)
     }
 
     /// Returns whether the columns go round the Earth, so that the surface is closed.
@@ -214,53 +188,24 @@ impl GeodeticGrid {
 
     /// Returns whether the surface has rows or columns that are not given.
     pub fn is_extended(&self) -> bool {
-        self.has_poles_added != [false; 2] || self.has_column_added
+        self.lines.is_extended()
     }
 
-    /// Returns by how many rows the surface goes on before the first given row and after the last one, and the same
-    /// of columns. They are counted in steps between given lines: with cells of one degree, a pole lies at row -0.5.
+    /// Returns how far the surface goes on beyond the given lines, as [`CompletedGrid::margins`] does.
     pub fn margins(&self) -> [[f64; 2]; 2] {
-        let gap = |is_added: bool, lines: [f64; 3]| {
-            let [added, edge, inner] = lines;
-            if is_added { ((added - edge) / (edge - inner)).abs() } else { 0.0 }
-        };
-        let ends = |lines: &[f64], [before, after]: [bool; 2]| {
-            let end = lines.len() - 1;
-            [
-                gap(before, [lines[0], lines[1], lines[2]]),
-                gap(after, [lines[end], lines[end - 1], lines[end - 2]]),
-            ]
-        };
-        [
-            ends(&self.latitudes, self.has_poles_added),
-            ends(&self.longitudes, [false, self.has_column_added]),
-        ]
+        self.lines.margins()
     }
 
     /// Returns the row and column on the surface's grid of a place on the given grid, which may lie beyond it by up
-    /// to [`GeodeticGrid::margins`].
-    pub fn to_surface(&self, [row, col]: [f64; 2]) -> [f64; 2] {
-        let [rows, cols] = self.given();
-        let [of_rows, of_cols] = self.margins();
-        let row = stretched(row, rows, of_rows.map(f64::recip)) + self.rows_before() as f64;
-        let col = stretched(col, cols, of_cols.map(f64::recip));
-        // A line is on the surface, whatever is rounded.
-        let last = [&self.latitudes, &self.longitudes].map(|lines| (lines.len() - 1) as f64);
-        let on_line = |at: f64| if (at - at.round()).abs() <= ROUNDING { at.round() } else { at };
-        [on_line(row).clamp(0.0, last[0]), on_line(col).clamp(0.0, last[1])]
+    /// to [`GeodeticGrid::margins`]. A place off the surface is moved to its end.
+    pub fn to_surface(&self, place: [f64; 2]) -> [f64; 2] {
+        self.lines.nearest(place)
     }
 
     /// Returns the row and column on the given grid of a place on the surface's grid: the inverse of
     /// [`GeodeticGrid::to_surface`].
-    pub fn to_given(&self, [row, col]: [f64; 2]) -> [f64; 2] {
-        let [rows, cols] = self.given();
-        let [of_rows, of_cols] = self.margins();
-        let row = stretched(row - self.rows_before() as f64, rows, of_rows);
-        [row, stretched(col, cols, of_cols)]
-    }
-
-    fn rows_before(&self) -> usize {
-        usize::from(self.has_poles_added[0])
+    pub fn to_given(&self, place: [f64; 2]) -> [f64; 2] {
+        self.lines.to_given(place)
     }
 
     /// Returns the row and column, which may be fractional, of a place on the surface's grid, given by longitude and
@@ -277,11 +222,7 @@ impl GeodeticGrid {
     /// # Panics
     /// If there is not one value for each point of the surface.
     pub fn crop<T: Copy>(&self, values: &[T]) -> Vec<T> {
-        let [rows, cols] = self.given();
-        let width = self.longitudes.len();
-        assert_eq!(values.len(), self.latitudes.len() * width, "one value for each point");
-        let lines = values.chunks_exact(width).skip(self.rows_before());
-        lines.take(rows).flat_map(|line| &line[..cols]).copied().collect()
+        self.lines.crop(values)
     }
 }
 
@@ -292,6 +233,8 @@ struct End {
     latitude: f64,
     /// Latitude of the row that is added beyond it.
     added: Option<f64>,
+    /// Distance of the pole from the outermost row, in steps between rows.
+    gap: f64,
 }
 
 impl End {
@@ -300,10 +243,40 @@ impl End {
         let pole = POLE.copysign(last - before);
         let (gap, step) = ((pole - last).abs(), (last - before).abs());
         if gap <= SAME_LINE * step {
-            return Self { latitude: pole, added: None };
+            return Self { latitude: pole, added: None, gap: 0.0 };
         }
-        Self { latitude: last, added: (gap <= LARGEST_GAP * step).then_some(pole) }
+        let added = (gap <= LARGEST_GAP * step).then_some(pole);
+        Self { latitude: last, added, gap: gap / step }
     }
+
+    /// Returns the seam of the first or the last row, if there is a pole.
+    fn seam(self, side: GridSide) -> Option<Seam> {
+        match (self.added, self.latitude.abs() == POLE) {
+            (Some(_), _) => Some(Seam::Ring(side)),
+            (None, true) => Some(Seam::Pole { side, exact: true }),
+            (None, false) => None,
+        }
+    }
+}
+
+/// Returns the lines of a grid between two ends. A column that is added lies a `step` beyond the last one.
+fn lines_of(
+    chart: Chart,
+    ends: [End; 2],
+    is_repeated: bool,
+    has_column_added: bool,
+    step: f64,
+) -> Result<CompletedGrid, GluingError> {
+    let sides = [GridSide::FirstColumn, GridSide::LastColumn];
+    let columns = match (has_column_added, is_repeated) {
+        (true, _) => Some(Seam::Neighbours { sides, reversed: false }),
+        (false, true) => Some(Seam::Sides { sides, reversed: false }),
+        (false, false) => None,
+    };
+    let rows = [GridSide::FirstRow, GridSide::LastRow];
+    let poles = ends.into_iter().zip(rows).filter_map(|(end, side)| end.seam(side));
+    let seams: Vec<_> = columns.into_iter().chain(poles).collect();
+    completed(chart, &seams, ends.map(|end| end.gap), step)
 }
 
 /// Returns longitudes without jumps by full turns.
@@ -339,23 +312,6 @@ fn between(lines: &[f64], value: f64) -> Option<f64> {
     Some(index as f64 + (value - lines[index]) / (lines[index + 1] - lines[index]))
 }
 
-/// Returns the number of a line, of which the part beyond the first or the last of `count` lines is multiplied by a
-/// factor of that end.
-fn stretched(at: f64, count: usize, factors: [f64; 2]) -> f64 {
-    let last = (count - 1) as f64;
-    match at {
-        ..0.0 => at * factors[0],
-        _ if at > last => last + (at - last) * factors[1],
-        _ => at,
-    }
-}
-
-/// Returns the mean of all finite values, or NaN if there are none.
-fn mean(values: &[f64]) -> f64 {
-    let known = values.iter().filter(|value| value.is_finite());
-    known.clone().sum::<f64>() / known.count() as f64
-}
-
 /// Returns a point on the Earth, given by longitude and latitude in degrees and height in metres.
 fn position([longitude, latitude]: [f64; 2], height: f64) -> DVec3 {
     let (east_sin, east_cos) = longitude.to_radians().sin_cos();
@@ -381,7 +337,7 @@ mod tests {
     fn lines_are_added_where_the_earth_has_no_sample() {
         let size = |latitudes: &[f64], longitudes: &[f64]| {
             let grid = GeodeticGrid::new(latitudes, longitudes).unwrap();
-            let [rows, cols] = grid.given();
+            let Chart { rows, cols } = grid.lines().given();
             assert_eq!([rows, cols], [latitudes.len(), longitudes.len()]);
             let surface = grid.surface(&vec![0.0; rows * cols]).unwrap();
             assert!(surface.seams().is_empty());

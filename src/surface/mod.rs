@@ -7,6 +7,7 @@ mod arc;
 pub mod builtin;
 mod chart;
 mod coarsen;
+mod completed;
 mod corner;
 mod edges;
 mod error;
@@ -42,6 +43,7 @@ pub(crate) use chart::{
 };
 pub use chart::{Chart, Direction, GridSide};
 pub use coarsen::Coarsened;
+pub use completed::{CompletedGrid, Layout};
 pub(crate) use corner::{is_corner, is_open};
 pub use edges::EdgeLengths;
 pub use error::SurfaceError;

@@ -36,6 +36,10 @@ pub enum Seam {
         /// whose length is mere rounding are rejected.
         exact: bool,
     },
+    /// A side surrounds a pole that the grid lacks, as on a globe that is sampled at the middles of its cells.
+    /// [`Surface::seams`] does not find it, since a tube that ends there looks alike.
+    /// [`CompletedGrid`](super::CompletedGrid) adds the pole.
+    Ring(GridSide),
 }
 
 impl Display for Seam {
@@ -56,6 +60,7 @@ impl Display for Seam {
             Self::Fold(side) => write!(f, "the halves of its {side} coincide"),
             Self::Pole { side, exact: true } => write!(f, "its {side} is a single point"),
             Self::Pole { side, exact: false } => write!(f, "its {side} is nearly a single point"),
+            Self::Ring(side) => write!(f, "its {side} surrounds a pole"),
         }
     }
 }
@@ -68,6 +73,8 @@ pub(super) const COINCIDENT: f64 = 0.05;
 /// Largest ratio, either way, between the step from one side to the other and the steps of the grid on both
 /// sides of it, for the sides to count as neighbours.
 const MOST_UNEVEN: f64 = 2.0;
+/// Part of a side's longest step up to which steps are those at a pole, which have no length.
+const AT_POLE: f64 = 1e-9;
 /// Least cosine of the angle between these steps, for the sides to count as neighbours: 60 degrees.
 const LEAST_COSINE: f64 = 0.5;
 
@@ -120,7 +127,7 @@ impl Surface {
 }
 
 /// The points of one side of the grid.
-struct Rim {
+pub(super) struct Rim {
     side: GridSide,
     points: Vec<Option<RimPoint>>,
 }
@@ -146,8 +153,13 @@ impl RimPoint {
         self.inwards.map_or(0.0, DVec3::length)
     }
 
-    /// Returns whether the grid continues from `other` to this point as it does before and behind them.
-    fn follows(&self, other: &Self) -> Option<bool> {
+    /// Returns whether the grid continues from `other` to this point as it does before and behind them. At poles,
+    /// where steps are shorter than `least`, that is not known.
+    fn follows(&self, other: &Self, least: f64) -> Option<bool> {
+        let steps = [self.position - other.position, self.inwards?, other.inwards?];
+        if steps.into_iter().all(|step| step.length() <= least) {
+            return None;
+        }
         let step = self.position - other.position;
         let alike = |edge: DVec3| {
             let (along, product) = (step.dot(edge), step.length() * edge.length());
@@ -159,7 +171,7 @@ impl RimPoint {
 }
 
 impl Rim {
-    fn new(surface: &Surface, side: GridSide) -> Self {
+    pub(super) fn new(surface: &Surface, side: GridSide) -> Self {
         let chart = surface.chart();
         let point = |(row, col)| {
             let position = surface.position(row, col)?;
@@ -171,7 +183,7 @@ impl Rim {
         Self { side, points: side.places(chart).map(point).collect() }
     }
 
-    fn pole(&self) -> Option<Seam> {
+    pub(super) fn pole(&self) -> Option<Seam> {
         let mut points = self.points.iter().flatten();
         let first = points.next()?;
         let (mut others, mut exact) = (0, true);
@@ -192,7 +204,7 @@ impl Rim {
 
     /// Returns the sum of the distances between the points of this side and of another one, if the grid
     /// continues from there to here.
-    fn gap_to(&self, other: &Self, reversed: bool) -> Option<f64> {
+    pub(super) fn gap_to(&self, other: &Self, reversed: bool) -> Option<f64> {
         let others: Vec<_> = match reversed {
             false => other.points.iter().collect(),
             true => other.points.iter().rev().collect(),
@@ -209,10 +221,11 @@ impl Rim {
         let gaps = pairs().enumerate().filter(|(index, _)| has_both(*index));
         let known_to_both = gaps.filter_map(|(_, (a, b))| a.as_ref().zip(b.as_ref()));
         let gap = known_to_both.map(|(a, b)| a.position.distance(b.position)).sum();
-        all_known(known().map(|(a, b)| a.follows(b))).then_some(gap)
+        let longest = self.points.iter().flatten().map(RimPoint::depth).fold(0.0, f64::max);
+        all_known(known().map(|(a, b)| a.follows(b, AT_POLE * longest))).then_some(gap)
     }
 
-    fn is_along(&self, other: &Self, reversed: bool) -> bool {
+    pub(super) fn is_along(&self, other: &Self, reversed: bool) -> bool {
         self.points.len() == other.points.len()
             && match reversed {
                 false => coincide(self.points.iter().zip(&other.points)),

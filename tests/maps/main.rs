@@ -15,6 +15,7 @@ mod closed_sources;
 mod closed_steep;
 #[path = "../common/mod.rs"]
 mod common;
+mod completed;
 mod contours;
 mod directions;
 mod double_precision;

@@ -40,6 +40,11 @@ impl GridSide {
         }
     }
 
+    /// Returns whether the side is a row.
+    pub(in crate::surface) fn is_row(self) -> bool {
+        matches!(self, Self::FirstRow | Self::LastRow)
+    }
+
     /// Returns whether this is the first of two opposite sides, and `other` the last.
     pub(in crate::surface) fn is_opposite(self, other: Self) -> bool {
         use GridSide::{FirstColumn, FirstRow, LastColumn, LastRow};

@@ -48,6 +48,8 @@ pub(in super::super) fn pairs_of(
             let points = indices(side);
             Ok(points[1..].iter().map(|&point| [points[0], point]).collect())
         }
+        // The pole is no point of the grid.
+        Seam::Ring(_) => Ok(Vec::new()),
     }
 }
 
@@ -73,6 +75,12 @@ impl Compiled {
         let Chart { rows, cols } = chart;
         let mut compiled = Self { pairs: Vec::new(), lattice: Lattice::default() };
         for (number, seam) in seams.iter().enumerate() {
+            if let Seam::Neighbours { .. } | Seam::Ring(_) = seam {
+                return Err(GluingError::Unsupported {
+                    what: "a seam whose line the grid lacks",
+                    instead: "surface::CompletedGrid adds it, or append the line to the grid",
+                });
+            }
             let pairs = pairs_of(chart, seam)?;
             if seams[..number].contains(seam) {
                 return Err(twice(chart, pairs[0]));
@@ -82,12 +90,6 @@ impl Compiled {
                 || lattice.rows.is_some() && rows < LEAST_LINES;
             if is_small || pairs.is_empty() {
                 return Err(GluingError::TooSmall { rows, cols });
-            }
-            if let Seam::Neighbours { .. } = seam {
-                return Err(GluingError::Unsupported {
-                    what: "a seam between sides that are one cell apart",
-                    instead: "repeat the first line of points after the last one",
-                });
             }
             compiled.lattice = compiled.lattice.and(lattice);
             compiled.pairs.extend(pairs);
@@ -152,7 +154,7 @@ impl Gluing {
                 (Some(true), _) if !has_positions => Err(GluingError::ReversedMetric),
                 (Some(_), _) | (None, Seam::Neighbours { .. }) => Ok(()),
                 (None, Seam::Fold(_)) => positions("a fold"),
-                (None, Seam::Pole { .. }) => positions("a pole"),
+                (None, Seam::Pole { .. } | Seam::Ring(_)) => positions("a pole"),
                 (None, Seam::Sides { .. }) => positions("a seam between a row and a column"),
             }
         };

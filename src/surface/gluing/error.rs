@@ -65,6 +65,62 @@ pub enum GluingError {
         /// Number of columns of the grid.
         cols: usize,
     },
+    /// Two sides that are to continue each other are neither the same line nor neighbours.
+    #[error(
+        "the {} and the {} are to continue each other, and are {apart:e} apart on average, where the lines beside them \
+         are {step:e} apart. Check which sides continue each other, and in which order",
+        .sides[0], .sides[1]
+    )]
+    NotNeighbours {
+        /// The two sides.
+        sides: [GridSide; 2],
+        /// Mean distance between their points.
+        apart: f64,
+        /// Mean distance to the lines beside them.
+        step: f64,
+    },
+    /// A row is to surround a pole, and does not.
+    #[error(
+        "the {side} is to be at a pole or to surround one, and its points lie {inner:e} from their mean, those of the \
+         row beside it {outer:e}. A pole lies half a row or a row beyond; leave poles out if the grid has none"
+    )]
+    NoRing {
+        /// The row.
+        side: GridSide,
+        /// Mean distance of its points from their mean position.
+        inner: f64,
+        /// The same of the row beside it.
+        outer: f64,
+    },
+    /// A grid is not that of the six faces of a cube.
+    #[error(
+        "a grid of {rows} x {cols} points does not hold the six square faces of a cube in 2 x 3, 3 x 2, 1 x 6, 6 x 1, or \
+         as a cross in 3 x 4 or 4 x 3, side by side or with a line of holes between them. Mark the rest as holes, and \
+         give faces of 4 x 4 texels or more"
+    )]
+    NotCube {
+        /// Number of rows of the grid.
+        rows: usize,
+        /// Number of columns of the grid.
+        cols: usize,
+    },
+    /// A side of a face of a cube has no side of another one beside it.
+    #[error(
+        "the {side} of the face whose first texel is at row {row}, column {col} has no other face beside it: the nearest \
+         side is {apart:e} away, where texels are {step:e} apart. Check the positions and the order of the faces"
+    )]
+    FaceSide {
+        /// The side of the face.
+        side: GridSide,
+        /// Row of the face's first texel.
+        row: usize,
+        /// Column of the face's first texel.
+        col: usize,
+        /// Mean distance to the texels of the nearest side.
+        apart: f64,
+        /// Mean distance to the line of texels beside the side.
+        step: f64,
+    },
     /// Nothing of the surface coincides.
     #[error(
         "no two points of the surface coincide beside its holes and borders, so there is nothing to glue"

@@ -13,7 +13,7 @@ pub struct Groups {
 
 impl Groups {
     /// Joins pairs of indices to groups.
-    pub(super) fn of(pairs: impl IntoIterator<Item = [usize; 2]>) -> Self {
+    pub(in super::super) fn of(pairs: impl IntoIterator<Item = [usize; 2]>) -> Self {
         let mut parents: HashMap<u32, u32> = HashMap::new();
         for [a, b] in pairs {
             let [a, b] = [a, b].map(|index| root(&mut parents, index as u32));

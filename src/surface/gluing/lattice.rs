@@ -14,7 +14,7 @@ pub(crate) struct Lattice {
 
 impl Lattice {
     /// Returns the continuation of the grid over a seam.
-    pub(super) fn of(seam: &Seam) -> Self {
+    pub(in super::super) fn of(seam: &Seam) -> Self {
         use GridSide::{FirstColumn, FirstRow, LastColumn, LastRow};
         match *seam {
             Seam::Sides {
@@ -28,7 +28,7 @@ impl Lattice {
         }
     }
 
-    pub(super) fn and(self, other: Self) -> Self {
+    pub(in super::super) fn and(self, other: Self) -> Self {
         Self {
             cols: self.cols.or(other.cols),
             rows: self.rows.or(other.rows),
