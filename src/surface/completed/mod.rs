@@ -15,6 +15,7 @@ pub(super) use lines::completed;
 
 use std::sync::OnceLock;
 
+use super::inputs::Inputs;
 use super::{Chart, Geometry, Gluing, GluingError, Seam, Surface, SurfaceError};
 use added::Added;
 use axis::Axis;
@@ -130,33 +131,42 @@ impl CompletedGrid {
             );
         }
         let chart = self.chart();
-        let given: Vec<_> = chart.places().map(|(row, col)| self.given_point(row, col)).collect();
-        let mut points = given;
+        let mut points: Vec<_> =
+            chart.places().map(|(row, col)| self.given_point(row, col)).collect();
         for added in &self.added {
-            let copied = added.copied();
-            added.at.iter().for_each(|&at| points[at] = copied);
+            added.at.iter().for_each(|&at| points[at] = added.copied());
         }
         let mut inputs = surface.inputs.gathered(&points);
-        if let Geometry::Positions(positions) = &inputs.geometry {
-            let mut positions = positions.to_vec();
-            for added in self.added.iter().filter(|added| added.copied().is_none()) {
-                let middle = added.position(|point| {
-                    let (row, col) = self.given().position(point);
-                    surface.position(row, col)
-                });
-                let slowness = surface.slowness().map(|slowness| added.mean(slowness));
-                for &at in &added.at {
-                    positions[at] = middle.unwrap_or_default();
-                    inputs.present[at] = middle.is_some();
-                    if let Some((all, mean)) = inputs.slowness.as_mut().zip(slowness) {
-                        all[at] = mean;
-                    }
-                }
-            }
-            inputs.geometry = Geometry::Positions(positions.into());
-        }
+        self.place_middles(surface, &mut inputs);
         let (edge_rule, floor) = (surface.edge_rule, OnceLock::new());
         Surface { chart, inputs, edge_rule, floor, glued: None }.with_gluing(self.gluing.clone())
+    }
+
+    /// Gives added points that are no copies their positions and slowness.
+    fn place_middles(&self, surface: &Surface, inputs: &mut Inputs) {
+        let Geometry::Positions(positions) = &inputs.geometry else { return };
+        let mut positions = positions.to_vec();
+        let position = |point: usize| {
+            let (row, col) = self.given().position(point);
+            surface.position(row, col)
+        };
+        let there =
+            |(&slowness, &present): (&f64, &bool)| if present { slowness } else { f64::NAN };
+        let slowness = surface
+            .slowness()
+            .map(|slowness| slowness.iter().zip(surface.present()).map(there).collect::<Vec<_>>());
+        for added in self.added.iter().filter(|added| added.copied().is_none()) {
+            let middle = added.position(position);
+            let mean = slowness.as_ref().map(|slowness| added.mean(slowness));
+            for &at in &added.at {
+                positions[at] = middle.unwrap_or_default();
+                inputs.present[at] = middle.is_some();
+                if let Some((all, mean)) = inputs.slowness.as_mut().zip(mean) {
+                    all[at] = mean;
+                }
+            }
+        }
+        inputs.geometry = Geometry::Positions(positions.into());
     }
 
     /// Returns the row-major index of the given point that a point of the completed grid is, if it is one.

@@ -205,7 +205,7 @@ impl DirectionOutputs {
         let log_map = is_log.then(|| LogMap::new(surface, sources)).transpose()?;
         let log_map = log_map.map(|log_map| log_map.where_reached(&map.distances));
         drop(spinner);
-        let write = Write { scene, map: &map };
+        let write = Write { scene };
         if let Some((output, ways)) = self.back_direction.zip(ways.as_ref()) {
             staged.push(match self.format {
                 DirectionFormat::Compass => write.bearings(output, &ways.compass())?,
@@ -245,19 +245,18 @@ impl DirectionOutputs {
     }
 }
 
-/// Writes values at all points of a map.
+/// Writes values at the given points, of values at all points of a map.
 struct Write<'a> {
     scene: &'a Scene,
-    map: &'a DistanceMap,
 }
 
 impl Write<'_> {
     fn shape(&self) -> [usize; 2] {
-        [self.map.chart.rows, self.map.chart.cols]
+        [self.scene.chart().rows, self.scene.chart().cols]
     }
 
     fn bearings(&self, output: OutputFile, bearings: &[f32]) -> Result<StagedFile, Box<dyn Error>> {
-        let [rows, cols] = self.shape();
+        let ([rows, cols], bearings) = (self.shape(), &self.scene.crop(bearings));
         let is_array = has_extension(output.path(), &["npy"]);
         Ok(output.stage(|writer| match is_array {
             true => write_npy(writer, &[rows, cols], bearings),
@@ -268,7 +267,7 @@ impl Write<'_> {
     }
 
     fn labels(&self, output: OutputFile, labels: &[i32]) -> Result<StagedFile, Box<dyn Error>> {
-        let [rows, cols] = self.shape();
+        let ([rows, cols], labels) = (self.shape(), &self.scene.crop(labels));
         let is_array = has_extension(output.path(), &["npy"]);
         Ok(output.stage(|writer| match is_array {
             true => write_npy(writer, &[rows, cols], labels),
@@ -281,7 +280,7 @@ impl Write<'_> {
         output: OutputFile,
         vectors: &[[f32; 2]],
     ) -> Result<StagedFile, Box<dyn Error>> {
-        let [rows, cols] = self.shape();
+        let ([rows, cols], vectors) = (self.shape(), &self.scene.crop(vectors));
         let is_array = has_extension(output.path(), &["npy"]);
         Ok(output.stage(|writer| match is_array {
             true => write_npy(writer, &[rows, cols, 2], vectors.as_flattened()),

@@ -9,11 +9,14 @@ use geosweep::surface::Real;
 use geosweep::{DistanceMap, ErrorEstimate, Options, Sources, Surface, Wavefront};
 use serde::Serialize;
 
-use super::directions::{DirectionArgs, DirectionOutputs, SignArgs};
-use crate::output::{Written, check_outputs, commit, stage_picture, wanted_png};
-use crate::picture::Picture;
+use super::directions::{DirectionArgs, DirectionOutputs};
+use super::over_map::draw_over_map;
+use crate::output::{Written, check_outputs, commit, stage_picture};
+use crate::picture::{Look, Picture};
 use crate::precision::{InPrecision, Number, Precision};
-use crate::problem::{self, LimitArgs, MapSummary, Scene, SolverArgs, SourceArgs, SurfaceArgs};
+use crate::problem::{
+    self, LimitArgs, MapSummary, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs,
+};
 use crate::terminal::{Outcome, Spinner, print_json, say};
 
 /// The arguments of `geosweep distance`.
@@ -55,12 +58,8 @@ pub struct Args {
     #[command(flatten)]
     directions: DirectionArgs,
 
-    /// Draw the map: colours and lines of equal distance over the shaded surface
-    #[arg(long, value_name = "FILE.png", help_heading = "Reports")]
-    picture: Option<PathBuf>,
-    /// Unit of lengths, for the picture's legend (default: the unit of a projected GeoTIFF, otherwise none)
-    #[arg(long, value_name = "NAME", help_heading = "Reports")]
-    unit: Option<String>,
+    #[command(flatten)]
+    picture: PictureArgs,
     /// Print one JSON object (docs/json.md): version, command, precision, engine, device, reason (why the
     /// tool chose this engine, if it did), fallback, schedule, wavefront, iterations, iteration_bound
     /// (Theorem 1's, where it applies), residual, converged, solve_seconds, rows, cols, points, reached,
@@ -117,6 +116,8 @@ impl InPrecision for &Args {
         let outputs = Outputs::new(self)?;
         let scene = self.surface.read()?;
         self.check(&scene)?;
+        let look =
+            outputs.picture.as_ref().map(|_| self.picture.look_at_map(&scene)).transpose()?;
         let options = self.limits.options(options, &scene)?;
         let sources = self.sources.sources(&scene)?;
         let mut solved = {
@@ -130,9 +131,7 @@ impl InPrecision for &Args {
         problem::comment_on_size::<R>(&scene.surface);
         problem::comment_on_corners(&scene.surface, &solved.map);
         problem::comment_on_targets(&scene, &solved.map, &options);
-        let quantity = scene.quantity(self.unit.as_deref().or(scene.unit));
-        let sign = &self.directions.sign;
-        let written = outputs.write(&scene, &sources, sign, &quantity, &solved)?;
+        let written = outputs.write(self, &scene, &sources, look, &solved)?;
         problem::done_with_map(&scene, &solved.map.report, &written);
         if self.json {
             print_json("distance", &Summary::new(&scene, self, &solved))?;
@@ -235,7 +234,7 @@ impl Outputs {
         let map_output = |path| map_output(path, args.precision());
         let map = args.output.as_deref().map(map_output).transpose()?;
         let error = args.error.as_deref().map(map_output).transpose()?;
-        let picture = wanted_png(args.picture.as_ref())?;
+        let picture = args.picture.output()?;
         let directions = args.directions.outputs()?;
         let maps = map.iter().chain(&error).map(|(file, _)| file);
         let files: Vec<_> = maps.chain(&picture).chain(directions.files()).collect();
@@ -248,10 +247,10 @@ impl Outputs {
     /// Writes all files, then moves them to their final names.
     fn write<R: Number>(
         self,
+        args: &Args,
         scene: &Scene,
         sources: &Sources,
-        sign: &SignArgs,
-        quantity: &str,
+        look: Option<Look>,
         Solved { map, estimate }: &Solved<R>,
     ) -> Result<Written, Box<dyn Error>> {
         let (rows, cols) = (scene.chart().rows, scene.chart().cols);
@@ -259,7 +258,7 @@ impl Outputs {
         let mut staged = self.directions.stage(scene, sources, map)?;
         if let Some((output, format)) = self.map {
             let distances = scene.crop(&map.distances);
-            let signed = sign.of(scene, sources, &distances)?;
+            let signed = args.directions.sign.of(scene, sources, &distances)?;
             let distances = signed.as_deref().unwrap_or(&distances);
             staged.push(
                 output.stage(|writer| format.write(writer, rows, cols, distances, geo_tags))?,
@@ -271,10 +270,13 @@ impl Outputs {
             staged
                 .push(output.stage(|writer| format.write(writer, rows, cols, &errors, geo_tags))?);
         }
-        if let Some(output) = self.picture {
-            let (surface, shape, map) = (&scene.surface, scene.shape(), &map.to_single());
-            let picture = Picture { surface, shape, map, sources, quantity };
-            staged.push(stage_picture(output, || picture.draw())?);
+        if let Some((output, look)) = self.picture.zip(look) {
+            let (map, quantity) = (&map.to_single(), &args.picture.quantity(scene));
+            let (surface, shape) = (&scene.surface, scene.shape());
+            staged.push(stage_picture(output, || match look {
+                Look::Map => Picture { surface, shape, map, sources, quantity }.draw(),
+                look => draw_over_map(scene, sources, map, quantity, Default::default(), look),
+            })?);
         }
         Ok(commit(staged)?)
     }

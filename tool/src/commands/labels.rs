@@ -4,8 +4,10 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use geosweep::geometry::{NO_REGION, Voronoi};
-use geosweep::io::{GeoTags, IoError, OutputFile, StagedFile, write_labels_tiff, write_npy};
+use geosweep::io::{IoError, OutputFile, StagedFile, write_labels_tiff, write_npy};
 use geosweep::surface::Chart;
+
+use crate::problem::Scene;
 
 /// Returns the output file for labels, if one is requested.
 pub fn labels_output(path: Option<&PathBuf>) -> Result<Option<OutputFile>, Box<dyn Error>> {
@@ -21,16 +23,16 @@ pub fn labels_output(path: Option<&PathBuf>) -> Result<Option<OutputFile>, Box<d
     path.map(output).transpose()
 }
 
-/// Writes labels as int32 (M, N), with -1 where there is none. The file does not have its final name yet.
+/// Writes labels of the given points as int32 (M, N), with -1 where there is none. The file does not have its final name
+/// yet.
 pub fn stage_labels(
     output: OutputFile,
-    chart: Chart,
+    scene: &Scene,
     voronoi: &Voronoi,
-    geo_tags: Option<&GeoTags>,
 ) -> Result<StagedFile, IoError> {
-    let Chart { rows, cols } = chart;
+    let (Chart { rows, cols }, geo_tags) = (scene.chart(), scene.geo_tags.as_ref());
     let label = |&label: &u32| if label == NO_REGION { -1 } else { label as i32 };
-    let labels: Vec<i32> = voronoi.labels.iter().map(label).collect();
+    let labels: Vec<i32> = scene.crop(&voronoi.labels).iter().map(label).collect();
     let is_array = has_extension(output.path(), &["npy"]);
     output.stage(|writer| match is_array {
         true => write_npy(writer, &[rows, cols], &labels),

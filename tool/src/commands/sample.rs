@@ -81,10 +81,6 @@ pub fn run(args: &Args) -> Outcome {
     let scene = args.surface.read()?;
     let surface = &scene.surface;
     files.check(&scene)?;
-    let has_regions = [("--labels", labels.is_some()), ("--picture", picture.is_some())];
-    for (what, _) in has_regions.into_iter().filter(|(_, is_wanted)| *is_wanted) {
-        scene.refuse_added_lines(what)?;
-    }
     let look = picture.as_ref().map(|_| args.picture.look(&scene)).transpose()?;
 
     let edges = EdgeLengths::new(surface)?;
@@ -140,7 +136,7 @@ fn stage_regions(
     let voronoi = Voronoi::new(surface, edges, sources, &distances)?;
     let mut staged = Vec::new();
     if let Some(output) = labels {
-        staged.push(stage_labels(output, surface.chart(), &voronoi, scene.geo_tags.as_ref())?);
+        staged.push(stage_labels(output, scene, &voronoi)?);
     }
     if let Some((output, look)) = picture {
         let areas = voronoi.areas(surface);

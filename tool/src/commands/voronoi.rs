@@ -59,8 +59,7 @@ Examples:
 pub fn run(args: &Args) -> Outcome {
     let labels = labels_output(args.output.as_ref())?;
     let borders = CurveFiles::new(&args.borders)?;
-    let check = |scene: &Scene| scene.refuse_added_lines("voronoi");
-    let mut problem = args.problem.solve(&borders, labels.as_ref(), None, check)?;
+    let mut problem = args.problem.solve(&borders, labels.as_ref(), None, |_| Ok(()))?;
     let picture = problem.picture.take();
     let Problem { scene, sources, map, .. } = &problem;
     let voronoi = {
@@ -72,7 +71,7 @@ pub fn run(args: &Args) -> Outcome {
 
     let mut staged = borders.stage(scene, &ATTRIBUTES, polylines(&voronoi, scene)?)?;
     if let Some(output) = labels {
-        staged.push(stage_labels(output, map.chart, &voronoi, scene.geo_tags.as_ref())?);
+        staged.push(stage_labels(output, scene, &voronoi)?);
     }
     if let Some((output, look)) = picture {
         let regions = Regions {
@@ -89,7 +88,8 @@ pub fn run(args: &Args) -> Outcome {
     problem::done_with_map(scene, &map.report, &written);
     if args.json {
         let mut points = vec![0; voronoi.regions()];
-        let reached = voronoi.labels.iter().filter(|label| **label != NO_REGION);
+        let labels = scene.crop(&voronoi.labels);
+        let reached = labels.iter().filter(|label| **label != NO_REGION);
         reached.for_each(|label| points[*label as usize] += 1);
         let region = |(source, (&points, &area))| Region { source, points, area };
         let summary = Summary {

@@ -16,7 +16,7 @@ pub struct GeodeticArgs {
     /// Take SURFACE as heights in metres on WGS 84, in a grid of longitudes and latitudes. Distances are in metres,
     /// and pass the date line and the poles where the grid goes round the Earth. A GeoTIFF or an ESRI ASCII grid in
     /// degrees says where it lies; other files need --extent
-    #[arg(long, help_heading = "Earth", conflicts_with_all = ["spacing", "metric", "glue"])]
+    #[arg(long, help_heading = "Earth", conflicts_with_all = ["spacing", "metric", "glue", "wrap", "layout"])]
     geodetic: bool,
     /// Extent of the grid in degrees, for files that do not give it. EAST may be less than WEST, across the date line
     #[arg(long, value_name = "WEST,SOUTH,EAST,NORTH", help_heading = "Earth", value_parser = extent)]

@@ -4,67 +4,215 @@ use std::error::Error;
 
 use clap::ValueEnum;
 use geosweep::Surface;
-use geosweep::surface::{Gluing, Seam};
+use geosweep::surface::{CompletedGrid, Gluing, GridSide, Layout, Seam};
 
-/// The sides of the grid that are the same line of the surface.
+use crate::terminal::say;
+
+#[derive(clap::Args)]
+pub struct GlueArgs {
+    /// Sides of the grid that continue each other on a closed surface, so that distances pass from one to the other.
+    /// Where they are not the same line, a line is added inside, which outputs leave out: positions tell, and
+    /// heights and metrics are the same line if all their values are equal
+    #[arg(long, value_name = "SIDES", help_heading = "Surface", conflicts_with_all = ["wrap", "layout"])]
+    glue: Option<Glue>,
+    /// The grid goes on from its last column, row or both to the first: other names of --glue columns, rows and both
+    #[arg(long, value_name = "SIDES", help_heading = "Surface", conflicts_with = "layout")]
+    wrap: Option<Wrap>,
+    /// With --wrap columns or rows, in reverse order: --glue flipped-columns or flipped-rows
+    #[arg(long, help_heading = "Surface", requires = "wrap", conflicts_with = "poles")]
+    flip: bool,
+    /// With --wrap columns, the first and the last row are poles or surround them: --glue globe
+    #[arg(long, help_heading = "Surface", requires = "wrap")]
+    poles: bool,
+    /// Map of a whole surface: --glue octahedral or cube
+    #[arg(long, value_name = "MAP", help_heading = "Surface")]
+    layout: Option<MapLayout>,
+}
+
+/// The sides of the grid that continue each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Glue {
-    /// All sides that coincide, as the warning about closed surfaces lists them
+    /// All sides that coincide or are neighbours, as the warning about closed surfaces lists them
     Auto,
-    /// The last column is the first one: tubes and closed cones
+    /// The last column continues in the first one: tubes and closed cones
     Columns,
-    /// The last row is the first one
+    /// The last row continues in the first one
     Rows,
     /// Both: a torus
     Both,
-    /// The last column is the first one in reverse order: a Moebius strip
+    /// The last column continues in the first one in reverse order: a Moebius strip
     FlippedColumns,
-    /// The last row is the first one in reverse order
+    /// The last row continues in the first one in reverse order
     FlippedRows,
-    /// Rows are latitudes with one row at each pole, and the last column is the first one
+    /// Rows are latitudes from pole to pole, with rows at the poles or beside them, and the last column continues in the
+    /// first one
     Globe,
     /// An octahedral map: the halves of each side coincide
     Octahedral,
-    /// Charts that holes keep apart, such as the six faces of a cube
+    /// Charts that holes keep apart, such as the six faces of a cube with points on their edges
     Charts,
+    /// Six faces of a cube at the middles of texels: 2 x 3, 3 x 2, 1 x 6, 6 x 1 or a cross, with or without a line of holes
+    /// between them
+    Cube,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Wrap {
+    Columns,
+    Rows,
+    Both,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum MapLayout {
+    /// An octahedral map with points on its sides
+    Octahedral,
+    /// Six faces of a cube at the middles of texels
+    Cube,
+}
+
+impl GlueArgs {
+    /// Returns the gluing that is asked for, under any of its names.
+    pub fn wanted(&self) -> Result<Option<Glue>, String> {
+        let of_layout = self.layout.map(|layout| match layout {
+            MapLayout::Octahedral => Glue::Octahedral,
+            MapLayout::Cube => Glue::Cube,
+        });
+        let Some(wrap) = self.wrap else { return Ok(self.glue.or(of_layout)) };
+        Ok(Some(match (wrap, self.flip, self.poles) {
+            (Wrap::Columns, false, false) => Glue::Columns,
+            (Wrap::Columns, true, _) => Glue::FlippedColumns,
+            (Wrap::Columns, false, true) => Glue::Globe,
+            (Wrap::Rows, false, false) => Glue::Rows,
+            (Wrap::Rows, true, false) => Glue::FlippedRows,
+            (Wrap::Both, false, false) => Glue::Both,
+            (_, _, true) => {
+                return Err("--poles is for --wrap columns, where rows are latitudes".into());
+            }
+            (Wrap::Both, true, false) => {
+                return Err(
+                    "--flip is for --wrap columns or rows; both at once are not glued".into()
+                );
+            }
+        }))
+    }
+}
+
+/// A surface whose sides are glued.
+pub struct Whole {
+    pub surface: Surface,
+    /// The surface that has positions, if it has got more lines.
+    pub shape: Option<Surface>,
+    /// The lines of the grid, if some have been added.
+    pub lines: Option<CompletedGrid>,
+    /// Whether the last column continues in the first one.
+    pub goes_round: bool,
 }
 
 impl Glue {
-    /// Glues a surface. `seams` are its sides that coincide or are neighbours.
-    pub fn apply(self, surface: Surface, seams: &[Seam]) -> Result<Surface, Box<dyn Error>> {
-        let gluing = match self {
-            Self::Auto => Gluing::Seams(coinciding(seams)?),
-            Self::Columns => Gluing::columns(),
-            Self::Rows => Gluing::rows(),
-            Self::Both => Gluing::both(),
-            Self::FlippedColumns => Gluing::flipped_columns(),
-            Self::FlippedRows => Gluing::flipped_rows(),
-            Self::Globe => Gluing::globe(),
-            Self::Octahedral => Gluing::Octahedral,
-            Self::Charts => Gluing::Charts,
-        };
+    /// Glues a surface, whose grid gets the lines that it lacks. `shape` has its positions, if they are separate, and
+    /// `seams` are its sides that coincide or are neighbours.
+    pub fn apply(
+        self,
+        surface: Surface,
+        shape: Option<&Surface>,
+        seams: &[Seam],
+    ) -> Result<Whole, Box<dyn Error>> {
         let name = self.to_possible_value().map(|value| value.get_name().to_owned());
         let name = name.unwrap_or_default();
-        Ok(surface.with_gluing(gluing).map_err(|error| format!("--glue {name}: {error}"))?)
+        let whole = self.whole(surface, shape, seams);
+        Ok(whole.map_err(|error| format!("--glue {name}: {error}"))?)
+    }
+
+    fn whole(
+        self,
+        surface: Surface,
+        shape: Option<&Surface>,
+        seams: &[Seam],
+    ) -> Result<Whole, Box<dyn Error>> {
+        let gluing = match self.layout() {
+            None => match self {
+                Self::Octahedral => Gluing::Octahedral,
+                Self::Charts => Gluing::Charts,
+                _ => Gluing::Seams(found(seams)?),
+            },
+            // It cannot be glued once more, which an error says.
+            Some(_) if surface.is_glued() => Gluing::columns(),
+            Some(layout) => {
+                let lines = CompletedGrid::new(shape.unwrap_or(&surface), layout)?;
+                return self.completed(surface, shape, lines);
+            }
+        };
+        match &gluing {
+            Gluing::Seams(seams)
+                if seams.iter().any(|seam| matches!(seam, Seam::Neighbours { .. })) =>
+            {
+                let lines = CompletedGrid::with_seams(surface.chart(), seams)?;
+                self.completed(surface, shape, lines)
+            }
+            _ => Ok(Whole {
+                surface: surface.with_gluing(gluing)?,
+                shape: None,
+                lines: None,
+                goes_round: false,
+            }),
+        }
+    }
+
+    /// Glues a surface after its lines have been added.
+    fn completed(
+        self,
+        surface: Surface,
+        shape: Option<&Surface>,
+        lines: CompletedGrid,
+    ) -> Result<Whole, Box<dyn Error>> {
+        if !lines.is_extended() {
+            let surface = surface.with_gluing(lines.gluing().clone())?;
+            return Ok(Whole { surface, shape: None, lines: None, goes_round: false });
+        }
+        let whole = lines.complete(&surface)?;
+        let shape = shape.map(|shape| lines.complete(shape)).transpose()?;
+        let (given, chart) = (lines.given(), lines.chart());
+        say(
+            "note",
+            format_args!(
+                "the grid of {} x {} points does not repeat the samples of its seams; the surface has {} x {}, and \
+                 outputs have those of the grid",
+                given.rows, given.cols, chart.rows, chart.cols
+            ),
+        );
+        let goes_round = match lines.gluing() {
+            Gluing::Seams(seams) => seams.contains(&COLUMNS),
+            _ => false,
+        };
+        Ok(Whole { surface: whole, shape, lines: Some(lines), goes_round })
+    }
+
+    /// Returns the layout of grids that may lack lines.
+    fn layout(self) -> Option<Layout> {
+        Some(match self {
+            Self::Columns => Layout::Columns,
+            Self::Rows => Layout::Rows,
+            Self::Both => Layout::Both,
+            Self::FlippedColumns => Layout::FlippedColumns,
+            Self::FlippedRows => Layout::FlippedRows,
+            Self::Globe => Layout::Globe,
+            Self::Cube => Layout::Cube,
+            Self::Auto | Self::Octahedral | Self::Charts => return None,
+        })
     }
 }
 
-/// Returns the seams whose points coincide.
-fn coinciding(seams: &[Seam]) -> Result<Vec<Seam>, Box<dyn Error>> {
-    let is_apart = |seam: &&Seam| matches!(seam, Seam::Neighbours { .. });
-    if let Some(seam) = seams.iter().find(is_apart) {
-        return Err(format!(
-            "--glue auto: {seam}. Both sides of a seam must hold its points: append the first line again \
-             after the last one"
-        )
-        .into());
+/// The seam over which columns go round.
+const COLUMNS: Seam =
+    Seam::Sides { sides: [GridSide::FirstColumn, GridSide::LastColumn], reversed: false };
+
+/// Returns the seams of a surface that has some.
+fn found(seams: &[Seam]) -> Result<Vec<Seam>, Box<dyn Error>> {
+    match seams {
+        [] => Err("no sides of the grid coincide or are neighbours; leave --glue out, or name the sides to see how \
+                   far they are apart"
+            .into()),
+        seams => Ok(seams.to_vec()),
     }
-    if seams.is_empty() {
-        return Err(
-            "--glue auto: no sides of the grid coincide; leave --glue out, or name the sides \
-                    to see how far they are apart"
-                .into(),
-        );
-    }
-    Ok(seams.to_vec())
 }

@@ -82,7 +82,7 @@ impl LimitArgs {
 fn on_surface(scene: &Scene, given: [f64; 2]) -> Result<[usize; 2], String> {
     let place = scene.place(given).map_err(|why| format!("the target {why}"))?;
     let [row, col] = place.map(|at| at.round() as usize);
-    if scene.is_on_earth() && !scene.surface.has(row, col) {
+    if scene.has_own_grid() && !scene.surface.has(row, col) {
         let [row, col] = given.map(exact);
         return Err(format!("the target {row},{col} is in a hole; choose a point of the surface"));
     }

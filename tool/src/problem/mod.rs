@@ -5,6 +5,7 @@ mod args;
 mod curve_files;
 mod earth;
 mod geodetic;
+mod given;
 mod gluing;
 mod limits;
 mod picture;

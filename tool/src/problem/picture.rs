@@ -37,7 +37,7 @@ pub struct PictureArgs {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum ViewArg {
-    /// A map for heights, a shaded view for positions
+    /// A map for heights, a shaded view for positions; of `geosweep distance` only where they are closed
     #[default]
     Auto,
     /// The parameter domain as a map, with relief
@@ -58,12 +58,23 @@ impl PictureArgs {
         wanted_png(self.picture.as_ref())
     }
 
-    /// Returns the view of a surface.
+    /// Returns the view of a surface. Positions are shaded by default.
     pub fn look(&self, scene: &Scene) -> Result<Look, String> {
+        self.look_with(scene, true)
+    }
+
+    /// Returns the view of a surface. Closed ones are shaded by default.
+    pub fn look_at_map(&self, scene: &Scene) -> Result<Look, String> {
+        self.look_with(scene, scene.surface.is_glued())
+    }
+
+    fn look_with(&self, scene: &Scene, shades_positions: bool) -> Result<Look, String> {
         let bare = matches!(scene.shape().geometry(), Geometry::Metric(_));
         let shaded = match self.view {
             _ if self.toward.is_some() => true,
-            ViewArg::Auto => matches!(scene.shape().geometry(), Geometry::Positions(_)),
+            ViewArg::Auto => {
+                shades_positions && matches!(scene.shape().geometry(), Geometry::Positions(_))
+            }
             ViewArg::Map => false,
             ViewArg::Shaded => true,
         };

@@ -8,11 +8,11 @@ use geosweep::io::{CoordinateSystem, GeoTags, Georeference, GridFrame};
 use geosweep::surface::{Chart, Real};
 use geosweep::{DistanceMap, Surface};
 
-use super::earth::Earth;
+use super::given::GivenGrid;
 
 /// The surface on which the map is computed, and the surface that is drawn.
 pub struct Scene {
-    /// The surface. On the Earth its grid may have more rows and columns than the file.
+    /// The surface. If it is closed, its grid may have more rows and columns than the file.
     pub surface: Surface,
     /// The surface that has positions, if lengths come from a separate metric.
     pub(super) shape: Option<Surface>,
@@ -24,30 +24,33 @@ pub struct Scene {
     pub geo_tags: Option<GeoTags>,
     /// The unit of lengths, if the file has one.
     pub unit: Option<&'static str>,
-    /// The grid of the file, if the surface lies on the Earth.
-    pub(super) earth: Option<Earth>,
+    /// The grid of the file, if the surface lies on the Earth or has more lines.
+    pub(super) grid: Option<GivenGrid>,
+    /// Whether the surface lies on the Earth.
+    pub(super) is_on_earth: bool,
 }
 
 impl Scene {
     /// Returns the map coordinates of places on the surface.
     pub fn frame(&self) -> GridFrame {
-        match &self.earth {
-            Some(earth) => earth.frame.clone(),
+        match &self.grid {
+            Some(grid) => grid.frame.clone(),
             None => GridFrame::new(self.chart(), self.georeference.clone()),
         }
     }
 
     /// Returns the size of the given grid.
     pub fn chart(&self) -> Chart {
-        self.earth.as_ref().map_or(self.surface.chart(), |earth| earth.chart)
+        self.grid.as_ref().map_or(self.surface.chart(), |grid| grid.chart)
     }
 
     /// Returns the place on the surface's grid of a given place.
     ///
     /// # Errors
-    /// On the Earth, if the place lies outside the grid. Elsewhere the library checks it.
+    /// If the surface has more lines than the file or lies on the Earth, and not this place. Elsewhere the library checks
+    /// it.
     pub fn place(&self, given: [f64; 2]) -> Result<[f64; 2], String> {
-        self.earth.as_ref().map_or(Ok(given), |earth| earth.place(given))
+        self.grid.as_ref().map_or(Ok(given), |grid| grid.place(given))
     }
 
     /// Returns the row-major index, on the surface's grid, of a point of the given grid.
@@ -59,57 +62,57 @@ impl Scene {
     /// Returns the vertices of a given curve on the surface's grid, where it may jump over seams.
     ///
     /// # Errors
-    /// On the Earth, if a vertex lies outside the grid or the curve leaps over more than half a turn.
+    /// As for [`Self::place`], and if the curve leaps over more than half a turn where columns go round.
     pub fn curve(&self, given: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, String> {
-        match &self.earth {
-            Some(earth) => earth.curve(&given, &self.surface),
+        match &self.grid {
+            Some(grid) => grid.curve(&given, &self.surface),
             None => Ok(given),
         }
     }
 
     /// Returns the given place of a place on the surface's grid. Poles may lie beyond the first and the last row.
     pub fn given(&self, place: [f64; 2]) -> [f64; 2] {
-        self.earth.as_ref().map_or(place, |earth| earth.grid.to_given(place))
+        self.grid.as_ref().map_or(place, |grid| grid.lines.to_given(place))
     }
 
     /// Returns the values at the given points, of values at all points of the surface.
     pub fn crop<'a, T: Copy>(&self, values: &'a [T]) -> Cow<'a, [T]> {
-        self.extended().map_or(values.into(), |earth| earth.grid.crop(values).into())
-    }
-
-    /// Returns the number of given points that are present.
-    pub fn points(&self) -> usize {
-        self.extended().map_or(self.surface.points(), |earth| earth.points(&self.surface))
-    }
-
-    /// Returns whether the surface has rows or columns that the given grid lacks.
-    pub fn has_added_lines(&self) -> bool {
-        self.extended().is_some()
+        self.extended().map_or(values.into(), |grid| grid.lines.crop(values).into())
     }
 
     /// Returns the largest distance and counts of a map as those of the given points.
     pub fn count<R: Real>(&self, map: &mut DistanceMap<R>) {
-        let Some(earth) = self.extended() else { return };
-        let given = earth.grid.crop(&map.distances);
-        let given = DistanceMap::new(earth.chart, given, map.report.clone()).report;
+        let Some(grid) = self.extended() else { return };
+        let given = grid.lines.crop(&map.distances);
+        let given = DistanceMap::new(grid.chart, given, map.report.clone()).report;
         map.report.points = self.points();
         (map.report.reached, map.report.max_distance) = (given.reached, given.max_distance);
     }
 
-    /// Refuses what needs an output with a value for each point of the surface, if the grid lacks some of them.
+    /// Returns the number of given points that are present.
+    pub fn points(&self) -> usize {
+        self.extended().map_or(self.surface.points(), |grid| grid.points(&self.surface))
+    }
+
+    /// Returns the index of each given point on the surface's grid, if that has more points.
+    pub fn given_points(&self) -> Option<Vec<usize>> {
+        self.extended().map(|grid| grid.lines.given_points())
+    }
+
+    /// Refuses what needs all points of the surface, if the given grid lacks some of them.
     pub fn refuse_added_lines(&self, what: &str) -> Result<(), String> {
         match self.extended() {
             None => Ok(()),
             Some(_) => Err(format!(
-                "{what}: --geodetic adds a row at a pole or a column at the seam that the grid lacks, which \
-                 cannot be left out here; give a grid that has these lines, or one clear of them"
+                "{what}: the surface has lines that the grid lacks, at a pole or at a seam, which cannot be left out \
+                 here; give a grid that has these lines, or one clear of them"
             )),
         }
     }
 
     /// Refuses what does not pass seams, if the grid goes round the Earth, or has no place for lines that are added.
     pub fn refuse_round(&self, what: &str) -> Result<(), String> {
-        match self.earth.as_ref().is_some_and(|earth| earth.grid.goes_round()) {
+        match self.is_on_earth && self.grid.as_ref().is_some_and(|grid| grid.goes_round) {
             true => Err(format!(
                 "{what}: does not pass the line where a grid that goes round the Earth begins and ends yet; \
                  give a part of the Earth (gdal_translate -projwin), or leave it out"
@@ -118,12 +121,14 @@ impl Scene {
         }
     }
 
-    /// Refuses directions in the grid, if its rows do not run southwards or its columns eastwards, or it lacks points
-    /// of the surface.
+    /// Refuses directions in the grid, if its rows do not run southwards or its columns eastwards on the Earth, or added
+    /// lines lie a part of a step away from given ones, so that rows and columns of a direction differ on both grids.
     pub fn refuse_directions(&self, what: &str) -> Result<(), String> {
-        self.refuse_added_lines(what)?;
+        if self.extended().is_some_and(|grid| grid.lines.has_part_steps()) {
+            self.refuse_added_lines(what)?;
+        }
         let is_north_up = |at: &Georeference| at.down[1] < 0.0 && at.right[0] > 0.0;
-        match self.georeference.as_ref().is_ok_and(is_north_up) || self.earth.is_none() {
+        match self.georeference.as_ref().is_ok_and(is_north_up) || !self.is_on_earth {
             true => Ok(()),
             false => Err(format!(
                 "{what}: directions on the Earth need rows from north to south and columns from west to east; \
@@ -134,27 +139,32 @@ impl Scene {
 
     /// Lets an error name given places.
     pub fn explain(&self, error: geosweep::Error) -> geosweep::Error {
-        match (error, &self.earth) {
-            (geosweep::Error::Source(error), Some(earth)) => earth.of_sources(error).into(),
+        match (error, &self.grid) {
+            (geosweep::Error::Source(error), Some(grid)) => grid.of_sources(error).into(),
             (error, _) => error,
         }
     }
 
     /// Lets an error on a path name given places.
     pub fn explain_path(&self, error: PathError) -> PathError {
-        match &self.earth {
-            Some(earth) => earth.of_paths(error),
+        match &self.grid {
+            Some(grid) => grid.of_paths(error),
             None => error,
         }
     }
 
     /// Returns whether the surface lies on the Earth.
     pub fn is_on_earth(&self) -> bool {
-        self.earth.is_some()
+        self.is_on_earth
     }
 
-    fn extended(&self) -> Option<&Earth> {
-        self.earth.as_ref().filter(|earth| earth.grid.is_extended())
+    /// Returns whether given places are converted.
+    pub fn has_own_grid(&self) -> bool {
+        self.grid.is_some()
+    }
+
+    fn extended(&self) -> Option<&GivenGrid> {
+        self.grid.as_ref().filter(|grid| grid.lines.is_extended())
     }
 
     pub fn shape(&self) -> &Surface {

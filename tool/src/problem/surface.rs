@@ -4,13 +4,14 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{OsStringValueParser, TypedValueParser};
-use geosweep::io::{self, CoordinateSystem, GeoTags, Georeference, SurfaceFile};
+use geosweep::io::{self, CoordinateSystem, GeoTags, Georeference, GridFrame, SurfaceFile};
 use geosweep::surface::{Chart, Geometry, Resolution, Seam};
 use geosweep::{EdgeRule, Spacing, Surface};
 
 use super::earth::Earth;
 use super::geodetic::{GeodeticArgs, Location};
-use super::gluing::Glue;
+use super::given::GivenGrid;
+use super::gluing::{GlueArgs, Whole};
 use super::scene::Scene;
 use crate::choices::one_of;
 use crate::numbers::numbers;
@@ -50,10 +51,8 @@ pub struct SurfaceArgs {
     /// Rule for the length between neighbouring points (default: arc). A metric has its own lengths
     #[arg(long, value_parser = one_of(&EDGE_RULES), help_heading = "Surface")]
     edges: Option<EdgeRule>,
-    /// Sides of the grid that are glued, since they are the same line of a closed surface. Both must hold its
-    /// points. Distances then pass from one side to the other
-    #[arg(long, value_name = "SIDES", help_heading = "Surface")]
-    glue: Option<Glue>,
+    #[command(flatten)]
+    glue: GlueArgs,
     #[command(flatten)]
     pub geodetic: GeodeticArgs,
 }
@@ -95,7 +94,7 @@ impl SurfaceArgs {
         let chart = earth.as_ref().map_or(given.chart(), |earth| earth.chart);
         let (rows, cols) = (chart.rows, chart.cols);
         let place = georeference.as_ref().ok();
-        let (mut surface, shape) = match &self.metric {
+        let (mut surface, mut shape) = match &self.metric {
             None => (given, None),
             Some(path) => {
                 let metric = io::read_metric(path)?.fit(path, rows, cols)?;
@@ -126,9 +125,18 @@ impl SurfaceArgs {
                 .and_then(|slowness| surface.with_slowness(slowness))
                 .map_err(|e| format!("{}: {e}", path.display()))?;
         }
-        if let Some(glue) = self.glue {
-            surface = glue.apply(surface, &seams)?;
+        let mut grid = earth.as_ref().map(Earth::given);
+        if let Some(glue) = self.glue.wanted()? {
+            let whole = glue.apply(surface, shape.as_ref(), &seams)?;
+            let Whole { surface: glued, shape: whole_shape, lines, goes_round } = whole;
+            (surface, shape) = (glued, whole_shape.or(shape));
             seams = if shape.is_none() { surface.seams() } else { Vec::new() };
+            grid = lines.map(|lines| GivenGrid {
+                frame: GridFrame::new(chart, georeference.clone()).with_margins(lines.margins()),
+                lines,
+                chart,
+                goes_round,
+            });
         }
         // On the Earth, seams are glued, and a pole at the end of a sector is not closed.
         if earth.is_none() {
@@ -145,7 +153,8 @@ impl SurfaceArgs {
         let surface = surface.with_edge_rule(self.edges.unwrap_or_default());
         // With a slowness, lengths become times. A separate metric may be in another unit.
         let unit = unit.filter(|_| shape.is_none() && surface.slowness().is_none());
-        Ok(Scene { surface, shape, georeference, system, geo_tags, unit, earth })
+        let is_on_earth = earth.is_some();
+        Ok(Scene { surface, shape, georeference, system, geo_tags, unit, grid, is_on_earth })
     }
 
     /// Returns the surface's file, if it comes from one.
@@ -280,13 +289,7 @@ fn warn_of_seams(seams: &[Seam]) {
     let names = seams.iter().map(Seam::to_string).collect::<Vec<_>>().join(", ");
     let mut said = format!("the surface is closed: {names}");
     if seams.iter().any(|seam| !matches!(seam, Seam::Pole { .. })) {
-        said += ". No path crosses such a seam";
-    }
-    if seams.iter().any(|seam| matches!(seam, Seam::Neighbours { .. })) {
-        said += ": append the first line after the last one and give --glue auto, or roll the grid so that the \
-                 seam lies far from the sources";
-    } else if seams.iter().any(|seam| matches!(seam, Seam::Sides { .. } | Seam::Fold(_))) {
-        said += " unless --glue auto joins its sides";
+        said += ". No path crosses such a seam unless --glue auto joins its sides";
     }
     if seams.iter().any(|seam| matches!(seam, Seam::Sides { .. } | Seam::Fold(_))) {
         said += "; --mask can remove one of two equal lines";

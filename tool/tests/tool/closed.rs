@@ -46,7 +46,7 @@ fn glued_sides_have_one_distance() {
     let step = std::f64::consts::TAU / 32.0;
     assert_eq!(map[4 * 33 + 32], 0.0);
     assert!((map[4 * 33 + 31] - step).abs() < 1e-5 * step, "{}", map[4 * 33 + 31]);
-    for (way, part) in [("rows", "differ by"), ("octahedral", "differ by")] {
+    for (way, part) in [("rows", "apart on average"), ("octahedral", "differ by")] {
         let output = bench.distance(&tube, &format!("-s 4,0 --glue {way} --json"));
         assert!(!output.status.success() && stderr(&output).contains(part), "{}", stderr(&output));
         assert!(stderr(&output).contains(&format!("--glue {way}: ")), "{}", stderr(&output));

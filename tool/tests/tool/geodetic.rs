@@ -442,7 +442,7 @@ fn what_is_no_place_on_the_earth_is_refused() {
         (
             &flat,
             format!("{whole} -s 3,3 --back-direction b.npy"),
-            "--back-direction: --geodetic adds a row",
+            "--back-direction: the surface has lines that the grid lacks",
         ),
         (&flat, format!("{part} --south-up -s 3,3 --back-link b.npy"), "rows from north to south"),
         (&flat, format!("{whole} -s 3,3 --precision double --engine vulkan"), "double"),
@@ -464,16 +464,49 @@ fn what_the_commands_cannot_do_on_the_earth_is_refused() {
     let whole = format!("{GLOBE} pixel");
     let output = run(&bench, &format!("distance {flat} {whole} -s 3,3 -o map.exr"));
     bench.refuses(&output, &["single precision only", "--precision single"]);
-    let output = run(&bench, &format!("voronoi {flat} {whole} -s 3,3 -o lines.npy"));
-    bench.refuses(&output, &["voronoi: --geodetic adds a row"]);
-    for words in ["--sample 3", "--from-symmetry", "--format csr --radius 1e6"] {
-        let file = if words.contains("csr") { "matrix.npz" } else { "matrix.npy" };
-        let output = run(&bench, &format!("pairwise {flat} {whole} {words} -o {file}"));
-        let what = words.split(" --radius").next().unwrap().trim_end_matches(" 3");
-        bench.refuses(&output, &[&format!("{what}: --geodetic adds a row")]);
+    let output = run(&bench, &format!("pairwise --sample 3 {flat} {whole} -o matrix.npy"));
+    bench.refuses(&output, &["--sample: the surface has lines that the grid lacks"]);
+}
+
+/// The regions, their areas and the pairs of a grid of cells, which lacks the poles and a column.
+#[test]
+fn regions_and_pairs_are_those_of_the_cells_of_the_file() {
+    let bench = Workbench::new();
+    let cells = Grid::new([-175.0, 36.0], [85.0, 18.0, -10.0]);
+    let file = cells.file(&bench, "cells.npy", false);
+    let sources = "--source-lonlat -175,5 --source-lonlat 5,5";
+    let line = format!("voronoi {file} {GLOBE} pixel {sources} -o regions.npy --json");
+    let said = json(&done(&bench, &line));
+    let regions = map(&bench.output("regions.npy"));
+    let count = |region: f64| regions.iter().filter(|&&found| found == region).count() as u64;
+    for (region, place) in [(0, [-155.0, 25.0]), (1, [15.0, 85.0]), (0, [175.0, -75.0])] {
+        let index = cells.places().position(|other| other == place).unwrap();
+        assert_eq!(regions[index], f64::from(region), "{place:?}");
+        assert_eq!(said["regions"][region as usize]["points"], count(f64::from(region)));
     }
-    let output = run(&bench, &format!("sample {flat} {whole} -k 3 --labels l.npy -o samples.csv"));
-    bench.refuses(&output, &["--labels: --geodetic adds a row"]);
+    let areas = [0, 1].map(|region| said["regions"][region]["area"].as_f64().unwrap());
+    assert!((areas[0] - areas[1]).abs() < 1e-2 * areas[0], "{areas:?}");
+    assert!((areas[0] + areas[1] - 5.10066e14).abs() < 5e12, "{areas:?}");
+    done(&bench, &format!("sample {file} {GLOBE} pixel -k 5 --labels labels.npy --picture s.png"));
+    assert_eq!(map(&bench.output("labels.npy")).len(), 18 * 36);
+
+    let all = format!("pairwise {file} {GLOBE} pixel --wavefront curved");
+    let said = json(&done(&bench, &format!("{all} -o d.npy --sources 323..326 --json")));
+    assert_eq!([&said["matrix_rows"], &said["matrix_cols"], &said["points"]], [3, 648, 648]);
+    let rows = map(&bench.output("d.npy"));
+    let row = format!("distance {file} {GLOBE} pixel --precision single -s 8,36 -o row.npy");
+    let outside = run(&bench, &row);
+    assert!(outside.status.success(), "the column that is added is a place: {}", stderr(&outside));
+    done(&bench, &row.replace("8,36", "8,35").replace("row.npy", "other.npy"));
+    let row = map(&bench.output("other.npy"));
+    assert_eq!(rows.len(), 3 * 648);
+    for (found, exact) in rows[..648].iter().zip(&row) {
+        assert!((found - exact).abs() < 1e-3 * exact.max(1e6), "{found} {exact}");
+    }
+    let line = format!("{all} -o near.npz --format csr --radius 1.5e6 --sources 323..324 --json");
+    let said = json(&done(&bench, &line));
+    let near = row.iter().filter(|&&distance| distance <= 1.5e6).count() as u64;
+    assert_eq!((&said["stored"], &said["matrix_cols"]), (&near.into(), &648.into()));
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod bench;
 mod canonical;
 mod closed;
 mod committed;
+mod completed;
 mod contours;
 mod directions;
 mod distance;

@@ -3,6 +3,7 @@
 mod sources;
 mod sparse;
 
+use std::borrow::Cow;
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -162,12 +163,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     let Outputs { matrix, labels } = Outputs::new(args)?;
     let scene = args.surface.read()?;
-    for (what, _) in [("--sample", args.sample.is_some()), ("--from-symmetry", args.from_symmetry)]
-        .into_iter()
-        .filter(|(_, is_given)| *is_given)
-    {
-        scene.refuse_added_lines(what)?;
-    }
+    args.check(&scene)?;
     let surface = &scene.surface;
     let samples = args.sample.map(|count| Samples::new(surface, count)).transpose()?;
     let (sources, starts) = match &samples {
@@ -177,6 +173,7 @@ pub fn run(args: &Args) -> Outcome {
     let options = args.options()?;
     let mut pairwise = Pairwise::new(surface, &options)?;
     let points = pairwise.points();
+    let kept = scene.given_points();
     let layout = MatrixLayout {
         rows: sources.len(),
         cols: scene.chart().points(),
@@ -207,13 +204,13 @@ pub fn run(args: &Args) -> Outcome {
     }
     let bar = progress_of_rows(layout.rows, resumed_rows);
     let solved = if args.from_symmetry {
-        by_symmetry(&mut pairwise, file.as_mut(), &bar)
+        by_symmetry(&mut pairwise, file.as_mut(), kept.as_deref(), &bar)
     } else {
         row_by_row(
             &mut pairwise,
             file.as_mut(),
-            &scene,
             (&sources[resumed_rows..], &starts[resumed_rows..]),
+            kept.as_deref(),
             &bar,
         )
     };
@@ -225,9 +222,10 @@ pub fn run(args: &Args) -> Outcome {
     let mut written = Written::default();
     {
         let _spinner = Spinner::new(if args.symmetrize { "symmetrizing" } else { "writing" });
-        let labels = samples.as_ref().zip(labels).map(|(samples, output)| {
-            stage_labels(output, surface.chart(), &samples.regions, scene.geo_tags.as_ref())
-        });
+        let labels = samples
+            .as_ref()
+            .zip(labels)
+            .map(|(samples, output)| stage_labels(output, &scene, &samples.regions));
         let labels = labels.transpose()?;
         let finish = |file: MatrixFile| file.finish_while(|| !is_interrupted());
         if let Some((file, path)) = file.zip(args.output.as_ref()) {
@@ -266,7 +264,7 @@ pub fn run(args: &Args) -> Outcome {
 fn run_sparse(args: &Args) -> Outcome {
     let output = sparse::output(args)?;
     let scene = args.surface.read()?;
-    scene.refuse_added_lines("--format csr")?;
+    args.check(&scene)?;
     let (sources, starts) = match args.sample {
         Some(count) => {
             let points = Samples::new(&scene.surface, count)?.points;
@@ -300,19 +298,27 @@ impl Args {
         Ok(self.solver.options()?.with_radius(self.radius))
     }
 
-    /// Returns the grid points of the rows, and the start values of their distances.
+    /// Refuses samples of a surface that has points which the grid lacks.
+    fn check(&self, scene: &Scene) -> Result<(), String> {
+        self.sample.map_or(Ok(()), |_| scene.refuse_added_lines("--sample"))
+    }
+
+    /// Returns the points of the rows on the surface's grid, and the start values of their distances.
     fn sources(&self, scene: &Scene) -> Result<(Vec<usize>, Vec<f64>), Box<dyn Error>> {
-        let (surface, chart) = (&scene.surface, scene.chart());
-        let given = match &self.sources {
-            None => (0..chart.points()).map(|point| (point, 0.0)).collect(),
-            Some(rows) => rows.points(&scene.frame())?,
+        let surface = &scene.surface;
+        let Some(rows) = &self.sources else {
+            let points = scene.given_points();
+            let points = points.unwrap_or_else(|| (0..surface.chart().points()).collect());
+            let starts = vec![0.0; points.len()];
+            return Ok((points, starts));
         };
-        let on_surface = |(point, start): (usize, f64)| {
-            scene.index(chart.position(point)).map(|point| (point, start))
+        let point = |(given, start): ([f64; 2], f64)| {
+            let [row, col] = scene.place(given)?;
+            Ok((surface.chart().index(row.round() as usize, col.round() as usize), start))
         };
-        let all = given.into_iter().map(on_surface).collect::<Result<Vec<_>, _>>()?;
-        let (sources, starts): (Vec<_>, Vec<_>) = all.into_iter().unzip();
-        let Some(rows) = &self.sources else { return Ok((sources, starts)) };
+        let points = rows.places(&scene.frame())?.into_iter().map(point);
+        let points = points.collect::<Result<Vec<_>, String>>()?;
+        let (sources, starts): (Vec<_>, Vec<_>) = points.into_iter().unzip();
         let holes = sources.iter().filter(|&&source| !surface.present()[source]).count();
         if holes > 0 && rows.file().is_some() {
             say("note", format_args!("{holes} of the sources are holes; their rows are +infinity"));
@@ -400,34 +406,42 @@ impl Samples {
     }
 }
 
-/// Computes rows and writes the distances to the given points.
+/// Computes rows and writes their distances to the points that are kept, or to all.
 fn row_by_row(
     pairwise: &mut Pairwise,
     mut file: Option<&mut MatrixFile>,
-    scene: &Scene,
     (sources, starts): (&[usize], &[f64]),
+    kept: Option<&[usize]>,
     bar: &ProgressBar,
 ) -> Result<PairwiseReport, Stopped> {
+    let points = pairwise.points();
     let has_starts = starts.iter().any(|&start| start != 0.0);
     let mut starts = starts.iter();
     pairwise.rows(sources, |rows: Rows| {
         if let Some(file) = &mut file {
-            if has_starts || scene.has_added_lines() {
-                file.append(&started(&rows, scene, &mut starts))?;
-            } else {
-                file.append(rows.distances)?;
-            }
+            let distances: Cow<[f32]> = match has_starts {
+                true => started(&rows, &mut starts).into(),
+                false => rows.distances.into(),
+            };
+            file.append(&cropped(distances, points, kept))?;
         }
         bar.inc(rows.sources.len() as u64);
         go_on()
     })
 }
 
-/// Returns rows of the given points, with the start value of each added to its distances.
-fn started<'a>(rows: &Rows, scene: &Scene, starts: &mut impl Iterator<Item = &'a f64>) -> Vec<f32> {
+/// Returns the distances to the points that are kept, of rows of distances to all points.
+fn cropped<'a>(distances: Cow<'a, [f32]>, points: usize, kept: Option<&[usize]>) -> Cow<'a, [f32]> {
+    let Some(kept) = kept else { return distances };
+    let rows = distances.chunks_exact(points);
+    rows.flat_map(|row| kept.iter().map(|&point| row[point])).collect::<Vec<_>>().into()
+}
+
+/// Returns rows with the start value of each added to its distances.
+fn started<'a>(rows: &Rows, starts: &mut impl Iterator<Item = &'a f64>) -> Vec<f32> {
     let row = |((_, distances), start): ((usize, &[f32]), &f64)| {
         let later = |distance: &f32| (f64::from(*distance) + start) as f32;
-        scene.crop(distances).iter().map(later).collect::<Vec<_>>()
+        distances.iter().map(later).collect::<Vec<_>>()
     };
     rows.iter().zip(starts).flat_map(row).collect()
 }
@@ -436,10 +450,11 @@ fn go_on() -> Result<(), Stopped> {
     if is_interrupted() { Err(Stopped::Interrupted) } else { Ok(()) }
 }
 
-/// Computes the matrix in memory, and writes it.
+/// Computes the matrix in memory, and writes its rows and columns of the points that are kept, or all.
 fn by_symmetry(
     pairwise: &mut Pairwise,
     file: Option<&mut MatrixFile>,
+    kept: Option<&[usize]>,
     bar: &ProgressBar,
 ) -> Result<PairwiseReport, Stopped> {
     let (matrix, report) = pairwise.matrix_by_symmetry(|rows| {
@@ -447,7 +462,15 @@ fn by_symmetry(
         go_on()
     })?;
     if let Some(file) = file {
-        file.append(&matrix)?;
+        let points = pairwise.points();
+        let row = |&point: &usize| &matrix[point * points..][..points];
+        match kept {
+            None => file.append(&matrix)?,
+            Some(kept) => {
+                let rows = kept.iter().map(row).collect::<Vec<_>>().concat();
+                file.append(&cropped(rows.into(), points, Some(kept)))?;
+            }
+        }
     }
     Ok(report)
 }

@@ -50,13 +50,16 @@ impl RowsOf {
         }
     }
 
-    /// Returns the grid points of the rows, as row-major indices, and the start values of their distances. The
-    /// surface has no points but the frame's.
-    pub fn points(&self, frame: &GridFrame) -> Result<Vec<(usize, f64)>, String> {
+    /// Returns the given places of the rows, which are points of the surface, and the start values of their distances.
+    pub fn places(&self, frame: &GridFrame) -> Result<Vec<([f64; 2], f64)>, String> {
         let points = frame.chart.points();
         match self {
             Self::Range(range) if range.end <= points => {
-                Ok(range.clone().map(|point| (point, 0.0)).collect())
+                let place = |point| {
+                    let (row, col) = frame.chart.position(point);
+                    ([row as f64, col as f64], 0.0)
+                };
+                Ok(range.clone().map(place).collect())
             }
             Self::Range(Range { start, end }) => Err(format!(
                 "--sources {start}..{end} goes beyond the grid, which has {points} points"
@@ -65,8 +68,7 @@ impl RowsOf {
                 let file = PlaceFile::read(path).map_err(|error| error.to_string())?;
                 let found = file.grid_points(frame).map_err(|error| error.to_string())?;
                 remark(path, &file, frame);
-                let index = |[row, col]: [f64; 2]| frame.chart.index(row as usize, col as usize);
-                Ok(found.iter().map(|point| (index(point.at), point.start)).collect())
+                Ok(found.iter().map(|point| (point.at, point.start)).collect())
             }
         }
     }

@@ -48,10 +48,13 @@ pub fn run(
     if starts.iter().any(|&start| start != 0.0) {
         return Err("start values are for whole rows, not for --format csr; leave them out".into());
     }
-    let (rows, report) = {
+    let (mut rows, report) = {
         let _spinner = Spinner::new("computing distances");
         pairs_within(&scene.surface, sources, options)?
     };
+    if let Some(kept) = scene.given_points() {
+        crop(&mut rows, &kept);
+    }
     let mut written = Written::default();
     if let Some(output) = output {
         let _spinner = Spinner::new("writing");
@@ -72,6 +75,24 @@ pub fn run(
         print_json("pairwise", &summary.with_stored(stored))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Keeps the columns of some points, in ascending order of their indices.
+fn crop(rows: &mut SparseRows, kept: &[usize]) {
+    let cropped: Vec<Vec<(u32, f32)>> = (0..rows.rows())
+        .map(|row| {
+            let column =
+                |(point, distance)| Some((kept.binary_search(&point).ok()? as u32, distance));
+            rows.row(row).filter_map(column).collect()
+        })
+        .collect();
+    let ends = cropped.iter().scan(0, |end, row| {
+        *end += row.len();
+        Some(*end)
+    });
+    rows.indptr = [0].into_iter().chain(ends).collect();
+    (rows.indices, rows.data) = cropped.into_iter().flatten().unzip();
+    rows.cols = kept.len();
 }
 
 /// Returns the bytes of the matrix, in memory and about as many on disk.

@@ -1,5 +1,7 @@
 //! Draws curves on the shaded surface in space.
 
+use std::collections::HashMap;
+
 use geosweep::Surface;
 use geosweep::geometry::Curve;
 use geosweep::glam::{DVec2, DVec3, Vec2};
@@ -42,14 +44,15 @@ impl CurvePicture<'_> {
         canvas
     }
 
-    /// Returns the mesh of the surface, or of every k-th point of it.
+    /// Returns the mesh of the surface, or of every k-th point of it and the last row and column.
     fn mesh(&self, pose: &Pose) -> Mesh {
         let whole = self.surface.chart();
         let every = (whole.rows.max(whole.cols) / FINEST).max(1);
-        let chart = Chart { rows: whole.rows.div_ceil(every), cols: whole.cols.div_ceil(every) };
+        let lines = |count: usize| (count - 1).div_ceil(every) + 1;
+        let chart = Chart { rows: lines(whole.rows), cols: lines(whole.cols) };
         let at = |index| {
             let (row, col) = chart.position(index);
-            (row * every, col * every)
+            ((row * every).min(whole.rows - 1), (col * every).min(whole.cols - 1))
         };
         let place = |index| {
             let (row, col) = at(index);
@@ -66,7 +69,16 @@ impl CurvePicture<'_> {
             }
         };
         let all = 0..chart.points();
-        Mesh::of_grid(chart, all.clone().map(place).collect(), all.map(color).collect())
+        let colors = all.clone().map(color).collect();
+        let mut mesh = Mesh::of_grid(chart, all.clone().map(place).collect(), colors);
+        if let Some(groups) = self.surface.copies() {
+            let vertices: HashMap<_, _> = all.map(|vertex| (at(vertex), vertex)).collect();
+            let vertex = |&index: &u32| vertices.get(&whole.position(index as usize)).copied();
+            let groups = groups.iter().map(|group| group.iter().filter_map(vertex).collect());
+            let groups: Vec<Vec<usize>> = groups.collect();
+            mesh.share_normals(groups.iter().map(Vec::as_slice).filter(|group| group.len() > 1));
+        }
+        mesh
     }
 }
 
@@ -101,4 +113,63 @@ fn lifted(shape: &Surface, vertices: &[[f64; 2]], pose: &Pose) -> Vec<Vec<DVec3>
     let places: Vec<DVec3> = fine.iter().map(lift).collect();
     let pieces = places.split(|place| !place.is_finite());
     pieces.filter(|piece| !piece.is_empty()).map(<[_]>::to_vec).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use geosweep::surface::builtin::Closed;
+    use geosweep::{Options, Sources, distance_map};
+
+    use super::*;
+    use crate::picture::colors::luma;
+    use crate::picture::{Look, MapPicture, round_levels, scale_of};
+
+    /// Draws the distances from a source on a surface, with contours, as seen from a side.
+    fn drawn(surface: &Surface, source: [f64; 2], toward: DVec3) -> Canvas {
+        let sources = Sources::point(source[0], source[1]);
+        let map = distance_map(surface, &sources, &Options::default()).unwrap();
+        let levels = round_levels(&scale_of(&map, &sources), 10.0);
+        let picture = MapPicture {
+            surface,
+            shape: surface,
+            map: &map,
+            sources: &sources,
+            contours: &geosweep::geometry::contours(&map, &sources, &levels),
+            plain: false,
+            curves: Default::default(),
+            quantity: None,
+        };
+        picture.draw(Look::Space { toward: Some(toward), long_side: 300 })
+    }
+
+    /// The seam of a globe is in front in one picture and behind in the other. From there, the globe is the same.
+    #[test]
+    fn a_closed_surface_has_no_edge_where_its_grid_begins_and_ends() {
+        let globe = Closed::Globe.surface(61, 121).unwrap();
+        let [front, back] = [(DVec3::X, 10.0), (-DVec3::X, 70.0)]
+            .map(|(toward, col)| drawn(&globe, [20.0, col], toward));
+        assert_eq!([front.width, front.height], [back.width, back.height]);
+        let pairs = front.pixels.iter().zip(&back.pixels);
+        let apart = pairs.map(|(a, b)| (luma(*a) - luma(*b)).abs()).collect::<Vec<_>>();
+        let mean = apart.iter().sum::<f32>() / apart.len() as f32;
+        let different = apart.iter().filter(|&&apart| apart > 0.05).count();
+        assert!(mean < 1e-3 && different < 20, "{mean}, {different} pixels");
+    }
+
+    /// A globe is a disc, and a torus has a hole, through which the background is seen.
+    #[test]
+    fn closed_surfaces_are_seen_whole_from_outside() {
+        let is_paper =
+            |canvas: &Canvas, x: usize, y: usize| canvas.pixels[y * canvas.width + x] == PAPER;
+        let globe = drawn(&Closed::Globe.surface(61, 121).unwrap(), [20.0, 10.0], DVec3::ONE);
+        let (width, height) = (globe.width, globe.height);
+        assert_eq!(width, height);
+        let disc = (0..width * height).filter(|&k| !is_paper(&globe, k % width, k / width));
+        // The disc fills the picture up to its margins.
+        let share = disc.count() as f64 / (width * height) as f64;
+        assert!((share - std::f64::consts::FRAC_PI_4 * 0.92 * 0.92).abs() < 0.02, "{share}");
+        let torus = drawn(&Closed::Torus.surface(61, 121).unwrap(), [3.0, 4.0], DVec3::Z);
+        assert!(is_paper(&torus, torus.width / 2, torus.height / 2));
+        assert!(!is_paper(&torus, torus.width / 2, torus.height / 8));
+    }
 }

@@ -48,6 +48,20 @@ impl Mesh {
         Self { positions, colors, triangles, normals }
     }
 
+    /// Gives the vertices of each group, which are one point of a closed surface, the mean of their normals, so that no
+    /// edge is seen where its grid begins and ends. Each keeps its side.
+    pub fn share_normals<'a>(&mut self, groups: impl Iterator<Item = &'a [usize]>) {
+        for group in groups {
+            let first = self.normals[group[0]];
+            let side = |normal: DVec3| if normal.dot(first) < 0.0 { -1.0 } else { 1.0 };
+            let all = group.iter().map(|&vertex| self.normals[vertex]);
+            let mean = all.map(|normal| side(normal) * normal).sum::<DVec3>().normalize_or_zero();
+            for &vertex in group {
+                self.normals[vertex] = side(self.normals[vertex]) * mean;
+            }
+        }
+    }
+
     /// Returns the positions that are not missing, for [`View::fit`].
     pub fn present(&self) -> impl Iterator<Item = DVec3> + Clone {
         self.positions.iter().copied().filter(|position| position.is_finite())

@@ -1,0 +1,244 @@
+//! Closed surfaces whose files do not repeat the samples of a seam. Outputs have the size of the file.
+
+use std::f64::consts::{PI, TAU};
+
+use serde_json::Value;
+
+use crate::workbench::{Workbench, curves, done, json, map, notes, read, run, stderr, text};
+
+/// Writes positions at rows and columns.
+fn surface(
+    bench: &Workbench,
+    name: &str,
+    [rows, cols]: [usize; 2],
+    at: impl Fn(f64, f64) -> [f64; 3],
+) -> String {
+    let places = (0..rows * cols).map(|index| [index / cols, index % cols]);
+    let values: Vec<f64> = places.flat_map(|[row, col]| at(row as f64, col as f64)).collect();
+    bench.array(name, &[rows, cols, 3], &values)
+}
+
+/// Writes a tube of 9 x 32 points without its last column.
+fn tube(bench: &Workbench) -> String {
+    surface(bench, "open.npy", [9, 32], |row, col| {
+        let (sin, cos) = (TAU * col / 32.0).sin_cos();
+        [cos, sin, row * TAU / 32.0]
+    })
+}
+
+/// Writes a sphere of 45 x 90 points at the middles of cells.
+fn globe(bench: &Workbench) -> String {
+    surface(bench, "cells.npy", [45, 90], |row, col| {
+        let [(sin, cos), (out, up)] =
+            [TAU * (col + 0.5) / 90.0, PI * (row + 0.5) / 45.0].map(f64::sin_cos);
+        [out * cos, out * sin, up]
+    })
+}
+
+/// The tube with its last column has the same distances.
+#[test]
+fn a_tube_needs_no_second_column() {
+    let bench = Workbench::new();
+    let (given, repeated) = (tube(&bench), bench.tube());
+    let warned = bench.distance(&given, "-s 4,1 --json");
+    assert!(notes(&warned).contains("neighbours one cell apart"), "{}", notes(&warned));
+    assert!(notes(&warned).contains("unless --glue auto joins its sides"), "{}", notes(&warned));
+    done(&bench, &format!("distance {repeated} -s 4,1 --glue columns -o wanted.npy"));
+    let wanted = map(&bench.output("wanted.npy"));
+    for (number, words) in ["--glue auto", "--glue columns", "--wrap columns"].iter().enumerate() {
+        let name = format!("map{number}.npy");
+        let output = bench.distance(&given, &format!("-s 4,1 {words} --json -o {name}"));
+        let said = json(&output);
+        assert_eq!(said["seams"], Value::Array(vec![]));
+        let sizes = ["rows", "cols", "points", "reached"].map(|name| said[name].as_u64().unwrap());
+        assert_eq!(sizes, [9, 32, 288, 288]);
+        let said = notes(&output);
+        assert!(said.contains("9 x 32") && said.contains("9 x 33"), "{words}: {said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+        let found = map(&bench.output(&name));
+        assert_eq!(found.len(), 9 * 32);
+        for (index, found) in found.iter().enumerate() {
+            let wanted = wanted[index / 32 * 33 + index % 32];
+            assert!((found - wanted).abs() <= 1e-6 * wanted, "{words} {index}: {found} {wanted}");
+        }
+    }
+}
+
+#[test]
+fn outputs_have_the_places_of_the_file() {
+    let bench = Workbench::new();
+    let given = tube(&bench);
+    let step = TAU / 32.0;
+    // Places between the last column and the first one lie beyond the last one.
+    let line =
+        format!("value {given} -s 4,1 --wrap columns --at 4,31 --at 4,31.5 --at 4,32 --json");
+    let said = json(&done(&bench, &line));
+    let found = said["values"].as_array().unwrap().iter().map(|value| value["distance"].as_f64());
+    for (found, steps) in found.zip([2.0, 1.5, 1.0]) {
+        assert!((found.unwrap() - steps * step).abs() < 1e-5, "{found:?} {steps}");
+    }
+    let line = format!("path {given} -s 4,1 --wrap columns --from 4,29 -o path.npy --json");
+    let said = json(&done(&bench, &line));
+    let length = said["paths"][0]["length"].as_f64().unwrap();
+    assert!((length - 4.0 * step).abs() < 1e-5, "{length}");
+    let path = &curves(&read(&bench, "path.npy"))[0];
+    assert!(path.iter().all(|vertex| (0.0..=32.0).contains(&vertex[1])), "{path:?}");
+    assert_eq!([path[0][1], path[path.len() - 1][1]], [29.0, 1.0]);
+    let line = format!("contours {given} -s 4,1 --wrap columns --levels 0.7 -o c.csv --json");
+    assert_eq!(json(&done(&bench, &line))["levels"][0]["closed"], 1);
+    assert!(text(&bench, "c.csv").lines().count() > 20);
+
+    let line = "-s 4,2 --glue columns -o map.npy --back-direction way.npy --back-link link.tif \
+                --nearest nearest.tif --log-map log.npy --direction-picture ways.png";
+    let output = bench.distance(&given, line);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let way = map(&bench.output("way.npy"));
+    assert_eq!(way.len(), 9 * 32);
+    for (col, wanted) in [(28, 90.0), (31, 90.0), (0, 90.0), (5, 270.0)] {
+        assert!((way[4 * 32 + col] - wanted).abs() < 1e-3, "{col}: {}", way[4 * 32 + col]);
+    }
+    let line = format!("voronoi {given} -s 4,2 -s 4,18 --wrap columns -o regions.npy --json");
+    let said = json(&done(&bench, &line));
+    let regions = map(&bench.output("regions.npy"));
+    let near = |col: usize| if (11..26).contains(&col) { 1.0 } else { 0.0 };
+    assert!((0..288).all(|k| [10, 26].contains(&(k % 32)) || regions[k] == near(k % 32)));
+    let points = |region: usize| said["regions"][region]["points"].as_u64().unwrap();
+    assert_eq!(points(0) + points(1), 288);
+}
+
+#[test]
+fn all_pairs_are_those_of_the_points_of_the_file() {
+    let bench = Workbench::new();
+    let given = tube(&bench);
+    let (around, step) = (|a: usize, b: usize| a.abs_diff(b).min(32 - a.abs_diff(b)), TAU / 32.0);
+    let exact = |a: usize, b: usize| {
+        let rows = (a / 32).abs_diff(b / 32);
+        step * (around(a % 32, b % 32) as f64).hypot(rows as f64)
+    };
+    for (name, words) in [
+        ("rows.npy", "--wavefront curved"),
+        ("symmetry.npy", "--wavefront circular --from-symmetry"),
+    ] {
+        let line = format!("pairwise {given} --wrap columns {words} -o {name} --json");
+        let said = json(&done(&bench, &line));
+        assert_eq!([&said["matrix_rows"], &said["matrix_cols"]], [288, 288]);
+        let found = map(&bench.output(name));
+        assert_eq!(found.len(), 288 * 288);
+        for (index, found) in found.iter().enumerate() {
+            let exact = exact(index / 288, index % 288);
+            assert!(
+                (found - exact).abs() <= 1e-3 * exact.max(step),
+                "{name} {index}: {found} {exact}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_globe_of_cells_is_whole() {
+    let bench = Workbench::new();
+    let given = globe(&bench);
+    let exact = |a: [f64; 2], b: [f64; 2]| {
+        let [(p, q), (s, t)] =
+            [a, b].map(|[row, col]| (PI * (row + 0.5) / 45.0, TAU * (col + 0.5) / 90.0));
+        (p.cos() * s.cos() + p.sin() * s.sin() * (q - t).cos()).clamp(-1.0, 1.0).acos()
+    };
+    for (number, words) in ["--glue globe", "--wrap columns --poles"].iter().enumerate() {
+        let name = format!("map{number}.npy");
+        let output = bench.distance(&given, &format!("-s 8,88 {words} -o {name} --picture p.png"));
+        assert!(output.status.success(), "{}", stderr(&output));
+        assert!(notes(&output).contains("45 x 90") && notes(&output).contains("47 x 91"));
+        let found = map(&bench.output(&name));
+        assert_eq!(found.len(), 45 * 90);
+        for (index, found) in found.iter().enumerate() {
+            let at = [(index / 90) as f64, (index % 90) as f64];
+            let exact = exact([8.0, 88.0], at);
+            // Measured: 3.1e-4. Towards the antipode, fronts from all sides meet.
+            assert!(
+                exact > PI - 0.2 || (found - exact).abs() < 2e-3 * exact.max(0.1),
+                "{at:?}: {found} {exact}"
+            );
+        }
+        std::fs::remove_file(bench.output("p.png")).unwrap();
+    }
+    // The pole lies half a row before the first one.
+    let line = format!("value {given} -s=-0.5,3 --glue globe --at 44.5,0 --at 22,7 --json");
+    let said = json(&done(&bench, &line));
+    for (value, wanted) in [(0, PI), (1, PI / 2.0)] {
+        let found = said["values"][value]["distance"].as_f64().unwrap();
+        assert!((found - wanted).abs() < 1e-3, "{found}");
+    }
+    let refused = bench.distance(&given, "-s 8,88 --glue globe --back-link link.npy");
+    bench.refuses(&refused, &["--back-link", "lines that the grid lacks"]);
+    // The poles of a tube are not there.
+    let refused = bench.distance(&tube(&bench), "-s 1,1 --wrap columns --poles -o map.npy");
+    bench.refuses(&refused, &["--glue globe", "surround one", "first row"]);
+}
+
+/// Six faces of 12 x 12 texels, one below the other.
+#[test]
+fn a_cube_map_is_a_sphere() {
+    let bench = Workbench::new();
+    let faces = surface(&bench, "cube.npy", [72, 12], |row, col| {
+        let [u, v] =
+            [col, row % 12.0].map(|at| ((2.0 * at + 1.0) / 12.0 - 1.0) * PI / 4.0).map(f64::tan);
+        let length = (1.0 + u * u + v * v).sqrt();
+        let [u, v, w] = [u, v, 1.0].map(|at| at / length);
+        match (row / 12.0) as u8 {
+            0 => [w, -v, -u],
+            1 => [-w, -v, u],
+            2 => [u, w, v],
+            3 => [u, -w, -v],
+            4 => [u, -v, w],
+            _ => [-u, -v, -w],
+        }
+    });
+    let output =
+        bench.distance(&faces, "-s 5.5,5.5 --layout cube -o map.npy --json --picture c.png");
+    let said = json(&output);
+    assert_eq!([&said["rows"], &said["cols"], &said["reached"]], [72, 12, 864]);
+    assert!(
+        notes(&output).contains("72 x 12") && notes(&output).contains("89 x 14"),
+        "{}",
+        notes(&output)
+    );
+    let found = map(&bench.output("map.npy"));
+    for (row, col, wanted) in [(17, 5, PI), (29, 5, PI / 2.0), (53, 6, PI / 2.0)] {
+        // The middle of a face lies between its four middle texels, a twelfth of a quarter turn apart.
+        assert!(
+            (found[row * 12 + col] - wanted).abs() < 0.2,
+            "{row},{col}: {}",
+            found[row * 12 + col]
+        );
+    }
+    let line = format!("value {faces} -s 5.5,5.5 --glue cube --at 29.5,5.5 --at 17.5,5.5 --json");
+    let said = json(&done(&bench, &line));
+    for (value, wanted) in [(0, PI / 2.0), (1, PI)] {
+        let found = said["values"][value]["distance"].as_f64().unwrap();
+        assert!((found - wanted).abs() < 2e-2, "{value}: {found}");
+    }
+}
+
+#[test]
+fn names_that_contradict_each_other_are_refused() {
+    let bench = Workbench::new();
+    let given = tube(&bench);
+    for (words, parts) in [
+        ("--glue columns --wrap columns", &["--glue", "--wrap"][..]),
+        ("--wrap rows --layout cube", &["--wrap", "--layout"]),
+        ("--flip", &["--wrap"]),
+        ("--wrap columns --flip --poles", &["--flip", "--poles"]),
+        ("--wrap rows --poles", &["--poles", "--wrap columns"]),
+        ("--wrap both --flip", &["--flip", "--wrap columns or rows"]),
+        ("--wrap rows", &["--glue rows", "first row", "last row", "apart on average"]),
+        ("--wrap columns --flip", &["--glue flipped-columns", "apart on average"]),
+        ("--layout cube", &["--glue cube", "9 x 32", "six square faces"]),
+        ("--glue columns --error e.npy", &["does not pass seams"]),
+        ("--glue columns -s 4,32.5", &["4,32.5 lies outside the grid"]),
+    ] {
+        let output = bench.distance(&given, &format!("-s 4,1 {words} -o map.npy"));
+        bench.refuses(&output, parts);
+    }
+    let refused = run(&bench, &format!("canonical {given} --glue columns -o form.npy"));
+    bench.refuses(&refused, &["canonical", "lines that the grid lacks"]);
+}
