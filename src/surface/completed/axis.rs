@@ -58,7 +58,7 @@ impl Axis {
 
     /// Returns the line of the completed grid that lies `local` lines after the first given line of a block.
     pub(super) fn line(self, block: usize, local: isize) -> usize {
-        (block * (self.length() + 1) + self.before()).strict_add_signed(local)
+        ((block * (self.length() + 1) + self.before()) as isize + local) as usize
     }
 
     /// Returns the line of the completed grid for each given line. Lines between blocks have that between completed ones.

@@ -107,7 +107,7 @@ impl Faces {
     fn texel(&self, FaceSide { face, side }: FaceSide, k: isize, inwards: isize) -> usize {
         let [row, col] = self.first(self.blocks[face]);
         let [down, right] = self.along(side, k, inwards);
-        self.given.index(row.strict_add_signed(down), col.strict_add_signed(right))
+        self.given.index((row as isize + down) as usize, (col as isize + right) as usize)
     }
 
     /// Returns row and column on the completed grid of the point on a side beside its k-th texel. Those before the first
@@ -150,8 +150,8 @@ impl Faces {
             let Some((gap, other, reversed)) = nearest(own) else { continue };
             let step = apart([own, own], [0, 1], false);
             let is_mutual = nearest(other).is_some_and(|(_, back, _)| back == own);
-            // Not a number if a side has holes only.
-            if !is_mutual || !(gap <= FARTHEST * step) {
+            // The gap is not a number if a side has holes only.
+            if !is_mutual || gap.is_nan() || gap > FARTHEST * step {
                 let [row, col] = self.first(self.blocks[own.face]);
                 return Err(GluingError::FaceSide { side: own.side, row, col, apart: gap, step });
             }

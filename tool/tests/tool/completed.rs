@@ -168,7 +168,8 @@ fn a_globe_of_cells_is_whole() {
         let found = said["values"][value]["distance"].as_f64().unwrap();
         assert!((found - wanted).abs() < 1e-3, "{found}");
     }
-    let refused = bench.distance(&given, "-s 8,88 --glue globe --back-link link.npy");
+    let bench = Workbench::new();
+    let refused = bench.distance(&globe(&bench), "-s 8,88 --glue globe --back-link link.npy");
     bench.refuses(&refused, &["--back-link", "lines that the grid lacks"]);
     // The poles of a tube are not there.
     let refused = bench.distance(&tube(&bench), "-s 1,1 --wrap columns --poles -o map.npy");
