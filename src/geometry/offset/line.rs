@@ -5,7 +5,6 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::{DMat2, DVec2};
 
-use super::sides::turned;
 use crate::geometry::MapError;
 use crate::surface::{Source, Sources, Surface};
 
@@ -173,4 +172,11 @@ impl<'a> Line<'a> {
     fn ends_meet(&self) -> bool {
         self.vertices[0] == self.vertices[self.vertices.len() - 1]
     }
+}
+
+/// Returns a metric for steps whose rows and columns are multiplied by factors of 1 or -1.
+pub(super) fn turned(metric: DMat2, turn: DVec2) -> DMat2 {
+    let [rr, rc, _, cc] = metric.to_cols_array();
+    let rc = rc * turn.x * turn.y;
+    DMat2::from_cols_array(&[rr, rc, rc, cc])
 }

@@ -14,7 +14,7 @@ use std::collections::HashMap;
 use glam::{DMat2, DVec2, Vec2};
 use rayon::prelude::*;
 
-use super::line::Line;
+use super::line::{Line, turned};
 use crate::geometry::MapError;
 use crate::geometry::copies::Copies;
 use crate::geometry::neighbourhood::Neighbourhood;
@@ -196,11 +196,4 @@ impl<'a> Sides<'a> {
         }
         a + share * (b - a)
     }
-}
-
-/// Returns a metric for steps whose rows and columns are multiplied by factors of 1 or -1.
-pub(super) fn turned(metric: DMat2, turn: DVec2) -> DMat2 {
-    let [rr, rc, _, cc] = metric.to_cols_array();
-    let rc = rc * turn.x * turn.y;
-    DMat2::from_cols_array(&[rr, rc, rc, cc])
 }

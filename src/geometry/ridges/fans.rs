@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
-use super::rays::AtEnds;
+use super::kink::AtEnds;
 use crate::geometry::copies::Copies;
 use crate::geometry::neighbourhood::Neighbourhood;
 use crate::surface::{Real, ring};

@@ -2,6 +2,7 @@
 //! sources.
 
 mod fans;
+mod kink;
 mod rays;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,6 +14,7 @@ use super::chains::ways;
 use super::order::bordered;
 use super::{Curve, MapError};
 use crate::surface::{Chart, Edge, EdgeLengths};
+use kink::Segment;
 use rays::ArrivingRays;
 
 /// A line on which wavefronts from different directions meet.
@@ -24,16 +26,6 @@ pub struct Ridge {
     /// meet head-on. At free ends it is at least `least_angle`; in between it may be somewhat less.
     pub angles: Vec<f64>,
 }
-
-/// A kink on an edge of the grid.
-#[derive(Clone, Copy, Debug)]
-struct Kink {
-    place: DVec2,
-    angle: f64,
-}
-
-/// A part of a ridge in a triangle: its two nodes, and the kinks there.
-type Segment = ([u64; 2], [Kink; 2]);
 
 /// The factor by which the angle may be below the least angle where a ridge continues. On the grid, angles
 /// that are nearly constant along a ridge vary, and the ridge would otherwise fall into pieces. Canny's edge

@@ -4,7 +4,7 @@ use glam::{DMat2, DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::fans::Fans;
-use super::{Kink, Segment};
+use super::kink::{AtEnds, Kink, Segment};
 use crate::geometry::copies::Copies;
 use crate::geometry::neighbourhood::Neighbourhood;
 use crate::surface::{Chart, Direction, Edge, EdgeLengths, Real, ring, triangles};
@@ -40,16 +40,6 @@ enum Arrivals {
     InMetric(Vec<Ray>),
     /// In the triangles around each point of a glued surface.
     InFans(Fans),
-}
-
-/// The directions in which wavefronts arrive at both ends of an edge, in one plane.
-pub(super) struct AtEnds {
-    /// The directions at the first and at the last end.
-    pub(super) directions: [DVec2; 2],
-    /// The metric of the plane.
-    pub(super) metric: DMat2,
-    /// The way from the first end to the last one.
-    pub(super) step: DVec2,
 }
 
 /// A point, as its index in a bordered array and its place.
