@@ -4,7 +4,7 @@
 //! each other. Solvers update each copy from its own side of the seam, and let all copies of a point take the
 //! earliest front of theirs. So the grid needs no points beyond its sides, and nothing is interpolated.
 //!
-//! This file defines what a caller may glue, [`compile`] which points coincide, and [`groups`] how that is
+//! [`kinds`] defines what a caller may glue, [`compile`] which points coincide, and [`groups`] how that is
 //! kept. [`lattice`] knows where the grid goes on as a grid, so that edges and curvatures are measured there
 //! as inside ([`strips`]). Elsewhere, at poles, folds and where charts meet at an angle, each side measures
 //! its own edges, and copies share the mean of their Gaussian curvatures ([`curvature`]). [`places`] finds the
@@ -16,6 +16,7 @@ mod compile;
 mod curvature;
 mod error;
 mod groups;
+mod kinds;
 mod lattice;
 mod places;
 mod rings;
@@ -25,6 +26,7 @@ pub(super) mod strips;
 
 pub use error::GluingError;
 pub use groups::Groups;
+pub use kinds::{Gluing, Run};
 pub(crate) use lattice::Lattice;
 pub(crate) use rings::Ring;
 pub(crate) use sheet::Sheet;
@@ -33,92 +35,8 @@ pub(crate) use solver_grid::SolverGrid;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
-use super::{Chart, Direction, GridSide, Seam, Surface, SurfaceError};
+use super::{Chart, Seam, Surface, SurfaceError};
 use compile::{Compiled, twice};
-
-/// A gluing of sides of the grid. Each variant names points that are the same point of the surface.
-///
-/// ```
-/// use std::f64::consts::TAU;
-/// use geosweep::glam::DVec3;
-/// use geosweep::surface::Gluing;
-/// use geosweep::{Options, Sources, Surface, distance_map};
-/// // A tube whose last column is its first again.
-/// let angle = |index: usize| TAU * (index % 65) as f64 / 64.0;
-/// let point = |index| DVec3::new(angle(index).cos(), angle(index).sin(), (index / 65) as f64 / 10.0);
-/// let tube = Surface::from_positions(33, 65, (0..33 * 65).map(point).collect())?
-///     .with_gluing(Gluing::columns())?;
-/// // From one side of the seam to the other the way is short.
-/// let map = distance_map(&tube, &Sources::point(16.0, 2.0), &Options::default())?;
-/// assert!((map.distance(16, 62) as f64 - TAU * 4.0 / 64.0).abs() < 1e-4);
-/// # Ok::<(), geosweep::Error>(())
-/// ```
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Gluing {
-    /// Seams between sides of the grid, as [`Surface::seams`] finds them: sides that coincide
-    /// ([`Seam::Sides`]), the halves of a side ([`Seam::Fold`]), and sides that are one point
-    /// ([`Seam::Pole`]).
-    Seams(Vec<Seam>),
-    /// An octahedral map, also one with cells of equal areas: each side of the square is folded in its middle. The
-    /// middle of the grid is one pole and its four corners are the other.
-    Octahedral,
-    /// Charts that holes keep apart in one grid, such as the six faces of a cube: all points beside a hole or
-    /// the border that coincide.
-    Charts,
-    /// Runs of points that coincide pair by pair.
-    Runs(Vec<[Run; 2]>),
-}
-
-impl Gluing {
-    /// Glues the last column to the first one.
-    pub fn columns() -> Self {
-        Self::Seams(vec![COLUMNS])
-    }
-
-    /// Glues the last row to the first one.
-    pub fn rows() -> Self {
-        Self::Seams(vec![ROWS])
-    }
-
-    /// Glues the last column to the first one and the last row to the first one, as on a torus.
-    pub fn both() -> Self {
-        Self::Seams(vec![COLUMNS, ROWS])
-    }
-
-    /// Glues the last column to the first one in reverse order, as on a Moebius strip.
-    pub fn flipped_columns() -> Self {
-        Self::Seams(vec![Seam::Sides { sides: COLUMN_SIDES, reversed: true }])
-    }
-
-    /// Glues the last row to the first one in reverse order.
-    pub fn flipped_rows() -> Self {
-        Self::Seams(vec![Seam::Sides { sides: ROW_SIDES, reversed: true }])
-    }
-
-    /// Glues a grid of latitudes (rows) and longitudes (columns): the last column to the first one, and each of
-    /// the first and last row to a pole.
-    pub fn globe() -> Self {
-        let [north, south] = ROW_SIDES.map(|side| Seam::Pole { side, exact: true });
-        Self::Seams(vec![COLUMNS, north, south])
-    }
-}
-
-const COLUMN_SIDES: [GridSide; 2] = [GridSide::FirstColumn, GridSide::LastColumn];
-const ROW_SIDES: [GridSide; 2] = [GridSide::FirstRow, GridSide::LastRow];
-const COLUMNS: Seam = Seam::Sides { sides: COLUMN_SIDES, reversed: false };
-const ROWS: Seam = Seam::Sides { sides: ROW_SIDES, reversed: false };
-
-/// Grid points along a line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Run {
-    /// Row and column of the first point.
-    pub from: (usize, usize),
-    /// Direction to the next point.
-    pub to: Direction,
-    /// Number of points.
-    pub points: usize,
-}
 
 /// The gluing of a surface, compiled to groups of copies.
 #[derive(Clone, Debug)]
