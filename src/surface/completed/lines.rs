@@ -83,7 +83,7 @@ impl Lines {
             }
             lines.lattice = lines.lattice.and(lattice);
         }
-        let Lattice { cols, rows } = lines.lattice;
+        let Lattice { cols, rows, .. } = lines.lattice;
         if cols == Some(true) && lines.has_row_added || rows == Some(true) && lines.has_column_added
         {
             return unsupported(
@@ -100,7 +100,7 @@ impl Lines {
     /// Adds the points of the lines that are lacking. Poles come last, since they hold the ends of an added column.
     fn add_to(&self, grid: &mut CompletedGrid) {
         let (given, chart) = (grid.given(), grid.chart());
-        let Lattice { cols, rows } = self.lattice;
+        let Lattice { cols, rows, .. } = self.lattice;
         if self.has_column_added {
             let copy = |row: usize| {
                 let from = if cols == Some(true) { given.rows - 1 - row } else { row };

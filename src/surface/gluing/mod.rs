@@ -136,6 +136,18 @@ impl Surface {
         self.glued.is_some()
     }
 
+    /// Returns an error on glued surfaces, for which `what` is not available.
+    pub(crate) fn check_open(
+        &self,
+        what: &'static str,
+        instead: &'static str,
+    ) -> Result<(), GluingError> {
+        match self.glued {
+            Some(_) => Err(GluingError::Unsupported { what, instead }),
+            None => Ok(()),
+        }
+    }
+
     /// Returns whether the points of a seam are glued.
     pub(super) fn has_glued(&self, seam: &Seam) -> bool {
         let Some(glued) = &self.glued else { return false };
