@@ -15,7 +15,7 @@ use geosweep::io::{
 use geosweep::pairwise::Pairwise;
 use geosweep::shown::excerpt;
 use geosweep::surface::Chart;
-use geosweep::{Options, Surface, Wavefront};
+use geosweep::{Options, Wavefront};
 use serde::Serialize;
 
 use crate::output::{Written, check_outputs, commit, done, stage_picture, wanted_png};
