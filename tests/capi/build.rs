@@ -112,7 +112,9 @@ pub fn compile(source: &Path, program: &Path, linkage: Linkage) {
     let (variable, usual, standard) =
         if is_cpp { ("CXX", "c++", "-std=c++17") } else { ("CC", "cc", "-std=c99") };
     let mut compiler = compiler(variable, usual);
-    compiler.args(["-I", &format!("{ROOT}/examples/cpp")]);
+    for folder in ["examples", "examples/cpp"] {
+        compiler.args(["-I", &format!("{ROOT}/{folder}")]);
+    }
     compiler.args([standard, "-O1", "-g", "-o"]).arg(program).arg(source);
     match linkage {
         Linkage::Shared => {

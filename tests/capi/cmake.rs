@@ -65,6 +65,8 @@ fn a_renderer_in_cpp_finds_the_package_and_has_the_map() {
         "share/doc/geosweep/LICENSE-MIT",
         "share/doc/geosweep/THIRD-PARTY.txt",
         "share/doc/geosweep/examples/embed.c",
+        "share/doc/geosweep/examples/closed.c",
+        "share/doc/geosweep/examples/host.h",
     ] {
         in_package(file);
     }

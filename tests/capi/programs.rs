@@ -107,6 +107,19 @@ fn the_example_runs_and_the_validation_layers_have_nothing_to_say() {
     }
 }
 
+/// The example of a closed surface compares its maps with distances on a tube, and fails if they differ.
+#[test]
+fn the_closed_tube_runs_and_the_validation_layers_have_nothing_to_say() {
+    let program = scratch("closed").join("closed");
+    compile(&Path::new(ROOT).join("examples/closed.c"), &program, Linkage::Shared);
+    let run = validated(&program);
+    let frames = run.printed.lines().filter(|line| line.starts_with("frame ")).count();
+    assert_eq!((frames, run.findings), (10, Vec::new()), "{}", run.printed);
+    // The circular tube of the first frame, from column 123 over the seam to column 8: 13 of 128 columns.
+    let exact = 13.0 / 128.0 * std::f64::consts::TAU;
+    assert!(run.printed.contains(&format!("and {exact:.4} to column 8,")), "{}", run.printed);
+}
+
 /// A hazard must be reported. This shows that the layers are active, and that the reader's stages matter.
 #[test]
 fn a_reader_that_is_not_named_is_reported() {
