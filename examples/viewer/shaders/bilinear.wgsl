@@ -27,3 +27,17 @@ fn between(texels: Around) -> vec2<f32> {
     let below = mix(texels.c, texels.d, texels.part.x);
     return mix(above, below, texels.part.y);
 }
+
+// The distance between grid points. Points that are not reached are negative and have no part in it: a pixel at the
+// border of a hole may lie in the hole by rounding. The result is negative where their weights are half of all.
+fn reached_between(texels: Around) -> f32 {
+    let values = vec4(texels.a.x, texels.b.x, texels.c.x, texels.d.x);
+    if all(values >= vec4(0.0)) {
+        return between(texels).x;
+    }
+    let right = vec2(1.0 - texels.part.x, texels.part.x);
+    let weights = vec4(right * (1.0 - texels.part.y), right * texels.part.y);
+    let reached = select(vec4(0.0), weights, values >= vec4(0.0));
+    let sum = dot(reached, vec4(1.0));
+    return select(-1.0, dot(reached, values) / sum, sum > 0.5);
+}

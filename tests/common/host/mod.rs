@@ -65,13 +65,15 @@ pub struct Canvas {
     depths: HostImage,
 }
 
-/// A pass of the host that has storage buffers and, at the last binding, may have an image.
+/// A pass of the host that has storage buffers and may have an image after them, with a sampler at the last binding.
 pub struct HostPass {
     pipeline: vk::Pipeline,
     layout: vk::PipelineLayout,
     set_layout: vk::DescriptorSetLayout,
     descriptors: vk::DescriptorPool,
     set: vk::DescriptorSet,
+    /// Linear sampler that clamps to the edge, for a pass with an image.
+    sampler: Option<vk::Sampler>,
 }
 
 impl Host {

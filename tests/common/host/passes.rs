@@ -69,7 +69,7 @@ impl Host {
     }
 
     /// Creates a compute pass from WGSL, with storage buffers at the first bindings and optionally a texture
-    /// after them.
+    /// and a linear sampler after them.
     pub fn pass(
         &self,
         wgsl: &str,
@@ -191,6 +191,16 @@ impl Host {
         unsafe { self.device.create_shader_module(&info, None) }.unwrap()
     }
 
+    fn linear_sampler(&self) -> vk::Sampler {
+        let edge = vk::SamplerAddressMode::CLAMP_TO_EDGE;
+        let info = vk::SamplerCreateInfo::default()
+            .mag_filter(vk::Filter::LINEAR)
+            .min_filter(vk::Filter::LINEAR)
+            .address_mode_u(edge)
+            .address_mode_v(edge);
+        unsafe { self.device.create_sampler(&info, None) }.unwrap()
+    }
+
     /// Creates the layout and the descriptors of a pass.
     fn without_pipeline(
         &self,
@@ -198,18 +208,25 @@ impl Host {
         buffers: &[vk::Buffer],
         texture: Option<vk::ImageView>,
     ) -> HostPass {
-        let kinds = buffers
-            .iter()
-            .map(|_| vk::DescriptorType::STORAGE_BUFFER)
-            .chain(texture.map(|_| vk::DescriptorType::SAMPLED_IMAGE));
+        let kinds = buffers.iter().map(|_| vk::DescriptorType::STORAGE_BUFFER).chain(
+            texture
+                .iter()
+                .flat_map(|_| [vk::DescriptorType::SAMPLED_IMAGE, vk::DescriptorType::SAMPLER]),
+        );
+        let sampler = texture.map(|_| self.linear_sampler());
+        let samplers = [sampler.unwrap_or_default()];
         let bindings: Vec<_> = (0..)
             .zip(kinds)
             .map(|(binding, kind)| {
-                vk::DescriptorSetLayoutBinding::default()
+                let layout = vk::DescriptorSetLayoutBinding::default()
                     .binding(binding)
                     .descriptor_type(kind)
                     .descriptor_count(1)
-                    .stage_flags(stages)
+                    .stage_flags(stages);
+                match kind {
+                    vk::DescriptorType::SAMPLER => layout.immutable_samplers(&samplers),
+                    _ => layout,
+                }
             })
             .collect();
         let sizes: Vec<_> = bindings
@@ -253,7 +270,7 @@ impl Host {
                 device.update_descriptor_sets(&[write], &[]);
             }
             let pipeline = vk::Pipeline::null();
-            HostPass { pipeline, layout, set_layout, descriptors, set }
+            HostPass { pipeline, layout, set_layout, descriptors, set, sampler }
         }
     }
 
@@ -419,6 +436,9 @@ impl Host {
             self.device.destroy_pipeline_layout(pass.layout, None);
             self.device.destroy_descriptor_pool(pass.descriptors, None);
             self.device.destroy_descriptor_set_layout(pass.set_layout, None);
+            if let Some(sampler) = pass.sampler {
+                self.device.destroy_sampler(sampler, None);
+            }
         }
     }
 }

@@ -21,6 +21,10 @@ use crate::host::HostBuffer;
 /// Largest difference between maps from the same points: rounding.
 const SAME: f64 = 1e-5;
 
+/// Largest difference between copies of a point, in largest distances. Those that come together within rounding keep
+/// their own.
+const ROUNDING: f64 = 1e-6;
+
 const WAVEFRONTS: [Wavefront; 3] = Wavefront::FOR_ANY_SURFACE;
 const SCHEDULES: [Schedule; 2] = [Schedule::Raster, Schedule::Tiles];
 
@@ -52,7 +56,7 @@ fn points_in(buffer: &HostBuffer, kind: PointKind) -> [Points; 1] {
 }
 
 /// Returns a stage with a surface whose points lie in the buffer that is returned too.
-fn stage_on(
+pub fn stage_on(
     surface: &Surface,
     gluing: &Gluing,
     mut host: Lent<Kept>,
@@ -113,6 +117,13 @@ fn maps_of_frames_pass_seams() {
             let method = Method::new(wavefront, STOP).with_schedule(schedule);
             let plan = stage.plan(schedule, wavefront, 12).over_seams();
             let map = stage.map(0, SourceInput::Inline(&source(row as f32, col as f32)), &plan);
+            let rounding = (ROUNDING * farthest(&map)) as f32;
+            for copies in surface.copies().unwrap().iter() {
+                let values = copies.iter().map(|&copy| map[copy as usize]);
+                let first = map[copies[0] as usize];
+                let apart = values.map(|value| (value - first).abs()).fold(0.0, f32::max);
+                assert!(apart <= rounding, "{name}, {wavefront}: {apart:e} {first} {copies:?}");
+            }
             let alone = headless.solve(&mut on_device, &seeds, method).unwrap();
             let cpu = on_cpu(&surface, &seeds, wavefront, STOP);
             let apart = [difference(&alone.distances, &map), difference(&cpu, &map)];

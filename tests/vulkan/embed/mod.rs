@@ -3,6 +3,10 @@
 mod capture;
 mod changes;
 mod closed;
+#[cfg(feature = "formats")]
+#[allow(dead_code, clippy::duplicate_mod)] // as for `render`
+#[path = "../../../examples/closed.rs"]
+mod closed_tube;
 mod costs;
 mod creation;
 mod curves;
@@ -34,6 +38,7 @@ mod readme;
 #[path = "../../../examples/render.rs"]
 mod render;
 mod resolution;
+mod sampling;
 mod scan_pairs;
 mod small_tiles;
 mod stage;
@@ -70,6 +75,23 @@ fn the_renderer_draws_the_requested_frame() {
     assert_eq!(changed(&draw(1.1, 150.0, 210.0)), 0.0);
     assert!(changed(&draw(1.1, 60.0, 100.0)) > 0.5);
     assert!(changed(&draw(1.6, 150.0, 210.0)) > 0.5);
+    assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
+}
+
+/// The picture is the same from either copy of a source on the seam, and moves with the source and with the tube.
+#[test]
+#[cfg(feature = "formats")]
+fn the_closed_tube_is_drawn() {
+    use closed_tube::PointSource;
+    let mut host = closed_tube::Host::with_synchronization_validation();
+    let mut draw = |time, col| closed_tube::draw(&mut host, time, PointSource::at(95.0, col));
+    let first = draw(0.8, 0.0);
+    let is_red = |pixel: &&[u8]| pixel[0] > 190 && pixel[1] < 60 && pixel[2] < 70;
+    let marked = first.chunks(4).filter(is_red).count();
+    assert!((20..2000).contains(&marked), "the source is marked on {marked} pixels");
+    assert!(first == draw(0.8, 160.0));
+    assert!(first != draw(0.8, 150.0));
+    assert!(first != draw(1.3, 0.0));
     assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
 }
 
