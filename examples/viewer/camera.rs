@@ -3,7 +3,7 @@
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 use geosweep::glam::camera::rh::{proj::directx, view};
-use geosweep::glam::{Mat4, Vec2, Vec3};
+use geosweep::glam::{Mat3, Mat4, Vec2, Vec3};
 
 /// Half the angle between the upper and lower edge of the picture.
 const HALF_ANGLE: f32 = 0.27;
@@ -17,13 +17,26 @@ pub struct Camera {
     pub distance: f32,
     /// Height of the point in the middle of the picture.
     pub height: f32,
+    /// Lowest pitch.
+    pub lowest: f32,
 }
 
 impl Camera {
+    /// Returns a camera that shows all of a ball around the origin, level and from the south.
+    pub fn around(radius: f32) -> Self {
+        let distance = 1.1 * radius / HALF_ANGLE.sin();
+        Self { turn: 0.0, pitch: 0.0, distance, height: 0.0, lowest: 0.0 }
+    }
+
+    /// Looks from a direction, given by its angle around the vertical and that above the horizon.
+    pub fn look_from(&mut self, turn: f32, pitch: f32) {
+        self.turn = turn % TAU;
+        self.pitch = pitch.clamp(self.lowest, FRAC_PI_2 - 0.01);
+    }
+
     /// Turns the camera by a movement of the pointer in pixels.
     pub fn orbit(&mut self, by: Vec2) {
-        self.turn = (self.turn - 0.006 * by.x) % TAU;
-        self.pitch = (self.pitch + 0.006 * by.y).clamp(0.08, FRAC_PI_2 - 0.01);
+        self.look_from(self.turn - 0.006 * by.x, self.pitch + 0.006 * by.y);
     }
 
     /// Zooms by a number of notches of the wheel.
@@ -33,6 +46,11 @@ impl Camera {
 
     fn target(&self) -> Vec3 {
         Vec3::new(0.0, self.height, 0.0)
+    }
+
+    /// Returns the directions rightwards, upwards and towards the eye.
+    pub fn axes(&self) -> Mat3 {
+        Mat3::from_rotation_y(self.turn) * Mat3::from_rotation_x(-self.pitch)
     }
 
     pub fn eye(&self) -> Vec3 {

@@ -94,9 +94,11 @@ impl Drawing {
             device.cmd_bind_descriptor_sets(commands, graphics, layout.pipeline, 0, &sets, &[]);
             bind(self.background);
             device.cmd_draw(commands, 3, 1, 0, 0);
-            bind(self.shadow);
-            device.cmd_draw(commands, 4, 1, 0, 0);
-            if stage.look.walls {
+            if stage.look.ground.is_some() {
+                bind(self.shadow);
+                device.cmd_draw(commands, 4, 1, 0, 0);
+            }
+            if stage.look.ground.is_some_and(|ground| ground.walls) {
                 let chart = stage.look.chart;
                 let border = 2 * (chart.rows + chart.cols - 2) as u32;
                 bind(self.walls);

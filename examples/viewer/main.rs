@@ -10,6 +10,9 @@
 //! map; again, it projects the decal from above, and once more, it removes the decal. + and - change its
 //! size. Escape ends the program.
 //!
+//! S leads to closed surfaces too, `--surface builtin:globe:181x361` begins with one. Their distances pass seams
+//! of the grid, and the camera sees them from below too. They have no paths, agents and decals.
+//!
 //! docs/figures/viewer.png: `--surface sheet --frames 60 --picture docs/figures/viewer.png`.
 //!
 //! The code that uses geosweep is in `map.rs`, `lines.rs`, `decal.rs` and `agents.rs`; the order of a frame's
@@ -18,6 +21,7 @@
 mod after_map;
 mod agents;
 mod camera;
+mod closed;
 mod decal;
 mod draw;
 mod frames;
@@ -25,6 +29,7 @@ mod gpu;
 mod lines;
 mod map;
 mod memory;
+mod mesh;
 mod options;
 mod pick;
 mod picture;

@@ -4,7 +4,7 @@
 use geosweep::Stop;
 use geosweep::Wavefront;
 use geosweep::ash::vk;
-use geosweep::surface::Chart;
+use geosweep::surface::{Chart, Gluing};
 use geosweep::vulkan::embed::{
     Access, Frame, FrameSurface, Lookup, Outcome, Plan, PointSource, Points, Reader, ResultImage,
     Solver, SourceBuffer, SourceInput, SurfaceInfo,
@@ -24,9 +24,9 @@ pub struct Memory {
     pub positions: vk::Buffer,
     /// One source, as the picking pass writes it.
     pub source: vk::Buffer,
-    /// Rows and columns of the corners of the grid.
-    pub corners: vk::Buffer,
-    /// Distances of the corners, from which the range of the colors follows.
+    /// Places on the grid, as [`places`] returns them.
+    pub places: vk::Buffer,
+    /// Distances of these places, from which the range of the colors follows.
     pub distances: vk::Buffer,
 }
 
@@ -54,31 +54,43 @@ enum Due {
     Measure,
 }
 
-/// Returns the corners of a grid, as places for [`Memory::corners`].
-pub fn corners(chart: Chart) -> [f32; 8] {
-    let (row, col) = ((chart.rows - 1) as f32, (chart.cols - 1) as f32);
-    [0.0, 0.0, 0.0, col, row, 0.0, row, col]
+/// Number of places in each direction at which distances are looked up. On an open surface the corners would be
+/// enough; the farthest point of a closed one may be anywhere.
+const PLACES: usize = 5;
+
+/// Returns rows and columns of places that are spread over a grid, its corners among them.
+pub fn places(chart: Chart) -> Vec<[f32; 2]> {
+    let at = |place: usize, points: usize| (place * (points - 1)) as f32 / (PLACES - 1) as f32;
+    let all = (0..PLACES).flat_map(|row| (0..PLACES).map(move |col| [row, col]));
+    all.map(|[row, col]| [at(row, chart.rows), at(col, chart.cols)]).collect()
 }
 
 impl Map {
-    pub fn new(gpu: &mut Gpu, solver: &Solver, chart: Chart, memory: &Memory) -> Result<Self> {
+    /// Creates the map of a grid, of which sides may be glued.
+    pub fn new(
+        gpu: &mut Gpu,
+        solver: &Solver,
+        (chart, gluing): (Chart, Option<&Gluing>),
+        memory: &Memory,
+    ) -> Result<Self> {
         let device = gpu.device.clone();
         let lookup_buffers = [Lookup {
-            places: memory.corners,
+            places: memory.places,
             places_offset: 0,
             distances: memory.distances,
             distances_offset: 0,
-            count: 4,
+            count: (PLACES * PLACES) as u32,
         }];
         let source_buffers = [SourceBuffer { buffer: memory.source, offset: 0, count: 1 }];
         let inputs = [Points::positions(memory.positions, 16)];
         let info = SurfaceInfo::new(chart)
             .with_slots(IN_FLIGHT)
+            .with_gluing(gluing)
             .with_points(&inputs)
             .with_sources(&source_buffers)
             .with_lookups(&lookup_buffers);
         let surface = solver.surface(&device, gpu.allocator(), &info)?;
-        let plan = plan(solver, chart, None, Wavefront::Curved)?;
+        let plan = plan(solver, &surface, None, Wavefront::Curved)?;
         let written = [None; IN_FLIGHT];
         let due = Due::Measure;
         Ok(Self { surface, plan, due, slot: 0, written, recordings: 0, outcome: None })
@@ -110,7 +122,7 @@ impl Map {
         schedule: Schedule,
         wavefront: Wavefront,
     ) -> Result<()> {
-        self.plan = plan(solver, self.surface.chart(), Some(schedule), wavefront)?;
+        self.plan = plan(solver, &self.surface, Some(schedule), wavefront)?;
         self.due = self.due.at_least(Due::Solve);
         self.outcome = None;
         Ok(())
@@ -209,7 +221,7 @@ pub fn source(at: [f32; 2]) -> [f32; 4] {
 
 fn plan(
     solver: &Solver,
-    chart: Chart,
+    surface: &FrameSurface,
     schedule: Option<Schedule>,
     wavefront: Wavefront,
 ) -> Result<Plan> {
@@ -222,5 +234,7 @@ fn plan(
         Some(Schedule::AllPoints) => 48,
         Some(Schedule::Raster) | None => 8,
     };
-    Ok(solver.plan(chart, Method::new(wavefront, stop).with_schedule(schedule), iterations)?)
+    let method = Method::new(wavefront, stop).with_schedule(schedule);
+    let plan = solver.plan(surface.chart(), method, iterations)?;
+    Ok(if surface.is_glued() { plan.over_seams() } else { plan })
 }

@@ -6,17 +6,20 @@ use clap::Parser;
 use geosweep::io::OutputFile;
 
 use crate::decal::Placement;
-use crate::surfaces::Name;
+use crate::shown::NO_SEAMS;
+use crate::surfaces::{Model, Name};
 
 /// Distance maps on the GPU, drawn in 3D.
 #[derive(Clone, Debug, Parser)]
 pub struct Options {
-    /// First surface
-    #[arg(long, value_enum, default_value_t = Name::Terrain)]
+    #[arg(long, default_value = "terrain", help = Name::help())]
     pub surface: Name,
     /// First source, on the first surface
     #[arg(long, value_name = "ROW,COL", value_parser = place)]
     pub source: Option<[f32; 2]>,
+    /// First direction of the camera: its angles around the vertical and above the horizon, in degrees
+    #[arg(long, value_name = "TURN,PITCH", value_parser = angles, allow_hyphen_values = true)]
+    pub camera: Option<[f32; 2]>,
     /// Size of the window
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size, default_value = "1200x700")]
     pub size: [u32; 2],
@@ -50,6 +53,27 @@ pub struct Options {
     pub validate: bool,
 }
 
+impl Options {
+    /// Returns the content of the first stage.
+    pub fn model(&self) -> crate::Result<Model> {
+        for (given, what) in [(self.agents, "agents"), (self.decal.is_some(), "decals")] {
+            if given && self.surface.is_closed() {
+                let rest = "leave them out, or show the terrain or the sheet";
+                return Err(format!("{what} {NO_SEAMS}: {rest}").into());
+            }
+        }
+        let mut model = self.surface.load()?;
+        if let Some(source) = self.source {
+            model.look.check_source(source)?;
+            model.look.source = source;
+        }
+        if let Some([turn, pitch]) = self.camera {
+            model.look.camera.look_from(turn.to_radians(), pitch.to_radians());
+        }
+        Ok(model)
+    }
+}
+
 fn pair<T: std::str::FromStr>(text: &str, separator: char) -> Option<[T; 2]> {
     let (first, second) = text.split_once(separator)?;
     Some([first.trim().parse().ok()?, second.trim().parse().ok()?])
@@ -57,6 +81,10 @@ fn pair<T: std::str::FromStr>(text: &str, separator: char) -> Option<[T; 2]> {
 
 fn place(text: &str) -> Result<[f32; 2], String> {
     pair(text, ',').ok_or("give a row and a column, such as 297,219".into())
+}
+
+fn angles(text: &str) -> Result<[f32; 2], String> {
+    pair(text, ',').ok_or("give two angles in degrees, such as 35,-20".into())
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {

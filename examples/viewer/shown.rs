@@ -4,22 +4,36 @@ use crate::agents::Steps;
 use crate::decal::{Look, Placement, RADIUS};
 use crate::options::Options;
 
+/// The reason why closed surfaces do not show everything.
+pub const NO_SEAMS: &str = "do not pass seams yet";
+
 #[derive(Clone, Copy, Debug)]
 pub struct Shown {
     /// Whether lines of equal distance are drawn as curves.
     pub contours: bool,
     pub decal: Look,
     agents: bool,
+    /// Whether a path was asked for on a closed surface.
+    pub lacks_path: bool,
     /// The rule by which agents step, also while they are hidden.
     steps: Steps,
 }
 
 impl Shown {
+    /// Returns what is shown of this on a surface. Agents and decals do not pass seams, so that closed surfaces
+    /// have none.
+    pub fn on(&self, is_closed: bool) -> Self {
+        match is_closed {
+            true => Self { agents: false, decal: Look { placement: None, ..self.decal }, ..*self },
+            false => *self,
+        }
+    }
+
     /// Returns what is shown at first.
     pub fn new(options: &Options) -> Self {
         let decal = Look { placement: options.decal, radius: RADIUS };
         let steps = if options.neighbours { Steps::Neighbours } else { Steps::Directions };
-        Self { contours: false, decal, agents: options.agents, steps }
+        Self { contours: false, decal, agents: options.agents, lacks_path: false, steps }
     }
 
     /// Returns how agents step; `None` while they are hidden.
@@ -54,8 +68,24 @@ impl Shown {
         self.decal = self.decal.larger(-1);
     }
 
-    /// Returns the part of the window's title that tells what is shown.
-    pub fn title(&self) -> String {
+    /// Returns the part of the window's title that tells what is shown on a surface, and what cannot be.
+    pub fn title(&self, is_closed: bool) -> String {
+        match is_closed {
+            true => self.on(is_closed).title_of_all() + &self.refused(),
+            false => self.title_of_all(),
+        }
+    }
+
+    /// Returns what was asked for and is not possible on a closed surface.
+    fn refused(&self) -> String {
+        let agents = self.agents.then_some("agents");
+        let decals = self.decal.placement.map(|_| "decals");
+        let asked = [agents, decals, self.lacks_path.then_some("paths")];
+        let refused = asked.into_iter().flatten();
+        refused.map(|what| format!(", {what} {NO_SEAMS}")).collect()
+    }
+
+    fn title_of_all(&self) -> String {
         let contours = if self.contours { ", contours as lines" } else { "" };
         let agents = match self.steps() {
             None => "",

@@ -3,7 +3,6 @@
 
 use geosweep::ash::vk;
 use geosweep::gpu_allocator::MemoryLocation;
-use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{Access, Solver};
 
 use crate::Result;
@@ -20,7 +19,7 @@ use crate::pick::{Pick, PickPass};
 use crate::sets::Sets;
 use crate::shaders::{self, Layout};
 use crate::shown::Shown;
-use crate::surfaces::{Look, Name};
+use crate::surfaces::{Look, Model};
 
 pub struct Stage {
     pub look: Look,
@@ -37,7 +36,7 @@ pub struct Stage {
     unshaded: bool,
     positions: Buffer,
     normals: Buffer,
-    corners: Buffer,
+    places: Buffer,
     distances: Buffer,
     sets: Sets,
 }
@@ -59,39 +58,45 @@ pub struct Shared<'a> {
 }
 
 impl Stage {
-    pub fn new(gpu: &mut Gpu, name: Name, shared: &Shared) -> Result<Self> {
-        let (points, look) = name.load()?;
+    pub fn new(gpu: &mut Gpu, model: &Model, shared: &Shared) -> Result<Self> {
+        let look = model.look;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let bytes = 16 * look.chart.points() as u64;
         let on_device = MemoryLocation::GpuOnly;
         let positions = if look.deforms {
             Buffer::new(gpu, "positions", bytes, storage, on_device)?
         } else {
-            Buffer::filled(gpu, "positions", bytemuck::cast_slice(&points), storage)?
+            Buffer::filled(gpu, "positions", bytemuck::cast_slice(&model.positions), storage)?
         };
-        let normals = Buffer::new(gpu, "normals", bytes, storage, on_device)?;
-        let indices = indices(look.chart);
-        let index_count = indices.len() as u32;
+        let unshaded = model.normals.is_empty();
+        let normals = if unshaded {
+            Buffer::new(gpu, "normals", bytes, storage, on_device)?
+        } else {
+            Buffer::filled(gpu, "normals", bytemuck::cast_slice(&model.normals), storage)?
+        };
         let usage = vk::BufferUsageFlags::INDEX_BUFFER;
-        let indices = Buffer::filled(gpu, "indices", bytemuck::cast_slice(&indices), usage)?;
-        let corners = map::corners(look.chart);
-        let corners = Buffer::filled(gpu, "corners", bytemuck::cast_slice(&corners), storage)?;
-        let distances = Buffer::new(gpu, "corner distances", 16, storage, on_device)?;
+        let indices =
+            Buffer::filled(gpu, "indices", bytemuck::cast_slice(&model.triangles), usage)?;
+        let index_count = model.triangles.len() as u32;
+        let places = map::places(look.chart);
+        let bytes = size_of_val(&places[..]) as u64 / 2;
+        let places = Buffer::filled(gpu, "places", bytemuck::cast_slice(&places), storage)?;
+        let distances = Buffer::new(gpu, "distances at places", bytes, storage, on_device)?;
         let pick = Pick::new(gpu, shared.picking)?;
         let lines = Lines::new(gpu, shared.picking)?;
         let memory = map::Memory {
             positions: positions.handle,
             source: pick.source.handle,
-            corners: corners.handle,
+            places: places.handle,
             distances: distances.handle,
         };
-        let map = Map::new(gpu, shared.solver, look.chart, &memory)?;
+        let map = Map::new(gpu, shared.solver, (look.chart, model.gluing.as_ref()), &memory)?;
         let sets = Sets::new(gpu, shared.layout, shared.views, &map)?;
         for (binding, buffer) in [
             (shaders::POSITIONS, positions.handle),
             (shaders::NORMALS, normals.handle),
             (shaders::PALETTE, shared.palette),
-            (shaders::CORNER_DISTANCES, distances.handle),
+            (shaders::SOME_DISTANCES, distances.handle),
             (shaders::SOURCE, pick.source.handle),
         ] {
             sets.bind_buffer(gpu, binding, buffer);
@@ -107,10 +112,10 @@ impl Stage {
             agents: None,
             indices,
             index_count,
-            unshaded: true,
+            unshaded,
             positions,
             normals,
-            corners,
+            places,
             distances,
             sets,
         })
@@ -121,8 +126,21 @@ impl Stage {
         self.sets.get(frame, self.map.slot())
     }
 
+    /// Returns whether sides of the surface's grid are glued.
+    pub fn is_closed(&self) -> bool {
+        self.map.surface().is_glued()
+    }
+
+    /// Records what is needed once: the passes that prepare the map, and the first source.
+    pub fn prepare(&self, gpu: &Gpu, solver: &Solver, commands: vk::CommandBuffer) {
+        self.map.prepare(gpu, solver, commands);
+        self.pick.set(gpu, commands, map::source(self.look.source));
+        self.lines.start.set(gpu, commands, [f32::NAN; 4]);
+    }
+
     /// Changes what is shown from the next frame on.
     pub fn show(&mut self, gpu: &mut Gpu, solver: &Solver, shown: &Shown) -> Result<()> {
+        let shown = shown.on(self.is_closed());
         let surface = self.map.surface();
         self.lines.show_contours(gpu, solver, surface, shown.contours)?;
         self.decal.show(gpu, solver, (surface, &self.sets), shown.decal)?;
@@ -205,7 +223,7 @@ impl Stage {
             &mut self.positions,
             &mut self.normals,
             &mut self.indices,
-            &mut self.corners,
+            &mut self.places,
             &mut self.distances,
         ] {
             buffer.destroy(gpu);
@@ -237,17 +255,4 @@ pub fn barrier(gpu: &Gpu, commands: vk::CommandBuffer, before: Access, after: Ac
     let (from, to, none) = (before.stages, after.stages, vk::DependencyFlags::empty());
     // SAFETY: the commands are being recorded, outside a render pass.
     unsafe { gpu.device.cmd_pipeline_barrier(commands, from, to, none, &[barrier], &[], &[]) };
-}
-
-/// Returns the indices of two triangles for each cell of the grid.
-fn indices(chart: Chart) -> Vec<u32> {
-    let cols = chart.cols as u32;
-    let cells = (1..chart.rows as u32).flat_map(|row| (1..cols).map(move |col| [row, col]));
-    cells
-        .flat_map(|[row, col]| {
-            let last = row * cols + col;
-            let (left, above) = (last - 1, last - cols);
-            [above - 1, left, above, above, left, last]
-        })
-        .collect()
 }

@@ -1,22 +1,40 @@
-//! Surfaces of the viewer: the terrain, and a sheet that deforms.
+//! Surfaces of the viewer: the terrain, a sheet that deforms, and closed ones.
 
 use std::path::Path;
+use std::str::FromStr;
 
-use clap::ValueEnum;
 use geosweep::glam::{Vec2, Vec4};
 use geosweep::io::SurfaceFile;
-use geosweep::surface::{Chart, Geometry};
+use geosweep::surface::builtin::Closed;
+use geosweep::surface::{Chart, Geometry, Gluing};
 
 use crate::Result;
 use crate::camera::Camera;
+use crate::closed::ClosedSurface;
+use crate::mesh;
 
 /// Surfaces by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Name {
     /// Elevation around the Jacksboro fault, with enlarged heights
     Terrain,
     /// A sheet in motion: a compute shader writes its points every frame
     Sheet,
+    /// A closed surface, which does not move
+    Closed(ClosedSurface),
+}
+
+/// Content of a stage.
+pub struct Model {
+    pub look: Look,
+    /// Positions of the points, row-major; NaN at holes. Empty if a pass writes them every frame.
+    pub positions: Vec<Vec4>,
+    /// Normals, and how much of the sky each point sees. Empty if a pass computes them.
+    pub normals: Vec<Vec4>,
+    /// Indices of three points each.
+    pub triangles: Vec<u32>,
+    /// Gluing of the grid's sides, if the surface is closed.
+    pub gluing: Option<Gluing>,
 }
 
 /// Look of a surface. Units are the surface's own.
@@ -24,14 +42,8 @@ pub enum Name {
 pub struct Look {
     pub name: &'static str,
     pub chart: Chart,
-    /// Half the extents along x and z.
-    pub half: Vec2,
-    /// Height of the ground below.
-    pub ground: f32,
-    /// Whether walls reach down to the ground.
-    pub walls: bool,
-    /// Softness of the shadow on the ground.
-    pub softness: f32,
+    /// Ground below; `None` if the surface floats.
+    pub ground: Option<Ground>,
     /// Distance between lines.
     pub spacing: f32,
     /// Whether the points are written every frame.
@@ -41,26 +53,30 @@ pub struct Look {
     pub camera: Camera,
 }
 
+/// Ground below a surface.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ground {
+    /// Half the extents of the surface along x and z.
+    pub half: Vec2,
+    pub height: f32,
+    /// Whether walls reach from the surface down to the ground.
+    pub walls: bool,
+    /// Softness of the shadow.
+    pub softness: f32,
+}
+
 /// Kilometres between the points of the terrain, from east to west and from north to south; see
 /// examples/data/README.md.
 const SPACING: Vec2 = Vec2::new(0.074573, 0.092475);
+/// Lowest pitch of the camera above the ground.
+const LOWEST: f32 = 0.08;
 /// Factor by which heights are enlarged, for drawing and for measuring. It shows why lines bend.
 const ENLARGED: f32 = 2.5;
 
-impl Name {
-    pub const ALL: [Self; 2] = [Self::Terrain, Self::Sheet];
-
-    /// Returns the points, if they do not move, and the surface's look.
-    pub fn load(self) -> Result<(Vec<Vec4>, Look)> {
-        match self {
-            Self::Terrain => terrain(),
-            Self::Sheet => Ok((Vec::new(), sheet())),
-        }
-    }
-
+impl Look {
     /// Checks that a row and a column are on the grid.
-    pub fn check_source(self, [row, col]: [f32; 2]) -> Result<()> {
-        let Chart { rows, cols } = self.load()?.1.chart;
+    pub fn check_source(&self, [row, col]: [f32; 2]) -> Result<()> {
+        let Chart { rows, cols } = self.chart;
         let (last_row, last_col) = (rows - 1, cols - 1);
         let inside =
             (0.0..=last_row as f32).contains(&row) && (0.0..=last_col as f32).contains(&col);
@@ -75,7 +91,67 @@ impl Name {
     }
 }
 
-fn terrain() -> Result<(Vec<Vec4>, Look)> {
+impl Model {
+    /// Returns the content of a stage with an open surface, whose normals a pass computes.
+    fn open(look: Look, positions: Vec<Vec4>) -> Self {
+        let triangles = mesh::triangles(look.chart, |_| true);
+        Self { look, positions, normals: Vec::new(), triangles, gluing: None }
+    }
+}
+
+impl Name {
+    /// Returns all surfaces in the order in which they are shown, beginning with this one.
+    pub fn all_from_here(self) -> Vec<Self> {
+        let closed = ClosedSurface::all().map(Self::Closed);
+        let mut all: Vec<_> = [Self::Terrain, Self::Sheet].into_iter().chain(closed).collect();
+        let is_this = |other: &Self| match (self, other) {
+            (Self::Closed(this), Self::Closed(other)) => this.closed == other.closed,
+            _ => self == *other,
+        };
+        let place = all.iter().position(is_this).unwrap_or(0);
+        all.rotate_left(place);
+        // Its size may be another one than usual.
+        all[0] = self;
+        all
+    }
+
+    /// Returns the help text of the option that takes a name.
+    pub fn help() -> String {
+        let closed = Closed::names();
+        format!(
+            "First surface: terrain (elevation around the Jacksboro fault, with enlarged heights), \
+             sheet (in motion: a compute shader writes its points every frame), or a closed one, \
+             builtin:NAME:ROWSxCOLS, such as builtin:globe:181x361. Names are {closed}"
+        )
+    }
+
+    pub fn load(self) -> Result<Model> {
+        match self {
+            Self::Terrain => terrain(),
+            Self::Sheet => Ok(sheet()),
+            Self::Closed(closed) => closed.load(),
+        }
+    }
+
+    pub fn is_closed(self) -> bool {
+        matches!(self, Self::Closed(_))
+    }
+}
+
+impl FromStr for Name {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match (text, text.strip_prefix("builtin:")) {
+            ("terrain", _) => Ok(Self::Terrain),
+            ("sheet", _) => Ok(Self::Sheet),
+            (_, Some(closed)) => closed.parse().map(Self::Closed),
+            _ => Err("give terrain, sheet or builtin:NAME:ROWSxCOLS".into()),
+        }
+    }
+}
+
+fn terrain() -> Result<Model> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/jacksboro.png");
     let surface = SurfaceFile::read(Path::new(path))?.into_surface(None)?;
     let Geometry::Heights { heights, .. } = surface.geometry() else {
@@ -96,29 +172,29 @@ fn terrain() -> Result<(Vec<Vec4>, Look)> {
     let look = Look {
         name: "terrain",
         chart,
-        half,
-        ground: rise(range.0) - 0.8,
-        walls: true,
-        softness: 3.0,
+        ground: Some(Ground { half, height: rise(range.0) - 0.8, walls: true, softness: 3.0 }),
         spacing: 1.0,
         deforms: false,
         source: [297.0, 219.0],
-        camera: Camera { turn: 0.36, pitch: 0.62, distance: 61.0, height: -2.6 },
+        camera: Camera { turn: 0.36, pitch: 0.62, distance: 61.0, height: -2.6, lowest: LOWEST },
     };
-    Ok((heights.iter().enumerate().map(point).collect(), look))
+    Ok(Model::open(look, heights.iter().enumerate().map(point).collect()))
 }
 
-fn sheet() -> Look {
-    Look {
+fn sheet() -> Model {
+    let look = Look {
         name: "sheet",
         chart: Chart { rows: 192, cols: 192 },
-        half: Vec2::new(10.0, 10.0),
-        ground: -5.0,
-        walls: false,
-        softness: 4.0,
+        ground: Some(Ground {
+            half: Vec2::new(10.0, 10.0),
+            height: -5.0,
+            walls: false,
+            softness: 4.0,
+        }),
         spacing: 0.5,
         deforms: true,
         source: [120.0, 52.0],
-        camera: Camera { turn: 0.6, pitch: 0.68, distance: 40.0, height: -1.5 },
-    }
+        camera: Camera { turn: 0.6, pitch: 0.68, distance: 40.0, height: -1.5, lowest: LOWEST },
+    };
+    Model::open(look, Vec::new())
 }

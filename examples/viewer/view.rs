@@ -21,9 +21,19 @@ pub struct View {
     softness: f32,
     decal: f32,
     pace: f32,
-    /// Up to a multiple of 16 bytes.
+    /// Up to a multiple of 16 bytes, as after each direction.
     unused: [f32; 2],
+    light: [f32; 3],
+    unused_too: f32,
+    sky: [f32; 3],
+    last_unused: f32,
 }
+
+/// Direction to the sun over the ground.
+const SUN: Vec3 = Vec3::new(-0.52, 0.66, 0.40);
+/// Directions to the sun and the sky of a surface that floats, in the eye's axes: rightwards, upwards, towards it.
+const OWN_SUN: Vec3 = Vec3::new(-0.35, 0.40, 1.00);
+const OWN_SKY: Vec3 = Vec3::new(0.0, 0.6, 0.8);
 
 /// The values that change from frame to frame, beside the camera.
 pub struct Driven {
@@ -43,21 +53,30 @@ impl View {
     pub fn new(camera: &Camera, look: &Look, size: Vec2, driven: &Driven) -> Self {
         let Driven { pointer, phase, spacing, decal, pace } = *driven;
         let projection = camera.projection(size);
-        let chart = look.chart;
+        // A surface that can be seen from below has its light from beside the eye.
+        let (light, sky) = match look.ground {
+            Some(_) => (SUN, Vec3::Y),
+            None => (camera.axes() * OWN_SUN, camera.axes() * OWN_SKY),
+        };
+        let (chart, ground) = (look.chart, look.ground.unwrap_or_default());
         Self {
             projection: projection.to_cols_array_2d(),
             pick: (pixel(pointer, size) * projection).to_cols_array_2d(),
             eye: camera.eye().to_array(),
             pixel: camera.pixel(size),
-            half: look.half.to_array(),
-            ground: look.ground,
+            half: ground.half.to_array(),
+            ground: ground.height,
             phase,
             grid: [chart.cols as u32, chart.rows as u32],
             spacing,
-            softness: look.softness,
+            softness: ground.softness,
             decal,
             pace,
             unused: [0.0; 2],
+            light: light.to_array(),
+            unused_too: 0.0,
+            sky: sky.to_array(),
+            last_unused: 0.0,
         }
     }
 }

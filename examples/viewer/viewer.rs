@@ -15,7 +15,6 @@ use crate::agents::{self, Agents, WalkPasses};
 use crate::draw::{self, Drawing};
 use crate::frames::{self, Frame, Frames, IN_FLIGHT};
 use crate::gpu::Gpu;
-use crate::map;
 use crate::memory::Buffer;
 use crate::options::Options;
 use crate::pick::PickPass;
@@ -24,7 +23,7 @@ use crate::pipelines;
 use crate::shaders::Layout;
 use crate::shown::Shown;
 use crate::stage::{PointPasses, Shared, Stage};
-use crate::surfaces::Name;
+use crate::surfaces::{Model, Name};
 use crate::swapchain::{Swapchain, Target};
 use crate::timing::Timing;
 use crate::view::{Driven, View};
@@ -58,7 +57,9 @@ pub struct Viewer {
     store: PipelineStore,
     /// Methods for which the solver has passes.
     methods: Vec<(Schedule, Wavefront)>,
-    /// Stages in the order of [`Name::ALL`].
+    /// All surfaces, in the order in which they are shown.
+    names: Vec<Name>,
+    /// Stages of the first surfaces. Others follow when they are shown.
     stages: Vec<Stage>,
     current: usize,
     schedule: Schedule,
@@ -80,9 +81,7 @@ pub struct Viewer {
 
 impl Viewer {
     pub fn new(window: &Window, options: Options) -> Result<Self> {
-        if let Some(source) = options.source {
-            options.surface.check_source(source)?;
-        }
+        let model = options.model()?;
         let mut gpu = Gpu::new(window, options.device.as_deref(), options.validate)?;
         let layout = Layout::new(&gpu)?;
         let target = Target::new(&gpu)?;
@@ -106,30 +105,7 @@ impl Viewer {
         let (schedule, wavefront) = (Schedule::Raster, Wavefront::Curved);
         let passes = [(schedule, wavefront)];
         let (solver, store) = pipelines::solver(&gpu, &passes)?;
-        let shared = Shared {
-            layout: &layout,
-            solver: &solver,
-            picking: &picking,
-            palette: palette.handle,
-            views: &views,
-        };
-        let stages: Vec<_> = Name::ALL
-            .iter()
-            .map(|&name| Stage::new(&mut gpu, name, &shared))
-            .collect::<Result<_>>()?;
-        let current = Name::ALL.iter().position(|&name| name == options.surface).unwrap_or(0);
-        let source = |index: usize| match options.source {
-            Some(source) if index == current => source,
-            _ => stages[index].look.source,
-        };
-        frames.now(&gpu, |commands| {
-            for (index, stage) in stages.iter().enumerate() {
-                stage.map.prepare(&gpu, &solver, commands);
-                stage.pick.set(&gpu, commands, map::source(source(index)));
-                stage.lines.start.set(&gpu, commands, [f32::NAN; 4]);
-            }
-            Ok(())
-        })?;
+        let names = options.surface.all_from_here();
         let shown = Shown::new(&options);
         let mut viewer = Self {
             options,
@@ -149,8 +125,9 @@ impl Viewer {
             solver,
             store,
             methods: passes.to_vec(),
-            stages,
-            current,
+            names,
+            stages: Vec::new(),
+            current: 0,
             schedule,
             wavefront,
             pointer: Vec2::ZERO,
@@ -163,8 +140,24 @@ impl Viewer {
             drawn: 0,
             picture: None,
         };
+        viewer.add_stage(&model)?;
         viewer.show()?;
         Ok(viewer)
+    }
+
+    /// Creates the stage of the next surface.
+    fn add_stage(&mut self, model: &Model) -> Result<()> {
+        let Self { gpu, layout, solver, picking, views, stages, frames, .. } = self;
+        let palette = self.palette.handle;
+        let shared = Shared { layout, solver, picking, palette, views };
+        let stage = Stage::new(gpu, model, &shared)?;
+        gpu.wait();
+        frames.now(gpu, |commands| {
+            stage.prepare(gpu, solver, commands);
+            Ok(())
+        })?;
+        stages.push(stage);
+        Ok(())
     }
 
     /// Returns whether a frame would show something new.
@@ -196,8 +189,13 @@ impl Viewer {
         (self.pointer, self.picks, self.stale) = (pointer, true, true);
     }
 
-    /// Draws the path from under the pointer to the source.
+    /// Draws the path from under the pointer to the source. On a closed surface there is none.
     pub fn trace(&mut self, pointer: Vec2) -> Result<()> {
+        if self.stages[self.current].is_closed() {
+            self.shown.lacks_path = true;
+            self.stale = true;
+            return Ok(());
+        }
         (self.pointer, self.traces, self.stale) = (pointer, true, true);
         let Stage { lines, map, .. } = &mut self.stages[self.current];
         lines.show_path(&mut self.gpu, &self.solver, map.surface())
@@ -226,7 +224,12 @@ impl Viewer {
     }
 
     pub fn next_surface(&mut self) -> Result<()> {
-        self.current = (self.current + 1) % self.stages.len();
+        self.current = (self.current + 1) % self.names.len();
+        if self.current == self.stages.len() {
+            let model = self.names[self.current].load()?;
+            self.add_stage(&model)?;
+        }
+        self.shown.lacks_path = false;
         self.show()?;
         self.use_method(self.schedule, self.wavefront)
     }
@@ -261,13 +264,14 @@ impl Viewer {
 
     /// Returns the title of the window.
     pub fn title(&self) -> String {
-        let Stage { look, map, .. } = &self.stages[self.current];
+        let stage = &self.stages[self.current];
+        let Stage { look, map, .. } = stage;
         let (rows, cols) = (look.chart.rows, look.chart.cols);
         let mut title = format!(
             "geosweep: {}, {rows} x {cols} points, {}, {} fronts",
             look.name, self.schedule, self.wavefront
         );
-        title += &self.shown.title();
+        title += &self.shown.title(stage.is_closed());
         if let Some(milliseconds) = self.timing.milliseconds() {
             title += &format!(", {milliseconds:.2} ms on {}", self.gpu.device_name());
         }

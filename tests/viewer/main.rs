@@ -3,6 +3,7 @@
 #![cfg(all(feature = "formats", target_os = "linux"))]
 
 mod agents;
+mod closed;
 mod decal;
 mod picture;
 mod rest;
@@ -331,6 +332,14 @@ fn errors_of_the_viewer_are_reported() {
         ("--size 0x5", "give a width and a height"),
         ("--picture a.png", "--frames"),
         ("--frames 1 --picture a.jpg", "choose such a name"),
+        ("--camera 35", "give two angles"),
+        ("--surface cloud", "give terrain, sheet or builtin:NAME:ROWSxCOLS"),
+        ("--surface builtin:globe", "not of the form NAME:ROWSxCOLS"),
+        ("--surface builtin:peaks:9x9", "no closed surface is called \"peaks\"; there are closed-"),
+        ("--surface builtin:closed-torus:3x9", "3 x 9 points is too small to be glued"),
+        ("--surface builtin:globe:31x61 --source 31,0", "its rows are 0 to 30"),
+        ("--surface builtin:globe:31x61 --agents", "agents do not pass seams yet: leave them out"),
+        ("--surface builtin:globe:31x61 --decal", "decals do not pass seams yet: leave them out"),
         ("--device nosuchdevice", "is not the device asked for"),
     ] {
         let mut command = Command::new(program());

@@ -40,7 +40,7 @@ fn edge(at: f32, half: f32) -> f32 {
 @fragment
 fn shadow_fragment(in: Shadow) -> @location(0) vec4<f32> {
     // Away from the light.
-    let at = in.at + 0.35 * view.softness * normalize(LIGHT).xz;
+    let at = in.at + 0.35 * view.softness * normalize(view.light).xz;
     let shadow = edge(at.x, view.half.x) * edge(at.y, view.half.y);
     return vec4(0.05, 0.07, 0.11, 0.62 * shadow);
 }

@@ -4,8 +4,8 @@
 @group(0) @binding(2) var<storage, read> shading: array<vec4<f32>>;
 // Perceptually uniform, from the source to the farthest corner; linear.
 @group(0) @binding(3) var<storage, read> palette: array<vec4<f32>>;
-// Distances of the four corners of the grid.
-@group(0) @binding(4) var<storage, read> corners: array<f32, 4>;
+// Distances of places that are spread over the grid.
+@group(0) @binding(4) var<storage, read> some_distances: array<f32>;
 @group(0) @binding(5) var distances: texture_2d<f32>;
 
 struct Fragment {
@@ -37,19 +37,23 @@ fn pick_vertex(@builtin(vertex_index) index: u32) -> Fragment {
 // A source as the distance passes read it: row, column, time, and the curvature of a point source.
 @fragment
 fn pick_fragment(in: Fragment) -> @location(0) vec4<f32> {
-    let cell = clamp(in.cell, vec2(0.0), vec2<f32>(view.grid) - 1.0);
+    let inside = clamp(in.cell, vec2(0.0), vec2<f32>(view.grid) - 1.0);
+    // Up to rounding, a place on the border of a chart is not in the hole beside it.
+    let line = round(inside);
+    let cell = select(inside, line, abs(inside - line) < vec2(1e-3));
     return vec4(cell.y, cell.x, 0.0, AT_SOURCE);
 }
 
-// Negative where something around is not reached.
+// Negative where most of what is around is not reached.
 fn distance_at(cell: vec2<f32>) -> f32 {
-    let texels = around(distances, cell);
-    let least = min(min(texels.a.x, texels.b.x), min(texels.c.x, texels.d.x));
-    return select(between(texels).x, -1.0, least < 0.0);
+    return reached_between(around(distances, cell));
 }
 
 fn color_of(distance: f32) -> vec3<f32> {
-    let farthest = max(max(corners[0], corners[1]), max(corners[2], corners[3]));
+    var farthest = 0.0;
+    for (var i = 0u; i < arrayLength(&some_distances); i++) {
+        farthest = max(farthest, some_distances[i]);
+    }
     let last = f32(arrayLength(&palette) - 1u);
     let place = clamp(distance / max(farthest, 1e-6), 0.0, 1.0) * last;
     let index = u32(min(floor(place), last - 1.0));
@@ -83,10 +87,10 @@ fn shown(in: Fragment, front: bool, distance: f32, paint: vec3<f32>) -> vec4<f32
     let toward_eye = normalize(view.eye - in.position);
     let up = normalize(in.normal);
     let normal = select(-up, up, front);
-    let light = normalize(LIGHT);
+    let light = normalize(view.light);
     let open = mix(0.15, 1.0, in.open * in.open);
     let sun = max(dot(normal, light), 0.0) * mix(0.6, 1.0, in.open);
-    let sky = 0.5 + 0.5 * normal.y;
+    let sky = 0.5 + 0.5 * dot(normal, view.sky);
     let lit = vec3(1.0, 0.96, 0.90) * 1.12 * sun + vec3(0.86, 0.93, 1.0) * 0.40 * sky * open;
     let halfway = normalize(light + toward_eye);
     let gloss = 0.10 * pow(max(dot(normal, halfway), 0.0), 40.0) * sun;

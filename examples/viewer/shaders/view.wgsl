@@ -22,11 +22,13 @@ struct View {
     decal: f32,
     // Length that agents walk this frame.
     pace: f32,
+    // Directions to the sun, of any length, and to the brightest part of the sky.
+    light: vec3<f32>,
+    sky: vec3<f32>,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
 
-const LIGHT = vec3<f32>(-0.52, 0.66, 0.40);
 const PAPER = vec3<f32>(0.80, 0.83, 0.86);
 
 // The calm background, from the height in the picture: 0 below, 1 above.

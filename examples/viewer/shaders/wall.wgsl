@@ -42,7 +42,7 @@ fn vertex(@builtin(vertex_index) index: u32) -> Fragment {
 
 @fragment
 fn fragment(in: Fragment) -> @location(0) vec4<f32> {
-    let sun = max(dot(in.normal, normalize(LIGHT)), 0.0);
+    let sun = max(dot(in.normal, normalize(view.light)), 0.0);
     let rise = (in.position.y - view.ground) / max(in.position.y + in.below - view.ground, 1e-6);
     let color = mix(vec3(0.20, 0.215, 0.24), vec3(0.33, 0.345, 0.37), rise);
     return vec4(color * (0.55 + 0.75 * sun) + dither(in.clip.xy), 1.0);
