@@ -1,7 +1,7 @@
 //! Makes a surface on the Earth of the grid of a file. It may have a row more at each pole and a column more where the
 //! grid goes round.
 
-use geosweep::io::{Georeference, GridFrame};
+use geosweep::io::Georeference;
 use geosweep::surface::{Chart, GeodeticGrid, SurfaceError};
 
 use super::given::GivenGrid;
@@ -30,13 +30,8 @@ impl Earth {
 
     /// Returns the given grid, up to the ends of the surface.
     pub fn given(&self) -> GivenGrid {
-        GivenGrid {
-            lines: self.grid.lines().clone(),
-            chart: self.chart,
-            frame: GridFrame::new(self.chart, Ok(self.georeference))
-                .with_margins(self.grid.margins()),
-            goes_round: self.grid.goes_round(),
-        }
+        let lines = self.grid.lines().clone();
+        GivenGrid::new(lines, Ok(self.georeference), self.grid.goes_round())
     }
 
     /// Makes holes of given points, and returns a mask of all points of the surface. A pole is present if a point of

@@ -3,7 +3,7 @@
 
 use geosweep::Surface;
 use geosweep::geometry::{Curve, PathError};
-use geosweep::io::GridFrame;
+use geosweep::io::{Georeference, GridFrame};
 use geosweep::shown::exact;
 use geosweep::surface::{Chart, CompletedGrid, SourceError};
 
@@ -22,6 +22,17 @@ pub struct GivenGrid {
 const ON_SEAM: f64 = 1e-6;
 
 impl GivenGrid {
+    /// Makes the grid of a file, of which the lines of the surface are known.
+    pub fn new(
+        lines: CompletedGrid,
+        georeference: Result<Georeference, String>,
+        goes_round: bool,
+    ) -> Self {
+        let chart = lines.given();
+        let frame = GridFrame::new(chart, georeference).with_margins(lines.margins());
+        Self { lines, chart, frame, goes_round }
+    }
+
     /// Returns the place on the surface's grid.
     pub fn place(&self, place: [f64; 2]) -> Result<[f64; 2], String> {
         let within = self.frame.within(place).and_then(|place| self.lines.to_completed(place));

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{OsStringValueParser, TypedValueParser};
-use geosweep::io::{self, CoordinateSystem, GeoTags, Georeference, GridFrame, SurfaceFile};
+use geosweep::io::{self, CoordinateSystem, GeoTags, Georeference, SurfaceFile};
 use geosweep::surface::{Chart, Geometry, Resolution, Seam};
 use geosweep::{EdgeRule, Spacing, Surface};
 
@@ -94,16 +94,7 @@ impl SurfaceArgs {
         let chart = earth.as_ref().map_or(given.chart(), |earth| earth.chart);
         let (rows, cols) = (chart.rows, chart.cols);
         let place = georeference.as_ref().ok();
-        let (mut surface, mut shape) = match &self.metric {
-            None => (given, None),
-            Some(path) => {
-                let metric = io::read_metric(path)?.fit(path, rows, cols)?;
-                let surface = Surface::from_metric(rows, cols, metric)
-                    .and_then(|surface| surface.with_mask(given.present()))
-                    .map_err(|error| format!("{}: {error}", path.display()))?;
-                (surface, Some(given))
-            }
-        };
+        let (mut surface, mut shape) = self.measured(given)?;
         if let Some(path) = &self.mask {
             let mut mask = io::read_mask(path)?.fit_surface(path, rows, cols, place)?;
             if let Some(earth) = &mut earth {
@@ -131,12 +122,7 @@ impl SurfaceArgs {
             let Whole { surface: glued, shape: whole_shape, lines, goes_round } = whole;
             (surface, shape) = (glued, whole_shape.or(shape));
             seams = if shape.is_none() { surface.seams() } else { Vec::new() };
-            grid = lines.map(|lines| GivenGrid {
-                frame: GridFrame::new(chart, georeference.clone()).with_margins(lines.margins()),
-                lines,
-                chart,
-                goes_round,
-            });
+            grid = lines.map(|lines| GivenGrid::new(lines, georeference.clone(), goes_round));
         }
         // On the Earth, seams are glued, and a pole at the end of a sector is not closed.
         if earth.is_none() {
@@ -155,6 +141,17 @@ impl SurfaceArgs {
         let unit = unit.filter(|_| shape.is_none() && surface.slowness().is_none());
         let is_on_earth = earth.is_some();
         Ok(Scene { surface, shape, georeference, system, geo_tags, unit, grid, is_on_earth })
+    }
+
+    /// Returns the surface that has the lengths of the metric, if one is given, and that with the positions then.
+    fn measured(&self, given: Surface) -> Result<(Surface, Option<Surface>), Box<dyn Error>> {
+        let Some(path) = &self.metric else { return Ok((given, None)) };
+        let (rows, cols) = (given.rows(), given.cols());
+        let metric = io::read_metric(path)?.fit(path, rows, cols)?;
+        let surface = Surface::from_metric(rows, cols, metric)
+            .and_then(|surface| surface.with_mask(given.present()))
+            .map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok((surface, Some(given)))
     }
 
     /// Returns the surface's file, if it comes from one.
