@@ -59,8 +59,9 @@ fn ridges_and_offsets_go_round_the_earth() {
         .sum();
     // A meridian and its opposite are 40,008 km long. On some of it fronts include less than 30 degrees.
     assert!(length > 2e7 && length < 4.05e7, "{said}");
-    // A line of latitude across the date line, with an offset on its north.
-    let curve = r#"{"type":"LineString","coordinates":[[170,0],[180,0],[-180,0],[-170,0]]}"#;
+    // A line of latitude across the seam, with an offset on its north. It has a vertex at the grid's first column, which
+    // the surface has again after its last one.
+    let curve = r#"{"type":"LineString","coordinates":[[170,0],[-178.5,0],[-170,0]]}"#;
     let curve = bench.input("curve.geojson", curve);
     let line = format!("offset {cells} {CELLS} --source-curve {curve} --distances 1e6 --side left");
     let said = json(&done(&bench, &format!("{line} --json -o left.geojson")));
