@@ -96,10 +96,10 @@ impl<'a> RowEngine<'a> {
     pub fn for_symmetry(&self) -> Result<(&LaneEngine, &SolverGrid<'a>), Error> {
         let fault = |message: &str| Err(Error::Options(message.into()));
         match &self.kind {
-            Kind::Lanes(_) if self.grid.is_wider() => fault(
-                "the symmetric initialisation is not for surfaces with obtuse triangles beside a seam; leave it out",
-            ),
             Kind::Lanes(lanes) => Ok((lanes, &self.grid)),
+            _ if self.surface.is_glued() => {
+                fault("the symmetric initialisation is not for glued surfaces; leave it out")
+            }
             _ => fault(
                 "the symmetric initialisation is for the planar and the circular wavefront on the CPU; choose \
                  these, or leave it out",

@@ -18,8 +18,8 @@ pub(super) struct LaneEngine {
 const GENERATION: usize = 256;
 
 impl LaneEngine {
-    /// Prepares the engine. `edges` are those of the solver's grid. Returns `None` if maps of this wavefront cannot be
-    /// computed side by side.
+    /// Prepares the engine. Returns `None` if maps of this wavefront cannot be computed side by side, or the surface is
+    /// glued. So the solver's grid is the surface's own.
     pub fn new(grid: &SolverGrid, edges: &EdgeLengths<f32>, wavefront: Wavefront) -> Option<Self> {
         let (scan, batches) = (PairwiseScan::new(edges, wavefront)?, Batches::new(grid.chart()));
         Some(Self { scan, batches })
@@ -67,38 +67,14 @@ impl LaneEngine {
             if monitor.is_cancelled() {
                 return Convergence::NONE;
             }
-            let convergence = match grid.is_wider() {
-                true => self.solve_on_wider(grid, &sources, stop, &mut rows),
-                false => self.scan.solve_rows(&sources, stop, &mut rows),
-            };
+            let convergence = self.scan.solve_rows(&sources, stop, &mut rows);
             done(rows.iter().flatten().count());
             convergence
         });
         solved.reduce(|| Convergence::NONE, Convergence::worse)
     }
 
-    /// Computes rows on a grid that is wider than the surface's own.
-    fn solve_on_wider(
-        &self,
-        grid: &SolverGrid,
-        sources: &[Option<usize>],
-        stop: Stop,
-        rows: &mut [Option<&mut [f32]>],
-    ) -> Convergence {
-        let points = grid.surface().chart().points();
-        let mut wide = vec![f32::INFINITY; rows.len() * points];
-        let mut wide: Vec<_> = wide.chunks_exact_mut(points).map(Some).collect();
-        let convergence = self.scan.solve_rows(sources, stop, &mut wide);
-        for (own, wide) in rows.iter_mut().zip(wide) {
-            if let (Some(own), Some(wide)) = (own, wide) {
-                grid.crop_into(wide, own);
-            }
-        }
-        convergence
-    }
-
-    /// Computes the whole matrix with the symmetric initialisation (paper, eq. 20). The grid must be the surface's
-    /// own.
+    /// Computes the whole matrix with the symmetric initialisation (paper, eq. 20).
     pub fn solve_by_symmetry<E: Send>(
         &self,
         grid: &SolverGrid,

@@ -110,8 +110,7 @@ impl<'a> Pairwise<'a> {
     ///
     /// # Errors
     /// As for [`Self::matrix`]; if the wavefront is curved, since its start would need curvatures as well; if
-    /// the engine does not support this initialisation; if obtuse triangles lie beside a seam; and any error of
-    /// `done`.
+    /// the engine does not support this initialisation; if the surface is glued; and any error of `done`.
     pub fn matrix_by_symmetry<E: From<Error> + Send>(
         &mut self,
         done: impl Fn(usize) -> Result<(), E> + Sync,
