@@ -204,7 +204,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     let bar = progress_of_rows(layout.rows, resumed_rows);
     let solved = if args.from_symmetry {
-        by_symmetry(&mut pairwise, file.as_mut(), kept.as_deref(), &bar)
+        by_symmetry(&mut pairwise, file.as_mut(), &bar)
     } else {
         row_by_row(
             &mut pairwise,
@@ -450,11 +450,10 @@ fn go_on() -> Result<(), Stopped> {
     if is_interrupted() { Err(Stopped::Interrupted) } else { Ok(()) }
 }
 
-/// Computes the matrix in memory, and writes its rows and columns of the points that are kept, or all.
+/// Computes the matrix in memory, and writes it. Glued surfaces are refused, so that all points are given.
 fn by_symmetry(
     pairwise: &mut Pairwise,
     file: Option<&mut MatrixFile>,
-    kept: Option<&[usize]>,
     bar: &ProgressBar,
 ) -> Result<PairwiseReport, Stopped> {
     let (matrix, report) = pairwise.matrix_by_symmetry(|rows| {
@@ -462,15 +461,7 @@ fn by_symmetry(
         go_on()
     })?;
     if let Some(file) = file {
-        let points = pairwise.points();
-        let row = |&point: &usize| &matrix[point * points..][..points];
-        match kept {
-            None => file.append(&matrix)?,
-            Some(kept) => {
-                let rows = kept.iter().map(row).collect::<Vec<_>>().concat();
-                file.append(&cropped(rows.into(), points, Some(kept)))?;
-            }
-        }
+        file.append(&matrix)?;
     }
     Ok(report)
 }
