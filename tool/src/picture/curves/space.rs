@@ -163,7 +163,8 @@ mod tests {
             |canvas: &Canvas, x: usize, y: usize| canvas.pixels[y * canvas.width + x] == PAPER;
         let globe = drawn(&Closed::Globe.surface(61, 121).unwrap(), [20.0, 10.0], DVec3::ONE);
         let (width, height) = (globe.width, globe.height);
-        assert_eq!(width, height);
+        // The mesh is a polyhedron, whose outline is a disc up to two pixels.
+        assert!(width.abs_diff(height) <= 2, "{width} x {height}");
         let disc = (0..width * height).filter(|&k| !is_paper(&globe, k % width, k / width));
         // The disc fills the picture up to its margins.
         let share = disc.count() as f64 / (width * height) as f64;
