@@ -99,7 +99,7 @@ fn bad_input_is_refused_and_nothing_written() {
     refused("wide.npy", &[2, 3], &[0.0; 6], &["square", "(2, 3)"]);
     refused("nan.npy", &[2, 2], &[0.0, f64::NAN, 1.0, 0.0], &["point 0 to point 1 is NaN"]);
     refused("negative.npy", &[2, 2], &[0.0, 1.0, -1.0, 0.0], &["is negative: -1"]);
-    refused("asymmetric.npy", &[2, 2], &[0.0, 1.0, 2.0, 0.0], &["and 2 back"]);
+    refused("asymmetric.npy", &[2, 2], &[0.0, 1.0, 2.0, 0.0], &["but 2 in the other direction"]);
     refused("diagonal.npy", &[2, 2], &[1.0; 4], &["to itself is 1"]);
     refused("zero.npy", &[2, 2], &[0.0; 4], &["all distances are zero"]);
     let run = |line: &str| bench.run(words(line));

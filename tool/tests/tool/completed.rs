@@ -227,12 +227,23 @@ fn names_that_contradict_each_other_are_refused() {
         ("--wrap rows", &["--glue rows", "first row", "last row", "apart on average"]),
         ("--wrap columns --flip", &["--glue flipped-columns", "apart on average"]),
         ("--layout cube", &["--glue cube", "9 x 32", "six square faces"]),
-        ("--glue columns --error e.npy", &["--error", "lines that the grid lacks"]),
         ("--glue columns -s 4,32.5", &["4,32.5 lies outside the grid"]),
     ] {
         let output = bench.distance(&given, &format!("-s 4,1 {words} -o map.npy"));
         bench.refuses(&output, parts);
     }
-    let refused = run(&bench, &format!("canonical {given} --glue columns -o form.npy"));
-    bench.refuses(&refused, &["canonical", "lines that the grid lacks"]);
+}
+
+/// Estimates of errors and canonical forms leave out the column that is added.
+#[test]
+fn errors_and_forms_are_those_of_the_points_of_the_file() {
+    let bench = Workbench::new();
+    let given = tube(&bench);
+    done(&bench, &format!("distance {given} -s 4,1 --glue columns -o map.npy --error errors.npy"));
+    let errors = map(&bench.output("errors.npy"));
+    assert_eq!(errors.len(), 9 * 32);
+    assert!(errors.iter().all(|error| error.abs() < 1e-2), "{errors:?}");
+    done(&bench, &format!("canonical {given} --glue columns -o form.npy"));
+    let form = map(&bench.output("form.npy"));
+    assert_eq!(form.len(), 9 * 32 * 3);
 }
