@@ -1,8 +1,6 @@
 //! The Earth: grids of heights by longitude and latitude, against geodesics of the ellipsoid and against one another.
 
-use std::io::Cursor;
-
-use geosweep::io::{SurfaceFile, write_npy};
+use geosweep::io::write_npy;
 use serde_json::Value;
 
 use crate::vincenty::vincenty;
@@ -11,13 +9,13 @@ use crate::workbench::{Workbench, done, json, map, notes, run, stderr, text};
 /// Distance, in metres, beyond which Vincenty's formula may fail: that of nearly opposite points.
 const OPPOSITE: f64 = 1.9e7;
 /// Degrees between the lines of grids of the whole Earth.
-const STEP: f64 = 2.0;
-const GLOBE: &str = "--geodetic --extent -180,-90,180,90 --registration";
+pub const STEP: f64 = 2.0;
+pub const GLOBE: &str = "--geodetic --extent -180,-90,180,90 --registration";
 
 /// The places of a grid's points.
 pub struct Grid {
-    longitudes: Vec<f64>,
-    latitudes: Vec<f64>,
+    pub longitudes: Vec<f64>,
+    pub latitudes: Vec<f64>,
 }
 
 impl Grid {
@@ -27,7 +25,7 @@ impl Grid {
         Self { longitudes, latitudes }
     }
 
-    fn shape(&self) -> [usize; 2] {
+    pub fn shape(&self) -> [usize; 2] {
         [self.latitudes.len(), self.longitudes.len()]
     }
 
@@ -37,7 +35,7 @@ impl Grid {
     }
 
     /// Returns hills and valleys, which depend on the place on the Earth alone.
-    fn heights(&self) -> Vec<f64> {
+    pub fn heights(&self) -> Vec<f64> {
         let height = |[lon, lat]: [f64; 2]| {
             let (lon, lat) = (lon.to_radians(), lat.to_radians());
             4000.0 * (3.0 * lon).sin() * lat.cos().powi(3) * (5.0 * lat).cos()
@@ -46,13 +44,13 @@ impl Grid {
     }
 
     /// Writes a file of these heights, or of the ellipsoid.
-    fn file(&self, bench: &Workbench, name: &str, is_hilly: bool) -> String {
+    pub fn file(&self, bench: &Workbench, name: &str, is_hilly: bool) -> String {
         let heights = if is_hilly { self.heights() } else { vec![0.0; self.places().count()] };
         bench.array(name, &self.shape(), &heights)
     }
 
     /// Returns the mean and the largest relative error of distances on the ellipsoid.
-    fn errors(&self, source: [f64; 2], found: &[f64]) -> [f64; 2] {
+    pub fn errors(&self, source: [f64; 2], found: &[f64]) -> [f64; 2] {
         assert_eq!(found.len(), self.places().count());
         let (mut sum, mut weights, mut largest) = (0.0, 0.0, 0f64);
         for (place, &found) in self.places().zip(found) {
@@ -65,26 +63,6 @@ impl Grid {
         }
         [sum / weights, largest]
     }
-}
-
-/// Writes a GeoTIFF of heights in degrees, whose first pixel lies at `corner` and whose pixels are areas or points.
-pub fn geotiff(grid: &Grid, corner: [f64; 2], is_point: bool) -> Vec<u8> {
-    use tiff::encoder::{TiffEncoder, colortype::Gray32Float};
-    use tiff::tags::Tag;
-    let [rows, cols] = grid.shape().map(|count| count as u32);
-    let mut file = Cursor::new(Vec::new());
-    let mut encoder = TiffEncoder::new(&mut file).unwrap();
-    let mut image = encoder.new_image::<Gray32Float>(cols, rows).unwrap();
-    let tags = image.encoder();
-    let tie = [0.0, 0.0, 0.0, corner[0], corner[1], 0.0];
-    tags.write_tag(Tag::ModelPixelScaleTag, &[STEP, STEP, 0.0][..]).unwrap();
-    tags.write_tag(Tag::ModelTiepointTag, &tie[..]).unwrap();
-    let raster = if is_point { 2 } else { 1 };
-    let keys = [1, 1, 0, 3, 1024, 0, 1, 2, 1025, 0, 1, raster, 2048, 0, 1, 4326u16];
-    tags.write_tag(Tag::GeoKeyDirectoryTag, &keys[..]).unwrap();
-    let heights: Vec<_> = grid.heights().into_iter().map(|height| height as f32).collect();
-    image.write_data(&heights).unwrap();
-    file.into_inner()
 }
 
 /// Measured at 2 degrees: mean 8e-8 from a pole to 4.2e-5, largest 4.7e-3, beside a source inside a cell.
@@ -177,61 +155,6 @@ fn the_order_of_rows_and_columns_changes_nothing() {
         }
         println!("{name}: differs by {largest:.1e}");
         assert!(largest < 1e-9, "{name}: {largest:e}");
-    }
-}
-
-#[test]
-fn a_geotiff_in_degrees_says_where_it_lies() {
-    let bench = Workbench::new();
-    let (cells, lines) = (
-        Grid::new([1.0, 180.0], [89.0, 90.0, -STEP]),
-        Grid::new([0.0, 181.0], [90.0, 91.0, -STEP]),
-    );
-    let files = [
-        (
-            "area.tif",
-            &cells,
-            geotiff(&cells, [0.0, 90.0], false),
-            "0,-90,360,90 --registration pixel",
-        ),
-        (
-            "point.tif",
-            &cells,
-            geotiff(&cells, [1.0, 89.0], true),
-            "0,-90,360,90 --registration pixel",
-        ),
-        (
-            "lines.tif",
-            &lines,
-            geotiff(&lines, [0.0, 90.0], true),
-            "0,-90,360,90 --registration gridline",
-        ),
-    ];
-    for (name, grid, bytes, extent) in files {
-        let file = bench.input(name, bytes);
-        let refused = bench.run(["distance", &file, "-s", "3,4", "-o", "map.tif"]);
-        bench.refuses(&refused, &[name, "degrees", "--geodetic", "--spacing"]);
-        let output =
-            done(&bench, &format!("distance {file} --geodetic --source-lonlat -20,64 -o map.tif"));
-        let said = notes(&output);
-        assert!(
-            said.contains("ellipsoid") && said.contains("60,000th") && said.contains("double"),
-            "{said}"
-        );
-        assert_eq!(said.lines().count(), 1, "{said}");
-        // Single precision of the file's heights changes distances by less than a millimetre.
-        let array = grid.file(&bench, "same.npy", true);
-        let line = format!("distance {array} --geodetic --extent {extent} --source-lonlat -20,64");
-        done(&bench, &format!("{line} -o same.npy"));
-        let found = map(&bench.output("map.tif"));
-        for (found, expected) in found.iter().zip(map(&bench.output("same.npy"))) {
-            assert!((found - expected).abs() < 1e-2, "{name}: {found} {expected}");
-        }
-        let [given, written] = [file.as_ref(), bench.output("map.tif").as_path()]
-            .map(|path: &std::path::Path| SurfaceFile::read(path).unwrap().georeference().unwrap());
-        assert_eq!(given, written, "{name}");
-        std::fs::remove_file(bench.output("map.tif")).unwrap();
-        std::fs::remove_file(bench.output("same.npy")).unwrap();
     }
 }
 
@@ -406,58 +329,6 @@ fn devices_map_the_earth_in_single_precision() {
 }
 
 #[test]
-fn what_is_no_place_on_the_earth_is_refused() {
-    let bench = Workbench::new();
-    let flat = bench.flat(20, 30);
-    let tube = bench.tube();
-    let whole = "--geodetic --extent -180,-90,180,90 --registration pixel";
-    let part = "--geodetic --extent 170,-20,-170,20 --registration gridline";
-    let header = "ncols 30\nnrows 20\nxllcorner 500000\nyllcorner 4000000\ncellsize 30\n";
-    let far = bench.input("far.asc", format!("{header}{}", "0 ".repeat(600)));
-    let projected = geotiff_of_a_map(&bench);
-    for (surface, words, said) in [
-        (&flat, format!("{whole} --source-lonlat 13,90.5"), "latitudes lie between -90 and 90"),
-        (&flat, format!("{whole} --source-lonlat 361,0"), "longitudes lie between -360 and 360"),
-        (&flat, format!("{whole} --source-lonlat 13"), "LON,LAT[,T0]"),
-        (&flat, format!("{part} --source-lonlat 13,9"), "x 13, y 9 lies outside the grid"),
-        (
-            &flat,
-            format!("{part} -s 20,3"),
-            "source 20,3 lies outside the grid: rows run from 0 to 19",
-        ),
-        (&flat, format!("{part} -s 3,3 --target 3,30"), "target 3,30 lies outside the grid"),
-        (&flat, "--source-lonlat 13,9".into(), "--geodetic"),
-        (&flat, "--geodetic -s 3,3".into(), "--extent WEST,SOUTH,EAST,NORTH"),
-        (&flat, "--geodetic --extent 0,0,9,9 -s 3,3".into(), "--registration"),
-        (&flat, "--extent 0,0,9,9 --registration pixel -s 3,3".into(), "--geodetic"),
-        (&flat, "--geodetic --registration pixel -s 3,3".into(), "--extent"),
-        (&flat, whole.replace("-90,180,90", "90,180,-90") + " -s 3,3", "--south-up"),
-        (&flat, whole.replace("180,90", "180,95") + " -s 3,3", "latitude 95"),
-        (&flat, whole.replace("-180,-90", "-380,-90") + " -s 3,3", "longitude -380"),
-        (&flat, whole.replace("-180,-90", "-181,-90") + " -s 3,3", "at most 360 degrees"),
-        (&flat, whole.replace("-180,-90", "180,-90") + " -s 3,3", "more than 0"),
-        (&flat, format!("{whole} -s 3,3 --spacing 30"), "--spacing"),
-        (&flat, format!("{whole} -s 3,3 --glue globe"), "--glue"),
-        (&flat, format!("{whole} -s 3,3 --metric {flat}"), "--metric"),
-        (
-            &flat,
-            format!("{whole} -s 3,3 --back-direction b.npy"),
-            "--back-direction: the surface has lines that the grid lacks",
-        ),
-        (&flat, format!("{part} --south-up -s 3,3 --back-link b.npy"), "rows from north to south"),
-        (&flat, format!("{whole} -s 3,3 --precision double --engine vulkan"), "double"),
-        (&tube, format!("{whole} -s 3,3"), "holds positions, not heights"),
-        (&far, "--geodetic -s 3,3".into(), "column 0 lies at longitude 500015"),
-        (&far, format!("{whole} -s 3,3"), "leave --extent out"),
-        (&projected, "--geodetic -s 3,3".into(), "EPSG:32616"),
-        (&"builtin:sphere:9x9".into(), "--geodetic -s 3,3".into(), "built-in"),
-    ] {
-        let output = run(&bench, &format!("distance {surface} {words} -o map.npy"));
-        bench.refuses(&output, &[said]);
-    }
-}
-
-#[test]
 fn what_the_commands_cannot_do_on_the_earth_is_refused() {
     let bench = Workbench::new();
     let flat = bench.flat(20, 30);
@@ -469,81 +340,6 @@ fn what_the_commands_cannot_do_on_the_earth_is_refused() {
 }
 
 /// The regions, their areas and the pairs of a grid of cells, which lacks the poles and a column.
-#[test]
-fn regions_and_pairs_are_those_of_the_cells_of_the_file() {
-    let bench = Workbench::new();
-    let cells = Grid::new([-175.0, 36.0], [85.0, 18.0, -10.0]);
-    let file = cells.file(&bench, "cells.npy", false);
-    let sources = "--source-lonlat -175,5 --source-lonlat 5,5";
-    let line = format!("voronoi {file} {GLOBE} pixel {sources} -o regions.npy --json");
-    let said = json(&done(&bench, &line));
-    let regions = map(&bench.output("regions.npy"));
-    let count = |region: f64| regions.iter().filter(|&&found| found == region).count() as u64;
-    for (region, place) in [(0, [-155.0, 25.0]), (1, [15.0, 85.0]), (0, [175.0, -75.0])] {
-        let index = cells.places().position(|other| other == place).unwrap();
-        assert_eq!(regions[index], f64::from(region), "{place:?}");
-        assert_eq!(said["regions"][region as usize]["points"], count(f64::from(region)));
-    }
-    let areas = [0, 1].map(|region| said["regions"][region]["area"].as_f64().unwrap());
-    assert!((areas[0] - areas[1]).abs() < 1e-2 * areas[0], "{areas:?}");
-    assert!((areas[0] + areas[1] - 5.10066e14).abs() < 5e12, "{areas:?}");
-    done(&bench, &format!("sample {file} {GLOBE} pixel -k 5 --labels labels.npy --picture s.png"));
-    assert_eq!(map(&bench.output("labels.npy")).len(), 18 * 36);
-
-    let all = format!("pairwise {file} {GLOBE} pixel --wavefront curved");
-    let said = json(&done(&bench, &format!("{all} -o d.npy --sources 323..326 --json")));
-    assert_eq!([&said["matrix_rows"], &said["matrix_cols"], &said["points"]], [3, 648, 648]);
-    let rows = map(&bench.output("d.npy"));
-    let row = format!("distance {file} {GLOBE} pixel --precision single -s 8,36 -o row.npy");
-    let outside = run(&bench, &row);
-    assert!(outside.status.success(), "the column that is added is a place: {}", stderr(&outside));
-    done(&bench, &row.replace("8,36", "8,35").replace("row.npy", "other.npy"));
-    let row = map(&bench.output("other.npy"));
-    assert_eq!(rows.len(), 3 * 648);
-    for (found, exact) in rows[..648].iter().zip(&row) {
-        assert!((found - exact).abs() < 1e-3 * exact.max(1e6), "{found} {exact}");
-    }
-    let line = format!("{all} -o near.npz --format csr --radius 1.5e6 --sources 323..324 --json");
-    let said = json(&done(&bench, &line));
-    let near = row.iter().filter(|&&distance| distance <= 1.5e6).count() as u64;
-    assert_eq!((&said["stored"], &said["matrix_cols"]), (&near.into(), &648.into()));
-}
-
-#[test]
-fn regions_and_directions_pass_the_date_line() {
-    let bench = Workbench::new();
-    let lines = bench.flat(37, 73);
-    for west in [-180.0, -0.7] {
-        let earth =
-            format!("--geodetic --extent={west},-90,{},90 --registration gridline", west + 360.0);
-        // Sources at opposite places of the equator.
-        let [near, far] = [west + 355.0, west + 175.0];
-        let sources = format!("--source-lonlat {near},0 --source-lonlat {far},0");
-        let line = format!("voronoi {lines} {earth} {sources} -o regions.npy --json");
-        let said = json(&done(&bench, &line));
-        let area = |region: usize| said["regions"][region]["area"].as_f64().unwrap();
-        // The ellipsoid has 5.10066e14 square metres.
-        assert!((area(0) - area(1)).abs() < 1e-3 * area(0), "{} {}", area(0), area(1));
-        assert!((area(0) + area(1) - 5.10066e14).abs() < 5e12, "{}", area(0) + area(1));
-        let line = format!("distance {lines} {earth} {sources} --back-direction way.npy");
-        done(&bench, &format!("{line} --nearest nearest.npy --log-map log.npy"));
-        let [regions, nearest, way] =
-            ["regions.npy", "nearest.npy", "way.npy"].map(|name| map(&bench.output(name)));
-        for col in [0, 1, 8, 64, 71, 72] {
-            assert_eq!([regions[18 * 73 + col], nearest[18 * 73 + col]], [0.0; 2], "{west} {col}");
-            let wanted = if (36..71).contains(&col) { 90.0 } else { 270.0 };
-            assert!(
-                col == 71 || (way[18 * 73 + col] - wanted).abs() < 1.0,
-                "{west} {col}: {}",
-                way[18 * 73 + col]
-            );
-        }
-        done(&bench, &format!("sample {lines} {earth} -k 5 --labels labels.npy --picture s.png"));
-        let labels = map(&bench.output("labels.npy"));
-        assert!((0..5).all(|label| labels.contains(&f64::from(label))));
-        assert!((0..37).all(|row| labels[row * 73] == labels[row * 73 + 72]), "{labels:?}");
-    }
-}
 
 #[test]
 fn maps_of_the_whole_earth_are_profiled() {
@@ -553,73 +349,4 @@ fn maps_of_the_whole_earth_are_profiled() {
     let said = json(&done(&bench, &line));
     assert_eq!([&said["rows"], &said["cols"]], [20, 37]);
     assert_eq!(said["converged"], true);
-}
-
-/// Writes a GeoTIFF in metres on a map.
-fn geotiff_of_a_map(bench: &Workbench) -> String {
-    let grid = Grid::new([0.0, 30.0], [20.0, 20.0, -1.0]);
-    let keys = [1024, 0, 1, 1, 1025, 0, 1, 1, 3072, 0, 1, 32616];
-    bench.input("map.tif", with_keys(geotiff(&grid, [5e5, 4e6], false), keys))
-}
-
-/// Replaces the three keys of a GeoTIFF in degrees whose pixels are areas.
-pub fn with_keys(mut bytes: Vec<u8>, keys: [u16; 12]) -> Vec<u8> {
-    let words = |keys: [u16; 12]| keys.map(u16::to_le_bytes).concat();
-    let degrees = words([1024, 0, 1, 2, 1025, 0, 1, 1, 2048, 0, 1, 4326]);
-    let at = bytes.windows(degrees.len()).position(|window| window == degrees).unwrap();
-    bytes[at..at + degrees.len()].copy_from_slice(&words(keys));
-    bytes
-}
-
-#[test]
-fn heights_in_feet_become_metres() {
-    let bench = Workbench::new();
-    let cells = Grid::new([1.0, 180.0], [89.0, 90.0, -STEP]);
-    let keys = [1024, 0, 1, 2, 2048, 0, 1, 4326, 4099, 0, 1, 9002];
-    let feet = bench.input("feet.tif", with_keys(geotiff(&cells, [0.0, 90.0], false), keys));
-    let heights: Vec<_> = cells.heights().iter().map(|height| 0.3048 * height).collect();
-    let metres = bench.array("metres.npy", &cells.shape(), &heights);
-    let extent = "--extent 0,-90,360,90 --registration pixel";
-    for (surface, words, name) in [(feet, "", "feet.npy"), (metres, extent, "metres.npy")] {
-        let line = format!("distance {surface} --geodetic {words} --source-lonlat 9,1 -o {name}");
-        done(&bench, &line);
-    }
-    let [feet, metres] = ["feet.npy", "metres.npy"].map(|name| map(&bench.output(name)));
-    assert!(feet.iter().zip(&metres).all(|(feet, metres)| (feet - metres).abs() < 1e-2));
-}
-
-#[test]
-fn an_ascii_grid_in_degrees_is_a_part_of_the_earth() {
-    let bench = Workbench::new();
-    let header = "ncols 40\nnrows 30\nxllcorner 170\nyllcorner 50\ncellsize 0.5\n";
-    let asc = bench.input("part.asc", format!("{header}{}", "0 ".repeat(1200)));
-    bench.refuses(&bench.distance(&asc, "-s 3,3 -o map.npy"), &["degrees", "--geodetic"]);
-    let line = format!("distance {asc} --geodetic --source-lonlat -178.75,60.25 -o map.npy");
-    let said = notes(&done(&bench, &line));
-    assert!(said.contains("part.asc: names no coordinate system; it is taken as WGS 84"), "{said}");
-    let grid = Grid {
-        longitudes: (0..40).map(|col| 170.25 + 0.5 * f64::from(col)).collect(),
-        latitudes: (0..30).map(|row| 64.75 - 0.5 * f64::from(row)).collect(),
-    };
-    let [mean, largest] = grid.errors([181.25, 60.25], &map(&bench.output("map.npy")));
-    println!("a part by cells of half a degree: mean {mean:.1e}, largest {largest:.1e}");
-    assert!(mean < 5e-6 && largest < 2e-5, "{mean:e} {largest:e}");
-}
-
-/// Lines at the poles and on both sides of the seam need no more lines, so that matrices and samples have a place.
-#[test]
-fn grids_with_all_lines_have_matrices() {
-    let bench = Workbench::new();
-    let lines = bench.flat(13, 25);
-    let earth = "--geodetic --extent 0,-90,360,90 --registration gridline";
-    done(&bench, &format!("pairwise {lines} {earth} --sources 156..157 -o rows.npy"));
-    let row = map(&bench.output("rows.npy"));
-    // From the equator at 90 degrees east to both poles, by a quarter of a meridian, and to the same place at 0 and
-    // 360 degrees, by a quarter of the equator.
-    let quarter = 10_001_966.0;
-    for (point, exact) in [(0, quarter), (324, quarter), (150, 10_018_754.0), (174, 10_018_754.0)] {
-        assert!((row[point] - exact).abs() < 2e-3 * exact, "{point}: {}", row[point]);
-    }
-    let said = json(&done(&bench, &format!("sample {lines} {earth} -k 2 -o s.geojson --json")));
-    assert_eq!(said["samples"][0]["row"], 6.0);
 }

@@ -1,10 +1,8 @@
-//! Ridges, one-sided offsets, estimated errors and matrices of grids that go round the Earth.
+//! Outputs of grids that go round the Earth: regions, ridges, one-sided offsets, estimated errors and matrices.
 
+use crate::geodetic::{GLOBE, Grid};
 use crate::vincenty::vincenty;
-use crate::workbench::{Workbench, done, json, map};
-
-/// Grids of cells lack the poles and a column at the seam, which the surface has in addition.
-const CELLS: &str = "--geodetic --extent -180,-90,180,90 --registration pixel";
+use crate::workbench::{Workbench, done, json, map, run, stderr};
 
 /// Returns the rows of a matrix in a .npy file.
 fn matrix(bench: &Workbench, name: &str, cols: usize) -> Vec<Vec<f64>> {
@@ -18,7 +16,8 @@ fn matrix(bench: &Workbench, name: &str, cols: usize) -> Vec<Vec<f64>> {
 fn estimates_of_errors_go_round_the_earth() {
     let bench = Workbench::new();
     let cells = bench.array("cells.npy", &[60, 120], &vec![0.0; 60 * 120]);
-    let line = format!("distance {cells} {CELLS} -s 20,3 -o map.npy --error error.npy --json");
+    let line =
+        format!("distance {cells} {GLOBE} pixel -s 20,3 -o map.npy --error error.npy --json");
     let said = json(&done(&bench, &line));
     let mean = said["mean_relative_error"].as_f64().unwrap();
     let [distances, errors] = ["map.npy", "error.npy"].map(|name| map(&bench.output(name)));
@@ -49,7 +48,7 @@ fn ridges_and_offsets_go_round_the_earth() {
     let cells = bench.array("cells.npy", &[60, 120], &vec![0.0; 60 * 120]);
     // The bisector of two places on one parallel is a meridian and its opposite, over both poles.
     let sources = "--source-lonlat 160,20 --source-lonlat -160,20";
-    let line = format!("ridges {cells} {CELLS} {sources} --json -o ridges.geojson");
+    let line = format!("ridges {cells} {GLOBE} pixel {sources} --json -o ridges.geojson");
     let said = json(&done(&bench, &line));
     let length: f64 = said["ridges"]
         .as_array()
@@ -63,7 +62,8 @@ fn ridges_and_offsets_go_round_the_earth() {
     // the surface has again after its last one.
     let curve = r#"{"type":"LineString","coordinates":[[170,0],[-178.5,0],[-170,0]]}"#;
     let curve = bench.input("curve.geojson", curve);
-    let line = format!("offset {cells} {CELLS} --source-curve {curve} --distances 1e6 --side left");
+    let line =
+        format!("offset {cells} {GLOBE} pixel --source-curve {curve} --distances 1e6 --side left");
     let said = json(&done(&bench, &format!("{line} --json -o left.geojson")));
     let length = said["levels"][0]["length"].as_f64().unwrap();
     // The equator is 40,075 km long. The offset lies 9 degrees north of it, and ends in two quarters of a circle.
@@ -75,10 +75,10 @@ fn ridges_and_offsets_go_round_the_earth() {
 fn matrices_leave_added_lines_out() {
     let bench = Workbench::new();
     let cells = bench.array("cells.npy", &[18, 36], &vec![0.0; 18 * 36]);
-    done(&bench, &format!("distance {cells} {CELLS} -s 5,35 -o map.npy"));
+    done(&bench, &format!("distance {cells} {GLOBE} pixel -s 5,35 -o map.npy"));
     let source = 5 * 36 + 35;
     let range = format!("{source}..{}", source + 2);
-    let words = format!("pairwise {cells} {CELLS} --sources {range} --json -o rows.npy");
+    let words = format!("pairwise {cells} {GLOBE} pixel --sources {range} --json -o rows.npy");
     let said = json(&done(&bench, &words));
     assert_eq!([&said["matrix_cols"], &said["points"]], [18 * 36, 18 * 36]);
     let rows = matrix(&bench, "rows.npy", 18 * 36);
@@ -87,6 +87,100 @@ fn matrices_leave_added_lines_out() {
         assert!((found - exact).abs() < 1e-4 * exact + 1.0, "{found} {exact}");
     }
     assert!((rows[0][source + 1] - rows[1][source]).abs() < 1e-3 * rows[1][source]);
-    let said = json(&done(&bench, &format!("canonical {cells} {CELLS} --json -o form.npy")));
+    let said = json(&done(&bench, &format!("canonical {cells} {GLOBE} pixel --json -o form.npy")));
     assert_eq!([&said["rows"], &said["cols"]], [18, 36]);
+}
+
+#[test]
+fn regions_and_pairs_are_those_of_the_cells_of_the_file() {
+    let bench = Workbench::new();
+    let cells = Grid::new([-175.0, 36.0], [85.0, 18.0, -10.0]);
+    let file = cells.file(&bench, "cells.npy", false);
+    let sources = "--source-lonlat -175,5 --source-lonlat 5,5";
+    let line = format!("voronoi {file} {GLOBE} pixel {sources} -o regions.npy --json");
+    let said = json(&done(&bench, &line));
+    let regions = map(&bench.output("regions.npy"));
+    let count = |region: f64| regions.iter().filter(|&&found| found == region).count() as u64;
+    for (region, place) in [(0, [-155.0, 25.0]), (1, [15.0, 85.0]), (0, [175.0, -75.0])] {
+        let index = cells.places().position(|other| other == place).unwrap();
+        assert_eq!(regions[index], f64::from(region), "{place:?}");
+        assert_eq!(said["regions"][region as usize]["points"], count(f64::from(region)));
+    }
+    let areas = [0, 1].map(|region| said["regions"][region]["area"].as_f64().unwrap());
+    assert!((areas[0] - areas[1]).abs() < 1e-2 * areas[0], "{areas:?}");
+    assert!((areas[0] + areas[1] - 5.10066e14).abs() < 5e12, "{areas:?}");
+    done(&bench, &format!("sample {file} {GLOBE} pixel -k 5 --labels labels.npy --picture s.png"));
+    assert_eq!(map(&bench.output("labels.npy")).len(), 18 * 36);
+
+    let all = format!("pairwise {file} {GLOBE} pixel --wavefront curved");
+    let said = json(&done(&bench, &format!("{all} -o d.npy --sources 323..326 --json")));
+    assert_eq!([&said["matrix_rows"], &said["matrix_cols"], &said["points"]], [3, 648, 648]);
+    let rows = map(&bench.output("d.npy"));
+    let row = format!("distance {file} {GLOBE} pixel --precision single -s 8,36 -o row.npy");
+    let outside = run(&bench, &row);
+    assert!(outside.status.success(), "the column that is added is a place: {}", stderr(&outside));
+    done(&bench, &row.replace("8,36", "8,35").replace("row.npy", "other.npy"));
+    let row = map(&bench.output("other.npy"));
+    assert_eq!(rows.len(), 3 * 648);
+    for (found, exact) in rows[..648].iter().zip(&row) {
+        assert!((found - exact).abs() < 1e-3 * exact.max(1e6), "{found} {exact}");
+    }
+    let line = format!("{all} -o near.npz --format csr --radius 1.5e6 --sources 323..324 --json");
+    let said = json(&done(&bench, &line));
+    let near = row.iter().filter(|&&distance| distance <= 1.5e6).count() as u64;
+    assert_eq!((&said["stored"], &said["matrix_cols"]), (&near.into(), &648.into()));
+}
+
+#[test]
+fn regions_and_directions_pass_the_date_line() {
+    let bench = Workbench::new();
+    let lines = bench.flat(37, 73);
+    for west in [-180.0, -0.7] {
+        let earth =
+            format!("--geodetic --extent={west},-90,{},90 --registration gridline", west + 360.0);
+        // Sources at opposite places of the equator.
+        let [near, far] = [west + 355.0, west + 175.0];
+        let sources = format!("--source-lonlat {near},0 --source-lonlat {far},0");
+        let line = format!("voronoi {lines} {earth} {sources} -o regions.npy --json");
+        let said = json(&done(&bench, &line));
+        let area = |region: usize| said["regions"][region]["area"].as_f64().unwrap();
+        // The ellipsoid has 5.10066e14 square metres.
+        assert!((area(0) - area(1)).abs() < 1e-3 * area(0), "{} {}", area(0), area(1));
+        assert!((area(0) + area(1) - 5.10066e14).abs() < 5e12, "{}", area(0) + area(1));
+        let line = format!("distance {lines} {earth} {sources} --back-direction way.npy");
+        done(&bench, &format!("{line} --nearest nearest.npy --log-map log.npy"));
+        let [regions, nearest, way] =
+            ["regions.npy", "nearest.npy", "way.npy"].map(|name| map(&bench.output(name)));
+        for col in [0, 1, 8, 64, 71, 72] {
+            assert_eq!([regions[18 * 73 + col], nearest[18 * 73 + col]], [0.0; 2], "{west} {col}");
+            let wanted = if (36..71).contains(&col) { 90.0 } else { 270.0 };
+            assert!(
+                col == 71 || (way[18 * 73 + col] - wanted).abs() < 1.0,
+                "{west} {col}: {}",
+                way[18 * 73 + col]
+            );
+        }
+        done(&bench, &format!("sample {lines} {earth} -k 5 --labels labels.npy --picture s.png"));
+        let labels = map(&bench.output("labels.npy"));
+        assert!((0..5).all(|label| labels.contains(&f64::from(label))));
+        assert!((0..37).all(|row| labels[row * 73] == labels[row * 73 + 72]), "{labels:?}");
+    }
+}
+
+/// Lines at the poles and on both sides of the seam need no more lines, so that matrices and samples have a place.
+#[test]
+fn grids_with_all_lines_have_matrices() {
+    let bench = Workbench::new();
+    let lines = bench.flat(13, 25);
+    let earth = "--geodetic --extent 0,-90,360,90 --registration gridline";
+    done(&bench, &format!("pairwise {lines} {earth} --sources 156..157 -o rows.npy"));
+    let row = map(&bench.output("rows.npy"));
+    // From the equator at 90 degrees east to both poles, by a quarter of a meridian, and to the same place at 0 and
+    // 360 degrees, by a quarter of the equator.
+    let quarter = 10_001_966.0;
+    for (point, exact) in [(0, quarter), (324, quarter), (150, 10_018_754.0), (174, 10_018_754.0)] {
+        assert!((row[point] - exact).abs() < 2e-3 * exact, "{point}: {}", row[point]);
+    }
+    let said = json(&done(&bench, &format!("sample {lines} {earth} -k 2 -o s.geojson --json")));
+    assert_eq!(said["samples"][0]["row"], 6.0);
 }

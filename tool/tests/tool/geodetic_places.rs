@@ -2,7 +2,8 @@
 
 use geosweep::io::{CoordinateSystem, SurfaceFile};
 
-use crate::geodetic::{Grid, assert_divided, geotiff, parts, with_keys};
+use crate::geodetic::{Grid, assert_divided, parts};
+use crate::geodetic_files::{geotiff, geotiff_of_a_map, with_keys};
 use crate::vincenty::vincenty;
 use crate::workbench::{Workbench, done, json, map, notes, run, stderr, text};
 
@@ -310,5 +311,57 @@ fn extents_without_a_span_are_refused() {
         let line = format!("distance {cells} --geodetic --extent={extent} --registration pixel");
         let output = run(&bench, &format!("{line} -s 3,3 -o map.npy"));
         bench.refuses(&output, &["--extent", "more than 0 degrees"]);
+    }
+}
+
+#[test]
+fn what_is_no_place_on_the_earth_is_refused() {
+    let bench = Workbench::new();
+    let flat = bench.flat(20, 30);
+    let tube = bench.tube();
+    let whole = "--geodetic --extent -180,-90,180,90 --registration pixel";
+    let part = "--geodetic --extent 170,-20,-170,20 --registration gridline";
+    let header = "ncols 30\nnrows 20\nxllcorner 500000\nyllcorner 4000000\ncellsize 30\n";
+    let far = bench.input("far.asc", format!("{header}{}", "0 ".repeat(600)));
+    let projected = geotiff_of_a_map(&bench);
+    for (surface, words, said) in [
+        (&flat, format!("{whole} --source-lonlat 13,90.5"), "latitudes lie between -90 and 90"),
+        (&flat, format!("{whole} --source-lonlat 361,0"), "longitudes lie between -360 and 360"),
+        (&flat, format!("{whole} --source-lonlat 13"), "LON,LAT[,T0]"),
+        (&flat, format!("{part} --source-lonlat 13,9"), "x 13, y 9 lies outside the grid"),
+        (
+            &flat,
+            format!("{part} -s 20,3"),
+            "source 20,3 lies outside the grid: rows run from 0 to 19",
+        ),
+        (&flat, format!("{part} -s 3,3 --target 3,30"), "target 3,30 lies outside the grid"),
+        (&flat, "--source-lonlat 13,9".into(), "--geodetic"),
+        (&flat, "--geodetic -s 3,3".into(), "--extent WEST,SOUTH,EAST,NORTH"),
+        (&flat, "--geodetic --extent 0,0,9,9 -s 3,3".into(), "--registration"),
+        (&flat, "--extent 0,0,9,9 --registration pixel -s 3,3".into(), "--geodetic"),
+        (&flat, "--geodetic --registration pixel -s 3,3".into(), "--extent"),
+        (&flat, whole.replace("-90,180,90", "90,180,-90") + " -s 3,3", "--south-up"),
+        (&flat, whole.replace("180,90", "180,95") + " -s 3,3", "latitude 95"),
+        (&flat, whole.replace("-180,-90", "-380,-90") + " -s 3,3", "longitude -380"),
+        (&flat, whole.replace("-180,-90", "-181,-90") + " -s 3,3", "at most 360 degrees"),
+        (&flat, whole.replace("-180,-90", "180,-90") + " -s 3,3", "more than 0"),
+        (&flat, format!("{whole} -s 3,3 --spacing 30"), "--spacing"),
+        (&flat, format!("{whole} -s 3,3 --glue globe"), "--glue"),
+        (&flat, format!("{whole} -s 3,3 --metric {flat}"), "--metric"),
+        (
+            &flat,
+            format!("{whole} -s 3,3 --back-direction b.npy"),
+            "--back-direction: the surface has lines that the grid lacks",
+        ),
+        (&flat, format!("{part} --south-up -s 3,3 --back-link b.npy"), "rows from north to south"),
+        (&flat, format!("{whole} -s 3,3 --precision double --engine vulkan"), "double"),
+        (&tube, format!("{whole} -s 3,3"), "holds positions, not heights"),
+        (&far, "--geodetic -s 3,3".into(), "column 0 lies at longitude 500015"),
+        (&far, format!("{whole} -s 3,3"), "leave --extent out"),
+        (&projected, "--geodetic -s 3,3".into(), "EPSG:32616"),
+        (&"builtin:sphere:9x9".into(), "--geodetic -s 3,3".into(), "built-in"),
+    ] {
+        let output = run(&bench, &format!("distance {surface} {words} -o map.npy"));
+        bench.refuses(&output, &[said]);
     }
 }

@@ -14,6 +14,7 @@ mod estimate;
 mod figures;
 mod formats;
 mod geodetic;
+mod geodetic_files;
 mod geodetic_lines;
 mod geodetic_places;
 mod limits;
