@@ -152,6 +152,7 @@ impl SolverGrid<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::builtin::Closed;
     use crate::surface::{Direction, Gluing, Spacing};
 
     /// Returns a surface whose columns have the heights 0 and `step` in turn. The last column repeats the first.
@@ -178,6 +179,9 @@ mod tests {
                 )
                 .unwrap()
         };
+        for closed in Closed::ALL {
+            assert!(!is_wider(closed.surface(61, 61).unwrap()), "{}", closed.name());
+        }
         assert!(!is_wider(corrugated(0.0).with_gluing(Gluing::columns()).unwrap()));
         assert!(!is_wider(sheared(None, 1)));
         assert!(is_wider(sheared(Some(Gluing::columns()), 1)));
