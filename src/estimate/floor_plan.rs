@@ -1,11 +1,11 @@
 //! Estimates the error of a map over a floor plan, from the map of a grid twice as fine.
 //!
 //! Fronts with anchors are exact except for rounding, and except for corners that light less than a cell for
-//! long, as many do among single missing points. On a coarser grid outlines would change, and it would not show such
-//! corners about such corners. On a finer grid outlines stay the same, and the region that such a corner lights is
-//! twice as many points wide.
+//! long, as many do among single missing points. On a coarser grid outlines would change, and such corners would not
+//! show. On a finer grid outlines stay the same, and the region that such a corner lights is twice as many points
+//! wide.
 
-use super::ErrorEstimate;
+use super::error_estimate::ErrorEstimate;
 use crate::Options;
 use crate::solve::{Precision, in_precision};
 use crate::surface::{Source, Sources, Surface};

@@ -4,7 +4,8 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 use glam::{DVec2, DVec3};
 
-use super::{developable, sphere, torus, unit_square};
+use super::unit_square::unit_square;
+use super::{developable, sphere, torus};
 use crate::surface::{Gluing, Surface, SurfaceError};
 
 /// A built-in surface that closes, glued where its sides coincide. Rows and columns include both sides of each seam.

@@ -14,6 +14,7 @@ mod peaks;
 mod shooting;
 mod sphere;
 mod torus;
+mod unit_square;
 
 use glam::{DVec2, DVec3};
 
@@ -24,6 +25,7 @@ pub(crate) use flat_paths::FlatPaths;
 #[cfg(test)]
 pub(crate) use flat_paths::FloorPlan;
 use jet::{Jet, Smooth};
+use unit_square::unit_square;
 
 /// A surface known by name, which can be sampled at any size. [`Closed`] has those without a border.
 ///
@@ -252,12 +254,6 @@ impl std::str::FromStr for Builtin {
     fn from_str(text: &str) -> Result<Self, String> {
         Self::parse(text)
     }
-}
-
-/// Converts a fractional row and column to (u, v).
-fn unit_square(rows: usize, cols: usize, [row, col]: [f64; 2]) -> DVec2 {
-    let fraction = |x: f64, points: usize| if points > 1 { x / (points - 1) as f64 } else { 0.0 };
-    DVec2::new(fraction(col, cols), fraction(row, rows))
 }
 
 #[cfg(test)]

@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use super::jet::{Jet, Smooth};
-use super::{shooting, unit_square};
+use super::shooting;
+use super::unit_square::unit_square;
 
 /// Radius of the tube; its centre line has radius 1.
 const TUBE: f64 = 0.4;

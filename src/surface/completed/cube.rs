@@ -2,9 +2,9 @@
 
 use super::super::gluing::Groups;
 use super::super::{Chart, Direction, Gluing, GluingError, GridSide, Run, Surface, SurfaceError};
-use super::CompletedGrid;
 use super::added::Added;
 use super::axis::Axis;
+use super::grid::CompletedGrid;
 use super::layout::mean;
 
 /// The ways in which six faces lie in a grid, by rows and columns of faces.
@@ -41,19 +41,17 @@ struct Edge {
     reversed: bool,
 }
 
-impl CompletedGrid {
-    /// Completes the grid of the faces of a cube.
-    pub(super) fn of_cube(surface: &Surface) -> Result<Self, SurfaceError> {
-        if !surface.geometry().is_in_space() {
-            return Err(GluingError::NoPositions { what: "a cube" }.into());
-        }
-        let faces = Faces::of(surface)?;
-        let edges = faces.edges(surface)?;
-        let added = edges.iter().flat_map(|edge| faces.between(edge)).chain(faces.corners(&edges));
-        let runs = edges.iter().map(|edge| faces.runs(edge)).collect();
-        let added = added.collect();
-        Ok(Self { rows: faces.rows, cols: faces.cols, added, gluing: Gluing::Runs(runs) })
+/// Completes the grid of the faces of a cube.
+pub(super) fn completed(surface: &Surface) -> Result<CompletedGrid, SurfaceError> {
+    if !surface.geometry().is_in_space() {
+        return Err(GluingError::NoPositions { what: "a cube" }.into());
     }
+    let faces = Faces::of(surface)?;
+    let edges = faces.edges(surface)?;
+    let added = edges.iter().flat_map(|edge| faces.between(edge)).chain(faces.corners(&edges));
+    let runs = edges.iter().map(|edge| faces.runs(edge)).collect();
+    let added = added.collect();
+    Ok(CompletedGrid { rows: faces.rows, cols: faces.cols, added, gluing: Gluing::Runs(runs) })
 }
 
 impl Faces {

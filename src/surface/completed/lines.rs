@@ -2,9 +2,9 @@
 
 use super::super::gluing::Lattice;
 use super::super::{Chart, Gluing, GluingError, GridSide, Seam};
-use super::CompletedGrid;
 use super::added::Added;
 use super::axis::Axis;
+use super::grid::CompletedGrid;
 
 /// Smallest number of given lines across a seam.
 const LEAST_LINES: usize = 4;

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use glam::DVec2;
 
-use crate::surface::builtin::unit_square;
+use crate::surface::builtin::unit_square::unit_square;
 
 /// The shortest geodesic found so far to each grid point.
 pub(super) struct Arrivals {
