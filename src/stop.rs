@@ -1,6 +1,6 @@
 //! Defines the stop criterion and the result of iterations, for all engines.
 
-/// Limits at which a solver stops. Scans stop at whichever limit comes first.
+/// Limits at which a solver stops. It stops at whichever limit comes first.
 ///
 /// ```
 /// use geosweep::Stop;

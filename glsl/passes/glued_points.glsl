@@ -1,6 +1,5 @@
-// Writes the points of a glued grid as the passes of edges read them, and adds points beyond sides where the grid goes
-// on. Include after
-// points.glsl.
+// Writes the points of a glued grid as the passes of edges read them, and adds points beyond sides where the grid
+// goes on. Include after points.glsl.
 //
 // All copies of a point take the values of the first, and are holes if any of them is.
 // Twin: Surface::agree() in src/surface/gluing/compile.rs.

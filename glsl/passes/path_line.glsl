@@ -14,7 +14,7 @@ struct Line {
     bool exists;
     int source;   // source at its end; -1 if it ends elsewhere
     Place end;
-    float time;   // time at its end, relative to the base_time from which times of a step count
+    float time;   // time at its end, less the base_time of its step
     float size;
     ivec2 cell;
 };

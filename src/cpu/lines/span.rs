@@ -117,8 +117,8 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         unreached
     }
 
-    /// Returns whether all these points and all those behind them are reached after `limit`. Their neighbours then
-    /// bring nothing that is wanted.
+    /// Returns whether all these points and all those behind them are reached after `limit`. Updates then bring
+    /// nothing that is wanted.
     #[inline(always)]
     pub(in crate::cpu) fn is_beyond(&self, points: usize, limit: f64) -> bool {
         let [before, beside, after] = self.times_behind;

@@ -81,9 +81,8 @@ impl<'a> BackDirections<'a> {
     ///
     /// # Errors
     /// If a source lies off the surface, or the number of distances or edges differs from the number of grid
-    /// points. If runs of points
-    /// ([`crate::surface::Gluing::Runs`]) are glued on a surface of heights or a metric: directions beyond such a seam
-    /// are not known.
+    /// points. Also if runs of points ([`crate::surface::Gluing::Runs`]) are
+    /// glued on a surface of heights or a metric, since directions beyond such a seam are not known.
     pub fn new(
         surface: &'a Surface,
         edges: &'a EdgeLengths<f32>,

@@ -15,8 +15,8 @@ use super::place::{Place, Stuck};
 use super::tracer::Tracer;
 use super::walk::{Head, HeadEnd};
 
-/// Returns the key of the corner that a path reaches. `zero_time` is the time from which squared times are
-/// counted.
+/// Returns the key of the corner that a path reaches. `zero_time` is the time that is subtracted before times are
+/// squared.
 fn corner((head, zero_time): (&Result<Head, Stuck>, f64)) -> Option<Key> {
     match head.as_ref().ok()?.end {
         HeadEnd::Corner(corner) => Some(Key::new(corner, zero_time)),

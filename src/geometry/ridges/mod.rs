@@ -37,7 +37,7 @@ const SHORT: f64 = 4.0;
 /// Computes the lines on which a converged map has a kink, since wavefronts meet there at an angle of at
 /// least `least_angle` degrees.
 ///
-/// They are the borders between the regions of several sources and the cut locus of each source: behind holes
+/// Ridges are the borders between the regions of several sources and the cut locus of each source: behind holes
 /// and hills, and between the parts of a curve. `edges` are the edge lengths of the surface.
 ///
 /// The criterion is as follows. The direction at a grid point is that of the ray that arrives first across
@@ -192,8 +192,8 @@ fn without_weak_ends(
 }
 
 /// Joins segments into polylines and removes short ones. These are polylines with a free end, loops, and the
-/// longer of two short polylines between the same nodes. The remaining polylines are joined. `of_segment` is the length of
-/// a segment, in cells.
+/// longer of two short polylines between the same nodes. The remaining polylines are joined. `of_segment` is the
+/// length of a segment, in cells.
 fn without_short_ways(
     mut segments: BTreeSet<[u64; 2]>,
     of_segment: impl Fn([u64; 2]) -> f64,

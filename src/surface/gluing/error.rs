@@ -89,7 +89,7 @@ pub enum GluingError {
         side: GridSide,
         /// Mean distance of its points from their mean position.
         inner: f64,
-        /// The same of the row beside it.
+        /// Mean distance of the points of the row beside it from their mean position.
         outer: f64,
     },
     /// A grid is not that of the six faces of a cube.

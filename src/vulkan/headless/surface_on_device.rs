@@ -106,7 +106,7 @@ impl SurfaceOnDevice {
         // A map is continued with the fronts with which it was started.
         let has_anchors = self.anchors.is_some() && (!goes_on || self.is_anchored);
         let wavefront = match wavefront.or_curved(Setting::of_engine(has_anchors)) {
-            // Circles have no centre where rays compute_gaussian_curvature.
+            // Circles have no centre where rays bend.
             Wavefront::Circular if self.slowed => Wavefront::Curved,
             wavefront => wavefront,
         };

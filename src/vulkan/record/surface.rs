@@ -119,7 +119,7 @@ impl Recorder<'_> {
     }
 
     /// Computes the surface's Gaussian curvature, once all edges are measured by the rule. On floor plans it
-    /// also computes where shortest paths can compute_gaussian_curvature.
+    /// also computes where shortest paths can bend.
     pub(crate) fn compute_gaussian_curvature(&self, rule: EdgeRule, is_floor: bool) {
         let inner = self.grid.texels.inner();
         let texels = inner.map(|texels| texels as i32);
