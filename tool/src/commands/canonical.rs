@@ -237,14 +237,14 @@ impl Pairs {
 
 /// Returns the grid of every k-th row and column of the whole one, and the rows and columns of its points there. `k` is
 /// the smallest step that leaves at most `most` points.
-fn every_few(whole: Chart, most: usize) -> (Chart, Vec<(usize, usize)>) {
+fn every_few(whole: Chart, most: usize) -> (Chart, Vec<[f64; 2]>) {
     let count = |points: usize, step: usize| (points - 1) / step + 1;
     let grid = |step| Chart { rows: count(whole.rows, step), cols: count(whole.cols, step) };
     let step = (1..).find(|&step| grid(step).points() <= most).expect("some step leaves one point");
     let chart = grid(step);
     let place = |index| {
         let (row, col) = chart.position(index);
-        (row * step, col * step)
+        [row, col].map(|line| (line * step) as f64)
     };
     (chart, (0..chart.points()).map(place).collect())
 }

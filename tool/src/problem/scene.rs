@@ -53,9 +53,12 @@ impl Scene {
         self.grid.as_ref().map_or(Ok(given), |grid| grid.place(given))
     }
 
-    /// Returns the row-major index, on the surface's grid, of a point of the given grid.
-    pub fn index(&self, (row, col): (usize, usize)) -> Result<usize, String> {
-        let [row, col] = self.place([row as f64, col as f64])?;
+    /// Returns the row-major index, on the surface's grid, of the point nearest to a given place.
+    ///
+    /// # Errors
+    /// As for [`Self::place`].
+    pub fn index(&self, given: [f64; 2]) -> Result<usize, String> {
+        let [row, col] = self.place(given)?;
         Ok(self.surface.chart().index(row.round() as usize, col.round() as usize))
     }
 

@@ -312,10 +312,7 @@ impl Args {
             let starts = vec![0.0; points.len()];
             return Ok((points, starts));
         };
-        let point = |(given, start): ([f64; 2], f64)| {
-            let [row, col] = scene.place(given)?;
-            Ok((surface.chart().index(row.round() as usize, col.round() as usize), start))
-        };
+        let point = |(given, start)| Ok((scene.index(given)?, start));
         let points = rows.places(&scene.frame())?.into_iter().map(point);
         let points = points.collect::<Result<Vec<_>, String>>()?;
         let (sources, starts): (Vec<_>, Vec<_>) = points.into_iter().unzip();
