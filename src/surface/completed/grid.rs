@@ -20,6 +20,9 @@ use super::axis::Axis;
 ///
 /// Added points are holes where the points beside them are.
 ///
+/// [`Seam::Neighbours`]: crate::surface::Seam::Neighbours
+/// [`Seam::Ring`]: crate::surface::Seam::Ring
+///
 /// ```
 /// use geosweep::glam::DVec3;
 /// use geosweep::surface::{CompletedGrid, Layout};
