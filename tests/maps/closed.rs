@@ -303,6 +303,43 @@ fn paths_pass_seams() {
     assert!(on_sphere("cube", &cube(31), [10, 20]) > 60);
 }
 
+/// The middle of a folded side is its own only copy. Paths cross the side there too, on the short way.
+#[test]
+fn paths_cross_a_folded_side_beside_its_middle() {
+    let sphere = octahedral(20);
+    let edges = EdgeLengths::new(&sphere).unwrap();
+    let place = |at: [f64; 2]| {
+        let curve = Curve { vertices: vec![at], closed: false };
+        curve.lift(&sphere).unwrap()[0].normalize()
+    };
+    // The first row is folded at column 20, and the first column at row 20.
+    let cases = [
+        ([0.35, 19.1], [0.35, 20.9]),
+        ([0.5, 20.75], [0.25, 19.4]),
+        ([1.0, 18.0], [1.0, 22.0]),
+        ([20.8, 0.3], [19.3, 0.4]),
+    ];
+    for (start, source) in cases {
+        let sources = Sources::point(source[0], source[1]);
+        let map = distance_map_f64(&sphere, &sources, &Options::default()).unwrap();
+        let distances: Vec<f32> = map.distances.iter().map(|&at| at as f32).collect();
+        let tracer = PathTracer::new(&sphere, &edges, &sources, &distances).unwrap();
+        let path = tracer.trace(start).unwrap();
+        let exact = place(start).dot(place(source)).acos();
+        let vertices = &path.curve.vertices;
+        let jumps = vertices.windows(2).filter(|pair| {
+            let apart = [0, 1].map(|k| (pair[0][k] - pair[1][k]).abs());
+            let lifted = place(pair[0]).distance(place(pair[1]));
+            apart[0].max(apart[1]) > 0.1 && lifted < 1e-9
+        });
+        let jumps = jumps.count();
+        println!("{start:?} to {source:?}: {} of {exact}, {jumps} crossings", path.length);
+        // Chords of cells beside a corner of the octahedron are shorter than arcs.
+        assert!((path.length / exact - 1.0).abs() < 0.05, "{start:?}: {} {exact}", path.length);
+        assert_eq!(jumps, 1, "{start:?}: {vertices:?}");
+    }
+}
+
 #[test]
 fn contours_close_over_seams() {
     type Circle = fn(f64) -> f64;

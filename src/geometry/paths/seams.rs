@@ -30,11 +30,12 @@ impl Copies {
         }
     }
 
-    /// Returns the edges between copies of the ends of an edge.
+    /// Returns the edges between copies of the ends of an edge, itself included.
     fn edges(&self, chart: Chart, [first, last]: [usize; 2]) -> impl Iterator<Item = [usize; 2]> {
         let is_edge = move |ends: &[usize; 2]| direction(chart, *ends).is_some();
-        let lasts = self.copies(last);
-        self.copies(first)
+        // The middle of a folded side is its own only copy.
+        let lasts = self.all(last);
+        self.all(first)
             .flat_map(move |first| lasts.clone().map(move |last| [first, last]))
             .filter(is_edge)
     }
