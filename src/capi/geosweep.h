@@ -551,7 +551,7 @@ typedef struct GeosweepMethod {
     uint32_t most_iterations;
     // Number of iterations in a recording, from 1 to 256. Iterations after convergence visit nothing. If
     // there are too few, `geosweep_record_resume` continues the map. With tiles, iterations are rounds, and
-    // the grid's size limits their number in a recording: 8 at 48 x 48 points, 16 at 120 x 120, 32 at 256 x
+    // the grid's size limits their number in a recording: 10 at 48 x 48 points, 20 at 120 x 120, 36 at 256 x
     // 256, and never more than 128. `geosweep_plan_iterations` returns the number in the plan.
     uint32_t iterations;
     // Anything but 0 for surfaces with a `GeosweepSurfaceInfo::gluing`: fronts pass seams after each scan, or each

@@ -335,8 +335,8 @@ impl Solver {
     /// rounds of tiles), and no more than [`Method::stop`] allows in all. [`super::Recording::resume`]
     /// continues a map in further recordings.
     ///
-    /// With tiles, a recording holds at most as many rounds as there are tiles along both sides of the grid
-    /// together, limited to between 8 and 128: 8 at 48 x 48 points, 16 at 120 x 120, 32 at 256 x 256.
+    /// With tiles, a recording holds at most four rounds more than there are tiles along both sides of the grid
+    /// together, limited to between 8 and 128: 10 at 48 x 48 points, 20 at 120 x 120, 36 at 256 x 256.
     /// [`Plan::iterations`] returns the number that it holds, and [`Plan::asked`] the number that was asked
     /// for.
     ///
