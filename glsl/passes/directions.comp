@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Computes the direction in which the way back leaves each grid point, as a unit vector in columns and rows.
-// One invocation is one point.
+// Copies of a point of a glued surface have the same direction, each in the columns and rows of its own side. One
+// invocation is one point.
 // Twin: src/geometry/directions, in double precision.
 
 #include "shared/constants.glsl"
@@ -19,6 +20,13 @@ layout(local_size_x = WORKGROUP) in;
 
 #include "passes/ways.glsl"
 #include "shared/source.glsl"
+#include "shared/seams.glsl"
+#include "shared/lattice.glsl"
+#include "passes/over_seams.glsl"
+// Columns and rows have no common plane at a pole, so that other copies' ways would be of no use.
+const bool PASSES_POLES = false;
+#include "passes/path_copies.glsl"
+#include "passes/step_over_seams.glsl"
 #include "passes/path_line.glsl"
 #include "passes/way.glsl"
 

@@ -6,49 +6,12 @@
 
 #include "shared/lattice.glsl"
 
-// The list is bound in place of an output buffer, which this pass does not need. src/vulkan/copies.rs writes it.
+// The list is bound in place of an output buffer, which this pass does not need.
 layout(set = 1, binding = 1) readonly restrict buffer CopiesByRow {
-    // The number of groups. Then for each row its first copy, and the number of copies at the end. Then for each
-    // copy its column, and for each the number of its group. Then for each group its first member, and their
-    // number at the end. Then the members of groups, by their row-major indices.
     uint copies[];
 };
 
-const int ROWS = 1;
-
-// Returns the number of copies, and where the columns of copies and the first members of groups are.
-int all_copies() {
-    return int(copies[ROWS + grid.y]);
-}
-
-int first_col() {
-    return ROWS + grid.y + 1;
-}
-
-int first_group() {
-    return first_col() + 2 * all_copies();
-}
-
-// Returns the members of a point's group: the first of them, and the one after the last. Points without copies
-// have none.
-ivec2 members_of(ivec2 at) {
-    int low = int(copies[ROWS + at.y]);
-    int end = int(copies[ROWS + at.y + 1]);
-    int high = end;
-    while (low < high) {
-        int middle = (low + high) / 2;
-        if (int(copies[first_col() + middle]) < at.x) low = middle + 1; else high = middle;
-    }
-    if (low == end || int(copies[first_col() + low]) != at.x) return ivec2(0);
-    int group = first_group() + int(copies[first_col() + all_copies() + low]);
-    return ivec2(copies[group], copies[group + 1]);
-}
-
-// Returns the point with this number among the members of groups.
-ivec2 member(int number) {
-    int members = first_group() + int(copies[0]) + 1;
-    return from_row_major(int(copies[members + number]), grid.x);
-}
+#include "shared/copies_by_row.glsl"
 
 void main() {
     ivec2 place = ivec2(gl_GlobalInvocationID.xy);

@@ -16,12 +16,10 @@ float mean_square(float a, float b) {
     return b >= FAR ? a * a : 0.5 * (a * a + b * b);
 }
 
-// Returns the metric at a grid point, in units of a length that is comparable with its edges. It has a
-// component that is not positive where no edge leads along columns or rows.
-Metric metric_of_point(ivec2 at, float unit) {
-    ivec2 point = point_at(at);
-    vec4 own = imageLoad(edges, point) / unit;
-    vec4 others = edges_to_point(point);
+// Returns the metric at a grid point from the lengths of the edges to its neighbours, in the order in which they are
+// stored at the point itself and at its neighbours.
+Metric metric_of_edges(vec4 own, vec4 others, float unit) {
+    own /= unit;
     float west = others.x / unit;
     float south = others.y / unit;
     float south_west = others.z / unit;
@@ -47,6 +45,13 @@ Metric metric_of_point(ivec2 at, float unit) {
         metric.cr = 0.5 * (metric.cc + metric.rr - rising);
     }
     return metric;
+}
+
+// Returns the metric at a grid point, in units of a length that is comparable with its edges. It has a
+// component that is not positive where no edge leads along columns or rows.
+Metric metric_of_point(ivec2 at, float unit) {
+    ivec2 point = point_at(at);
+    return metric_of_edges(imageLoad(edges, point), edges_to_point(point), unit);
 }
 
 // Returns whether a metric is positive and not too flat for single precision.

@@ -19,6 +19,13 @@ layout(local_size_x = WORKGROUP) in;
 
 #include "passes/ways.glsl"
 #include "shared/source.glsl"
+#include "shared/seams.glsl"
+#include "shared/lattice.glsl"
+#include "passes/over_seams.glsl"
+// Columns and rows have no common plane at a pole, so that other copies' ways would be of no use.
+const bool PASSES_POLES = false;
+#include "passes/path_copies.glsl"
+#include "passes/step_over_seams.glsl"
 #include "passes/path_line.glsl"
 #include "passes/way.glsl"
 #include "passes/log_map.glsl"

@@ -1,5 +1,6 @@
-// Finds the straight line on which the front arrives first at a place of a path. Include after times.glsl,
-// path_cell.glsl, path_profile.glsl, path_places.glsl and source.glsl.
+// Finds the straight line on which the front arrives first at a place of a path. On a glued surface the line may
+// begin at a copy of the place. Include after times.glsl, path_cell.glsl, path_profile.glsl, path_places.glsl,
+// path_copies.glsl and source.glsl.
 //
 // The including shader defines find_source().
 // Twin: src/geometry/paths/search.rs.
@@ -13,6 +14,7 @@ const float FLAT_TRIANGLE = 3e-7;
 struct Line {
     bool exists;
     int source;   // source at its end; -1 if it ends elsewhere
+    Place start;
     Place end;
     float time;   // time at its end, less the base_time of its step
     float size;
@@ -20,10 +22,6 @@ struct Line {
 };
 
 Line best;
-
-vec2 position(Place place) {
-    return vec2(place.first) + place.share;
-}
 
 // Returns the number of cells in which a place lies.
 int cells_around(Place place) {
@@ -56,7 +54,7 @@ bool falls(Line line, Path path) {
 // Replaces the best line by another one that is better and ends lower than the place of the path. A line that
 // falls is better than one that does not. Among equals, the one on which the front arrives first is better.
 void offer(Place end, float time, float size, Path path, ivec2 cell) {
-    Line line = Line(true, -1, end, time, size, cell);
+    Line line = Line(true, -1, path.place, end, time, size, cell);
     bool is_better = !best.exists || time + size < best.time + best.size;
     if (best.exists && falls(line, path) != falls(best, path)) is_better = falls(line, path);
     if (is_better && time < path.below) best = line;
@@ -121,33 +119,57 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
     }
 }
 
-// Replaces the nearest source by another one, if that lies in the cell and its front arrives earlier at a
-// place in the cell, over a straight line.
-void try_source(int number, Cell cell, vec4 weights, float base_time, inout Line nearest) {
-    Source other = source(number);
-    vec2 uv = place_of(other) - vec2(cell.first);
+// Replaces the nearest source by another one, if that lies at `uv` in the cell and its front arrives earlier at the place
+// of a path in the cell, over a straight line.
+void try_source_at(vec2 uv, int number, float initial, Cell cell, vec4 weights, Path path, inout Line nearest) {
     bool inside = all(greaterThanEqual(uv, vec2(0.0))) && all(lessThanEqual(uv, vec2(1.0)));
     vec4 there;
-    if (!inside || !counts(other) || !corner_weights(reached_corners(cell), uv, there)) return;
-    float time = other.time - base_time;
+    if (!inside || !corner_weights(reached_corners(cell), uv, there)) return;
+    float time = initial - path.base_time;
     float size = cell.unit * distance_of(cell, weights, there);
     if (!nearest.exists || time + size < nearest.time + nearest.size) {
-        nearest = Line(true, number, Place(cell.first, uv), time, size, ivec2(-2));
+        nearest = Line(true, number, path.place, Place(cell.first, uv), time, size, ivec2(-2));
     }
 }
 
-// Finds the source in a cell from which the front arrives first at a place in the cell, over a straight line.
-void find_source(Cell cell, vec4 weights, float base_time, inout Line nearest);
+// Returns a corner of a cell that is a copy of a point, or -1.
+int corner_that_is(ivec2 at, Cell cell) {
+    int first = first_copy(at);
+    for (int i = 0; i < 4; i++) {
+        ivec2 corner = cell.first + to_corner(i);
+        if (in_grid(corner, grid) && first_copy(corner) == first) return i;
+    }
+    return -1;
+}
 
-// Returns the straight line across a cell on which the front arrives first, among those that end lower than
-// the place of the path. The cell beside the one from which the path comes is tried first.
-Line line_from(Path path) {
+// Tries a source, or the copy of it that lies in the cell, as try_source_at() does.
+void try_source(int number, Cell cell, vec4 weights, Path path, inout Line nearest) {
+    Source other = source(number);
+    if (!counts(other)) return;
+    Place own = place_from(place_of(other));
+    int copies = most_copies(own);
+    if (copies > 1 && is_point(own)) {
+        int corner = corner_that_is(own.first, cell);
+        if (corner >= 0) try_source_at(vec2(to_corner(corner)), number, other.time, cell, weights, path, nearest);
+        return;
+    }
+    for (int i = 0; i < copies; i++) {
+        Place copy;
+        if (!copy_at(own, i, copy)) continue;
+        try_source_at(position(copy) - vec2(cell.first), number, other.time, cell, weights, path, nearest);
+    }
+}
+
+// Finds the source in a cell from which the front arrives first at the place of a path in the cell, over a straight
+// line.
+void find_source(Cell cell, vec4 weights, Path path, inout Line nearest);
+
+// Looks for a better line, and for a nearer source, in the cells around the place of a path. The cell beside the one from
+// which the path comes is tried first.
+void search_around(Path path, inout Line nearest) {
     Place place = path.place;
     int cells = cells_around(place);
     int first = place.first - offset_of(place, 0) == path.from ? 1 : 0;
-    best.exists = false;
-    Line nearest;
-    nearest.exists = false;
     bool is_known = path.below < UNKNOWN;
     for (int i = 0; i < cells; i++) {
         Cell cell = cell_at(place.first - offset_of(place, (first + i) % cells));
@@ -157,11 +179,24 @@ Line line_from(Path path) {
         cross_cell(cell, weights, path);
         // A source in the cell is near, and so its time is not much earlier.
         if (!is_known || path.base_time + path.below - path.latest <= 4.0 * cell.unit) {
-            find_source(cell, weights, path.base_time, nearest);
+            find_source(cell, weights, path, nearest);
         }
         bool fits =
             best.exists && is_known && best.time + best.size <= path.below + FITS * best.size;
         if (cells == 2 && fits && !nearest.exists) break;
+    }
+}
+
+// Returns the straight line across a cell on which the front arrives first, among those that begin at the place of the
+// path or a copy of it and end lower.
+Line line_from(Path path) {
+    best.exists = false;
+    Line nearest;
+    nearest.exists = false;
+    Place own = path.place;
+    int copies = most_copies(own);
+    for (int i = 0; i < copies; i++) {
+        if (copy_at(own, i, path.place)) search_around(path, nearest);
     }
     bool in_sight = nearest.exists
         && (best.exists ? nearest.time + (1.0 - FITS) * nearest.size <= best.time + best.size

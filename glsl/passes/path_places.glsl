@@ -33,3 +33,17 @@ struct Path {
 bool is_point(Place place) {
     return place.share == vec2(0.0);
 }
+
+// Returns the column and row of a place.
+vec2 position(Place place) {
+    return vec2(place.first) + place.share;
+}
+
+Place place_from(vec2 at) {
+    ivec2 first = ivec2(at);
+    return Place(first, at - vec2(first));
+}
+
+bool is_same(Place a, Place b) {
+    return a.first == b.first && a.share == b.share;
+}

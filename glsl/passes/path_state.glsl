@@ -41,8 +41,7 @@ void begin(int number, inout Path path, float start) {
     path.source = -1;
     path.size = 0.0;
     vec2 at = start_of(number);
-    path.place.first = ivec2(at);
-    path.place.share = at - vec2(path.place.first);
+    path.place = place_from(at);
     bool is_known = is_point(path.place);
     // Between grid points, the earliest time of the corners serves.
     path.base_time = time_at(path.place.first);

@@ -17,13 +17,16 @@
 layout(local_size_x = WORKGROUP) in;
 
 #include "passes/path_state.glsl"
+#include "shared/seams.glsl"
+const bool PASSES_POLES = true;
+#include "passes/path_copies.glsl"
 #include "passes/path_line.glsl"
 
 // Points coincide if they are nearer to one another than this, in units of their longest edges.
 const float SAME_POINT = 1e-6;
 
-void find_source(Cell cell, vec4 weights, float base_time, inout Line nearest) {
-    for (int i = 0; i < count; i++) try_source(i, cell, weights, base_time, nearest);
+void find_source(Cell cell, vec4 weights, Path path, inout Line nearest) {
+    for (int i = 0; i < count; i++) try_source(i, cell, weights, path, nearest);
 }
 
 // Returns the earliest of the grid points next to a place.
@@ -49,8 +52,20 @@ bool step_to(int number, inout Path path, inout ivec2 point, ivec2 step) {
     return add(number, path, vec2(point), time_at(point));
 }
 
-// Moves across points in a row that coincide, as at a pole, to the one from which an edge leads lowest.
-// Returns this edge, or zero if no edge leads lower than `below`.
+// Looks for the earliest neighbour of a point that coincides with the place of a path.
+void look_from(ivec2 at, inout float earliest, inout ivec2 point, inout ivec2 first) {
+    for (int j = 0; j < 8; j++) {
+        float time = time_at(at + NEIGHBOURS[j]);
+        if (time < earliest && edge_length(point_at(at), NEIGHBOURS[j]) < FAR) {
+            earliest = time;
+            first = NEIGHBOURS[j];
+            point = at;
+        }
+    }
+}
+
+// Moves across points that coincide to the one from which an edge leads lowest: copies of a point, and points in a row
+// as at a pole. Returns this edge, or zero if no edge leads lower than `below`.
 ivec2 step_across(inout ivec2 point, float below) {
     float longest = 0.0;
     for (int i = 0; i < 8; i++) {
@@ -64,15 +79,14 @@ ivec2 step_across(inout ivec2 point, float below) {
         ivec2 at = from;
         while (edge_length(point_at(at), NEIGHBOURS[i]) <= SAME_POINT * longest) {
             at += NEIGHBOURS[i];
-            for (int j = 0; j < 8; j++) {
-                float time = time_at(at + NEIGHBOURS[j]);
-                if (time < earliest && edge_length(point_at(at), NEIGHBOURS[j]) < FAR) {
-                    earliest = time;
-                    first = NEIGHBOURS[j];
-                    point = at;
-                }
-            }
+            look_from(at, earliest, point, first);
         }
+    }
+    Place own = Place(from, vec2(0.0));
+    int copies = most_copies(own);
+    for (int i = 1; i < copies; i++) {
+        Place copy;
+        if (copy_at(own, i, copy)) look_from(copy.first, earliest, point, first);
     }
     return first;
 }
@@ -135,6 +149,11 @@ void escape(int number, inout Path path) {
     path.below = 0.0;
 }
 
+// Adds a vertex, unless the path is there. Returns false if there is no room.
+bool go_to(int number, inout Path path, vec2 at, float time) {
+    return at == path.last || add(number, path, at, time);
+}
+
 // Adds one line to a path.
 void go_on(int number, inout Path path) {
     if (is_point(path.place)) path.lowest = min(path.lowest, time_at(path.place.first));
@@ -144,12 +163,16 @@ void go_on(int number, inout Path path) {
         return;
     }
     if (path.time == UNKNOWN) path.time = path.base_time + line.time + line.size;
+    if (!is_same(line.start, path.place)) {
+        float here = path.below < UNKNOWN ? path.base_time + path.below : path.time;
+        if (!add(number, path, position(line.start), here)) return;
+    }
     path.size += line.size;
     if (line.source >= 0) {
         path.source = line.source;
         Source end = source(line.source);
-        // A path that starts at its source is a single place.
-        if (place_of(end) == path.last || add(number, path, place_of(end), end.time)) {
+        // The line may end at a copy of the source. A path that starts at its source is a single place.
+        if (go_to(number, path, position(line.end), end.time) && go_to(number, path, place_of(end), end.time)) {
             path.status = COMPLETE;
         }
         return;

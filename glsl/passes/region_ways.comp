@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Computes the beginning of the way to each point. A point that a source's own front reaches first gets its
-// label instead. One invocation is one point.
+// label instead. On a glued surface it also stores when that front arrives, for region_copies.comp. One invocation is one
+// point.
 // Twin: src/cpu/twins/regions.rs.
 
 #include "shared/constants.glsl"
@@ -15,6 +16,7 @@
 layout(local_size_x = WORKGROUP) in;
 
 #include "passes/regions.glsl"
+#include "shared/seams.glsl"
 #include "shared/start.glsl"
 
 float carried_at(ivec2 point) {
@@ -30,9 +32,10 @@ void main() {
     float here = time_at(at);
     uint link = NO_REGION;
     vec2 place = vec2(at);
+    float arrival = FAR;
     if (is_reached(here)) {
         // The neighbours counter-clockwise from east, with the first repeated at the end. Ways lead only to
-        // earlier points, so that none leads in a circle.
+        // earlier points, so that none leads in a circle. Copies of a point are one point.
         float times[9];
         float carried[9];
         float surface[9];
@@ -41,7 +44,7 @@ void main() {
         for (int i = 0; i < 8; i++) {
             ivec2 other = at + NEIGHBOURS[i];
             float time = time_at(other);
-            bool is_before = time < here || (time == here && index_of(other) < index);
+            bool is_before = time < here || (time == here && first_copy(other) < first_copy(at));
             times[i] = is_before ? time : FAR;
             carried[i] = 0.0;
             surface[i] = 0.0;
@@ -79,6 +82,7 @@ void main() {
         }
         if (start != 0u && time_of(~start) <= earliest) {
             link = KNOWN | label;
+            arrival = time_of(~start);
         } else if (earliest < FAR) {
             ivec2 step = NEIGHBOURS[first];
             ivec2 next = NEIGHBOURS[(first + 1) % 8];
@@ -87,8 +91,10 @@ void main() {
                                         vec2(sides[first], sides[first + 1]), bases[first]);
             place = vec2(at) + (vec2(step) + share * vec2(next - step));
             link = uint(index_of(at + (share > 0.5 ? next : step)));
+            arrival = earliest;
         }
     }
     regions[link_word(0, index)] = link;
     write_place(0, index, place);
+    if (SEAMS != 0) regions[link_word(1, index)] = rank_of(arrival);
 }

@@ -1,6 +1,6 @@
 // Finds the direction in which the way back leaves a grid point. Where squared times are smooth and the
 // source is not near, it is that of their gradient; elsewhere it is that of the path's first line. Include
-// after path_line.glsl, local_metric.glsl, start.glsl and ways.glsl.
+// after path_line.glsl, step_over_seams.glsl, start.glsl and ways.glsl.
 // Twin: src/geometry/directions/ways.rs, which also finds the corners from which squared times count.
 
 // Largest change of second differences that counts as smooth, as a part of the squared length of a step.
@@ -28,11 +28,11 @@ int source_beside(ivec2 at) {
 }
 
 // The sources beside the cell's corners are those that matter.
-void find_source(Cell cell, vec4 weights, float base_time, inout Line nearest) {
+void find_source(Cell cell, vec4 weights, Path path, inout Line nearest) {
     int before = -1;
     for (int i = 0; i < 4; i++) {
         int number = source_beside(cell.first + to_corner(i));
-        if (number >= 0 && number != before) try_source(number, cell, weights, base_time, nearest);
+        if (number >= 0 && number != before) try_source(number, cell, weights, path, nearest);
         before = number;
     }
 }
@@ -53,7 +53,8 @@ Path path_from(ivec2 at, float start) {
 // Returns the squared time since the start at a point, less that at another one, in squared units. It is FAR
 // if the point is not reached.
 float excess_at(ivec2 at, float time, vec2 start_and_unit) {
-    float other = time_at(at);
+    // The grid may go on beyond its sides.
+    float other = time_at(SEAMS != 0 ? on_grid(at) : at);
     if (!is_reached(other)) return FAR;
     float start = start_and_unit.x;
     return ((other - time) / start_and_unit.y) * (((other - start) + (time - start)) / start_and_unit.y);
@@ -104,11 +105,17 @@ bool descent(ivec2 at, float time, float start, Metric metric, float unit, out v
 // Returns the step from a point to the earliest neighbour, or zero if all are later.
 vec2 to_earliest(ivec2 at, float time) {
     vec2 step = vec2(0.0);
-    for (int i = 0; i < 8; i++) {
-        float other = time_at(at + NEIGHBOURS[i]);
-        if (other < time && edge_length(point_at(at), NEIGHBOURS[i]) < FAR) {
-            time = other;
-            step = vec2(NEIGHBOURS[i]);
+    Place own = Place(at, vec2(0.0));
+    int copies = most_copies(own);
+    for (int i = 0; i < copies; i++) {
+        Place copy;
+        if (!copy_at(own, i, copy)) continue;
+        for (int j = 0; j < 8; j++) {
+            float other = time_at(copy.first + NEIGHBOURS[j]);
+            if (other < time && edge_length(point_at(copy.first), NEIGHBOURS[j]) < FAR) {
+                time = other;
+                step = step_at_copy(copy.first, at, vec2(NEIGHBOURS[j]));
+            }
         }
     }
     return step;
@@ -121,7 +128,7 @@ vec2 way_from(ivec2 at) {
     float start = earliest_start();
     float unit = longest_edge(at);
     if (unit == 0.0) return vec2(0.0);
-    Metric metric = metric_of_point(at, unit);
+    Metric metric = metric_over_seams(at, unit);
     vec2 downhill = vec2(0.0);
     bool is_smooth = source_beside(at) < 0 && descent(at, time, start, metric, unit, downhill);
     if (is_smooth && (time - start) / unit > NEAR_SOURCE) return normalize(downhill);
@@ -130,7 +137,7 @@ vec2 way_from(ivec2 at) {
     if (!line.exists) {
         step = to_earliest(at, time);
     } else {
-        step = position(line.end) - vec2(at);
+        step = step_at_copy(line.start.first, at, position(line.end) - vec2(line.start.first));
         float both = product(metric, step, step) * product(metric, downhill, downhill);
         if (is_smooth && line.source < 0 && product(metric, step, downhill) > ALIKE_WAYS * sqrt(both)) {
             step = downhill;

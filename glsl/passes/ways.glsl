@@ -15,6 +15,7 @@ layout(set = 1, binding = 1) restrict buffer Ways {
 
 layout(push_constant) uniform Push {
     ivec2 grid;      // columns and rows of the whole grid
+    ivec2 lattice;   // GRID_ENDS, GOES_ON or REVERSES, beyond the first and last column and beyond the rows
     int first_word;  // offset of the first source
     int count;       // number of sources
     int turn;        // in way_starts.comp 1 in the second pass; in log_map_rounds.comp the number of the round

@@ -1,5 +1,5 @@
 //! Lists the copies of points of a glued surface for shaders: the twin of the buffers of
-//! `glsl/passes/copies.glsl` and `glsl/passes/glued_points.glsl`.
+//! `glsl/passes/copies.glsl` and `glsl/shared/copies_by_row.glsl`.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -125,7 +125,7 @@ impl CopyList {
     }
 }
 
-/// Returns the words of `glsl/passes/glued_points.glsl`.
+/// Returns the words of `glsl/shared/copies_by_row.glsl`.
 fn words_by_rows(chart: Chart, groups: &Groups) -> Vec<u32> {
     let mut copies: Vec<_> = (groups.iter().zip(0u32..))
         .flat_map(|(group, number)| group.iter().map(move |&index| (index, number)))
@@ -141,6 +141,12 @@ fn words_by_rows(chart: Chart, groups: &Groups) -> Vec<u32> {
     words.extend_from_slice(groups.starts());
     words.extend_from_slice(groups.members());
     words
+}
+
+/// Returns the offset and size of a list in bytes.
+fn bytes_of(words: &Range<usize>) -> (u64, u64) {
+    let [at, bytes] = [words.start, words.len()].map(|words| (words * size_of::<u32>()) as u64);
+    (at, bytes)
 }
 
 const _: () = assert!(COPY_TEXEL_WORDS == 5);
@@ -176,7 +182,8 @@ impl Copies {
     ) -> Result<Self, VulkanError> {
         let mut buffer = Buffer::new(device, allocator, list.buffer_info())?;
         pipelines.name("copies", buffer.buffer);
-        match CopySets::new(device, pipelines, grid, &buffer) {
+        let by_rows = list.by_rows.as_ref().map(bytes_of);
+        match CopySets::new(device, pipelines, grid, &buffer, by_rows) {
             Ok(sets) => Ok(Self { list, buffer, sets }),
             Err(error) => {
                 buffer.destroy(device, allocator);
@@ -197,9 +204,19 @@ impl Copies {
 
     /// Returns the buffer, and the offset and size of the list by rows in bytes, if there is one.
     pub(crate) fn by_rows(&self) -> Option<(vk::Buffer, u64, u64)> {
-        let Range { start, end } = self.list.by_rows.clone()?;
-        let [at, bytes] = [start, end - start].map(|words| (words * size_of::<u32>()) as u64);
+        let (at, bytes) = bytes_of(self.list.by_rows.as_ref()?);
         Some((self.buffer.buffer, at, bytes))
+    }
+
+    /// Returns the number of groups in the list by rows.
+    pub(crate) fn groups_by_rows(&self) -> u32 {
+        self.list.by_rows.as_ref().map_or(0, |of| self.list.words[of.start])
+    }
+
+    /// Returns the sets of a pass that finds copies of points in the list by rows, with a set of the host. Returns
+    /// `None` if there is no such list.
+    pub(crate) fn with_host(&self, set: vk::DescriptorSet) -> Option<Sets> {
+        self.sets.with_host(set)
     }
 
     /// Returns the push constants of the pass that shares the curvature of copies. The list has rings.

@@ -1,4 +1,4 @@
-//! Labels points by the nearest source. The twin of `glsl/region_*.comp`.
+//! Labels points by the nearest source. The twin of `glsl/passes/region_*.comp`, and of `glsl/passes/share_starts.comp`.
 
 use super::scan::scan;
 use crate::Stop;
@@ -6,7 +6,7 @@ use crate::constants::{FLOW_JUMPS, NEAR_PLACES, PARENT_JUMPS};
 use crate::cpu::behind::TriangleSlots;
 use crate::cpu::fronts::{TriangleKind, for_triangle_kind};
 use crate::cpu::points::PointFronts;
-use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
+use crate::surface::{Chart, Direction, EdgeLengths, Groups, Real, Seed};
 use crate::update::{Kept, Setting, Wavefront, base_crossing};
 
 /// A column and a row.
@@ -45,10 +45,20 @@ fn solve<K: TriangleKind<f32>>(
     let all: Vec<Seed> = seeds.iter().map(|(seed, _)| *seed).collect();
     let mut fronts = PointFronts::start(edges, kind, &all);
     scan(&mut fronts, &all, stop, false);
-    let starts = starts(chart, seeds);
+    let copies = copies(edges);
+    let mut starts = starts(chart, seeds);
+    share_starts(&copies, &mut starts);
+    let mut first_copies: Vec<usize> = (0..chart.points()).collect();
+    for group in &copies {
+        group.iter().for_each(|&copy| first_copies[copy] = group[0]);
+    }
     let triangles = Direction::ALL.map(|to| TriangleSlots::new(chart, to, to.next()));
-    let begin = |index| begin(chart, &fronts, &triangles, wavefront, starts[index], index);
-    let (mut links, mut places): (Vec<Link>, Vec<Place>) = (0..chart.points()).map(begin).unzip();
+    let begin =
+        |index| begin(chart, &fronts, &triangles, wavefront, (&starts, &first_copies), index);
+    let mut ways: Vec<(f32, Link, Place)> = (0..chart.points()).map(begin).collect();
+    share_ways(&copies, &mut ways);
+    let (mut links, mut places): (Vec<Link>, Vec<Place>) =
+        ways.into_iter().map(|(_, link, place)| (link, place)).unzip();
     for _ in 0..rounds(chart, FLOW_JUMPS) {
         let flow = |index| flow(chart, &links, &places, index);
         (links, places) = (0..chart.points()).map(flow).unzip();
@@ -83,26 +93,59 @@ fn starts(chart: Chart, seeds: &[(Seed, u32)]) -> Vec<Option<(f32, u32)>> {
     starts
 }
 
-/// Returns where the way to a point crosses the base of its triangle.
+/// Returns the row-major indices of the copies of each point that has some.
+fn copies(edges: &EdgeLengths<f32>) -> Vec<Vec<usize>> {
+    let chart = edges.chart();
+    let index = |&point: &u32| {
+        let (row, col) = chart.bordered_position(point as usize);
+        chart.index(row, col)
+    };
+    let groups = edges.copies().into_iter().flat_map(Groups::iter);
+    groups.map(|group| group.iter().map(index).collect()).collect()
+}
+
+/// Gives all copies of a point the earliest of their starts.
+fn share_starts(copies: &[Vec<usize>], starts: &mut [Option<(f32, u32)>]) {
+    for group in copies {
+        let of_group = group.iter().filter_map(|&copy| starts[copy]);
+        let first = of_group.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        group.iter().for_each(|&copy| starts[copy] = first);
+    }
+}
+
+/// Gives all copies of a point the way on which its front has come, which is the earliest.
+fn share_ways(copies: &[Vec<usize>], ways: &mut [(f32, Link, Place)]) {
+    for group in copies {
+        let of_group = group.iter().map(|&copy| ways[copy]);
+        let first = of_group.min_by(|a, b| a.0.total_cmp(&b.0)).expect("groups have members");
+        group.iter().for_each(|&copy| ways[copy] = first);
+    }
+}
+
+/// Returns when a front arrives at a point, and where its way crosses the base of its triangle.
 fn begin<K: TriangleKind<f32>>(
     chart: Chart,
     fronts: &PointFronts<f32, K>,
     triangles: &[TriangleSlots; 8],
     wavefront: Wavefront,
-    start: Option<(f32, u32)>,
+    (starts, first_copies): (&[Option<(f32, u32)>], &[usize]),
     index: usize,
-) -> (Link, Place) {
+) -> (f32, Link, Place) {
     let (row, col) = chart.position(index);
     let own = [col as f32, row as f32];
     let point = chart.bordered(row, col);
     let here = fronts.time(point);
     if here >= f32::FAR {
-        return (Link::Nothing, own);
+        return (f32::FAR, Link::Nothing, own);
     }
-    // Ways lead only to earlier points, so that none leads in a circle.
+    let first_copy = |point: usize| {
+        let (row, col) = chart.bordered_position(point);
+        first_copies[chart.index(row, col)]
+    };
+    // Ways lead only to earlier points, so that none leads in a circle. Copies of a point are one point.
     let earlier = |other: usize| {
         let time = fronts.time(other);
-        let is_before = time < here || (time == here && other < point);
+        let is_before = time < here || (time == here && first_copy(other) < first_copy(point));
         Kept { time: if is_before { time } else { f32::FAR }, ..fronts.at(other) }
     };
     let mut first = (f32::FAR, 0);
@@ -112,13 +155,13 @@ fn begin<K: TriangleKind<f32>>(
             first = (time, number);
         }
     }
-    if let Some((time, label)) = start
+    if let Some((time, label)) = starts[index]
         && time <= first.0
     {
-        return (Link::Label(label), own);
+        return (time, Link::Label(label), own);
     }
     if first.0 >= f32::FAR {
-        return (Link::Nothing, own);
+        return (f32::FAR, Link::Nothing, own);
     }
     let to = Direction::ALL[first.1];
     let ends = triangles[first.1].corners(point).map(earlier);
@@ -130,7 +173,7 @@ fn begin<K: TriangleKind<f32>>(
     let place = [0, 1].map(|k| own[k] + (a[k] + share * (b[k] - a[k])));
     let nearer = if share > 0.5 { to.next() } else { to };
     let (row, col) = chart.neighbour(row, col, nearer).expect("fronts come from the grid");
-    (Link::Parent(chart.index(row, col)), place)
+    (first.0, Link::Parent(chart.index(row, col)), place)
 }
 
 /// Extends a way by the ways of other points.

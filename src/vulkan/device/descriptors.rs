@@ -149,6 +149,8 @@ pub(crate) struct CopySets {
     /// Returns the sets as [`GridSets::writing`] does, for a pass that also reads and writes tiles in the other
     /// image.
     pub(crate) writing: [Sets; 2],
+    /// Surface's set of passes over a finished map, with the list by rows; null if there is none.
+    by_rows: vk::DescriptorSet,
     pool: vk::DescriptorPool,
 }
 
@@ -159,26 +161,44 @@ impl CopySets {
         pipelines: &Pipelines,
         contents: GridContents,
         copies: &Buffer,
+        by_rows: Option<(u64, u64)>,
     ) -> Result<Self, VulkanError> {
         let GridContents { sets: grid, edges, gaussian, fronts, progress } = contents;
-        let mut new = Self { pool: pool(device, &[&set_0::KINDS[..]; 2])?, ..Self::default() };
-        let sets = match allocate(device, new.pool, &[pipelines.surface_set_layout; 2]) {
+        let mut new = Self { pool: pool(device, &[&set_0::KINDS[..]; 3])?, ..Self::default() };
+        let sets = match allocate(device, new.pool, &[pipelines.surface_set_layout; 3]) {
             Ok(sets) => sets,
             Err(error) => {
                 new.destroy(device);
                 return Err(error);
             }
         };
-        for (writes, surface) in sets.into_iter().enumerate() {
-            pipelines.name(["exchanges in fronts 0", "exchanges in fronts 1"][writes], surface);
+        let fill = |surface, writes: usize| {
             write_image(device, surface, set_0::EDGES, edges);
             write_image(device, surface, set_0::GAUSSIANS, gaussian);
             write_image(device, surface, set_0::OLD_FRONTS, fronts[1 - writes]);
             write_buffer(device, surface, set_0::PROGRESS, progress);
+        };
+        for writes in 0..2 {
+            let surface = sets[writes];
+            pipelines.name(["exchanges in fronts 0", "exchanges in fronts 1"][writes], surface);
+            fill(surface, writes);
             write_buffer(device, surface, set_0::COPIES, copies);
             new.writing[writes] = Sets { surface, ..grid.writing[writes] };
         }
+        if let Some(part) = by_rows {
+            pipelines.name("reads fronts 0 and copies", sets[2]);
+            fill(sets[2], 1);
+            write_part(device, sets[2], set_0::COPIES_BY_ROW, copies, part);
+            new.by_rows = sets[2];
+        }
         Ok(new)
+    }
+
+    /// Returns the sets of a pass over a finished map that finds copies of points in the list by rows, with a set of the
+    /// host. Returns `None` if there is no such list.
+    pub(crate) fn with_host(&self, set: vk::DescriptorSet) -> Option<Sets> {
+        let surface = Some(self.by_rows).filter(|&surface| surface != vk::DescriptorSet::null())?;
+        Some(Sets { surface, other: (HOST, set) })
     }
 
     /// Frees the sets. No submitted work may still use them.
@@ -257,7 +277,19 @@ fn write_image(device: &ash::Device, set: vk::DescriptorSet, index: u32, image: 
 }
 
 fn write_buffer(device: &ash::Device, set: vk::DescriptorSet, index: u32, buffer: &Buffer) {
-    let info = [vk::DescriptorBufferInfo::default().buffer(buffer.buffer).range(vk::WHOLE_SIZE)];
+    write_part(device, set, index, buffer, (0, vk::WHOLE_SIZE));
+}
+
+/// Writes the part of a buffer with this offset and size.
+fn write_part(
+    device: &ash::Device,
+    set: vk::DescriptorSet,
+    index: u32,
+    buffer: &Buffer,
+    (offset, range): (u64, u64),
+) {
+    let info = vk::DescriptorBufferInfo { buffer: buffer.buffer, offset, range };
+    let info = [info];
     let write = blank(set, index, vk::DescriptorType::STORAGE_BUFFER).buffer_info(&info);
     // SAFETY: as for images.
     unsafe { device.update_descriptor_sets(&[write], &[]) };

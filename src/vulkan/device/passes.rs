@@ -204,7 +204,9 @@ passes! {
         REGION_STARTS: region_starts;
         REGION_WAYS: region_ways;
         REGION_FLOW: region_flow;
+        REGION_COPIES: region_copies;
         REGION_LABELS: region_labels;
+        SHARE_STARTS: share_starts;
         WAY_STARTS: way_starts;
         DIRECTIONS: directions;
         LOG_MAP_WAYS: log_map_ways;
@@ -265,22 +267,27 @@ pub(crate) struct Variant {
     pub(crate) named: bool,
     /// Whether tiles are those of a small grid.
     pub(crate) small_tiles: bool,
+    /// Whether passes over a finished map look for copies of points.
+    pub(crate) glued: bool,
 }
 
 impl From<Wavefront> for Variant {
     fn from(wavefront: Wavefront) -> Self {
-        Self { wavefront, splits: true, slowed: false, named: false, small_tiles: false }
+        let [slowed, named, small_tiles, glued] = [false; 4];
+        Self { wavefront, splits: true, slowed, named, small_tiles, glued }
     }
 }
 
 impl Variant {
-    pub(crate) const COUNT: usize = 16 * Wavefront::ALL.len();
+    pub(crate) const COUNT: usize = 32 * Wavefront::ALL.len();
 
     /// Returns all variants, by their places among a pass's pipelines.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
-        (0..16).flat_map(|bits| {
-            let [splits, slowed, named, small_tiles] = [0, 1, 2, 3].map(|bit| bits >> bit & 1 != 0);
-            Wavefront::ALL.map(|wavefront| Self { wavefront, splits, slowed, named, small_tiles })
+        (0..32).flat_map(|bits| {
+            let [splits, slowed, named, small_tiles, glued] =
+                [0, 1, 2, 3, 4].map(|bit| bits >> bit & 1 != 0);
+            let of = |wavefront| Self { wavefront, splits, slowed, named, small_tiles, glued };
+            Wavefront::ALL.map(of)
         })
     }
 }
@@ -314,8 +321,10 @@ impl Row {
         let slowed = self.shader.depends_on(Constant::Slowed) && variant.slowed;
         let named = self.shader.depends_on(Constant::Named) && variant.named;
         let small_tiles = self.has_small_tiles(variant);
-        let bits = [splits, slowed, named, small_tiles].map(usize::from);
-        (bits[0] + 2 * bits[1] + 4 * bits[2] + 8 * bits[3]) * Wavefront::ALL.len() + wavefront
+        let glued = self.shader.depends_on(Constant::Seams) && variant.glued;
+        let bits = [glued, small_tiles, named, slowed, splits].map(usize::from);
+        let number = bits.into_iter().fold(0, |number, bit| 2 * number + bit);
+        number * Wavefront::ALL.len() + wavefront
     }
 
     fn has_small_tiles(&self, variant: Variant) -> bool {
@@ -325,7 +334,7 @@ impl Row {
     /// Returns the numbers and values of the specialization constants.
     pub(crate) fn constants(&self, of: &Specialization) -> Vec<(u32, i32)> {
         let Specialization { tuning, on_processor, variant, map, group_order } = *of;
-        let Variant { wavefront, splits, slowed, named, small_tiles } = variant;
+        let Variant { wavefront, splits, slowed, named, small_tiles, glued } = variant;
         let tuning = if small_tiles { tuning.with_small_tiles() } else { tuning };
         let ahead = self.scan.map_or((0, 0), Scan::ahead);
         let width = self.width.map_or(0, |width| match width {
@@ -341,6 +350,7 @@ impl Row {
             Constant::Splits => splits.into(),
             Constant::Slowed => slowed.into(),
             Constant::Named => named.into(),
+            Constant::Seams => glued.into(),
             Constant::OnProcessor => on_processor.into(),
             Constant::GroupOrder => group_order,
             Constant::LocalSizeX => width as i32,

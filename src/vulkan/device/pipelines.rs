@@ -57,7 +57,7 @@ pub(crate) struct Pipelines {
     /// has room for no more words than its passes push, so that each dispatch sets all of them.
     layouts: [[vk::PipelineLayout; SIZES_PUSHED]; 2],
     /// Pipelines made, by pass and variant ([`Row::place_of`]).
-    made: [[OnceLock<vk::Pipeline>; Variant::COUNT]; TABLE.len()],
+    made: Vec<[OnceLock<vk::Pipeline>; Variant::COUNT]>,
     /// Pipelines of passes that also depend on the size of maps. The one used last is at the end.
     sized: Mutex<Vec<Sized>>,
 }
@@ -132,7 +132,7 @@ impl Pipelines {
             map_set_layout: vk::DescriptorSetLayout::null(),
             no_set_layout: vk::DescriptorSetLayout::null(),
             layouts: [[vk::PipelineLayout::null(); SIZES_PUSHED]; 2],
-            made: [const { [const { OnceLock::new() }; Variant::COUNT] }; TABLE.len()],
+            made: TABLE.iter().map(|_| [const { OnceLock::new() }; Variant::COUNT]).collect(),
             sized: Mutex::default(),
         };
         match new.create_layouts(device) {

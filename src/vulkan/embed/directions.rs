@@ -30,6 +30,9 @@ use crate::vulkan::profile::PassKind;
 ///
 /// A step of this direction is not a unit of length on the surface.
 ///
+/// On a glued surface copies of a point have the same direction, each in the rows and columns of its own side. It may lead
+/// beyond that side. At poles a copy only has a direction if the way leaves through its own cells.
+///
 /// ```no_run
 /// # use geosweep::ash::{self, vk};
 /// # use geosweep::gpu_allocator::vulkan::Allocator;
@@ -112,8 +115,8 @@ impl Directions {
         on: (&Solver, &FrameSurface),
         hosts: Option<HostImage>,
     ) -> Result<Self, VulkanError> {
-        on.1.check_open("an image of directions")?;
-        let make = |pass| on.0.pipelines.make(device, pass, Wavefront::Planar);
+        let variant = on.1.finished_map(Wavefront::Planar);
+        let make = |pass| on.0.pipelines.make(device, pass, variant);
         let pipelines = [make(WAY_STARTS)?, make(DIRECTIONS)?];
         Ok(Self { image: WayImage::new(device, allocator, on, KIND, hosts)?, pipelines })
     }
@@ -122,7 +125,7 @@ impl Directions {
     /// [`crate::vulkan::profile::Profile`], in addition to those of [`Solver::passes_of_frame`].
     pub fn passes(&self) -> u32 {
         // The passes clear, write the sources, examine these twice, visit all points, and copy.
-        1 + 1 + 2 + 1 + 1
+        1 + 1 + 2 + self.image.passes_over_copies() + 1 + 1
     }
 }
 

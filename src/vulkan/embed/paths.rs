@@ -172,9 +172,9 @@ impl Paths {
         hosts: Option<vk::Buffer>,
     ) -> Result<Self, VulkanError> {
         let limits = &solver.limits;
-        surface.check_open("a path in a frame")?;
         let (layout, buffers) = parts(limits, info)?;
-        let make = |pass| solver.pipelines.make(device, pass, Wavefront::Planar);
+        let variant = surface.finished_map(Wavefront::Planar);
+        let make = |pass| solver.pipelines.make(device, pass, variant);
         let pipelines = [make(PATH_STARTS)?, make(PATHS)?];
         let info = CurvesInfo { layout, reads: Reads::Sources, buffers: &buffers, hosts };
         let curves = Curves::new(device, allocator, (solver, surface), info)?;
@@ -341,6 +341,9 @@ impl Recording<'_> {
     /// its record says why ([`super::CurveRecord::status`]). Each path examines every source once, and again
     /// in cells where one may lie.
     ///
+    /// On a glued surface paths go on over seams. Where one does, two vertices follow each other that are the same place
+    /// of the surface, at the rows and columns of both sides.
+    ///
     /// # Errors
     /// If the paths were destroyed or made for another surface, there is no map, there are no such points or
     /// they are a metric, points or sources were replaced since the last [`Paths::rebind`], or there are too
@@ -396,7 +399,7 @@ impl Recording<'_> {
             };
             let record = PassRecord { work, ..dispatched(PassKind::Paths, size) };
             let _pass = recorder.pass_with(record);
-            recorder.host_pass(pipeline, set.set, &batch, size);
+            recorder.map_pass(pipeline, set.set, &batch, size);
             recorder.barrier(SHADER_WRITE, SHADER);
         }
         curves.lift(self, frame.points, frame.reader);

@@ -16,12 +16,16 @@ use crate::constants::{FLOW_JUMPS, PARENT_JUMPS};
 use crate::surface::Chart;
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
+use crate::vulkan::copies::Copies;
 use crate::vulkan::device::barrier::{SHADER, SHADER_WRITE, TRANSFER_WRITE};
 use crate::vulkan::device::limits::Limits;
 use crate::vulkan::device::memory::{Buffer, BufferInfo};
-use crate::vulkan::device::passes::{REGION_FLOW, REGION_LABELS, REGION_STARTS, REGION_WAYS};
+use crate::vulkan::device::passes::{
+    REGION_COPIES, REGION_FLOW, REGION_LABELS, REGION_STARTS, REGION_WAYS, SHARE_STARTS,
+};
 use crate::vulkan::device::pipelines::Pipeline;
 use crate::vulkan::device::shaders::region_starts::Push;
+use crate::vulkan::device::shaders::share_starts::Push as Share;
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::record::dispatched;
 
@@ -67,6 +71,14 @@ pub struct Regions {
     sets: Option<BoundSets>,
     /// Pipelines of the passes, in the order of the passes.
     pipelines: [Pipeline<Push>; 4],
+    over_copies: Option<OverCopies>,
+}
+
+/// Passes over the copies of points of a glued surface.
+#[derive(Clone, Copy, Debug)]
+struct OverCopies {
+    starts: Pipeline<Share>,
+    ways: Pipeline<Push>,
 }
 
 /// Buffer of labels. From its first byte it holds a 32-bit unsigned integer for each grid point, row-major.
@@ -130,10 +142,17 @@ impl Regions {
         wavefront: Wavefront,
         hosts: Option<vk::Buffer>,
     ) -> Result<Self, VulkanError> {
-        surface.check_open("a region in a frame")?;
         let chart = surface.grid.chart;
         let info = info(&solver.limits, chart)?;
-        let make = |pass| solver.pipelines.make(device, pass, wavefront);
+        let (pipelines, variant) = (&solver.pipelines, surface.finished_map(wavefront));
+        let make = |pass| pipelines.make(device, pass, variant);
+        let over_copies = match surface.is_glued() {
+            true => Some(OverCopies {
+                starts: pipelines.make(device, SHARE_STARTS, variant)?,
+                ways: make(REGION_COPIES)?,
+            }),
+            false => None,
+        };
         let pipelines =
             [make(REGION_STARTS)?, make(REGION_WAYS)?, make(REGION_FLOW)?, make(REGION_LABELS)?];
         let mut new = Self {
@@ -146,6 +165,7 @@ impl Regions {
             hosts,
             sets: None,
             pipelines,
+            over_copies,
         };
         if let Some(buffer) = &new.buffer {
             solver.pipelines.name(info.name, buffer.buffer);
@@ -200,7 +220,8 @@ impl Regions {
         // The passes clear numbers, write the sources, examine these twice, and begin the ways back from all
         // points.
         let [flowing, jumping] = rounds(self.chart);
-        1 + 1 + 2 + 1 + flowing + jumping
+        let over_copies = if self.over_copies.is_some() { 2 + 1 } else { 0 };
+        1 + 1 + 2 + 1 + over_copies + flowing + jumping
     }
 
     /// Returns the number of bytes taken from the allocator's memory blocks.
@@ -413,14 +434,25 @@ impl Recording<'_> {
         let run = |pass: usize, size, push: Push, work, last: Access| {
             let _pass =
                 recorder.pass_with(PassRecord { work, ..dispatched(PassKind::Regions, size) });
-            recorder.host_pass(regions.pipelines[pass], set.set, &push, size);
+            recorder.map_pass(regions.pipelines[pass], set.set, &push, size);
             recorder.barrier(SHADER_WRITE, last.side());
         };
+        let groups = self.surface.grid.copies.as_ref().map_or(0, Copies::groups_by_rows);
         let (ours, all) = (Access::new(SHADER.0, SHADER.1), [chart.cols as u32, chart.rows as u32]);
         for is_last in [0, 1] {
             run(0, [count, 1], Push { is_last, ..push }, work_of_starts(count), ours);
+            if let Some(OverCopies { starts, .. }) = regions.over_copies {
+                let first_word = (1 - is_last as i32) * chart.points() as i32;
+                let share = Share { grid: push.grid, first_word };
+                recorder.pass_over_groups(PassKind::Regions, starts, set.set, &share, groups);
+                recorder.barrier(SHADER_WRITE, SHADER);
+            }
         }
         run(1, all, push, work_of_ways(chart, regions.wavefront), ours);
+        if let Some(OverCopies { ways, .. }) = regions.over_copies {
+            recorder.pass_over_groups(PassKind::Regions, ways, set.set, &push, groups);
+            recorder.barrier(SHADER_WRITE, SHADER);
+        }
         let [flowing, jumping] = rounds(chart);
         // Only the device knows how far ways lead.
         for number in 0..flowing + jumping {

@@ -16,10 +16,12 @@ use crate::constants::{BORDER, NEVER_MEASURED, SOURCES_TOGETHER, TIME};
 use crate::surface::{
     Chart, EdgeRule, Glued, Gluing, GluingError, Lattice, Resolution, SurfaceError, UNGLUED,
 };
+use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
 use crate::vulkan::copies::CopyList;
 use crate::vulkan::device::bands::{POINT_BYTES, bands, frame_bytes};
 use crate::vulkan::device::memory::{FORMAT, RESULT_FORMAT};
+use crate::vulkan::device::passes::Variant;
 use crate::vulkan::grid_images::{GridImages, INLINE_SOURCES, Purpose};
 use crate::vulkan::point_kind::PointKind;
 use crate::vulkan::schedules::progress::{Record, offset};
@@ -317,6 +319,11 @@ impl FrameSurface {
     /// Returns whether sides of the grid are glued.
     pub fn is_glued(&self) -> bool {
         self.gluing.is_some()
+    }
+
+    /// Returns the variant of passes over a finished map of this surface.
+    pub(super) fn finished_map(&self, wavefront: Wavefront) -> Variant {
+        Variant { glued: self.is_glued(), ..wavefront.into() }
     }
 
     /// Returns an error if the surface is glued. `what` is not available then.

@@ -14,6 +14,7 @@ use super::solver::Solver;
 use super::surface::{FrameSurface, ResultImage};
 use crate::constants::WAYS_HEADER;
 use crate::surface::Chart;
+use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
 use crate::vulkan::device::barrier::{
     SHADER, SHADER_WRITE, TRANSFER, TRANSFER_READ, TRANSFER_WRITE,
@@ -21,7 +22,9 @@ use crate::vulkan::device::barrier::{
 use crate::vulkan::device::device_memory::DeviceMemory;
 use crate::vulkan::device::limits::Limits;
 use crate::vulkan::device::memory::{Buffer, BufferInfo, Image, ImageInfo};
+use crate::vulkan::device::passes::SHARE_STARTS;
 use crate::vulkan::device::pipelines::Pipeline;
+use crate::vulkan::device::shaders::share_starts::Push as Share;
 use crate::vulkan::device::shaders::way_starts::Push;
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::record::dispatched;
@@ -39,6 +42,8 @@ pub(crate) struct WayImage {
     hosts: Option<HostImage>,
     /// Descriptor sets of the inline sources, followed by those of the surface's source buffers.
     sets: Option<BoundSets>,
+    /// Pass over the copies of points of a glued surface.
+    share: Option<Pipeline<Share>>,
 }
 
 /// The contents of the image, and their place in the buffer.
@@ -94,7 +99,8 @@ impl WayImage {
         if let Some(image) = hosts {
             image.check(kind.what)?;
         }
-        let mut new = Self { kind, chart, buffer: None, image: None, hosts, sets: None };
+        let (buffer, image, sets, share) = (None, None, None, None);
+        let mut new = Self { kind, chart, buffer, image, hosts, sets, share };
         match new.fill(device, allocator, solver, surface) {
             Ok(()) => Ok(new),
             Err(error) => {
@@ -122,6 +128,9 @@ impl WayImage {
         }
         let contents = self.contents((device, &solver.limits), surface)?;
         self.sets = Some(BoundSets::new(device, pipelines, surface, &contents)?);
+        if surface.is_glued() {
+            self.share = Some(pipelines.make(device, SHARE_STARTS, Wavefront::Planar)?);
+        }
         Ok(())
     }
 
@@ -149,6 +158,11 @@ impl WayImage {
         let vk::Extent3D { width, height, .. } = extent(self.chart);
         let extent = vk::Extent2D { width, height };
         ResultImage { image, view, format: self.kind.format, extent, layout }
+    }
+
+    /// Returns the number of passes over copies of points.
+    pub(super) fn passes_over_copies(&self) -> u32 {
+        if self.share.is_some() { 2 } else { 0 }
     }
 
     pub(crate) fn bytes(&self) -> u64 {
@@ -231,6 +245,7 @@ impl WayImage {
         let (set, count) = recording.sources_in(sources, inline, of_buffer);
         let push = Push {
             grid: grid_size(self.chart),
+            lattice: surface.grid.lattice.codes(),
             first_word: set.first_word,
             count: count as i32,
             turn: 0,
@@ -243,6 +258,7 @@ impl WayImage {
             // How many points around them are accessed depends on their places, and is not counted.
             let work = Work { bytes_read: Some(bytes), ..Work::default() };
             passes.run(starts, [count, 1], Push { turn, ..push }, work);
+            passes.share_starts(1 - turn as u64);
         }
         Ok(passes)
     }
@@ -257,10 +273,23 @@ pub(super) struct WayPasses<'a> {
 }
 
 impl WayPasses<'_> {
+    /// Records the pass that gives copies of points the starts of all, in one of the two arrays of words.
+    fn share_starts(&self, array: u64) {
+        let Self { recording, of, set, push } = self;
+        let (Some(pipeline), Some(copies)) = (of.share, &recording.surface.grid.copies) else {
+            return;
+        };
+        let first_word = u64::from(WAYS_HEADER) + array * of.chart.points() as u64;
+        let share = Share { grid: push.grid, first_word: first_word as i32 };
+        let recorder = &recording.recorder;
+        recorder.pass_over_groups(of.kind.pass, pipeline, set.set, &share, copies.groups_by_rows());
+        recorder.barrier(SHADER_WRITE, SHADER);
+    }
+
     fn run(&self, pipeline: Pipeline<Push>, size: [u32; 2], push: Push, work: Work) {
         let recorder = &self.recording.recorder;
         let _pass = recorder.pass_with(PassRecord { work, ..dispatched(self.of.kind.pass, size) });
-        recorder.host_pass(pipeline, self.set.set, &push, size);
+        recorder.map_pass(pipeline, self.set.set, &push, size);
         recorder.barrier(SHADER_WRITE, SHADER);
     }
 

@@ -238,6 +238,7 @@ impl HeadlessSolver {
             slowed: surface.slowed,
             named: surface.is_named(),
             small_tiles: self.tuning().has_small_tiles(surface.images.texels),
+            glued: false,
         };
         self.make_passes(&surface.images, schedule, variant)?;
         let variant = (variant, has_targets);

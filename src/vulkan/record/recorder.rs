@@ -85,6 +85,34 @@ impl<'a> Recorder<'a> {
         self.dispatch(pipeline, constants, Groups::of(invocations));
     }
 
+    /// Records a pass over a finished map that also uses a set of the host. On a glued surface it can find copies of
+    /// points.
+    pub(crate) fn map_pass<P: Pod>(
+        &self,
+        pipeline: Pipeline<P>,
+        set: vk::DescriptorSet,
+        constants: &P,
+        invocations: [u32; 2],
+    ) {
+        let with_copies = self.grid.copies.as_ref().and_then(|copies| copies.with_host(set));
+        self.bind(pipeline, with_copies.unwrap_or_else(|| self.with_host(set)));
+        self.dispatch(pipeline, constants, Groups::of(invocations));
+    }
+
+    /// Records a pass with one invocation for each group of copies. It is counted as one of `kind`.
+    pub(crate) fn pass_over_groups<P: Pod>(
+        &self,
+        kind: PassKind,
+        pipeline: Pipeline<P>,
+        set: vk::DescriptorSet,
+        constants: &P,
+        groups: u32,
+    ) {
+        // How many words are accessed depends on the gluing, and is not counted.
+        let _pass = self.pass_with(dispatched(kind, [groups, 1]));
+        self.map_pass(pipeline, set, constants, [groups, 1]);
+    }
+
     /// Returns the sets of a pass that also uses a set of the host. They are those of a pass that writes
     /// image 1, which reads image 0.
     pub(crate) fn with_host(&self, set: vk::DescriptorSet) -> Sets {

@@ -1,5 +1,6 @@
 //! Contours, paths and regions in the host's buffers, compared with the CPU's on the same map.
 
+mod closed;
 pub mod contours;
 pub mod directions;
 mod draw;

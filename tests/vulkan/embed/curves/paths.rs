@@ -17,7 +17,7 @@ use crate::common::{Random, rough};
 use crate::embed::stage::Kept;
 use crate::host::Host;
 
-fn new_paths(scene: &mut Scene, info: PathsInfo) -> embed::Paths {
+pub fn new_paths(scene: &mut Scene, info: PathsInfo) -> embed::Paths {
     let stage = &mut scene.stage;
     let device = stage.host.device.clone();
     stage.solver.paths(&device, stage.host.allocator(), &stage.surface, info).unwrap()
@@ -35,7 +35,7 @@ fn starts(rows: usize, cols: usize, count: usize) -> Vec<[f32; 2]> {
         .collect()
 }
 
-fn read(
+pub fn read(
     scene: &mut Scene,
     paths: &embed::Paths,
     starts: StartInput,

@@ -5,7 +5,7 @@ use geosweep::ash::vk;
 use geosweep::cpu::twins;
 use geosweep::geometry::{NO_REGION, Voronoi};
 use geosweep::surface::builtin::Builtin;
-use geosweep::surface::{Chart, EdgeLengths, Seed};
+use geosweep::surface::{Chart, Direction, EdgeLengths, Seed};
 use geosweep::vulkan::embed::{
     Access, PointKind, PointMemory, PointSource, Points, RegionFrame, Regions, SourceBuffer,
     SourceInput, SurfaceInfo,
@@ -19,8 +19,8 @@ use crate::embed::stage::{Kept, RASTER, STOP, Stage};
 use crate::host::{Host, HostBuffer};
 
 /// A surface on the device, with maps of one wavefront.
-struct Atlas {
-    stage: Stage,
+pub struct Atlas {
+    pub stage: Stage,
     buffers: Vec<HostBuffer>,
     regions: Regions,
     wavefront: Wavefront,
@@ -59,13 +59,18 @@ impl Atlas {
             .with_points(&inputs)
             .with_sources(&source_buffers)
             .with_edge_rule(edge_rule);
-        let mut stage = Stage::new(host, &RASTER, &info);
+        let stage = Stage::new(host, &RASTER, &info);
+        Self::of(stage, vec![points, listed], wavefront)
+    }
+
+    /// Creates an atlas of the surface of a stage.
+    pub fn of(mut stage: Stage, buffers: Vec<HostBuffer>, wavefront: Wavefront) -> Self {
         let device = stage.host.device.clone();
         let Stage { host, solver, surface, .. } = &mut stage;
         let regions = solver.regions(&device, host.allocator(), surface, wavefront).unwrap();
         let stated = solver.bytes_for_regions(&device, surface.chart()).unwrap();
         assert_eq!(regions.bytes(), stated);
-        Self { stage, buffers: vec![points, listed], regions, wavefront }
+        Self { stage, buffers, regions, wavefront }
     }
 
     fn find(&mut self, sources: SourceInput) -> Found {
@@ -75,7 +80,7 @@ impl Atlas {
     }
 
     /// Returns the labels of the current map.
-    fn labels(&mut self, sources: SourceInput) -> Vec<u32> {
+    pub fn labels(&mut self, sources: SourceInput) -> Vec<u32> {
         let Stage { host, solver, surface, .. } = &mut self.stage;
         let (device, bytes) = (host.device.clone(), self.regions.labels().bytes);
         let copy = host.buffer(bytes, true);
@@ -95,7 +100,7 @@ impl Atlas {
         labels
     }
 
-    fn end(self) {
+    pub fn end(self) {
         let Self { mut stage, buffers, mut regions, .. } = self;
         let device = stage.host.device.clone();
         regions.destroy(&device, stage.host.allocator());
@@ -136,8 +141,36 @@ fn off(chart: Chart, found: &[u32], others: &[u32]) -> (usize, usize) {
     (differ.len(), differ.into_iter().map(far).max().unwrap_or(0))
 }
 
+/// Returns how many labels differ from the others on a glued surface, and how far away, in steps from point to
+/// neighbour and between copies, at most one of the others' labels is equal.
+pub fn off_places(surface: &Surface, found: &[u32], others: &[u32]) -> (usize, usize) {
+    let chart = surface.chart();
+    let groups: Vec<&[u32]> = surface.copies().unwrap().iter().collect();
+    let copies = |index: usize| {
+        let group = groups.iter().find(|group| group.contains(&(index as u32)));
+        group.map_or_else(|| vec![index], |group| group.iter().map(|&copy| copy as usize).collect())
+    };
+    let far = |index: usize| {
+        let mut around: std::collections::BTreeSet<usize> = copies(index).into_iter().collect();
+        for away in 0..chart.rows.max(chart.cols) {
+            if around.iter().any(|&other| others[other] == found[index]) {
+                return away;
+            }
+            let beside = around.iter().flat_map(|&index| {
+                let (row, col) = chart.position(index);
+                Direction::ALL.into_iter().filter_map(move |to| chart.neighbour(row, col, to))
+            });
+            let beside: Vec<_> = beside.collect();
+            around.extend(beside.into_iter().flat_map(|(row, col)| copies(chart.index(row, col))));
+        }
+        usize::MAX
+    };
+    let differ: Vec<usize> = (0..chart.points()).filter(|&i| found[i] != others[i]).collect();
+    (differ.len(), differ.into_iter().map(far).max().unwrap_or(0))
+}
+
 /// Returns the labels that the twin finds on its own map.
-fn of_twin(surface: &Surface, sources: &[PointSource], wavefront: Wavefront) -> Vec<u32> {
+pub fn of_twin(surface: &Surface, sources: &[PointSource], wavefront: Wavefront) -> Vec<u32> {
     let seeds = |(source, label): (&PointSource, u32)| {
         let seeds = on_cpu(&[*source]).seeds(surface).unwrap();
         let is_point = seeds.len() == 1;

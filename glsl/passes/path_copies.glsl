@@ -1,0 +1,91 @@
+// Finds the places of the grid that are one place of a glued surface. Include after times.glsl, edge_image.glsl,
+// seams.glsl and path_places.glsl.
+// Twin: src/geometry/paths/seams.rs.
+//
+// The including shader defines
+//     bool PASSES_POLES     whether paths leave a pole from another of its copies
+
+// Points with more copies are poles. Lavapipe ends all loops of an invocation after 65,535 turns in total, so that not
+// all copies of a pole can be searched.
+const int MOST_COPIES = 8;
+
+// Steps to the neighbours along rows and columns.
+const ivec2 ALONG_LINES[4] = ivec2[](ivec2(1, 0), ivec2(0, 1), ivec2(-1, 0), ivec2(0, -1));
+
+// Returns by how much the time falls along the edge from a point, per length, or -FAR if there is no such edge.
+float fall_along(ivec2 at, float time, ivec2 step) {
+    float size = edge_length(point_at(at), step);
+    float other = time_at(at + step);
+    return size > 0.0 && size < FAR && other < FAR ? (time - other) / size : -FAR;
+}
+
+// Returns the copy of a pole from which the time falls most steeply along an edge.
+ivec2 steepest_copy(ivec2 members) {
+    ivec2 steepest = member(members.x);
+    float time = time_at(steepest);
+    float most = -FAR;
+    for (int i = members.x; i < members.y; i++) {
+        ivec2 at = member(i);
+        float along_rows = max(fall_along(at, time, ALONG_LINES[0]), fall_along(at, time, ALONG_LINES[2]));
+        float along_cols = max(fall_along(at, time, ALONG_LINES[1]), fall_along(at, time, ALONG_LINES[3]));
+        float fall = max(along_rows, along_cols);
+        if (fall > most) {
+            most = fall;
+            steepest = at;
+        }
+    }
+    return steepest;
+}
+
+// Returns the end of an edge that has fewer copies, as a number of steps along the edge: 0 or 1.
+int rarer_end(ivec2 first, ivec2 along) {
+    ivec2 members = copies_of(first);
+    ivec2 others = copies_of(first + along);
+    return others.y - others.x < members.y - members.x ? 1 : 0;
+}
+
+// Returns how many numbers copy_at() takes for a place: itself, and those that may be its copies.
+int most_copies(Place place) {
+    if (SEAMS == 0 || (place.share.x > 0.0 && place.share.y > 0.0)) return 1;
+    ivec2 members = copies_of(place.first);
+    int copies = members.y - members.x;
+    if (is_point(place)) {
+        if (copies <= MOST_COPIES) return 1 + copies;
+        return PASSES_POLES ? 2 : 1;
+    }
+    ivec2 others = copies_of(place.first + ivec2(greaterThan(place.share, vec2(0.0))));
+    int rarer = min(copies, others.y - others.x);
+    // An edge between copies of one point has no length.
+    if (max(copies, others.y - others.x) == 0 || (rarer > 0 && members == others)) return 1;
+    return 1 + 4 * max(rarer, 1);
+}
+
+// Finds a copy of a place by its number. Number 0 is the place itself. Returns false if there is none of this number.
+bool copy_at(Place place, int number, out Place copy) {
+    copy = place;
+    if (SEAMS == 0 || number == 0) return true;
+    if (is_point(place)) {
+        ivec2 members = copies_of(place.first);
+        bool is_pole = members.y - members.x > MOST_COPIES;
+        copy.first = is_pole ? steepest_copy(members) : member(members.x + number - 1);
+        return copy.first != place.first;
+    }
+    // Both ends of an edge have copies that are neighbours, or are such copies themselves.
+    ivec2 along = ivec2(greaterThan(place.share, vec2(0.0)));
+    int end = rarer_end(place.first, along);
+    ivec2 from = place.first + end * along;
+    ivec2 to = place.first + (1 - end) * along;
+    ivec2 members = copies_of(from);
+    ivec2 step = ALONG_LINES[(number - 1) % 4];
+    ivec2 first = members.x < members.y ? member(members.x + (number - 1) / 4) : from;
+    ivec2 last = first + step;
+    if (!in_grid(last, grid) || (first == from && last == to) || first_copy(last) != first_copy(to)) return false;
+    // The share from `first` to `last`, and then from the end with the smaller column or row.
+    float share = max(place.share.x, place.share.y);
+    if ((end == 1) != (step.x + step.y < 0)) share = 1.0 - share;
+    ivec2 low = min(first, last);
+    // A share beside one end may be rounded to it.
+    copy.first = share == 1.0 ? max(first, last) : low;
+    copy.share = share == 1.0 ? vec2(0.0) : share * vec2(abs(step));
+    return true;
+}

@@ -1,0 +1,76 @@
+// Computes the metric at points of seams, and carries steps from a point to its copies. Include after seams.glsl,
+// over_seams.glsl and local_metric.glsl.
+// Twins: turn_at_copy() in src/surface/gluing/places.rs; at_copy() in src/geometry/directions/ways.rs, where positions
+// are known.
+
+// Returns the metric at a grid point, from edges on both sides of a seam where the grid goes on.
+Metric metric_over_seams(ivec2 at, float unit) {
+    if (SEAMS == 0) return metric_of_point(at, unit);
+    ivec2 point = point_at(at);
+    float sizes[8];
+    for (int i = 0; i < 8; i++) sizes[i] = edge_over_seams(point, NEIGHBOURS[i]);
+    return metric_of_edges(vec4(sizes[0], sizes[2], sizes[1], sizes[3]), vec4(sizes[4], sizes[6], sizes[5], sizes[7]), unit);
+}
+
+// Moves a point of the first or last column to its copy in the other one, and turns a step with it. Returns false if the
+// grid does not go on there.
+bool cross_cols(inout ivec2 at, inout vec2 step) {
+    ivec2 last = grid - 1;
+    if (lattice.x == GRID_ENDS || (at.x != 0 && at.x != last.x)) return false;
+    at.x = last.x - at.x;
+    if (lattice.x == REVERSES) {
+        at.y = last.y - at.y;
+        step.y = -step.y;
+    }
+    return true;
+}
+
+// As cross_cols(), for the first and last row.
+bool cross_rows(inout ivec2 at, inout vec2 step) {
+    ivec2 last = grid - 1;
+    if (lattice.y == GRID_ENDS || (at.y != 0 && at.y != last.y)) return false;
+    at.y = last.y - at.y;
+    if (lattice.y == REVERSES) {
+        at.x = last.x - at.x;
+        step.x = -step.x;
+    }
+    return true;
+}
+
+// Carries a step over a seam at which columns and rows do not go on, as at a fold. Its part along the seam and its part
+// across keep their lengths. Returns zero where no edge of the seam leads from both copies, as at a pole.
+vec2 step_over_fold(ivec2 from, ivec2 copy, vec2 step) {
+    float unit = longest_edge(from);
+    Metric here = metric_of_point(from, unit);
+    Metric there = metric_of_point(copy, unit);
+    if (!is_usable(here) || !is_usable(there)) return vec2(0.0);
+    for (int i = 0; i < 16; i++) {
+        ivec2 along = NEIGHBOURS[2 * (i / 4)];
+        ivec2 other = NEIGHBOURS[2 * (i % 4)];
+        if (!in_grid(from + along, grid) || !in_grid(copy + other, grid)) continue;
+        if (first_copy(from + along) != first_copy(copy + other)) continue;
+        vec2 unit_along = vec2(along) / sqrt(product(here, vec2(along), vec2(along)));
+        vec2 unit_other = vec2(other) / sqrt(product(there, vec2(other), vec2(other)));
+        float part = product(here, step, unit_along);
+        float across = sqrt(max(product(here, step, step) - part * part, 0.0));
+        // The step enters the side of `from`, and so leaves that of the copy.
+        ivec2 inward = other.yx;
+        if (!in_grid(copy + inward, grid)) inward = -inward;
+        vec2 outward = product(there, vec2(inward), unit_other) * unit_other - vec2(inward);
+        return part * unit_other + across / sqrt(product(there, outward, outward)) * outward;
+    }
+    return vec2(0.0);
+}
+
+// Returns the step at a copy of the point `from` that is the same as a step there.
+vec2 step_at_copy(ivec2 from, ivec2 copy, vec2 step) {
+    if (SEAMS == 0 || from == copy) return step;
+    ivec2 at = from;
+    vec2 turned = step;
+    if (cross_cols(at, turned) && at == copy) return turned;
+    if (cross_rows(at, turned) && at == copy) return turned;
+    at = from;
+    turned = step;
+    if (cross_rows(at, turned) && at == copy) return turned;
+    return step_over_fold(from, copy, step);
+}

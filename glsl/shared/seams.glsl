@@ -1,0 +1,27 @@
+// Finds the copies of points on glued surfaces, in pipelines that are also made for open surfaces.
+//
+// The including shader declares
+//     ivec2 grid;        columns and rows of the whole grid
+
+// Whether the surface is glued.
+layout(constant_id = 17) const int SEAMS = 0;
+
+// On open surfaces another buffer is bound, and not read.
+layout(set = 0, binding = 3) readonly restrict buffer CopiesByRow {
+    uint copies[];
+};
+
+#include "shared/copies_by_row.glsl"
+
+// Returns the members of a point's group: the first of them, and the one after the last. Points without copies have
+// none.
+ivec2 copies_of(ivec2 at) {
+    return SEAMS != 0 ? members_of(at) : ivec2(0);
+}
+
+// Returns the row-major index of the first copy of a point, which stands for all of them. A point without copies is its
+// own first copy.
+int first_copy(ivec2 at) {
+    ivec2 members = copies_of(at);
+    return members.x < members.y ? member_index(members.x) : row_major(at, grid.x);
+}
