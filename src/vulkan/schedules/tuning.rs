@@ -17,12 +17,11 @@ pub struct Tuning {
     /// Lines of texels in a block, which one dispatch of a raster scan takes. At each end of a workgroup
     /// `scan_lines - 1` texels are computed by its neighbour too.
     pub scan_lines: u32,
-    /// Whether opposite raster scans go in pairs, each in one half of the grid at a time. An iteration then has
-    /// half as many barriers, and a device may work on both scans at once. Otherwise the four scans go in turn.
-    /// The map is the same. Validation layers that track images and buffers as a whole, as those before 1.3.290
-    /// do, would report a hazard between the two scans, which access different texels. Where
-    /// [`crate::vulkan::HeadlessSolver`] turns the layers on, and with [`crate::vulkan::embed::Tools::checks`],
-    /// a barrier separates the two.
+    /// Whether opposite raster scans run in pairs, each in one half of the grid at a time. An iteration then has half
+    /// as many barriers, and a device may work on both scans at once. Otherwise the four scans run in turn. The map
+    /// is the same. The two scans access different texels, but validation layers before 1.3.290 track images and
+    /// buffers as a whole, and would report a hazard between them. So a barrier separates the two where
+    /// [`crate::vulkan::HeadlessSolver`] turns the layers on, and with [`crate::vulkan::embed::Tools::checks`].
     pub scan_pairs: bool,
     /// Number of points on a side of a tile; even.
     pub tile: u32,
@@ -39,14 +38,14 @@ pub struct Tuning {
     /// Largest number of iterations of raster scans, or of rounds of tiles, in a submission. `None` selects
     /// it by the size of the grid. On large grids a submission has fewer iterations than this.
     pub together: Option<u32>,
-    /// Largest number of texels that a submission visits, as far as single dispatches allow. `None` selects 4
-    /// million. Systems consider a device that is busy for seconds hung, and nothing else is drawn meanwhile.
-    /// An iteration that visits more texels is cut into several submissions ([`parts`](super::plan::parts)).
-    /// Recordings into a renderer's command buffer are not cut.
+    /// Largest number of texels that a submission visits; a single dispatch may visit more. `None` selects 4 million.
+    /// Operating systems reset a device that is busy for seconds, and nothing else is drawn meanwhile. An iteration
+    /// that visits more texels is cut into several submissions ([`parts`](super::plan::parts)). Recordings into a
+    /// renderer's command buffer are not cut.
     pub visits: Option<u64>,
-    /// Whether shaders of headless maps and matrices access the device's memory alone, and copies pass inputs
-    /// and results between it and the host's memory. By default they do if the device has memory of its own,
-    /// since its shaders would access the host's memory over a bus.
+    /// Whether shaders of headless maps and matrices access only the device's own memory. Inputs and results are then
+    /// copied between it and the host's memory. This is the default if the device has memory of its own, since its
+    /// shaders would access the host's memory over a bus.
     pub staged: bool,
 }
 
@@ -101,9 +100,10 @@ impl Tuning {
     /// Sizes for GPUs, measured on an NVIDIA H200 (docs/devices). Pairs of scans take 0.6 to 0.8 of the time of
     /// scans in turn from 64 to 1200 points a side. Blocks of 16 lines in place of 8 take 0.9 of the time at 1200
     /// points. At that size tiles of 32 points take 0.9 of the time of tiles of 16 or 24 points, and one
-    /// iteration in a tile 0.7 of that of two. On small grids each round has few tiles, and takes as long as the
-    /// lines of one. Up to 128 points a side, tiles of 16 points take 0.5 to 0.95 of the lines that wait for one
-    /// another, and 1.0 to 1.9 times the rounds (`tests/maps/tile_order.rs`).
+    /// iteration in a tile 0.7 of that of two. On small grids a round has few tiles, which run at the same time, and
+    /// takes as long as the consecutive lines of a single tile. Up to 128 points a side, tiles of 16 points need 1.0 to
+    /// 1.9 times as many rounds as tiles of 32 points, but only 0.5 to 0.95 as many consecutive lines in all
+    /// (`tests/maps/tile_order.rs`).
     const ON_GPU: Self = Self {
         scan_width: 128,
         scan_lines: 8,
@@ -224,7 +224,7 @@ impl Tuning {
 /// Number of points on a side of a tile of a small grid.
 const SMALL_TILE: u32 = 16;
 
-/// Largest number of lines in a block. Shaders note in the bits of a word which lines have changed.
+/// Largest number of lines in a block. Shaders have a word with one bit for each line that has changed.
 const MOST_LINES: u32 = 32;
 
 /// Default of [`Tuning::visits`]. An update of a texel reads and writes 96 bytes with planar fronts, and 144
