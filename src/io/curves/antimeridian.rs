@@ -13,7 +13,8 @@ pub(super) type Place = [f64; 3];
 pub(super) fn divided(line: &[Place]) -> Vec<Vec<Place>> {
     let line: Vec<_> = line.iter().map(with_pole).collect();
     let Some((&[first, latitude, height], rest)) = line.split_first() else { return Vec::new() };
-    // The number of turns from Greenwich to the part. Half a turn belongs to two parts.
+    // Number of full turns by which the current part lies away from longitude 0. The antimeridian, at half a turn,
+    // belongs to two parts.
     let mut turn = (first / TURN).round();
     let mut parts = vec![vec![[first - TURN * turn, latitude, height]]];
     let mut longitude = first;
@@ -44,7 +45,7 @@ pub(super) fn divided(line: &[Place]) -> Vec<Vec<Place>> {
     parts
 }
 
-/// Degrees by which longitudes and latitudes may be rounded: a tenth of a millimetre.
+/// Largest rounding error of longitudes and latitudes in degrees. It is a tenth of a millimetre on the Earth.
 const ROUNDING: f64 = 1e-9;
 
 /// Returns whether two places have the same longitude and latitude.

@@ -35,8 +35,8 @@ mod geo_key {
     pub const LARGEST_CODE: u16 = 32766;
 }
 
-/// The fields of a GeoTIFF that place its pixels: transformation, tie points and keys of the coordinate
-/// reference system. A written GeoTIFF carries those of the surface's file.
+/// The fields of a GeoTIFF that give the location of its pixels: transformation, tie points and keys of the coordinate
+/// reference system. The fields of the surface's file are written to maps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GeoTags {
     pixel_scale: Option<Vec<f64>>,
@@ -47,7 +47,7 @@ pub struct GeoTags {
     text: Option<Vec<u8>>,
 }
 
-/// The coordinates of raster place (0, 0), and their changes per row and per column.
+/// The coordinates at row 0, column 0 of the raster, and their changes per row and per column.
 #[derive(Clone, Copy)]
 struct Transform {
     origin: [f64; 2],
