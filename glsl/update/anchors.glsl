@@ -6,8 +6,8 @@ layout(set = 0, binding = 3) readonly restrict buffer Anchors {
     vec4 anchors[];
 };
 
-// Returns the metric of the floor plan: the squared length of a step of one row, the product of such a step with one of
-// one column, and the squared length of the latter.
+// Returns the metric of the floor plan: the squared length of a step to the next row, the scalar product of this step
+// and of a step to the next column, and the squared length of a step to the next column.
 vec3 metric() {
     return anchors[anchors.length() - 1].xyz;
 }

@@ -221,8 +221,8 @@ Fronts curved_from_origins(EndFronts end1, EndFronts end2, vec4 g0, vec4 l1, vec
                             bases_of_acute(faceless, c), alone, both(bvec4(causal), not(of_one)));
     bvec4 keeps_name = both(both(inexact, first.crosses), lessThan(arrival.time, vec4(FAR)));
     vec4 named = carried_on(first, arrival.time, end1.carried, g0, base);
-    // A front that does not keep the number of its origin is made later by the rounding. A front that keeps it then
-    // replaces the former if both arrive together.
+    // A front that does not keep the number of its origin is made later by the rounding. If both arrive together, one
+    // that keeps its number then replaces it.
     vec4 rounding = abs(arrival.time) * (SIGHT_ROUNDING * PRECISION);
     bvec4 gives_way = both(not(keeps_name), either(first.is_known, second.is_known));
     arrival.time = mix(arrival.time, arrival.time + rounding, gives_way);

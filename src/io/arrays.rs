@@ -38,7 +38,7 @@ pub fn read_mask(path: &Path) -> Result<Grid<bool>, IoError> {
 }
 
 /// Reads a slowness (reciprocal speed): an array (M, N) (`.npy`, or `.npz` with the name `slowness`), a
-/// GeoTIFF or an ESRI ASCII grid. In the latter two formats the slowness is infinite where the file has no data.
+/// GeoTIFF or an ESRI ASCII grid. The slowness is infinite where a GeoTIFF or an ESRI ASCII grid has no data.
 ///
 /// # Errors
 /// If the file cannot be read or has none of these formats.

@@ -143,8 +143,7 @@ pub(in crate::cpu) struct ScanLine<'l, 'g, R, C, G> {
     /// Arrival times and data carried by fronts, of all lines.
     times: &'l mut [R],
     carried: &'l mut [C],
-    /// Indices in these arrays of the line's first point, and of the first of the n + 2 points behind, which is the one
-    /// before the point behind the former.
+    /// Indices in these arrays of the line's first point, and of the first of the n + 2 points behind the line.
     here: usize,
     behind: usize,
     /// The number of points, n.

@@ -195,8 +195,8 @@ impl<R: Real> RotatedScan<R> {
     /// wavefront it equals the map that [`Self::solve`] finds from all of them, within the tolerance, since
     /// planar updates have a single fixed point. The updates of other wavefronts may have several. In practice
     /// the maps of both methods agree to rounding on smooth and on rough surfaces with holes
-    /// (`tests/maps/sampling.rs`), except where curved fronts do not settle. Arrival times only decrease. As an
-    /// exception, a curved front may be replaced by a more accurate one, which may be later by the error of the former.
+    /// (`tests/maps/sampling.rs`), except where curved fronts do not settle. Arrival times only decrease, with one
+    /// exception: a curved front may be replaced by a more accurate one, which may be later by the error of the first.
     /// Seeds that start no earlier than the map at their points change nothing. On a new solver, `add` is equivalent to
     /// `solve`.
     ///

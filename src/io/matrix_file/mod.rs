@@ -273,7 +273,7 @@ fn lock(file: &File, part: &Path) -> Result<(), IoError> {
     match file.try_lock() {
         Ok(()) => Ok(()),
         Err(TryLockError::WouldBlock) => {
-            Err(IoError::write(part, "another process is at work on it"))
+            Err(IoError::write(part, "another process is writing this file"))
         }
         // Some network file systems do not support locks.
         Err(TryLockError::Error(source)) if source.kind() == io::ErrorKind::Unsupported => Ok(()),

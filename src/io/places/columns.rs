@@ -165,6 +165,6 @@ impl Columns {
 pub(super) fn finite(number: f64, text: &str, named: &Named) -> Result<f64, String> {
     match number.is_finite() {
         true => Ok(number),
-        false => Err(format!("`{}` {named} is no finite number", excerpt(text))),
+        false => Err(format!("`{}` {named} is not a finite number", excerpt(text))),
     }
 }

@@ -42,11 +42,11 @@ pub use frame::GridFrame;
 /// | column | content |
 /// |---|---|
 /// | `row` and `col` or `column` | the place on the grid, from 0 |
-/// | else `x` and `y` | the place in the surface's map coordinates |
-/// | else `easting` and `northing` (`east`, `north`) | the same, on a projected surface |
-/// | else `lon` and `lat` (`lng`, `long`, `longitude`, `latitude`) | the same, on a geographic surface |
+/// | otherwise `x` and `y` | the place in the surface's map coordinates |
+/// | otherwise `easting` and `northing` (`east`, `north`) | map coordinates on a projected surface |
+/// | otherwise `lon` and `lat` (`lng`, `long`, `longitude`, `latitude`) | map coordinates on a geographic surface |
 /// | `t0`, `time`, `start`, `start_value` or `start_time` | start value (default 0) |
-/// | `initial`, `initial_value` or `initial_time` | start value too |
+/// | `initial`, `initial_value` or `initial_time` | start value, under another name |
 /// | `curve` | a new value begins another curve |
 /// | `closed` | 1 where the curve returns to its first vertex |
 ///
@@ -219,7 +219,7 @@ impl PlaceFile {
                 fits.then(point).ok_or_else(|| {
                     let (last, value) = (points - 1, exact(value));
                     self.content(format!(
-                        "point {value} is none of the grid's, which are 0 to {last}"
+                        "point {value} is not a point of the grid; these are 0 to {last}"
                     ))
                 })
             };

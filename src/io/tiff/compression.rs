@@ -88,7 +88,7 @@ fn lzw(data: &[u8], size: usize) -> Result<Vec<u8>, String> {
     if let [0, second, ..] = data
         && second & 1 == 1
     {
-        return Err("is LZW of a kind that was given up in 1992, which is not read".into());
+        return Err("uses the LZW compression from before TIFF 6, which is not read".into());
     }
     let mut decoder = weezl::decode::Decoder::with_tiff_size_switch(weezl::BitOrder::Msb, 8);
     let mut decoded = vec![0; size];

@@ -131,7 +131,7 @@ impl Layout {
             1 => false,
             2 => true,
             other => {
-                return Err(format!("is no usable TIFF file: FillOrder {other} means nothing"));
+                return Err(format!("is no usable TIFF file: FillOrder {other} is not valid"));
             }
         };
         let planar = match or(tag::PLANAR_CONFIGURATION, 1)? {
@@ -139,7 +139,7 @@ impl Layout {
             2 => samples > 1,
             other => {
                 return Err(format!(
-                    "is no usable TIFF file: PlanarConfiguration {other} means nothing"
+                    "is no usable TIFF file: PlanarConfiguration {other} is not valid"
                 ));
             }
         };
@@ -269,7 +269,7 @@ impl Sample {
                 ));
             }
             other => {
-                return Err(format!("is no usable TIFF file: SampleFormat {other} means nothing"));
+                return Err(format!("is no usable TIFF file: SampleFormat {other} is not valid"));
             }
         };
         let known = match kind {

@@ -117,7 +117,7 @@ impl Recorder<'_> {
         u64::from(self.tiles()) * size_of::<u32>() as u64
     }
 
-    /// Copies data that passes have written into a buffer that the host reads while the map goes on.
+    /// Copies data that passes have written into a buffer that the host reads while later passes of the map run.
     pub(super) fn copy_for_host(
         &self,
         from: vk::Buffer,

@@ -207,7 +207,8 @@ pub fn with_exchanges(steps: Vec<Step>) -> Vec<Step> {
     let mut steps = steps.into_iter().peekable();
     while let Some(step) = steps.next() {
         let exchange = match (&step, steps.peek()) {
-            // Scans, or phases of pairs, write the two images alternately. While the image stays, the scan goes on.
+            // Scans, or phases of pairs, write the two images alternately. Adjacent passes that write the same image
+            // belong to the same scan or phase.
             (Step::Scan(pass), Some(Step::Scan(next))) if pass.writes == next.writes => None,
             (&Step::Scan(ScanPass { writes: image, .. }), _)
             | (&Step::AllPoints { writes: image }, _) => {
@@ -274,8 +275,8 @@ pub struct Portions {
 }
 
 impl Portions {
-    /// Returns the number of iterations in a recording, at most `wanted`. An iteration visits the whole grid
-    /// `visits` times.
+    /// Returns the number of iterations in a recording: at most `wanted`, and no more than [`Portions::visits`] allows,
+    /// but at least one. An iteration visits the whole grid `visits` times.
     pub(in crate::vulkan) fn iterations_of(
         &self,
         visits: u64,
@@ -333,7 +334,7 @@ pub fn iterations(steps: &[Step]) -> u32 {
     steps.iter().filter(counts).count() as u32
 }
 
-/// Returns the number of texels that the scans among the steps visit, as far as they are dispatched.
+/// Returns the number of texels that the scans among the steps visit if all of their passes are dispatched.
 pub fn texels_scanned(steps: &[Step]) -> u64 {
     let visited = |step: &Step| match step {
         Step::Scan(pass) => pass.visits(),

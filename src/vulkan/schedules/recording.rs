@@ -48,7 +48,7 @@ impl Steps<'_, '_> {
 type Planned<'a, R> = (R, Variant, &'a [Step], bool);
 
 impl Recorder<'_> {
-    /// Records the start of a map before its seeds, or before what is added to a map: no iteration is done.
+    /// Records the start of a map, before its seeds or before sources that are added to it. No iteration is done yet.
     /// The map ends at `limit`. `causal` says whether the map's fronts are causal
     /// ([`crate::surface::Origins`]).
     pub(crate) fn start(

@@ -78,8 +78,8 @@ struct Choice {
 /// Best schedules. The first entry that applies is used.
 const CHOICES: [Choice; 3] = [
     // Measured on lavapipe (Mesa 22.3, two cores), planar and curved fronts. Tiles take 0.2 to 1.0 of the
-    // time of raster scans at 9 to 25 points a side, and 0.75 to 1.7 at 33 points. A dispatch costs more than
-    // a tile's work there. All points at once did best at 9 points, and took twice as long there.
+    // time of raster scans at 9 to 25 points a side, and 0.75 to 1.7 at 33 points. On such grids a dispatch costs more
+    // than the work of a tile. Updates of all points at once came closest at 9 points, where they took twice as long.
     Choice { on_cpu: true, side: 32, schedule: Schedule::Tiles },
     // Measured as above. From 49 points a side on, tiles take 2 to 20 times as long as raster scans on a sphere, since
     // barriers inside shaders are expensive on lavapipe. In a maze each round visits few tiles. At 129 to 257 points a

@@ -80,10 +80,10 @@ impl Tuning {
     }
 
     /// Sizes for devices that are CPUs. Measured on lavapipe (Mesa 22.3, two cores, 1200 x 1200 points):
-    /// blocks of four lines take 0.8 times as long as single lines with planar fronts, and 0.65 times with
-    /// curved ones. Blocks of eight lines take 0.8 and 0.75 times as long. Workgroups of 128 invocations let
-    /// blocks go in turn up to 244 points a side in place of 116. They take 0.4 to 1.1 times as long there,
-    /// and 0.9 to 2.1 times at 320 points.
+    /// blocks of four lines take 0.8 of the time of single lines with planar fronts, and 0.65 with curved ones. Blocks
+    /// of eight lines take 0.8 and 0.75. With workgroups of 128 invocations instead of 64, a dispatch takes blocks in
+    /// turn up to 244 points a side instead of 116. On grids of these sizes they take 0.4 to 1.1 of the time, and at
+    /// 320 points a side 0.9 to 2.1.
     pub const ON_CPU: Self = Self {
         scan_width: 64,
         scan_lines: 4,
@@ -167,10 +167,10 @@ impl Tuning {
             return refuse(format!("a workgroup of {scan_width} invocations is too large"));
         }
         if scan_width <= 2 * (scan_lines - 1) {
-            return refuse(format!("of {scan_width} texels none is left for {scan_lines} lines"));
+            return refuse(format!("{scan_width} invocations are too few for {scan_lines} lines"));
         }
         if !(8..=64).contains(&tile) || tile % 2 != 0 || tile_lanes.invocations() * tile > most {
-            return refuse(format!("no tile has {tile} points a side"));
+            return refuse(format!("a tile cannot have {tile} points a side"));
         }
         if Self::tile_bytes(tile, tile_edges) > bytes {
             return refuse(format!("a tile of {tile} points a side does not fit {bytes} bytes"));
@@ -182,13 +182,13 @@ impl Tuning {
             return refuse("the device does not shuffle within subgroups".into());
         }
         if inner == 0 {
-            return refuse("no iteration in a tile solves nothing".into());
+            return refuse("a tile needs at least one iteration".into());
         }
         if together == Some(0) {
-            return refuse("no iteration in a submission solves nothing".into());
+            return refuse("a submission needs at least one iteration".into());
         }
         if visits == Some(0) {
-            return refuse("no texel visited in a submission solves nothing".into());
+            return refuse("a submission must visit at least one texel".into());
         }
         Ok(())
     }
@@ -229,14 +229,14 @@ const MOST_LINES: u32 = 32;
 
 /// Default of [`Tuning::visits`]. An update of a texel reads and writes 96 bytes with planar fronts, and 144
 /// with curved ones. A submission thus moves at most 0.6 GB, which takes 12 milliseconds on an integrated GPU
-/// that moves 50 GB a second. A map of 1024 x 1024 points still has four iterations in a submission, and one
-/// of 8192 x 8192 points an eighth of a scan.
+/// that moves 50 GB a second. With 1024 x 1024 points a submission still has four iterations, and with 8192 x 8192
+/// points an eighth of a scan.
 const VISITS_TOGETHER: u64 = 1 << 22;
 
-/// Largest side in texels of a small grid. Up to this size circular and curved fronts on smooth surfaces
-/// settle in five iterations (measured: sphere, peaks, cone and torus of 33 to 129 points). On larger grids,
-/// and with planar fronts on any grid, four iterations suffice. A second submission costs a small map 6 % of
-/// its time on lavapipe.
+/// Largest side in texels of a grid whose submissions have five iterations with circular, curved and anchored fronts.
+/// Up to this size circular and curved fronts on smooth surfaces settle in five iterations (measured: sphere, peaks,
+/// cone and torus of 33 to 129 points a side). On larger grids, and with planar fronts on any grid, four iterations
+/// suffice. A second submission takes 6 % of the time of a small map on lavapipe.
 const SMALL_SIDE: u32 = 96;
 
 #[cfg(test)]
