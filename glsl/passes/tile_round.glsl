@@ -346,8 +346,8 @@ void main() {
         ivec2 other = tile + neighbour(gl_LocalInvocationIndex);
         uint wanted = uint(row_major(other, tile_grid.x));
         uint due = urgencies[gl_LocalInvocationIndex];
-        // After its last iteration a tile may have not settled, but the same fronts as before the round. Then no change
-        // has set its urgency, and it keeps the urgency that it had.
+        // A tile may not have settled in its last iteration and still have the same fronts as before the round. Then no
+        // change has set its urgency, and it keeps the previous one.
         enlist(wanted, due != 0u ? due : urgency, round + 1u, count);
     }
 }

@@ -54,7 +54,7 @@ Fronts curved_in(Shape shape, vec4 h, bvec4 upright, EndFronts end1, EndFronts e
     vec4 near_spread = max(1.0 + near_kappa * (rise - d), FOCUS);
     vec4 spread = far_spread * near_spread;
 
-    // The front along an edge: the edge from which x0 is reached first.
+    // The front along the edge from that end of the base from which it arrives first.
     vec4 grazing = GRAZING * width;
     bvec4 from_far = lessThanEqual(by_far, by_near);
     vec4 edge = mix(near_l, l, from_far);

@@ -56,7 +56,7 @@ struct Parts {
     vec4 first, second;
 };
 
-// Scalar products of the steps x0 x1 and x0 x2: the first with itself, both, and the second with itself.
+// Scalar products of the steps x0 x1 and x0 x2: of the first with itself, of both, and of the second with itself.
 struct Plane {
     vec4 first, both, second;
 };

@@ -46,8 +46,8 @@ struct Crossing {
     vec4 place, rise, beyond;
 };
 
-// Returns where the rays cross the base on which the front arrives first. Newton's method starts from `guess`, or
-// where `rays.jump` is 1 from the place that the law of refraction gives.
+// Returns the crossings of the base by the rays along which the fronts arrive first. Newton's method starts from
+// `guess`. Where `rays.jump` is 1, it starts from the place that the law of refraction gives.
 Crossing crossing_of(Slope front, Rays rays, vec4 guess) {
     vec4 across = rays.near + rays.slope * clamp(rays.foot, 0.0, 1.0);
     vec4 straight = clamp(-(front.d + rays.slope * rays.height) / across, -STEEPEST_GUESS, STEEPEST_GUESS);
@@ -157,7 +157,7 @@ Fronts curved_slowed(EndFronts end1, EndFronts end2, vec4 g0, vec4 s0, vec4 l1, 
     bvec4 is_first = both(lessThanEqual(time, min(by_far, by_near)), either(bvec4(!causal), greaterThanEqual(time, later)));
     bvec4 inside = both(both(is_front, within), is_first);
 
-    // The front along an edge: the edge from which x0 is reached first.
+    // The front along the edge from that end of the base from which it arrives first.
     bvec4 is_from_far = lessThanEqual(by_far, by_near);
     vec4 edge = mix(near_l, l, is_from_far);
     vec4 edge_g = mix(near_g, g, is_from_far);

@@ -16,8 +16,8 @@
 //!
 //! If a line fits a workgroup, one dispatch takes many blocks in turn, since dispatches that wait for one another are
 //! the main cost on small grids. The workgroup checks for each block whether it is due, and barriers inside the
-//! workgroup replace those between dispatches. Such scans have no bounds: bounds would not reduce the number of
-//! blocks in turn.
+//! workgroup replace those between dispatches. Such scans have no bounds. Bounds save workgroups, and here a dispatch
+//! has a single one.
 
 use std::ops::Range;
 

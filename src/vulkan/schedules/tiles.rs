@@ -15,9 +15,9 @@ use crate::vulkan::record::{Groups, Recorder};
 
 pub(super) struct Tiles;
 
-/// Number of rounds of a recording in addition to one for each tile along both sides of the grid. Fronts from a corner
-/// advance by one tile in a round, and settle in one or two more. A round without tiles costs a GPU 4 us, and another
-/// submission 100 us or more.
+/// Number of rounds of a recording in addition to one for each tile along both sides of the grid. Fronts from a
+/// corner of the grid cross one side of a tile in a round, and settle in one or two more rounds. A round without
+/// tiles costs a GPU 4 us, and another submission 100 us or more.
 const ROUNDS_TO_SETTLE: u32 = 4;
 
 /// Returns an estimate of the average number of tiles that a round visits, divided by the number of tiles along both

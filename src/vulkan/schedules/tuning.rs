@@ -82,8 +82,8 @@ impl Tuning {
     /// Sizes for devices that are CPUs. Measured on lavapipe (Mesa 22.3, two cores, 1200 x 1200 points):
     /// blocks of four lines take 0.8 of the time of single lines with planar fronts, and 0.65 with curved ones. Blocks
     /// of eight lines take 0.8 and 0.75. With workgroups of 128 invocations instead of 64, a dispatch takes blocks in
-    /// turn up to 244 points a side instead of 116. On grids of these sizes they take 0.4 to 1.1 of the time, and at
-    /// 320 points a side 0.9 to 2.1.
+    /// turn up to 244 points a side instead of 116. On grids between these sizes they take 0.4 to 1.1 of the time, and
+    /// at 320 points a side 0.9 to 2.1.
     pub const ON_CPU: Self = Self {
         scan_width: 64,
         scan_lines: 4,
