@@ -174,7 +174,7 @@ mod tests {
         write(&at("first"));
         assert_eq!(fs::read(at("maps/map.npy")).unwrap(), b"map");
         assert!(fs::symlink_metadata(at("first")).unwrap().is_symlink());
-        // Once more, now that the file exists.
+        // The second write replaces the file, which exists now.
         write(&at("first"));
         assert!(fs::symlink_metadata(at("maps/second")).unwrap().is_symlink());
     }

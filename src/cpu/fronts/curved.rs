@@ -338,7 +338,7 @@ fn leaves<R: Real, const SPLIT: bool>(
 
 /// Data of curved fronts that the update of a line needs.
 pub(in crate::cpu) struct CurvedLine<'k, R> {
-    /// See [`Curvatures::causal`].
+    /// Value of [`Curvatures::causal`].
     causal: bool,
     /// The origins, if fronts carry their numbers.
     origins: Option<LineOrigins<'k, R>>,
@@ -548,7 +548,7 @@ mod tests {
         assert_eq!(kept.time, R::of(1.5));
         let digit = R::epsilon().wide();
         let is_kept = |front, scan, renews| after::<R>(front, scan, renews) == kept;
-        // The same scan brings it again.
+        // The present front's own scan brings it again.
         assert!(is_kept([1.5 + digit, 0.3], 2, true));
         assert!(is_kept([1.5 - digit, 0.3 * (1.0 + 64.0 * digit)], 2, true));
         for changed in [[1.5 + 4.0 * digit, 0.3], [1.5, 0.3 * (1.0 + 4096.0 * digit)]] {

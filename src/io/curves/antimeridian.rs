@@ -124,7 +124,7 @@ mod tests {
                 found.iter().map(|part| part.iter().map(|at| [at[0], at[1]]).collect()).collect();
             assert_eq!(found, parts, "{pole}");
         }
-        // Near a pole a line goes on.
+        // Near a pole, but not at it, a line is not divided.
         let near = [[20.0, 80.0], [20.0, 89.9999], [150.0, 89.9999], [150.0, 80.0]];
         assert_eq!(parts_of(&near).len(), 1);
     }

@@ -530,7 +530,7 @@ mod tests {
             GeoTags { pixel_scale: Some(vec![30.0, 20.0, scale]), tie_points, ..tags(&keys) }
                 .vertical()
         };
-        // The values that GDAL gives.
+        // The expected values are those of GDAL.
         assert_eq!(vertical(1, 2.0, 100.0), Ok(Some([2.0, 86.0])));
         assert_eq!(vertical(0, 2.0, 100.0), Ok(None));
         assert_eq!(vertical(1, 1.0, 7.0), Ok(None));

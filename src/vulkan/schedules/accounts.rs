@@ -274,7 +274,7 @@ mod tests {
         assert_eq!((found[0].groups, found[0].iteration), (Some([3, 1, 1]), Some(3)));
         assert!(found[1].is_idle() && found[1].iteration == Some(4));
         assert_eq!((found[2].kind, found[2].groups), (PassKind::Settle, Some([6, 1, 1])));
-        // It reads and writes a state of each tile, and eight numbers of each texel that is brought back.
+        // The last pass reads and writes a state of each tile, and eight numbers of each texel that it copies.
         assert_eq!(found[2].work.bytes(), Some(2 * (6 * 4 + 37 * 2 * 16)));
     }
 
