@@ -1,14 +1,14 @@
-// Declares the band of rows that a dispatch measures. Large surfaces are measured in bands, since a device
-// may bind only part of their points at once.
+// Declares the band of rows whose edges a dispatch measures. Large surfaces are measured band by band, since a device
+// limits how much of a buffer a shader can access at once.
 
 layout(push_constant) uniform Band {
     ivec2 grid;      // columns and rows of the whole grid
-    ivec2 halo;      // columns and rows of points beyond each side; 0 where the grid ends
+    ivec2 halo;      // columns and rows of points that the buffer holds beyond each side; 0 where the grid ends
     int first_row;   // the band's first row
-    int band_rows;   // rows measured
+    int band_rows;   // number of rows in the band
     int buffer_row;  // the grid row with which the buffer starts
-    float dx;        // spacing of a height field
-    float dy;
+    float dx;        // spacing of a height field's columns
+    float dy;        // spacing of its rows
     int arcs;        // 1 for lengths along the surface, 0 for chords
     int slowed;      // 1 if the slowness is stored beside the Gaussian curvature; see surface_image.glsl
 };

@@ -3,35 +3,36 @@
 // behind it, has changed since the scan last visited the block. A visit to any other block would change
 // nothing, since the fronts that a scan computes in a block depend on the block and that line alone.
 //
-// With anchors, a scan also reads corners further behind. In obtuse triangles it also reads points beyond
-// them. Some of these points lie in the block, and are read as they were before. If one of them has changed,
-// the block is due again in the next iteration.
+// With anchors, a scan also reads corners further behind, and for obtuse triangles points beyond their bases. Some of
+// these points lie in the block itself, and are read before the scan updates them. If the scan then changes one of
+// them, the block is due again in the next iteration.
 //
-// Two opposite scans may run at the same time, each in a half of the grid. In the first phase they go from the
+// Two opposite scans may run at the same time, each in a half of the grid. In the first phase they move from the
 // ends to the middle, and in the second one from the middle to the other ends. Neither sees the changes that the
 // other makes in the same phase. So if a scan changes a line next to the middle in the second phase, the blocks
-// that see the line across the middle are due in the next iteration. These marks have words of their own: in the
-// block's own word, the block's dispatch might read them or not, by chance. No other mark concerns a block that
-// the opposite scan visits in the same phase.
+// across the middle that read this line are due in the next iteration. These marks have words of their own
+// (`due_past_middle`). In the block's own word they would race with the block's dispatch in the same phase, which may
+// or may not read them. No other mark concerns a block that the opposite scan visits in the same phase.
 //
-// A skipped block leaves both images of fronts as they are, and they are equal there. A scan that changes a
-// texel writes one image. The next scan reads that image and writes the other, and the texel's block is due
-// in it. So after each scan, the image that it writes holds the whole map. The same holds for phases in the
-// place of scans: the opposite scan, or one of the next pair, visits the texel in the next phase.
+// Where a scan skips a block, both images of fronts stay as they are, and are equal there. Where a scan changes a
+// texel, it writes one image. The next scan reads that image and writes the other one, and the texel's block is due in
+// it. So after each scan, the image that it has written holds the whole map. Phases of pairs behave in the same way:
+// in the next phase the opposite scan, or a scan of the next pair, visits the texel.
 //
 // Include after progress.glsl.
 // Twin: src/cpu/twins/blocks.rs.
 
 // Largest number of lines of texels in a block.
 layout(constant_id = 4) const int LINES = 1;
-// Whether opposite scans are at work at the same time.
+// Whether opposite scans run in pairs.
 layout(constant_id = 15) const int PAIRS = 0;
 
 layout(set = 2, binding = 2) restrict buffer Blocks {
-    // Three words for each block of each scan, in the order of an iteration. They are the group counts of its
-    // indirect dispatch: the groups of a line, 1 if the block is due or 0, and 1. For a block that is due
-    // again, the second word is 2 or 4, or a sum of these marks. The surplus groups do nothing. Each scan has
-    // one more block on each side of the grid, so that no access needs a bounds test.
+    // Three words for each block of each scan, in the order of an iteration. They are the group counts of the
+    // block's indirect dispatch: the groups of a line; 1 if the block is due, else 0; and 1. A block that is due
+    // again in the next iteration has the mark 2 or 4 added to its second word (see due_again()). Workgroups
+    // beyond the first row of groups do nothing. Each scan has one more block on each side of the grid, so that no
+    // access needs a bounds test.
     uint blocks[];
 };
 
@@ -60,7 +61,7 @@ uint due_again(uint iteration) {
     return 2u << (iteration & 1u);
 }
 
-// In place of a scan.
+// Stands for the scan that has changed a line if it is neither of the two opposite scans.
 const int NO_SCAN = -1;
 
 // Returns the block of a scan that is `number` blocks ahead of the middle. `middle` is the first block of the
@@ -69,9 +70,9 @@ int block_past(int middle, int number, bool is_forth) {
     return is_forth ? middle + number : middle - 1 - number;
 }
 
-// Makes the blocks due that see a changed line of a block behind them, in the scan `forth` and in the
-// opposite one. Points see REACH lines of texels behind them. `by` is the scan that has changed the line, or
-// NO_SCAN. With PAIRS, `middle` is the first block of the last half.
+// Makes the blocks due that read a changed line: in the scan `forth` the blocks after it, and in the opposite scan
+// those before it. The line has the number `in_block` in `block`. Updates read REACH lines of texels behind a point.
+// `by` is the scan that has changed the line, or NO_SCAN. With PAIRS, `middle` is the first block of the last half.
 void make_seen_due(int forth, int block, int in_block, int by, int middle, int pitch) {
     const int REACH = (SPLIT_REACH + 1) / 2;
     // There is one more block on each side of the grid.
@@ -94,8 +95,8 @@ void make_seen_due(int forth, int block, int in_block, int by, int middle, int p
     }
 }
 
-// Makes the block of a changed line due in both scans along such lines, as well as the blocks that see the
-// line.
+// Makes the block of a changed line due in the scan `forth` and in the opposite one, as well as the blocks that read
+// the line.
 void make_both_due(int forth, int line, int pitch) {
     int block = line / LINES;
     make_due(forth, block, pitch);

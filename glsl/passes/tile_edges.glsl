@@ -4,11 +4,11 @@
 // Whether the lengths are copied to shared memory.
 layout(constant_id = 15) const int EDGES_SHARED = 1;
 
-// The four lengths of all points, one after another, so that neighbouring invocations read neighbouring
-// words.
+// Edge lengths at all points of the window: first those to one neighbour, then those to the next, for all four.
+// Neighbouring invocations thus read neighbouring words.
 shared float lengths[EDGES_SHARED != 0 ? 4 * AREA : 1];
 
-// First point of the window, in the images.
+// First point of the window, as a point of the images.
 ivec2 window;
 
 vec4 lengths_in_image(ivec2 at) {
@@ -32,26 +32,28 @@ float edge_in_tile(ivec2 at, ivec2 step) {
     return lengths[component_stored(stored) * AREA + spot(from)];
 }
 
-// Edges that the update of a point of a line needs, from x0 to the points behind, and the bases of both triangles.
+// Lengths that an update of a point x0 needs: of the edges from x0 to the three points behind, and of the bases of both
+// triangles.
 struct Edges {
     float left, middle, right;
     float base_left, base_right;
 };
 
-// Lengths that lie in the image at a point of a line, and at the points behind that lie before and after it.
+// Edge lengths as the image stores them: at a point, and at the points diagonally behind it, before and after it along
+// the line.
 struct StoredLengths {
     vec4 here, before, after;
 };
 
-// Returns the stored lengths of a point. Scans read them two lines ahead, since a line takes less time than such
-// a read.
+// Returns the stored lengths that edges_of() needs at a point. Scans read them two lines ahead, since such a read takes
+// longer than a line.
 StoredLengths lengths_around(ivec2 at, ivec2 ahead, ivec2 along) {
     if (EDGES_SHARED != 0) return StoredLengths(vec4(0.0), vec4(0.0), vec4(0.0));
     return StoredLengths(lengths_in_image(at), lengths_in_image(at - ahead - along), lengths_in_image(at - ahead + along));
 }
 
-// Returns the edges of a point. `all` has the lengths stored around it. `behind` has those stored at the point
-// behind, and takes this point's for the next line.
+// Returns the edges of a point. `all` has the lengths stored around it. `behind` has the lengths stored at the point
+// behind. It receives those stored at this point, for the next line.
 Edges edges_of(ivec2 at, ivec2 ahead, ivec2 along, StoredLengths all, inout vec4 behind) {
     if (EDGES_SHARED != 0) {
         return Edges(edge_in_tile(at, -ahead - along), edge_in_tile(at, -ahead), edge_in_tile(at, along - ahead),

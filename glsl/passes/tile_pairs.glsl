@@ -1,5 +1,5 @@
-// Scans a tile. Each invocation has two neighbouring points of a line, and updates them from four triangles at
-// once. On CPUs each invocation adds to the cost of a barrier, so there are few invocations. Included by
+// Scans a tile with two neighbouring points of a line for each invocation, which updates them from four triangles at
+// once. This suits CPUs, where each invocation of a workgroup adds to the cost of a barrier. Included by
 // tile_round.glsl.
 
 // Updates the points `at` and `at + along` of a line of one scan.
@@ -43,7 +43,7 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
         add_parts(pair, obtuse, obtuse.zwxy, fronts);
     }
     accept(fronts, uint(copy) + 1u, may_renew, time, held);
-    // Other invocations may read parts and anchors on this line, so all of them read before any writes.
+    // Parts of obtuse triangles and anchors may read points of this line, so all invocations read before any writes.
     if (SPLITS != 0 || HAS_ANCHORS) barrier();
     times[a] = time.x;
     times[b] = time.y;
@@ -53,7 +53,8 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
     }
 }
 
-// Runs one of the four scans over its copy of the tile. All invocations see the last line before it returns.
+// Runs one of the four scans over its copy of the tile. When it returns, all invocations see the fronts that it has
+// written.
 void run_scan(int copy, bool may_renew) {
     ivec2 ahead = ahead_of(copy);
     ivec2 along = along_of(copy);
@@ -64,7 +65,7 @@ void run_scan(int copy, bool may_renew) {
     }
 }
 
-// Subgroups make no difference here; see tile_points.glsl.
+// Subgroups are not used here. The interface is that of tile_points.glsl.
 void reset_subgroup_flags() {}
 void find_subgroup_neighbours() {}
 void read_subgroup_flags() {}

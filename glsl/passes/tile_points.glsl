@@ -1,15 +1,15 @@
-// Scans a tile with one point of a line for each invocation. On a GPU this halves the work between two lines.
-// Values of the next line that do not depend on times are computed while this line waits for its neighbours.
-// Included by tile_round.glsl.
+// Scans a tile with one point of a line for each invocation. This suits GPUs: an invocation has half as much work
+// between two barriers as with a pair of points. It computes the values of the next line that do not depend on times
+// while it waits for its neighbours on this line. Included by tile_round.glsl.
 //
-// An invocation keeps the front that it has written on the line behind. With WITH_SHUFFLES it reads the fronts
-// beside that one from the registers of its neighbours. Without, and between subgroups, neighbours pass their
-// fronts in shared memory.
+// An invocation keeps the front that it has written on the line behind. With WITH_SHUFFLES it reads the two fronts
+// beside that one from the registers of its neighbours. Without it, and between subgroups, neighbours pass their
+// fronts through shared memory.
 //
-// The update takes four triangles. Here the left triangle is in x and the right one in z. The other two are
-// constants, which compilers for GPUs leave out.
+// An update takes four triangles. Here the left triangle is in x and the right one in z. The components y and w are
+// constants, and compilers for GPUs remove their computation.
 
-// Values of a triangle's component that is left out: lengths of a triangle that is not obtuse.
+// Length of the edges of the unused triangles in y and w. With equal edges they are not obtuse.
 const float UNUSED_LENGTH = 1.0;
 
 // Front, surface value and slowness at a point.
@@ -17,17 +17,17 @@ struct Seen {
     float time, carried, surface, slowness;
 };
 
-// Values at a point and behind it that the scan does not change before it reaches the point.
+// Values at a point and behind it that the scan does not change before it updates the point.
 struct Stored {
     Edges edges;
     Seen own;
-    // The neighbours behind, without their fronts.
+    // The neighbours diagonally behind. Their fronts are not valid before know_neighbours() has set them.
     Seen before, after;
-    // For invocations at the ends of a line: the neighbour behind that lies outside the tile.
+    // At an end of the line: the neighbour diagonally behind that lies outside the tile.
     Seen outside;
 };
 
-// Stored values of a point, with the shapes of its triangles, which do not depend on the fronts behind.
+// Stored values of a point, and the shapes of its triangles, which can be computed before the fronts behind are known.
 struct Prepared {
     Stored stored;
     vec4 l1, l2, base;
@@ -71,7 +71,7 @@ Prepared prepare(Stored stored) {
     return next;
 }
 
-// Returns the fronts at a point, in all components, given the three points behind.
+// Returns the front at a point, given the three points behind it. All four components are equal.
 Fronts update_point(Prepared now, Seen before, Seen behind, Seen after, Places places) {
     EndFronts near = EndFronts(sided(before.time, behind.time, 0.0), sided(before.carried, behind.carried, 0.0),
                      sided(before.surface, behind.surface, 0.0), sided(before.slowness, behind.slowness, UNUSED_LENGTH));
@@ -101,7 +101,7 @@ Fronts update_point(Prepared now, Seen before, Seen behind, Seen after, Places p
     return fronts;
 }
 
-// Returns the paths to a point.
+// Returns the paths to a point x0 as fronts with anchors, given the three points behind it. Only component x is used.
 Fronts ways_to_point(Prepared now, Seen before, Seen behind, Seen after, Places places, uint scan, bool renews) {
     EndFronts ends = EndFronts(vec4(before.time, behind.time, after.time, FAR),
                      vec4(before.carried, behind.carried, after.carried, 0.0),
@@ -110,16 +110,16 @@ Fronts ways_to_point(Prepared now, Seen before, Seen behind, Seen after, Places 
                    vec4(now.stored.own.carried));
 }
 
-// Whether the invocations before and after this one in its line are in its subgroup.
+// Whether the invocations of the points before and after this one on the line are in this invocation's subgroup.
 bool has_before = false;
 bool has_after = false;
-// Whether every line is in one subgroup.
+// Whether each line of the workgroup lies in a single subgroup.
 bool are_lines_whole = false;
 // Whether any line is divided between subgroups.
 shared uint divided;
 
-// The device chooses which invocations make a subgroup, so neighbours exchange their numbers. The workgroup has a
-// barrier after each of the first two of these functions.
+// The device chooses which invocations form a subgroup. So invocations find out by exchanging their numbers with their
+// neighbours. The caller executes a barrier after each of the first two of the following three functions.
 void reset_subgroup_flags() {
     divided = 0u;
 }
@@ -145,7 +145,7 @@ void read_subgroup_flags() {
 #endif
 }
 
-// Makes what is written on a line visible to all invocations of the scan.
+// Makes the fronts that are written on a line visible to all invocations of the scan.
 void end_line() {
 #ifdef WITH_SHUFFLES
     if (are_lines_whole) {
@@ -157,7 +157,8 @@ void end_line() {
     barrier();
 }
 
-// Completes the values of the neighbours behind by their fronts.
+// Returns the neighbours diagonally behind, `before` and `after` the point, with the fronts that the scan has written
+// there. `behind` is the point behind, at `at_behind` in the window.
 void know_neighbours(Prepared now, Seen behind, ivec2 at_behind, ivec2 along, int copy, out Seen before, out Seen after) {
     before = now.stored.before;
     after = now.stored.after;
@@ -191,8 +192,8 @@ void know_neighbours(Prepared now, Seen behind, ivec2 at_behind, ivec2 along, in
     }
 }
 
-// Runs one of the four scans over its copy of the tile. Before it returns, all invocations see the fronts that
-// it has written.
+// Runs one of the four scans over its copy of the tile. When it returns, all invocations see the fronts that it has
+// written.
 void run_scan(int copy, bool may_renew) {
     const bool SEES_FURTHER = SPLITS != 0 || HAS_ANCHORS;
     ivec2 ahead = ahead_of(copy);
@@ -221,7 +222,8 @@ void run_scan(int copy, bool may_renew) {
         vec4 time = vec4(now.stored.own.time);
         vec4 held = vec4(now.stored.own.carried);
         accept(fronts, uint(copy) + 1u, may_renew, time, held);
-        // Other invocations may read parts and anchors on this line, so all of them read before any writes.
+        // Parts of obtuse triangles and anchors may read points of this line, so all invocations read before any
+        // writes.
         if (SEES_FURTHER) end_line();
         times[copy * AREA + spot(at)] = time.x;
         if (CARRIES) carried[copy * AREA + spot(at)] = held.x;

@@ -1,15 +1,15 @@
 // Runs one round of the tiles on its list. It iterates four rotated scans inside each tile in shared memory,
-// while the points around the tile stay fixed. Then it puts the tiles beside each side that has changed on
-// the list of the next round. Tiles that are due much later than the first are put on that list without a
-// visit.
+// while the points around the tile stay fixed. Then it lists tiles for the next round: those that see a changed point
+// of this tile, and this tile itself if it has not settled. A tile that is due much later than the first tile is not
+// visited, but put on that list again.
 //
-// One workgroup is one tile. Four scans run at once on separate copies of its fronts. The invocations of a
-// scan share the points of a line: each has two neighbouring points (tile_pairs.glsl), or with WITH_POINTS
-// one (tile_points.glsl). The fronts of a tile lie in one of the two images and are written to the other, so
+// Each workgroup visits one tile. It runs four scans at once, each on its own copy of the tile's fronts. The
+// invocations of a scan share the points of a line: each has two neighbouring points (tile_pairs.glsl), or with
+// WITH_POINTS one (tile_points.glsl). A tile's fronts are read from one of the two images and written to the other, so
 // that a round does not depend on the order of its workgroups.
 //
-// The including shader may define WITH_POINTS, and with it WITH_SHUFFLES. These are no specialization
-// constants, since drivers would take time to read code that is then left out.
+// The including shader may define WITH_POINTS, and with it WITH_SHUFFLES. These are macros and not specialization
+// constants, since drivers would spend time on code that a constant only disables.
 // Twin: src/cpu/twins/tile_round.rs.
 
 #include "shared/constants.glsl"
@@ -20,7 +20,7 @@
 #include "shared/surface_image.glsl"
 #include "shared/progress.glsl"
 
-// Number of points on a side of a tile, and of texels.
+// Number of points along a side of a tile, and number of texels along it.
 layout(constant_id = 5) const int TILE = 16;
 const int TEXELS = TILE / 2;
 
@@ -46,9 +46,9 @@ const int INVOCATIONS = 4 * TILE;
 #else
 const int INVOCATIONS = 2 * TILE;
 #endif
-// Number of texels of the tile for each invocation.
+// Largest number of the tile's texels that one invocation handles.
 const int SHARE = (OWN_TEXELS + INVOCATIONS - 1) / INVOCATIONS;
-// Number of texels in and around the tile, and of those for each invocation.
+// Number of texels in and around the tile, and the largest number of them that one invocation loads.
 const int TEXELS_AROUND = (TEXELS + 2) * (TEXELS + 2);
 const int LOADS = (TEXELS_AROUND + INVOCATIONS - 1) / INVOCATIONS;
 
@@ -61,17 +61,17 @@ shared float times[4 * AREA];
 shared float carried[CARRIES ? 4 * AREA : 1];
 shared uint tile_number;
 shared uint tile_urgency;
-shared uint states[9]; // states of 3 x 3 tiles; outside the grid, that of the nearest tile
+shared uint states[9]; // states of the 3 x 3 tiles around this one; outside the grid, that of the nearest tile
 shared uint change;
 shared uint border_change;
-shared uint woken; // tiles that the next round visits, as bits of 3 x 3 tiles
+shared uint woken; // tiles listed for the next round: one bit for each of the 3 x 3 tiles, row by row
 shared uint urgencies[9]; // urgencies of these tiles
 
-// Context of front_at(): the copy that it reads.
+// Number of the copy of the fronts that front_at() reads.
 int copy_here;
 
-// Returns the front at a point. In and around the tile it comes from the copy; elsewhere it is the one from
-// before the round.
+// Returns the front at a point: in and around the tile that of the copy `copy_here`, elsewhere the front before the
+// round.
 vec2 front_at(ivec2 point) {
     ivec2 at = point - window;
     if (in_grid(at, ivec2(SIDE))) {
@@ -96,13 +96,14 @@ vec2 front_at(ivec2 point) {
 #include "update/splits.glsl"
 #include "update/anchored_ways.glsl"
 
-// Returns the step to one of the 3 x 3 tiles around a tile.
+// Returns the step from a tile to one of the 3 x 3 tiles around it.
 ivec2 neighbour(uint bit) {
     return from_row_major(int(bit), 3) - 1;
 }
 
-// Loads the number and urgency of a tile of the list into shared memory, and the states of 3 x 3 tiles, each by another
-// invocation. A barrier does not order accesses to buffers, so what is changed in this pass is read atomically.
+// Loads the number and urgency of a listed tile into shared memory, and the states of the 3 x 3 tiles around it. Each
+// of the first nine invocations loads one state. Other workgroups of this pass may change these values, so they are
+// read atomically: barrier() does not order accesses to buffers.
 void load_states(uint entry, uint count, ivec2 tile_grid) {
     uint number = atomicOr(tiles[entry], 0u);
     ivec2 tile = from_row_major(int(number), tile_grid.x);
@@ -114,7 +115,7 @@ void load_states(uint entry, uint count, ivec2 tile_grid) {
     }
 }
 
-// Returns one of the texels in and around a tile, counted from the tile's first.
+// Returns the i-th of the texels in and around a tile, counted from the tile's first texel.
 ivec2 texel_around(int i) {
     return from_row_major(i, TEXELS + 2) - 1;
 }
@@ -124,7 +125,7 @@ struct Held {
     vec4 time, carried, surface, slowness;
 };
 
-// Returns what is held at the i-th of the texels in and around a tile.
+// Returns the values at the i-th of the texels in and around a tile.
 Held held_at(int i, ivec2 tile, ivec2 tile_grid) {
     ivec2 texel = min(first_texel_of(tile) + texel_around(i), last_texel(texels));
     uint state = states[row_major(tile_with(texel, tile_grid) - tile + 1, 3)];
@@ -141,8 +142,8 @@ Held held_at(int i, ivec2 tile, ivec2 tile_grid) {
     return held;
 }
 
-// Loads a tile and the points around it into shared memory. An invocation issues all its reads before it uses
-// the first, so that it waits for them once.
+// Loads a tile and the points around it into shared memory. An invocation issues all its reads before it uses the
+// first of them, so that it waits only once.
 void load(ivec2 tile, ivec2 tile_grid) {
     Held all[LOADS];
     int first = int(gl_LocalInvocationIndex);
@@ -166,7 +167,7 @@ void load(ivec2 tile, ivec2 tile_grid) {
     }
 }
 
-// Returns the place across the lines at which a scan begins.
+// Returns the row or column, as a step in the window, of the first line that a scan updates.
 ivec2 first_line_of_tile(ivec2 ahead) {
     return (ahead.x + ahead.y > 0 ? 1 : TILE) * abs(ahead);
 }
@@ -177,7 +178,7 @@ ivec2 first_line_of_tile(ivec2 ahead) {
 #include "passes/tile_pairs.glsl"
 #endif
 
-// Makes the four copies equal again, with the first front to arrive at each point.
+// Makes the four copies equal again at the points of a texel: each point gets the front that arrives first.
 void merge(ivec2 in_tile, inout vec4 time, inout vec4 held) {
     for (int j = 0; j < 4; j++) {
         int at = spot(first_in_window(in_tile) + to_corner(j));
@@ -186,8 +187,8 @@ void merge(ivec2 in_tile, inout vec4 time, inout vec4 held) {
             for (int copy = 0; copy < 4; copy++) {
                 float other = times[copy * AREA + at];
                 float other_held = carried[copy * AREA + at];
-                // Only fronts that the copy's own scan has brought count; others are from before. If the front
-                // from before has been withdrawn, no front is left.
+                // A copy counts only where its own scan has brought the front; other fronts are from before. If a scan
+                // has withdrawn the front from before and no scan has brought another, no front is left.
                 if (other >= FAR && !found) {
                     time[j] = other;
                     held[j] = other_held;
@@ -204,7 +205,7 @@ void merge(ivec2 in_tile, inout vec4 time, inout vec4 held) {
     }
 }
 
-// Returns the tiles that may see a point of this tile, as bits of 3 x 3 tiles.
+// Returns which tiles around this one may read the point `at` of this tile, as bits of 3 x 3 tiles.
 uint sides_of(ivec2 at) {
     const int REACH = SPLITS != 0 ? SPLIT_REACH : 1;
     uint bits = 0u;
@@ -228,14 +229,14 @@ void main() {
     barrier();
     uint number = tile_number;
     uint urgency = tile_urgency;
-    // The limit has fallen since the tile was put on the list.
+    // Targets have lowered the limit since the tile was listed.
     if (due_at(urgency) > limit) return;
     if (waits(urgency, round)) {
         if (gl_LocalInvocationIndex == 0u) {
             atomicOr(tiles[entry], uint(HAS_WAITED));
             enlist(number, urgency, round + 1u, count);
             atomicAdd(rounds[ROUND_WORDS * round + 4u], 1u);
-            // A tile that waits means that the map has not converged.
+            // The map has not converged while a tile waits.
             atomicMax(unsettled[round], tolerance + 1u);
         }
         return;
@@ -273,7 +274,7 @@ void main() {
         time[k] = time_before[k];
         held[k] = held_before[k];
     }
-    // Another subgroup may write the first line of a scan, so all invocations must have read their texels before.
+    // All invocations must have read their texels before any subgroup writes the first line of a scan.
     barrier();
     read_subgroup_flags();
 
@@ -297,7 +298,7 @@ void main() {
         if (all_change <= tolerance) break;
     }
 
-    // The tiles around this one that lie on the grid.
+    // Bits of those of the 3 x 3 tiles that lie on the grid.
     uint around = 0u;
     for (uint i = 0u; i < 9u; i++) {
         ivec2 other = tile + neighbour(i);
@@ -345,8 +346,8 @@ void main() {
         ivec2 other = tile + neighbour(gl_LocalInvocationIndex);
         uint wanted = uint(row_major(other, tile_grid.x));
         uint due = urgencies[gl_LocalInvocationIndex];
-        // A tile may end with the fronts it had before the round although its last iteration changed them. Then it
-        // has no urgency of its own.
+        // A tile may not have settled in its last iteration and still have the same fronts as before the round. Then no
+        // change has set its urgency, and it keeps the previous one.
         enlist(wanted, due != 0u ? due : urgency, round + 1u, count);
     }
 }

@@ -1,17 +1,17 @@
-// Manages tiles of TEXELS x TEXELS texels. A tile is visited if its surroundings have changed, approximately in
-// the order in which fronts arrive, so that early fronts are not replaced later. A tile is due at the
-// earliest time that has changed beside it. It waits while the first tile is due much earlier. The margin
-// decides the order of visits, but not the result. Include after progress.glsl. The including shader defines
-// TEXELS.
+// Manages tiles of TEXELS x TEXELS texels. A tile is due if a front in it or beside it has changed since its last
+// visit. Tiles are visited approximately in the order of the earliest arrival times that have changed, so that most
+// fronts do not have to be replaced later. A tile waits while the first tile is due much earlier (see waits()). Waiting
+// affects the order of visits, but not the map. Include after progress.glsl. The including shader defines TEXELS.
 
 #include "shared/start.glsl"
 #include "shared/processor.glsl"
 #include "shared/groups.glsl"
 
 layout(set = 2, binding = 1) restrict buffer Tiles {
-    // For each tile its state, then the number of the round for which it is listed. Then two lists of tiles.
-    // Then the urgency of each tile in even rounds and in odd rounds: a round sets the urgencies that the
-    // next round reads, and none of its own tiles clears them.
+    // Six arrays with an element for each tile of the grid: the tiles' states (see image_before()); the rounds for
+    // which they are listed, counted from 1; the lists of even rounds and of odd rounds; and the urgencies in even
+    // rounds and in odd rounds. A round sets urgencies for the next round while its own tiles clear theirs, so both
+    // have arrays of their own.
     uint tiles[];
 };
 
@@ -25,7 +25,7 @@ ivec2 first_texel_of(ivec2 tile) {
     return with_border(TEXELS * tile);
 }
 
-// Returns the tile to which a texel belongs. For a texel of the border it is the tile beside it.
+// Returns the tile to which a texel belongs. A texel of the border belongs to the tile beside it.
 ivec2 tile_with(ivec2 texel, ivec2 tile_grid) {
     return clamp(without_border(texel) / TEXELS, ivec2(0), tile_grid - 1);
 }
@@ -38,19 +38,19 @@ uint image_before(uint state, uint round) {
     return (state >> 1) == round + 1u ? 1u - image : image;
 }
 
-// Returns the length of the columns in which workgroups of one tile each are dispatched, for up to `count`
-// tiles. Columns are as short as possible while their number is one that every device supports.
+// Returns the number of workgroups in a column of a dispatch of up to `count` tiles, with one workgroup for each tile.
+// Columns are as short as they can be with at most MOST_GROUPS of them, which every device supports.
 // Twin: column_of in src/vulkan/record/commands.rs.
 uint column_of(uint count) {
     return (count + MOST_GROUPS - 1u) / MOST_GROUPS;
 }
 
-// Returns the index of a workgroup in such a dispatch. The last column may extend beyond the tiles.
+// Returns the index of this workgroup in such a dispatch. In the last column the index may exceed the number of tiles.
 uint place_in_dispatch(uint count) {
     return group_number().x * column_of(count) + group_number().y;
 }
 
-// Returns the urgency of a time: larger for earlier times. 0 means not due.
+// Returns the urgency of a tile that is due at a time: larger for earlier times. An urgency of 0 means not due.
 uint urgency_of(float time) {
     return ~rank_of(time);
 }
@@ -64,7 +64,8 @@ uint urgency_at(uint tile, uint for_round, uint count) {
     return (4u + (for_round & 1u)) * count + tile;
 }
 
-// Puts a tile on the list for a round unless it is on it. `count` is the number of tiles.
+// Puts a tile on the list for a round, unless it is on it already, and raises its urgency to `urgency` if that is
+// larger. `count` is the number of tiles.
 void enlist(uint tile, uint urgency, uint for_round, uint count) {
     atomicMax(tiles[urgency_at(tile, for_round, count)], urgency);
     uint of_round = ROUND_WORDS * for_round;
@@ -75,7 +76,8 @@ void enlist(uint tile, uint urgency, uint for_round, uint count) {
     if (place % column_of(count) == 0u) atomicAdd(rounds[of_round], 1u);
 }
 
-// Returns whether a tile must wait for the next round. A GPU takes no longer for a few tiles than for one.
+// Returns whether a tile must wait for the next round. On a GPU no tile waits on a short list, since a few tiles take
+// no longer than one.
 bool waits(uint urgency, uint round) {
     if (ON_PROCESSOR == 0 && rounds[ROUND_WORDS * round + 3u] <= uint(FEW_TILES)) return false;
     float band = BAND_SIDES * float(2 * TEXELS) * typical_edge;

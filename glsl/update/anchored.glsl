@@ -1,6 +1,6 @@
-// Implements fronts that carry the number of their anchor, with a tag. The surface values hold corners and
-// holes. The update is in anchored_ways.glsl. Anchors are numbered: first the points of the grid, row by row,
-// then sources inside cells.
+// Implements fronts that carry the number of their anchor, with a tag. The surface value at a point tells whether the
+// point is a corner of a hole, and where the hole lies (corner.glsl). The update is in anchored_ways.glsl. Anchors have
+// numbers: first the points of the grid, row by row, then from FIRST_INSIDE on the sources inside cells.
 // Twins: the anchored front in src/update, and src/vulkan/upload/anchors.rs.
 
 // Returns the number of the anchor that a front carries.
@@ -9,8 +9,8 @@ uint number_of(float held) {
     return bits >> 31 << 25 | (bits >> 4 & (FIRST_INSIDE - 1u));
 }
 
-// Encodes the number of an anchor as a float that devices keep unchanged: neither too small nor too large,
-// and with room for a tag.
+// Encodes the number of an anchor as a float with room for a tag. Devices keep this float unchanged: it is neither so
+// small that they flush it to zero, nor infinite or NaN.
 float with_number(uint number) {
     return uintBitsToFloat(number >> 25 << 31 | 1u << 29 | (number & (FIRST_INSIDE - 1u)) << 4);
 }
@@ -24,8 +24,9 @@ bool is_shorter(float a, float b) {
     return a < b * (1.0 - ALIKE * PRECISION);
 }
 
-// Accepts fronts that are shorter by more than rounding. Fronts that the same scan brings again are accepted
-// too, if `renews` is set. `scan` is counted from 1.
+// Replaces the present fronts (`time`, `anchor`) by those that a scan brings, where these are earlier by more than
+// rounding. If `renews` is set, fronts that the same scan brought before are replaced too, unless nothing but rounding
+// has changed. `scan` is counted from 1.
 void accept_anchored(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 anchor) {
     const float alike = 1.0 - ALIKE * PRECISION;
     vec4 tagged = with_tags(fronts.carried, uvec4(scan));
@@ -38,7 +39,8 @@ void accept_anchored(Fronts fronts, uint scan, bool renews, inout vec4 time, ino
     time = mix(time, fronts.time, accepted);
 }
 
-// Returns how much changes of anchors count beside changes of times, in units of the last place.
+// Returns the change of time, in units of the last place, as which a change of anchors at any of four points counts.
+// It is 0 if no anchor has changed.
 uint change_of_anchor(vec4 before, vec4 anchor) {
     return all(are_alike_but_for_tags(before, anchor)) ? 0u : uint(ANCHOR_COUNTS / PRECISION);
 }

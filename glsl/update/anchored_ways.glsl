@@ -1,13 +1,12 @@
-// Implements the update of fronts with anchors, which is exact over floor plans. Four points are updated at once if
-// all neighbours behind each of them have the same anchor, which holds nearly everywhere. Other points are
-// updated one after another. Include after wavefront.glsl, edge_image.glsl, surface_image.glsl and
-// splits.glsl.
+// Implements the update of fronts with anchors, which is exact over floor plans. Nearly everywhere, all neighbours
+// behind a point have the same anchor. Such points are updated together, four at once. Other points are updated one
+// after another. Include after wavefront.glsl, edge_image.glsl, surface_image.glsl and splits.glsl.
 // Twin: src/update/anchored.rs and src/update/sight.rs, where it is explained.
 
 #include "shared/processor.glsl"
 #include "update/corner.glsl"
 
-// A path to a point: the arrival time, the anchor, and the arrival time at the anchor.
+// A path to a point: the arrival time there, the anchor's number, and the arrival time at the anchor.
 struct Way {
     float time;
     uint anchor;
@@ -16,15 +15,16 @@ struct Way {
 
 const Way NO_WAY = Way(FAR, 0u, FAR);
 
-// An anchor, as far as it is known.
+// An anchor, with what its own front tells about the path to it.
 struct Anchor {
     uint number;
     vec2 place;  // column and row: whole numbers, except for sources
-    float time;  // FAR if it has not been reached
-    uint before; // its own anchor: itself, if it is a source or is not known to be reached
+    float time;  // arrival time; FAR if the anchor has not been reached
+    uint before; // number of its own anchor; its own number if it is a source or has not been reached
 };
 
-// Three neighbours and their anchors.
+// The fronts at the three neighbours behind a point, and their anchors. Neighbours 0 and 1 are the ends of the first
+// triangle, 1 and 2 those of the second.
 struct Known {
     vec3 time;
     uvec3 anchor;
@@ -33,8 +33,8 @@ struct Known {
     uvec3 before;  // anchor of the anchor
 };
 
-// Returns the shorter of two paths. Of two equally long ones on one line, it returns the one from the last
-// corner passed.
+// Returns the shorter of two paths. Of two equally long ones, it returns the path whose anchor is reached later: on one
+// line, this is the last corner that the path passes.
 Way shorter(Way a, Way b) {
     bool as_long = !is_shorter(a.time, b.time) && !is_shorter(b.time, a.time);
     bool second = as_long ? b.start > a.start : b.time < a.time;
@@ -51,8 +51,8 @@ uint number_at(ivec2 point) {
     return uint(row_major(point, points_in_row()));
 }
 
-// Returns the grid point with a number. It avoids integer division, which is slow on devices. No image has so
-// many rows that rounding leads further than to the next row.
+// Returns the grid point with a number. It divides floats, since integer division is slow on devices. Rounding may give
+// an adjacent row, which is corrected. No image has enough rows for a larger error.
 ivec2 point_of(uint anchor) {
     int row = points_in_row();
     int y = int(float(anchor) / float(row));
@@ -62,7 +62,7 @@ ivec2 point_of(uint anchor) {
     return ivec2(x, y);
 }
 
-// Returns the lengths of straight lines.
+// Returns the lengths of straight lines that extend over `cols` columns and `rows` rows.
 vec4 lengths_of(vec4 cols, vec4 rows) {
     vec3 m = metric();
     return sqrt(rows * (m.x * rows + (m.y + m.y) * cols) + m.z * cols * cols);
@@ -73,14 +73,14 @@ float length_of(vec2 to) {
     return sqrt(to.y * (m.x * to.y + (m.y + m.y) * to.x) + m.z * to.x * to.x);
 }
 
-// Returns twice the area between two steps. It is exactly zero between a step and itself, even on devices
-// that fuse a product with the difference.
+// Returns twice the signed area of the triangle between two steps. `precise` forbids fused multiply-adds, so that the
+// area between a step and itself is exactly zero.
 float area_of(vec2 a, vec2 b) {
     precise float area = a.x * b.y - a.y * b.x;
     return area;
 }
 
-// Returns an anchor, as far as it is known, given its number.
+// Returns the anchor with a number.
 Anchor anchor_of(uint number) {
     if (number >= FIRST_INSIDE) {
         vec4 source = source_inside(number - FIRST_INSIDE);
@@ -91,12 +91,13 @@ Anchor anchor_of(uint number) {
     return Anchor(number, vec2(point), front.x, front.x < FAR ? number_of(front.y) : number);
 }
 
-// Returns the straight path from an anchor that was reached at `start`.
+// Returns the straight path over `step` from an anchor that is reached at `start`.
 Way way_from(vec2 step, float start, uint anchor) {
     return Way(start + length_of(step), anchor, start);
 }
 
-// Returns on which side of one step another lies. The result is exact between points of the grid.
+// Returns the side of the step `border` on which `step` lies: 1, -1, or 0 if both lie on one line. The result is exact
+// for steps between grid points.
 int side_of(vec2 border, vec2 step) {
     if (border == floor(border) && step == floor(step)) {
         ivec2 a = ivec2(border);
@@ -106,8 +107,8 @@ int side_of(vec2 border, vec2 step) {
     return int(sign(area_of(border, step)));
 }
 
-// Returns the step in one of the eight directions. It uses no table, since lavapipe reads tables for idle
-// invocations too, at any index.
+// Returns the step in one of the eight directions. It computes the step, since lavapipe would read a table for inactive
+// invocations too, at indices out of bounds.
 ivec2 step_of(int to) {
     return ivec2(int(0x83u >> to & 1u) - int(0x38u >> to & 1u),
                  int(0xe0u >> to & 1u) - int(0x0eu >> to & 1u));
@@ -131,7 +132,7 @@ int shadow_of(vec2 ray, ivec2 corner) {
 // The shape of the path from an anchor to an end of a base.
 struct Detour {
     bool known;
-    uint corner; // first corner at which it bends; the end's own anchor if it is straight or not known
+    uint corner; // first corner at which it bends; the end's own anchor if the path is straight or not known
     vec2 border; // step from the anchor to that corner
     bool winds;  // whether the path bends to both sides
 };
@@ -192,9 +193,8 @@ int axis_of(bool by_cols, float step) {
     return by_cols ? (step > 0.0 ? 0 : 4) : (step > 0.0 ? 6 : 2);
 }
 
-// Returns whether the straight line from a point to an anchor passes over floor only. The line is followed
-// from one grid line to the next: from column to column if it passes more columns than rows, otherwise from
-// row to row.
+// Returns whether the straight line from a point to an anchor, given as a step, crosses no hole. The line is followed
+// from one grid line to the next: from column to column if it passes more columns than rows, otherwise from row to row.
 bool is_clear(ivec2 point, vec2 step) {
     bool by_cols = abs(step.x) >= abs(step.y);
     int ahead = axis_of(by_cols, by_cols ? step.x : step.y);
@@ -203,11 +203,12 @@ bool is_clear(ivec2 point, vec2 step) {
     float aside = min(abs(step.x), abs(step.y));
     int eighth = toward == ((ahead + 2) & 7) ? ahead : (ahead + 7) & 7;
 
-    // Along edges, one of the cells on both sides must be present.
+    // Where the line runs along edges, the cell on at least one side of each edge must be present.
     bool on_edges = aside == 0.0 || aside == lines;
     int diagonal = toward == ((ahead + 2) & 7) ? ahead + 1 : (ahead + 7) & 7;
     int edge = aside == 0.0 ? ahead : diagonal;
-    // Otherwise the line must pass through edges with cells on both sides, or through points.
+    // Otherwise the cells on both sides of each edge that the line crosses must be present. At a grid point on the
+    // line, both eighths through which the line passes must be.
     uint through_point = 1u << eighth | 1u << ((eighth + 4) & 7);
     float beyond = 0.0;
     float left = lines;
@@ -218,8 +219,8 @@ bool is_clear(ivec2 point, vec2 step) {
             point += step_of(edge);
             left -= 1.0;
         } else {
-            // `beyond` is how far the line lies beyond the point where it passes the next grid line, times
-            // the total number of lines.
+            // `beyond` is the offset of the line from `point` on the next grid line, times the total number of grid
+            // lines. The product is exact if the anchor is a grid point.
             beyond += aside * min(left, 1.0);
             ivec2 next = point + step_of(toward);
             if (beyond > lines) clear = (blocked_eighths(surface_at(next)) & beside(ahead)) == 0u;
@@ -236,17 +237,17 @@ bool is_clear(ivec2 point, vec2 step) {
     return clear;
 }
 
-// Returns whether x0 is outside the shadow that hides an end of its base from an anchor. That shadow lies
-// behind the first corner on the path from the anchor to the end, on the side of the corner's hole. If the
-// end does not lie in it, or the path winds between holes, the end may lie in the shadow of another corner.
-// It does if the straight line would be shorter than its path. Only then x0's own line is followed over the
-// grid.
+// Returns whether an anchor is visible from x0, given one end of the base, `point`. The end's path shows which corner
+// hides the anchor from the end: the first corner on the path from the anchor. Its shadow lies behind it, on the side
+// of its hole. If the end lies in this shadow, x0 sees the anchor if x0 lies outside it. If the end lies elsewhere, or
+// its path winds between holes, another corner may hide the anchor. This is so if the straight line to the end would
+// be shorter than its path. Only then the straight line from x0 is followed over the grid.
 bool sees(vec2 x0, vec2 point, Anchor anchor, float start, Known ends, int end) {
     Detour detour = detour_of(anchor, start, point, ends, end);
     int shadow = 0;
     if (detour.known && detour.corner < FIRST_INSIDE) shadow = shadow_of(detour.border, point_of(detour.corner));
-    // On the border of the shadow, the end's own anchor serves equally well, and it knows which corners come
-    // next.
+    // If x0 lies on the border of the shadow, the path past the corner is as long. Then this anchor is rejected in
+    // favour of the end's own anchor, which knows the corners that come next, unless the corner is that anchor itself.
     bool is_own = detour.corner == ends.anchor[end];
     bool is_told = shadow != 0 && (is_own || side_of(detour.border, point - anchor.place) * shadow > 0);
     int of_x0 = side_of(detour.border, x0 - anchor.place) * shadow;
@@ -257,21 +258,21 @@ bool sees(vec2 x0, vec2 point, Anchor anchor, float start, Known ends, int end) 
     return !is_hidden || is_clear(ivec2(x0), anchor.place - x0);
 }
 
-// Returns the arrival times at an anchor. `known` is the time stored there, and `time - straight` is the
-// time that the neighbour implies. If both agree up to rounding, the known time is returned. Otherwise the implied
-// one is returned, since the anchor may have changed.
+// Returns the arrival times at an anchor. `known` is the time stored there. A neighbour with the arrival time `time` at
+// the distance `straight` from the anchor implies the time `time - straight`. If both agree up to rounding, the result
+// is the known time. Otherwise the anchor's front may have changed, and the result is the implied time.
 vec4 start_of(float known, vec4 time, vec4 straight) {
     vec4 follows = time - straight;
     return mix(follows, vec4(known), lessThanEqual(abs(known - follows), ALIKE_AT_ANCHOR * PRECISION * time));
 }
 
-// Returns the shortest path to the i-th of four points, past three successive neighbours. It may come along
-// an edge: from its end if that is a corner, otherwise straight on. Or it comes straight through a triangle,
-// from an anchor of its ends or from the anchors of these.
+// Returns the shortest path to the i-th of four points, given the three neighbours behind each. The path may come along
+// an edge: from the neighbour if that is a corner, otherwise from the neighbour's anchor on the same line. Or it comes
+// straight through a triangle, from the anchor of one of its ends or from an earlier anchor on the path to that end.
 //
-// Each step is written once, in a loop over what is left to examine. lavapipe runs all lanes through every
-// branch, so that written code costs time, and loops over bits are not unrolled. No loop is tested at its
-// end: lavapipe would then overwrite the results of lanes that leave the loop earlier than others.
+// Each case is written once, in a loop over the bits of the cases left to examine. lavapipe runs all lanes through all
+// code, so that each copy would cost time, and it does not unroll loops over bits. No loop has its test at the end:
+// lavapipe would then overwrite the results of lanes that leave the loop earlier than others.
 Way reach(ivec2 point, NeighboursBehind sight, Places places, int i) {
     vec2 x0 = vec2(point);
     vec2 ahead = vec2(places.ahead);
@@ -305,8 +306,8 @@ Way reach(ivec2 point, NeighboursBehind sight, Places places, int i) {
         if (bends || goes_on) best = shorter(best, way);
     }
 
-    // Two bits for each triangle: whether to try the anchors of its one end and of its other end. If both
-    // ends have one anchor, it alone lights everything between them.
+    // Two bits for each triangle: whether to try the anchors of its first end and of its second end. If both ends have
+    // the same anchor, all points between them see this anchor, and no other one is tried.
     bvec2 of_one = equal(ends.anchor.xy, ends.anchor.yz);
     left = (reached & 3u) == 3u ? (of_one.x ? 1u : 3u) : 0u;
     left |= (reached & 6u) == 6u ? (of_one.y ? 4u : 12u) : 0u;
@@ -315,7 +316,7 @@ Way reach(ivec2 point, NeighboursBehind sight, Places places, int i) {
     int lines = 0;
     int bends = 0;
     bool goes_back = false;
-    vec2 went = vec2(0.0); // from the anchor to the place examined before
+    vec2 went = vec2(0.0); // step from the anchor to the place examined before it
     Anchor anchor = Anchor(0u, vec2(0.0), FAR, 0u);
     Way way = NO_WAY;
     while (goes_back || left != 0u) {
@@ -365,15 +366,15 @@ Way reach(ivec2 point, NeighboursBehind sight, Places places, int i) {
     return best;
 }
 
-// Returns a mask with a bit for each true component.
+// Returns a mask with a bit for each component that is true.
 uint bits_of(bvec4 which) {
     uvec4 each = mix(uvec4(0u), uvec4(1u, 2u, 4u, 8u), which);
     return each.x | each.y | each.z | each.w;
 }
 
-// Returns the paths that a scan brings to the points whose bits are set in `points`, given their present
-// fronts. `scan` is counted from 1. There is no path to a point whose neighbours are all reached later,
-// unless the scan is to renew the front that it brought earlier.
+// Returns the paths that a scan brings to the points whose bits are set in `points`. `time` and `held` are the present
+// fronts there, and `scan` is counted from 1. A point whose neighbours are all reached later gets no path, unless
+// `renews` is set and the same scan brought its present front.
 Fronts ways_to(NeighboursBehind sight, Places places, uint points, uint scan, bool renews, vec4 time, vec4 held) {
     Fronts found = Fronts(vec4(FAR), vec4(0.0), bvec4(false));
     vec4 reached[3];
@@ -391,8 +392,8 @@ Fronts ways_to(NeighboursBehind sight, Places places, uint points, uint scan, bo
     uint left = bits_of(wanted) & points;
     if (left == 0u) return found;
 
-    // Points whose neighbours all have one anchor, and among them those with the same anchor as the first
-    // one.
+    // `of_one`: points whose neighbours all have one anchor. `alike`: those of them with the same anchor as the first
+    // such point. They are updated together.
     bvec4 of_one = wanted;
     for (int k = 0; k < 3; k++) {
         bvec4 is_none = greaterThanEqual(reached[k], vec4(FAR));
@@ -402,10 +403,10 @@ Fronts ways_to(NeighboursBehind sight, Places places, uint points, uint scan, bo
     float held_there = told[first != 0u ? findLSB(first) : 0];
     bvec4 alike = both(bvec4(first != 0u), both(of_one, are_alike_but_for_tags(told, vec4(held_there))));
 
-    // The remaining points. On GPUs all invocations turn to the same point at a time, and those that do not
-    // need it skip it. When neighbouring invocations processed different points, NVIDIA's compiler (driver
-    // 580) lost the results of some. On CPUs each invocation takes its own next point, since the lanes would
-    // otherwise wait for points that none of them needs.
+    // The remaining points, one after another. On GPUs all invocations update their i-th point in the same turn, or
+    // skip it: if neighbouring invocations updated different points in one turn, NVIDIA's compiler (driver 580) lost
+    // some of the results. On CPUs each invocation takes its own next point, since the lanes would otherwise wait in
+    // turns that none of them needs.
     left &= ~bits_of(alike);
     for (int turn = 0; turn < 4; turn++) {
         int i = turn;
@@ -438,7 +439,8 @@ Fronts ways_to(NeighboursBehind sight, Places places, uint points, uint scan, bo
         bvec4 is_behind = greaterThanEqual(back, vec4(1.0));
         vec4 start = vec4(FAR);
         for (int k = 0; k < 3; k++) {
-            // The path comes through the triangle that begins with this neighbour, or along its edge.
+            // A path from the anchor comes through the triangle between this neighbour and the next, or along the edge
+            // to this neighbour.
             vec2 edge = float(k - 1) * along - ahead;
             vec4 from = float(k - 1) * back;
             bvec4 through = bvec4(false);
@@ -453,8 +455,8 @@ Fronts ways_to(NeighboursBehind sight, Places places, uint points, uint scan, bo
         }
         vec4 time_of_one = mix(vec4(FAR), start + straight, lessThan(start, vec4(FAR)));
         vec4 carried_of_one = vec4(held_there);
-        // Paths from corners. Of two equally long paths on one line, the one from the last corner passed is
-        // taken.
+        // Paths along an edge from a corner. Of two equally long paths on one line, the one from the last corner on it
+        // is taken.
         for (int k = 0; k < 3; k++) {
             vec2 edge = float(k - 1) * along - ahead;
             vec4 from_corner = reached[k] + length_of(edge);

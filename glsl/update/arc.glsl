@@ -31,15 +31,16 @@ bool goes_on(ivec2 at, ivec2 step) {
     return is_present(at + step) && is_present(at - step);
 }
 
-// Returns the normal at an end of an edge, and in w how far the surface bends there across the edge. Where
-// the grid line ends, the bend is the one at the next two points inwards.
+// Returns the unit normal at an end of an edge in xyz, and the bend of the grid line there in w: the second difference
+// of the positions along the line, projected on the normal. Where the grid line ends, the bend is taken from the next
+// two points inwards: the smaller one, or 0 if their signs differ.
 vec4 bend(ivec2 at, ivec2 step) {
     bool inside = goes_on(at, step);
     ivec2 inwards = inside ? ivec2(0) : is_present(at + step) ? step : -step;
     bool known = inside || (goes_on(at + inwards, step) && goes_on(at + 2 * inwards, step));
     vec3 up = vec3(0.0);
     float smaller = 0.0;
-    // This is a loop, since compilers would otherwise inline this code three times.
+    // One loop body serves the end and both points inwards, since compilers would inline three calls.
     for (int i = 0; i < (inside || !known ? 1 : 3); i++) {
         ivec2 point = at + i * inwards;
         vec3 normal_there = normal(point);
@@ -55,7 +56,7 @@ vec4 bend(ivec2 at, ivec2 step) {
     return vec4(up, known ? smaller : 0.0);
 }
 
-// Returns the distance between neighbours along the surface, or along the chord if `arcs` is 0.
+// Returns the distance from a point to its neighbour along the surface, or along the chord if `arcs` is 0.
 float separation(ivec2 at, ivec2 step) {
     vec3 d = difference(load(at), load(at + step), step);
     float chord = sqrt(dot3(d, d));

@@ -1,14 +1,15 @@
-// Implements fronts around a virtual point source, whose distance is the arrival time. They carry nothing
-// else.
+// Implements fronts that are circles around a virtual point source. Its distance is the arrival time, so these fronts
+// carry nothing besides their time.
 // Twin: the circular front in src/update, where the formulas are explained.
 
-// Returns the curvature over a base, in units of 1 over the base, given the time at its later end.
+// Returns the curvature of a front over a base, in units of 1 over the base. `time` is that at the end that the front
+// reaches later.
 float circular_curvature(float time, float base) {
     return base / max(time, 0.25 * base);
 }
 
-// Returns the arrival times at x0 from the times at x1 and x2. The shape is seen from the end at which the
-// front arrives later. `h` is its height.
+// Returns the arrival times at x0, given the times `t1` at x1 and `t2` at x2. `shape` is the triangle as seen from the
+// end that the front reaches later, and `h` is its height over the base.
 vec4 circular_in(Shape shape, vec4 h, vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
     vec4 along_edge = edge_step(t1, t2, l1, l2);
     bvec4 swap = lessThan(t1, t2);

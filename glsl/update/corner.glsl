@@ -1,17 +1,19 @@
-// Finds corners of holes, at which shortest paths bend. On floor plans, points that lack an edge keep in
-// their surface value whether they are a corner, and their open eighths, beside the tag. `there` has one bit for each
-// present neighbour, counter-clockwise from east. Include after tag.glsl.
+// Finds corners of holes, at which shortest paths bend. The eight directions to the neighbours divide the surroundings
+// of a point into eighths. On floor plans, the surface value of a point that lacks an edge holds three items: the tag,
+// whether the point is a corner, and its open eighths. `there` has a bit for each of the eight neighbours,
+// counter-clockwise from east: 1 if the neighbour is present. Include after tag.glsl.
 // Twin: src/surface/corner.rs.
 
+// Bits of the directions along grid axes.
 const uint AXES = 0x55u;
 
-// Returns the bits of directions, turned by a number of eighths.
+// Returns bits of directions turned clockwise by a number of eighths.
 uint turned(uint bits, int by) {
     return (bits >> by | bits << (8 - by)) & 255u;
 }
 
-// Returns the eighths in which a path can leave a point, each named by the first of its two directions. Paths
-// can pass through whole cells and halves of cells.
+// Returns the eighths in which a path can leave a point. The bit of an eighth is that of the first of its two
+// directions. Paths can pass through whole cells and halves of cells.
 uint open_eighths(uint there) {
     uint axes = there & AXES;
     uint diagonals = there & ~AXES;
@@ -31,7 +33,8 @@ bool is_corner(uint there) {
 
 const uint CORNER = 1u << 12;
 
-// Encodes corners and open eighths beside a tag. Its exponent is that of FLAT, so that it counts as zero.
+// Encodes in a surface value whether a point is a corner, its open eighths and a tag. The exponent is that of FLAT, so
+// that the value counts as zero where a Gaussian curvature is expected.
 float with_corner(uint there, uint tag) {
     uint held = floatBitsToUint(FLAT) & 0x7f800000u;
     return uintBitsToFloat(held | (is_corner(there) ? CORNER : 0u) | open_eighths(there) << 4 | tag);

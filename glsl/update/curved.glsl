@@ -1,8 +1,9 @@
-// Implements fronts that carry their curvature, with a tag. The surface values are the Gaussian curvature of
-// the surface, with a tag of its own. See tag.glsl.
+// Implements fronts that carry their curvature, with a tag. The surface value at a point is the surface's Gaussian
+// curvature there, with another tag. See tag.glsl.
 // Twin: the curved front in src/update, where the formulas are explained.
 
-// Returns the curvature at the end of a ray, given what it would be on a developable surface.
+// Returns the curvature of a front at the end of a ray. `curvature` is its curvature there if the surface were
+// developable, `gaussian` the mean Gaussian curvature along the ray, and `ray` the ray's length.
 vec4 bent(vec4 curvature, vec4 gaussian, vec4 ray) {
     vec4 x = curvature * ray;
     return curvature - gaussian * ray * (1.0 - x + x * x * (1.0 / 3.0));
@@ -53,7 +54,7 @@ Fronts curved_in(Shape shape, vec4 h, bvec4 upright, EndFronts end1, EndFronts e
     vec4 near_spread = max(1.0 + near_kappa * (rise - d), FOCUS);
     vec4 spread = far_spread * near_spread;
 
-    // The front along the edge of the end from which it arrives first.
+    // The front along the edge from that end of the base from which it arrives first.
     vec4 grazing = GRAZING * width;
     bvec4 from_far = lessThanEqual(by_far, by_near);
     vec4 edge = mix(near_l, l, from_far);
@@ -68,15 +69,15 @@ Fronts curved_in(Shape shape, vec4 h, bvec4 upright, EndFronts end1, EndFronts e
     bvec4 starts_anew = both(notEqual(tags_of(edge_g) & LACKING, uvec4(0u)), either(either(from_far, is_known), is_corner));
     vec4 edge_k = mix(mix(near_k, k, from_far), vec4(SOURCE_CURVATURE), both(turns, starts_anew));
 
-    // One division serves the ray's place, its length and the curvature, both across the triangle and along
-    // an edge.
+    // The place where the ray crosses the base, the ray's length and the curvature share one division, both for rays
+    // through the triangle and for rays along an edge.
     vec4 weighted = (width - crossing) * far_kappa * near_spread + crossing * near_kappa * far_spread;
     vec4 dividend = mix(edge_k, weighted * shape.per_base, inside);
     vec4 per = 1.0 / mix(max(1.0 + edge_k * edge, FOCUS), width * spread, inside);
     vec4 share = crossing * spread * per;
     vec4 ray = mix(edge, c * (root * h * spread * per), inside);
     vec4 gaussian = mix(edge_g, g + share * (near_g - g), inside);
-    // Curvatures stay above the numbers of origins, which may stand in their place.
+    // The numbers of origins are at most -FIRST_ORIGIN, so no curvature may be that low.
     vec4 curvature = max(bent(dividend * per, 0.5 * (g0 + gaussian), ray), -0.5 * FIRST_ORIGIN);
     return Fronts(mix(mix(by_near, by_far, from_far), time, inside), curvature, shape.whole);
 }
@@ -88,8 +89,9 @@ Fronts curved(EndFronts end1, EndFronts end2, vec4 g0, vec4 l1, vec4 l2, vec4 c,
                      causal);
 }
 
-// Returns the curvature over a base, in units of 1 over the base, given the curvatures at its later end and
-// at the nearer one. `d` is the time at the nearer end less that at the later end, in units of the base.
+// Returns the curvature of a front over a base, in units of 1 over the base. `k` is the curvature at the end that the
+// front reaches later, and `near_k` that at the other end. `d` is the time at the other end less that at the later end,
+// in units of the base.
 float base_curvature(float k, float near_k, float d, float base) {
     bool beside = near_k >= SOURCE_CURVATURE && abs(k * base) < ABOUT_STRAIGHT && d > -FROM_SOURCE;
     float near_kappa = (beside ? k : near_k) * base;
@@ -114,10 +116,10 @@ Fronts earlier_curved(Fronts a, Fronts b) {
                   either(both(not(second), a.whole), both(second, b.whole)));
 }
 
-// Accepts fronts, brought by a scan numbered from 1, that are the first to arrive. Of fronts that arrive
-// together, one from a whole triangle is preferred, then one that is flatter by more than rounding. A front
-// that this scan brought earlier may be renewed, to an earlier or later time, unless only rounding has
-// changed it. Otherwise the present front stays.
+// Replaces the present fronts (`time`, `curvature`) by those that a scan brings, where they arrive earlier. Of fronts
+// that arrive together, one from a whole triangle is preferred, then one that is flatter by more than rounding. If
+// `renews` is set, a present front that the same scan brought is replaced too, at an earlier or later time, unless
+// only rounding has changed it. `scan` is counted from 1.
 void accept_curved(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 curvature) {
     vec4 tagged = with_tags(fronts.carried, mix(uvec4(scan), uvec4(scan | WHOLE), fronts.whole));
     uvec4 tag_before = tags_of(curvature);
@@ -133,10 +135,10 @@ void accept_curved(Fronts fronts, uint scan, bool renews, inout vec4 time, inout
     bvec4 is_new = not(both(ties, bends_alike));
     bvec4 comes_again = both(both(bvec4(renews), reached), equal(tag_before & SCAN_OF_TAG, uvec4(scan)));
     bvec4 first = either(both(not(ties), lessThan(fronts.time, time)), both(ties, knows));
-    // The time of a seed is more accurate than an update of its own source's front.
+    // A front from the seed's own source does not replace the seed, whose time is more accurate than an update.
     bvec4 is_seed = both(equal(tag_before & SCAN_OF_TAG, uvec4(0u)), lessThanEqual(curvature, vec4(-FIRST_ORIGIN)));
     bvec4 own = both(both(reached, is_seed), are_alike_but_for_tags(curvature, tagged));
-    // Exact seeds stay: two fronts taken for one would arrive too early.
+    // Exact seeds stay: where two fronts meet, an update may take them for one front, which arrives too early.
     bvec4 held = both(both(reached, bvec4(holds)), equal(tag_before & SCAN_OF_TAG, uvec4(EXACT)));
     bvec4 accepted = either(both(first, not(either(own, held))), both(comes_again, is_new));
     curvature = mix(curvature, tagged, accepted);
@@ -144,7 +146,7 @@ void accept_curved(Fronts fronts, uint scan, bool renews, inout vec4 time, inout
     time = mix(time, arrival, accepted);
 }
 
-// Returns whether the first of two fronts at one point is kept.
+// Returns whether the front (`time`, `curvature`) is kept in place of the other one at the same point.
 bool is_first_curved(float time, float curvature, float other, float other_curvature) {
     bool whole = tag_of(curvature) >= WHOLE;
     bool other_whole = tag_of(other_curvature) >= WHOLE;
@@ -152,13 +154,13 @@ bool is_first_curved(float time, float curvature, float other, float other_curva
     return together(vec4(other), vec4(time)).x ? knows : time < other;
 }
 
-// Returns how much changes of curvature count beside changes of times, in units of the last place.
+// Returns the largest change of curvature at four points as an equivalent change of times, in units of the last place.
 uint change_of_curvature(vec4 before, vec4 curvature, vec4 time) {
     vec4 bends = abs(curvature - before) * time;
-    // Numbers of origins, which stand in place of curvatures.
+    // These points carry numbers of origins instead of curvatures.
     bvec4 named = lessThanEqual(min(before, curvature), vec4(-FIRST_ORIGIN));
     bends = mix(bends, mix(vec4(ORIGIN_COUNTS), vec4(0.0), are_alike_but_for_tags(before, curvature)), named);
     float bend = max(max(bends.x, bends.y), max(bends.z, bends.w)) * (CURVATURE_COUNTS / PRECISION);
-    // The limit keeps a large change from being taken for a point's first front.
+    // A larger change than this limit would mean that a front has reached the point for the first time.
     return uint(min(bend, 1.0 / PRECISION));
 }

@@ -1,7 +1,7 @@
-// Implements the curved update, for four triangles at once, where fronts of several origins meet. Fronts of
-// maps with several sources carry the number of their origin in place of a curvature, as long as the straight
-// line from there explains their time. Include after curved.glsl and anchors.glsl.
-// Twin: src/update/sight.rs, where it is explained. It computes distances in double precision.
+// Implements the curved update, for four triangles at once, where fronts of several origins meet. On maps with several
+// sources a front carries the number of its origin in place of a curvature, as long as its time agrees with the length
+// of the straight line from the origin. Include after curved.glsl and anchors.glsl.
+// Twin: src/update/sight.rs, where the formulas are explained. The twin computes distances in double precision.
 
 // Whether fronts of the map carry numbers of origins.
 layout(constant_id = 14) const int NAMED = 0;
@@ -10,7 +10,7 @@ bvec4 are_numbers(vec4 carried) {
     return lessThanEqual(carried, vec4(-FIRST_ORIGIN));
 }
 
-// Four points, and the steps from each to the two other corners of its triangle.
+// The points x0 of four triangles, by column and row, and the steps from each to x1 (first) and to x2 (second).
 struct Site {
     vec4 col, row;
     vec4 first_col, first_row;
@@ -28,7 +28,7 @@ Site site_at(Places places, ivec2 first, ivec2 second) {
                 vec4(first.x), vec4(first.y), vec4(second.x), vec4(second.y));
 }
 
-// The origins of fronts, in columns and rows.
+// The origins of four fronts as seen from x0, in columns and rows. An origin is a point or a segment.
 struct Sighted {
     vec4 col, row;             // from x0 to one end
     vec4 extent_col, extent_row; // from that end to the other
@@ -51,23 +51,24 @@ Sighted sighted_from(vec4 carried, Site site) {
     return all;
 }
 
-// Parts: a step as a sum of multiples of x0 x1 and x0 x2. Plane: the products that give squared lengths of
-// such sums.
+// A step in the plane of a triangle: the multiples of the steps x0 x1 and x0 x2 of which it is the sum.
 struct Parts {
     vec4 first, second;
 };
 
+// Scalar products of the steps x0 x1 and x0 x2: of the first with itself, of both, and of the second with itself.
 struct Plane {
     vec4 first, both, second;
 };
 
-// Returns the parts of steps, given in columns and rows.
+// Returns the parts of steps that are given in columns and rows.
 Parts parts_of(Site site, vec4 col, vec4 row) {
     vec4 per_area = 1.0 / (site.first_row * site.second_col - site.first_col * site.second_row);
     return Parts((row * site.second_col - col * site.second_row) * per_area,
                  (site.first_row * col - site.first_col * row) * per_area);
 }
 
+// Returns the scalar products of two steps.
 vec4 dot_in(Plane plane, Parts a, Parts b) {
     return a.first * (plane.first * b.first + plane.both * b.second)
          + a.second * (plane.both * b.first + plane.second * b.second);
@@ -77,11 +78,12 @@ vec4 dot_in(Plane plane, Parts a, Parts b) {
 struct Ray {
     Parts step; // from that point to the place
     vec4 size;
-    bvec4 is_beside; // starts between the source's ends, at a right angle
+    bvec4 is_beside; // whether the ray starts between the source's ends, at a right angle to the source
 };
 
-// Returns the ray to a place from the nearest point of a source. `to` is the step from x0 to one end of the
-// source, and `extent` the one from there to the other end.
+// Returns the ray to a place from the nearest point of a source. `to` is the step from x0 to one end of the source,
+// `extent` the step from there to the other end, and `per_square` is 1 over the squared length of `extent`, or 0 for a
+// point. `place` is the place relative to x0, as parts.
 Ray ray_to(Plane plane, Parts to, Parts extent, vec4 per_square, vec2 place) {
     Parts from_end = Parts(place.x - to.first, place.y - to.second);
     vec4 foot = clamp(dot_in(plane, from_end, extent) * per_square, 0.0, 1.0);
@@ -90,8 +92,8 @@ Ray ray_to(Plane plane, Parts to, Parts extent, vec4 per_square, vec2 place) {
     return Ray(step, size, both(greaterThan(foot, vec4(0.0)), lessThan(foot, vec4(1.0))));
 }
 
-// Returns by how much the second of two rays is longer. It uses the difference of their steps, which has more
-// digits than the difference of their lengths.
+// Returns the length of ray `b` less that of ray `a`. It is computed from the difference of their steps, since the
+// difference of the lengths would lose digits.
 vec4 longer(Plane plane, Ray a, Ray b) {
     Parts apart = Parts(b.step.first - a.step.first, b.step.second - a.step.second);
     Parts sum = Parts(b.step.first + a.step.first, b.step.second + a.step.second);
@@ -99,7 +101,8 @@ vec4 longer(Plane plane, Ray a, Ray b) {
     return mix(vec4(0.0), dot_in(plane, apart, sum) / sizes, greaterThan(sizes, vec4(0.0)));
 }
 
-// Returns the curvature of a front at some distance from a point or from a straight line.
+// Returns the curvature of a front at the distance `away` from its source: from a point, or where `is_beside` is set
+// from a straight line.
 vec4 curvature_at(vec4 away, bvec4 is_beside, vec4 gaussian) {
     vec4 bend = gaussian * away;
     bvec4 is_off = greaterThan(away, vec4(0.0));
@@ -109,22 +112,23 @@ vec4 curvature_at(vec4 away, bvec4 is_beside, vec4 gaussian) {
 
 // The front at one end of a base, as seen from its origin.
 struct FromOrigin {
-    bvec4 is_known;
-    bvec4 is_in_sight; // the straight line explains its time
-    bvec4 is_on_line;  // explains it nearly up to rounding
+    bvec4 is_known;    // the front carries the number of its origin
+    bvec4 is_in_sight; // its time agrees with the straight line from the origin, up to IN_SIGHT
+    bvec4 is_on_line;  // its time agrees up to ON_LINE, which is little more than rounding
     vec4 curvature;
     Ray ray;           // ray from the origin to x0
     bvec4 crosses;     // the ray crosses the base
     vec4 crossing;     // share of the base that lies before the crossing
     vec4 time;         // arrival time at x0 along the line
     vec4 other;        // arrival time at the other end
-    vec4 start;
+    vec4 start;        // time at which the front leaves the origin; 0 if the origin is not known
 };
 
+// Rounding of a time for these comparisons, as a multiple of its unit in the last place.
 const float SIGHT_ROUNDING = 16.0;
 
-// Computes the fronts at one end of the bases from the position of their origins. `here` and `there` are the
-// parts of this end and of the other.
+// Returns the fronts at one end of the bases as seen from their origins. `here` has the parts of the step from x0 to
+// this end, and `there` those of the step to the other end.
 FromOrigin from_origin(Plane plane, vec4 base, Site site, Sighted sighted, EndFronts end, vec2 here, vec2 there) {
     FromOrigin from;
     from.is_known = lessThan(sighted.start, vec4(FAR));
@@ -156,8 +160,8 @@ FromOrigin from_origin(Plane plane, vec4 base, Site site, Sighted sighted, EndFr
     return from;
 }
 
-// Returns the value that the front carries at x0. It is the number of the origin as long as the line explains
-// the time, and the surface is flat enough for the curvature to follow from the distance. Otherwise it is the
+// Returns the value that a front carries at x0. It is the number of the origin if `time` agrees with the straight line
+// from there, and the surface is flat enough for the curvature to follow from the distance. Otherwise it is the
 // curvature.
 vec4 carried_on(FromOrigin from, vec4 time, vec4 number, vec4 gaussian, vec4 base) {
     vec4 away = time - from.start;
@@ -166,7 +170,7 @@ vec4 carried_on(FromOrigin from, vec4 time, vec4 number, vec4 gaussian, vec4 bas
     return mix(curvature_at(away, from.ray.is_beside, gaussian), number, both(is_straight, is_flat));
 }
 
-// Replaces the arriving front by another one, where that comes and is not later.
+// Replaces the arriving front by another one where `comes` is set and the other front is not later.
 void take_where_first(inout Fronts arrival, bvec4 comes, vec4 time, vec4 carried) {
     bvec4 is_first = both(comes, lessThanEqual(time, arrival.time));
     arrival.time = mix(arrival.time, time, is_first);
@@ -190,7 +194,8 @@ Fronts curved_from_origins(EndFronts end1, EndFronts end2, vec4 g0, vec4 l1, vec
     bvec4 both_known = both(first.is_known, second.is_known);
     bvec4 same = both(both_known, are_alike_but_for_tags(end1.carried, end2.carried));
     bvec4 of_one = both(both(same, exists), both(first.is_in_sight, second.is_in_sight));
-    // On a straight line, the shape of the front is not needed.
+    // Where both times agree with the straight lines, the time at x0 follows from the line as well. The shape of the
+    // front is not needed.
     bvec4 exact = both(of_one, both(first.is_on_line, second.is_on_line));
     bvec4 inexact = both(of_one, not(exact));
     bvec4 obtuse = are_obtuse(l1, l2, c);
@@ -208,14 +213,16 @@ Fronts curved_from_origins(EndFronts end1, EndFronts end2, vec4 g0, vec4 l1, vec
     bvec4 free2 = lessThanEqual(end1.time, second.other + unblocked);
     bvec4 comes2 = both(both(both(second.is_in_sight, second.crosses), both(free2, in_order2)),
                         both(may_come, not(exact)));
-    // Where each front continues by itself, no common front crosses the face. Only the edges count.
+    // Where the fronts at both ends continue separately, there is no common front through the face. Only the edges are
+    // used.
     bvec4 faceless = either(either(apart, either(comes1, comes2)), either(exact, obtuse));
     Fronts arrival = curved(EndFronts(end1.time, first.curvature, end1.surface, vec4(0.0)),
                             EndFronts(end2.time, second.curvature, end2.surface, vec4(0.0)), g0, l1, l2,
                             bases_of_acute(faceless, c), alone, both(bvec4(causal), not(of_one)));
     bvec4 keeps_name = both(both(inexact, first.crosses), lessThan(arrival.time, vec4(FAR)));
     vec4 named = carried_on(first, arrival.time, end1.carried, g0, base);
-    // A front along an edge gives way to one that arrives with it, up to rounding, and tells its origin.
+    // A front that does not keep the number of its origin is made later by the rounding. If both arrive together, one
+    // that keeps its number then replaces it.
     vec4 rounding = abs(arrival.time) * (SIGHT_ROUNDING * PRECISION);
     bvec4 gives_way = both(not(keeps_name), either(first.is_known, second.is_known));
     arrival.time = mix(arrival.time, arrival.time + rounding, gives_way);
@@ -225,17 +232,17 @@ Fronts curved_from_origins(EndFronts end1, EndFronts end2, vec4 g0, vec4 l1, vec
     return arrival;
 }
 
-// Returns the fronts at x0 as update() does, given the bases of obtuse triangles too.
+// Returns the fronts at x0 as update() does. `c` has the bases of obtuse triangles too.
 Fronts update_at(EndFronts end1, EndFronts end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l2, vec4 c, bvec4 alone, Site site) {
-    // Over an uneven slowness, fronts do not run along straight lines.
+    // Where the slowness varies, fronts do not run along straight lines, and origins are not used.
     bool named = NAMED != 0 && HAS_CURVATURE && SLOWED == 0 && any(either(are_numbers(end1.carried), are_numbers(end2.carried)));
     if (named) return curved_from_origins(end1, end2, surface, l1, l2, c, alone, site);
     bvec4 obtuse = are_obtuse_at_x0(end1, end2, slowness, l1, l2, c);
     return update(end1, end2, surface, slowness, l1, l2, bases_of_acute(obtuse, c), alone);
 }
 
-// Returns the fronts as update_four() and update_pair() in wavefront.glsl do, given also the places from
-// which origins are seen.
+// Return the fronts as update_four() and update_pair() in wavefront.glsl do. The positions `places` of the points are
+// needed to see origins from them.
 Fronts update_four(NeighboursBehind sight, vec4 surface, vec4 slowness, vec4 base_left, vec4 base_right, Places places) {
     bvec4 alone = are_alone(sight.edges[1]);
     ivec2 back = -places.ahead;

@@ -1,8 +1,8 @@
 // Implements straight fronts, which carry only their arrival time (paper, section 3).
 // Twin: the planar front in src/update.
 
-// Returns the arrival times at x0. A front through the triangle arrives no earlier than the later of the times at x1
-// and x2.
+// Returns the arrival times at x0, given the times `t1` at x1 and `t2` at x2. A front through the triangle arrives no
+// earlier than the later of both times.
 vec4 planar_in(Shape shape, vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
     vec4 along_edge = edge_step(t1, t2, l1, l2);
     vec4 p = shape.foot;

@@ -1,12 +1,15 @@
-// Implements fronts over a slowness that differs between the corners of a triangle.
-// Twin: src/update/slowed.rs, where it is explained.
+// Implements updates where the slowness differs between the corners of a triangle. The slowness is linear along each
+// edge, and an edge costs its length times the mean slowness of its ends. Lengths `l1`, `l2` and `c` are such costs.
+// Twin: src/update/slowed.rs, where the formulas are explained.
 
-// Returns 1 where the slowness jumps at one of three points, else 0.
+// Returns 1 where the slowness jumps at one of three points, else 0. `a`, `b` and `c` are their slownesses, which have
+// the tag JUMPS beside a jump.
 vec4 jump_of(vec4 a, vec4 b, vec4 c) {
     return vec4(notEqual((tags_of(a) | tags_of(b) | tags_of(c)) & JUMPS, uvec4(0u)));
 }
 
-// Returns whether triangles are obtuse at x0 on the surface, given the slowness at x0, x1 and x2.
+// Returns whether triangles are obtuse at x0 on the surface, without the slowness. `s0`, `s1` and `s2` are the
+// slownesses at x0, x1 and x2, by which the costs of the edges are divided.
 bvec4 are_obtuse_on_surface(vec4 l1, vec4 l2, vec4 c, vec4 s0, vec4 s1, vec4 s2) {
     vec4 per_base = (s1 + s2) / c;
     vec4 side = l1 / (s0 + s1) * per_base;
@@ -14,28 +17,37 @@ bvec4 are_obtuse_on_surface(vec4 l1, vec4 l2, vec4 c, vec4 s0, vec4 s1, vec4 s2)
     return both(lessThan(c, vec4(FAR)), lessThan(side * side + other * other, vec4(OBTUSE)));
 }
 
-// Returns the shape of a triangle from edges weighted by a slowness. `of_side` and `of_other` are the mean
-// slowness along these two edges, divided by that along the base.
+// Returns the shape of a triangle on the surface from the costs of its edges. `of_side` and `of_other` are the mean
+// slownesses along these two edges, divided by the mean slowness along the base.
 Shape shape_on_surface(vec4 side, vec4 other, vec4 base, vec4 of_side, vec4 of_other) {
     Shape shape = shape_of(side / of_side, other / of_other, base);
     shape.whole = both(shape.whole, lessThan(max(max(side, other), base), vec4(FAR)));
     return shape;
 }
 
+// Costs of the rays from the base to x0, in units of the cost of the base. The ray from the place w of the base costs
+// sqrt((w - foot)^2 + height^2) (near + slope w). Places count from 0 at the end that the front reaches later to 1 at
+// the other end. `jump` is 1 where crossing_of() starts from a refracted ray, else 0.
 struct Rays {
     vec4 foot, height;
     vec4 near, slope, jump;
 };
 
+// Arrival time of a front along the base, in units of the cost of the base: that of a circle of curvature `kappa`, less
+// a bulge. At the later end, its derivative along the base is `-cos_a`. `d` is the time at the other end less that at
+// the later end. `bulge` is the second derivative of the time that a smoothly varying slowness adds.
 struct Slope {
     vec4 d, kappa, cos_a, sin_a, bulge;
 };
 
+// Place at which a ray crosses the base, and the time from the front's arrival at the later end until it arrives at x0
+// through this place (`rise`). `beyond` is the approximate place if the base continued beyond its ends.
 struct Crossing {
     vec4 place, rise, beyond;
 };
 
-// Finds where rays cross the base. The method is Newton's, from a guess.
+// Returns the crossings of the base by the rays along which the fronts arrive first. Newton's method starts from
+// `guess`. Where `rays.jump` is 1, it starts from the place that the law of refraction gives.
 Crossing crossing_of(Slope front, Rays rays, vec4 guess) {
     vec4 across = rays.near + rays.slope * clamp(rays.foot, 0.0, 1.0);
     vec4 straight = clamp(-(front.d + rays.slope * rays.height) / across, -STEEPEST_GUESS, STEEPEST_GUESS);
@@ -67,7 +79,7 @@ Crossing crossing_of(Slope front, Rays rays, vec4 guess) {
     return first;
 }
 
-// Returns the arrival times at x0 of straight fronts, given the slowness at x0.
+// Returns the arrival times at x0 of straight fronts, given the slowness `s0` at x0.
 vec4 planar_slowed(EndFronts end1, EndFronts end2, vec4 s0, vec4 l1, vec4 l2, vec4 c) {
     vec4 along_edge = edge_step(end1.time, end2.time, l1, l2);
     bvec4 swap = lessThan(end1.time, end2.time);
@@ -82,7 +94,7 @@ vec4 planar_slowed(EndFronts end1, EndFronts end2, vec4 s0, vec4 l1, vec4 l2, ve
     vec4 from_near = (s0 + near_s) * per_base_slowness;
     Shape shape = shape_on_surface(l, near_l, c, from_far, from_near);
     vec4 d = (near_t - t) * shape.per_base;
-    // Where there is no triangle, the following values do not matter, but must be numbers.
+    // Where there is no triangle, the following values are discarded, but NaN could spread from them.
     vec4 height = sqrt(mix(vec4(1.0), shape.height_squared, shape.whole));
     Rays rays = Rays(shape.foot, height, from_far, from_near - from_far, vec4(1.0));
     Crossing crossing = crossing_of(Slope(d, vec4(0.0), -d, vec4(0.0), vec4(0.0)), rays, vec4(0.0));
@@ -91,7 +103,8 @@ vec4 planar_slowed(EndFronts end1, EndFronts end2, vec4 s0, vec4 l1, vec4 l2, ve
     return min(along_edge, mix(along_edge, time, both(shape.whole, within)));
 }
 
-// Returns the curved fronts at x0, given its Gaussian curvature and slowness.
+// Returns the curved fronts at x0, given the Gaussian curvature `g0` and the slowness `s0` there. `alone` tells where
+// only one of x1 and x2 is present, across the grid's diagonal.
 Fronts curved_slowed(EndFronts end1, EndFronts end2, vec4 g0, vec4 s0, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
     bvec4 swap = lessThan(end1.time, end2.time);
     vec4 t = mix(end1.time, end2.time, swap);
@@ -144,7 +157,7 @@ Fronts curved_slowed(EndFronts end1, EndFronts end2, vec4 g0, vec4 s0, vec4 l1, 
     bvec4 is_first = both(lessThanEqual(time, min(by_far, by_near)), either(bvec4(!causal), greaterThanEqual(time, later)));
     bvec4 inside = both(both(is_front, within), is_first);
 
-    // The front along the edge of the end from which it arrives first.
+    // The front along the edge from that end of the base from which it arrives first.
     bvec4 is_from_far = lessThanEqual(by_far, by_near);
     vec4 edge = mix(near_l, l, is_from_far);
     vec4 edge_g = mix(near_g, g, is_from_far);

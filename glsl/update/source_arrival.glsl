@@ -1,13 +1,13 @@
 // Computes when a source's front reaches the points around it. Include after edge_image.glsl, cell.glsl and
 // source.glsl.
 //
-// The distance from a place in a cell to a corner follows from the lengths of the cell's edges. With the
-// place p = sum of w_i p_i over the corners, and the corner at the origin,
+// The distance from a place in a cell to a corner follows from the lengths of the cell's edges and diagonals. Let the
+// place be p = sum of w_i p_i, with the positions p_i and weights w_i of the corners, and this corner be at 0. Then
 // |p|^2 = sum of w_i w_j <p_i, p_j>, and 2 <p_i, p_j> = |p_i|^2 + |p_j|^2 - |p_i - p_j|^2.
 // No positions are needed, and the lengths include the slowness.
 // Twin: Sources::seeds in src/surface/sources, in terms of positions.
 
-// The lengths of the edges between the corners of a cell.
+// The lengths of the edges between the corners a and b of a cell, at the index 4 a + b.
 struct Cell {
     float lengths[16];
 };
@@ -26,7 +26,8 @@ Cell cell_at(ivec2 first) {
     return cell;
 }
 
-// Returns the distance from a corner of a cell to a place in it, or FAR if there is no way.
+// Returns the distance from a corner of a cell to a place in it, or FAR if no part of the cell connects them. `uv` is
+// the place, from 0 to 1 along both axes.
 float distance_in(Cell cell, int corner, vec2 uv) {
     bvec4 there;
     for (int a = 0; a < 4; a++) {
@@ -52,7 +53,8 @@ float distance_in(Cell cell, int corner, vec2 uv) {
     return sqrt(max(square, 0.0));
 }
 
-// Returns when a source's front reaches a point of the cells around it, and the front's curvature there.
+// Returns the time at which a source's front reaches a point of the cells around it, and the front's curvature there.
+// The result is FAR and 0 if the front does not reach the point through these cells.
 vec2 arrival(Source s, ivec2 at) {
     vec2 place = place_of(s);
     vec2 whole = floor(place);
@@ -62,7 +64,7 @@ vec2 arrival(Source s, ivec2 at) {
     }
     float nearest = FAR;
     for (int i = 0; i < 4; i++) {
-        // The cell in which the point is this corner.
+        // The cell whose i-th corner is the point.
         ivec2 first = at - to_corner(i);
         vec2 uv = place - vec2(first);
         bool inside = all(greaterThanEqual(uv, vec2(0.0))) && all(lessThanEqual(uv, vec2(1.0)));

@@ -1,23 +1,23 @@
-// Computes fronts through the parts of obtuse triangles. Such a triangle is not used as a whole; grid points
-// beyond its base split it. If it cannot be split, only its edges are used. Include after wavefront.glsl and
-// edge_image.glsl.
+// Computes fronts through the parts of obtuse triangles. Such a triangle is not updated as a whole. A grid point beyond
+// its base is unfolded into its plane and splits it into two parts. If no point splits it, only its edges are used.
+// Include after wavefront.glsl and edge_image.glsl.
 // Twin: src/surface/unfold.rs, where it is explained.
 //
 // The including shader defines
 //     vec2 front_at(ivec2 point)          arrival time and carried value at any point of the grid
 //     float surface_at(ivec2 point)       surface value there
-//     float slowness_at(ivec2 point)      its slowness, where it is uneven
+//     float slowness_at(ivec2 point)      slowness there, if SLOWED is set
 
 vec2 front_at(ivec2 point);
 
-// Whether the surface has obtuse triangles. This is a constant, since CPU drivers spend the time of the
-// branch not taken too, which doubles the time of a scan.
+// Whether the surface has obtuse triangles. This is a specialization constant: CPU drivers execute both sides of a
+// branch, and a variable would double the time of a scan.
 layout(constant_id = 6) const int SPLITS = 1;
 
 // A grid point unfolded into the plane of x0's triangle.
 struct Unfolded {
     ivec2 step; // from x0
-    vec2 place;
+    vec2 place; // position in the plane, relative to x0
     vec3 front; // arrival time, carried value and surface value there
     float slowness;
 };
@@ -26,14 +26,14 @@ float known_slowness_at(ivec2 point) {
     return SLOWED != 0 ? slowness_at(point) : 1.0;
 }
 
-// Returns the length of an edge on the surface.
+// Returns the length of an edge on the surface, without the slowness.
 float length_on_surface(ivec2 point, ivec2 step) {
     float length = edge_length(point, step);
     if (SLOWED == 0 || length >= FAR) return length;
     return (length + length) / (slowness_at(point) + slowness_at(point + step));
 }
 
-// Returns whether one place lies to the left of another, as seen from x0, by more than rounding.
+// Returns whether the place `a` lies to the left of the place `other`, as seen from x0, by more than rounding.
 bool follows(vec2 a, vec2 other) {
     float across = other.x * a.y - other.y * a.x;
     return across > SPLIT_MARGIN * (dot(a, a) + dot(other, other));
@@ -44,8 +44,8 @@ bool is_obtuse(vec2 a, vec2 b) {
     return dot(a, a) / base + dot(b, b) / base < OBTUSE;
 }
 
-// Finds the place at given distances from both ends of an edge, to the right of the edge. Returns false if
-// the three lengths do not make a triangle.
+// Finds the place to the right of an edge from `u` to `w` that has the given distances to both ends. Returns false if
+// the three lengths form no triangle.
 bool unfold(vec2 u, vec2 w, float base, float to_u, float to_w, out vec2 place) {
     place = vec2(0.0);
     if (max(base, max(to_u, to_w)) >= FAR) return false;
@@ -60,7 +60,9 @@ bool unfold(vec2 u, vec2 w, float base, float to_u, float to_w, out vec2 place) 
     return true;
 }
 
-// Finds the next point beyond an edge of the grid, in x0's plane. Returns false if there is none.
+// Finds the grid point beyond the edge from `u` to `w`, and unfolds it into x0's plane. If both grid points beyond the
+// edge can be unfolded, a point between the directions `right` and `left` is preferred, then the one nearer to x0.
+// Returns false if there is none.
 bool find_beyond(ivec2 x0, Unfolded u, Unfolded w, int turn, vec2 right, vec2 left, inout Unfolded apex) {
     ivec2 along = w.step - u.step;
     ivec2 away = turn * ivec2(-along.y, along.x);
@@ -99,12 +101,12 @@ vec3 known_at(ivec2 point) {
     return vec3(front_at(point), CARRIES ? surface_at(point) : 0.0);
 }
 
-// Returns the first of the fronts at x0 through the parts of its obtuse triangle between two neighbours, in
-// all four components.
+// Returns the earliest of the fronts at x0 through the parts of its obtuse triangle. `a` and `b` are the steps to the
+// ends of the triangle's base. All four components are equal.
 Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
     Fronts first = Fronts(vec4(FAR), vec4(0.0), bvec4(false));
     ivec2 base = b - a;
-    // The search starts from the same end whichever scan asks: counter-clockwise.
+    // The ends are put in counter-clockwise order, so that all scans find the same parts.
     if (base.x * a.y - base.y * a.x < 0) {
         a = b;
         base = -base;
@@ -120,10 +122,10 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
     Unfolded right = Unfolded(a, vec2(la, 0.0), known_at(x0 + a), known_slowness_at(x0 + a));
     Unfolded left = Unfolded(b, vec2(x, sqrt(height_squared)), known_at(x0 + b), known_slowness_at(x0 + b));
     float own_slowness = known_slowness_at(x0);
-    // If the slowness jumps below a part, the largest slowness counts.
+    // If the slowness jumps between the points visited, parts are updated with the largest slowness among them.
     float least = min(own_slowness, min(right.slowness, left.slowness));
     float largest = max(own_slowness, max(right.slowness, left.slowness));
-    // The edge beyond which the next point is searched.
+    // Ends of the edge beyond which the next point is searched.
     Unfolded u = right;
     Unfolded w = left;
     int turn = base.x * a.y - base.y * a.x > 0 ? 1 : -1;
@@ -142,8 +144,8 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
             continue;
         }
         apex.front = known_at(x0 + apex.step);
-        // The part to the right of the point is in x, the part to its left in y. An obtuse part brings no
-        // front.
+        // The part to the right of the point is in x, the part to its left in y. An obtuse part brings no front:
+        // its lengths are set to FAR.
         bool right_obtuse = is_obtuse(right.place, apex.place);
         bool left_obtuse = is_obtuse(apex.place, left.place);
         vec2 ends = vec2(right_obtuse ? FAR : 0.0, left_obtuse ? FAR : 0.0);
@@ -199,7 +201,7 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
 // which of their triangles are obtuse.
 void add_parts(Places places, bvec4 left, bvec4 right, inout Fronts fronts) {
     if (SPLITS == 0 || !any(either(left, right))) return;
-    // This is a loop, since drivers are slow to compile the same code twice.
+    // One loop handles left and right triangles, since drivers are slow to compile two copies of this code.
     for (int i = 0; i < 8; i++) {
         int k = i & 3;
         if (!(i < 4 ? left[k] : right[k])) continue;

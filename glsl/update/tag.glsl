@@ -1,16 +1,17 @@
 // Defines tags: the last binary digits of the value that a front carries, and of the surface value.
 //
-// The tag of a front is the number of the scan that has brought it, from 1 to 4. For a source it is 0, and
-// for an exact seed, which no front replaces, it is EXACT. NOT_EXACT marks fronts of a source that is solved
-// alone, at points so far away that other fronts may come first: merge_surroundings.comp drops these. WHOLE is
-// added if the front came through a whole triangle or is that of a source. The tag of the surface is LACKING at
-// points that lack an edge, with DIFFRACTS added where waves diffract.
+// The tag of a front is the number of the scan that has brought it, from 1 to 4. A source has the tag 0 and an exact
+// seed, which no front replaces, the tag EXACT. NOT_EXACT marks fronts in the surroundings of a source, at points where
+// fronts of other sources may come first: merge_surroundings.comp drops these. WHOLE is added if the front came through
+// a whole triangle or is that of a source. The tag of a surface value is LACKING at points that lack an edge, with
+// DIFFRACTS added where waves diffract.
 
 const uint SCAN_OF_TAG = TAG & ~WHOLE;
-// Tag of a source's front. Its direction is as certain as that of a front through a whole triangle.
+// Tag of a source's front. It has WHOLE, since the direction of this front is as certain as that of a front through a
+// whole triangle.
 const uint SOURCE_TAG = WHOLE;
 
-// Returns a number with a tag. Zero becomes a tiny number.
+// Returns a number with a tag in its last digits. Numbers near zero become FLAT with the tag.
 float with_tag(float value, uint tag) {
     float held = abs(value) < FLAT ? FLAT : value;
     return uintBitsToFloat((floatBitsToUint(held) & ~TAG) | tag);
@@ -34,7 +35,7 @@ uint scan_of(float held) {
     return floatBitsToUint(held) & SCAN_OF_TAG;
 }
 
-// Returns which fronts a scan, numbered from 1, has brought.
+// Returns which fronts a scan has brought. `scan` is counted from 1.
 bvec4 are_of_scan(vec4 held, uint scan) {
     return equal(floatBitsToUint(held) & SCAN_OF_TAG, uvec4(scan));
 }

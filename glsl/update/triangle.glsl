@@ -2,7 +2,7 @@
 // that arrive at x0.
 // Twin: src/update.
 
-// Distance from 1 to the next number.
+// Distance from 1 to the next larger float. It is the relative rounding of times: one unit of the last place.
 const float PRECISION = 1.1920929e-7;
 
 // Fronts at x1 or x2 of four triangles.
@@ -27,9 +27,9 @@ struct NeighboursBehind {
     vec4 edges[3]; // lengths of the edges to them
 };
 
-// Returns what a pair of points of a line sees, with each point repeated. It is given the fronts at the four
-// points behind, and the edges to the first and to the second end of each triangle. Left triangles are in xy,
-// right ones in zw.
+// Returns the neighbours behind a pair of points of a line. The first point is in x and z of the result, the second one
+// in y and w. `behind` has the fronts at the four points behind the pair. `l1` and `l2` are the edges to the first and
+// to the second end of each triangle: left triangles in xy, right ones in zw.
 NeighboursBehind sight_of_pair(EndFronts behind, vec4 l1, vec4 l2) {
     NeighboursBehind sight;
     sight.ends[0] = EndFronts(behind.time.xyxy, behind.carried.xyxy, behind.surface.xyxy, behind.slowness.xyxy);
@@ -41,8 +41,8 @@ NeighboursBehind sight_of_pair(EndFronts behind, vec4 l1, vec4 l2) {
     return sight;
 }
 
-// The places of four points of an update: the first, the steps from it to the second and to the third, and
-// the scan's steps. The fourth point lies beyond both.
+// Grid positions of the four points of an update. `to_second` and `to_third` are the steps from the first point to
+// those. The step to the fourth one is the sum of both. `ahead` and `along` are the scan's steps.
 struct Places {
     ivec2 first, to_second, to_third;
     ivec2 ahead, along;
@@ -65,7 +65,7 @@ vec4 edge_step(vec4 t1, vec4 t2, vec4 l1, vec4 l2) {
     return min(t1 + l1, t2 + l2);
 }
 
-// The shape of a triangle in units of its base, seen from one end of the base.
+// The shape of a triangle, measured from one end of its base. Lengths are in units of the base.
 struct Shape {
     vec4 per_base;       // 1 over the length of the base
     vec4 side;           // from this end of the base to x0
@@ -83,8 +83,8 @@ Shape shape_of(vec4 side, vec4 other, vec4 base) {
     shape.other = other * shape.per_base;
     shape.foot = 0.5 * ((shape.side * shape.side - shape.other * shape.other) + 1.0);
     shape.height_squared = (shape.side - shape.foot) * (shape.side + shape.foot);
-    // This tests the lengths. Where edges are missing, the height is NaN, and devices may take comparisons
-    // with NaN for true.
+    // The test is on the lengths. Where edges are missing, the height is NaN, and comparisons with NaN may be true on
+    // some devices.
     bvec4 exists = lessThan(max(max(side, other), base), vec4(FAR));
     shape.whole = both(greaterThan(shape.height_squared, vec4(0.0)), exists);
     return shape;
@@ -98,8 +98,8 @@ bvec4 are_upright(Shape shape) {
     return lessThan(longest, UPRIGHT * (side + other + 1.0 - longest));
 }
 
-// Triangles as seen from both ends of their bases. An update can be prepared with them before the times at x1
-// and x2 are known, and with them the end that counts.
+// Triangles as seen from both ends of their bases. Which end an update needs depends on the times at x1 and x2. With
+// both prepared, the shapes are computed before these times are known.
 struct Face {
     vec4 l1, l2, base;
     Shape from_x1, from_x2;
@@ -107,7 +107,7 @@ struct Face {
     bvec4 upright;
 };
 
-// Returns the faces of triangles. Of obtuse ones only the edges count.
+// Returns the triangles with these edges as faces. Only the edges of obtuse triangles are used.
 Face face_of(vec4 l1, vec4 l2, vec4 base, bvec4 obtuse) {
     Shape from_x1 = shape_of(l1, l2, base);
     Shape from_x2 = shape_of(l2, l1, base);
@@ -117,8 +117,8 @@ Face face_of(vec4 l1, vec4 l2, vec4 base, bvec4 obtuse) {
                 sqrt(max(from_x2.height_squared, 0.0)), are_upright(from_x1));
 }
 
-// Returns the shapes as seen from x2 where `second` is set, and from x1 elsewhere. They are equal to the last
-// bit to those that shape_of() returns.
+// Returns the shapes as seen from x2 where `second` is set, and from x1 elsewhere. They equal those of shape_of() to
+// the last bit.
 Shape seen_from(Face face, bvec4 second) {
     Shape a = face.from_x1;
     Shape b = face.from_x2;
@@ -127,7 +127,7 @@ Shape seen_from(Face face, bvec4 second) {
                  either(both(second, b.whole), both(not(second), a.whole)));
 }
 
-// Returns whether triangles of one slowness are obtuse at x0.
+// Returns whether triangles are obtuse at x0, if the slowness is the same at all their corners.
 bvec4 are_obtuse(vec4 l1, vec4 l2, vec4 c) {
     vec4 per_base = 1.0 / c;
     vec4 side = l1 * per_base;
@@ -135,8 +135,9 @@ bvec4 are_obtuse(vec4 l1, vec4 l2, vec4 c) {
     return both(lessThan(c, vec4(FAR)), lessThan(side * side + other * other, vec4(OBTUSE)));
 }
 
-// Returns whether only the one of x1 and x2 across the grid's diagonal is present, given the edges to the
-// other, along an axis of the grid. Fronts are then assumed to have come around a hole's corner.
+// Returns where the neighbour along an axis of the grid is missing, given the edges `beside` to it. Of x1 and x2, only
+// the one across the grid's diagonal is then present. Fronts from there are assumed to have turned around the corner
+// of a hole.
 bvec4 are_alone(vec4 beside) {
     return greaterThanEqual(beside, vec4(FAR));
 }

@@ -1,24 +1,25 @@
 // Selects the kind of front. Only this file asks for WAVEFRONT itself; others ask for HAS_CURVATURE, HAS_ANCHORS and
-// CARRIES. Each kind has a file, which defines what its fronts carry beside their arrival time, and how they are
-// updated, compared and accepted, and their changes measured. A kind adds a line to each function here that it
-// handles in its own way. Include after constants.glsl. Twins: Wavefront in src/update, and its kinds there and in
+// CARRIES. Each kind has a file of its own. It defines what the fronts carry besides their arrival time, how they are
+// updated, compared and accepted, and how their changes are measured. A kind adds a case to each function below that
+// it implements differently. Include after constants.glsl. Twins: Wavefront in src/update, and its kinds there and in
 // src/cpu.
 
-// Kind of front: PLANAR, CIRCULAR, CURVED or ANCHORED. Large shaders are compiled once for each kind, which the
-// build then defines: drivers would take time to read code that is then left out.
+// Kind of front: PLANAR, CIRCULAR, CURVED or ANCHORED. The build compiles large shaders once for each kind, with the
+// kind as a macro. With a specialization constant, drivers would spend time on the code of all kinds.
 #ifndef WAVEFRONT
 layout(constant_id = 2) const int WAVEFRONT = PLANAR;
 #endif
 
-// Whether the slowness of the surface varies. Fronts are then straight or carry their curvature.
+// Whether the slowness of the surface varies. Fronts are then planar or curved.
 layout(constant_id = 12) const int SLOWED = 0;
 
-// Shaders of maps set the next three values.
-// Whether fronts depend on nothing that arrives later. This is needed where several may meet.
+// Shaders that update maps set the next three variables.
+//
+// Whether an update takes nothing from a neighbour that is reached later. This is needed where fronts may meet.
 bool causal = false;
 // Whether exact seeds are kept.
 bool holds = true;
-// Time after which fronts do not matter. Points that have not been reached by then stay unreached.
+// Limit of arrival times. Points that fronts would reach later count as unreached.
 float latest = NO_LIMIT;
 
 #include "update/tag.glsl"
@@ -32,11 +33,11 @@ float latest = NO_LIMIT;
 const bool HAS_CURVATURE = WAVEFRONT == CURVED;
 // Whether updates follow paths back to their anchors, beyond the neighbours of a point (anchored_ways.glsl).
 const bool HAS_ANCHORS = WAVEFRONT == ANCHORED;
-// Whether fronts carry anything beside their arrival time, in the layer CARRIED, and read the surface values.
+// Whether fronts carry a value besides their arrival time, in the layer CARRIED. Their updates read the surface values.
 const bool CARRIES = HAS_CURVATURE || HAS_ANCHORS;
 
 // Returns the fronts at x0, given the surface value and the slowness there. Their times are FAR or later if
-// neither x1 nor x2 is reached. Within a triangle, a front with an anchor is a circular one.
+// neither x1 nor x2 is reached. Anchored fronts are treated as circular ones inside a triangle.
 Fronts update(EndFronts end1, EndFronts end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
     if (SLOWED != 0) {
         if (HAS_CURVATURE) return curved_slowed(end1, end2, surface, slowness, l1, l2, c, alone);
@@ -48,8 +49,7 @@ Fronts update(EndFronts end1, EndFronts end2, vec4 surface, vec4 slowness, vec4 
     return Fronts(time, vec4(0.0), bvec4(false));
 }
 
-// Returns the fronts at x0 as update() does, through triangles whose shapes were found before the fronts at
-// x1 and x2 arrived. The slowness is 1.
+// Returns the fronts at x0 as update() does, through triangles whose shapes are already known. The slowness is 1.
 Fronts update_on(Face face, EndFronts end1, EndFronts end2, vec4 surface, bvec4 alone) {
     bvec4 swap = lessThan(end1.time, end2.time);
     Shape shape = seen_from(face, swap);
@@ -67,9 +67,9 @@ Fronts update_on(Face face, EndFronts end1, EndFronts end2, vec4 surface, bvec4 
     return Fronts(time, vec4(0.0), bvec4(false));
 }
 
-// Returns the curvature of a front over the base of a triangle, in units of 1 over the base. `time` is that
-// at the later end, and `carried` is the value there and at the other end. `d` is the time at the other end
-// less that at this one, in units of the base.
+// Returns the curvature of a front over the base of a triangle, in units of 1 over the base. `time` is the arrival time
+// at the end that is reached later. `carried` has the carried values at that end and at the other one. `d` is the time
+// at the other end less `time`, in units of the base.
 float curvature_over_base(float time, vec2 carried, float d, float base) {
     if (HAS_CURVATURE) return base_curvature(carried.x, carried.y, d, base);
     return WAVEFRONT == PLANAR ? 0.0 : circular_curvature(time, base);
@@ -94,7 +94,7 @@ bvec4 are_obtuse_in_pair(EndFronts behind, vec2 slowness, vec4 l1, vec4 l2, vec4
     return are_obtuse(l1, l2, c);
 }
 
-// Returns the bases of triangles, or FAR for obtuse ones, of which only the edges count; see splits.glsl.
+// Returns the bases of triangles, or FAR for obtuse ones. Updates then use only their edges; see splits.glsl.
 vec4 bases_of_acute(bvec4 obtuse, vec4 c) {
     return mix(c, vec4(FAR), obtuse);
 }
@@ -111,8 +111,8 @@ Fronts update_four(NeighboursBehind sight, vec4 surface, vec4 slowness, vec4 bas
                           bases_of_acute(right, base_right), alone));
 }
 
-// Returns the fronts at a pair of points of a line, each repeated, from the four points behind. Left
-// triangles are in xy, right ones in zw.
+// Returns the fronts at a pair of points of a line from the four points behind: at the first point in x and z, at the
+// second one in y and w. In `l1`, `l2` and `base`, left triangles are in xy and right ones in zw.
 Fronts update_pair(EndFronts behind, vec2 surface, vec2 slowness, vec4 l1, vec4 l2, vec4 base) {
     EndFronts near = EndFronts(behind.time.xyyz, behind.carried.xyyz, behind.surface.xyyz, behind.slowness.xyyz);
     EndFronts far = EndFronts(behind.time.yzzw, behind.carried.yzzw, behind.surface.yzzw, behind.slowness.yzzw);
@@ -122,8 +122,8 @@ Fronts update_pair(EndFronts behind, vec2 surface, vec2 slowness, vec4 l1, vec4 
                    Fronts(sided.time.zwzw, sided.carried.zwzw, sided.whole.zwzw));
 }
 
-// Selects which fronts points keep: the present ones, or those that a scan, numbered from 1, brings. If
-// `renews` is set, fronts that the same scan brought earlier may be renewed.
+// Replaces the present fronts (`time`, `carried`) by those that a scan brings, where the new ones come first. If
+// `renews` is set, later fronts may also replace fronts that the same scan brought before. `scan` is counted from 1.
 void accept(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 carried) {
     bvec4 too_late = both(greaterThan(fronts.time, vec4(latest)), greaterThanEqual(time, vec4(FAR)));
     fronts.time = mix(fronts.time, vec4(FAR), too_late);
@@ -136,7 +136,7 @@ void accept(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 c
     }
 }
 
-// Returns whether the front (time, carried) is kept in place of the other one, where different scans brought them.
+// Returns whether the front (`time`, `carried`) is kept in place of the other one. Different scans brought the two.
 bool is_first(float time, float carried, float other, float other_carried) {
     bool first = time < other;
     if (HAS_CURVATURE) first = is_first_curved(time, carried, other, other_carried);
@@ -144,8 +144,8 @@ bool is_first(float time, float carried, float other, float other_carried) {
     return first;
 }
 
-// Whether a point keeps the earlier of two times even if it takes the carried value of the other front. The time of
-// anchored fronts follows from their anchor, so they do not.
+// Whether a point that takes the carried value of one of two fronts still keeps the earlier of both times. Anchored
+// fronts do not, since their time follows from their anchor.
 const bool KEEPS_EARLIER_TIME = !HAS_ANCHORS;
 
 // Replaces the present front at a point by another one if is_first() prefers that, or if none has been found.
@@ -157,8 +157,8 @@ void take_first(float other, float other_carried, inout bool found, inout float 
     found = true;
 }
 
-// Returns how much fronts have changed: the largest difference of arrival times in units of the last place,
-// or the weight of a change of what they carry. Fronts that are and were later than `latest` do not count.
+// Returns the largest change of four fronts: the change of an arrival time in units of the last place, or the weight of
+// a change of the carried value. Fronts later than `latest` before and after the change do not count.
 uint change_of(vec4 old_time, vec4 time, vec4 old_carried, vec4 carried) {
     bvec4 late = greaterThan(min(old_time, time), vec4(latest));
     time = mix(time, old_time, late);

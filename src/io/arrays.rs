@@ -11,7 +11,7 @@ use crate::surface::{Chart, MetricTensor};
 /// than zero and no-data are true.
 ///
 /// # Errors
-/// If the file cannot be read or is none of these.
+/// If the file cannot be read or has none of these formats.
 pub fn read_mask(path: &Path) -> Result<Grid<bool>, IoError> {
     let grid = match extension(path).as_str() {
         "npy" | "npz" => {
@@ -38,10 +38,10 @@ pub fn read_mask(path: &Path) -> Result<Grid<bool>, IoError> {
 }
 
 /// Reads a slowness (reciprocal speed): an array (M, N) (`.npy`, or `.npz` with the name `slowness`), a
-/// GeoTIFF or an ESRI ASCII grid. In the latter two formats no-data means an infinite slowness.
+/// GeoTIFF or an ESRI ASCII grid. The slowness is infinite where a GeoTIFF or an ESRI ASCII grid has no data.
 ///
 /// # Errors
-/// If the file cannot be read or is none of these.
+/// If the file cannot be read or has none of these formats.
 pub fn read_slowness(path: &Path) -> Result<Grid<f64>, IoError> {
     match extension(path).as_str() {
         "npy" | "npz" => matrix(path, read_array(path, &["slowness"])?, "a slowness"),
@@ -70,13 +70,13 @@ pub fn read_metric(path: &Path) -> Result<Grid<MetricTensor>, IoError> {
     }
 }
 
-/// Returns whether a name is that of a NumPy array or of an archive of arrays.
+/// Returns whether a file name has the extension of a NumPy array (`.npy`) or of an archive of arrays (`.npz`).
 pub(super) fn is_array(path: &Path) -> bool {
     matches!(&extension(path)[..], "npy" | "npz")
 }
 
-/// Returns the array of an `.npy` file. Of an `.npz` it returns the only array, or the one whose name comes
-/// first in `names`.
+/// Returns the array of an `.npy` file. From an `.npz` it returns the only array, or among several the one whose name
+/// comes first in `names`.
 pub(super) fn read_array(path: &Path, names: &[&str]) -> Result<NpyArray, IoError> {
     let bytes = read_bytes(path)?;
     let array = match &extension(path)[..] {

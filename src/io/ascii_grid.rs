@@ -53,7 +53,7 @@ pub(super) fn decode(bytes: &[u8], projection: Option<&str>) -> Result<AsciiGrid
     }
     let (rows, cols) = (header.count("nrows")?, header.count("ncols")?);
     let points = checked_points(rows, cols)?;
-    // Each value takes at least a digit and a blank.
+    // Each value takes at least two bytes, a digit and a blank. A header that claims more values is rejected here.
     if points > bytes.len() / 2 + 1 {
         return Err(format!("is cut short: it has no room for {rows} x {cols} values"));
     }
@@ -127,7 +127,7 @@ impl Header<'_> {
     }
 }
 
-/// Returns the distance between points, where it is a length.
+/// Returns the distance between points, or the reason why it is not a length.
 fn spacing(
     cell: Spacing,
     rows: usize,
@@ -149,7 +149,7 @@ fn spacing(
     if !upper.contains("PROJC") && !upper.contains("PROJECTEDCRS") {
         return FileSpacing::Degrees("the .prj beside the file gives its cell size in degrees");
     }
-    // The last unit is that of the projected coordinates.
+    // The text may name several units. The last one is that of the projected coordinates.
     let unit = upper.rsplit("UNIT[").next().and_then(|unit| unit.split(']').next());
     let factor = unit.and_then(|unit| unit.split(',').nth(1)?.trim().parse::<f64>().ok());
     match factor {

@@ -1,4 +1,4 @@
-//! Writes output files that appear whole or not at all.
+//! Writes output files that appear with their complete content or not at all.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -28,7 +28,7 @@ pub struct OutputFile {
     target: PathBuf,
 }
 
-/// A complete file beside its final place. It is removed unless it is committed.
+/// A complete temporary file in the folder of the final one. It is removed unless it is committed.
 #[derive(Debug)]
 pub struct StagedFile {
     file: NamedTempFile,
@@ -77,7 +77,7 @@ impl OutputFile {
         &self.target
     }
 
-    /// Returns whether another output has the same place, under the same name or another.
+    /// Returns whether another output would replace the same file, under the same path or a different one.
     pub fn is_same(&self, other: &Self) -> bool {
         let place = |output: &Self| {
             let folder = fs::canonicalize(output.folder()).ok();
@@ -99,7 +99,7 @@ impl OutputFile {
         let mut writer = BufWriter::new(file.as_file());
         write(&mut writer).and_then(|()| writer.flush()).map_err(error)?;
         drop(writer);
-        // Without this, a power failure could leave the name without the content.
+        // Otherwise a power failure after the renaming could leave the file's name without its content.
         file.as_file().sync_data().map_err(error)?;
         Ok(StagedFile { file, output: self })
     }
@@ -114,14 +114,14 @@ impl OutputFile {
     fn temporary_file(&self) -> io::Result<NamedTempFile> {
         let mut builder = Builder::new();
         builder.prefix(".geosweep-").suffix(".part");
-        // The mode of any new file, less the umask. By default temporary files are private.
+        // Temporary files are private by default. This is the mode of other new files, less the umask.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         builder.tempfile_in(self.folder())
     }
 }
 
-/// Maximum number of links to follow before they count as a cycle, the same as in Linux.
+/// Maximum number of links to follow. More links count as a cycle. Linux has the same limit.
 const MOST_LINKS: usize = 40;
 
 /// Follows the links of a path, even if its target does not exist yet.
@@ -174,7 +174,7 @@ mod tests {
         write(&at("first"));
         assert_eq!(fs::read(at("maps/map.npy")).unwrap(), b"map");
         assert!(fs::symlink_metadata(at("first")).unwrap().is_symlink());
-        // Once more, now that the file exists.
+        // The second write replaces the file, which exists now.
         write(&at("first"));
         assert!(fs::symlink_metadata(at("maps/second")).unwrap().is_symlink());
     }

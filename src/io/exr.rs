@@ -86,8 +86,8 @@ fn check_headers(headers: &[Header], file: usize) -> Result<(), String> {
             Compression::ZIP1 | Compression::ZIP16 => ratio::DEFLATE,
             Compression::PXR24 => ratio::DEFLATED_24,
             Compression::PIZ => ratio::PIZ,
-            // Upstream's B44 decoder panics if a block is too short. Its DWA decoder trusts the sizes that
-            // blocks declare.
+            // The B44 decoder of the crate `exr` panics if a block is too short. Its DWA decoder does not check the
+            // sizes that blocks declare.
             lossy @ (Compression::B44
             | Compression::B44A
             | Compression::DWAA(_)
@@ -113,9 +113,9 @@ fn check_headers(headers: &[Header], file: usize) -> Result<(), String> {
     Ok(())
 }
 
-/// Checks that each block of the first layer's picture is present exactly once. Upstream trusts the table of
-/// offsets. If an entry leads to a block of another layer or level, it panics. If two entries lead to the
-/// same block, the missing one is read as zeros.
+/// Checks that each block of the first layer's picture is present exactly once. The crate `exr` does not check the
+/// table of offsets. If an entry leads to a block of another layer or level, that crate panics. If two entries lead
+/// to the same block, it reads the missing one as zeros.
 fn check_blocks(bytes: &[u8]) -> Result<(), Error> {
     let blocks = read_blocks(Cursor::new(bytes), false)?
         .filter_chunks(false, |_, tile, block| {

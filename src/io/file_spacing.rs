@@ -9,7 +9,7 @@ pub(super) enum FileSpacing {
     Unknown,
     /// A distance, in the unit of the heights.
     Known(Spacing, LinearUnit),
-    /// The file gives a distance in degrees. The text says how that is known.
+    /// The file gives a distance in degrees. The text says how this is known.
     Degrees(&'static str),
     /// The file gives a distance that cannot be used. The text says why.
     Unusable(String),

@@ -40,7 +40,8 @@ impl Georeference {
         (row.is_finite() && col.is_finite()).then_some([row, col])
     }
 
-    /// Checks that a grid of this size has the same location under another georeference.
+    /// Checks that the corners of a grid of this size have the same places under another georeference, up to a tenth
+    /// of a cell.
     pub(super) fn agrees(&self, other: &Self, rows: usize, cols: usize) -> Result<(), String> {
         if let (Some(own), Some(other)) = (self.system, other.system)
             && own != other
@@ -67,7 +68,7 @@ impl Georeference {
     }
 }
 
-/// Number of rows or columns by which two grids may differ: transformations are often rounded as text.
+/// Number of rows or columns by which corners of two equal grids may differ. Files often store rounded numbers.
 const SAME_PLACE: f64 = 0.1;
 
 impl CoordinateSystem {

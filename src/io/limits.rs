@@ -2,7 +2,7 @@
 //!
 //! Decoders check these limits before they allocate, so that a file of some kilobytes cannot claim gigabytes.
 
-/// The maximum number of grid points that is read or made: 2^28, 16384 x 16384.
+/// Maximum number of points of a grid that is read from a file or made: 2^28, or 16384 x 16384.
 pub const MAX_POINTS: usize = 1 << 28;
 
 /// Maximum ratios of decompressed to compressed bytes.
@@ -19,15 +19,15 @@ pub(super) mod ratio {
     pub const PIZ: u64 = 4096;
     /// LZW with codes of 12 bits: about 2500.
     pub const LZW: u64 = 2730;
-    /// Other compressions, which no file of heights has a reason to use.
+    /// Other compressions, which are unusual for files of heights.
     pub const OTHER: u64 = 4096;
 }
 
-/// Number of bytes that any file may decode to, in addition to the ratio.
+/// Number of bytes that every file may decode to, in addition to its size times the ratio.
 const ALWAYS: u64 = 64 << 10;
 
-/// Bytes that the PNG decoder may use for a row and for data beside the picture, except the colour profile
-/// and texts, which are skipped.
+/// Number of bytes that the PNG decoder may use for a row and for data other than the picture. Colour profiles and
+/// texts are skipped.
 pub(super) const PNG_BUFFERS: usize = 64 << 20;
 
 /// Returns the number of points of a grid, or an error if it is zero or above the limit.
@@ -64,7 +64,7 @@ pub(super) fn check_decoded(file: usize, ratio: u64, claimed: usize) -> Result<(
 pub(super) fn check_memory<T>(values: usize) -> Result<(), String> {
     let mut room = Vec::<T>::new();
     let there = room.try_reserve_exact(values);
-    // Without this, compilers remove the allocation as unused.
+    // Otherwise compilers would remove the allocation as unused.
     std::hint::black_box(&room);
     there.map_err(|_| {
         let mib = values.saturating_mul(size_of::<T>()) >> 20;

@@ -182,7 +182,7 @@ pub fn read_map(path: &Path) -> Result<Grid<f64>, IoError> {
         "npy" | "npz" => matrix(path, read_array(path, &["map", "distances"])?, "a map"),
         "tif" | "tiff" | "asc" => {
             let raster = raster::read_values(path)?;
-            // In our own maps this value marks points that no source reaches.
+            // In maps of this crate, the no-data value marks points that no source reaches.
             let unreached = |value: f64| if value.is_nan() { f64::INFINITY } else { value };
             Ok(if raster.unreached { raster.grid.map(unreached) } else { raster.grid })
         }

@@ -2,10 +2,11 @@
 //! curves.
 //!
 //! Arrays are NumPy `.npy` and `.npz` files, row first. Grids of numbers are also read from GeoTIFF, ESRI
-//! ASCII grids (`.asc`) and grey PNG; geometry images and heights are read from EXR. NaN means "no surface
-//! here". The name's extension selects the format. Output files appear whole or not at all ([`OutputFile`]).
+//! ASCII grids (`.asc`) and grey PNG; geometry images and heights are read from EXR. NaN marks points without a
+//! surface. The extension of a file's name selects the format. Output files appear with their complete content or not
+//! at all ([`OutputFile`]).
 //!
-//! Files are not trusted. Sizes are checked against the data before memory is allocated for them
+//! The content of files is not trusted. Declared sizes are checked against the data before memory is allocated for them
 //! (`limits.rs`), and at most [`MAX_POINTS`] points are accepted.
 
 mod arrays;

@@ -1,7 +1,7 @@
 //! Reads and writes NumPy's `.npy` arrays, versions 1 to 3 of the format.
 //!
-//! The header is a Python dictionary of exactly three entries. A scanner for these suffices, and nothing in a
-//! file can make it recurse or allocate.
+//! The header is a Python dictionary of exactly three entries. A scanner that finds these three suffices. No file can
+//! make it recurse or allocate memory.
 
 use std::io::{self, Read, Write};
 
@@ -85,7 +85,8 @@ impl Header {
         Self::parse(std::str::from_utf8(&text).map_err(|_| "the .npy header is no text")?)
     }
 
-    /// Returns the number of bytes of the data, or an error if there are fewer.
+    /// Returns the number of bytes of the data, or an error if the file has only `there` bytes left and these are
+    /// fewer.
     pub fn check_size(&self, there: u64) -> Result<usize, String> {
         let count = self.shape.iter().try_fold(1usize, |count, &n| count.checked_mul(n));
         let needed = count.and_then(|count| count.checked_mul(self.dtype.bytes));
@@ -199,7 +200,7 @@ impl Dtype {
     }
 }
 
-/// Converts from the order in which the first index runs fastest to the one in which the last does.
+/// Converts an array from Fortran order, in which the first index runs fastest, to C order, in which the last one does.
 fn c_order(shape: &[usize], values: &[f64]) -> Vec<f64> {
     let fortran_index = |mut index: usize| {
         // Split indices off the C index, beginning with the last axis. The stride of axis k is the product of

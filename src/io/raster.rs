@@ -20,7 +20,7 @@ fn read(path: &Path, role: Role) -> Result<Raster, IoError> {
     let raster = match extension(path).as_str() {
         "asc" => ascii_grid(&bytes, read_beside(&path.with_extension("prj"))?.as_deref()),
         _ => {
-            // The place where GDAL stores a mask outside the file.
+            // GDAL stores masks in a file of this name if they are not in the raster's own file.
             let mut name = path.as_os_str().to_owned();
             name.push(".msk");
             let mask = read_beside(&PathBuf::from(name))?;

@@ -79,7 +79,7 @@ mod tests {
         let wide = |values: &[usize]| values.iter().map(|&value| value as f64).collect::<Vec<_>>();
         assert_eq!(array("indptr").values, wide(&rows.indptr));
         assert_eq!(array("shape").values, [2.0, 30.0]);
-        // Four points around the corner, nine around the inner point.
+        // Within the radius there are four points around the corner and nine around the inner point, with themselves.
         assert_eq!(rows.indptr, [0, 4, 13]);
         let columns: Vec<_> = rows.indices.iter().map(|&column| f64::from(column)).collect();
         assert_eq!(array("indices").values, columns);

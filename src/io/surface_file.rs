@@ -31,7 +31,7 @@ pub struct SurfaceFile {
     georeference: Result<Georeference, String>,
     system: Result<CoordinateSystem, String>,
     geo_tags: Option<GeoTags>,
-    /// The length of the unit of heights in metres, or why it is not known.
+    /// The length of the unit of heights in metres, or the reason why it is not known.
     metres: Result<f64, String>,
 }
 
@@ -120,8 +120,8 @@ impl SurfaceFile {
         self.system.clone().map_err(|reason| IoError::content(&self.path, reason))
     }
 
-    /// Returns the fields that place a GeoTIFF, for maps of the same grid. For an ESRI ASCII grid these are
-    /// equivalent fields.
+    /// Returns the fields that give the location of a GeoTIFF, to be written to maps of the same grid. From the
+    /// header of an ESRI ASCII grid equivalent fields are made.
     pub fn geo_tags(&self) -> Option<&GeoTags> {
         self.geo_tags.as_ref()
     }
@@ -133,7 +133,7 @@ impl SurfaceFile {
         unit.name
     }
 
-    /// Returns the heights, in metres. A file that names no unit has metres.
+    /// Returns the heights, in metres. If the file names no unit, its numbers count as metres.
     ///
     /// # Errors
     /// If the file holds no heights, or they are in a unit that is not known.

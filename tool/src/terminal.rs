@@ -1,4 +1,4 @@
-//! Prints what the user sees while the tool runs and when it ends: results, notes and progress.
+//! Prints results, notes and progress while the tool runs and when it ends.
 
 use std::error::Error;
 use std::fmt::Display;
@@ -36,7 +36,7 @@ pub fn say(kind: &str, message: impl Display) {
     }
 }
 
-/// The largest number of characters of a word in a message. Any file name that a person reads is shorter.
+/// The largest number of characters of a word in a message. Longer words are shortened. Usual file names are shorter.
 const LONGEST_WORD: usize = 300;
 
 /// Formats a count with its noun in the singular or plural.

@@ -30,8 +30,8 @@ pub(in crate::cpu) struct Anchored<R> {
 /// The front that a point keeps or that reaches it: its arrival time and its anchor.
 type KeptAnchored<R> = Kept<R, Anchor<R>>;
 
-/// Flags of the scans that have a hole behind a point: one of the three neighbours is missing, or there is a
-/// corner. For all other scans the update depends on the anchors behind the point alone.
+/// Flags of the scans that have a hole behind a point: one of the three neighbours behind is missing, or one of them is
+/// a corner. For all other scans the update depends only on the anchors of these neighbours.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(transparent)]
 pub(in crate::cpu) struct HolesBehind<R>(R);
@@ -108,8 +108,8 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
         }
     }
 
-    /// Returns the change of the arrival time. A changed anchor counts too: it matters to neighbouring points,
-    /// though not to the map.
+    /// Returns the change of the arrival time. A changed anchor counts as a change too: it affects neighbouring points,
+    /// although the distance here stays.
     #[inline(always)]
     fn change(before: KeptAnchored<R>, after: KeptAnchored<R>) -> R::Bits {
         let turns = !before.carried.is(after.carried);
@@ -190,8 +190,7 @@ impl<R: Real> LaneKind<R> for Anchored<R> {
         Some(any)
     }
 
-    /// Returns true only where all points behind have one anchor. Where there are several, the points are
-    /// updated.
+    /// Returns true only if all points behind have one anchor. Where they have several, the points must be updated.
     #[inline(always)]
     fn leaves(
         &self,
@@ -288,7 +287,7 @@ impl<R: Real> Brought<R> {
             wanted[i] = may_come(i);
             of_one[i] = has(span, i, anchors[i], scan);
         }
-        // This updates as many points as possible at once, and the rest one after another.
+        // Runs of points that have one anchor behind them are updated at once, all others one after another.
         let mut i = 0;
         while i < points {
             if !wanted[i] {

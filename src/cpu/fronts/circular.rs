@@ -27,8 +27,8 @@ impl Straight for Circular {
         circular(triangle, self.origins.are_causal())
     }
 
-    /// Accepts only times that are earlier by more than rounding. A change of the last digit would be passed
-    /// on from point to point, and all of them would be visited again.
+    /// Accepts only times that are earlier by more than rounding. Otherwise a change of the last digit would spread
+    /// from point to point, and all these points would be visited again.
     #[inline(always)]
     fn earlier<R: Real>(self, now: R, triangle: Triangle<R>) -> R {
         Self::first(now, circular(triangle, self.origins.are_causal()))

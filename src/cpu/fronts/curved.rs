@@ -47,9 +47,9 @@ impl<R: Real> Curved<R> {
         }
     }
 
-    /// Returns the time at which a seed's front arrives along a straight line from its origin, and the number
-    /// of the origin. Returns `None` if the seed has no numbered origin, or if the line does not explain the
-    /// seed's time. The time is measured as updates measure it, and so agrees with them to rounding.
+    /// Returns the time at which a seed's front arrives along the straight line from its origin, and the number of
+    /// the origin. Returns `None` if the seed has no numbered origin, or if its time does not agree with the line.
+    /// The length of the line is computed as in updates, so that both agree up to rounding.
     fn named(&mut self, seed: &Seed) -> Option<(R, R)> {
         // Lines of the chart end at seams.
         let is_open = self.edges.copies().is_none();
@@ -262,13 +262,17 @@ pub(super) fn first<R: Real>(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R
 
 /// Returns the front at a point after a scan has brought `front` to it.
 ///
-/// The new front is accepted if it is the first, or if it arrives together with the present one and is
-/// preferred ([`Front::replaces`]). If the scan `renews`, the new front is also accepted, earlier or later,
-/// where the same scan brought the present one. That one came from the same triangles, whose fronts have
-/// changed since. So nothing stays that was computed from a preliminary curvature. A difference within
-/// rounding is no change ([`Front::is_same_as`]). Otherwise the last digits of a distant front would be
-/// passed on from point to point, and all of these would be visited again. In all other cases the present
-/// front stays, so that scans whose fronts arrive together do not alternate.
+/// The new front is accepted in three cases:
+///
+/// - It arrives earlier than the present one.
+/// - It arrives together with the present one, and is preferred ([`Front::replaces`]).
+/// - The scan `renews`, and the same scan brought the present front. The new front may then be earlier or later. Both
+///   came through the same triangles, whose fronts have changed in between. So no front stays that was computed from a
+///   preliminary curvature. A difference within rounding is no change ([`Front::is_same_as`]). Otherwise the last
+///   digits of a distant front would spread from point to point, and all these points would be visited again.
+///
+/// In all other cases the present front stays, so that scans whose fronts arrive together do not replace each other's
+/// fronts forever.
 #[inline(always)]
 pub(super) fn accept<R: Real>(
     kept: KeptCurved<R>,
@@ -284,9 +288,9 @@ pub(super) fn accept<R: Real>(
     let together = was_reached & front.arrives_with(before);
     let first = if together { front.replaces(before) } else { front.time < time };
     let is_new = !(together & front.is_same_as(before));
-    // The time of a seed is more accurate than an update of its own source's front.
+    // A front from the seed's own source does not replace the seed, whose time is more accurate than an update.
     let own = was_reached & curvature.is_seed_of(front.curvature);
-    // Exact seeds stay: an update that takes two fronts for one would be too early.
+    // Exact seeds stay: where two fronts meet, an update may take them for one front, which arrives too early.
     let held = was_reached & curvature.is_from(EXACT);
     let accepted =
         (first & !own & !held) | (was_reached & renews & curvature.is_from(scan) & is_new);
@@ -312,7 +316,7 @@ fn leaves<R: Real, const SPLIT: bool>(
     if span.leads(points) {
         return true;
     }
-    // The test needs curvatures, not numbers of origins.
+    // The test needs curvatures. If fronts may carry numbers of origins instead, all points are updated.
     if has_numbers {
         return false;
     }
@@ -334,7 +338,7 @@ fn leaves<R: Real, const SPLIT: bool>(
 
 /// Data of curved fronts that the update of a line needs.
 pub(in crate::cpu) struct CurvedLine<'k, R> {
-    /// See [`Curvatures::causal`].
+    /// Value of [`Curvatures::causal`].
     causal: bool,
     /// The origins, if fronts carry their numbers.
     origins: Option<LineOrigins<'k, R>>,
@@ -454,8 +458,9 @@ fn fronts_of_origins<R: Real, const SPLIT: bool>(
     first
 }
 
-/// Returns the earliest front at each point of a span. The likelier triangle is computed first. The other one is
-/// computed only if its front might be earlier, since that test costs less than an update.
+/// Returns the earliest front at each point of a span. The triangle through which the front more likely comes is
+/// computed first. The other one is computed only if its front might be earlier, since that test costs less than an
+/// update.
 #[inline(always)]
 fn earliest_of_both<R: Real, const LIKELY_LEFT: bool, const OTHER_LEFT: bool, const SPLIT: bool>(
     bent: &Bent<R, SPLIT>,
@@ -543,7 +548,7 @@ mod tests {
         assert_eq!(kept.time, R::of(1.5));
         let digit = R::epsilon().wide();
         let is_kept = |front, scan, renews| after::<R>(front, scan, renews) == kept;
-        // The same scan brings it again.
+        // The present front's own scan brings it again.
         assert!(is_kept([1.5 + digit, 0.3], 2, true));
         assert!(is_kept([1.5 - digit, 0.3 * (1.0 + 64.0 * digit)], 2, true));
         for changed in [[1.5 + 4.0 * digit, 0.3], [1.5, 0.3 * (1.0 + 4096.0 * digit)]] {

@@ -1,4 +1,4 @@
-//! Lets all copies of a point on a glued surface take the earliest front of theirs. The twin of
+//! Gives all copies of each point of a glued surface the earliest front among them. The twin of
 //! `glsl/passes/exchange.comp`.
 
 use super::FrontKind;
@@ -6,8 +6,8 @@ use crate::constants::COPIES_TOGETHER;
 use crate::surface::{EdgeLengths, Groups, Real};
 use crate::update::{Carried, EXACT, EXCHANGED, Kept};
 
-/// Returns the earliest front that a scan has brought to any point of a group of copies. Fronts that an earlier
-/// exchange has brought do not count: those from which they were copied may have been renewed since.
+/// Returns the earliest front that a scan has brought to any point of a group of copies. Fronts from an earlier
+/// exchange do not count, since the fronts from which they were copied may have been renewed.
 fn earliest<R: Real, K: FrontKind<R>>(
     group: &[u32],
     front: impl Fn(usize) -> Kept<R, K::Carried>,
@@ -21,7 +21,8 @@ fn earliest<R: Real, K: FrontKind<R>>(
     group.chunks(COPIES_TOGETHER as usize).filter_map(of_part).reduce(K::first)
 }
 
-/// Returns the front at a copy after the earliest front of all copies has come, or `None` if it stays.
+/// Returns the front at a copy after the earliest front of all copies has reached it, or `None` if the present one
+/// stays.
 fn after_arrival<R: Real, K: FrontKind<R>>(
     first: Kept<R, K::Carried>,
     before: Kept<R, K::Carried>,
@@ -35,8 +36,9 @@ fn after_arrival<R: Real, K: FrontKind<R>>(
     Some(after).filter(|&after| after != before)
 }
 
-/// Lets all copies of each point take the earliest front of theirs. `at` returns the front at a point of the bordered
-/// arrays and whether it may be renewed. `set` takes the front before and after at each point where it changes.
+/// Gives all copies of each point the earliest front among them. `at` returns the front at a point of the bordered
+/// arrays, and whether it may be renewed. `set` is called for each point where the front changes, with the front before
+/// and after the change.
 pub(in crate::cpu) fn exchange<R: Real, K: FrontKind<R>, T>(
     edges: &EdgeLengths<R>,
     map: &mut T,

@@ -1,23 +1,23 @@
-//! Defines what solvers require of a kind of front, and of one whose points they update one by one.
+//! Defines the interface between solvers and kinds of fronts, and that of kinds whose points are updated one by one.
 
 use crate::cpu::behind::{Behind, TriangleSlots};
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
 use crate::update::{Carried, Kept, Triangle, tag_of};
 
-/// A kind of front over a surface. It defines what points carry, and how fronts start, are accepted and
-/// compared. How they continue is defined by [`PointKind`] for solvers that update points one by one, and by
+/// A kind of front over a surface. It defines the data that fronts carry, and how fronts start, are accepted and
+/// compared. Updates are defined by [`PointKind`] for solvers that update points one by one, and by
 /// [`LaneKind`](super::LaneKind) for those that update lines in SIMD lanes.
 pub(in crate::cpu) trait FrontKind<R: Real>:
     Clone + std::fmt::Debug + Send + Sync + 'static
 {
-    /// Data that the front at a point carries beside its arrival time.
+    /// Data that the front at a point carries besides its arrival time.
     type Carried: Carried;
 
     /// A front that arrives at a point.
     type Arrival: Copy;
 
-    /// Whether accepted fronts may be taken back for later ones. Seeds that were later may then be lost with
-    /// them ([`Seed::is_lost`]).
+    /// Whether a scan may replace a front that it brought earlier by a later one. A seed that the earlier front has
+    /// replaced is then lost ([`Seed::is_lost`]).
     const TAKES_BACK: bool = false;
 
     /// Announces all seeds that are about to be added, before the first one is added.
@@ -26,8 +26,8 @@ pub(in crate::cpu) trait FrontKind<R: Real>:
     /// Returns the front that a seed starts.
     fn arrival_of_seed(&mut self, seed: &Seed) -> Self::Arrival;
 
-    /// Returns the data of a front that may be replaced by fronts of sources that are added later
-    /// ([`Seed::exact`]).
+    /// Returns `carried` without the mark of an exact seed ([`Seed::exact`]), so that fronts of sources that are added
+    /// later can replace the front.
     fn released(carried: Self::Carried) -> Self::Carried {
         carried
     }
@@ -50,7 +50,7 @@ pub(in crate::cpu) trait FrontKind<R: Real>:
     /// Returns the first of two fronts at a point.
     fn first(a: Kept<R, Self::Carried>, b: Kept<R, Self::Carried>) -> Kept<R, Self::Carried>;
 
-    /// Returns how much a front has changed, in units of its arrival time ([`Real::units_between`]).
+    /// Returns the change of a front, in units of the last place of its arrival time ([`Real::units_between`]).
     fn change(before: Kept<R, Self::Carried>, after: Kept<R, Self::Carried>) -> R::Bits;
 
     /// Starts the fronts of seeds, in bordered arrays of arrival times and of what fronts carry. Calls
@@ -192,8 +192,8 @@ pub(in crate::cpu) trait TriangleKind<R: Real>: FrontKind<R> + Triangular {
     fn circle(radius: R) -> Self::Carried;
 }
 
-/// Marks each [`TriangleKind`]. The marker has no parameter, so that the compiler can tell these kinds from
-/// others in the implementation below.
+/// Marks each [`TriangleKind`]. The marker has no type parameter. So the compiler can distinguish these kinds from
+/// others in the blanket implementation of [`PointKind`].
 pub(in crate::cpu) trait Triangular {}
 
 impl<R: Real, K: TriangleKind<R> + Triangular> PointKind<R> for K {

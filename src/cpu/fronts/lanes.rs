@@ -1,4 +1,4 @@
-//! Defines what solvers require of a kind of front whose lines they update in SIMD lanes.
+//! Defines the interface between solvers and kinds of fronts whose lines are updated in SIMD lanes.
 
 use std::ops::Range;
 
@@ -21,7 +21,7 @@ pub(in crate::cpu) trait LaneKind<R: Real>: FrontKind<R> {
     /// Whether updates in SIMD lanes need edge lengths.
     const NEEDS_EDGES: bool = true;
 
-    /// Whether updates note changes of curvature ([`LargestChanges::note_bend`]).
+    /// Whether updates report changes of curvature ([`LargestChanges::note_bend`]).
     const TELLS_BENDS: bool = false;
 
     /// Returns the data of the surface, as a bordered array.
@@ -32,7 +32,7 @@ pub(in crate::cpu) trait LaneKind<R: Real>: FrontKind<R> {
         0
     }
 
-    /// The data of the kind that the updates of a line's spans need.
+    /// Data that updates of a line's spans read from the kind of front.
     type OfLine<'k>;
 
     /// Prepares the update of a line, given the row and column of its first point, counted from the border.
@@ -49,9 +49,9 @@ pub(in crate::cpu) trait LaneKind<R: Real>: FrontKind<R> {
         None
     }
 
-    /// Updates some points of a line, given their start and number, and the `splits` among them. Returns
-    /// whether anything has changed, tags included, or `None` if all of the points are settled. It must be
-    /// inlined into loops over SIMD lanes.
+    /// Updates some points of a line, given the first of them, their number, and the `splits` among them. Returns
+    /// whether any front or tag has changed, or `None` if all points are settled. Implementations must be inlined
+    /// into loops over SIMD lanes.
     fn update_span(
         of_line: &Self::OfLine<'_>,
         line: &mut ScanLine<'_, '_, R, Self::Carried, Self::SurfaceData>,
@@ -61,8 +61,8 @@ pub(in crate::cpu) trait LaneKind<R: Real>: FrontKind<R> {
         changes: &mut LargestChanges<R>,
     ) -> Option<bool>;
 
-    /// Returns whether a scan leaves `points` points in a row unchanged, starting with the point `first`. It
-    /// must be inlined into loops over SIMD lanes.
+    /// Returns whether a scan leaves `points` adjacent points of a row unchanged, from the point `first` on.
+    /// Implementations must be inlined into loops over SIMD lanes.
     fn leaves(
         &self,
         before: &Before<'_, R, Self::Carried, Self::SurfaceData>,
@@ -106,7 +106,7 @@ pub(super) fn splits_of_line<R: Real, K: TriangleKind<R>, G>(
         });
         let arrival = arrivals.reduce(K::earlier);
         match found.last_mut() {
-            // The point's other triangle.
+            // The previous entry is the other triangle of the same point.
             Some((last, other)) if *last == place - first => {
                 *other = [*other, arrival].into_iter().flatten().reduce(K::earlier);
             }
@@ -116,7 +116,8 @@ pub(super) fn splits_of_line<R: Real, K: TriangleKind<R>, G>(
     Some(found)
 }
 
-/// Finds the fronts through parts that are not stored, for `points` points from a row and column on.
+/// Finds the fronts through parts of obtuse triangles where these parts are not stored but searched now, for `points`
+/// points of a line from a row and column on.
 fn splits_found_now<R: Real, K: TriangleKind<R>, G>(
     kind: &K,
     lines: &GridLines<'_, R, K::Carried, G>,

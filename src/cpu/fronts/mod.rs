@@ -48,7 +48,7 @@ impl<R: Real> FrontOver<R> {
         if let Some(slowness) = edges.shared_slowness() {
             return match wavefront {
                 Wavefront::Planar => Self::SlowedPlanar(SlowedPlanar::new(slowness)),
-                // Circles have no centre where rays bend.
+                // Rays bend where the slowness varies, so circular fronts have no centre there. Curved fronts are used.
                 _ => Self::SlowedCurved(SlowedCurved::new(edges, slowness)),
             };
         }
@@ -76,7 +76,7 @@ macro_rules! for_kind {
 }
 pub(super) use for_kind;
 
-/// Works as [`for_kind`] for solvers that need a [`TriangleKind`]. Curved fronts stand in for anchored ones.
+/// Solves as [`for_kind`] does, for solvers that need a [`TriangleKind`]. Curved fronts replace anchored ones.
 macro_rules! for_triangle_kind {
     ($edges:expr, $wavefront:expr, $kind:ident => $solve:expr) => {
         match $crate::cpu::fronts::FrontOver::new($edges, $wavefront) {

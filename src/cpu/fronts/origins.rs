@@ -1,5 +1,4 @@
-//! Stores the origins of a map's fronts, and finds for points of a line the origins of the fronts behind
-//! them.
+//! Stores the origins of a map's fronts, and finds the origins of the fronts behind the points of a line.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! Provides what fronts over an uneven slowness need of a span of points.
+//! Provides the triangles of a span of points together with the slowness at their corners.
 
 use crate::cpu::lines::span::Span;
 use crate::surface::Real;

@@ -21,8 +21,8 @@ use crate::update::{
 /// The front of [`crate::Wavefront::Curved`] over a surface with an uneven slowness.
 #[derive(Clone, Debug)]
 pub(in crate::cpu) struct SlowedCurved<R> {
-    /// The Gaussian curvature of the surface's metric times the squared slowness. It has a tag where waves
-    /// diffract.
+    /// Gaussian curvature of the metric in which lengths are travel times: the surface's metric times the squared
+    /// slowness. It has a tag where waves diffract.
     gaussian: Arc<Vec<R>>,
     slowness: Arc<Vec<R>>,
     origins: Origins,
@@ -82,7 +82,7 @@ impl<R: Real> FrontKind<R> for SlowedCurved<R> {
 
 impl<R: Real> LaneKind<R> for SlowedCurved<R> {
     type SurfaceData = SurfaceData<R>;
-    /// See [`Curvatures::causal`].
+    /// Value of [`Curvatures::causal`].
     type OfLine<'k> = bool;
     const TELLS_BENDS: bool = true;
 

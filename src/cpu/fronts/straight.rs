@@ -1,4 +1,4 @@
-//! Implements fronts that carry nothing beside their arrival time.
+//! Implements planar and circular fronts, which carry nothing besides their arrival time.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Chart, Origins, Real, Seed, min};
 use crate::update::{Kept, Triangle};
 
-/// The operations in which such fronts differ.
+/// The operations in which these kinds of fronts differ.
 pub(in crate::cpu) trait Straight:
     Copy + std::fmt::Debug + Send + Sync + 'static
 {
@@ -114,7 +114,8 @@ impl<R: Real, S: Straight> LaneKind<R> for S {
             if span.leads(points) {
                 return None;
             }
-            // If no point has been reached, all of them are about to be, and the test would be wasted.
+            // If no point has been reached yet, all of them are about to be, and the test whether they are settled
+            // would only cost time.
             let is_new = options.limit == f64::INFINITY && span.is_unreached(points);
             if !is_new && stays::<R, S, false>(&span, points, options.limit) {
                 return None;
@@ -192,9 +193,8 @@ fn stays<R: Real, S: Straight, const SPLIT: bool>(
     settled
 }
 
-/// Returns, for each point, the earlier of the arrival time `now` and the one through one of its two
-/// triangles. The result is a separate array, since compilers do not keep in registers what is written to a
-/// line.
+/// Returns, for each point, the earlier of the arrival time `now` and the one through one of its two triangles. The
+/// result is a separate array, which compilers can keep in registers. Values written to a line they store in memory.
 #[inline(always)]
 fn earlier<R: Real, S: Straight, const LEFT: bool, const SPLIT: bool>(
     kind: S,
@@ -224,8 +224,8 @@ fn through_both<R: Real, S: Straight, const SPLIT: bool>(
     }
 }
 
-/// Updates points from the triangle that the front most likely comes through. Updates them from the other one
-/// too, unless no front arrives earlier through it.
+/// Updates points from the triangle through which the front most likely comes. Updates them from the other one too,
+/// unless a test finds that no front arrives earlier through it.
 #[inline(always)]
 fn updated<
     R: Real,

@@ -11,19 +11,21 @@ use crate::lanes::prefetch;
 use crate::surface::{EdgeLengths, Real};
 use crate::update::{Carried, Kept};
 
-/// Bordered arrays of lines while a scan updates them; [`Self::place`] says where a point lies in them. Lines
-/// are counted from the first line of the arrays, points from the first one inside the grid's border.
+/// Bordered arrays of lines while a scan updates them. [`Self::place`] converts positions in the grid to positions in
+/// these arrays. Lines are counted from the first line of the arrays, points from the first one inside the grid's
+/// border.
 pub(in crate::cpu) struct GridLines<'a, R, C, G> {
-    /// The neighbours behind a point, where lines are rows.
+    /// The neighbours behind a point, in arrays whose rows are the lines.
     pub behind: Behind,
     pub times: &'a mut [R],
     /// The data that fronts carry, and the data of the surface.
     pub carried: &'a mut [C],
     pub surface_data: &'a [G],
-    /// Lengths of the edges to the next point, to the point on the line before, and on that line to the next
-    /// and to the previous point. Empty where edges are not needed.
+    /// Lengths of the edges from each point to the next point of its line, and to three points of the line before: the
+    /// one beside it, the next and the previous one. Empty where edges are not needed.
     pub edges: [&'a [R]; 4],
-    /// Distance between lines of the surface's data, and the number of lines of them before the first line.
+    /// Layout of the surface's data: the distance in memory from a line to the next, and the number of lines that they
+    /// have before the first one of the fronts.
     pub surface: (usize, usize),
     pub place: LinesInGrid<'a, R, C>,
 }
@@ -38,7 +40,7 @@ pub(in crate::cpu) struct LinesInGrid<'a, R, C> {
     pub stride: usize,
     /// The row or column, counted from the border, of the first of these lines.
     pub first: usize,
-    /// Number of the grid's points before the first one of a line.
+    /// Number of the grid's points on a line before the first one that the arrays hold.
     pub before: usize,
     /// The fronts of the whole grid, if these lines do not hold all points.
     pub beyond: Option<Beyond<'a, R, C>>,
@@ -46,16 +48,18 @@ pub(in crate::cpu) struct LinesInGrid<'a, R, C> {
 
 /// Fronts at points outside the arrays of some lines.
 pub(in crate::cpu) struct Beyond<'a, R, C> {
-    /// The points of each line that the arrays hold, and the lines, both counted from the border of the grid.
+    /// Points of each line that the arrays hold, and lines that they hold. Both are counted from the border of the
+    /// grid.
     pub points: Range<usize>,
     pub lines: Range<usize>,
-    /// The fronts at other points: as the scan sees them, and those of the whole grid.
+    /// Fronts at all other points: first those in the scan's window, then those of the whole grid.
     pub near: Option<Fronts<'a, R, C>>,
     pub far: Option<Fronts<'a, R, C>>,
 }
 
 impl<'a, R: Real, C: Carried, G> GridLines<'a, R, C, G> {
-    /// Returns part of a line together with the line behind it. Only lines that `need_edges` have these.
+    /// Returns the `points` of a line together with the points behind them. Edge lengths are included if `need_edges`
+    /// is set.
     pub(in crate::cpu) fn line(
         &mut self,
         line: usize,
@@ -101,7 +105,7 @@ impl<'a, R: Real, C: Carried, G> GridLines<'a, R, C, G> {
 }
 
 impl<R: Real, C: Carried> LinesInGrid<'_, R, C> {
-    /// Returns the number, in the lines' arrays, of a row or column of the grid.
+    /// Returns the number in these arrays of a row or column of the grid.
     pub(in crate::cpu) fn number(&self, line: usize) -> usize {
         line + 1 - self.first
     }
@@ -139,8 +143,7 @@ pub(in crate::cpu) struct ScanLine<'l, 'g, R, C, G> {
     /// Arrival times and data carried by fronts, of all lines.
     times: &'l mut [R],
     carried: &'l mut [C],
-    /// The indices in these arrays of the line's first point, and of the point before the first one of the
-    /// line that the scan has just passed.
+    /// Indices in these arrays of the line's first point, and of the first of the n + 2 points behind the line.
     here: usize,
     behind: usize,
     /// The number of points, n.
@@ -153,7 +156,8 @@ pub(in crate::cpu) struct ScanLine<'l, 'g, R, C, G> {
     edges: [&'l [R]; 3],
     /// Lengths of the n + 1 edges between the points behind.
     bases: &'l [R],
-    /// Offsets from a point to the line that is updated next, of the fronts and of the surface's data.
+    /// Offsets from a point to the one beside it on the line that is updated next: in the arrays of fronts, and in
+    /// those of the surface's data.
     next: [isize; 2],
     /// Row and column of the first point, counted from the border.
     pub first: [usize; 2],
@@ -209,8 +213,8 @@ impl<R: Real, C: Carried, G> ScanLine<'_, '_, R, C, G> {
         }
     }
 
-    /// Returns the front at a point of the grid. It is called for many points one after another: inlined, each
-    /// caller would load all that it needs.
+    /// Returns the front at a point of the grid. Callers ask for many points one after another. If this function were
+    /// inlined, each of them would load all fields that it reads.
     #[inline(never)]
     pub(in crate::cpu) fn front(&self, point: usize) -> Kept<R, C> {
         self.place.front((self.times, self.carried), point)

@@ -7,11 +7,11 @@
 //! - t1 + u . (x0 - x1) and
 //! - t2 + u . (x0 - x2),
 //!
-//! less the bulge. Here x1 is the neighbour across the grid's diagonal, and u is the direction from it. A
-//! scan of the other kind has a triangle on the other side of that diagonal, and a front that came from there
-//! is settled. Until a map has converged, a point is visited about four times, and one or two visits need the
-//! update. With x1 and x2 exchanged, u is the direction from the neighbour beside. That test decides which of
-//! its two triangles an update can skip.
+//! less the bulge. Here x1 is the neighbour across the grid's diagonal, and u is the direction from it. On the other
+//! side of that diagonal lies a triangle of a scan along the other axis, and the test also finds settled fronts that
+//! came through it. Until a map has converged, a point is visited about four times, and only one or two of these visits
+//! need the update. With x1 and x2 exchanged, u is the direction from the neighbour beside x0. That test decides which
+//! of its two triangles an update can skip.
 //!
 //! [`crate::cpu::pairwise`] has the same test, with coefficients that are computed once for many maps.
 
@@ -27,8 +27,9 @@ pub(crate) struct Visited<R> {
 }
 
 impl<R: Real> Visited<R> {
-    /// Returns whether no front arrives at the point earlier than the present one: no front is behind it, or
-    /// neither triangle brings an earlier one. `settled` has the latter condition for each triangle.
+    /// Returns whether no front arrives at the point earlier than the present one: either all neighbours behind it
+    /// are unreached, or neither triangle brings an earlier front. `settled` tells for each triangle whether it
+    /// brings none.
     #[inline(always)]
     pub(crate) fn stays(&self, settled: [bool; 2]) -> bool {
         let [left, right] = &self.triangles;
@@ -37,7 +38,7 @@ impl<R: Real> Visited<R> {
     }
 }
 
-/// Lower bounds of how much later than the present time planar fronts arrive.
+/// Lower bounds of the arrival time of a planar front less the present time.
 struct Lead<R> {
     /// The bound from x1.
     across: R,
@@ -50,7 +51,7 @@ struct Lead<R> {
 impl<R: Real> Lead<R> {
     #[inline(always)]
     fn new(Triangle { t1, t2, l1, l2, c }: Triangle<R>, now: R) -> Self {
-        // Where there is no such triangle, fronts run along its edges only.
+        // The minimum applies where the lengths form no triangle. Fronts then run along its edges only.
         let projection = min(R::of(0.5) * (l1 * l1 + l2 * l2 - c * c), l1 * l2);
         Self { across: t1 + l1 - now, beside: (t2 - now) * l1 + projection, edge: l1 }
     }
@@ -63,17 +64,18 @@ impl<R: Real> Lead<R> {
     }
 }
 
-/// Returns whether no planar front arrives through a triangle earlier than `now`. Here and below, x1 may be
-/// either end of the base. The two choices are different tests, which hold for different triangles.
+/// Returns whether it is certain that no planar front arrives through a triangle earlier than `now`. Here and below, x1
+/// may be either end of the base. The two choices are different tests: either may find a settled point that the other
+/// misses.
 #[inline(always)]
 pub(crate) fn from_planar<R: Real>(triangle: Triangle<R>, now: R) -> bool {
     let Lead { across, beside, .. } = Lead::new(triangle, now);
     (across >= R::zero()) & (beside >= R::zero())
 }
 
-/// Returns whether no circular front arrives through a triangle earlier than `now`. If its source is at a
-/// distance of r from the base's nearest point, the distance from the source to the points of the base is at
-/// most c^2 / 8r below the chord. Here r is at least t - c / 2 for the earlier end.
+/// Returns whether it is certain that no circular front arrives through a triangle earlier than `now`. Let r be the
+/// distance from the front's source to the nearest point of the base. Then the times along the base are at most c^2 /
+/// 8r below their linear interpolation. With t as the time at the earlier end, r is at least t - c / 2.
 #[inline(always)]
 pub(crate) fn from_circular<R: Real>(triangle: Triangle<R>, now: R) -> bool {
     let Triangle { t1, t2, c, .. } = triangle;
@@ -81,9 +83,9 @@ pub(crate) fn from_circular<R: Real>(triangle: Triangle<R>, now: R) -> bool {
     Lead::new(triangle, now).exceeds(R::of(0.125) * c * c, distance)
 }
 
-/// Returns whether every curved front through a triangle arrives later than `now`, given its curvatures at x1
-/// and x2. With kappa as the larger curvature, the front's centre is 1 / kappa from the farther end of the
-/// base. So it is at least 1 / kappa - c from all points of the base.
+/// Returns whether it is certain that every curved front through a triangle arrives later than `now`, given the
+/// curvatures at x1 and x2. With kappa as the larger curvature, the front's centre is 1 / kappa from the farther end of
+/// the base. So it is at least 1 / kappa - c from all points of the base.
 #[inline(always)]
 pub(in crate::cpu) fn from_curved<R: Real>(
     triangle: Triangle<R>,
@@ -93,7 +95,7 @@ pub(in crate::cpu) fn from_curved<R: Real>(
     let [k1, k2] = curvatures;
     let kappa = max(max(k1, k2), R::zero()) * triangle.c;
     let divisor = R::of(8.0) * max(R::one() - kappa, R::zero());
-    // An upper bound of the rounding in this test.
+    // This is an upper bound of the rounding in this test.
     let slack = R::of(16.0) * R::epsilon() * now;
     Lead::new(triangle, now).exceeds(triangle.c * kappa + slack * divisor, divisor)
 }

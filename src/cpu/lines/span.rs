@@ -1,5 +1,5 @@
-//! Defines spans: adjacent points with their own data and the data of the points behind, as updates take them.
-//! Also defines the steps that all updates of spans share.
+//! Defines spans: adjacent points with their own data and the data of the points behind them, which an update takes as
+//! its input. Also defines the steps that the updates of all kinds of fronts share.
 
 use super::settled::Visited;
 use super::window::Fronts;
@@ -10,21 +10,21 @@ use crate::lanes::prefetch;
 use crate::surface::{EdgeLengths, Offset, Real, min};
 use crate::update::{Carried, Kept, Triangle};
 
-/// Number of points on a side of a tile. A front moves at most one point per line. So within a band of `TILE`
-/// lines it moves at most to the neighbouring tile.
+/// Number of points on a side of a tile. A front moves by at most one point along a line for each line that the scan
+/// passes. So within a band of `TILE` lines it reaches no farther than the neighbouring tile.
 pub(in crate::cpu) const TILE: usize = 16;
 
 /// A span of adjacent points of a row or column, the neighbours behind each of them, and the triangles between.
 ///
-/// All slices have as many entries as there are points, or have entries without data, so that the compiler
-/// sees that indices are within bounds. `C` is the data that fronts carry beside their arrival times, `G` the
-/// data of the surface.
+/// All slices have as many entries as there are points, unless their entries have no size. So the compiler sees that
+/// indices are within bounds. `C` is the data that fronts carry besides their arrival times, `G` the data of the
+/// surface.
 #[derive(Clone, Copy)]
 pub(in crate::cpu) struct Span<'a, R, C, G> {
     pub times: &'a [R],
     pub carried: &'a [C],
     pub surface_data: &'a [G],
-    /// Data at the neighbours behind: the one before, the one beside, the one after.
+    /// Data at the neighbours behind each point: the one before it, the one beside it, the one after it.
     pub times_behind: [&'a [R]; 3],
     pub carried_behind: [&'a [C]; 3],
     /// Lengths of the edges to the neighbours behind, and of the edges between these.
@@ -88,7 +88,8 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         if LEFT { triangle.mirrored() } else { triangle }
     }
 
-    /// Returns point `i` before its update. Fronts that arrive after `limit` are not wanted.
+    /// Returns point `i` before its update, for the test whether it is settled. Its time is at most `limit`, since
+    /// fronts after that are ignored.
     #[inline(always)]
     pub(in crate::cpu) fn visited<const SPLIT: bool>(&self, i: usize, limit: R) -> Visited<R> {
         let triangles =
@@ -117,8 +118,8 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         unreached
     }
 
-    /// Returns whether all these points and all those behind them are reached after `limit`. Updates then bring
-    /// nothing that is wanted.
+    /// Returns whether all these points and all those behind them are reached after `limit` or not at all. Updates then
+    /// bring no front before the limit.
     #[inline(always)]
     pub(in crate::cpu) fn is_beyond(&self, points: usize, limit: f64) -> bool {
         let [before, beside, after] = self.times_behind;
@@ -129,7 +130,8 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         first.wide() > limit
     }
 
-    /// Returns whether the scan renews fronts and has brought one of these that is no later than the limit.
+    /// Returns whether the scan renews fronts and has itself brought one of the fronts here that is no later than the
+    /// limit.
     #[inline(always)]
     pub(in crate::cpu) fn is_renewed(&self, points: usize, options: UpdateOptions) -> bool {
         let UpdateOptions { scan, renews, limit, .. } = options;
@@ -147,8 +149,8 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
     }
 }
 
-/// The largest changes of a line's fronts. They are kept apart by their place in the span, for the sake of
-/// SIMD lanes, and as integers, whose maximum compilers find in these.
+/// The largest changes of a line's fronts. There is one maximum for each place in a span, since these places are SIMD
+/// lanes. The changes are integers, whose maximum compilers compute in SIMD lanes.
 pub(in crate::cpu) struct LargestChanges<R: Real> {
     /// Changes of arrival times ([`Real::units_between`]).
     times: [R::Bits; TILE],
@@ -200,7 +202,7 @@ impl<R: Real> LargestChanges<R> {
     }
 }
 
-/// Returns part of an array. If its entries have no size, returns all of it, which saves the bounds checks.
+/// Returns `points` entries of an array. If entries have no size, returns the whole array, which saves bounds checks.
 #[inline(always)]
 pub(in crate::cpu) fn part<T>(array: &[T], start: usize, points: usize) -> &[T] {
     if size_of::<T>() == 0 { array } else { &array[start..][..points] }
@@ -211,7 +213,7 @@ fn parts<T>([a, b, c]: [&[T]; 3], start: usize, points: usize) -> [&[T]; 3] {
     [part(a, start, points), part(b, start, points), part(c, start, points)]
 }
 
-/// The fronts at all points of a window that scans start from.
+/// The fronts from which scans start, at all points of a window.
 #[derive(Clone, Copy)]
 pub(in crate::cpu) struct Before<'a, R, C, G> {
     pub edges: &'a EdgeLengths<R>,

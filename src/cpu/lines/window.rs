@@ -83,7 +83,7 @@ impl<R: Real, C: Carried> Fronts<'_, R, C> {
     pub(in crate::cpu) fn at(&self, (row, col): (usize, usize)) -> Option<Kept<R, C>> {
         let Window { grid, own, first } = self.window;
         let (row, col) = (row.checked_sub(first.0)?, col.checked_sub(first.1)?);
-        // The border of a window inside the grid has no fronts.
+        // The border around a window inside the grid holds no fronts of the grid's points.
         let is_whole = own == grid;
         let holds = |at: usize, points: usize| is_whole || (1..=points).contains(&at);
         (holds(row, own.rows) && holds(col, own.cols)).then(|| {

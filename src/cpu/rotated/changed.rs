@@ -1,6 +1,6 @@
-//! Marks by which updates of lines tell the active set what has changed.
+//! Defines the marks by which updates of lines report changes to the active set.
 
-/// The change of some points by updates, from least to most. Of several changes the largest counts.
+/// The change of some points by updates, in ascending order. The mark of several changes is the largest of theirs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::cpu) enum Changed {
     #[default]

@@ -2,9 +2,9 @@
 //!
 //! A scan has to examine every tile beside a change. In most of them it only confirms that the change has no
 //! effect. If all points of a tile are settled (`lines/settled.rs`) before a scan, the scan changes nothing there
-//! until it brings a change itself. This module finds such tiles for both scans of a pair at once. It goes row by
-//! row, as points lie in memory, and with any number of threads. Few tiles remain whose columns have to be
-//! transposed.
+//! until it brings a change itself. This module finds such tiles for both scans of a pair at once. It examines points
+//! row by row, in the order of memory, with any number of threads. So scans to the right and left have to transpose the
+//! columns of few tiles only.
 
 use std::ops::Range;
 
@@ -18,9 +18,9 @@ use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::lanes::Loop;
 use crate::surface::Real;
 
-/// Finds the tiles in which any of up to four scans has work. All scans start from the same fronts. Returns the number of
-/// examined points. A point that is examined for two scans counts twice. Rows of tiles are examined in parallel
-/// if the tiles are those of the whole grid.
+/// Finds the tiles in which any of up to four scans has work. All scans start from the same fronts. Returns the number
+/// of examined points. A point that is examined for two scans counts twice. Rows of tiles are examined in parallel if
+/// the tiles are those of the whole grid.
 pub(in crate::cpu) fn find_due<R: Real, K: LaneKind<R>>(
     kind: &K,
     before: Before<R, K::Carried, K::SurfaceData>,
@@ -81,7 +81,8 @@ struct Look<'l, R: Real, K: LaneKind<R>> {
     /// The first point, as an index into bordered arrays of the grid.
     first: usize,
     span: Span<'l, R, K::Carried, K::SurfaceData>,
-    /// The obtuse triangles of the points, if these have any, and the bits of those that the scan uses.
+    /// Bits of each point's obtuse triangles, and the bits of the triangles that the scan uses. `None` if none of
+    /// the points has an obtuse triangle.
     obtuse: Option<(&'l [u8], u8)>,
     /// Offsets from a row to the next, of the fronts and of the surface's data.
     strides: [isize; 2],
@@ -113,14 +114,15 @@ impl<R: Real, K: LaneKind<R>> Loop for Look<'_, R, K> {
                 }
                 continue;
             }
-            // Fronts from points beyond the neighbours are not examined here.
+            // This check does not examine fronts through parts of obtuse triangles, so tiles with such triangles are
+            // due.
             let is_split = |start: usize, points: usize| {
                 obtuse.is_some_and(|(obtuse, of_scan)| {
                     let any = |all, bits: &u8| all | bits;
                     obtuse[start..][..points].iter().fold(0, any) & of_scan != 0
                 })
             };
-            // As updates do it: the last span overlaps the one before.
+            // Spans are those of updates: the last one overlaps the one before.
             let leaves = match points.checked_sub(TILE) {
                 Some(last) => {
                     let start = (tile * TILE).min(last);

@@ -8,7 +8,7 @@ use crate::surface::{EdgeLengths, Real, min};
 use crate::update::Kept;
 
 /// Gives all copies of each point the earliest front among them, and returns the largest change. Both arrays in
-/// `copies` hold the same map, before and after. Changes after `limit` are not passed on.
+/// `copies` hold the same map, before and after this call. Scans do not continue changes later than `limit`.
 pub(in crate::cpu) fn exchange<R: Real, K: FrontKind<R>>(
     edges: &EdgeLengths<R>,
     copies: &mut [ScanCopy<R, K::Carried>; 2],

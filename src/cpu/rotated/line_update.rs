@@ -14,9 +14,9 @@ use crate::lanes::Loop;
 use crate::surface::{Real, min};
 use crate::update::Carried;
 
-/// Result of updating one or more lines: the largest change ([`Real::units_between`]), the number of updated
-/// points, and the number of those that were left out since they are beyond the limit. Settled points are
-/// skipped and not counted.
+/// Result of updating one or more lines: the largest change ([`Real::units_between`]), the number of updated points,
+/// and the number of points that were skipped because they are beyond the limit. Settled points are skipped too, and
+/// not counted.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::cpu) struct Updated<B> {
     pub largest: B,
@@ -70,14 +70,14 @@ struct LineUpdate<'l, 'g, R: Real, K: LaneKind<R>, const SPLIT: bool> {
     changed: &'l mut [Changed],
 }
 
-/// Updates each span of [`TILE`] points. If the line has a remainder, the last span overlaps the one
-/// before. This does no harm: updated points stay as they are.
+/// Updates each span of [`TILE`] points. If the number of points is no multiple of that, the last span overlaps the one
+/// before it. A second update leaves the points in both spans as they are.
 impl<R: Real, K: LaneKind<R>, const SPLIT: bool> Loop for LineUpdate<'_, '_, R, K, SPLIT> {
     type Output = Updated<R::Bits>;
 
     #[inline(always)]
     fn run(self) -> Updated<R::Bits> {
-        // Locals may stay in registers, and fields of an argument may not.
+        // Compilers keep locals in registers, but not the fields of an argument.
         let Self { of_line, mut line, splits, options, changed } = self;
         let (points, is_limited) = (line.points, options.limit < f64::INFINITY);
         let (mut changes, mut updated, mut beyond) = (LargestChanges::default(), 0, 0);
@@ -94,7 +94,7 @@ impl<R: Real, K: LaneKind<R>, const SPLIT: bool> Loop for LineUpdate<'_, '_, R, 
                 }
                 before = Some(FrontsBefore::new(&line, start, in_span));
             }
-            // Two calls, since a number of points that is known at compile time needs no loop.
+            // There is a separate call for full spans, whose number of points is known at compile time.
             let any = match points.checked_sub(TILE) {
                 Some(last) => {
                     let span = [(tile * TILE).min(last), TILE];
@@ -148,7 +148,7 @@ impl<R: Real, C: Carried> FrontsBefore<R, C> {
     }
 }
 
-/// Returns the entries for `points` points from `start` on, out of entries for points of a line in order.
+/// Returns the entries for `points` points of a line from `start` on. `found` is sorted by points.
 #[inline(always)]
 fn in_span<A>(found: &[(usize, A)], [start, points]: [usize; 2]) -> &[(usize, A)] {
     let before = |end: usize| found.partition_point(|&(place, _)| place < end);

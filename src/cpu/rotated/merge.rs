@@ -1,4 +1,4 @@
-//! Merges the two copies of the fronts that opposite scans have worked on.
+//! Merges the two copies of a map's fronts after two opposite scans have each updated one.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ use crate::lanes::Loop;
 use crate::surface::{Chart, Real};
 use crate::update::{Carried, Kept};
 
-/// Leaves the first front to arrive at each point in both copies.
+/// Stores at each point the front that arrives first in both copies.
 pub(in crate::cpu) fn merge<R: Real, K: FrontKind<R>>(
     chart: Chart,
     tiles: &Tiles,
@@ -33,8 +33,7 @@ pub(in crate::cpu) fn merge<R: Real, K: FrontKind<R>>(
         merge_band(chart, tiles, band, changed, |points, changed| {
             let a = (&mut a[points.clone()], &mut a_carried[points.clone()]);
             let b = (&mut b[points.clone()], &mut b_carried[points]);
-            // If only one scan has changed a tile, its copy is taken over. The other copy is as it was
-            // before.
+            // If only one scan has changed a tile, its copy replaces the other one, which is unchanged.
             match changed {
                 [true, true] => instructions.run(Merge::<R, K> { a, b, scans }),
                 [true, false] => copy(a, b),
@@ -49,8 +48,8 @@ fn copy<R: Copy, C: Copy>(from: (&mut [R], &mut [C]), to: (&mut [R], &mut [C])) 
     to.1.copy_from_slice(from.1);
 }
 
-/// Calls `merge` with the points of each line in those tiles of a band that one of two scans has changed, and
-/// with flags of the scans that have changed them.
+/// Calls `merge` for each line of the tiles in a band that at least one of two scans has changed: with the points of
+/// the line in adjacent tiles, and with flags of the scans that have changed these tiles.
 fn merge_band(
     chart: Chart,
     tiles: &Tiles,
@@ -77,8 +76,8 @@ fn merge_band(
     }
 }
 
-/// A merge that takes the first of two fronts. Where a copy still has a front that the other scan brought
-/// earlier, that copy has not changed, and the other one is taken.
+/// A merge that takes the first of two fronts. If a copy has a front that the scan of the other copy brought in an
+/// earlier iteration, its own scan has not changed it, and the other copy's front is taken.
 struct Merge<'l, R: Real, K: FrontKind<R>> {
     a: (&'l mut [R], &'l mut [K::Carried]),
     b: (&'l mut [R], &'l mut [K::Carried]),

@@ -8,18 +8,19 @@ use crate::surface::Chart;
 /// tolerance and rounding. For each of them the map is bit-identical for any number of threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// Scans of the whole grid, two opposite ones side by side. They occupy two threads.
+    /// Scans of the whole grid, two opposite ones in parallel. They occupy two threads.
     Lines,
-    /// Patches of the grid, as fronts come to them. They occupy all threads of the pool.
+    /// Patches of the grid, in the order in which fronts reach them. They occupy all threads of the pool.
     Patches {
         /// Number of points on a side of a patch. It is rounded up to a multiple of 16.
         side: usize,
     },
 }
 
-/// The best orders: from how many grid points on, and with how many threads at least, patches of which side
-/// are best. The first row that applies counts, and scans of the whole grid are best if none does. By patches
-/// one thread takes up to twice as long, and rounds have about ten visits side by side (`docs/speed.md`).
+/// Conditions under which patches are best: the least number of grid points, the least number of threads, and the
+/// side of the patches. The first entry that applies is used. If none applies, scans of the whole grid are best. With
+/// patches a single thread takes up to twice as long, but about ten visits of a round can run in parallel
+/// (`docs/speed.md`).
 const PATCHES: [(usize, usize, usize); 1] = [(1 << 22, 8, 128)];
 
 /// Largest side of a patch. No grid has as many points a side.

@@ -41,7 +41,7 @@ pub(in crate::cpu) struct Grid<'a, R, G> {
 impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
     pub(in crate::cpu) fn new(chart: Chart, needs_edges: bool) -> Self {
         let stride = chart.transposed().stride();
-        // One more entry, to which edges of the last point reach.
+        // The edges of the last point reach one entry beyond the lines.
         let points = (TILE + 1) * stride + 1;
         Self {
             stride,
@@ -79,7 +79,8 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         instructions: Instructions,
     ) {
         let chart = grid.edges.chart();
-        // Counted from the border, column c is 1 + c, and the column behind is before or after it.
+        // Counted from the border, column c has the number c + 1. The panel also holds the column behind: the one
+        // before the first column, or in a backward scan the one after the last.
         self.first = if scan.is_forward() { cols.start } else { cols.start + 1 };
         self.lines = cols.len() + 1;
         let from =
@@ -101,7 +102,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         }
     }
 
-    /// Returns the columns as lines. The panel holds their entries in `rows`.
+    /// Returns the columns as lines. The panel holds their points in `rows`.
     pub(in crate::cpu) fn lines<'a>(
         &'a mut self,
         grid: Grid<'a, R, G>,

@@ -1,4 +1,4 @@
-//! Holds what scans of one kind of front need of the surface, and prepares it for many maps.
+//! Holds the data of a surface that scans of one kind of front need, and prepares it for many maps.
 
 use super::panel::{Grid, Panel};
 use super::transposed::TransposedEdges;
@@ -24,19 +24,19 @@ pub(in crate::cpu) struct Prepared<R: Real, K: LaneKind<R>> {
     solved: bool,
 }
 
-/// Minimum number of grid points for keeping transposed edges. On smaller grids these and the panels would
-/// take more than 40 bytes per point, and the arrays to transpose lie in near caches.
+/// Minimum number of grid points for keeping transposed edges. On smaller grids the transposed edges and the panels
+/// would take more than 40 bytes per point. They would save less time, since the arrays to transpose fit near caches.
 const TRANSPOSED_FROM: usize = 256 * 256;
 
-/// Number of iterations of a map after which storing the parts of many obtuse triangles pays. On a plane
-/// sheared by 60 degrees a map takes two iterations, and storing the parts at once makes it take half as long
-/// again. On steep hills a map takes 20 iterations, and 1.3 to 1.8 times as long if the parts are not stored.
+/// Number of iterations of a map after which the parts of many obtuse triangles are stored. On a plane sheared by 60
+/// degrees a map takes two iterations, and 1.5 times as long if the parts are stored at once. On steep hills a map
+/// takes 20 iterations, and 1.3 to 1.8 times as long if the parts are not stored.
 pub(in crate::cpu) const FEW_ITERATIONS: u32 = 3;
 
 impl<R: Real, K: LaneKind<R>> Prepared<R, K> {
     pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, kind: K) -> Self {
         if K::NEEDS_EDGES {
-            // Found here, since the threads of a scan would wait for one another.
+            // They are stored now. Otherwise a scan would store them, while its other threads wait.
             edges.store_few_parts();
         }
         let chart = edges.chart();
@@ -73,9 +73,9 @@ impl<R: Real, K: LaneKind<R>> Prepared<R, K> {
         panel
     }
 
-    /// Stores, before the second map, what makes it and all later ones faster: the parts of all obtuse
-    /// triangles, and the edges between columns in the order that scans to the right and left need. Returns
-    /// whether these edges have been stored now.
+    /// Stores data before the second map that makes it and all later ones faster: the parts of all obtuse triangles,
+    /// and the edges between columns in the order that scans to the right and left need. Returns whether this call
+    /// has stored these edges.
     pub(in crate::cpu) fn prepare(&mut self) -> bool {
         if !std::mem::replace(&mut self.solved, true) {
             return false;

@@ -26,33 +26,33 @@ pub fn rotated_scan<R: Real>(
     solver.into_solution(convergence)
 }
 
-/// Margins of a map that ends at targets, as fractions. At first the map is solved to the estimated time of the
-/// targets plus the first margin. While it has not reached them, it is solved further by the next margin. After
-/// the last one there is no limit.
+/// Margins of a map that ends at targets, as fractions of a time limit. At first the limit is the estimated time of
+/// the targets plus the first margin. As long as the map has not reached the targets, the limit is raised by the next
+/// margin. After the last margin there is no limit.
 const FURTHER: [f64; 6] = [0.02, 0.06, 0.15, 0.3, 0.6, 1.0];
 
-/// A solver by rotated scans for many maps of one surface, one after another. It allocates memory once, by
-/// patches during the first map. It keeps the edge lengths alive with a clone, which shares their arrays.
+/// A solver by rotated scans for many maps of one surface, one after another. It allocates memory once; for patches
+/// part of that happens during the first map. It holds a clone of the edge lengths, which shares their arrays.
 ///
-/// For straight fronts on grids of at least 256 x 256 points, the second map fills another 12 bytes per point
-/// (in single precision), and on surfaces with many obtuse triangles it stores their parts with the edges.
-/// Both make the second map and all later ones faster.
+/// For straight fronts on grids of at least 256 x 256 points, the second map fills another 12 bytes per point (in
+/// single precision), and on surfaces with many obtuse triangles it stores their parts with the edges. Both make the
+/// second map and all later ones faster.
 ///
-/// Large grids are solved patch by patch, by all threads of the pool that makes the solver ([`Order`]). On
-/// smaller grids, opposite scans run in parallel on two copies of the fronts, which are then merged. This loses
-/// nothing: a front that turns back has to pass through the other pair of scans anyway. In either order the
-/// map is bit-identical for any number of threads. [`RotatedScan::new`] chooses the order by that number.
+/// Large grids are solved patch by patch, by all threads of the pool that makes the solver ([`Order`]). On smaller
+/// grids, opposite scans run in parallel on two copies of the fronts, which are then merged. This takes no more
+/// iterations: a front that turns back has to pass through the other pair of scans anyway. In either order the map is
+/// bit-identical for any number of threads. [`RotatedScan::new`] chooses the order by that number.
 ///
-/// With patches, the number of iterations of a map is that of the patch with the most, and [`Stop::iterations`]
-/// limits those of each patch. The residual is the largest change of a last iteration, or the largest one that
-/// a patch without iterations left has not seen.
+/// With patches, the number of iterations of a map is that of the patch with the most iterations, and
+/// [`Stop::iterations`] limits those of each patch. The residual is the largest change in the last iteration of any
+/// patch, or a larger change beside a patch that had no iterations left to respond to it.
 #[derive(Debug)]
 pub struct RotatedScan<R> {
     edges: EdgeLengths<R>,
     chart: Chart,
-    /// Time after which fronts do not matter.
+    /// Largest arrival time of the maps; [`Self::set_radius`].
     radius: f64,
-    /// Time after which the last map has no distances.
+    /// Largest arrival time of the last map. It has no distances beyond that.
     end: f64,
     /// Number of points that were visited to estimate the times of targets.
     foreseen: u64,
@@ -148,10 +148,10 @@ impl<R: Real> RotatedScan<R> {
     }
 
     /// Computes the distance map of `seeds` as far as the targets need it ([`Targets`]). The map ends when no
-    /// moving front can reach them earlier.
+    /// front that still moves can reach the targets earlier.
     ///
-    /// At first the map is solved up to a coarse estimate of the targets' times. Until the targets are
-    /// reached, it is continued to later times. Once they are, fronts later than theirs are not continued.
+    /// At first the map is solved up to a coarse estimate of the targets' times. As long as it has not reached the
+    /// targets, it is continued to later times. Then fronts later than the targets' times are not continued.
     ///
     /// # Panics
     /// If a target lies outside the grid.
@@ -174,7 +174,7 @@ impl<R: Real> RotatedScan<R> {
                 return convergence;
             }
             let next = match further.next() {
-                // Provisional times are no earlier than the final ones.
+                // Times that are not final yet can only decrease, so this limit is late enough.
                 _ if last < FAR => last * (1.0 + FURTHER[0]),
                 Some(share) => limit * (1.0 + share),
                 None => f64::INFINITY,
@@ -194,10 +194,11 @@ impl<R: Real> RotatedScan<R> {
     /// If the last map has converged, the result is the converged map of all sources. With the planar
     /// wavefront it equals the map that [`Self::solve`] finds from all of them, within the tolerance, since
     /// planar updates have a single fixed point. The updates of other wavefronts may have several. In practice
-    /// both ways agree to rounding on smooth and on rough surfaces with holes
-    /// (`tests/maps/sampling.rs`), except where curved fronts do not settle. Arrival times only decrease,
-    /// except that a curved front that is renewed may come later by its error. Seeds that start no earlier
-    /// than the map at their points change nothing. On a new solver, `add` does the same as `solve`.
+    /// the maps of both methods agree to rounding on smooth and on rough surfaces with holes
+    /// (`tests/maps/sampling.rs`), except where curved fronts do not settle. Arrival times only decrease, with one
+    /// exception: a curved front may be replaced by a more accurate one, which may be later by the error of the first.
+    /// Seeds that start no earlier than the map at their points change nothing. On a new solver, `add` is equivalent to
+    /// `solve`.
     ///
     /// ```
     /// use geosweep::cpu::RotatedScan;
@@ -218,7 +219,7 @@ impl<R: Real> RotatedScan<R> {
     /// ```
     pub fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         let limit = Limit::at(self.radius);
-        // The last map may have ended earlier.
+        // The last map may have ended before the radius, at its targets.
         match self.scanner.limit() < self.radius {
             true => drop(self.scanner.go_on(&[], stop, limit)),
             false => self.scanner.set_limit(limit),
@@ -233,7 +234,7 @@ impl<R: Real> RotatedScan<R> {
     }
 
     /// Returns the points that the last map has reached, as grid indices in ascending order, with their
-    /// distances. The work is proportional to the area that it has reached, except in patches.
+    /// distances. The work is proportional to the area that the map has reached, except in the order of patches.
     pub fn reached(&self) -> Vec<(usize, R)> {
         let (chart, times) = (self.chart, self.scanner.times());
         let places = self.scanner.used().into_iter().flat_map(|block| block.places());
@@ -264,7 +265,8 @@ impl<R: Real> RotatedScan<R> {
     }
 
     /// Returns the number of point updates of the last map. Each update uses one or two triangles. There are
-    /// fewer updates than visits, since for settled points a simpler test finds that no front comes earlier.
+    /// fewer updates than visits, since settled points are visited but not updated: a simpler test finds that no front
+    /// reaches them earlier.
     pub fn updates(&self) -> u64 {
         self.scanner.updates()
     }

@@ -24,10 +24,10 @@ pub(in crate::cpu) struct ScanCopy<R, C> {
     pub carried: Vec<C>,
     /// Change of each tile by the scan.
     pub changed: Vec<Changed>,
-    /// The spans of a band to visit, and how the tiles of one span have changed.
+    /// Working memory: the spans of a band to visit, and the changes of the tiles in one span.
     runs: Vec<Range<usize>>,
     marks: Vec<Changed>,
-    /// Number of visits and updates of a point since the start of the map.
+    /// Numbers of visits and of updates of points since the start of the map.
     pub visits: u64,
     pub updates: u64,
 }
@@ -57,7 +57,7 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
         }
     }
 
-    /// Returns a copy without any points.
+    /// Returns a copy with an empty window. It allocates no fronts.
     pub(in crate::cpu) fn empty(grid: Chart) -> Self {
         let window = Window::new(grid, &Block { rows: 0..0, cols: 0..0 });
         Self {
@@ -84,7 +84,7 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
         Fronts { window: self.window, times: &self.times, carried: &self.carried }
     }
 
-    /// Resets all points that have been reached to unreached. `tiles` tells which ones these are.
+    /// Resets all points that have been reached to unreached. They lie in the used ones of `tiles`.
     pub(in crate::cpu) fn forget(&mut self, tiles: &Tiles) {
         (self.visits, self.updates) = (0, 0);
         for Block { rows, cols } in tiles.used() {
@@ -96,8 +96,7 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
         }
     }
 
-    /// Visits the tiles that are due, and those ahead of the scan's own changes. Returns the largest change.
-    /// `far` has the fronts of the whole grid, if the window is smaller.
+    /// Runs a scan over the tiles that are due and over those ahead of its own changes. Returns the largest change.
     pub(in crate::cpu) fn scan<K: LaneKind<R, Carried = C>>(
         &mut self,
         kind: &K,

@@ -1,4 +1,4 @@
-//! Defines what solvers of any kind of front offer, in either order of updates.
+//! Defines the common interface of solvers of all kinds of fronts, in either order of updates.
 
 use crate::cpu::Instructions;
 use crate::cpu::limit::Limit;
@@ -11,11 +11,11 @@ pub(in crate::cpu) trait Scans<R>: std::fmt::Debug + Send + Sync {
     /// Computes the distance map of `seeds`.
     fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence;
 
-    /// Adds sources to the last map, which is a warm start. Only tiles that the new fronts reach first are
-    /// visited. A map that has not converged goes on.
+    /// Adds sources to the last map, which is a warm start. Only tiles that the new fronts reach first are visited. If
+    /// the last map has not converged, its iterations continue.
     fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence;
 
-    /// Continues the last map to a later limit. Returns `None` if fronts reach nothing more.
+    /// Continues the last map to a later limit. Returns `None` if fronts reach no further point.
     fn go_on(&mut self, seeds: &[Seed], stop: Stop, limit: Limit) -> Option<Convergence>;
 
     /// Returns blocks of the grid that hold all points that the last map has reached.

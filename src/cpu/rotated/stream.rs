@@ -5,8 +5,8 @@ use crate::surface::Real;
 /// Copies arrival times to memory without loading it into the caches, for data that is not read soon.
 /// Unreached points become infinite.
 ///
-/// An ordinary store first fetches the cache line that it is going to overwrite, and waits for it. For rows
-/// of a matrix larger than the caches this took a quarter of the time of a map.
+/// An ordinary store first fetches the cache line that it is about to overwrite, and waits for it. For the rows of a
+/// matrix that exceeds the caches, this wait took a quarter of the time of a map.
 ///
 /// # Panics
 /// If two slices of a pair differ in length.

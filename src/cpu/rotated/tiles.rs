@@ -1,5 +1,5 @@
-//! Tracks which parts of the grid a scan has to visit: those whose surroundings have changed since it last
-//! looked at them, except where every point is still unreached.
+//! Tracks the active set: the tiles that a scan has to visit. These are the tiles in which, or beside which, a front
+//! has changed since the scan last visited or examined them.
 
 use std::ops::Range;
 
@@ -20,13 +20,13 @@ pub(in crate::cpu) struct Tiles {
     place: TilesInGrid,
     /// The chart of the tiles.
     chart: Chart,
-    /// The tiles that scans may change. Those around them are seen only.
+    /// The tiles that scans may change. The tiles around them are only read.
     inner: Block,
     /// Whether the tile has points that have been reached.
     used: Vec<bool>,
-    /// Scans that have yet to see the tile's last change.
+    /// Scans that have not seen the tile's last change yet.
     pending: Vec<u8>,
-    /// Scans of the current pair that have to examine the tile, which is beside or ahead of such a change.
+    /// Scans of the current pair that have to examine the tile, since it is beside or ahead of such a change.
     beside: Vec<u8>,
     /// Scans of the current pair that have work in the tile.
     due: Vec<u8>,
@@ -118,7 +118,7 @@ impl Tiles {
         })
     }
 
-    /// Notes that a point has been reached by a front that no scan has to follow.
+    /// Notes that a front has reached a point, and that no scan has to continue it.
     pub(in crate::cpu) fn note(&mut self, row: usize, col: usize) {
         let (row, col) = self.place.tile_of((row, col));
         self.used[self.chart.index(row, col)] = true;
@@ -136,7 +136,7 @@ impl Tiles {
         self.due.iter().any(|due| *due != 0)
     }
 
-    /// Returns whether a scan has yet to see some change.
+    /// Returns whether there is a change that a scan has not seen yet.
     pub(in crate::cpu) fn has_pending(&self, scan: Scan) -> bool {
         self.pending.iter().any(|pending| pending & scan.bit() != 0)
     }
@@ -195,8 +195,9 @@ impl Tiles {
         Block { rows: within(rows, &self.inner.rows), cols: within(cols, &self.inner.cols) }
     }
 
-    /// Returns, for each row of tiles, which of some scans have to examine each tile: those beside or ahead of
-    /// a changed tile. The second slice of each row takes the scans that have work there. It is cleared first.
+    /// Returns two slices for each row of tiles. The first one has, for each tile, the flags of those of `scans` that
+    /// have to examine it, since it is beside or ahead of a changed tile. The second one is zero: the caller adds the
+    /// flags of the scans that have work in the tile.
     pub(in crate::cpu) fn rows_beside_changes(
         &mut self,
         scans: &[UpdateOptions],
@@ -249,9 +250,9 @@ impl Tiles {
         }
     }
 
-    /// Notes that some scans have passed side by side and which tiles they have changed. Each sees the others'
-    /// changes only now. Changes beyond the limit concern no scan. An empty list stands for a scan without
-    /// changes.
+    /// Notes that some scans have run in parallel, and which tiles they have changed. Each of them has not seen the
+    /// changes of the others yet. Changes beyond the limit are pending for no scan. An empty list means that the scan
+    /// has changed no tile.
     pub(in crate::cpu) fn passed<const N: usize>(
         &mut self,
         scans: [Scan; N],

@@ -69,7 +69,7 @@ mod avx2 {
     use super::{Turned, one_by_one};
     use crate::lanes::prefetch;
 
-    /// Number of lines by which lines are prefetched. They lie pages apart, where the hardware prefetcher
+    /// Number of lines by which prefetches are ahead of reads. The lines lie pages apart, so the hardware prefetcher
     /// does not find them.
     const AHEAD: usize = 16;
 
@@ -103,7 +103,8 @@ mod avx2 {
     #[inline]
     #[target_feature(enable = "avx2")]
     unsafe fn eight(from: *const f32, from_stride: usize, to: *mut f32, to_stride: usize) {
-        // Half a line, and the same half of the fourth line after it, combined while loading at no cost.
+        // Loads half a line, and into the upper half of the register that half of the fourth line after it. This costs
+        // no extra instruction.
         // SAFETY: the caller's.
         let halves = |line: usize, half: usize| unsafe {
             let near = from.add(line * from_stride + 4 * half);

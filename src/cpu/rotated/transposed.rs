@@ -11,9 +11,9 @@ use crate::cpu::lines::span::TILE;
 use crate::cpu::lines::window::Window;
 use crate::surface::{Chart, EdgeLengths, Real};
 
-/// The lengths of the edges from each point of a column to the column before: to the same row, the next and
-/// the previous one. Solvers of many maps gain from them, since a scan to the right or left otherwise spends
-/// a third of its time on transposing these lengths.
+/// Lengths of the edges from each point of a column to three points of the column before: in the same row, in the next
+/// and in the previous one. They pay for solvers of many maps: a scan to the right or left otherwise spends a third of
+/// its time on transposing these lengths.
 #[derive(Clone, Debug)]
 pub(in crate::cpu) struct TransposedEdges<R> {
     /// Distance in memory from a line to the next.
@@ -44,7 +44,7 @@ impl<R: Real> TransposedEdges<R> {
                 let (first, count) = (band * TILE, up.len() / stride);
                 let window = Window::whole(chart);
                 let lines = ColumnsToLines { window, first, count, instructions };
-                // Nothing lies before the border.
+                // There is no column before the border.
                 let skip = if band == 0 { 1 } else { 0 };
                 let to = [up, up_next, up_previous];
                 lines.transpose_edges_back(edges, to, skip, 0..chart.rows);
@@ -79,8 +79,8 @@ pub(in crate::cpu) struct ColumnsToLines {
 }
 
 impl ColumnsToLines {
-    /// Transposes `rows` of an array, counted from the border, and skips the first `skip` lines. Each entry
-    /// is taken from `down` rows below and `left` columns to the left of its place.
+    /// Transposes `rows` of an array, counted from the border, and skips the first `skip` lines. Each entry is read
+    /// `down` rows below and `left` columns to the left of its position.
     pub(in crate::cpu) fn transpose<T: Pod>(
         self,
         from: &[T],
@@ -111,9 +111,9 @@ impl ColumnsToLines {
         skip: usize,
         rows: Range<usize>,
     ) {
-        // In the transposed grid, north is the grid's west, which is stored as the east of the western
-        // neighbour. North-east is the grid's south-west, which is stored as the north-east of that
-        // neighbour. North-west stays.
+        // In the transposed grid, north is the grid's west. This edge is stored as the east of the western neighbour.
+        // North-east is the grid's south-west. This edge is stored as the north-east of the south-western neighbour.
+        // North-west is the same in both grids.
         let [east, _, north_east, north_west] = edges.planes();
         let Range { start, end } = rows;
         self.transpose(east, up, skip, start + 1..end + 1, [0, 1]);

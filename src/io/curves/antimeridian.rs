@@ -13,7 +13,8 @@ pub(super) type Place = [f64; 3];
 pub(super) fn divided(line: &[Place]) -> Vec<Vec<Place>> {
     let line: Vec<_> = line.iter().map(with_pole).collect();
     let Some((&[first, latitude, height], rest)) = line.split_first() else { return Vec::new() };
-    // The number of turns from Greenwich to the part. Half a turn belongs to two parts.
+    // Number of full turns by which the current part lies away from longitude 0. The antimeridian, at half a turn,
+    // belongs to two parts.
     let mut turn = (first / TURN).round();
     let mut parts = vec![vec![[first - TURN * turn, latitude, height]]];
     let mut longitude = first;
@@ -44,7 +45,7 @@ pub(super) fn divided(line: &[Place]) -> Vec<Vec<Place>> {
     parts
 }
 
-/// Degrees by which longitudes and latitudes may be rounded: a tenth of a millimetre.
+/// Largest rounding error of longitudes and latitudes in degrees. It is a tenth of a millimetre on the Earth.
 const ROUNDING: f64 = 1e-9;
 
 /// Returns whether two places have the same longitude and latitude.
@@ -123,7 +124,7 @@ mod tests {
                 found.iter().map(|part| part.iter().map(|at| [at[0], at[1]]).collect()).collect();
             assert_eq!(found, parts, "{pole}");
         }
-        // Near a pole a line goes on.
+        // Near a pole, but not at it, a line is not divided.
         let near = [[20.0, 80.0], [20.0, 89.9999], [150.0, 89.9999], [150.0, 80.0]];
         assert_eq!(parts_of(&near).len(), 1);
     }

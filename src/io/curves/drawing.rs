@@ -1,4 +1,4 @@
-//! Describes curves as files hold them: with attributes, positions and colours.
+//! Describes the curves of a file, with their attributes, positions and colours.
 
 use std::fmt;
 
@@ -44,9 +44,9 @@ pub struct Drawing {
     pub chart: Chart,
     /// Location of the grid on the Earth.
     pub georeference: Option<Georeference>,
-    /// Whether the third coordinate of positions is the height above the place in map coordinates.
+    /// Whether the third coordinate of positions is a height, while map coordinates give the place.
     pub has_heights: bool,
-    /// Names of the curves' attributes. They are the columns of a table, even of one without curves.
+    /// Names of the curves' attributes. They are columns of a table, which has them even if there are no curves.
     pub attributes: Vec<&'static str>,
     /// The curves, in order.
     pub polylines: Vec<Polyline>,

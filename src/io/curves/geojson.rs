@@ -11,7 +11,7 @@ use super::antimeridian::{Place, divided, is_same};
 use super::drawing::{Attribute, Drawing, Polyline};
 use crate::io::CoordinateSystem;
 
-/// Number of digits after the decimal point: a tenth of a millimetre.
+/// Number of digits after the decimal point of a number in degrees. The last one is a tenth of a millimetre.
 const DEGREE_DIGITS: i32 = 9;
 const METRE_DIGITS: i32 = 4;
 
@@ -55,7 +55,7 @@ fn feature(polyline: &Polyline, places: Vec<Place>, system: CoordinateSystem) ->
         CoordinateSystem::Projected(_) => (METRE_DIGITS, vec![places]),
     };
     if polyline.curve.closed && parts.len() > 1 {
-        // The first vertex of a ring is no end of a part.
+        // The ring's first vertex does not end a part, so the first part continues the last one.
         let first = parts.remove(0);
         let joins = |last: &&mut Vec<Place>| last.last().is_some_and(|end| is_same(end, &first[0]));
         match parts.last_mut().filter(joins) {

@@ -31,8 +31,8 @@ impl Provenance {
     }
 }
 
-/// Returns a checksum of a surface's edge lengths, which are all that the solvers see of it. It protects
-/// against resuming a matrix of another surface.
+/// Returns a checksum of a surface's edge lengths, which are the only data of the surface that solvers use. With it, a
+/// matrix of another surface is not resumed by mistake.
 ///
 /// # Errors
 /// If an edge is too long or too short for single precision.
@@ -118,7 +118,7 @@ impl Checkpoint {
         output.stage(|writer| writer.write_all(&text))?.commit()
     }
 
-    /// Removes the file. If that fails, the file does no harm.
+    /// Removes the file. An error is ignored, since a remaining checkpoint does no harm.
     pub fn remove(part: &Path) {
         let _ = fs::remove_file(path(part));
     }

@@ -67,7 +67,7 @@ pub struct MatrixLayout {
 }
 
 impl MatrixLayout {
-    /// Returns the largest number of bytes that the disk must hold at a time.
+    /// Returns the largest number of bytes that the files of the matrix take on the disk at the same time.
     pub fn bytes(&self) -> u64 {
         let finished = self.bytes_of_rows(self.rows);
         if self.symmetric { finished + self.of_rows().bytes() } else { finished }
@@ -127,7 +127,7 @@ impl MatrixLayout {
     /// Checks that the disk has `needed` bytes left.
     pub(super) fn check_space(&self, path: &Path, needed: u64) -> Result<(), IoError> {
         let folder = path.parent().filter(|folder| *folder != Path::new(""));
-        // If the system does not tell the free space, a full disk is an error of writing.
+        // If the system does not report the free space, a full disk causes an error when rows are written.
         let Ok(free) = fs4::available_space(folder.unwrap_or(Path::new("."))) else {
             return Ok(());
         };

@@ -1,8 +1,8 @@
 //! Writes matrices of distances that are larger than memory: `.npy` files that grow row by row.
 //!
-//! An unfinished matrix lies beside its final place, under its name with the suffix `.part`. Its checkpoint,
-//! `.part.json`, records its inputs and the number of rows that are safely on disk. The last step renames the
-//! file.
+//! An unfinished matrix lies in the folder of the final file, under the latter's name with the suffix `.part`. Its
+//! checkpoint, `.part.json`, records its inputs and the number of rows that are safely on disk. The last step
+//! renames the file.
 
 mod checkpoint;
 mod layout;
@@ -179,7 +179,7 @@ impl MatrixFile {
         Ok(())
     }
 
-    /// Saves the matrix so that it can be resumed. Nothing is left of a matrix without rows.
+    /// Saves the matrix so that it can be resumed. If it has no rows yet, its files are removed.
     ///
     /// # Errors
     /// If the disk is full or fails.
@@ -203,9 +203,9 @@ impl MatrixFile {
         self.finish_while(|| true).map(drop)
     }
 
-    /// Finishes the matrix as [`Self::finish`] does, and can be interrupted: making a large matrix symmetric
-    /// takes a while. Once `go_on` returns false, the matrix is returned with all its rows, so that it can be
-    /// paused or discarded.
+    /// Finishes the matrix as [`Self::finish`] does, but can be interrupted, since making a large matrix symmetric
+    /// takes long. It stops once `go_on` returns false. The matrix is then returned with all its rows, so that it can
+    /// be paused or discarded.
     ///
     /// # Errors
     /// The errors of [`Self::finish`].
@@ -251,8 +251,8 @@ impl MatrixFile {
     }
 }
 
-/// Returns an error for an unfinished matrix whose header differs from the expected one: something else has
-/// written to it since.
+/// Returns an error for an unfinished matrix whose header differs from the expected one: another program has written to
+/// it.
 fn check_header(file: &mut File, part: &Path, layout: &MatrixLayout) -> Result<(), IoError> {
     let wanted = layout.header();
     let mut found = vec![0; wanted.len()];
@@ -273,7 +273,7 @@ fn lock(file: &File, part: &Path) -> Result<(), IoError> {
     match file.try_lock() {
         Ok(()) => Ok(()),
         Err(TryLockError::WouldBlock) => {
-            Err(IoError::write(part, "another process is at work on it"))
+            Err(IoError::write(part, "another process is writing this file"))
         }
         // Some network file systems do not support locks.
         Err(TryLockError::Error(source)) if source.kind() == io::ErrorKind::Unsupported => Ok(()),

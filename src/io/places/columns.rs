@@ -18,8 +18,8 @@ const STARTS: [&str; 8] = [
     "time",
 ];
 
-/// Words in names that may be meant to change distances. A column with such a word that is not a start value
-/// is an error: to ignore it could give a wrong map.
+/// Words by which a column's name suggests that it changes distances. A column with such a word that is not a start
+/// value is an error: if it were ignored, the map could be wrong.
 const WEIGHTY: [&str; 19] = [
     "t0", "t", "start", "starts", "initial", "init", "time", "times", "delay", "delays", "offset",
     "arrival", "value", "weight", "speed", "velocity", "slowness", "cost", "head",
@@ -109,8 +109,8 @@ impl Columns {
         for (first, second, coordinates) in PLACES {
             match (one_of(first)?, one_of(second)?) {
                 (Some(first), Some(second)) => pairs.push(([first, second], coordinates)),
-                // Rows and columns take precedence over other coordinates, so that one without the other is a
-                // mistake.
+                // Rows and columns take precedence over other coordinates. So a table that names only one of them is an
+                // error.
                 (Some(_), None) | (None, Some(_)) if coordinates == Coordinates::Grid => {
                     return Ok(None);
                 }
@@ -165,6 +165,6 @@ impl Columns {
 pub(super) fn finite(number: f64, text: &str, named: &Named) -> Result<f64, String> {
     match number.is_finite() {
         true => Ok(number),
-        false => Err(format!("`{}` {named} is no finite number", excerpt(text))),
+        false => Err(format!("`{}` {named} is not a finite number", excerpt(text))),
     }
 }

@@ -28,8 +28,7 @@ pub struct GridFrame {
     pub chart: Chart,
     /// The grid's map coordinates, or the reason why there are none.
     pub georeference: Result<Georeference, String>,
-    /// Numbers of rows before the first and after the last one, and of columns, by which the surface goes on beyond the
-    /// grid's points.
+    /// Numbers of rows by which the surface extends beyond the grid's first and last row, and the same of columns.
     margins: [[f64; 2]; 2],
 }
 
@@ -64,16 +63,16 @@ impl GridFrame {
         Self { chart, georeference, margins: [[0.0; 2]; 2] }
     }
 
-    /// Lets places lie beyond the grid's points, by numbers of rows before the first and after the
-    /// last one, and of columns: those of a surface of which the grid has the middles of cells
+    /// Lets places lie beyond the grid's points. `margins` are numbers of rows before the first and after the last row,
+    /// and the same of columns. A surface extends beyond its grid's points if these are the middles of cells
     /// ([`crate::surface::GeodeticGrid::margins`]).
     pub fn with_margins(self, margins: [[f64; 2]; 2]) -> Self {
         Self { margins, ..self }
     }
 
-    /// Returns row and column of map coordinates, eastwards first. Places within a millionth of a cell of a
-    /// line of grid points are moved onto it. Places outside by up to a hundredth of a cell are moved to the
-    /// border. Longitudes may differ from the grid's by full turns.
+    /// Returns the row and column of map coordinates `x` (eastwards) and `y` (northwards). A place that is at most a
+    /// millionth of a cell away from a line of grid points is moved onto the line. A place at most a hundredth of a
+    /// cell outside the grid is moved to the border. Longitudes may differ from the grid's by full turns.
     ///
     /// # Errors
     /// If the grid has no map coordinates, or the place lies outside it.
@@ -98,8 +97,8 @@ impl GridFrame {
         found.ok_or_else(|| self.outside(georeference, [x, y], on_grid([y, x]).is_some()))
     }
 
-    /// Returns a place given by row and column, if the surface has it. A place within a millionth of a cell of an end
-    /// of the surface beyond the grid's points is moved onto it, since files round numbers.
+    /// Returns a place given by row and column, if it lies on the surface. If the surface ends beyond the grid's
+    /// points, a place at most a millionth of a cell away from that end is moved onto it, since files round numbers.
     pub fn within(&self, place: [f64; 2]) -> Option<[f64; 2]> {
         let ends = self.ends();
         let on_axis = |k: usize| {
@@ -113,7 +112,7 @@ impl GridFrame {
     }
 
     /// Returns the row and column of the surface's point that is nearest to a place. Beyond the grid's points, the
-    /// surface has points at its ends alone.
+    /// surface has points only at its ends.
     pub(super) fn nearest(&self, place: [f64; 2]) -> [f64; 2] {
         let (last_row, last_col) = self.chart.last();
         let ends = self.ends();
@@ -186,7 +185,7 @@ fn not_placed(why: &str) -> String {
 }
 
 impl MapCoordinates {
-    /// Returns an error for coordinates that are known to be in another system than the surface's.
+    /// Returns an error if the coordinates are known to be in a different system than the surface's.
     pub(super) fn check(self, frame: &GridFrame) -> Result<(), String> {
         frame.georeference.as_ref().map_err(|why| not_placed(why))?;
         let Some(system) = frame.system() else { return Ok(()) };
@@ -203,7 +202,7 @@ impl MapCoordinates {
         ))
     }
 
-    /// Returns a remark on the assumed coordinate system, if the file leaves a doubt.
+    /// Returns a remark on the assumed coordinate system, if the file does not determine it.
     pub(super) fn assumption(self, frame: &GridFrame) -> Option<String> {
         match (self, frame.system()) {
             (Self::Unnamed, Some(CoordinateSystem::WGS_84)) => None,

@@ -148,7 +148,7 @@ impl Reader {
             }
             GeometryValue::GeometryCollection { geometries } => {
                 let depth =
-                    depth.checked_sub(1).ok_or("collections lie too deep in one another")?;
+                    depth.checked_sub(1).ok_or("geometry collections are nested too deeply")?;
                 geometries
                     .iter()
                     .try_for_each(|geometry| self.geometry(geometry, start, number, depth))
@@ -168,7 +168,7 @@ impl Reader {
         })?;
         match self.system.replace(epsg) {
             Some(other) if other != epsg => {
-                Err(format!("its coordinates are EPSG:{other} here and EPSG:{epsg} there"))
+                Err(format!("it names two coordinate systems, EPSG:{other} and EPSG:{epsg}"))
             }
             _ => Ok(()),
         }

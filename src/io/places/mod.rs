@@ -39,14 +39,14 @@ pub use frame::GridFrame;
 /// unless the first is a running number. A header may name the following columns, in any order and in any
 /// case:
 ///
-/// | column | what |
+/// | column | content |
 /// |---|---|
 /// | `row` and `col` or `column` | the place on the grid, from 0 |
-/// | else `x` and `y` | the place in the surface's map coordinates |
-/// | else `easting` and `northing` (`east`, `north`) | the same, on a projected surface |
-/// | else `lon` and `lat` (`lng`, `long`, `longitude`, `latitude`) | the same, on a geographic surface |
+/// | otherwise `x` and `y` | the place in the surface's map coordinates |
+/// | otherwise `easting` and `northing` (`east`, `north`) | map coordinates on a projected surface |
+/// | otherwise `lon` and `lat` (`lng`, `long`, `longitude`, `latitude`) | map coordinates on a geographic surface |
 /// | `t0`, `time`, `start`, `start_value` or `start_time` | start value (default 0) |
-/// | `initial`, `initial_value` or `initial_time` | the same |
+/// | `initial`, `initial_value` or `initial_time` | start value, under another name |
 /// | `curve` | a new value begins another curve |
 /// | `closed` | 1 where the curve returns to its first vertex |
 ///
@@ -204,8 +204,8 @@ impl PlaceFile {
         Ok(placed)
     }
 
-    /// Returns the places as points of the grid, with whole rows and columns. At the ends of a frame with margins
-    /// they may be fractional or negative, and lie beyond the last row or column.
+    /// Returns the places as points of the grid, with whole rows and columns. In a frame with margins, a place may also
+    /// lie at an end of the surface. Its row or column may then be fractional, negative, or beyond the last one.
     ///
     /// # Errors
     /// The errors of [`PlaceFile::points`]. It is also an error if a place lies between grid points.
@@ -219,7 +219,7 @@ impl PlaceFile {
                 fits.then(point).ok_or_else(|| {
                     let (last, value) = (points - 1, exact(value));
                     self.content(format!(
-                        "point {value} is none of the grid's, which are 0 to {last}"
+                        "point {value} is not a point of the grid; these are 0 to {last}"
                     ))
                 })
             };
@@ -287,7 +287,7 @@ impl PlaceFile {
     }
 }
 
-/// Returns a place given by row and column, if the surface has it.
+/// Returns a place given by row and column, or an error if it does not lie on the surface.
 fn on_grid(place: [f64; 2], frame: &GridFrame) -> Result<[f64; 2], String> {
     frame.within(place).ok_or_else(|| {
         let (last_row, last_col) = frame.chart.last();

@@ -87,7 +87,7 @@ fn unquoted(field: &str) -> String {
     inside.unwrap_or(field).to_owned()
 }
 
-/// Returns whether a record, as it stands in the text, ends inside a quoted field.
+/// Returns whether the text of a record ends inside a quoted field.
 fn ends_inside_quotes(record: &str, separator: Option<u8>) -> bool {
     let separator = separator.map_or(' ', char::from);
     let (mut is_quoted, mut at_start) = (false, true);

@@ -348,7 +348,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever program writes a table, its places and start values are found by the names of columns.
+        /// Places and start values are found by the names of columns, in tables of all these programs.
         #[test]
         fn tables_of_any_program_are_read(
             dialect in dialects(),

@@ -59,7 +59,8 @@ impl Compression {
         }
     }
 
-    /// Decompresses at least `size` bytes, of which callers ignore the rest. Further data are ignored, as in libtiff.
+    /// Decompresses the first `size` bytes. The result may be longer, and callers ignore the rest. Data after these
+    /// bytes are not read, as in libtiff.
     pub fn decode(self, data: Cow<[u8]>, size: usize) -> Result<Cow<[u8]>, String> {
         check_decoded(data.len(), self.ratio(), size)?;
         let decoded: Cow<[u8]> = match self {
@@ -87,7 +88,7 @@ fn lzw(data: &[u8], size: usize) -> Result<Vec<u8>, String> {
     if let [0, second, ..] = data
         && second & 1 == 1
     {
-        return Err("is LZW of a kind that was given up in 1992, which is not read".into());
+        return Err("uses the LZW compression from before TIFF 6, which is not read".into());
     }
     let mut decoder = weezl::decode::Decoder::with_tiff_size_switch(weezl::BitOrder::Msb, 8);
     let mut decoded = vec![0; size];
@@ -97,7 +98,7 @@ fn lzw(data: &[u8], size: usize) -> Result<Vec<u8>, String> {
         consumed += step.consumed_in;
         written += step.consumed_out;
         match step.status {
-            // Writers end streams differently, so an error after the last byte is ignored.
+            // Writers end streams in different ways, so an error after the last wanted byte is ignored.
             Ok(LzwStatus::Ok) if step.consumed_in + step.consumed_out > 0 => {}
             Ok(_) => break,
             Err(error) if written < size => {

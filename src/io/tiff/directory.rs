@@ -1,7 +1,7 @@
 //! Reads the container of a TIFF file: header, directories (IFDs) and the values of their fields.
 //!
-//! The crate `tiff` reads these too, but its decoder accepts a directory only if it can decode the picture,
-//! and refuses valid files. This module allocates no more memory than the file is long.
+//! The crate `tiff` reads directories too, but its decoder accepts a directory only if it can decode the picture, and
+//! rejects some valid files. This module allocates no more bytes than the file has.
 
 use std::collections::HashSet;
 

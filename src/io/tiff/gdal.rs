@@ -65,7 +65,7 @@ impl Metadata {
             }
         }
         if metadata.scale == Some(0.0) {
-            return Err("its scale (GDAL_METADATA) is 0, which leaves nothing of its values; \
+            return Err("its scale (GDAL_METADATA) is 0, which makes all its values equal; \
                         gdal_edit.py -unsetscale -unsetoffset takes it out"
                 .into());
         }

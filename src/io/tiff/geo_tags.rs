@@ -35,8 +35,8 @@ mod geo_key {
     pub const LARGEST_CODE: u16 = 32766;
 }
 
-/// The fields of a GeoTIFF that place its pixels: transformation, tie points and keys of the coordinate
-/// reference system. A written GeoTIFF carries those of the surface's file.
+/// The fields of a GeoTIFF that give the location of its pixels: transformation, tie points and keys of the coordinate
+/// reference system. The fields of the surface's file are written to maps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GeoTags {
     pixel_scale: Option<Vec<f64>>,
@@ -47,7 +47,7 @@ pub struct GeoTags {
     text: Option<Vec<u8>>,
 }
 
-/// The coordinates of raster place (0, 0), and their changes per row and per column.
+/// The coordinates at row 0, column 0 of the raster, and their changes per row and per column.
 #[derive(Clone, Copy)]
 struct Transform {
     origin: [f64; 2],
@@ -530,7 +530,7 @@ mod tests {
             GeoTags { pixel_scale: Some(vec![30.0, 20.0, scale]), tie_points, ..tags(&keys) }
                 .vertical()
         };
-        // The values that GDAL gives.
+        // The expected values are those of GDAL.
         assert_eq!(vertical(1, 2.0, 100.0), Ok(Some([2.0, 86.0])));
         assert_eq!(vertical(0, 2.0, 100.0), Ok(None));
         assert_eq!(vertical(1, 1.0, 7.0), Ok(None));

@@ -113,7 +113,7 @@ impl Layout {
         let compression = Compression::of(or(tag::COMPRESSION, 1)?, cure)?;
         let sample = Sample::read(directory, cure)?;
         let predictor = match or(tag::PREDICTOR, 1)? {
-            // Other compressions have no predictor, whatever the field says.
+            // Other compressions have no predictor, and the field is ignored.
             _ if !compression.has_predictor() => Predictor::None,
             1 => Predictor::None,
             2 if sample.is_whole_bytes() => Predictor::Horizontal,
@@ -131,7 +131,7 @@ impl Layout {
             1 => false,
             2 => true,
             other => {
-                return Err(format!("is no usable TIFF file: FillOrder {other} means nothing"));
+                return Err(format!("is no usable TIFF file: FillOrder {other} is not valid"));
             }
         };
         let planar = match or(tag::PLANAR_CONFIGURATION, 1)? {
@@ -139,7 +139,7 @@ impl Layout {
             2 => samples > 1,
             other => {
                 return Err(format!(
-                    "is no usable TIFF file: PlanarConfiguration {other} means nothing"
+                    "is no usable TIFF file: PlanarConfiguration {other} is not valid"
                 ));
             }
         };
@@ -148,7 +148,7 @@ impl Layout {
             true => {
                 [needed(tag::TILE_LENGTH, "TileLength")?, needed(tag::TILE_WIDTH, "TileWidth")?]
             }
-            // The default, 2^32 - 1, means all rows.
+            // The field's default, 2^32 - 1, stands for all rows.
             false => {
                 let all = u64::from(u32::MAX);
                 [(or(tag::ROWS_PER_STRIP, all)?.min(rows as u64)) as usize, cols]
@@ -185,7 +185,7 @@ impl Layout {
         let offsets = directory.integers(offsets)?.ok_or_else(|| lacks("offsets"))?;
         let lengths = match directory.integers(lengths)? {
             Some(lengths) => lengths,
-            // Old writers omit the lengths. They follow from the size.
+            // Old writers omit the lengths of chunks, which then follow from the picture's size.
             None if self.compression == Compression::None => {
                 let per_plane = self.chunks_down() * self.chunks_across();
                 let length = |index| self.chunk_bytes((index % per_plane) / self.chunks_across());
@@ -269,7 +269,7 @@ impl Sample {
                 ));
             }
             other => {
-                return Err(format!("is no usable TIFF file: SampleFormat {other} means nothing"));
+                return Err(format!("is no usable TIFF file: SampleFormat {other} is not valid"));
             }
         };
         let known = match kind {

@@ -49,7 +49,7 @@ pub(super) struct Raster {
 pub(super) enum Role {
     /// Measured numbers.
     Values,
-    /// Zero or not zero. Indices into a table of colours are accepted.
+    /// A mask, of which only zero and non-zero values are distinguished. Indices into a table of colours are accepted.
     Mask,
 }
 
@@ -89,7 +89,7 @@ pub(super) fn decode(
             values[point] = f64::NAN;
         }
     };
-    // As in GDAL, a no-data value takes precedence, and the opacity is then that of a picture.
+    // As in GDAL, a no-data value takes precedence. The opacity then does not mark missing data.
     if let Some(alpha) = layout.alpha.filter(|_| !metadata.has_no_data()) {
         read_band(&file, &layout, alpha, |point, word| hide(point, word.is_some_and(|a| a != 0)))?;
     }

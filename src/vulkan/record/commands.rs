@@ -1,4 +1,4 @@
-//! Records the commands of which all recordings consist.
+//! Records single commands, of which all recordings consist.
 
 use std::ffi::CStr;
 
@@ -26,8 +26,8 @@ pub(crate) struct Commands<'a> {
     pub(crate) pipelines: &'a Pipelines,
     /// Profile that receives the passes, if there is one.
     pub(crate) profile: Option<&'a Profile>,
-    /// Turn of the part that is recorded, if the recording shares its barriers with others. Such parts have
-    /// no labels, and are not in profiles.
+    /// Turn that decides which part is recorded, if the recording shares its barriers with others ([`Turn`]). Such
+    /// recordings have no labels, and are not in profiles.
     pub(crate) turn: Option<&'a Turn>,
 }
 
@@ -41,8 +41,8 @@ pub(crate) enum Groups {
 }
 
 impl Groups {
-    /// Returns the workgroups of a dispatch that is this many invocations wide and high. Workgroups lie along
-    /// the width.
+    /// Returns the workgroups of a dispatch of `width` x `height` invocations. A workgroup is [`WORKGROUP`] invocations
+    /// wide and one high.
     pub(crate) fn of([width, height]: [u32; 2]) -> Self {
         Self::These([width.div_ceil(WORKGROUP), height, 1])
     }
@@ -52,8 +52,8 @@ impl Groups {
         Self::These([count, 1, 1])
     }
 
-    /// Returns `count` workgroups in all, or slightly more, for any count. Shaders find the place of a
-    /// workgroup by `place_in_dispatch` in `glsl/passes/tiles.glsl`.
+    /// Returns at least `count` workgroups in columns, for any count. The last column may extend beyond `count`.
+    /// Shaders find the index of a workgroup by `place_in_dispatch` in `glsl/passes/tiles.glsl`.
     pub(crate) fn in_columns(count: u32) -> Self {
         let column = column_of(count);
         Self::These([count.div_ceil(column), column, 1])
@@ -90,12 +90,12 @@ impl<'a> Commands<'a> {
         self.pipelines.labels.as_ref().map(|labels| labels.group(self.buffer, label))
     }
 
-    /// Returns whether it is not the turn of the recorded part.
+    /// Returns whether commands are skipped, since another part of the recording is being appended.
     fn is_skipped(&self) -> bool {
         self.turn.is_some_and(|turn| !turn.is_now())
     }
 
-    /// Returns what passes need for their labels and for the profile.
+    /// Returns the handles with which passes write labels and profile records.
     pub(crate) fn watch(&self) -> Watch<'a> {
         let Self { device, buffer, pipelines, profile, .. } = *self;
         Watch { device, commands: buffer, profile, labels: pipelines.labels.as_ref() }
@@ -142,7 +142,7 @@ impl<'a> Commands<'a> {
         }
     }
 
-    /// Dispatches no workgroup of a pipeline, since drivers may compile it at its first dispatch.
+    /// Dispatches zero workgroups of a pipeline, since drivers may compile it at its first dispatch.
     pub(crate) fn warm_up(
         &self,
         pipeline: vk::Pipeline,

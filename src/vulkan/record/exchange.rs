@@ -1,4 +1,4 @@
-//! Records the exchange of fronts between the copies of points of a glued surface, and what else they share.
+//! Records the exchange of fronts, seeds and curvatures between the copies of each point of a glued surface.
 
 use super::commands::{Commands, Groups};
 use super::recorder::Recorder;
@@ -25,8 +25,8 @@ impl Commands<'_> {
 
 impl Recorder<'_> {
     /// Gives all copies of each point the earliest front among them, if the surface is glued. The fronts lie in
-    /// `image`. If tiles follow, `next_round` is the number of the next round, and each tile says in which
-    /// image its fronts lie. The pipeline must have been made for `variant`.
+    /// `image`. If a round of tiles follows, `next_round` is its number, and the fronts of each tile lie in the image
+    /// that the tile's state names. The pipeline must have been made for `variant`.
     pub(in crate::vulkan) fn exchange(
         &self,
         variant: Variant,
@@ -42,8 +42,8 @@ impl Recorder<'_> {
         self.dispatch(pipeline, &push, Groups::line(1));
     }
 
-    /// Gives all copies of each point the mean of their curvatures, if the surface is glued. It was made for points
-    /// that are measured on the device.
+    /// Gives all copies of each point the mean of their Gaussian curvatures, if the surface is glued. The surface's
+    /// points must be measured on the device.
     pub(in crate::vulkan) fn share_curvature(&self) {
         let Some(copies) = &self.grid.copies else { return };
         let pipeline = self.pipelines.made(SHARE_CURVATURE, Wavefront::Curved);
@@ -57,7 +57,7 @@ impl Recorder<'_> {
         self.barrier(SHADER_WRITE, SHADER);
     }
 
-    /// Lets all copies of points with seeds have them, if the surface is glued. `schedule` is the one that follows.
+    /// Gives the seeds of a point to all its copies, if the surface is glued. `schedule` is the schedule of the map.
     pub(in crate::vulkan) fn exchange_seeds(&self, variant: Variant, schedule: Schedule) {
         let Some(copies) = &self.grid.copies else { return };
         let [read, written] = copies.bytes_moved();

@@ -1,4 +1,4 @@
-//! Records a map: its start, its sources, and what is read from it.
+//! Records the parts of a map other than its steps: its start, its sources, and the read-back of results.
 
 use std::ops::Range;
 
@@ -20,7 +20,7 @@ fn record_offset(number: usize) -> u64 {
 }
 
 impl Recorder<'_> {
-    /// Clears the map: no point is reached in either image.
+    /// Clears the map: all points become unreached in both images.
     pub(crate) fn forget(&self) {
         let _pass = self.pass_over_images(PassKind::Forget, 0, 2 * u64::from(LAYERS) * 16);
         self.barrier(SHADER, TRANSFER_WRITE);
@@ -35,8 +35,8 @@ impl Recorder<'_> {
         }
     }
 
-    /// Sets the texels with sources in image 0. `count` of them are in the upload buffer. The following
-    /// passes begin with the tiles, or blocks of lines, around these texels.
+    /// Writes seeds to their texels in image 0. `count` texels with seeds are in the upload buffer. The pass also makes
+    /// the tiles or blocks of lines around them due, for the passes that `follows` names (`Order::follows`).
     pub(crate) fn seed(&self, count: u32, follows: u32) {
         // The pass reads a texel's seeds and its fronts, and writes its fronts.
         let fronts = 16 * u64::from(LAYERS);
@@ -50,18 +50,18 @@ impl Recorder<'_> {
         self.barrier(SHADER_WRITE, PASS);
     }
 
-    /// Takes back the fronts in image 0 that come after the limit of the map.
+    /// Resets points in image 0 to unreached if their fronts arrive after the end of the map.
     pub(crate) fn trim(&self) {
         let texels = self.grid.texels.inner();
-        // Only fronts at the limit are written.
+        // Few texels are written: those that have fronts after the end. They are not counted.
         let _pass = self.pass_of_each(PassKind::Trim, texels, [16, 0]);
         let push = trim::Push { texels: texels.map(|texels| texels as i32) };
         self.run(self.pipelines.of(TRIM), 0, &push, texels);
         self.barrier(SHADER_WRITE, PASS);
     }
 
-    /// Copies `count` texels with sources, and the anchors, to where shaders read them, unless that is where
-    /// the program has written them. The device does not read the last ones any more.
+    /// Copies `count` texels with seeds, and the anchors, to the buffers that shaders read, unless the program has
+    /// written them there directly. The device must have finished reading those of the last map.
     fn bring_inputs(&self, count: u32) {
         let bytes = u64::from(count) * size_of::<SeedTexel>() as u64;
         let Some(parts) = self.grid.inputs(bytes) else { return };
@@ -90,7 +90,7 @@ impl Recorder<'_> {
         self.barrier(TRANSFER_WRITE, HOST_READ);
     }
 
-    /// Copies the outcome and marks the record with a serial, by which the host sees that the record is
+    /// Copies the outcome, and then writes a serial to the record. The host knows by the serial that the record is
     /// complete.
     pub(crate) fn outcome_with_serial(&self, number: usize, serial: u32) {
         let (buffer, at) = (self.grid.outcome.buffer, record_offset(number));
@@ -100,7 +100,8 @@ impl Recorder<'_> {
         self.barrier(TRANSFER_WRITE, HOST_READ);
     }
 
-    /// Writes a serial after all passes so far to the record with this number, where the host finds it.
+    /// Writes a serial to the record with this number once all passes recorded so far have run. The host reads it
+    /// there.
     pub(crate) fn mark(&self, number: usize, serial: u32) {
         let at = record_offset(number) + offset::SERIAL_IN_RECORD;
         let passes = (PASS.0 | TRANSFER.0, PASS.1 | TRANSFER.1);
@@ -109,8 +110,8 @@ impl Recorder<'_> {
         self.barrier(TRANSFER_WRITE, HOST_READ);
     }
 
-    /// Copies the outcome of the iterations, and the state of the input, to a buffer that has room for them
-    /// there.
+    /// Copies the outcome of the iterations, and the state of the input, to the offset `at` of a buffer, which must
+    /// have room for them.
     pub(crate) fn outcome_to(&self, to: vk::Buffer, at: u64) {
         let size = size_of::<Outcome>() as u64;
         let parts = [
@@ -134,8 +135,8 @@ impl Recorder<'_> {
         self.barrier(TRANSFER_WRITE, SHADER);
     }
 
-    /// Unpacks the arrival times in image 0 for a band of rows, to where the host reads them: in the
-    /// read-back buffer, or in a half of the staging buffer, to which they are copied.
+    /// Unpacks the arrival times in image 0 for a band of rows into the read-back buffer, which the host reads. With a
+    /// staging buffer, they are then copied to one `half` of it, and the host reads them there.
     pub(crate) fn unpack(&self, rows: Range<usize>, half: usize) {
         let chart = self.grid.chart;
         let points = (rows.len() * chart.cols) as u64;

@@ -1,5 +1,5 @@
-//! Records commands. Each function appends commands to a command buffer that the caller has begun, and ends
-//! with a barrier after which the next function may be recorded. None submits or waits.
+//! Records commands. Each function appends commands to a command buffer that the caller has begun. It ends with a
+//! barrier, after which any other of these functions may be recorded. No function submits or waits.
 
 mod commands;
 mod exchange;

@@ -18,7 +18,7 @@ use crate::vulkan::point_kind::PointKind;
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 
 impl Recorder<'_> {
-    /// Transitions new images into their layout, and clears them: no edge, and no point reached.
+    /// Transitions new images into their layout, and clears them: there are no edges, and all points are unreached.
     pub(crate) fn prepare(&self) {
         // Four points' edges, the surface's curvature and two images of fronts.
         let written = (4 + 1 + 2 * u64::from(LAYERS)) * 16;
@@ -30,8 +30,8 @@ impl Recorder<'_> {
             self.image_barrier(image.image, SHADER, TRANSFER_WRITE, layouts);
         }
         self.clear(grid.edges.image, 0, FAR);
-        // Beside curvatures of 0 there are slownesses of 1, if there are any. No edge leads to a texel where
-        // either belongs to no point.
+        // The image of curvatures also holds the slownesses, if the surface has them. They are cleared to 1, and so are
+        // the curvatures of texels without points, which no edge leads to.
         self.clear(grid.gaussian.image, 0, if grid.is_slowed() { 1.0 } else { 0.0 });
         self.clear_fronts();
         if let Some(copies) = &self.grid.copies {
@@ -40,7 +40,8 @@ impl Recorder<'_> {
         self.barrier(TRANSFER_WRITE, SHADER);
     }
 
-    /// Measures the edges of a band of rows. The points of [`rows_around`] it are in the upload buffer.
+    /// Measures the edges of a band of rows. The upload buffer must hold the points of the rows that [`rows_around`]
+    /// returns for the band.
     pub(crate) fn measure(&self, kind: PointKind, arcs: bool, rows: Range<usize>) {
         let chart = self.grid.chart;
         let size = [chart.cols as u32, rows.len() as u32];
@@ -72,14 +73,14 @@ impl Recorder<'_> {
         }
     }
 
-    /// Finds the typical length of edges once all are measured. It determines in which order tiles of the
-    /// next maps are visited.
+    /// Finds the typical length of edges after all of them have been measured. It determines the order in which maps
+    /// visit tiles.
     fn find_typical_edge(&self) {
         let texels = self.grid.texels.inner().map(|texels| texels as i32);
         self.run(self.pipelines.of(TYPICAL_EDGE), 0, &typical_edge::Push { texels }, [1, 1]);
     }
 
-    /// Copies the edges of a band of rows, four of each point, from a half of the upload buffer.
+    /// Copies the edges of a band of rows, four lengths a point, from one `half` of the upload buffer to their image.
     pub(crate) fn upload_edges(&self, rows: Range<usize>, half: usize) {
         let extent = vk::Extent3D {
             width: self.grid.chart.cols as u32,
@@ -99,8 +100,8 @@ impl Recorder<'_> {
         }
     }
 
-    /// Copies values at the points of a band of rows, 2 x 2 a texel, from a half of the upload buffer. With `right`
-    /// set, they are the slowness, whose texels lie to the right of those of the Gaussian curvature.
+    /// Copies values at the points of a band of rows, 2 x 2 a texel, from one `half` of the upload buffer. If `right`
+    /// is set, these are slownesses, whose texels lie to the right of those of the Gaussian curvature.
     pub(crate) fn upload_ground(&self, rows: Range<usize>, right: bool, half: usize) {
         let extent = vk::Extent3D {
             width: self.grid.chart.cols.div_ceil(2) as u32,
@@ -118,8 +119,8 @@ impl Recorder<'_> {
         self.barrier(TRANSFER_WRITE, SHADER);
     }
 
-    /// Computes the surface's Gaussian curvature, once all edges are measured by the rule. On floor plans it
-    /// also computes where shortest paths can bend.
+    /// Computes the surface's Gaussian curvature after all edges have been measured by `rule`. On floor plans
+    /// (`is_floor`) it also finds the corners at which shortest paths can bend.
     pub(crate) fn compute_gaussian_curvature(&self, rule: EdgeRule, is_floor: bool) {
         let inner = self.grid.texels.inner();
         let texels = inner.map(|texels| texels as i32);

@@ -1,8 +1,8 @@
 //! Merges recordings of several surfaces so that they share their barriers.
 //!
-//! Each recording is cut at its barriers. All recordings are traversed as often as the longest of them has
-//! parts. Each traversal appends one part of each recording, and then one barrier that replaces those after
-//! these parts.
+//! Each recording is cut into parts at its barriers. All recordings are run as often as the longest of them has parts.
+//! Each run appends only one part of each recording: the first run the first parts, and so on. Then it appends a single
+//! barrier, which replaces the barriers after these parts.
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -12,7 +12,7 @@ use ash::vk;
 use crate::vulkan::device::barrier;
 use crate::vulkan::device::barrier::{Access, ImageBarrier, MOST_TOGETHER};
 
-/// Part of the recordings that is appended, with the barriers after it.
+/// State of a run: the number of the parts that it appends, and the barriers after them.
 #[derive(Debug, Default)]
 pub(crate) struct Turn {
     /// Number of the part that is appended.
@@ -26,7 +26,7 @@ pub(crate) struct Turn {
 #[derive(Debug)]
 struct Merged {
     is_there: bool,
-    /// Stages before the barrier, and accesses to all memory. `after` holds those after it.
+    /// Stages and memory accesses before the barrier. `after` holds those after it.
     before: Access,
     after: Access,
     images: [ImageBarrier; MOST_TOGETHER],
@@ -73,8 +73,8 @@ impl Turn {
         self.part.fetch_add(1, Relaxed);
     }
 
-    /// Appends `count` recordings to a command buffer part by part. `record` traverses the recording with a
-    /// given number. Other effects of `record` are repeated once for each part.
+    /// Appends `count` recordings to a command buffer part by part. `record` runs the recording with a given number.
+    /// It is called once for each part, so its other effects are repeated.
     pub(crate) fn take(
         &self,
         (device, buffer): (&ash::Device, vk::CommandBuffer),

@@ -1,4 +1,4 @@
-//! Counts the work of a plan's steps: the records that a profile has of them, and how many.
+//! Counts the work of a plan's steps, and the records that a profile keeps of them.
 
 use super::order_of;
 use super::plan::Step;
@@ -19,11 +19,11 @@ pub(in crate::vulkan) fn account(counter: &mut StepCounter, step: &Step) -> (Pas
 
 /// Returns the number of records that the steps make.
 pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
-    // Iterations end with a count, so that no scan follows one of the same direction.
+    // A count ends each iteration, so two adjacent scans never have the same direction.
     let merged = steps.windows(2).filter(|pair| match &pair[0] {
         Step::Scan(before) => match grain {
-            // The work of an iteration beyond convergence is known only later, so that a portion takes room
-            // for all of its iterations.
+            // Whether an iteration comes after convergence is known only later. So a portion reserves a record for
+            // each of its iterations.
             Grain::Iterations | Grain::Portions => true,
             Grain::Scans => matches!(&pair[1], Step::Scan(after) if before.goes_with(after)),
             Grain::Blocks => false,
@@ -36,8 +36,8 @@ pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
     (steps.len() - merged.count()) as u32
 }
 
-/// Returns the passes of a plan, each as if the map had not converged before it, without times. A plan does
-/// not determine what rounds of tiles visit.
+/// Returns the passes of a plan with their work, without times. Each pass counts as if the map had not converged before
+/// it. The work of rounds of tiles is missing, since a plan does not determine which tiles they visit.
 ///
 /// ```
 /// use geosweep::Wavefront;
@@ -274,7 +274,7 @@ mod tests {
         assert_eq!((found[0].groups, found[0].iteration), (Some([3, 1, 1]), Some(3)));
         assert!(found[1].is_idle() && found[1].iteration == Some(4));
         assert_eq!((found[2].kind, found[2].groups), (PassKind::Settle, Some([6, 1, 1])));
-        // It reads and writes a state of each tile, and eight numbers of each texel that is brought back.
+        // The last pass reads and writes a state of each tile, and eight numbers of each texel that it copies.
         assert_eq!(found[2].work.bytes(), Some(2 * (6 * 4 + 37 * 2 * 16)));
     }
 

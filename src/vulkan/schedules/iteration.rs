@@ -6,9 +6,9 @@ use super::plan::{Reached, Scan, ScanPair, ScanPass};
 use crate::constants::BORDER;
 use crate::vulkan::TexelChart;
 
-/// Largest number of lines that a dispatch takes in turn, unless a single block has more. Mesa 22.3's
-/// lavapipe ends loops of shaders after 65,535 trips, counted over all loops of an invocation. The parts of
-/// obtuse triangles may take 784 trips a line.
+/// Largest number of lines of a dispatch that takes several blocks in turn. A single block may have more. Mesa 22.3's
+/// lavapipe ends the loops of a shader after 65,535 iterations, counted over all loops of an invocation. The parts of
+/// obtuse triangles may take 784 of them for each line.
 const LINES_IN_TURN: u32 = 64;
 
 /// Order of the passes of an iteration.
@@ -39,7 +39,7 @@ impl Iteration {
                 let middle = middle.min(lines.end);
                 let halves = [lines.start..middle, middle..lines.end];
                 for phase in 0..2 {
-                    // Neither scan sees what the other one reaches in the phase.
+                    // Neither scan sees the points that the other one reaches in the same phase.
                     let mut found = [reached.clone(), reached.clone()];
                     let [mut forth, mut back] = [0, 1].map(|way| {
                         let (scan, half) = (pair.scans()[way], halves[way ^ phase].clone());
@@ -121,7 +121,7 @@ impl Iteration {
         while passed < visited.len() as u32 {
             let left = visited.len() as u32 - passed;
             let line = if forward { visited.start + passed } else { visited.end - 1 - passed };
-            // Blocks have the same places as if all lines were visited.
+            // Bounds do not move blocks: they begin at the same lines as if all lines were visited.
             let in_block = (line - half.start) % block;
             let count = if forward { block - in_block } else { in_block + 1 }.min(left);
             along.start = along.start.saturating_sub(count).max(inner_along.start);

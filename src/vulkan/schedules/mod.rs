@@ -34,8 +34,8 @@ impl Schedule {
         }
     }
 
-    /// Returns the steps of a recording: as many iterations (or rounds of tiles) as are worth submitting
-    /// together, and at most `most`. Before and after these steps all fronts are in image 0.
+    /// Returns the steps of a recording: `portions` decides the number of iterations (or rounds of tiles), which is at
+    /// most `most`. Before and after these steps all fronts are in image 0.
     ///
     /// If the map has just been started, `reached` is the box around its sources. `portions` are
     /// [`crate::vulkan::Tuning::portions`].

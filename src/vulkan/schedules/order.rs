@@ -36,14 +36,13 @@ pub(super) trait Order: Sync {
     /// sequence of rounds.
     fn has_rounds(&self) -> bool;
 
-    /// Returns the largest number of iterations or rounds in a headless submission, where a plan cannot be
-    /// cut ([`plan::parts`]).
+    /// Returns the largest number of iterations or rounds in a headless submission. It matters for schedules whose
+    /// plans cannot be cut ([`plan::parts`]).
     fn together(&self, _: TexelChart, _: Portions) -> u32 {
         u32::MAX
     }
 
-    /// Returns whether maps from sources between grid points take fewer iterations if the surroundings of the
-    /// sources are solved first.
+    /// Returns whether solving the surroundings of sources between grid points first saves iterations of the map.
     fn gains_by_surroundings(&self) -> bool {
         false
     }
@@ -56,7 +55,7 @@ pub(super) trait Order: Sync {
     /// Writes the schedule's own state, before the seeds of a map or of sources that are added to one.
     fn start(&self, _: &Recorder, _is_added: bool) {}
 
-    /// Records the passes that must precede further steps of a map.
+    /// Records the passes that must precede further steps of a map, if there are any.
     fn go_on(&self, _: &Recorder) {}
 
     /// Records a step of the schedule.
@@ -71,7 +70,7 @@ pub(super) struct Steps<'r, 'a> {
     pub(super) recorder: &'r Recorder<'a>,
     pub(super) variant: Variant,
     pub(super) bound: Option<(vk::Pipeline, usize)>,
-    /// Number of dispatches of scans, from the first on, that note whether they visited anything.
+    /// Number of dispatches of scans that note whether they visited anything. The first ones do.
     pub(super) notes: u32,
     /// Number of dispatches of scans so far.
     pub(super) scans: u32,
@@ -118,7 +117,7 @@ impl Recorder<'_> {
         u64::from(self.tiles()) * size_of::<u32>() as u64
     }
 
-    /// Copies data that passes have written into a buffer that the host reads while the map goes on.
+    /// Copies data that passes have written into a buffer that the host reads while later passes of the map run.
     pub(super) fn copy_for_host(
         &self,
         from: vk::Buffer,

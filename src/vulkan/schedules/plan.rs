@@ -1,23 +1,23 @@
 //! Lists the passes of a recording as plain values that need no device: [`crate::vulkan::Schedule::plan`].
 //!
-//! An iteration of the raster schedule is four rotated scans. A scan is one dispatch for each block of lines
-//! (rows or columns) of texels, each followed by a barrier. Scans go in turn, or two opposite scans go in a
-//! pair, each in one half of the grid: then a dispatch of both is followed by one barrier. In the first
-//! iteration from sources that the host knows, bounds take the place of the paper's scissor test. What lies
-//! outside the box that the fronts can have reached is infinite before and after, and is not visited. Scans of
-//! further iterations are dispatched indirectly, with arguments that the device sets, where a dispatch is a
-//! block. A scan then visits the blocks in which, or on the line behind which, something has changed since its
-//! last visit (`glsl/passes/blocks.glsl`). It visits nothing once the map has converged. The host reads nothing
-//! for this.
+//! An iteration of the raster schedule consists of four rotated scans. A scan consists of dispatches, one for each
+//! block of lines (rows or columns) of texels, each followed by a barrier. Scans run in turn, or two opposite scans
+//! run as a pair, each in one half of the grid: then a barrier follows one dispatch of each scan.
 //!
-//! A pair of scans has two phases. In the first one, both come from the ends of the grid to its middle. In the
-//! second one, they go on into the other half. Both write the same image of fronts, at different texels, and
-//! neither reads what the other one writes in the phase: past the middle, they read the image from before.
+//! In the first iteration from sources that the host knows, bounds replace the paper's scissor test. Outside the
+//! rectangle that the fronts can have reached, all points stay unreached, and are not visited. In further iterations
+//! each block is dispatched indirectly, with arguments that the device sets. A scan then visits a block if a front in
+//! it, or on the line behind it, has changed since the last visit (`glsl/passes/blocks.glsl`). It visits nothing once
+//! the map has converged. The host needs no readback for this.
 //!
-//! If a line fits a workgroup, a dispatch takes many blocks in turn, since dispatches that wait for one
-//! another are the main cost of small grids. The workgroup checks for each block whether it is due, and
-//! barriers inside the workgroup replace those between dispatches. Such scans have no bounds, which would
-//! only save workgroups.
+//! A pair of scans has two phases. In the first one, both move from the ends of the grid to its middle. In the second
+//! one, each continues into the other half. Both write the same image of fronts, at different texels. Neither reads
+//! what the other one writes in the phase: across the middle, they read the image from before the phase.
+//!
+//! If a line fits a workgroup, one dispatch takes many blocks in turn, since dispatches that wait for one another are
+//! the main cost on small grids. The workgroup checks for each block whether it is due, and barriers inside the
+//! workgroup replace those between dispatches. Such scans have no bounds. Bounds save workgroups, and here a dispatch
+//! has a single one.
 
 use std::ops::Range;
 
@@ -61,7 +61,7 @@ impl Scan {
     }
 }
 
-/// Two opposite scans that go in a pair.
+/// Two opposite scans that run as a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ScanPair {
     /// [`Scan::Down`] and [`Scan::Up`].
@@ -91,9 +91,9 @@ impl ScanPair {
     }
 }
 
-/// Block of lines of texels of a scan, or its lines within bounds, or several blocks. Blocks follow one
-/// another from the first row, or column, of the grid on, in whichever direction the scan goes. Rows and
-/// columns of texels include the border of the images.
+/// Pass of a scan over a block of lines of texels, over the block's lines within bounds, or over several blocks in
+/// turn. Blocks are counted from the grid's first row or column, for scans in either direction. Rows and columns of
+/// texels include the border of the images.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ScanPass {
     /// Scan to which the pass belongs.
@@ -106,23 +106,23 @@ pub struct ScanPass {
     pub texels: Range<u32>,
     /// Number of the image of fronts that the scan writes. It reads the other of the two images.
     pub writes: usize,
-    /// Whether the pass visits its block in any case, as in the first iteration. Otherwise it does so only if
-    /// something can change in the block and the map has not converged.
+    /// Whether the pass visits its block unconditionally, as in the first iteration. Otherwise it visits the block only
+    /// if the block is due and the map has not converged.
     pub always: bool,
     /// Whether one workgroup takes several blocks of lines, one after the other. It skips those that are not
     /// due.
     pub in_turn: bool,
-    /// Number of lines of the scan that this iteration leaves out before the pass, by bounds.
+    /// Number of lines of the scan that lie outside the bounds and would come before this pass.
     pub left_out: u32,
-    /// First row or column of texels of the grid's last half, if the scan goes in a pair with the opposite one.
+    /// First row or column of texels of the grid's last half, if the scan runs in a pair with the opposite one.
     pub middle: Option<u32>,
-    /// Whether the next pass is the opposite scan's pass of the same step. Neither depends on the other, and no
-    /// barrier is between them.
+    /// Whether the next pass is that of the opposite scan at the same time. Neither depends on the other, and there
+    /// is no barrier between them.
     pub beside_next: bool,
 }
 
 impl ScanPass {
-    /// Returns the pair of scans in which the pass goes, if any.
+    /// Returns the pair of scans to which the pass belongs, if any.
     pub(in crate::vulkan) fn pair(&self) -> Option<ScanPair> {
         self.middle.map(|_| ScanPair::of(self.scan))
     }
@@ -143,8 +143,8 @@ impl ScanPass {
     }
 }
 
-/// Step of a recording. After each step, its writes are visible to the following steps, and what it has read
-/// may be overwritten. A pass of a scan that goes in a pair may run at the same time as the next one:
+/// Step of a recording. After each step its writes are visible to the following steps, which may overwrite the data
+/// that it has read. The exception is a pass of a scan in a pair, which may run at the same time as the next step:
 /// [`ScanPass::beside_next`].
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Step {
@@ -188,9 +188,9 @@ pub(in crate::vulkan) fn at_once(steps: &[Step]) -> impl Iterator<Item = &[Step]
     steps.chunk_by(|step, _| step.is_beside_next())
 }
 
-/// Returns the steps of a map of a glued surface: after each scan, or each phase of a pair of scans, each update
-/// of all points and each round of tiles, fronts pass seams. Scans must have no bounds, which hold for
-/// fronts on one side of a seam only.
+/// Returns the steps of a map of a glued surface: `steps` with an exchange of fronts across seams after each scan, each
+/// phase of a pair of scans, each update of all points and each round of tiles. Scans must have no bounds, since bounds
+/// do not account for fronts that pass a seam.
 ///
 /// ```
 /// use geosweep::Wavefront;
@@ -207,7 +207,8 @@ pub fn with_exchanges(steps: Vec<Step>) -> Vec<Step> {
     let mut steps = steps.into_iter().peekable();
     while let Some(step) = steps.next() {
         let exchange = match (&step, steps.peek()) {
-            // Scans, or phases of pairs, write the two images in turns.
+            // Scans, or phases of pairs, write the two images alternately. Adjacent passes that write the same image
+            // belong to the same scan or phase.
             (Step::Scan(pass), Some(Step::Scan(next))) if pass.writes == next.writes => None,
             (&Step::Scan(ScanPass { writes: image, .. }), _)
             | (&Step::AllPoints { writes: image }, _) => {
@@ -252,15 +253,15 @@ impl Reached {
     }
 }
 
-/// Sizes of the portions in which the grid is visited; see [`crate::vulkan::Tuning`].
+/// Sizes of the portions in which a grid is updated; see [`crate::vulkan::Tuning`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Portions {
     /// Number of lines of texels in a block of a scan.
     pub lines: u32,
-    /// Largest number of texels of a line for which a dispatch of a scan takes many blocks in turn. With 0 no
-    /// dispatch does.
+    /// Largest number of texels of a line with which a dispatch of a scan takes many blocks in turn. With 0 every
+    /// dispatch takes one block.
     pub across: u32,
-    /// Whether opposite scans go in pairs: [`crate::vulkan::Tuning::scan_pairs`].
+    /// Whether opposite scans run in pairs: [`crate::vulkan::Tuning::scan_pairs`].
     pub pairs: bool,
     /// Largest number of iterations of four scans in a recording.
     pub iterations: u32,
@@ -268,14 +269,14 @@ pub struct Portions {
     pub tile: u32,
     /// Largest number of rounds of tiles in a recording. `None` selects it by the number of tiles.
     pub rounds: Option<u32>,
-    /// Largest number of texels that a submission visits, as far as single steps allow. It reduces the
-    /// iterations in a recording, but to no fewer than one: [`parts`] cuts that one.
+    /// Largest number of texels that a submission visits. A recording has fewer iterations if they would visit more,
+    /// but at least one, which [`parts`] cuts. A single step may still visit more.
     pub visits: u64,
 }
 
 impl Portions {
-    /// Returns the number of iterations in a recording, at most `wanted`. An iteration visits the whole grid
-    /// `visits` times.
+    /// Returns the number of iterations in a recording: at most `wanted`, and no more than [`Portions::visits`] allows,
+    /// but at least one. An iteration visits the whole grid `visits` times.
     pub(in crate::vulkan) fn iterations_of(
         &self,
         visits: u64,
@@ -286,10 +287,10 @@ impl Portions {
     }
 }
 
-/// Cuts the steps of a recording that visits more than `visits` texels into several parts. Each part visits
-/// at most half as many, unless it is a single step, so that a submission is a small share of the iteration
-/// too. Rounds of tiles are not cut, since only the device knows what they visit. [`Portions::visits`] leaves
-/// fewer of them in a recording.
+/// Cuts the steps of a recording into several parts if they visit more than `visits` texels. Each part visits at most
+/// half of `visits`, unless it is a single step, so that a submission is a small share of an iteration too. Rounds of
+/// tiles are not cut, since only the device knows which tiles they visit. [`Portions::visits`] limits their number in a
+/// recording instead.
 ///
 /// ```
 /// use geosweep::surface::Chart;
@@ -333,7 +334,7 @@ pub fn iterations(steps: &[Step]) -> u32 {
     steps.iter().filter(counts).count() as u32
 }
 
-/// Returns the number of texels that the scans among the steps visit, as far as they are dispatched.
+/// Returns the number of texels that the scans among the steps visit if all of their passes are dispatched.
 pub fn texels_scanned(steps: &[Step]) -> u64 {
     let visited = |step: &Step| match step {
         Step::Scan(pass) => pass.visits(),

@@ -117,7 +117,7 @@ pub(crate) mod offset {
     /// The targets, after both numbers.
     pub(crate) const TARGETS: u64 = offset_of!(Progress, targets) as u64;
 
-    /// State of a renderer's input. When a map starts, only [`PASSED_OVER`] of this last part is set to zero.
+    /// State of a renderer's input, from here to the end. When a map starts, only [`PASSED_OVER`] of it is set to zero.
     pub(crate) const INPUT: u64 = PREPARED.start;
     pub(crate) const PREPARED: Range<u64> =
         offset_of!(Progress, prepared) as u64..PASSED_OVER.start;
@@ -131,8 +131,8 @@ pub(crate) mod offset {
     const _: () = assert!(INPUT_IN_RECORD + INPUT_BYTES == SERIAL_IN_RECORD);
 }
 
-/// Texels at which fronts may have changed, as the progress of a map with a limit notes them: the first and the
-/// last column and row.
+/// Rectangle of texels in which fronts may have changed, as the progress of a map with a limit stores it: the first and
+/// the last column and row, here equal in both directions.
 #[derive(Clone, Copy)]
 pub(crate) struct Changed {
     first: i32,
@@ -140,9 +140,9 @@ pub(crate) struct Changed {
 }
 
 impl Changed {
-    /// No texel, as before a map.
+    /// No texel: the value at the start of a map.
     pub(crate) const NOWHERE: Self = Self { first: i32::MAX, last: i32::MIN };
-    /// All texels, as on a map to which something is added, or whose limit may come later.
+    /// All texels: the value on a map to which sources are added, or whose limit is set later.
     pub(crate) const ANYWHERE: Self = Self { first: 0, last: i32::MAX };
 }
 
@@ -152,8 +152,8 @@ fn limit_of(radius: f32) -> f32 {
 }
 
 /// Returns the progress before the first iteration of a map. `fronts_meet` says whether its fronts may meet
-/// ([`crate::surface::Origins`]). The whole grid takes `grid` workgroups, and has `tiles` tiles. Visits need
-/// no initial value.
+/// ([`crate::surface::Origins`]). A dispatch over the whole grid takes `grid` workgroups, and the grid has `tiles`
+/// tiles. Visits need no initial value.
 pub(crate) fn start(
     stop: Stop,
     radius: f32,
@@ -177,8 +177,8 @@ pub(crate) fn start(
     }
 }
 
-/// Returns the progress before more rounds of `tiles` tiles, none of which is listed. The caller writes all
-/// slots but the first, and what follows them up to the visits.
+/// Returns the progress before further rounds, on a grid of `tiles` tiles of which none is listed. The caller writes it
+/// from the second round up to the visits.
 pub(crate) fn before_rounds(tiles: u32) -> Progress {
     let mut progress = Progress::zeroed();
     let (rounds, _) = progress.rounds.as_chunks_mut::<{ ROUND_WORDS as usize }>();

@@ -28,7 +28,7 @@ impl Order for Raster {
     }
 
     fn gains_by_surroundings(&self) -> bool {
-        // In other schedules no scan has to wait for another scan's next iteration.
+        // In other schedules fronts do not have to wait for the next scan in their direction.
         true
     }
 
@@ -66,14 +66,14 @@ impl Order for Raster {
         3 * Scan::ALL.len() as u64 * u64::from(pitch)
     }
 
-    /// Writes the dispatch arguments of all blocks of lines. Of a map to which something is added all blocks
-    /// are due in all scans: the two images of fronts may differ where the map has converged, and other
-    /// schedules do not track blocks.
+    /// Writes the dispatch arguments of all blocks of lines. If sources are added to a map (`is_added`), all blocks
+    /// are due in all scans: the two images of fronts may differ after the last map, and other schedules do not track
+    /// blocks.
     fn start(&self, recorder: &Recorder, is_added: bool) {
         let (tuning, texels) = (recorder.pipelines.tuning, recorder.grid.texels);
         let groups = texels.inner().map(|length| length.div_ceil(tuning.scan_texels()));
         let both = 2 * u64::from(texels.block_pitch(tuning.scan_lines));
-        // Rows are as long as there are columns.
+        // The first element is the number of workgroups of a row, for scans down and up.
         for (first, groups) in [0, both].into_iter().zip(groups) {
             let blocks = [[groups, is_added.into(), 1]; BLOCKS_TOGETHER];
             for from in (0..both).step_by(BLOCKS_TOGETHER) {
@@ -124,7 +124,7 @@ impl Order for Raster {
             Area::new(pass.texels.clone(), block)
         };
         let width = |range: &std::ops::Range<u32>| range.len() as u32;
-        // Passes that are dispatched indirectly have the workgroups of a whole line.
+        // Indirect dispatches have the workgroups of a whole line. Others have those of the texels within bounds.
         let along = if pass.always { width(&pass.texels) } else { length as u32 };
         let count = pass.blocks(counter.tuning.scan_lines);
         let record = PassRecord {

@@ -1,4 +1,4 @@
-//! Records the steps of plans, of one map or of several together, and what stands before and after them.
+//! Records the steps of plans, for one map or for several maps together, and the commands before and after them.
 
 use ash::vk;
 
@@ -48,7 +48,7 @@ impl Steps<'_, '_> {
 type Planned<'a, R> = (R, Variant, &'a [Step], bool);
 
 impl Recorder<'_> {
-    /// Records the start of a map before its seeds, or before what is added to a map: no iteration is done.
+    /// Records the start of a map, before its seeds or before sources that are added to it. No iteration is done yet.
     /// The map ends at `limit`. `causal` says whether the map's fronts are causal
     /// ([`crate::surface::Origins`]).
     pub(crate) fn start(
@@ -59,7 +59,7 @@ impl Recorder<'_> {
         is_added: bool,
     ) {
         let order = schedule.order();
-        // The start writes the progress, the numbers kept for each tile, and what else the schedule keeps.
+        // The start writes the progress, the state of each tile, and the schedule's own state.
         let written =
             offset::VISITS + TILE_WORDS as u64 * self.tile_bytes() + 4 * order.start_words(self);
         let work = Work::of_bytes(0, written);
@@ -73,7 +73,8 @@ impl Recorder<'_> {
             (true, false) => FRONTS_MEET,
             (true, true) => FRONTS_ARE_ADDED,
         };
-        // Without a radius, changes are noted only once targets are reached.
+        // Without a radius, the device notes changes only once targets have set a limit. All texels count as changed
+        // then.
         let is_noted = !is_added && limit.radius < f32::INFINITY;
         let changed = if is_noted { Changed::NOWHERE } else { Changed::ANYWHERE };
         let start = progress::start(stop, limit.radius, (fronts_meet, changed), grid, self.tiles());
@@ -88,7 +89,7 @@ impl Recorder<'_> {
         self.barrier(TRANSFER_WRITE, PASS);
     }
 
-    /// Dispatches no workgroup of any pass of a map, since drivers may compile a pipeline at its first
+    /// Records a dispatch of zero workgroups for each pass of a map, since drivers may compile a pipeline at its first
     /// dispatch.
     pub(crate) fn warm_up_map(&self, schedule: Schedule, variant: Variant) {
         let of_schedule = schedule.passes().iter().copied();
@@ -103,7 +104,7 @@ impl Recorder<'_> {
         }
     }
 
-    /// Records what must precede further iterations of a map.
+    /// Records the commands that must precede further iterations of a map.
     pub(crate) fn go_on(&self, schedule: Schedule) {
         schedule.order().go_on(self);
     }
@@ -142,8 +143,8 @@ impl Recorder<'_> {
         self.decided_after(visits);
     }
 
-    /// Records the steps of plans on several surfaces: the next of each that run at the same time, then one
-    /// barrier for all. A map that has targets is marked.
+    /// Records the steps of plans on several surfaces together. In turn it records the next group of simultaneous steps
+    /// of each plan, and then one barrier for all of them.
     pub(crate) fn steps_together(all: &[Option<Planned<'_, Self>>]) {
         let mut recordings: [_; MOST_TOGETHER] = std::array::from_fn(|number| {
             let (recorder, variant, steps, has_targets) = all.get(number)?.as_ref()?;
@@ -153,7 +154,7 @@ impl Recorder<'_> {
         });
         loop {
             let mut last = None;
-            // The step of each surface after which its targets are looked at.
+            // For each surface, the last step of this group. The limit is lowered after it, if the map has targets.
             let mut ended = [None; MOST_TOGETHER];
             for (number, of) in recordings.iter_mut().enumerate() {
                 let Some((recording, groups, has_targets)) = of else { continue };
@@ -187,7 +188,7 @@ impl Recorder<'_> {
         }
     }
 
-    /// Ends a portion after the steps of a plan and what belongs to them.
+    /// Ends the profile's current portion, after the steps of a plan and the commands around them.
     pub(crate) fn end_portion(&self) {
         if let Some(profile) = self.profile {
             profile.end_portion(self.device, self.buffer);
@@ -208,8 +209,8 @@ impl Recorder<'_> {
         blocks.sum::<u32>().min(VISITS)
     }
 
-    /// Copies the outcome of the iterations so far to where a profile finds it, and clears `visits` bytes of
-    /// visits.
+    /// Copies the outcome of the iterations so far to the profile's buffer, if there is one, and clears `visits`
+    /// bytes of visits.
     fn decided_before(&self, visits: u64) {
         let Some((buffer, offset)) = self.profile.and_then(Profile::decisions) else { return };
         let work = Work::of_bytes(profile::BEFORE_BYTES, profile::BEFORE_BYTES + visits);
@@ -223,7 +224,7 @@ impl Recorder<'_> {
         self.barrier(TRANSFER, PASS_AND_HOST);
     }
 
-    /// Copies the device's decisions to where a profile finds them, with `visits` bytes of visits.
+    /// Copies the device's decisions to the profile's buffer, if there is one, with `visits` bytes of visits.
     fn decided_after(&self, visits: u64) {
         let Some((buffer, offset)) = self.profile.and_then(Profile::decisions) else { return };
         let bytes = offset::VISITS + visits;

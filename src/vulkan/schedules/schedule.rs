@@ -10,14 +10,14 @@ use crate::surface::Chart;
 /// Order of updates on the device. All orders lead to the same map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Schedule {
-    /// The schedule of the paper: four rotated scans over the whole grid, in turn or in pairs. A dispatch takes
+    /// The schedule of the paper: four rotated scans over the whole grid, in turn or in pairs. A dispatch updates
     /// several lines of texels.
     Raster,
     /// Updates of all points at once from their eight triangles, repeated. A front advances by one point per
     /// update, so that this schedule suits only tiny grids and comparisons.
     AllPoints,
-    /// Rounds of scans inside tiles, in shared memory. A round visits the tiles beside which the previous
-    /// round has changed something.
+    /// Rounds of scans inside tiles, in shared memory. A round visits the tiles in which or beside which the previous
+    /// round has changed a front.
     Tiles,
 }
 
@@ -43,8 +43,7 @@ impl Schedule {
         }
     }
 
-    /// Returns the schedule that measured best for a grid on a device of this kind, as far as it was
-    /// measured.
+    /// Returns the schedule that was fastest in measurements for a grid of this size on a device of this kind.
     pub fn best_on(kind: vk::PhysicalDeviceType, chart: Chart) -> Self {
         let side = chart.rows.max(chart.cols);
         let on_cpu = kind == vk::PhysicalDeviceType::CPU;
@@ -79,13 +78,13 @@ struct Choice {
 /// Best schedules. The first entry that applies is used.
 const CHOICES: [Choice; 3] = [
     // Measured on lavapipe (Mesa 22.3, two cores), planar and curved fronts. Tiles take 0.2 to 1.0 of the
-    // time of raster scans at 9 to 25 points a side, and 0.75 to 1.7 at 33 points. A dispatch costs more than
-    // a tile's work there. All points at once did best at 9 points, and took twice as long there.
+    // time of raster scans at 9 to 25 points a side, and 0.75 to 1.7 at 33 points. On such grids a dispatch costs more
+    // than the work of a tile. Updates of all points at once came closest at 9 points, where they took twice as long.
     Choice { on_cpu: true, side: 32, schedule: Schedule::Tiles },
-    // Measured as above. From 49 points on tiles take 2 to 20 times as long on a sphere, since barriers
-    // inside shaders are expensive there. In a maze each round visits few tiles. There they took 0.4 to 0.9
-    // of the time at 129 to 257 points while scans visited all blocks of lines. Now that scans skip what
-    // cannot change, tiles take 1.3 to 2.2 times as long (medians of 5 pairs beside other work).
+    // Measured as above. From 49 points a side on, tiles take 2 to 20 times as long as raster scans on a sphere, since
+    // barriers inside shaders are expensive on lavapipe. In a maze each round visits few tiles. At 129 to 257 points a
+    // side tiles took 0.4 to 0.9 of the time there as long as scans visited all blocks of lines. Now scans skip blocks
+    // that are not due, and tiles take 1.3 to 2.2 times as long (medians of 5 pairs beside other work).
     Choice { on_cpu: true, side: usize::MAX, schedule: Schedule::Raster },
     // Measured on an NVIDIA H200 (docs/devices), planar and curved fronts on a sphere: tiles take 0.2 to 0.8
     // of the time of raster scans from 64 to 4096 points a side.

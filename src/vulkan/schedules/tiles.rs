@@ -15,14 +15,15 @@ use crate::vulkan::record::{Groups, Recorder};
 
 pub(super) struct Tiles;
 
-/// Number of rounds of a recording beyond one for each tile along both sides of the grid. Fronts from a corner
-/// pass one side of a tile in a round, and settle in one or two more. An idle round costs a GPU 4 us, and another
-/// submission 100 us or more.
+/// Number of rounds of a recording in addition to one for each tile along both sides of the grid. Fronts from a
+/// corner of the grid cross one side of a tile in a round, and settle in one or two more rounds. A round without
+/// tiles costs a GPU 4 us, and another submission 100 us or more.
 const ROUNDS_TO_SETTLE: u32 = 4;
 
-/// Returns the average number of tiles of a side that a round visits, divided by the number of tiles along both
-/// sides of the grid. Measured with curved fronts: with tiles of 16 points, 2.2 and 3.4 on spheres of 256 and 512
-/// points a side, and 1.1 in a maze of 1024; with tiles of 32 points, 1.5 on a sphere of 1200.
+/// Returns an estimate of the average number of tiles that a round visits, divided by the number of tiles along both
+/// sides of the grid. `tile` is the number of points on a side of a tile. Measured with curved fronts: with tiles of 16
+/// points, 2.2 and 3.4 on spheres of 256 and 512 points a side, and 1.1 in a maze of 1024; with tiles of 32 points, 1.5
+/// on a sphere of 1200.
 fn tiles_in_a_round(tile: u32) -> u32 {
     if tile > 16 { 2 } else { 4 }
 }
@@ -63,7 +64,7 @@ impl Order for Tiles {
         rounds.clamp(2, ROUNDS.into()) as u32
     }
 
-    /// Makes the list that the last recording has left the list of the first round.
+    /// Turns the list of tiles that the last recording has left into the list of the first round.
     fn go_on(&self, recorder: &Recorder) {
         let later = offset::VISITS - offset::round(1);
         let (list, tiles) = (offset::round(1) - offset::round(0), recorder.tile_bytes());
@@ -72,13 +73,13 @@ impl Order for Tiles {
         let _pass = recorder.pass_with(record);
         let progress = recorder.grid.progress.buffer;
         recorder.barrier(PASS, TRANSFER);
-        // `settle.comp` has put it there, however many rounds that recording had.
+        // `settle.comp` puts the list there, whatever the number of rounds in that recording.
         let (from, to) = (offset::round(ROUNDS), offset::round(0));
         recorder.copy((progress, from), (progress, to), list);
         recorder.barrier(TRANSFER_READ, TRANSFER_WRITE);
         recorder.write_progress(&progress::before_rounds(recorder.tiles()), offset::round(1));
-        // Clears the rounds for which tiles wait. The tiles' states are zero after they have settled, and the
-        // lists stay.
+        // The command clears the rounds for which tiles are listed. The tiles' states are zero after `settle.comp`, and
+        // the lists stay.
         recorder.fill(recorder.grid.tiles.buffer, tiles, tiles);
         recorder.barrier(TRANSFER_WRITE, PASS);
     }
@@ -122,7 +123,7 @@ impl Order for Tiles {
     }
 }
 
-/// Copies the list of tiles of a round to where a profile finds it.
+/// Copies the list of tiles of a round to the profile's buffer, if there is one.
 fn tile_list(recorder: &Recorder, round: u32) {
     let Some((buffer, offset)) = recorder.profile.and_then(Profile::tile_lists) else { return };
     let bytes = recorder.tile_bytes();

@@ -17,12 +17,11 @@ pub struct Tuning {
     /// Lines of texels in a block, which one dispatch of a raster scan takes. At each end of a workgroup
     /// `scan_lines - 1` texels are computed by its neighbour too.
     pub scan_lines: u32,
-    /// Whether opposite raster scans go in pairs, each in one half of the grid at a time. An iteration then has
-    /// half as many barriers, and a device may work on both scans at once. Otherwise the four scans go in turn.
-    /// The map is the same. Validation layers that track images and buffers as a whole, as those before 1.3.290
-    /// do, would report a hazard between the two scans, which access different texels. Where
-    /// [`crate::vulkan::HeadlessSolver`] turns the layers on, and with [`crate::vulkan::embed::Tools::checks`],
-    /// a barrier separates the two.
+    /// Whether opposite raster scans run in pairs, each in one half of the grid at a time. An iteration then has half
+    /// as many barriers, and a device may work on both scans at once. Otherwise the four scans run in turn. The map
+    /// is the same. The two scans access different texels, but validation layers before 1.3.290 track images and
+    /// buffers as a whole, and would report a hazard between them. So a barrier separates the two where
+    /// [`crate::vulkan::HeadlessSolver`] turns the layers on, and with [`crate::vulkan::embed::Tools::checks`].
     pub scan_pairs: bool,
     /// Number of points on a side of a tile; even.
     pub tile: u32,
@@ -39,14 +38,14 @@ pub struct Tuning {
     /// Largest number of iterations of raster scans, or of rounds of tiles, in a submission. `None` selects
     /// it by the size of the grid. On large grids a submission has fewer iterations than this.
     pub together: Option<u32>,
-    /// Largest number of texels that a submission visits, as far as single dispatches allow. `None` selects 4
-    /// million. Systems consider a device that is busy for seconds hung, and nothing else is drawn meanwhile.
-    /// An iteration that visits more texels is cut into several submissions ([`parts`](super::plan::parts)).
-    /// Recordings into a renderer's command buffer are not cut.
+    /// Largest number of texels that a submission visits; a single dispatch may visit more. `None` selects 4 million.
+    /// Operating systems reset a device that is busy for seconds, and nothing else is drawn meanwhile. An iteration
+    /// that visits more texels is cut into several submissions ([`parts`](super::plan::parts)). Recordings into a
+    /// renderer's command buffer are not cut.
     pub visits: Option<u64>,
-    /// Whether shaders of headless maps and matrices access the device's memory alone, and copies pass inputs
-    /// and results between it and the host's memory. By default they do if the device has memory of its own,
-    /// since its shaders would access the host's memory over a bus.
+    /// Whether shaders of headless maps and matrices access only the device's own memory. Inputs and results are then
+    /// copied between it and the host's memory. This is the default if the device has memory of its own, since its
+    /// shaders would access the host's memory over a bus.
     pub staged: bool,
 }
 
@@ -81,10 +80,10 @@ impl Tuning {
     }
 
     /// Sizes for devices that are CPUs. Measured on lavapipe (Mesa 22.3, two cores, 1200 x 1200 points):
-    /// blocks of four lines take 0.8 times as long as single lines with planar fronts, and 0.65 times with
-    /// curved ones. Blocks of eight lines take 0.8 and 0.75 times as long. Workgroups of 128 invocations let
-    /// blocks go in turn up to 244 points a side in place of 116. They take 0.4 to 1.1 times as long there,
-    /// and 0.9 to 2.1 times at 320 points.
+    /// blocks of four lines take 0.8 of the time of single lines with planar fronts, and 0.65 with curved ones. Blocks
+    /// of eight lines take 0.8 and 0.75. With workgroups of 128 invocations instead of 64, a dispatch takes blocks in
+    /// turn up to 244 points a side instead of 116. On grids between these sizes they take 0.4 to 1.1 of the time, and
+    /// at 320 points a side 0.9 to 2.1.
     pub const ON_CPU: Self = Self {
         scan_width: 64,
         scan_lines: 4,
@@ -101,9 +100,10 @@ impl Tuning {
     /// Sizes for GPUs, measured on an NVIDIA H200 (docs/devices). Pairs of scans take 0.6 to 0.8 of the time of
     /// scans in turn from 64 to 1200 points a side. Blocks of 16 lines in place of 8 take 0.9 of the time at 1200
     /// points. At that size tiles of 32 points take 0.9 of the time of tiles of 16 or 24 points, and one
-    /// iteration in a tile 0.7 of that of two. On small grids each round has few tiles, and takes as long as the
-    /// lines of one. Up to 128 points a side, tiles of 16 points take 0.5 to 0.95 of the lines that wait for one
-    /// another, and 1.0 to 1.9 times the rounds (`tests/maps/tile_order.rs`).
+    /// iteration in a tile 0.7 of that of two. On small grids a round has few tiles, which run at the same time, and
+    /// takes as long as the consecutive lines of a single tile. Up to 128 points a side, tiles of 16 points need 1.0 to
+    /// 1.9 times as many rounds as tiles of 32 points, but only 0.5 to 0.95 as many consecutive lines in all
+    /// (`tests/maps/tile_order.rs`).
     const ON_GPU: Self = Self {
         scan_width: 128,
         scan_lines: 8,
@@ -167,10 +167,10 @@ impl Tuning {
             return refuse(format!("a workgroup of {scan_width} invocations is too large"));
         }
         if scan_width <= 2 * (scan_lines - 1) {
-            return refuse(format!("of {scan_width} texels none is left for {scan_lines} lines"));
+            return refuse(format!("{scan_width} invocations are too few for {scan_lines} lines"));
         }
         if !(8..=64).contains(&tile) || tile % 2 != 0 || tile_lanes.invocations() * tile > most {
-            return refuse(format!("no tile has {tile} points a side"));
+            return refuse(format!("a tile cannot have {tile} points a side"));
         }
         if Self::tile_bytes(tile, tile_edges) > bytes {
             return refuse(format!("a tile of {tile} points a side does not fit {bytes} bytes"));
@@ -182,13 +182,13 @@ impl Tuning {
             return refuse("the device does not shuffle within subgroups".into());
         }
         if inner == 0 {
-            return refuse("no iteration in a tile solves nothing".into());
+            return refuse("a tile needs at least one iteration".into());
         }
         if together == Some(0) {
-            return refuse("no iteration in a submission solves nothing".into());
+            return refuse("a submission needs at least one iteration".into());
         }
         if visits == Some(0) {
-            return refuse("no texel visited in a submission solves nothing".into());
+            return refuse("a submission must visit at least one texel".into());
         }
         Ok(())
     }
@@ -224,19 +224,19 @@ impl Tuning {
 /// Number of points on a side of a tile of a small grid.
 const SMALL_TILE: u32 = 16;
 
-/// Largest number of lines in a block. Shaders note in the bits of a word which lines have changed.
+/// Largest number of lines in a block. Shaders have a word with one bit for each line that has changed.
 const MOST_LINES: u32 = 32;
 
 /// Default of [`Tuning::visits`]. An update of a texel reads and writes 96 bytes with planar fronts, and 144
 /// with curved ones. A submission thus moves at most 0.6 GB, which takes 12 milliseconds on an integrated GPU
-/// that moves 50 GB a second. A map of 1024 x 1024 points still has four iterations in a submission, and one
-/// of 8192 x 8192 points an eighth of a scan.
+/// that moves 50 GB a second. With 1024 x 1024 points a submission still has four iterations, and with 8192 x 8192
+/// points an eighth of a scan.
 const VISITS_TOGETHER: u64 = 1 << 22;
 
-/// Largest side in texels of a small grid. Up to this size circular and curved fronts on smooth surfaces
-/// settle in five iterations (measured: sphere, peaks, cone and torus of 33 to 129 points). On larger grids,
-/// and with planar fronts on any grid, four iterations suffice. A second submission costs a small map 6 % of
-/// its time on lavapipe.
+/// Largest side in texels of a grid whose submissions have five iterations with circular, curved and anchored fronts.
+/// Up to this size circular and curved fronts on smooth surfaces settle in five iterations (measured: sphere, peaks,
+/// cone and torus of 33 to 129 points a side). On larger grids, and with planar fronts on any grid, four iterations
+/// suffice. A second submission takes 6 % of the time of a small map on lavapipe.
 const SMALL_SIDE: u32 = 96;
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ pub struct Sheet {
     pub columns: usize,
     /// The width and height of a plot's frame, in pixels.
     pub frame: [usize; 2],
-    /// The meanings of the kinds of lines.
+    /// The key: styles of lines, and what each of them means.
     pub key: Vec<(Line, String)>,
 }
 
@@ -58,18 +58,18 @@ pub enum Line {
     Thin,
 }
 
-/// Light reference lines from one point, on which y is proportional to powers of x.
+/// Light reference lines from one point. On each of them, y is proportional to a power of x.
 #[derive(Clone)]
 pub struct Slopes {
     /// The common start, as fractions of the frame rightwards and upwards.
     pub from: [f32; 2],
-    /// The extent of the lines, as a fraction of the frame's width.
+    /// The extent of the lines along the x axis, as a fraction of the frame's width.
     pub width: f32,
     /// The powers, each with its name.
     pub powers: Vec<(f32, &'static str)>,
 }
 
-/// Colours that can be distinguished with any kind of colour vision (Okabe and Ito 2008), dark enough for
+/// Colours that people with any type of colour vision can distinguish (Okabe and Ito 2008). They are dark enough for
 /// text on white.
 pub const COLORS: [Color; 6] = [
     rgb(0x00_62_9b),
@@ -91,7 +91,7 @@ pub const OTHERS: Color = [0.55, 0.55, 0.55];
 /// The colour of reference slopes and their names.
 const LIGHT: Color = [0.62, 0.62, 0.62];
 
-/// The size of text. Sheets are about 1900 pixels wide and shown at half size.
+/// The size of text in pixels. Sheets are about 1900 pixels wide and shown at half size.
 const TEXT: f32 = 28.0;
 const TITLE: f32 = 31.0;
 /// The gap between related elements.
@@ -124,8 +124,8 @@ impl Axis {
         Self { title: title.into(), low, high, ticks, labelled: true }
     }
 
-    /// Returns a copy of the axis for a plot next to one that shows it already, or for one that shows it
-    /// (`labelled`).
+    /// Returns a copy of the axis with labels at its ticks, or without labels and title for a plot whose neighbour
+    /// shows them.
     pub fn written(&self, labelled: bool) -> Self {
         let title = if labelled { self.title.clone() } else { String::new() };
         Self { title, labelled, ..self.clone() }
@@ -332,7 +332,7 @@ impl Frame<'_> {
         ends.sort_by(|(_, a), (_, b)| a.y.total_cmp(&b.y));
         let wanted: Vec<_> = ends.iter().map(|(_, end)| end.y).collect();
         let right = self.origin.x + self.size.x;
-        // The range from the line of the title down to the labels of the ticks.
+        // Names may take the height from the line of the title down to the labels of the ticks.
         let room = [self.origin.y - HEADER + 0.5 * TITLE, self.origin.y + self.size.y];
         let places = within(apart(&wanted, LINE_HEIGHT), room, LINE_HEIGHT);
         for ((series, end), y) in ends.into_iter().zip(places) {
@@ -394,10 +394,11 @@ fn sparse<T>(labels: Vec<(f32, f32, T)>) -> Vec<(f32, f32, T)> {
     indexed.filter(|(index, _)| taken(*index, every)).map(|(_, label)| label).collect()
 }
 
-/// Returns places in the same order that are at least `gap` apart and as close as possible to the wanted
-/// ones, by least squares (pool adjacent violators). `wanted` must be ascending.
+/// Returns positions that are at least `gap` apart and as close as possible to the wanted ones, in the same order, by
+/// least squares (the algorithm "pool adjacent violators"). `wanted` must be ascending.
 fn apart(wanted: &[f32], gap: f32) -> Vec<f32> {
-    // After subtracting the gaps, places only need to be ascending. Runs that are not take their mean.
+    // After subtracting the gaps, positions only need to be ascending. Runs that are not ascending are replaced by
+    // their mean.
     let mut runs: Vec<(f32, usize)> = Vec::new();
     for (index, place) in wanted.iter().enumerate() {
         let mut run = (place - index as f32 * gap, 1);
@@ -412,7 +413,7 @@ fn apart(wanted: &[f32], gap: f32) -> Vec<f32> {
     places.enumerate().map(|(index, place)| place + index as f32 * gap).collect()
 }
 
-/// Moves places into a range as far as it has room for all.
+/// Moves positions into a range, as far as the range has room for all of them.
 fn within(places: Vec<f32>, [low, high]: [f32; 2], gap: f32) -> Vec<f32> {
     let last = places.len().saturating_sub(1);
     let moved = |(index, place): (usize, f32)| {

@@ -1,11 +1,11 @@
-//! Solves by patches of the grid, in the order in which fronts come to them. Any thread takes any patch.
+//! Solves by patches of the grid, in the order in which fronts reach them. Any thread may visit any patch.
 //!
-//! A patch is *due* once a front has changed along its border, at the time of the earliest such front. A round
-//! visits the patches that no neighbour is about to change ([`order`]). They are visited side by side: each
-//! sees the fronts from before the round, scans until it has settled ([`visit`]), and tells its neighbours
-//! what has changed. Then the round's results are written to the grid's arrays. So the map is the same for
-//! any number of threads. The order by time is that of heap-cell methods (Chacon and Vladimirsky, "Fast
-//! two-scale methods for eikonal equations", 2012), where cells wait in a heap.
+//! A patch is *due* once a front has changed along its border, and its time is that of the earliest such front. A round
+//! visits the patches that no neighbour is about to change ([`order`]). These visits run in parallel. Each visit starts
+//! from the fronts before the round, runs scans until the patch has settled ([`visit`]), and reports its changes to the
+//! neighbours. Then the round's results are written to the grid's arrays. So the map is the same for any number of
+//! threads. The order by time is that of heap-cell methods (Chacon and Vladimirsky, "Fast two-scale methods for eikonal
+//! equations", 2012), where cells wait in a heap.
 
 mod order;
 mod patch;
@@ -57,24 +57,24 @@ macro_rules! visits {
 pub(in crate::cpu) struct Plan {
     /// Number of points on a side of a patch, a multiple of [`TILE`].
     pub side: usize,
-    /// Time, in sides of a patch, by which a patch may be due after the first one. Later patches wait.
+    /// Largest delay of a patch after the earliest patch, in sides of a patch. Patches that are due later wait.
     pub band: f64,
-    /// Time, in sides of a patch, by which a patch may be due after a neighbour. Later patches wait.
+    /// Largest delay of a patch after any neighbour, in sides of a patch. Patches that are due later wait.
     pub lag: f64,
     /// Largest number of iterations in a visit.
     pub inner: u32,
-    /// Largest number of patches in a round, which bounds the memory.
+    /// Largest number of patches in a round. It limits the working memory.
     pub most: usize,
 }
 
 impl Plan {
-    /// Returns the plan for patches of `side` points a side. The map depends on it by rounding only.
+    /// Returns the plan for patches of `side` points a side. Maps with different sides differ by rounding only.
     pub(in crate::cpu) const fn new(side: usize) -> Self {
         Self { side, band: 8.0, lag: 0.0, inner: 16, most: 64 }
     }
 }
 
-/// Divisor of the tolerance. A change above this part of the tolerance is passed on to a neighbour.
+/// Divisor of the tolerance. A change is reported to a neighbour if it exceeds the tolerance divided by this number.
 const PASSED_ON: u32 = 8;
 
 /// A solver by patches for one kind of front.
@@ -92,11 +92,11 @@ pub(in crate::cpu) struct PatchScanner<R: Real, K: LaneKind<R>> {
     rooms: Vec<Room<R, K::Carried>>,
     panels: Pool<R, K::Carried, K::SurfaceData>,
     counts: PatchCounts,
-    /// The time of the earliest front that the last round has changed along the border of each patch.
+    /// For each patch, the time of the earliest front that the last round has changed along its border.
     woken: Vec<Option<R>>,
     /// Number of points that were examined to find patches that are due, since the start of the map.
     looked: u64,
-    /// Largest change that patches without iterations left have not seen.
+    /// Largest change along the border of a patch that had no iterations left to respond to it.
     unseen: R::Bits,
 }
 
@@ -162,7 +162,7 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
     fn start(&mut self, stop: Stop) {
         self.dues.clear();
         self.unseen = R::Bits::default();
-        // As with scans of the whole grid, there is at least one iteration.
+        // There is at least one iteration, as with scans of the whole grid.
         let stop = stop.or_after(stop.iterations.max(1));
         self.patches.iter_mut().for_each(|patch| patch.progress = Progress::new(stop));
     }
@@ -198,8 +198,8 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
         self.on.chart().around(at, self.reach()).places().map(patch).collect()
     }
 
-    /// Lets all copies of each point of a glued surface take the earliest front of theirs, and tells the patches
-    /// that see a point what has changed there.
+    /// Gives all copies of each point of a glued surface the earliest front among them, and reports the changes to the
+    /// patches that see these points.
     fn exchange(&mut self, tolerance: R::Bits) {
         let (edges, tiling) = (self.on.edges.clone(), self.tiling);
         let place = |point| edges.chart().bordered_position(point);
@@ -256,7 +256,7 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
         }
     }
 
-    /// Returns the largest number of iterations of a patch, and the largest change that is left.
+    /// Returns the largest number of iterations of any patch, and the largest change that remains.
     fn convergence(&self) -> Convergence {
         let visited = self.patches.iter().map(|patch| &patch.progress);
         let visited = visited.filter(|progress| progress.iterations > 0);
@@ -268,7 +268,7 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
         all.worse(Convergence { iterations: 1, residual: unseen })
     }
 
-    /// Visits some patches side by side, and writes their fronts to the grid's arrays.
+    /// Visits some patches in parallel, and writes their fronts to the grid's arrays.
     fn visit(&mut self, round: &[usize]) {
         while self.rooms.len() < round.len() {
             self.rooms.push(Room::new(self.on.chart()));
@@ -297,7 +297,7 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
         });
     }
 
-    /// Tells the neighbours of visited patches what has changed, and which patches have not settled.
+    /// Reports the changes of visited patches to their neighbours. Patches that have not settled are due again.
     fn pass_on(&mut self, round: &[usize], tolerance: R::Bits) {
         self.counts.rounds += 1;
         self.counts.visits += round.len() as u64;
@@ -320,8 +320,9 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
     fn tell(&mut self, News { to, at, time, change }: News<R>, tolerance: R::Bits) {
         let Patch { tiles, progress, .. } = &mut self.patches[to];
         tiles.touch(at.0, at.1);
-        // Changes within the tolerance add up from patch to patch, so a fraction of it is passed on. A patch
-        // that has gone on for long sees larger ones only, so that iterations end.
+        // Changes within the tolerance add up from patch to patch. So changes above a fraction of the tolerance are
+        // passed on. After many iterations without a newly reached point, changes within the full tolerance are not
+        // passed on either, so that iterations end.
         let least = if progress.renews() { tolerance / PASSED_ON.into() } else { tolerance };
         if change <= least {
             return;
@@ -334,8 +335,8 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
         }
     }
 
-    /// Examines, side by side, the patches beside which something has changed. Those in which a scan has work
-    /// are due.
+    /// Examines in parallel the patches along whose border a front has changed. Patches in which a scan has work are
+    /// due.
     fn wake(&mut self) {
         let (window, reach) = (Window::whole(self.on.chart()), self.reach());
         let visits = visits!(self, window, reach);

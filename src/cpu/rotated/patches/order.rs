@@ -7,7 +7,7 @@ use crate::surface::{Chart, Real};
 pub(super) struct Dues<R> {
     /// The chart of the patches.
     chart: Chart,
-    /// The time of the earliest front that a patch has yet to see.
+    /// For each patch, the time of the earliest front that it has not seen yet.
     due: Vec<Option<R>>,
     /// A patch waits if it is due later than the first one by more than `band`, or later than a neighbour by
     /// more than `lag`.
@@ -55,7 +55,7 @@ impl<R: Real> Dues<R> {
         due.any(|due| due + self.lag < time)
     }
 
-    /// Returns when a patch is due.
+    /// Returns the time at which a patch is due.
     #[cfg(test)]
     fn of(&self, patch: usize) -> Option<R> {
         self.due[patch]

@@ -1,18 +1,18 @@
-//! Defines patches, and what their visits exchange.
+//! Defines patches, and the messages that their visits exchange.
 
 use crate::cpu::lines::window::Window;
 use crate::cpu::progress::Progress;
 use crate::cpu::rotated::tiles::Tiles;
 use crate::surface::{Block, Real};
 
-/// A part of the grid that is visited as one.
+/// A part of the grid that is visited as a whole.
 #[derive(Clone, Debug)]
 pub(super) struct Patch {
     /// The points of the patch.
     pub block: Block,
     /// The patch and the tiles around it.
     pub window: Window,
-    /// The tiles of the window, with the changes that the patch has yet to see.
+    /// The tiles of the window, with the changes that the patch's scans have not seen yet.
     pub tiles: Tiles,
     pub progress: Progress,
 }
@@ -28,10 +28,10 @@ pub(super) struct Woken<'p, R: Real> {
     pub is_due: bool,
 }
 
-/// News for a patch: a tile along its border has changed, or a point that has copies beyond a seam.
+/// A change that is reported to a patch: of a tile along its border, or of a point that has copies beyond a seam.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct News<R: Real> {
-    /// The patch that sees it.
+    /// Number of the patch that sees the change.
     pub to: usize,
     /// A point of the tile.
     pub at: (usize, usize),

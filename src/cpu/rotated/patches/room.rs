@@ -1,4 +1,4 @@
-//! Holds the working memory of visits to patches, which is used again and again.
+//! Holds the working memory of visits to patches. Later rounds reuse it.
 
 use std::sync::Mutex;
 
@@ -19,13 +19,13 @@ pub(super) struct Room<R: Real, C> {
     changed: Vec<Block>,
     /// Changes of the window's tiles.
     pub marks: Vec<Changed>,
-    /// News for the neighbours.
+    /// Changes to report to the neighbours.
     pub news: Vec<News<R>>,
     /// Number of iterations of the visit.
     pub iterations: u32,
     /// Whether the last iteration changed nothing by more than the tolerance.
     pub settled: bool,
-    /// Earliest time that is left to update, if the patch has not settled.
+    /// Earliest time that is still to be updated, if the patch has not settled.
     pub first: R,
     /// Number of points that were examined before scans started, since the start of the map.
     pub looked: u64,
@@ -45,7 +45,7 @@ impl<R: Real, C: Carried> Room<R, C> {
         }
     }
 
-    /// Starts to count anew.
+    /// Resets the counters for a new map.
     pub(super) fn forget(&mut self) {
         self.looked = 0;
         (self.copy.visits, self.copy.updates) = (0, 0);
@@ -74,7 +74,7 @@ impl<R: Real, C: Carried> Room<R, C> {
             let ends = [own.beside(here, Direction::West), own.beside(last, Direction::East)];
             times[here..][..cols.len()].copy_from_slice(&from.times[there..][..cols.len()]);
             carried[here..][..cols.len()].copy_from_slice(&from.carried[there..][..cols.len()]);
-            // At the grid's border nothing lies beyond the block.
+            // The entries beside the block hold no fronts. At the grid's border, updates read them.
             ends.iter().for_each(|&end| (times[end], carried[end]) = (R::FAR, C::default()));
         }
         self.changed.clear();

@@ -1,4 +1,4 @@
-//! Visits a patch: scans it until it has settled, and finds out what its neighbours have to know.
+//! Visits a patch: scans it until it has settled, and collects the changes that its neighbours see.
 
 use super::patch::{News, Patch, Woken};
 use super::room::{Pool, Room};
@@ -25,12 +25,13 @@ pub(super) struct Visits<'v, R: Real, K: LaneKind<R>> {
     pub reach: usize,
     /// Largest number of iterations.
     pub inner: u32,
-    /// See [`UpdateOptions`].
+    /// Largest arrival time that scans continue; see [`UpdateOptions`].
     pub limit: f64,
 }
 
 impl<R: Real, K: LaneKind<R>> Visits<'_, R, K> {
-    /// Finds out whether a scan has work in a patch, after changes around it. If none has, all have seen them.
+    /// Determines whether a scan has work in a patch, after changes around it. If no scan has, the changes count as
+    /// seen by all scans.
     pub(super) fn look(&self, Woken { patch, looked, is_due, .. }: &mut Woken<R>) {
         let renews = patch.progress.renews();
         let options = |scan| self.options(scan, renews);
@@ -56,7 +57,8 @@ impl<R: Real, K: LaneKind<R>> Visits<'_, R, K> {
     pub(super) fn visit(&self, number: usize, patch: &mut Patch, room: &mut Room<R, K::Carried>) {
         let chart = self.on.chart();
         let [rows, cols] = [&patch.block.rows, &patch.block.cols].map(|at| [at.start, at.end - 1]);
-        // Fronts that do not go by edges may come from anchors farther away, which the window then holds.
+        // Anchored fronts, whose updates need no edges, may come from anchors farther away than the reach. The window
+        // then holds a whole tile around the patch.
         let reach = if K::NEEDS_EDGES { self.reach } else { TILE };
         let seen = chart.around_span(rows, cols, reach);
         room.load(patch.window, &patch.tiles, self.far, seen);
@@ -121,7 +123,7 @@ impl<R: Real, K: LaneKind<R>> Visits<'_, R, K> {
         change
     }
 
-    /// Collects what has changed within reach of the neighbours.
+    /// Collects the changes of points that updates of neighbouring patches read.
     fn report(&self, number: usize, room: &mut Room<R, K::Carried>) {
         let tiles = self.tiling.tiles();
         let mut news = std::mem::take(&mut room.news);
@@ -163,9 +165,10 @@ impl<R: Real, K: LaneKind<R>> Visits<'_, R, K> {
     }
 }
 
-/// Returns the four scans, those first along which fronts move most around a block. These bring lasting fronts
-/// to most points, and the others little. The fronts' rise along a side tells their direction. Where no side
-/// shows it, fronts come from the sides that they have reached.
+/// Returns the four scans in the order of a visit: first the two in whose directions the fronts around a block move,
+/// then the opposite ones. The first two bring final fronts to most points, and the others change little. The rise of
+/// the times along the sides of the block gives the direction. If no side gives it, fronts are assumed to come from
+/// the sides that they have reached.
 fn in_order<R: Real, C: Carried>(fronts: Fronts<R, C>, block: &Block) -> [Scan; 4] {
     // Rows and columns of the points around, counted from the border.
     let rows = [block.rows.start, block.rows.end + 1];

@@ -6,7 +6,7 @@ use geosweep::surface::Seed;
 use geosweep::vulkan::{Schedule, Tuning};
 use geosweep::{Surface, Wavefront};
 
-/// A number that is varied.
+/// A number of [`Tuning`] that is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Knob {
     /// No number: the device's own portions.
@@ -60,8 +60,8 @@ pub struct Map {
     /// The index of the task in [`Swept::tasks`].
     pub task: usize,
     pub best: Duration,
-    /// The best time of the untuned map, timed in turn with this one. Devices and their other load change
-    /// from minute to minute.
+    /// The best time of the untuned map. The two maps are timed alternately, since the speed of a device and its other
+    /// load change from minute to minute.
     pub untuned: Duration,
     pub iterations: u32,
     /// The largest difference from the untuned map, relative to its largest distance. It is infinite if one
@@ -81,8 +81,8 @@ pub struct Row {
     pub ratio: Option<f64>,
 }
 
-/// The largest acceptable difference from the untuned map. Larger ones are errors, since each map stops at
-/// changes of a tenth of it.
+/// The largest acceptable difference from the untuned map, relative to its largest distance. Larger differences are
+/// errors: each map is iterated until its changes are a tenth of this.
 pub const SAME: f64 = 1e-5;
 
 impl Row {
