@@ -20,10 +20,12 @@ fn solver() -> HeadlessSolver {
     HeadlessSolver::with_validation(&device_choice()).unwrap()
 }
 
+/// The radius is read from a buffer, so maps with one are recorded and compiled as those without. A radius beyond the map
+/// changes no bit.
 #[test]
 fn distances_within_a_radius_are_those_of_the_whole_map() {
     let mut solver = solver();
-    for problem in problems() {
+    for (number, problem) in problems().into_iter().enumerate() {
         let mut surface = solver.upload(&problem.surface).unwrap();
         for &wavefront in problem.wavefronts {
             for schedule in Schedule::ALL {
@@ -36,22 +38,9 @@ fn distances_within_a_radius_are_those_of_the_whole_map() {
                     let what = format!("{}, {wavefront}, {schedule}, {share}", problem.what);
                     assert_is_part(&near.distances, &whole.distances, radius, &what);
                 }
-            }
-        }
-    }
-    assert_nothing_said(&solver);
-}
-
-/// The radius is read from a buffer, so maps with one are recorded and compiled as those without.
-#[test]
-fn a_radius_beyond_the_map_changes_no_bit() {
-    let mut solver = solver();
-    for problem in &problems()[..3] {
-        let mut surface = solver.upload(&problem.surface).unwrap();
-        for &wavefront in problem.wavefronts {
-            for schedule in Schedule::ALL {
-                let method = method(wavefront, schedule);
-                let whole = solver.solve(&mut surface, &problem.seeds, method).unwrap();
+                if number >= 3 {
+                    continue;
+                }
                 let wide = method.with_radius(2.0 * farthest(&whole.distances));
                 let wide = solver.solve(&mut surface, &problem.seeds, wide).unwrap();
                 let what = format!("{}, {wavefront}, {schedule}", problem.what);
@@ -60,6 +49,7 @@ fn a_radius_beyond_the_map_changes_no_bit() {
             }
         }
     }
+    assert_nothing_said(&solver);
 }
 
 /// Iteration by iteration and round by round.
