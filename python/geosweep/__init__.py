@@ -8,6 +8,7 @@ import sys
 from typing import Any
 
 from ._arrays import HostCopyWarning
+from ._completed import CompletedGrid
 from ._geosweep import __version__
 from ._map import DistanceMap, LogMap
 from ._matrix import CanonicalForm, canonical_form, pairwise
@@ -20,6 +21,7 @@ from ._warnings import ConvergenceError, ConvergenceWarning, SeamWarning
 __all__ = [
     "Basis",
     "CanonicalForm",
+    "CompletedGrid",
     "ConvergenceError",
     "ConvergenceWarning",
     "Curves",

@@ -3,6 +3,7 @@
 //! and describes them (`geosweep/*.py`).
 
 mod arrays;
+mod completed;
 mod directions;
 mod errors;
 mod gluing;
@@ -39,6 +40,7 @@ fn _geosweep(module: &Bound<'_, PyModule>) -> PyResult<()> {
     geosweep::vulkan::keep_devices(true);
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<surface::Surface>()?;
+    module.add_class::<completed::CompletedGrid>()?;
     module.add_class::<map::Map>()?;
     module.add_class::<directions::LogMap>()?;
     module.add_function(wrap_pyfunction!(devices, module)?)?;
