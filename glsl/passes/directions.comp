@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Computes the direction in which the way back leaves each grid point, as a unit vector in columns and rows.
-// Copies of a point of a glued surface have the same direction, each in the columns and rows of its own side. One
-// invocation is one point.
+// Copies of a point of a glued surface have the same direction, each in the columns and rows of its own side, but at poles
+// and at the corners of octahedral maps. One invocation is one point.
 // Twin: src/geometry/directions, in double precision.
 
 #include "shared/constants.glsl"

@@ -16,8 +16,8 @@ float mean_square(float a, float b) {
     return b >= FAR ? a * a : 0.5 * (a * a + b * b);
 }
 
-// Returns the metric at a grid point from the lengths of the edges to its neighbours, in the order in which they are
-// stored at the point itself and at its neighbours.
+// Returns the metric at a grid point from the lengths of the edges to its neighbours: `own` to the east, north,
+// north-east and north-west, as stored at the point, and `others` to the west, south, south-west and south-east.
 Metric metric_of_edges(vec4 own, vec4 others, float unit) {
     own /= unit;
     float west = others.x / unit;

@@ -19,10 +19,10 @@ layout(local_size_x = WORKGROUP) in;
 
 #include "passes/ways.glsl"
 #include "shared/source.glsl"
+#define OPEN_ONLY
 #include "shared/seams.glsl"
 #include "shared/lattice.glsl"
 #include "passes/over_seams.glsl"
-// Columns and rows have no common plane at a pole, so that other copies' ways would be of no use.
 const bool PASSES_POLES = false;
 #include "passes/path_copies.glsl"
 #include "passes/step_over_seams.glsl"

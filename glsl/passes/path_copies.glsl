@@ -12,7 +12,8 @@ const int MOST_COPIES = 8;
 // Steps to the neighbours along rows and columns.
 const ivec2 ALONG_LINES[4] = ivec2[](ivec2(1, 0), ivec2(0, 1), ivec2(-1, 0), ivec2(0, -1));
 
-// Returns by how much the time falls along the edge from a point, per length, or -FAR if there is no such edge.
+// Returns by how much the time falls along the edge from a point, per length. Returns -FAR if there is no such edge, it has
+// no length, or its other end is not reached.
 float fall_along(ivec2 at, float time, ivec2 step) {
     float size = edge_length(point_at(at), step);
     float other = time_at(at + step);
@@ -21,11 +22,13 @@ float fall_along(ivec2 at, float time, ivec2 step) {
 
 // Returns the copy of a pole from which the time falls most steeply along an edge.
 ivec2 steepest_copy(ivec2 members) {
+    int first = members_in_list() + members.x;
+    int end = members_in_list() + members.y;
     ivec2 steepest = member(members.x);
     float time = time_at(steepest);
     float most = -FAR;
-    for (int i = members.x; i < members.y; i++) {
-        ivec2 at = member(i);
+    for (int i = first; i < end; i++) {
+        ivec2 at = from_row_major(listed(i), grid.x);
         float along_rows = max(fall_along(at, time, ALONG_LINES[0]), fall_along(at, time, ALONG_LINES[2]));
         float along_cols = max(fall_along(at, time, ALONG_LINES[1]), fall_along(at, time, ALONG_LINES[3]));
         float fall = max(along_rows, along_cols);
@@ -37,14 +40,14 @@ ivec2 steepest_copy(ivec2 members) {
     return steepest;
 }
 
-// Returns the end of an edge that has fewer copies, as a number of steps along the edge: 0 or 1.
+// Returns which end of an edge has fewer copies: 0 for the first end, 1 for the other.
 int rarer_end(ivec2 first, ivec2 along) {
     ivec2 members = copies_of(first);
     ivec2 others = copies_of(first + along);
     return others.y - others.x < members.y - members.x ? 1 : 0;
 }
 
-// Returns how many numbers copy_at() takes for a place: itself, and those that may be its copies.
+// Returns the number of places that copy_at() may find: the place itself and its possible copies.
 int most_copies(Place place) {
     if (SEAMS == 0 || (place.share.x > 0.0 && place.share.y > 0.0)) return 1;
     ivec2 members = copies_of(place.first);
@@ -55,8 +58,8 @@ int most_copies(Place place) {
     }
     ivec2 others = copies_of(place.first + ivec2(greaterThan(place.share, vec2(0.0))));
     int rarer = min(copies, others.y - others.x);
-    // An edge between copies of one point has no length.
-    if (max(copies, others.y - others.x) == 0 || (rarer > 0 && members == others)) return 1;
+    // An edge between copies of one point has no length, and one from pole to pole is a whole meridian.
+    if (max(copies, others.y - others.x) == 0 || members == others || rarer > MOST_COPIES) return 1;
     return 1 + 4 * max(rarer, 1);
 }
 

@@ -20,6 +20,6 @@ void main() {
     for (int i = 0; i < PARENT_JUMPS && !is_known(link); i++) {
         link = regions[link_word(from, int(link))];
     }
-    if (is_last != 0u && link != NO_REGION) link &= ~KNOWN;
+    if (is_last != 0u) link = is_known(link) && link != NO_REGION ? link & ~KNOWN : NO_REGION;
     regions[link_word(1 - from, index)] = link;
 }

@@ -35,16 +35,21 @@ void main() {
     float arrival = FAR;
     if (is_reached(here)) {
         // The neighbours counter-clockwise from east, with the first repeated at the end. Ways lead only to
-        // earlier points, so that none leads in a circle. Copies of a point are one point.
+        // earlier points, so that none leads in a circle. Copies of a point are one point, although their times may
+        // differ by rounding.
         float times[9];
         float carried[9];
         float surface[9];
         float sides[9];
         float bases[8];
+        int own_copy = first_copy(at);
+        ivec2 members = copies_of(at);
+        bool has_copies = members.x < members.y;
         for (int i = 0; i < 8; i++) {
             ivec2 other = at + NEIGHBOURS[i];
             float time = time_at(other);
-            bool is_before = time < here || (time == here && first_copy(other) < first_copy(at));
+            bool is_before = time < here || (time == here && first_copy(other) < own_copy);
+            if (has_copies && is_before) is_before = first_copy(other) != own_copy;
             times[i] = is_before ? time : FAR;
             carried[i] = 0.0;
             surface[i] = 0.0;

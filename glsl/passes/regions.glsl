@@ -1,6 +1,7 @@
 // Computes the points nearest to each source. A buffer holds two copies of the labels of all grid points, in
 // row-major order, and then two copies of the places to which their ways lead, as column and row. Each pass
-// reads one copy and writes the other. The last pass leaves the labels in the first copy.
+// reads one copy and writes the other. The last pass leaves the labels in the first copy. Before the first of these passes,
+// the second copy of the labels holds sources' starts, and on a glued surface then the arrival times of ways, by rank.
 //
 // The way of a point is the line on which its front has come, followed back towards the source. At first it
 // leads to the point where it crosses the base of the triangle through which the front came. From there it

@@ -37,8 +37,14 @@ bool cross_rows(inout ivec2 at, inout vec2 step) {
     return true;
 }
 
+// Returns whether an edge along a row or a column leads from a point.
+bool has_edge_along(ivec2 at, ivec2 step) {
+    return edge_length(point_at(at), step) < FAR;
+}
+
 // Carries a step over a seam at which columns and rows do not go on, as at a fold. Its part along the seam and its part
-// across keep their lengths. Returns zero where no edge of the seam leads from both copies, as at a pole.
+// across keep their lengths. The step begins in a cell of `from`, and so it leads away from the cells of the copy. Returns
+// zero where no edge of the seam leads from both copies, as at poles and between opposite corners of an octahedral map.
 vec2 step_over_fold(ivec2 from, ivec2 copy, vec2 step) {
     float unit = longest_edge(from);
     Metric here = metric_of_point(from, unit);
@@ -47,15 +53,15 @@ vec2 step_over_fold(ivec2 from, ivec2 copy, vec2 step) {
     for (int i = 0; i < 16; i++) {
         ivec2 along = NEIGHBOURS[2 * (i / 4)];
         ivec2 other = NEIGHBOURS[2 * (i % 4)];
-        if (!in_grid(from + along, grid) || !in_grid(copy + other, grid)) continue;
+        // There may be holes beside a seam, as between the faces of a cube.
+        if (!has_edge_along(from, along) || !has_edge_along(copy, other)) continue;
         if (first_copy(from + along) != first_copy(copy + other)) continue;
         vec2 unit_along = vec2(along) / sqrt(product(here, vec2(along), vec2(along)));
         vec2 unit_other = vec2(other) / sqrt(product(there, vec2(other), vec2(other)));
         float part = product(here, step, unit_along);
         float across = sqrt(max(product(here, step, step) - part * part, 0.0));
-        // The step enters the side of `from`, and so leaves that of the copy.
         ivec2 inward = other.yx;
-        if (!in_grid(copy + inward, grid)) inward = -inward;
+        if (!has_edge_along(copy, inward)) inward = -inward;
         vec2 outward = product(there, vec2(inward), unit_other) * unit_other - vec2(inward);
         return part * unit_other + across / sqrt(product(there, outward, outward)) * outward;
     }

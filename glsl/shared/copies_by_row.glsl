@@ -48,9 +48,18 @@ ivec2 members_of(ivec2 at) {
     return members_of_group(int(copies[first_col() + copies_in_list() + low]));
 }
 
+int listed(int word) {
+    return int(copies[word]);
+}
+
+// Returns where the members of groups begin.
+int members_in_list() {
+    return first_group() + groups_in_list() + 1;
+}
+
 // Returns the row-major index of the point with this number among the members of groups.
 int member_index(int number) {
-    return int(copies[first_group() + groups_in_list() + 1 + number]);
+    return int(copies[members_in_list() + number]);
 }
 
 ivec2 member(int number) {

@@ -1,7 +1,34 @@
-// Finds the copies of points on glued surfaces, in pipelines that are also made for open surfaces.
+// Finds the copies of points on glued surfaces, in pipelines that are also made for open surfaces. A shader that is for
+// open surfaces alone defines OPEN_ONLY.
 //
 // The including shader declares
 //     ivec2 grid;        columns and rows of the whole grid
+
+#ifdef OPEN_ONLY
+
+const int SEAMS = 0;
+
+ivec2 copies_of(ivec2 at) {
+    return ivec2(0);
+}
+
+int first_copy(ivec2 at) {
+    return row_major(at, grid.x);
+}
+
+ivec2 member(int number) {
+    return ivec2(0);
+}
+
+int members_in_list() {
+    return 0;
+}
+
+int listed(int word) {
+    return 0;
+}
+
+#else
 
 // Whether the surface is glued.
 layout(constant_id = 17) const int SEAMS = 0;
@@ -25,3 +52,5 @@ int first_copy(ivec2 at) {
     ivec2 members = copies_of(at);
     return members.x < members.y ? member_index(members.x) : row_major(at, grid.x);
 }
+
+#endif

@@ -142,10 +142,13 @@ fn begin<K: TriangleKind<f32>>(
         let (row, col) = chart.bordered_position(point);
         first_copies[chart.index(row, col)]
     };
-    // Ways lead only to earlier points, so that none leads in a circle. Copies of a point are one point.
+    // Ways lead only to earlier points, so that none leads in a circle. Copies of a point are one point, although their
+    // times may differ by rounding.
+    let own_copy = first_copies[index];
     let earlier = |other: usize| {
         let time = fronts.time(other);
-        let is_before = time < here || (time == here && first_copy(other) < first_copy(point));
+        let is_before = time < here || (time == here && first_copy(other) < own_copy);
+        let is_before = is_before && first_copy(other) != own_copy;
         Kept { time: if is_before { time } else { f32::FAR }, ..fronts.at(other) }
     };
     let mut first = (f32::FAR, 0);

@@ -31,7 +31,8 @@ use crate::vulkan::profile::PassKind;
 /// A step of this direction is not a unit of length on the surface.
 ///
 /// On a glued surface copies of a point have the same direction, each in the rows and columns of its own side. It may lead
-/// beyond that side. At poles a copy only has a direction if the way leaves through its own cells.
+/// beyond that side. Rows and columns of copies have no common plane at poles and at the corners of an octahedral map: there,
+/// copies may have 0, 0.
 ///
 /// ```no_run
 /// # use geosweep::ash::{self, vk};

@@ -1,7 +1,7 @@
 //! Paths, regions and directions over seams in the host's frames, compared with the CPU's on the same map.
 
 use geosweep::geometry::{BackDirections, NO_REGION, PathTracer, Voronoi};
-use geosweep::surface::{EdgeLengths, Geometry, Gluing};
+use geosweep::surface::{Direction, EdgeLengths, Geometry, Gluing, Run};
 use geosweep::vulkan::Schedule;
 use geosweep::vulkan::embed::{
     CurveStatus, CurveVertex, PathsInfo, PointSource, SourceInput, StartInput,
@@ -27,7 +27,18 @@ fn surfaces() -> Vec<(&'static str, Surface, Gluing, Vec<PointSource>)> {
     };
     let moebius = flat(31, 65).with_gluing(Gluing::flipped_columns()).unwrap();
     let flat_torus = flat(29, 41).with_gluing(Gluing::both()).unwrap();
+    let faces = cube(15);
+    // Frames have no positions on the host that would tell which charts meet.
+    let run = |index: u32| {
+        let from = faces.chart().position(index as usize);
+        Run { from, to: Direction::East, points: 1 }
+    };
+    let pairs = faces.copies().unwrap().iter().flat_map(|group| {
+        group[1..].iter().map(|&other| [run(group[0]), run(other)]).collect::<Vec<_>>()
+    });
+    let by_runs = Gluing::Runs(pairs.collect());
     vec![
+        ("cube", faces, by_runs, at(&[[0.0, 7.0], [22.0, 20.5]])),
         ("tube", tube(33, 49), Gluing::columns(), at(&[[12.0, 48.0], [25.0, 20.5]])),
         ("torus", torus(33, 50), Gluing::both(), at(&[[0.0, 30.25], [17.5, 1.0]])),
         ("flat torus", flat_torus, Gluing::both(), at(&[[28.0, 0.0], [11.0, 23.0]])),
@@ -88,7 +99,11 @@ fn paths_pass_seams() {
         // Paths over coarse grids are shorter than arcs by as much on the CPU.
         let (mut from_cpu, mut seams, mut from_map) = (Vec::new(), 0, [0.0f64; 2]);
         for (number, (record, start)) in records.iter().zip(&starts).enumerate() {
-            let expected = on_cpu.trace(start.map(f64::from)).unwrap();
+            let Ok(expected) = on_cpu.trace(start.map(f64::from)) else {
+                // The start is among the holes between faces.
+                assert_eq!(record.status(), CurveStatus::Unreached, "{name} from {start:?}");
+                continue;
+            };
             let drawn = vertices(record, number, paths.curves(), &all);
             assert_eq!(record.status(), CurveStatus::Complete, "{name} from {start:?}");
             let (first, last) = (&drawn[0], &drawn[drawn.len() - 1]);
@@ -105,7 +120,9 @@ fn paths_pass_seams() {
             }
         }
         from_cpu.sort_by(f64::total_cmp);
-        let [most, whole] = [PATHS * 98 / 100, PATHS - 1].map(|rank| from_cpu[rank]);
+        let count = from_cpu.len();
+        assert!(count > PATHS * 2 / 3, "{name}: {count}");
+        let [most, whole] = [count * 98 / 100, count - 1].map(|rank| from_cpu[rank]);
         println!(
             "{name}: {most:.1e} {whole:.1e} from the CPU's, {from_map:.4?} from the map; {seams} crossings"
         );
@@ -133,7 +150,9 @@ fn regions_pass_seams() {
                 let first = labels[group[0] as usize];
                 assert!(group.iter().all(|&copy| labels[copy as usize] == first), "{name}");
             }
-            assert!(!labels.contains(&NO_REGION), "{name}");
+            for (label, time) in labels.iter().zip(&map) {
+                assert_eq!(*label == NO_REGION, *time == f32::INFINITY, "{name}");
+            }
             let edges = EdgeLengths::new(&surface).unwrap();
             let exact = Voronoi::new(&surface, &edges, &on_cpu(&sources), &map).unwrap();
             let exact = off_places(&surface, &labels, &exact.labels);
@@ -166,7 +185,8 @@ fn directions_pass_seams() {
         let mut found = [[0.0f64; 3]; 2];
         for (index, (way, exact)) in field.ways.iter().zip(&exact).enumerate() {
             let group = groups.iter().find(|group| group.contains(&(index as u32)));
-            if group.is_some_and(|group| group.len() > 8) || *exact == [0.0; 2] {
+            let is_pole = group.is_some_and(|group| group.len() > 8);
+            if is_pole || *exact == [0.0; 2] || exact[0].is_nan() {
                 continue;
             }
             let [row, col] = exact.map(f64::from);
