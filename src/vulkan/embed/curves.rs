@@ -317,6 +317,9 @@ impl Curves {
         self.bind(device, solver, surface, self.output())
     }
 
+    /// Binds the surface's current points and sources, and the buffer `output` for the curves, by a version of the
+    /// descriptor sets that no tracked recording in flight uses. Also takes the pass that lifts to each of the points
+    /// again, since they may have moved from a buffer to an image.
     fn bind(
         &mut self,
         device: &ash::Device,

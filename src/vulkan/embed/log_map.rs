@@ -172,7 +172,8 @@ impl Solver {
     /// solver also creates the pipelines. The host calls [`LogMapImage::destroy`] in the end.
     ///
     /// # Errors
-    /// If the buffer is larger than shaders can access, or memory runs out. Nothing is left behind then.
+    /// If the surface is glued, the buffer is larger than shaders can access, or memory runs out. Nothing is left
+    /// behind then.
     pub fn log_map(
         &self,
         device: &ash::Device,
@@ -184,8 +185,8 @@ impl Solver {
 
     /// Creates a log map as [`Solver::log_map`] does, but in an image of the host. The image is 2D, of format
     /// R32G32_SFLOAT, with at least N x M texels (width x height), one sample and one mip level. Its usage is
-    /// `TRANSFER_DST` and whatever its readers need. [`HostImage`] says how long it must live; each frame may
-    /// use another one ([`LogMapImage::set_image`]).
+    /// `TRANSFER_DST` and whatever its readers need. [`HostImage`] says how long it must live, but its format and
+    /// usage are those above. Each frame may use another image ([`LogMapImage::set_image`]).
     ///
     /// # Errors
     /// As for [`Solver::log_map`], or if a handle is null.

@@ -1,4 +1,5 @@
-//! Creates a device and a queue of this crate's own, for use without a renderer.
+//! Opens a device of this crate's own with one queue, for use without a renderer, and records and submits command
+//! buffers on it.
 
 use std::mem::ManuallyDrop;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -23,7 +24,7 @@ pub(crate) struct Context {
     allocator: ManuallyDrop<Mutex<Allocator>>,
     pool: vk::CommandPool,
     fence: vk::Fence,
-    // This field comes last because fields are dropped in order.
+    // Fields are dropped after `drop` has destroyed the device, so the instance outlives it.
     pub(crate) instance: Instance,
 }
 
@@ -32,8 +33,8 @@ impl Context {
         Self::open(choice, validate, None)
     }
 
-    /// Opens a device. If `left_out` is given, everything that profiling uses is enabled, except for these
-    /// capabilities.
+    /// Opens a device. With `left_out`, everything that profiling uses and the device offers is enabled, except for the
+    /// capabilities listed there. Without it, nothing is enabled for profiling.
     pub(crate) fn open(
         choice: &DeviceChoice,
         validate: bool,
@@ -165,21 +166,21 @@ pub(crate) trait Submitter {
         self.submit(&flight.commands)
     }
 
-    /// Starts the clock of a map again.
+    /// Sets the time from which a profile counts to now: a map begins.
     fn restart(&mut self) {}
 
-    /// Returns whether the submitter watches passes.
+    /// Returns whether the submitter records passes for a profile.
     fn is_watching(&self) -> bool {
         false
     }
 
-    /// Returns the records of the passes submitted last, if the submitter watches passes.
+    /// Returns the records of the passes submitted last, if the submitter records passes for a profile.
     fn last(&mut self) -> Option<&mut [PassRecord]> {
         None
     }
 }
 
-/// Submitter that does not watch passes.
+/// Submitter that does not record passes for a profile.
 pub(crate) struct Unwatched;
 
 impl Submitter for Unwatched {
@@ -200,8 +201,8 @@ impl Submitter for Unwatched {
     }
 }
 
-/// Command buffer that can be recorded anew. Each recording is submitted once, or many times one after
-/// another.
+/// Command buffer that can be recorded again. A recording of one made by `new` is submitted once, of one made by `kept`
+/// any number of times, each after the last has ended.
 pub(crate) struct CommandBuffer {
     context: Arc<Context>,
     buffer: vk::CommandBuffer,
@@ -274,9 +275,9 @@ impl CommandBuffer {
     }
 }
 
-/// Command buffer that the device runs while the program does other work.
+/// Command buffer with a fence of its own, which the device may run while the program does other work.
 pub(crate) struct Flight {
-    /// Recorded only after [`Flight::wait`].
+    /// It must be recorded only after [`Flight::wait`].
     pub(crate) commands: CommandBuffer,
     fence: vk::Fence,
     is_pending: bool,
@@ -291,7 +292,7 @@ impl Flight {
         Ok(Self { commands, fence, is_pending: false })
     }
 
-    /// Submits the recorded commands. The last submission has been waited for.
+    /// Submits the recorded commands. The caller has waited for the last submission.
     fn start(&mut self) -> Result<(), VulkanError> {
         self.commands.submit(self.fence)?;
         self.is_pending = true;
@@ -309,7 +310,7 @@ impl Flight {
 
 impl Drop for Flight {
     fn drop(&mut self) {
-        // After a lost device nothing is pending.
+        // If waiting fails since the device is lost, nothing is pending.
         let _ = self.wait();
         // SAFETY: nothing uses the fence any more.
         unsafe { self.commands.context.device.destroy_fence(self.fence, None) };
