@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Computes the edge lengths of a surface given by 3D points. One invocation is one grid point.
+// Computes the edge lengths of a surface given by 3D points. One invocation is one grid point. Also samples how sharply
+// the surface turns, and stores the slowness where it varies (edges.glsl).
 // Twin: src/surface/measure.rs.
 
 #include "shared/constants.glsl"
@@ -15,7 +16,7 @@ struct Point {
 };
 
 layout(set = 0, binding = 3) readonly restrict buffer Points {
-    vec4 points[]; // position and slowness, row-major
+    vec4 points[]; // position and slowness, row-major; slowness 0 in a hole
 };
 
 Point load(ivec2 at) {

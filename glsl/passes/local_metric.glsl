@@ -1,6 +1,7 @@
 // Computes the metric of the surface from the lengths of its edges. Lengths over a slowness are travel times.
 // Include after edge_image.glsl.
-// Twin: src/geometry/directions/frame.rs, from positions.
+// src/geometry/directions/frame.rs computes a metric for the same purpose from positions, or takes the given one. It is
+// no twin.
 
 // The metric at a place, in steps of columns (c) and rows (r).
 struct Metric {
@@ -54,7 +55,7 @@ Metric metric_of_point(ivec2 at, float unit) {
     return metric_of_edges(imageLoad(edges, point), edges_to_point(point), unit);
 }
 
-// Returns whether a metric is positive and not too flat for single precision.
+// Returns whether a metric is positive definite, with columns and rows far enough from parallel for single precision.
 bool is_usable(Metric metric) {
     return metric.cc > 0.0 && metric.rr > 0.0
         && metric.cc * metric.rr - metric.cr * metric.cr > 1e-6 * metric.cc * metric.rr;
@@ -70,12 +71,12 @@ float longest_edge(ivec2 at) {
     return longest;
 }
 
-// Returns the product of two steps.
+// Returns the scalar product of two steps of columns and rows.
 float product(Metric metric, vec2 a, vec2 b) {
     return metric.cc * a.x * b.x + metric.cr * (a.x * b.y + a.y * b.x) + metric.rr * a.y * b.y;
 }
 
-// Returns the step whose products with columns and rows are given.
+// Returns the step whose scalar products with a step of one column and with a step of one row are given.
 vec2 raised(Metric metric, vec2 lower) {
     float whole = metric.cc * metric.rr - metric.cr * metric.cr;
     return vec2(metric.rr * lower.x - metric.cr * lower.y, metric.cc * lower.y - metric.cr * lower.x) / whole;

@@ -55,11 +55,13 @@ void note_moved(uint moved, uint further, ivec2 texel) {
 }
 
 shared uint is_due;
-// On a map with a limit: the first and the last place of a line at which fronts have changed.
+// On a map with a limit: the first and the last texel, along the lines of this scan, at which fronts have changed since
+// the map began, on any line.
 shared ivec2 changed_along;
 
-// Returns whether all changed fronts are too far from this workgroup's texels to reach them in this block.
-// Neighbouring workgroups may change fronts in the same dispatch, but none that are nearer.
+// Returns whether no front that has changed since the map began can reach this workgroup's texels within this block.
+// Changes that other workgroups make in this dispatch cannot reach them either: they come from such fronts, and REACH
+// is how far a change spreads along a line in a whole block.
 bool lies_apart() {
     if (in_turn != 0 || limit >= NO_LIMIT) return false;
     if (gl_LocalInvocationID.x == 0u) {
@@ -74,6 +76,8 @@ bool lies_apart() {
 }
 
 void main() {
+    // An indirect dispatch has as many rows of groups as the block's word of marks says. Only the first row works. See
+    // blocks.glsl.
     if (group_number().y > 0u) return;
     causal = fronts_meet != 0u;
     holds = fronts_meet != FRONTS_ARE_ADDED;

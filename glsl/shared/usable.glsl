@@ -1,4 +1,4 @@
-// Returns whether a value is neither infinite, nor NaN, nor so large that squares of lengths would overflow.
+// Returns whether a value is a number of at most LONGEST_EDGE in absolute value, so neither infinite nor NaN.
 bool is_usable(float value) {
     return (floatBitsToUint(value) & 0x7fffffffu) <= floatBitsToUint(LONGEST_EDGE);
 }

@@ -1,6 +1,8 @@
-// Declares data at the end of the upload buffer. For fronts with anchors these are the sources inside cells, then the
-// metric of the floor plan. For curved fronts with several sources these are the origins.
-// Twin: src/vulkan/upload/anchors.rs.
+// Declares data at the end of the upload buffer, where there is room for SOURCES_INSIDE entries and one more. For
+// fronts with anchors these are the sources inside cells, each in one entry, and in the last entry the metric of the
+// floor plan. For curved fronts with several sources these are the origins, each in two entries: its ends, and the
+// time at which fronts leave it. Columns and rows of places are those in the images with the border.
+// Twins: src/vulkan/upload/anchors.rs and src/vulkan/upload/origins.rs.
 
 layout(set = 0, binding = 3) readonly restrict buffer Anchors {
     vec4 anchors[];

@@ -27,15 +27,17 @@ Shape shape_on_surface(vec4 side, vec4 other, vec4 base, vec4 of_side, vec4 of_o
 
 // Costs of the rays from the base to x0, in units of the cost of the base. The ray from the place w of the base costs
 // sqrt((w - foot)^2 + height^2) (near + slope w). Places count from 0 at the end that the front reaches later to 1 at
-// the other end. `jump` is 1 where crossing_of() starts from a refracted ray, else 0.
+// the other end. `near` is the mean slowness along the ray from place 0, divided by that of the base. `slope` is its
+// change from there to the other end. `jump` is 1 where crossing_of() starts from a refracted ray, else 0.
 struct Rays {
     vec4 foot, height;
     vec4 near, slope, jump;
 };
 
 // Arrival time of a front along the base, in units of the cost of the base: that of a circle of curvature `kappa`, less
-// a bulge. At the later end, its derivative along the base is `-cos_a`. `d` is the time at the other end less that at
-// the later end. `bulge` is the second derivative of the time that a smoothly varying slowness adds.
+// a bulge. The derivative of the circle's time along the base is `-cos_a` at the later end. `d` is the time at the
+// other end less that at the later end. `bulge` is the second derivative of the time that a smoothly varying slowness
+// adds.
 struct Slope {
     vec4 d, kappa, cos_a, sin_a, bulge;
 };
