@@ -45,8 +45,8 @@ impl<R: Real> Triangle<R> {
     }
 }
 
-/// The cost of rays from the base to x0, in units of the base's cost. From the place w, which counts from one
-/// end of the base in units of it, the cost is sqrt((w - foot)^2 + height^2) (near + slope w).
+/// The cost of rays from the base to x0, in units of the base's cost. From the place w, which counts from the end
+/// that the front reaches later, in units of the base, the cost is sqrt((w - foot)^2 + height^2) (near + slope w).
 struct Rays<R> {
     foot: R,
     height: R,
@@ -58,9 +58,9 @@ struct Rays<R> {
 }
 
 /// The arrival time of a front along the base, in the same units: that of a circle of curvature `kappa` which
-/// leaves the end at an angle, less a bulge.
+/// leaves the later end at an angle, less a bulge.
 struct Slope<R> {
-    /// Difference of the time at the other end to that at this one.
+    /// Time at the other end less that at the end reached later: never positive.
     d: R,
     kappa: R,
     cos_a: R,
@@ -73,7 +73,8 @@ struct Slope<R> {
 /// The place where a ray crosses the base.
 struct Crossing<R> {
     place: R,
-    /// Arrival time of the front that comes through that place.
+    /// Time from the front's arrival at the later end of the base until it arrives at x0 through that place, in units
+    /// of the base's cost.
     rise: R,
     /// Approximate place if the base were continued beyond its ends.
     beyond: R,
@@ -124,7 +125,8 @@ impl<R: Real> Slope<R> {
 }
 
 /// Returns the arrival time at x0 of a straight front that reaches x1 and x2 at t1 and t2, given the slowness
-/// at x0, x1 and x2. It is at least the later of both times, see [`super::planar()`].
+/// at x0, x1 and x2. A front through the triangle arrives no earlier than the later of both times, see
+/// [`super::planar()`]; one along an edge may.
 #[inline(always)]
 pub(crate) fn planar_slowed<R: Real>(triangle: Triangle<R>, slowness: [R; 3]) -> R {
     let Triangle { t1, t2, l1, l2, c } = triangle;

@@ -6,10 +6,9 @@ use crate::surface::Chart;
 
 /// The positions of the sources of a batch.
 ///
-/// In the first iteration a scan passes only lines ahead of its map's source. The points behind the source
-/// have just been reached by the opposite scan, if at all. Passing them again would bring fronts backwards to
-/// points that the scans across have yet to reach by shorter paths, so most of these fronts would be
-/// overwritten. Scans over the whole grid need 1.4 times as long for one iteration.
+/// In the first iteration a scan passes only lines ahead of its map's source. Behind the source, other scans of the
+/// iteration reach most points by shorter paths, so most fronts that a scan would bring there would not last. Scans
+/// over the whole grid need 1.4 times as long for one iteration.
 #[derive(Clone, Debug)]
 pub(super) struct Outward {
     /// Rows and columns of the sources. Maps without a source have those of another.

@@ -9,9 +9,9 @@ use crate::cpu::{Progress, Solution};
 use crate::surface::{EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 
-/// Solves by scans rotated by 45 degrees (figure 3, second row), down, up, right and left, each after the one
-/// before. Each iteration equals that of the shader. [`crate::cpu::rotated::rotated_scan`] converges to the
-/// same map many times faster.
+/// Solves by rotated raster scans (the paper's figure 3, second row): down, up, right and left, one after another.
+/// After each iteration the fronts are those of the shader up to rounding, if its scans do not run in pairs.
+/// [`crate::cpu::rotated_scan`] is many times faster and converges to the same map.
 pub fn scan_in_turn<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
@@ -21,9 +21,9 @@ pub fn scan_in_turn<R: Real>(
     solve(edges, seeds, wavefront, stop, false)
 }
 
-/// Solves as [`scan_in_turn`] does, except that each scan of the first iteration visits only the lines ahead
-/// of the source, or of some source if there are several. The pairwise engines do this: lines behind the
-/// source only hold what the opposite scan has just reached.
+/// Solves as [`scan_in_turn`] does, except that each scan of the first iteration visits only the lines ahead of the
+/// seed that it would reach first. The pairwise engines do this: behind the source, other scans of the iteration
+/// reach most points by shorter paths.
 pub fn scan_outward<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
@@ -33,6 +33,7 @@ pub fn scan_outward<R: Real>(
     solve(edges, seeds, wavefront, stop, true)
 }
 
+/// Solves by scans one after another. With `outward`, those of the first iteration visit only lines ahead of a seed.
 fn solve<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
@@ -47,7 +48,7 @@ fn solve<R: Real>(
     })
 }
 
-/// Scans from the fronts at seeds, and returns the progress.
+/// Repeats the four scans until `stop`, starting from fronts that hold the seeds, and returns the progress.
 pub(super) fn scan<R: Real, K: PointKind<R>>(
     fronts: &mut PointFronts<R, K>,
     seeds: &[Seed],
