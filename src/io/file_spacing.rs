@@ -1,25 +1,26 @@
-//! Defines the information in files of heights on the distance between their points.
+//! Defines what a file of heights says about the distances between its points.
 
 use crate::surface::Spacing;
 
-/// The information in a file of heights on the distance between its points.
+/// Distances between points, as a file of heights states them.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum FileSpacing {
     /// The file gives no distance.
     Unknown,
-    /// A distance, in the unit of the heights.
+    /// The distances between columns and between rows. Their unit is that of the heights; where the file does not say
+    /// so, this is assumed.
     Known(Spacing, LinearUnit),
-    /// The file gives a distance in degrees. The text says how this is known.
+    /// The distances are, or may be, in degrees. The text says why.
     Degrees(&'static str),
     /// The file gives a distance that cannot be used. The text says why.
     Unusable(String),
 }
 
-/// The unit of lengths in a file.
+/// The unit of the distances and heights in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct LinearUnit {
-    /// Name of the unit, if it is a common one.
+    /// `m`, `ft` or `US ft`; `None` for other units, and for an ESRI ASCII grid without a `.prj`.
     pub name: Option<&'static str>,
-    /// Whether the file states the unit. Otherwise it is the default.
+    /// Whether the file, or the `.prj` beside it, states the unit of its distances. Otherwise metres are assumed.
     pub said: bool,
 }

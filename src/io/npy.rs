@@ -1,7 +1,7 @@
 //! Reads and writes NumPy's `.npy` arrays, versions 1 to 3 of the format.
 //!
-//! The header is a Python dictionary of exactly three entries. A scanner that finds these three suffices. No file can
-//! make it recurse or allocate memory.
+//! The header is a Python dictionary of exactly three entries. Searching for these three keys suffices. The search does
+//! not recurse, and the memory for the header is in proportion to the bytes that the file has.
 
 use std::io::{self, Read, Write};
 
@@ -85,8 +85,8 @@ impl Header {
         Self::parse(std::str::from_utf8(&text).map_err(|_| "the .npy header is no text")?)
     }
 
-    /// Returns the number of bytes of the data, or an error if the file has only `there` bytes left and these are
-    /// fewer.
+    /// Returns the number of bytes of the data, or an error if that is more than `there`, the number of bytes left in
+    /// the file.
     pub fn check_size(&self, there: u64) -> Result<usize, String> {
         let count = self.shape.iter().try_fold(1usize, |count, &n| count.checked_mul(n));
         let needed = count.and_then(|count| count.checked_mul(self.dtype.bytes));
@@ -143,7 +143,7 @@ fn parse_shape(text: &str) -> Result<Vec<usize>, String> {
 }
 
 impl Dtype {
-    /// Parses a type string such as `'<f8'`.
+    /// Parses the quoted type string, such as `'<f8'`, with which `text` begins.
     fn parse(text: &str) -> Result<Self, String> {
         let quote = text.chars().next().filter(|c| matches!(c, '\'' | '"'));
         let inside = quote.and_then(|quote| text[1..].split_once(quote));
@@ -203,8 +203,8 @@ impl Dtype {
 /// Converts an array from Fortran order, in which the first index runs fastest, to C order, in which the last one does.
 fn c_order(shape: &[usize], values: &[f64]) -> Vec<f64> {
     let fortran_index = |mut index: usize| {
-        // Split indices off the C index, beginning with the last axis. The stride of axis k is the product of
-        // the sizes before it.
+        // Division of the C index by the sizes, from the last axis to the first, leaves the index along each axis as
+        // remainder. The stride of an axis in Fortran order is the product of the sizes before it.
         let mut stride = values.len();
         shape.iter().rev().fold(0, |sum, &size| {
             let along = index % size;
