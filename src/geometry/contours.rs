@@ -16,9 +16,10 @@ use crate::{DistanceMap, Sources};
 pub enum Levels {
     /// The given distances.
     List(Vec<f64>),
-    /// The given number of levels, equally spaced between the start and the largest distance.
+    /// The given number of levels, equally spaced between the smallest initial value of the sources and the largest
+    /// distance.
     Count(usize),
-    /// All multiples of the given distance beyond the start.
+    /// All multiples of the given distance beyond the smallest initial value of the sources.
     Spacing(f64),
 }
 
@@ -95,11 +96,12 @@ pub struct Contour {
 }
 
 /// Computes the contours of a map at the given levels, in the order of `levels`; see [`Levels::on`]. A level
-/// below the map's start or above its largest distance has no curves.
+/// below the smallest initial value of the sources or above the largest distance has no curves.
 ///
-/// Vertices lie on the grid's lines and on diagonals of cells. On each line the squared distance is
-/// interpolated by a cubic through four points. On circles in the plane this is exact, however close to the
-/// source. Where wavefronts meet, the corner of the curve is cut inside one triangle.
+/// Vertices lie on the grid's lines and on diagonals of cells. Along an edge, the square of the distance since the
+/// smallest initial value is interpolated by a cubic through four points in line. On circles in the plane this is
+/// exact, however close to the source. Where wavefronts meet, the curve has a corner, which one straight segment
+/// inside a triangle cuts off.
 ///
 /// A contour that passes between grid points without separating any of them is not found, for example around
 /// a source inside a cell. Curves at the largest distance connect the grid points that have this distance up
@@ -159,7 +161,7 @@ pub fn contours(map: &DistanceMap, sources: &Sources, levels: &[f64]) -> Vec<Con
 fn march(arrivals: &Arrivals, levels: &[f64]) -> Vec<Segment<u32>> {
     const MISSING: u32 = u32::MAX;
     let chart = arrivals.chart;
-    // The number of levels that are at most the distance of the point.
+    // The number of levels that are at most the distance of the point, or MISSING if it is unreached.
     let passed = |index: usize| {
         let time = f64::from(arrivals.time(index));
         if !time.is_finite() {
@@ -195,8 +197,8 @@ fn march(arrivals: &Arrivals, levels: &[f64]) -> Vec<Segment<u32>> {
     chart.rows_of_cells().into_par_iter().flat_map_iter(row_of_cells).collect()
 }
 
-/// Calls `found` with each level that crosses a triangle, and with the edges at which the boundary of the
-/// triangle leaves and re-enters the nearer part.
+/// Calls `found` with the index of each level whose contour crosses the triangle, the edge on which the boundary,
+/// followed corner by corner, leaves the part nearer than the level, and the edge on which it returns.
 fn march_triangle(
     triangle: &[usize; 3],
     counts: &[u32; 4],

@@ -1,19 +1,19 @@
-//! Represents the position of a path on the grid.
+//! Represents a place on the grid that a path passes.
 
 use glam::DVec2;
 
 use super::cell::Weights;
 use crate::surface::{Chart, Direction};
 
-/// The position of a path.
+/// A place on the grid: at a point, on an edge or inside a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Place {
-    /// A point of the bordered array.
+    /// A grid point, by its index in bordered arrays.
     Point(usize),
     /// A place on the edge from `first` to the next point to the east or south, at the fraction `share` of
     /// the edge.
     Edge { first: usize, along: Direction, share: f64 },
-    /// A place inside a cell.
+    /// A place inside the cell with this north-western corner, by the weights of the cell's corners.
     Inside { north_west: usize, weights: Weights },
 }
 
@@ -36,7 +36,8 @@ impl Place {
     }
 
     /// Returns the cells that contain the place, with the place's weights in each, and the number of these
-    /// cells. Cells are given by their north-western corners.
+    /// cells; entries after it are unused. Cells are given by their north-western corners. At the grid's sides some of
+    /// the cells lie beyond it.
     pub(super) fn cells(self, chart: Chart) -> ([(usize, Weights); 4], usize) {
         use Direction::{North, NorthWest, West};
         let none = (0, [0.0; 4]);

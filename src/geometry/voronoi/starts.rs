@@ -4,12 +4,13 @@ use crate::geometry::MapError;
 use crate::geometry::copies::Copies;
 use crate::surface::{Chart, Source, Sources, Surface};
 
-/// The start of a wavefront at a point that its source seeds.
+/// The arrival of a source's wavefront at one of the source's seeds.
 pub(super) struct Start {
-    /// The index of the point in a bordered array. Of copies it is the first.
+    /// The index of the point in a bordered array. If the point has copies across a seam, it is the first of them.
     pub point: usize,
     /// The index of the source.
     pub label: u32,
+    /// The arrival time there.
     pub time: f64,
 }
 
@@ -35,7 +36,8 @@ pub(super) fn starts(
     Ok(starts)
 }
 
-/// Returns the points that sources seed, each with the label of the first wavefront there.
+/// Returns the points that have a start, each once, with the label of the earliest one; of equal ones with the smallest
+/// label.
 pub(super) fn first_labels(starts: &[Start]) -> Vec<(usize, u32)> {
     let mut order: Vec<&Start> = starts.iter().collect();
     order.sort_by(|a, b| {
