@@ -296,7 +296,8 @@ impl<'a> Problem<'a> {
         Ok(cpu::outlook(&edges, &self.seeds, targets).0)
     }
 
-    /// Returns a map of a device, unless it was cancelled and is incomplete.
+    /// Returns a map of a device, or an error if the computation was cancelled, since the map may then be
+    /// incomplete.
     fn finished(&self, map: DistanceMap) -> Result<DistanceMap, Error> {
         self.monitor.check().map(|()| map)
     }

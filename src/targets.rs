@@ -1,9 +1,9 @@
-//! Defines targets: the points whose distances are needed, if a map need not be whole.
+//! Defines targets: grid points whose distances are wanted. Once these are known, the map may end.
 
-/// Grid points at which the computation of a map may end.
+/// Grid points that let the computation of a map end once their distances are known.
 ///
-/// A map with targets ends when no moving front can reach them earlier. Points that are
-/// farther than the targets are unreached: their distance is +infinity.
+/// A map with targets ends when no front can lower the distances of those that are needed any more. Points farther than
+/// the last of these are unreached, other targets too: their distance is +infinity.
 ///
 /// ```
 /// use geosweep::{Options, Sources, Spacing, Surface, Targets, distance_map};
@@ -25,7 +25,7 @@ pub struct Targets {
 
 impl Targets {
     /// The map ends when all of these points, given by row and column, have their distances. If one of them
-    /// cannot be reached, the map is whole.
+    /// cannot be reached, the whole map is computed.
     pub fn all(points: impl IntoIterator<Item = [usize; 2]>) -> Self {
         Self::nearest(usize::MAX, points)
     }
@@ -52,15 +52,15 @@ impl Targets {
         self.needed
     }
 
-    /// Returns these targets on a grid whose rows and columns are larger by `by`.
+    /// Returns these targets with `by` added to their rows and columns, for a grid that begins that much earlier.
     pub(crate) fn moved(mut self, by: [usize; 2]) -> Self {
         let points = self.points.iter_mut();
         points.for_each(|[row, col]| (*row, *col) = (*row + by[0], *col + by[1]));
         self
     }
 
-    /// Returns the time after which no front matters to the targets, given the times at points: that of the
-    /// last target that is needed. It is +infinity if there is no target.
+    /// Returns the time by which as many targets as needed are reached, given the times at points. Later fronts do
+    /// not matter to the targets. The time is +infinity if there is no target.
     pub(crate) fn last(&self, time: impl Fn([usize; 2]) -> f64) -> f64 {
         let mut times: Vec<_> = self.points.iter().map(|&point| time(point)).collect();
         if times.is_empty() {

@@ -26,7 +26,7 @@ pub(super) struct RowBends<R> {
 }
 
 impl<R: Real> RowBends<R> {
-    /// Returns bends of zero for `points` points.
+    /// Returns bends and normals of zero for a row of `points` points. With them edges are measured as chords.
     pub(super) fn none(points: usize) -> Self {
         let zeros = || vec![R::zero(); points + 2];
         Self { along: [(); 4].map(|_| zeros()), normals: [(); 3].map(|_| zeros()) }

@@ -46,10 +46,11 @@ pub(super) fn cone_distance(a: DVec2, b: DVec2) -> f64 {
 }
 
 /// Returns the distance outside a circle of radius `inner` around the origin, between points at the radii
-/// `r1` and `r2` that are `angle` apart. The path stays on that side of the circle, so the result is also
-/// right for angles above 180 degrees.
+/// `r1` and `r2` that are `angle` apart. Seen from the origin, the path turns by `angle` around the circle, so the
+/// result is also right above 180 degrees.
 fn annulus_distance(inner: f64, r1: f64, r2: f64, angle: f64) -> f64 {
-    // The angle between a point and the point where its tangent touches the circle.
+    // The angle, seen from the origin, between a point at radius r and the point where a tangent from it touches the
+    // circle.
     let to_tangent = |r: f64| (inner / r).min(1.0).acos();
     let arc = angle - to_tangent(r1) - to_tangent(r2);
     if arc > 0.0 {
@@ -68,8 +69,7 @@ mod tests {
     #[test]
     fn around_the_inner_circle_the_path_is_two_tangents_and_an_arc() {
         let diagonal = 2.0f64.sqrt();
-        // The point of contact is after 45 degrees. Then follow 90 degrees of arc and 45 degrees to the other
-        // point.
+        // Of the 180 degrees, the first tangent spans 45, the arc 90 and the second tangent 45.
         let distance = annulus_distance(1.0, diagonal, diagonal, PI);
         approx::assert_relative_eq!(distance, 2.0 + PI / 2.0, max_relative = 1e-15);
         approx::assert_relative_eq!(annulus_distance(1.0, 1.0, 1.0, 5.0), 5.0);
