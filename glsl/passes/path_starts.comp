@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Places paths at their starts, except where no path can start. One invocation is one path.
-// Twin: Paths::trace in src/geometry/paths.
+// Twin: PathTracer::trace in src/geometry/paths.
 
 #include "shared/constants.glsl"
 #include "shared/chart.glsl"

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 // Continues paths by some steps back to the source. A path runs from cell to cell along the straight line on
 // which the front arrives first. One invocation is one path.
-// Twin: src/geometry/paths, in double precision. To leave pits of the map, the twin looks further than two
-// grid points.
+// Twin: PathTracer::along_the_map in src/geometry/paths, in double precision. Without that option the twin also pulls
+// paths taut and traces again those that are too long. To leave pits of the map, it looks further than two grid points.
 
 #include "shared/constants.glsl"
 #include "shared/chart.glsl"
@@ -29,7 +29,8 @@ void find_source(Cell cell, vec4 weights, Path path, inout Line nearest) {
     for (int i = 0; i < count; i++) try_source(i, cell, weights, path, nearest);
 }
 
-// Returns the earliest of the grid points next to a place.
+// Returns the earliest of the grid points between which a place lies: the point itself, the ends of its edge, or the
+// corners of its cell at a start.
 ivec2 lower_end(Place place) {
     ivec2 lowest = place.first;
     float time = FAR;
@@ -209,6 +210,7 @@ void main() {
         if (path.status != UNDER_WAY) go_again(number, path);
     }
     if (path.status != UNDER_WAY) {
+        // The time at a start between grid points is known only once the first line has been found.
         int first = first_vertex + VERTEX_WORDS * number * capacity;
         write_vertex(first, start_of(number), path.time);
     }

@@ -1,16 +1,16 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Solves a map of the texels around the cell of a source, as seed.comp reads it. All points are updated from
-// their eight triangles until nothing changes. One workgroup is one source. One invocation is one texel.
+// Solves a map of the texels around the cell of a source, as seed.comp reads it. All points are updated from their
+// eight triangles until nothing changes, or for SURROUNDINGS_STEPS steps. One workgroup is one source. One invocation
+// is one texel.
 //
-// This pass is for sources inside cells. Rays from there pass between pairs of points that two different
-// scans reach, one each. Scans of the whole grid would take an iteration for each cell until that no longer
-// matters.
+// This pass is for sources inside cells. Near such a source many rays cross a base whose two ends are reached in
+// different scans. Scans of the whole grid would then advance by about one cell an iteration.
 //
-// It is also for point sources with others near them, including those at grid points. Each is solved alone,
-// since an update would take the fronts of two sources for one, which would arrive too early. Its times are
-// exact up to where a front from elsewhere may be first. Where surroundings meet, merge_surroundings.comp
-// takes the earliest fronts.
+// It is also for point sources with others near them, including those at grid points. Each is solved alone, since an
+// update would take the fronts of two sources for one, which would arrive too early. Its times are marked exact where
+// no front from outside its window can be earlier. Where surroundings meet, merge_surroundings.comp takes the earliest
+// fronts.
 // Twin: src/cpu/twins/surroundings.rs.
 
 #include "shared/constants.glsl"
@@ -37,9 +37,9 @@ layout(push_constant) uniform Portion {
 #include "shared/source.glsl"
 #include "update/source_arrival.glsl"
 
-// The window holds the points of the texels and the points around that these see. The latter stay unreached:
-// ways outside the window are for the scans to find. If sources are added to a map, fronts that came from
-// there may be withdrawn here. They stay in the images, since only earlier fronts are written.
+// The window holds the points of the texels and the points around that these see. The latter stay unreached: ways
+// outside the window are for the scans to find. If sources are added to a map, this pass may drop fronts of the map
+// that came from outside the window. They stay in the images, since seed.comp writes no later front.
 const int TEXELS = SURROUNDINGS_TEXELS;
 #include "passes/window.glsl"
 
@@ -138,7 +138,8 @@ bool is_point(Source s) {
     return s.curvature == SOURCE_CURVATURE;
 }
 
-// Returns whether a source has others near it, all of which are point sources.
+// Returns whether other sources lie within TEXELS rows and columns (in grid points) of a point source, all of them
+// point sources. Only curved fronts need to know.
 bool is_crowded(Source own) {
     if (!HAS_CURVATURE || !is_point(own)) return false;
     bool found = false;
@@ -252,9 +253,9 @@ void main() {
             atomicMin(leaves, floatBitsToUint(max(soonest - own.time, 0.0)));
         }
         barrier();
-        // A front from elsewhere enters through the border of the window, and not before the first source
-        // starts. From there its way to a point is at least as long as the source's own way from the point to
-        // the border. So the source's own front is the first one up to the mean of both times.
+        // A front from outside enters through the window's border, and not before the first source starts. It then
+        // takes at least as long to a point as this source's front takes from that point to the border. So this
+        // source's front is first up to the mean of two times: that at which it leaves the window, and the first start.
         float until = own.time + uintBitsToFloat(leaves);
         bvec4 exact = lessThanEqual(time, vec4(until < FAR ? 0.5 * (until + first_start()) : FAR));
         held = with_tags(held, mix(uvec4(NOT_EXACT | WHOLE), uvec4(EXACT | WHOLE), exact));

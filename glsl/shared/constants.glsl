@@ -14,8 +14,8 @@
 // Curvature of a front at a point source, in place of infinity. A tag may enlarge it. It is a power of two,
 // which a tag of 0 leaves unchanged.
 #define SOURCE_CURVATURE 5.764607523034235e17
-// Number of invocations in a workgroup. Every Vulkan device offers at least 128. A dispatch covers only one
-// row or column of texels, so small workgroups occupy a device sooner.
+// Number of invocations in a workgroup of most passes, all in one row. Scans, rounds of tiles, surroundings and
+// exchanges have workgroups of other sizes. Every Vulkan device offers at least 128.
 #define WORKGROUP 64
 // Largest number of workgroups of a dispatch along one axis that every Vulkan device offers.
 #define MOST_GROUPS 65535
@@ -62,8 +62,8 @@
 #define WHOLE 8
 // Tag of a seed whose time is exact, in place of the number of a scan. No front replaces such a seed.
 #define EXACT 5
-// Tag of a seed whose time is not exact, in place of the number of a scan. Until surroundings are merged, it
-// only marks where the front of another source is not the first.
+// Tag of a front in surroundings where a front of another source may be first, in place of the number of a scan.
+// merge_surroundings.comp writes no seed where such a front is the earliest.
 #define NOT_EXACT 6
 // Tag of a front that comes from another copy of its point on a glued surface, in place of the number of a scan.
 #define EXCHANGED 7
@@ -84,12 +84,12 @@
 // Value of `fronts_meet` on maps where fronts may meet and sources are added later. Seeds that were exact may
 // then be replaced.
 #define FRONTS_ARE_ADDED 2
-// Tag of the surface at points where waves diffract. These points are tagged LACKING too.
+// Tag of the surface value (Gaussian curvature) at points where fronts diffract. These points are tagged LACKING too.
 #define DIFFRACTS 1
 // Tag of the surface at points that lack an edge.
 #define LACKING 2
-// Tangent of 22.5 degrees. Waves diffract at a point if the angle that is open to them exceeds a half turn by
-// more than that: at corners of holes, and not along the sides of holes or the border.
+// Tangent of 22.5 degrees. Fronts diffract at a point if the angle that is open to them exceeds a half turn by more
+// than that: at corners of holes, and not along the sides of holes or the border.
 #define REFLEX 0.41421357
 // A triangle is obtuse at x0 if the sum of the squares of its sides there is less than this part of the
 // square of its base. This is a margin of three degrees, so that rounding makes no right angle obtuse.
@@ -104,9 +104,12 @@
 // Relative margin by which two unfolded points must differ in squared distance or in direction. Anything below is
 // rounding.
 #define SPLIT_MARGIN 1e-3
-// See src/update/curved.rs. GRAZING is not a ratio of small whole numbers. Rays between grid points often
-// turn by such a ratio, and rounding would decide whether they turn by more.
+// Part of the base by which a ray may miss it while the front along an edge still counts as going straight on, not as
+// turning around the edge's end. It is not a ratio of small whole numbers. Rays between grid points often turn by such
+// a ratio, and rounding would decide whether they turn by more.
 #define GRAZING 0.0973
+// Least value of 1 + kappa l for a front of curvature kappa that runs on by l, so that converging fronts keep a finite
+// curvature.
 #define FOCUS 0.1
 // Limit of kappa (1 - d), where kappa is the curvature of a front over a base times the length of the base,
 // and d is the difference of the times at its ends divided by that length. The product is 2 if the source
@@ -116,8 +119,13 @@
 // A front has run along a base, up to rounding, if the times at the ends differ by more than this part of the
 // length of the base.
 #define ALONG_BASE 0.9999
+// A front replaces one that arrives together with it if its curvature is less by more than this part of its own
+// curvature. Both or neither must have come through whole triangles.
 #define BENT_APART 0.005
+// Where the nearer end of a base is a source, the front at the farther end has come from it along the base if the times
+// differ by at least this part of the length of the base.
 #define FROM_SOURCE 0.99
+// A front is nearly straight if the magnitude of its curvature times the length of the base is less than this.
 #define ABOUT_STRAIGHT 0.25
 // Fronts arrive together if their times differ by no more than this multiple of their rounding.
 #define TOGETHER 1.0
@@ -168,7 +176,7 @@
 #define BAND_SIDES 2.03
 // On a GPU, no tile waits if the list of a round has at most this many tiles.
 #define FEW_TILES 64
-// Number of texels along each side of the grid at which the typical edge is measured.
+// The typical edge is measured at this many texels in each direction, spread evenly over the grid.
 #define EDGE_LOOKS 16
 // Number of words with one bit for each dispatch of a scan in a recording, used by profiles. The bit says
 // whether the dispatch has visited its block. A word holds 32 of them.
@@ -194,7 +202,7 @@
 // Largest length of an edge. Squares and sums of such lengths stay within single precision and below FAR. A
 // larger coordinate in a renderer's memory marks a hole, as NaN does.
 #define LONGEST_EDGE 1e12
-// Largest number of points along each side of the grid at which the turning of a surface is measured.
+// The turning of a surface is measured at no more than this many points in each direction, spread over the grid.
 #define LOOKS 48
 // Cosine of 30 degrees. A surface turns sharply where the cosine of the angle between unit normals is
 // smaller.

@@ -1,14 +1,16 @@
 // Continues the grid beyond its sides, where opposite sides are glued. Include after chart.glsl.
-// Twin: src/surface/gluing/lattice.rs.
+// Counterpart: Lattice::at in src/surface/gluing/lattice.rs, which moves points only and allows for repeated lines.
 //
 // The including shader declares
 //     ivec2 grid;       columns and rows of the whole grid
-//     ivec2 lattice;    GRID_ENDS, GOES_ON or REVERSES, beyond the first and last column and beyond the rows
+//     ivec2 lattice;    GRID_ENDS, GOES_ON or REVERSES: in x for the first and last column, in y for the first and last
+//                       row
 
-// Moves a point and a step from it by the length of the grid, until the point and the end of the step lie on the
-// grid or beyond sides at which it ends. The step is shorter than the grid.
+// Moves a point, with the step from it, over glued sides until both ends of the step lie on the grid or beyond sides at
+// which it ends. A glued side is the same line as the opposite one, so each move is one less than the number of columns
+// or rows. The step is shorter than the grid.
 void continue_grid(inout ivec2 at, inout ivec2 step) {
-    // Each turn brings a column or a row to the grid.
+    // Each turn moves over one side, in columns or in rows.
     for (int turn = 0; turn < 4; turn++) {
         ivec2 low = min(at, at + step);
         ivec2 high = max(at, at + step);

@@ -2,6 +2,9 @@
 // Twin: src/surface/arc.rs, where the formulas are explained.
 //
 // The including shader declares
+//     int arcs                                          1 for lengths along the surface, 0 for chords (band.glsl)
+//     Point load(ivec2 at)                              the point of the band's buffer
+//     bool is_present(ivec2 at)                         whether the surface has that point (edges.glsl)
 //     vec3 difference(Point a, Point b, ivec2 step)     from a point to its neighbour
 
 float dot3(vec3 a, vec3 b) {

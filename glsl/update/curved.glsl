@@ -117,9 +117,9 @@ Fronts earlier_curved(Fronts a, Fronts b) {
 }
 
 // Replaces the present fronts (`time`, `curvature`) by those that a scan brings, where they arrive earlier. Of fronts
-// that arrive together, one from a whole triangle is preferred, then one that is flatter by more than rounding. If
-// `renews` is set, a present front that the same scan brought is replaced too, at an earlier or later time, unless
-// only rounding has changed it. `scan` is counted from 1.
+// that arrive together, one from a whole triangle is preferred, then one that is flatter by more than BENT_APART. If
+// `renews` is set, a present front that the same scan brought is replaced too, at an earlier or later time, unless only
+// rounding has changed it. `scan` is counted from 1.
 void accept_curved(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 curvature) {
     vec4 tagged = with_tags(fronts.carried, mix(uvec4(scan), uvec4(scan | WHOLE), fronts.whole));
     uvec4 tag_before = tags_of(curvature);

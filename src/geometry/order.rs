@@ -24,10 +24,10 @@ pub(super) fn bordered(chart: Chart, distances: &[f32]) -> Result<Vec<f32>, MapE
     Ok(times)
 }
 
-/// Returns the rank of a point: a number that is smaller for points that are reached earlier. Among points
-/// with equal times, the point with the smaller index has the smaller rank.
+/// Returns the rank of a point: a number that is smaller for points that are reached earlier. Among points with equal
+/// times, the point with the smaller index has the smaller rank. Times must not be -0, which [`bordered`] turns into 0.
 pub(super) fn rank(time: f32, point: usize) -> u64 {
-    // For negative numbers, the order of the bits is reversed.
+    // The bit patterns of negative numbers are in descending order, so all their bits are inverted.
     let bits = time.to_bits();
     let ordered = if bits >> 31 == 0 { bits | 1 << 31 } else { !bits };
     (u64::from(ordered) << 32) | point as u64
@@ -36,7 +36,8 @@ pub(super) fn rank(time: f32, point: usize) -> u64 {
 /// Returns the indices of all reached points, the earliest first. Points with equal times are sorted by
 /// index.
 ///
-/// Points are first distributed into many buckets. Times are spread evenly enough to keep each bucket short.
+/// Points are first distributed over buckets of equal ranges of time, one for every `IN_BUCKET` entries of the array,
+/// and each bucket is sorted. This is fast if times are spread evenly, and right in any case.
 pub(super) fn by_arrival(times: &[f32]) -> Vec<u32> {
     const IN_BUCKET: usize = 16;
     let is_reached = |time: f32| time < f32::FAR;
@@ -45,8 +46,10 @@ pub(super) fn by_arrival(times: &[f32]) -> Vec<u32> {
     let last = reached().reduce(|| first, f32::max);
     let buckets = times.len() / IN_BUCKET + 1;
     let per_time = if last > first { (buckets - 1) as f32 / (last - first) } else { 0.0 };
-    // Rounding does not change the order. A conversion of too large a number saturates.
+    // A later time never gets an earlier bucket, even after rounding. The conversion saturates, and the last bucket
+    // takes the rest.
     let bucket = |time: f32| (((time - first) * per_time) as usize).min(buckets - 1);
+    // Holds at first the sizes of the buckets, then their starts, at last their ends.
     let mut ends = vec![0u32; buckets];
     for &time in times.iter().filter(|&&time| is_reached(time)) {
         ends[bucket(time)] += 1;
@@ -66,6 +69,7 @@ pub(super) fn by_arrival(times: &[f32]) -> Vec<u32> {
     let mut rest = order.as_mut_slice();
     let mut parts = Vec::new();
     let mut start = 0;
+    // A task sorts 256 buckets.
     for ends in ends.chunks(256) {
         let end = ends[ends.len() - 1];
         let (part, after) = rest.split_at_mut((end - start) as usize);

@@ -60,10 +60,10 @@ impl<R: Real> Front<R> {
         (self.whole == kept.whole) & ((kept.curvature - self.curvature).abs() <= rounding)
     }
 
-    /// Returns whether this front is preferred to `kept`, which arrived together with it and may come from
-    /// another scan. It is preferred if it is flatter by more than rounding. Along a diagonal two scans bring
-    /// the same front, up to its last digits. If these digits decided, the points of a diagonal would take
-    /// their fronts from either scan, and a change would pass along the diagonal only in several iterations.
+    /// Returns whether this front is preferred to `kept`, which arrived together with it and may come from another
+    /// scan. It is preferred if it is flatter by more than `BENT_APART`. Along a diagonal two scans bring the same
+    /// front, up to its last digits. If these digits decided, the points of a diagonal would take their fronts from
+    /// either scan, and a change would pass along the diagonal only in several iterations.
     #[inline(always)]
     pub(crate) fn replaces(self, kept: Self) -> bool {
         let apart = self.curvature.abs() * R::of(BENT_APART);

@@ -1,4 +1,7 @@
-//! Defines the kinds of fronts, with a file for each, and selects one of them.
+//! Defines the kinds of fronts ([`FrontOver`]) and selects the one for a surface. `kind.rs` and `lanes.rs` define their
+//! interfaces to solvers. Each kind has a file, as has what kinds share: `straight.rs` for planar and circular fronts,
+//! `slowed.rs` for those over an uneven slowness, `surface_array.rs` and `exchange.rs` for all of them. `origins.rs` is
+//! a part of curved fronts.
 //!
 //! Solvers are written once, for any [`FrontKind`]. Functions that take a [`Wavefront`] use [`for_kind`],
 //! which compiles a solver for each kind.
@@ -30,7 +33,7 @@ pub(super) use surface_array::SurfaceArray;
 use crate::surface::{EdgeLengths, Real};
 use crate::update::{Setting, Wavefront};
 
-/// A kind of front over a surface.
+/// A kind of front with the data that it needs of one surface.
 #[expect(clippy::large_enum_variant, reason = "it is taken apart at once")]
 pub(super) enum FrontOver<R> {
     Planar(Planar),
@@ -42,13 +45,15 @@ pub(super) enum FrontOver<R> {
 }
 
 impl<R: Real> FrontOver<R> {
-    /// Selects the kind of front of a wavefront over the surface with these edges.
+    /// Selects the kind of front that computes `wavefront` on the surface with these edges. It may be another: curved
+    /// fronts replace those that the surface does not allow.
     pub(super) fn new(edges: &EdgeLengths<R>, wavefront: Wavefront) -> Self {
         let floor = edges.floor();
         if let Some(slowness) = edges.shared_slowness() {
             return match wavefront {
                 Wavefront::Planar => Self::SlowedPlanar(SlowedPlanar::new(slowness)),
-                // Rays bend where the slowness varies, so circular fronts have no centre there. Curved fronts are used.
+                // Rays bend where the slowness varies, so circular and anchored fronts, which assume straight rays,
+                // become curved ones.
                 _ => Self::SlowedCurved(SlowedCurved::new(edges, slowness)),
             };
         }
@@ -61,7 +66,8 @@ impl<R: Real> FrontOver<R> {
     }
 }
 
-/// Solves with the kind of front of a wavefront over a surface: `for_kind!(edges, wavefront, kind => ..)`.
+/// Evaluates `$solve`, compiled once for each kind, with the kind of front for a wavefront on a surface:
+/// `for_kind!(edges, wavefront, kind => ..)`.
 macro_rules! for_kind {
     ($edges:expr, $wavefront:expr, $kind:ident => $solve:expr) => {
         match $crate::cpu::fronts::FrontOver::new($edges, $wavefront) {
@@ -76,7 +82,8 @@ macro_rules! for_kind {
 }
 pub(super) use for_kind;
 
-/// Solves as [`for_kind`] does, for solvers that need a [`TriangleKind`]. Curved fronts replace anchored ones.
+/// Evaluates `$solve` as [`for_kind`] does, for solvers that need a [`TriangleKind`]. Curved fronts replace anchored
+/// ones.
 macro_rules! for_triangle_kind {
     ($edges:expr, $wavefront:expr, $kind:ident => $solve:expr) => {
         match $crate::cpu::fronts::FrontOver::new($edges, $wavefront) {

@@ -16,7 +16,7 @@ use crate::update::{Kept, Triangle};
 pub(in crate::cpu) trait Straight:
     Copy + std::fmt::Debug + Send + Sync + 'static
 {
-    /// Returns the origins of the map's fronts, if the update depends on them.
+    /// Returns the record of the map's origins, if updates depend on whether fronts can meet.
     fn origins(&mut self) -> Option<&mut Origins> {
         None
     }
@@ -24,14 +24,15 @@ pub(in crate::cpu) trait Straight:
     /// Returns the arrival time through a triangle.
     fn time<R: Real>(self, triangle: Triangle<R>) -> R;
 
-    /// Returns the earlier of the arrival time at a point and the one through a triangle, as scans in SIMD
-    /// lanes do.
+    /// Returns the arrival time at a point after an update through a triangle, in SIMD lanes. Circular fronts ignore
+    /// gains within rounding.
     fn earlier<R: Real>(self, now: R, triangle: Triangle<R>) -> R;
 
-    /// Returns the earlier of the arrival time at a point and another time, as scans in SIMD lanes do.
+    /// Returns the arrival time at a point after a front has come at `time`, by the same rule.
     fn first<R: Real>(now: R, time: R) -> R;
 
-    /// Returns whether no front arrives through a triangle earlier than `now`.
+    /// Returns whether a cheap test finds that no front arrives through a triangle earlier than `now`. It may miss
+    /// some.
     fn is_settled<R: Real>(triangle: Triangle<R>, now: R) -> bool;
 }
 
@@ -114,8 +115,8 @@ impl<R: Real, S: Straight> LaneKind<R> for S {
             if span.leads(points) {
                 return None;
             }
-            // If no point has been reached yet, all of them are about to be, and the test whether they are settled
-            // would only cost time.
+            // Points that no front has reached are about to be, unless the map has a limit. The test whether they are
+            // settled would only cost time.
             let is_new = options.limit == f64::INFINITY && span.is_unreached(points);
             if !is_new && stays::<R, S, false>(&span, points, options.limit) {
                 return None;
@@ -176,7 +177,7 @@ impl<R: Real, S: Straight> TriangleKind<R> for S {
     fn circle(_: R) {}
 }
 
-/// Returns whether no front arrives earlier at any of the points.
+/// Returns whether tests find that no front arrives earlier at any of the points.
 #[inline(always)]
 fn stays<R: Real, S: Straight, const SPLIT: bool>(
     span: &Span<R, (), ()>,
@@ -193,8 +194,8 @@ fn stays<R: Real, S: Straight, const SPLIT: bool>(
     settled
 }
 
-/// Returns, for each point, the earlier of the arrival time `now` and the one through one of its two triangles. The
-/// result is a separate array, which compilers can keep in registers. Values written to a line they store in memory.
+/// Returns, for each point, the earlier of the arrival time `now` and the one through one of its two triangles.
+/// Compilers keep the resulting array in registers. If this wrote to the line, they would store each value in memory.
 #[inline(always)]
 fn earlier<R: Real, S: Straight, const LEFT: bool, const SPLIT: bool>(
     kind: S,

@@ -64,9 +64,9 @@ impl<R: Real> Lead<R> {
     }
 }
 
-/// Returns whether it is certain that no planar front arrives through a triangle earlier than `now`. Here and below, x1
-/// may be either end of the base. The two choices are different tests: either may find a settled point that the other
-/// misses.
+/// Returns whether it is certain, up to rounding, that no planar front arrives through a triangle earlier than `now`:
+/// neither bound of the module's comment is earlier. Here and below, x1 may be either end of the base. The two choices
+/// are different tests: either may find a settled point that the other misses.
 #[inline(always)]
 pub(crate) fn from_planar<R: Real>(triangle: Triangle<R>, now: R) -> bool {
     let Lead { across, beside, .. } = Lead::new(triangle, now);

@@ -61,8 +61,8 @@ impl PlanarTriangle {
         }
     }
 
-    /// Returns the arrival time at x0, given the arrival times at x1 and x2 and the lengths of x0 x1 and x0
-    /// x2.
+    /// Returns the arrival time at x0, given the arrival times at x1 and x2. The lengths of x0 x1 and x0 x2 serve only
+    /// the bound of a causal update; arrivals along edges follow from the coefficients.
     #[inline(always)]
     fn arrival<const CAUSAL: bool>(&self, [t1, t2]: [f32; 2], [l1, l2]: [f32; 2]) -> f32 {
         let Self { low, high, w, alpha, beta } = *self;

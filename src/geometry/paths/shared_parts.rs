@@ -30,8 +30,9 @@ impl Tracer<'_> {
     pub(super) fn traces(&self, starts: &[DVec2]) -> Vec<Result<Trace, Stuck>> {
         let walks: Vec<_> = starts.iter().map(|&start| (start, self.start)).collect();
         let mut linked_paths = self.linked_paths(&walks);
-        // Squared times are smooth at a source if they are counted from its own initial value. That value is
-        // known once the path has found the source, so such paths are traced again.
+        // Squared times are smooth at a source if they are counted from its own initial value. At first they are
+        // counted from the smallest initial value of all sources. Paths to a source with another value are traced
+        // again. The second trace counts if it leads to the same source.
         let later = |(number, linked): (usize, &Result<LinkedPath, Stuck>)| {
             let LinkedPath { source, initial, .. } = linked.as_ref().ok()?;
             (*initial != self.start).then_some((number, *source, (starts[number], *initial)))

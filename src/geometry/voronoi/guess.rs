@@ -1,8 +1,8 @@
 //! Guesses the nearest source of each point, and finds the points at which the guess is uncertain.
 //!
-//! A point takes the label of the earliest of its neighbours. The label is right if all earlier neighbours
-//! have the same label, and so do all points before them. This holds everywhere except near sources and
-//! borders. Only there, wavefronts need to be propagated one by one.
+//! A point takes the label of the earliest of its neighbours. The label is right if all earlier neighbours have it, and
+//! all earlier neighbours of these, and so on. This holds except near sources and near borders between regions. Only
+//! there the wavefront of each source is followed on its own.
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -20,18 +20,18 @@ pub(super) struct Guess {
     /// The label of each point of the bordered array. It is [`NO_REGION`] where no wavefront arrives and
     /// where a map that has not converged has a local minimum.
     pub labels: Vec<u32>,
-    /// The points that a source seeds, their neighbours, and the points whose earlier neighbours have another
-    /// label.
+    /// Reached points whose label is uncertain: those that a source seeds, their neighbours, points with an earlier
+    /// neighbour of another label, and points without a label. A point may occur twice.
     pub doubtful: Vec<u32>,
 }
 
-/// The flag of a link, which stands in for a label that is not known yet. A link is the number of the
-/// neighbour with the same label, in the order of indices.
+/// Marks a link, which stands for a label that is not known yet. Its lowest three bits say which neighbour has the same
+/// label; neighbours are numbered in the order of their indices.
 const LINK: u32 = 1 << 31;
 
 impl Guess {
-    /// Guesses all labels. `seeds` are the points that sources seed, each with the label of its first
-    /// wavefront. Of copies, the first has a seed and is doubtful for all of them.
+    /// Guesses all labels. `seeds` are the points that sources seed, each with the label of its first wavefront. Of the
+    /// copies of a point, only the first occurs in `seeds` and in `doubtful`; it stands for all.
     pub(super) fn new(
         neighbourhood: &Neighbourhood,
         copies: &Copies,
@@ -71,7 +71,7 @@ impl Guess {
     }
 }
 
-/// Returns the labels of an open surface, by links from point to point.
+/// Returns the labels of a surface that is not glued, by links from point to point.
 fn linked(chart: Chart, times: &[f32], seeds: &[(usize, u32)]) -> Vec<u32> {
     let mut labels: Vec<AtomicU32> = times.iter().map(|_| AtomicU32::new(NO_REGION)).collect();
     let instructions = Instructions::best();
@@ -90,8 +90,8 @@ fn linked(chart: Chart, times: &[f32], seeds: &[(usize, u32)]) -> Vec<u32> {
     labels.into_iter().map(AtomicU32::into_inner).collect()
 }
 
-/// Returns the labels of a closed surface, by following the points in the order of their arrival. The earliest
-/// neighbour of a point may lie beside any of its copies.
+/// Returns the labels of a glued surface, point by point in the order of arrival. The earliest neighbour of a point may
+/// lie beside any of its copies.
 fn followed(
     neighbourhood: &Neighbourhood,
     copies: &Copies,
@@ -115,8 +115,8 @@ fn followed(
     labels
 }
 
-/// Gives the label at the end of a chain of links to all points of the chain. Other threads that follow the
-/// same chain write the same values.
+/// Follows links from a point to a label, and stores that label at all points on the way. Other threads that follow the
+/// same links write the same values.
 fn resolve(labels: &[AtomicU32], offsets: &[Offset; 8], point: usize) {
     let next = |point: usize| {
         let link = labels[point].load(Relaxed);
@@ -137,7 +137,7 @@ fn resolve(labels: &[AtomicU32], offsets: &[Offset; 8], point: usize) {
     }
 }
 
-/// A pass that links each point of a row to its earliest neighbour that comes before it.
+/// A pass that links each point of a row to its earliest neighbour, if that is reached before the point.
 struct Earliest<'a> {
     /// The times of the row and of the rows above and below it.
     around: [&'a [f32]; 3],

@@ -23,16 +23,16 @@ use crate::surface::{Gluing, Surface, SurfaceError};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Closed {
-    /// A whole cylinder of radius 1 and height 3, along the rows. Exact distances are straight lines in the
-    /// unrolled surface.
+    /// A whole cylinder of radius 1 and height 3. Each row is a circle around it. Exact distances are straight lines in
+    /// the unrolled surface.
     Cylinder,
     /// A whole truncated cone, of which [`Builtin::Cone`](super::Builtin::Cone) is three quarters. Unrolled, it is
     /// half of an annulus.
     Cone,
     /// A whole torus: its centre line has radius 1, its tube 0.4. Distances are those of shot geodesics.
     Torus,
-    /// A strip 0.8 wide that turns over once on its way round a circle of radius 1, across the rows. Distances are
-    /// not known.
+    /// A strip 0.8 wide that makes half a turn on its way round a circle of radius 1. Rows run along the strip, columns
+    /// across it. Distances are not known.
     MoebiusStrip,
     /// The unit sphere by latitudes (rows) and longitudes (columns), with a row at each pole. Distances on this
     /// surface and those below are great circles.
@@ -166,6 +166,8 @@ fn places(rows: usize, cols: usize) -> impl Iterator<Item = [f64; 2]> {
     (0..rows).flat_map(move |row| (0..cols).map(move |col| [row as f64, col as f64]))
 }
 
+/// Returns the position of (u, v): u from 0 to 1 runs once around the circle of radius 1, v from 0 to 1 across the
+/// strip, which makes half a turn on the way.
 fn moebius_strip(uv: DVec2) -> DVec3 {
     let (angle, beside) = (TAU * uv.x, HALF_WIDTH * (2.0 * uv.y - 1.0));
     let ((sin, cos), (rise, along)) = (angle.sin_cos(), (0.5 * angle).sin_cos());

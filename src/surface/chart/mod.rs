@@ -1,10 +1,10 @@
-//! Defines the chart: an M x N grid of points, rows first, and the locations of its points.
+//! Defines the chart: the shape of a grid of M rows and N columns, and where its points lie in arrays.
 //!
-//! North is towards smaller rows and east towards larger columns, as in a picture. This folder contains
-//! everything that depends on the grid's shape: a point's neighbours, which may be missing ([`Chart::at`]),
-//! the length of a line ([`Chart::walk`]), the lines, tiles, cells, edges and triangles, and the layout of
-//! arrays with a border. Code that asks for a neighbour does not compare with the number of rows or columns.
-//! Gluing (`surface/gluing/`) leaves the chart as it is: copies of a point on a seam are different grid points.
+//! North is towards smaller rows and east towards larger columns, as in a picture. This folder contains everything that
+//! depends on the grid's shape: which neighbours a point has ([`Chart::neighbour`]), where a line ends
+//! ([`Chart::walk`]), the lines, tiles, cells, edges and triangles, and the layout of arrays with a border. Other code
+//! asks for a neighbour here and does not compare indices with the number of rows or columns itself. Gluing
+//! (`surface/gluing/`) leaves the chart as it is: copies of a point on a seam are different grid points.
 
 mod block;
 mod bordered;
@@ -57,7 +57,7 @@ impl Chart {
         (index / self.cols, index % self.cols)
     }
 
-    /// Returns the indices of a row.
+    /// Returns the indices of a row in a row-major array without border.
     pub(crate) const fn row(self, row: usize) -> Range<usize> {
         self.index(row, 0)..self.index(row + 1, 0)
     }
@@ -72,14 +72,13 @@ impl Chart {
         (self.rows - 1, self.cols - 1)
     }
 
-    /// Returns whether a place, given as fractional row and column, lies on the chart.
+    /// Returns whether a place lies on the grid: x is its fractional row, y its column.
     pub(crate) fn holds(self, at: DVec2) -> bool {
         let (last_row, last_col) = self.last();
         (0.0..=last_row as f64).contains(&at.x) && (0.0..=last_col as f64).contains(&at.y)
     }
 
-    /// Returns the grid point at a row and column, which may lie beyond the border. The result is `None`
-    /// where the chart has no point.
+    /// Returns the grid point at a row and column, or `None` if these lie off the grid.
     #[inline]
     pub(crate) fn at(self, row: isize, col: isize) -> Option<(usize, usize)> {
         let (row, col) = (usize::try_from(row).ok()?, usize::try_from(col).ok()?);
@@ -91,7 +90,8 @@ impl Chart {
         self.along((row, col), to, 1)
     }
 
-    /// Returns the grid point `steps` steps away from another one, in the direction `to`.
+    /// Returns the grid point `steps` steps away from another one, in the direction `to`. Negative steps lead the other
+    /// way. Returns `None` off the grid.
     pub(crate) fn along(
         self,
         (row, col): (usize, usize),
@@ -102,7 +102,7 @@ impl Chart {
         self.at(row as isize + steps * down, col as isize + steps * right)
     }
 
-    /// Returns the points of a line, beginning with `from`.
+    /// Returns the points from `from` in the direction `to`, up to the end of the grid.
     pub(crate) fn walk(
         self,
         from: (usize, usize),

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::super::seams::Rim;
 use super::super::{Geometry, GluingError, GridSide, MetricTensor, Seam, Surface};
 
-/// The way in which sides of a grid continue each other.
+/// Sides of a grid that continue at one another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Layout {
     /// The last column continues in the first one: a tube.
@@ -20,8 +20,8 @@ pub enum Layout {
     FlippedRows,
     /// Rows are latitudes from pole to pole, and the last column continues in the first one.
     Globe,
-    /// Six square faces of a cube, which have their values at the middles of texels: in 2 x 3, 3 x 2, 1 x 6 or 6 x 1, or as
-    /// a cross in 3 x 4 or 4 x 3 among holes. They lie side by side, or with a line between them, whose values are not used.
+    /// Six square faces of a cube, with values at the middles of texels. They form 2 x 3, 3 x 2, 1 x 6 or 6 x 1 faces,
+    /// or a cross in 3 x 4 or 4 x 3 with holes around it. Faces adjoin, or one line of unused values separates them.
     /// Positions tell which sides meet, and in which order.
     Cube,
 }
@@ -29,12 +29,13 @@ pub enum Layout {
 const COLUMNS: [GridSide; 2] = [GridSide::FirstColumn, GridSide::LastColumn];
 const ROWS: [GridSide; 2] = [GridSide::FirstRow, GridSide::LastRow];
 
-/// Range of the ratio of the radii of two rows around a pole. It is 3 where the pole lies half a row beyond, and 2 where it
-/// lies a row beyond.
+/// Accepted ratios of the radius of the second row to that of the first, counted from a pole that the grid lacks. On
+/// even grids the ratio is 3 if the pole is half a row beyond the first row, and 2 if it is a whole row.
 const RATIOS: std::ops::Range<f64> = 1.5..4.5;
 
 impl Layout {
-    /// Returns the seams of a surface, with those whose line its grid lacks, or `None` for the faces of a cube.
+    /// Returns the seams of a surface: `Sides` and `Pole` where the grid has the line of the seam, `Neighbours` and
+    /// `Ring` where it lacks it. Returns `None` for the faces of a cube.
     pub(super) fn seams(self, surface: &Surface) -> Result<Option<Vec<Seam>>, GluingError> {
         let continued = |sides, reversed| continued(surface, sides, reversed);
         Ok(Some(match self {
@@ -52,7 +53,7 @@ impl Layout {
     }
 }
 
-/// Returns the seam between two opposite sides.
+/// Returns the seam between two opposite sides: `Sides` if both are the same line, else `Neighbours`.
 fn continued(surface: &Surface, sides: [GridSide; 2], reversed: bool) -> Result<Seam, GluingError> {
     let (rows, cols) = (surface.rows(), surface.cols());
     if rows.min(cols) < 2 {
@@ -79,7 +80,7 @@ fn continued(surface: &Surface, sides: [GridSide; 2], reversed: bool) -> Result<
     })
 }
 
-/// Returns the pairs of points, by their indices, of which both are present.
+/// Returns the indices of points of the two sides that lie opposite each other, where both are present.
 fn pairs(surface: &Surface, sides: [GridSide; 2], reversed: bool) -> Vec<[usize; 2]> {
     let chart = surface.chart();
     let [first, mut last] = sides
@@ -91,7 +92,7 @@ fn pairs(surface: &Surface, sides: [GridSide; 2], reversed: bool) -> Vec<[usize;
     pairs.filter(|pair| pair.iter().all(|&index| surface.present()[index])).collect()
 }
 
-/// Returns whether two sides have equal numbers.
+/// Returns whether `numbers` agrees at all pairs of points of two sides.
 fn equal(
     surface: &Surface,
     sides: [GridSide; 2],
@@ -126,7 +127,7 @@ pub(super) fn mean(lengths: impl Iterator<Item = f64>) -> f64 {
     sum / f64::from(count)
 }
 
-/// Returns the seam of a row that is a pole or surrounds one.
+/// Returns the seam of the first or last row: `Pole` if it is one, `Ring` if it surrounds one.
 fn pole(surface: &Surface, side: GridSide) -> Result<Seam, GluingError> {
     if !surface.geometry().is_in_space() {
         return Err(GluingError::NoPositions { what: "a pole" });

@@ -6,9 +6,10 @@ use std::sync::OnceLock;
 
 use crate::surface::real::Real;
 
-/// The parts of all obtuse triangles, by the side of their point on which they lie. They are computed when
-/// several maps, or few triangles, make it worth their memory. `None` inside means that there are none, or
-/// too many to store.
+/// The parts of all obtuse triangles, by the side of their point on which they lie. They are computed for calls that
+/// solve several maps. For a single map they are computed if at most a quarter of the points have obtuse triangles, or
+/// once the map has taken more than a few iterations. `None` in the lock: there are no such triangles, or too many to
+/// store.
 #[derive(Clone, Debug)]
 pub(in crate::surface) struct Parts<R>(pub(super) OnceLock<Option<[SideParts<R>; 4]>>);
 
@@ -29,11 +30,11 @@ impl<R: Real> Parts<R> {
 /// The obtuse triangles on one side of their points, with their parts. On each side a point has two
 /// triangles, which share the edge to the neighbour there.
 ///
-/// Triangles are sorted by their points: line by line, and along lines. Lines are rows where that neighbour
-/// lies in another row, else columns. Lines and places in them are counted from the border.
+/// Triangles are sorted by their points: line by line, and along lines. Lines are rows where that neighbour lies in
+/// another row, else columns. Index 0 of lines, and of places in a line, is the border.
 #[derive(Clone, Debug)]
 pub(crate) struct SideParts<R> {
-    /// [`LINES`] lines each.
+    /// Bands of [`LINES`] lines; the last may have fewer.
     pub(super) bands: Vec<Band<R>>,
 }
 
@@ -43,11 +44,13 @@ pub(super) const LINES: usize = 16;
 /// The obtuse triangles of adjacent lines.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Band<R> {
-    /// Start of each line's triangles, and their end; empty if there are none.
+    /// Index of the first triangle of each line of the band, then the number of all its triangles. Empty if no point of
+    /// the band has an obtuse triangle.
     pub(super) starts: Vec<u32>,
     pub(super) triangles: Vec<Triangle>,
     pub(super) parts: Vec<Stored<R>>,
-    /// Slowness at x0, x1 and x2, by which the lengths are weighted. Empty if there is none.
+    /// For each part, the slowness that counts at x0, x1 and x2. Its lengths are distances times the mean slowness of
+    /// their ends. Empty on surfaces without a slowness.
     pub(super) slowness: Vec<[R; 3]>,
 }
 
@@ -56,7 +59,7 @@ pub(super) struct Band<R> {
 pub(super) struct Triangle {
     /// Place of the point in its line.
     pub(super) place: u32,
-    /// End of its parts, which begin where those of the triangle before end. There may be none.
+    /// Index after its last part. Its first part follows those of the triangle before. A triangle may have no part.
     pub(super) end: u32,
 }
 
@@ -74,7 +77,7 @@ pub(crate) struct Part<R> {
     pub corners: [usize; 2],
     /// Lengths of x0 x1, x0 x2 and x1 x2.
     pub lengths: [R; 3],
-    /// Slowness at x0, x1 and x2; 1 if there is none.
+    /// Slowness that counts at x0, x1 and x2, which the lengths include; 1 on surfaces without a slowness.
     pub slowness: [R; 3],
 }
 
@@ -110,7 +113,7 @@ impl<'a, R: Real> SplitTriangles<'a, R> {
 }
 
 impl<R: Real> SideParts<R> {
-    /// Returns the obtuse triangles whose points lie in part of a line.
+    /// Returns the obtuse triangles of the points of a line whose places lie in `range`.
     #[inline]
     pub(crate) fn within(&self, line: usize, range: Range<usize>) -> SplitTriangles<'_, R> {
         let band = &self.bands[line / LINES];

@@ -5,7 +5,7 @@ use std::fmt;
 
 use ash::{ext, vk};
 
-/// Functions of `VK_EXT_debug_utils`, where the host has enabled it.
+/// Functions of `VK_EXT_debug_utils`. Exists only if the instance has enabled it.
 #[derive(Clone)]
 pub(crate) struct Labels(ext::debug_utils::Device);
 
@@ -21,6 +21,7 @@ impl Labels {
         Self(ext::debug_utils::Device::new(instance, device))
     }
 
+    /// Begins a label, under which tools show the commands up to [`Self::close`].
     pub(crate) fn open(&self, commands: vk::CommandBuffer, label: &CStr) {
         let label = vk::DebugUtilsLabelEXT::default().label_name(label);
         // SAFETY: the command buffer is being recorded on this device.
@@ -38,18 +39,18 @@ impl Labels {
         Group { labels: self, commands }
     }
 
-    /// Names an object. Names serve people only, so that a failure is not an error.
+    /// Names an object. Names are only for people who debug, so failures are ignored.
     pub(crate) fn name(&self, object: impl vk::Handle, name: &str) {
         let text: Vec<u8> = name.bytes().chain([0]).collect();
         let Ok(text) = CStr::from_bytes_with_nul(&text) else { return };
         let info =
             vk::DebugUtilsObjectNameInfoEXT::default().object_handle(object).object_name(text);
-        // SAFETY: the object is of this device.
+        // SAFETY: the object belongs to this device.
         let _ = unsafe { self.0.set_debug_utils_object_name(&info) };
     }
 }
 
-/// Passes under a common label.
+/// A label that is open until this value is dropped.
 #[must_use]
 pub(crate) struct Group<'a> {
     labels: &'a Labels,

@@ -2,32 +2,34 @@
 
 use ash::vk;
 
-/// Division of the points of a line of a tile among invocations. All divisions lead to the same map.
+/// Number of points of a tile's line that each invocation of a workgroup updates. The map is the same, up to the
+/// device's rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TileLanes {
-    /// Two neighbouring points for each invocation. On CPUs a barrier costs time for each invocation.
+    /// Two neighbouring points for each invocation. Best on CPUs, where a barrier costs time for each invocation.
     Pairs,
-    /// One point for each invocation. Neighbours see each other's results in shared memory.
+    /// One point for each invocation. Neighbours pass their results through shared memory.
     Points,
-    /// One point for each invocation. Neighbours see each other's results in registers. The device must
-    /// shuffle within subgroups.
+    /// One point for each invocation. Neighbours pass their results by shuffles within a subgroup, and through shared
+    /// memory between subgroups. The device must be able to shuffle within subgroups.
     Shuffled,
 }
 
 impl TileLanes {
-    /// Returns the number of invocations for each point of a side of a tile, of all four scans together.
+    /// Returns the size of a workgroup divided by the number of points on a side of the tile. Four scans run at once,
+    /// each with invocations of its own.
     pub(in crate::vulkan) fn invocations(self) -> u32 {
         if self == Self::Pairs { 2 } else { 4 }
     }
 
-    /// Returns what suits a device that is no CPU.
+    /// Returns the choice for GPUs. `shuffles` is the result of the function [`shuffles`].
     pub(in crate::vulkan) fn of_gpu(shuffles: bool) -> Self {
         if shuffles { Self::Shuffled } else { Self::Points }
     }
 }
 
-/// Returns whether compute shaders of a device may use what `glsl/passes/tiles_shuffled.comp` uses of
-/// subgroups. The instance must be for Vulkan 1.1 or later.
+/// Returns whether a device has, in compute shaders, the subgroup operations of `glsl/passes/tiles_shuffled.comp`:
+/// basic ones and relative shuffles. The instance must be for Vulkan 1.1 or later.
 pub(in crate::vulkan) fn shuffles(
     instance: &ash::Instance,
     physical_device: vk::PhysicalDevice,

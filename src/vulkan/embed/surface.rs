@@ -462,6 +462,7 @@ impl FrameSurface {
         2 * is_glued + measured + 1 + 2 * copies * sources.div_ceil(SOURCES_TOGETHER) + 3 + 5
     }
 
+    /// Returns an error if there is no such slot. Whether the slot is in flight is checked by `Recording::check_slot`.
     pub(super) fn check_slot(&self, slot: usize) -> Result<(), VulkanError> {
         self.result(slot, vk::ImageLayout::UNDEFINED).map(drop)
     }

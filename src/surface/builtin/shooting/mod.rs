@@ -1,15 +1,15 @@
 //! Computes distances by shooting geodesics, for surfaces that have no closed form.
 //!
-//! This is independent of the solvers, and of the grid except for the places that are asked for. Geodesics
-//! leave the source in all directions. They are solutions of their differential equation, whose coefficients
-//! are exact derivatives of the parametrisation. Between neighbouring geodesics, (u, v) is a polynomial in
-//! angle and length, which is split until it is accurate. For each grid point Newton's method finds the angle
-//! and the length at which geodesics arrive. The distance is the length of the shortest one.
+//! This is independent of the solvers, and of the grid except for the places that are asked for. Geodesics leave the
+//! source in all directions. They are solutions of their differential equation, whose coefficients are exact
+//! derivatives of the parametrisation. Over an arc of directions and a step of length, (u, v) is a polynomial in angle
+//! and length. Steps and arcs are halved until it is accurate. For each grid point Newton's method finds the angle and
+//! the length at which geodesics arrive. The distance is the length of the shortest one.
 //!
-//! The result is the distance within the patch, and a geodesic ends where it leaves the patch. Where the
-//! patch's border is bent inwards, the shortest path may run along the border, which is not a geodesic. But
-//! it is longer than a path that may cross the border there. Therefore geodesics are followed a little beyond
-//! the border, and where the shortest one has been outside, the distance is not known.
+//! The result is the distance within the patch: geodesics that leave it do not count. Where the patch's border is bent
+//! inwards, the shortest path may run along the border, which is not a geodesic. A geodesic that crosses the border
+//! there is shorter than that path. So geodesics are followed a little beyond the border. Where the shortest one found
+//! has been outside, the distance is not known.
 
 mod arrivals;
 mod bounds;
@@ -31,7 +31,7 @@ use ray::Position;
 
 /// Maximum number of halvings of an arc. Points that only a finer arc would reach remain unknown.
 const MOST_HALVINGS: u32 = 24;
-/// Accuracy of (u, v) on all rays, where the patch's width is 1.
+/// Largest estimated error of (u, v) on a ray. Both run from 0 to 1 over the patch.
 const TOLERANCE: f64 = 1e-10;
 
 /// Returns the distances from a place (u, v) to the points of a grid over the unit square, row-major, within
@@ -56,7 +56,8 @@ impl<P: Position> Fan<P> {
         arrivals.distances()
     }
 
-    /// Enters the rays of an arc of directions.
+    /// Notes the points that the rays of an arc reach. Halves the arc if polynomials across it cannot represent its
+    /// rays.
     fn fill(&self, arc: [f64; 2], halvings: u32, arrivals: &Arrivals) {
         if let Some(panel) = Panel::shoot(self, arc) {
             panel.arrive(arrivals);
@@ -89,7 +90,7 @@ mod tests {
         builtin.exact_distances(points, points, from).unwrap()
     }
 
-    /// Returns the largest relative difference. NaN in one of both only counts as infinite.
+    /// Returns the largest relative difference. The difference is infinite where only one of both is NaN.
     fn difference(a: &[f64], b: &[f64]) -> f64 {
         let of_pair = |(a, b): (&f64, &f64)| match (a.is_nan(), b.is_nan()) {
             (false, false) => (a - b).abs() / b.max(f64::MIN_POSITIVE),
@@ -101,7 +102,7 @@ mod tests {
 
     #[test]
     fn closed_forms_are_met() {
-        // Measured: 8e-11 on the sphere, rounding on surfaces that unroll to parallel lines.
+        // Measured: 8e-11 on the sphere, only rounding on the surfaces that unroll into a plane.
         let sheared = Builtin::ShearedPlane { degrees: 60.0 };
         for builtin in [Builtin::Plane, sheared, Builtin::Sphere, Builtin::Cylinder] {
             let difference = difference(&shot(builtin, 97, TOLERANCE), &exact(builtin, 97));
