@@ -17,6 +17,7 @@ mod rust;
 mod variants;
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::{env, fs};
 
 use interface::Interface;
@@ -51,14 +52,21 @@ fn main() {
         );
     }
     remove_modules(&out);
+    let passes: Vec<_> = (sources.iter())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "comp"))
+        .map(|path| (path, path.file_stem().expect("a source is a file").to_string_lossy()))
+        .collect();
+    let compiled = in_parallel(&passes, |(source, stem)| {
+        let module =
+            |module: &variants::Module| spirv(source, module.wavefront, &committed(&module.name));
+        variants::modules_of(stem).iter().map(module).collect::<Vec<_>>()
+    });
     let (mut shaders, mut modules) = (Vec::new(), Vec::new());
-    for source in sources.iter().filter(|path| path.extension().is_some_and(|e| e == "comp")) {
-        let stem = source.file_stem().expect("a source is a file").to_string_lossy().into_owned();
+    for ((source, stem), compiled) in passes.iter().zip(compiled) {
         let mut interface = Interface::default();
         let mut names = Vec::new();
-        for module in variants::modules_of(&stem) {
+        for (module, spirv) in variants::modules_of(stem).into_iter().zip(compiled) {
             let name = format!("{}.spv", module.name);
-            let spirv = spirv(source, module.wavefront, &Path::new(COMMITTED).join(&name));
             let of_module = Interface::of(&spirv)
                 .unwrap_or_else(|reason| panic!("{}: {reason}", source.display()));
             interface.add(of_module);
@@ -69,7 +77,7 @@ fn main() {
             names.push(module.name);
             modules.push((name, spirv));
         }
-        shaders.push(rust::Shader { name: stem, modules: names, interface });
+        shaders.push(rust::Shader { name: stem.to_string(), modules: names, interface });
     }
     let of_modules = fingerprint(modules);
     if !cfg!(feature = "shaderc") {
@@ -82,6 +90,30 @@ fn main() {
         write(Path::new(OF_SOURCES), of_sources.as_bytes());
         write(Path::new(OF_MODULES), of_modules.as_bytes());
     }
+}
+
+/// Returns the path of a committed module.
+fn committed(name: &str) -> PathBuf {
+    Path::new(COMMITTED).join(format!("{name}.spv"))
+}
+
+/// Applies a function to all items on all processors, since glslang takes a second or more for each shader.
+fn in_parallel<T: Sync, U: Send>(items: &[T], of: impl Fn(&T) -> U + Sync) -> Vec<U> {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let numbers = std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
+        let items = numbers.map_while(|number| Some((number, items.get(number)?)));
+        items.map(|(number, item)| (number, of(item))).collect::<Vec<_>>()
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut done: Vec<_> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        let done = workers.into_iter().map(|worker| worker.join());
+        done.flat_map(|done| done.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            .collect()
+    });
+    done.sort_by_key(|&(number, _)| number);
+    done.into_iter().map(|(_, result)| result).collect()
 }
 
 /// Removes the modules of an earlier build, which may have had others.
