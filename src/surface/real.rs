@@ -12,9 +12,9 @@ pub const SHORTEST_EDGE: f64 = 1e-12;
 /// [`FAR`].
 pub const LONGEST_EDGE: f64 = crate::constants::LONGEST_EDGE;
 
-/// A precision of the solvers: f32 for use, f64 for reference.
+/// A precision of the solvers: f32 for use, f64 for reference. There are no others.
 pub trait Real:
-    num_traits::Float + bytemuck::Pod + Default + Send + Sync + std::fmt::Debug
+    sealed::Precision + num_traits::Float + bytemuck::Pod + Default + Send + Sync + std::fmt::Debug
 {
     /// [`FAR`] in this precision.
     const FAR: Self;
@@ -41,6 +41,15 @@ pub trait Real:
 
     /// Widens to double precision.
     fn wide(self) -> f64;
+}
+
+mod sealed {
+    /// Keeps other crates from adding precisions.
+    pub trait Precision {}
+
+    impl Precision for f32 {}
+
+    impl Precision for f64 {}
 }
 
 impl Real for f32 {

@@ -1,5 +1,7 @@
 //! Solves by rotated raster scans in SIMD lanes, in the order that suits the grid.
 
+use std::any::Any;
+
 use super::order::Order;
 use super::patches::PatchScanner;
 use super::scanner::Scanner;
@@ -12,6 +14,53 @@ use crate::cpu::solution::{Solution, distances};
 use crate::surface::{Chart, EdgeLengths, FAR, Real, Seed};
 use crate::update::Wavefront;
 use crate::{Convergence, Monitor, Stop, Targets};
+
+/// Returns the scanner for the kind of front, as this crate has compiled it.
+///
+/// The compiler would generate the code of all kinds of fronts anew in each crate that calls a generic function which
+/// makes scanners. That takes one to two minutes.
+fn compiled_scanner<R: Real>(
+    edges: &EdgeLengths<R>,
+    wavefront: Wavefront,
+    order: Order,
+) -> Box<dyn Scans<R>> {
+    let edges: &dyn Any = edges;
+    let scanner: Box<dyn Any> = match (edges.downcast_ref(), edges.downcast_ref()) {
+        (Some(edges), _) => Box::new(scanner_in_single(edges, wavefront, order)),
+        (_, Some(edges)) => Box::new(scanner_in_double(edges, wavefront, order)),
+        _ => unreachable!("the precisions are f32 and f64"),
+    };
+    *scanner.downcast().expect("a scanner has the precision of its edges")
+}
+
+#[inline(never)]
+fn scanner_in_single(
+    edges: &EdgeLengths<f32>,
+    wavefront: Wavefront,
+    order: Order,
+) -> Box<dyn Scans<f32>> {
+    scanner(edges, wavefront, order)
+}
+
+#[inline(never)]
+fn scanner_in_double(
+    edges: &EdgeLengths<f64>,
+    wavefront: Wavefront,
+    order: Order,
+) -> Box<dyn Scans<f64>> {
+    scanner(edges, wavefront, order)
+}
+
+fn scanner<R: Real>(
+    edges: &EdgeLengths<R>,
+    wavefront: Wavefront,
+    order: Order,
+) -> Box<dyn Scans<R>> {
+    for_kind!(edges, wavefront, kind => match order.plan() {
+        Some(plan) => Box::new(PatchScanner::new(edges, kind, plan)),
+        None => Box::new(Scanner::new(edges, kind)),
+    })
+}
 
 /// Solves by the scans rotated by 45 degrees (figure 3, second row): down and up, then right and left. All
 /// points of a row or column are updated at once, in SIMD lanes; see [`RotatedScan`].
@@ -85,10 +134,7 @@ impl<R: Real> RotatedScan<R> {
     /// # Ok::<(), geosweep::surface::SurfaceError>(())
     /// ```
     pub fn in_order(edges: &EdgeLengths<R>, wavefront: Wavefront, order: Order) -> Self {
-        let scanner: Box<dyn Scans<R>> = for_kind!(edges, wavefront, kind => match order.plan() {
-            Some(plan) => Box::new(PatchScanner::new(edges, kind, plan)),
-            None => Box::new(Scanner::new(edges, kind)),
-        });
+        let scanner = compiled_scanner(edges, wavefront, order);
         let (edges, chart) = (edges.clone(), edges.chart());
         let end = f64::INFINITY;
         Self { edges, chart, radius: end, end, foreseen: 0, scanner }
