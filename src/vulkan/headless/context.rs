@@ -13,17 +13,18 @@ use crate::vulkan::device::{devices, requirements};
 use crate::vulkan::profile::{Capabilities, Capability, PassRecord, Profile};
 use crate::vulkan::{DeviceChoice, DeviceInfo, VulkanError};
 
-/// Device with one compute queue, an allocator and a command pool.
+/// Device with one compute queue and an allocator. Several threads may use it.
 pub(crate) struct Context {
     pub(crate) device: ash::Device,
     pub(crate) info: DeviceInfo,
     pub(crate) physical_device: vk::PhysicalDevice,
     /// Profiling capabilities, if the device was opened for profiling.
     pub(crate) capabilities: Option<Capabilities>,
-    queue: vk::Queue,
+    /// Number of the queue's family.
+    family: u32,
+    /// Vulkan lets one thread submit to a queue at a time.
+    queue: Mutex<vk::Queue>,
     allocator: ManuallyDrop<Mutex<Allocator>>,
-    pool: vk::CommandPool,
-    fence: vk::Fence,
     // Fields are dropped after `drop` has destroyed the device, so the instance outlives it.
     pub(crate) instance: Instance,
 }
@@ -91,27 +92,8 @@ impl Context {
         };
         // SAFETY: the family's first queue was created with the device.
         let queue = unsafe { device.get_device_queue(family, 0) };
-        let mut new = Self {
-            device,
-            info,
-            physical_device,
-            capabilities,
-            queue,
-            allocator,
-            pool: vk::CommandPool::null(),
-            fence: vk::Fence::null(),
-            instance,
-        };
-        let pool = vk::CommandPoolCreateInfo::default()
-            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER)
-            .queue_family_index(family);
-        // SAFETY: the device was created with this queue family.
-        new.pool = unsafe { new.device.create_command_pool(&pool, None) }
-            .map_err(VulkanError::from_call("vkCreateCommandPool"))?;
-        // SAFETY: nothing is borrowed beyond the call.
-        new.fence = unsafe { new.device.create_fence(&vk::FenceCreateInfo::default(), None) }
-            .map_err(VulkanError::from_call("vkCreateFence"))?;
-        Ok(new)
+        let queue = Mutex::new(queue);
+        Ok(Self { device, info, physical_device, capabilities, family, queue, allocator, instance })
     }
 
     pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {
@@ -141,8 +123,6 @@ impl Drop for Context {
         // the context. The allocator is not used after it is dropped.
         unsafe {
             let _ = self.device.device_wait_idle();
-            self.device.destroy_fence(self.fence, None);
-            self.device.destroy_command_pool(self.pool, None);
             ManuallyDrop::drop(&mut self.allocator);
             self.device.destroy_device(None);
         }
@@ -203,9 +183,14 @@ impl Submitter for Unwatched {
 
 /// Command buffer that can be recorded again. A recording of one made by `new` is submitted once, of one made by `kept`
 /// any number of times, each after the last has ended.
+///
+/// It has a pool and a fence of its own: Vulkan lets one thread use a pool at a time, and command buffers of one device
+/// may be recorded and dropped on several.
 pub(crate) struct CommandBuffer {
     context: Arc<Context>,
+    pool: vk::CommandPool,
     buffer: vk::CommandBuffer,
+    fence: vk::Fence,
     usage: vk::CommandBufferUsageFlags,
 }
 
@@ -224,14 +209,27 @@ impl CommandBuffer {
         context: &Arc<Context>,
         usage: vk::CommandBufferUsageFlags,
     ) -> Result<Self, VulkanError> {
+        let (pool, buffer, fence) = Default::default();
+        let mut new = Self { context: Arc::clone(context), pool, buffer, fence, usage };
+        let device = &context.device;
+        let pool = vk::CommandPoolCreateInfo::default()
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER)
+            .queue_family_index(context.family);
+        // SAFETY: the device was created with this queue family.
+        new.pool = unsafe { device.create_command_pool(&pool, None) }
+            .map_err(VulkanError::from_call("vkCreateCommandPool"))?;
         let info = vk::CommandBufferAllocateInfo::default()
-            .command_pool(context.pool)
+            .command_pool(new.pool)
             .level(vk::CommandBufferLevel::PRIMARY)
             .command_buffer_count(1);
-        // SAFETY: the pool is alive and used by one thread at a time, since it is not shared.
-        let buffers = unsafe { context.device.allocate_command_buffers(&info) }
+        // SAFETY: the pool is new, and no other thread knows it.
+        let buffers = unsafe { device.allocate_command_buffers(&info) }
             .map_err(VulkanError::from_call("vkAllocateCommandBuffers"))?;
-        Ok(Self { context: Arc::clone(context), buffer: buffers[0], usage })
+        new.buffer = buffers[0];
+        // SAFETY: nothing is borrowed beyond the call.
+        new.fence = unsafe { device.create_fence(&vk::FenceCreateInfo::default(), None) }
+            .map_err(VulkanError::from_call("vkCreateFence"))?;
+        Ok(new)
     }
 
     /// Records the command buffer. Its earlier contents are replaced.
@@ -251,22 +249,23 @@ impl CommandBuffer {
     }
 
     pub(crate) fn submit_and_wait(&self) -> Result<(), VulkanError> {
-        self.submit(self.context.fence)?;
-        self.wait(self.context.fence)
+        self.submit()?;
+        self.wait()
     }
 
-    fn submit(&self, fence: vk::Fence) -> Result<(), VulkanError> {
+    fn submit(&self) -> Result<(), VulkanError> {
         let Context { device, queue, .. } = &*self.context;
         let buffers = [self.buffer];
         let submit = vk::SubmitInfo::default().command_buffers(&buffers);
-        // SAFETY: the buffer is recorded and not pending, and the fence is unsignalled.
-        unsafe { device.queue_submit(*queue, &[submit], fence) }
+        let queue = queue.lock().unwrap_or_else(PoisonError::into_inner);
+        // SAFETY: the buffer is recorded and not pending, the fence is unsignalled, and the queue is locked.
+        unsafe { device.queue_submit(*queue, &[submit], self.fence) }
             .map_err(VulkanError::from_call("vkQueueSubmit"))
     }
 
     /// Waits for the fence of a submission, and resets it.
-    fn wait(&self, fence: vk::Fence) -> Result<(), VulkanError> {
-        let device = &self.context.device;
+    fn wait(&self) -> Result<(), VulkanError> {
+        let (device, fence) = (&self.context.device, self.fence);
         // SAFETY: the fence was submitted.
         unsafe { device.wait_for_fences(&[fence], true, u64::MAX) }
             .map_err(VulkanError::from_call("vkWaitForFences"))?;
@@ -275,26 +274,33 @@ impl CommandBuffer {
     }
 }
 
-/// Command buffer with a fence of its own, which the device may run while the program does other work.
+impl Drop for CommandBuffer {
+    fn drop(&mut self) {
+        let device = &self.context.device;
+        // SAFETY: submissions have been waited for; after a lost device nothing is pending. The pool frees its command
+        // buffer; null handles are allowed.
+        unsafe {
+            device.destroy_fence(self.fence, None);
+            device.destroy_command_pool(self.pool, None);
+        }
+    }
+}
+
+/// Command buffer that the device may run while the program does other work.
 pub(crate) struct Flight {
     /// It must be recorded only after [`Flight::wait`].
     pub(crate) commands: CommandBuffer,
-    fence: vk::Fence,
     is_pending: bool,
 }
 
 impl Flight {
     pub(crate) fn new(context: &Arc<Context>) -> Result<Self, VulkanError> {
-        let commands = CommandBuffer::new(context)?;
-        // SAFETY: nothing is borrowed beyond the call.
-        let fence = unsafe { context.device.create_fence(&vk::FenceCreateInfo::default(), None) }
-            .map_err(VulkanError::from_call("vkCreateFence"))?;
-        Ok(Self { commands, fence, is_pending: false })
+        Ok(Self { commands: CommandBuffer::new(context)?, is_pending: false })
     }
 
     /// Submits the recorded commands. The caller has waited for the last submission.
     fn start(&mut self) -> Result<(), VulkanError> {
-        self.commands.submit(self.fence)?;
+        self.commands.submit()?;
         self.is_pending = true;
         Ok(())
     }
@@ -302,7 +308,7 @@ impl Flight {
     /// Waits for the last submission, if the device may still run it.
     pub(crate) fn wait(&mut self) -> Result<(), VulkanError> {
         match std::mem::take(&mut self.is_pending) {
-            true => self.commands.wait(self.fence),
+            true => self.commands.wait(),
             false => Ok(()),
         }
     }
@@ -312,14 +318,5 @@ impl Drop for Flight {
     fn drop(&mut self) {
         // If waiting fails since the device is lost, nothing is pending.
         let _ = self.wait();
-        // SAFETY: nothing uses the fence any more.
-        unsafe { self.commands.context.device.destroy_fence(self.fence, None) };
-    }
-}
-
-impl Drop for CommandBuffer {
-    fn drop(&mut self) {
-        // SAFETY: submissions have been waited for; after a lost device nothing is pending.
-        unsafe { self.context.device.free_command_buffers(self.context.pool, &[self.buffer]) };
     }
 }
