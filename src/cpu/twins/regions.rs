@@ -12,6 +12,9 @@ use crate::update::{Kept, Setting, Wavefront, base_crossing};
 /// A column and a row.
 type Place = [f32; 2];
 
+/// Arrival time of a seed's own front, and its label, at a point that has a seed.
+type Start = Option<(f32, u32)>;
+
 /// The region of a point, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Link {
@@ -81,8 +84,8 @@ fn rounds(chart: Chart, jumps: u32) -> u32 {
 }
 
 /// Returns the earliest seed of each point, and the smallest label among equally early ones.
-fn starts(chart: Chart, seeds: &[(Seed, u32)]) -> Vec<Option<(f32, u32)>> {
-    let mut starts: Vec<Option<(f32, u32)>> = vec![None; chart.points()];
+fn starts(chart: Chart, seeds: &[(Seed, u32)]) -> Vec<Start> {
+    let mut starts: Vec<Start> = vec![None; chart.points()];
     for (seed, label) in seeds {
         let start = (seed.time as f32, *label);
         let first = starts[chart.index(seed.row, seed.col)].get_or_insert(start);
@@ -105,7 +108,7 @@ fn copies(edges: &EdgeLengths<f32>) -> Vec<Vec<usize>> {
 }
 
 /// Gives all copies of a point the earliest of their starts.
-fn share_starts(copies: &[Vec<usize>], starts: &mut [Option<(f32, u32)>]) {
+fn share_starts(copies: &[Vec<usize>], starts: &mut [Start]) {
     for group in copies {
         let of_group = group.iter().filter_map(|&copy| starts[copy]);
         let first = of_group.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -128,7 +131,7 @@ fn begin<K: TriangleKind<f32>>(
     fronts: &PointFronts<f32, K>,
     triangles: &[TriangleSlots; 8],
     wavefront: Wavefront,
-    (starts, first_copies): (&[Option<(f32, u32)>], &[usize]),
+    (starts, first_copies): (&[Start], &[usize]),
     index: usize,
 ) -> (f32, Link, Place) {
     let (row, col) = chart.position(index);
