@@ -41,9 +41,15 @@ def test_a_globe_at_the_middles_of_cells_is_whole(half: float, down: bool) -> No
         assert np.abs(found - exact).mean() < 1e-4
 
 
+def without_a_repeated_column(rows: int, cols: int) -> gs.Surface:
+    """Return a plane whose first and last column are not the same line, as their heights tell."""
+    heights = np.zeros((rows, cols))
+    heights[0, -1] = 1e-9
+    return gs.Surface.from_heights(heights)
+
+
 def test_heights_and_colours_go_round() -> None:
-    heights = np.zeros((20, 36))
-    given = gs.Surface.from_heights(heights)
+    given = without_a_repeated_column(20, 36)
     grid = gs.CompletedGrid(given, "columns")
     tube = grid.complete(given)
     d = grid.crop(tube.solve((10, 35)).distance)
@@ -57,7 +63,7 @@ def test_heights_and_colours_go_round() -> None:
 
 
 def test_a_completed_surface_survives_pickling() -> None:
-    given = gs.Surface.from_heights(np.zeros((9, 12)))
+    given = without_a_repeated_column(9, 12)
     tube = gs.CompletedGrid(given, "columns").complete(given)
     again = pickle.loads(pickle.dumps(tube))
     assert again.is_glued
@@ -65,7 +71,7 @@ def test_a_completed_surface_survives_pickling() -> None:
 
 
 def test_mistakes_are_named() -> None:
-    given = gs.Surface.from_heights(np.zeros((9, 12)))
+    given = without_a_repeated_column(9, 12)
     with pytest.raises(ValueError, match="layout='tube' is unknown"):
         gs.CompletedGrid(given, "tube")  # type: ignore[arg-type]
     grid = gs.CompletedGrid(given, "columns")
