@@ -36,7 +36,7 @@ pub(in crate::cpu) const FEW_ITERATIONS: u32 = 3;
 impl<R: Real, K: LaneKind<R>> Prepared<R, K> {
     pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, kind: K) -> Self {
         if K::NEEDS_EDGES {
-            // They are stored now. Otherwise a scan would store them, while its other threads wait.
+            // A scan would store the parts of obtuse triangles otherwise, while its other threads wait.
             edges.store_few_parts();
         }
         let chart = edges.chart();

@@ -255,7 +255,7 @@ impl WayImage {
         let passes = WayPasses { recording, of: self, set, push };
         for turn in [0, 1] {
             let bytes = size_of::<PointSource>() as u64 * u64::from(count);
-            // How many points around them are accessed depends on their places, and is not counted.
+            // The number of points accessed around them depends on their places, and is not counted.
             let work = Work { bytes_read: Some(bytes), ..Work::default() };
             passes.run(starts, [count, 1], Push { turn, ..push }, work);
             passes.share_starts(1 - turn as u64);

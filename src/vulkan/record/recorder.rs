@@ -108,7 +108,7 @@ impl<'a> Recorder<'a> {
         constants: &P,
         groups: u32,
     ) {
-        // How many words are accessed depends on the gluing, and is not counted.
+        // The number of words accessed depends on the gluing, and is not counted.
         let _pass = self.pass_with(dispatched(kind, [groups, 1]));
         self.map_pass(pipeline, set, constants, [groups, 1]);
     }

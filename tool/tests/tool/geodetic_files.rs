@@ -1,4 +1,4 @@
-//! What files say of grids on the Earth: where they lie, in which unit and by which system.
+//! Files of grids on the Earth: the places, units and coordinate systems that they state.
 
 use std::io::Cursor;
 
