@@ -160,7 +160,8 @@ class DistanceMap:
         ----------
         inside
             Mask (M, N) that is true inside. By default the inside is to the left of the sources,
-            which must be closed lines, as seen with rows downwards.
+            which must be closed lines, as seen with rows downwards. On a glued surface lines may
+            pass seams, and must divide the surface.
 
         Returns
         -------

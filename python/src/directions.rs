@@ -88,7 +88,7 @@ pub fn signed<'py>(
         ($distances:expr) => {{
             let found = work::detached(py, || match &inside {
                 Some(inside) => signed_distances_by_mask(chart, $distances, inside),
-                None => signed_distances(chart, &map.sources, $distances),
+                None => signed_distances(&map.on.surface, &map.sources, $distances),
             })?;
             arrays::handed_over(py, shape, found.map_err(errors::value)?)?.into_any()
         }};

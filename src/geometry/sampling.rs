@@ -91,6 +91,8 @@ pub struct FarthestPoints<'a> {
     /// The smallest initial value. The times of the solver are relative to it.
     start: f64,
     stop: Stop,
+    /// Whether each point may become a sample; `None` stands for all points that are present.
+    candidates: Option<Vec<bool>>,
 }
 
 impl<'a> FarthestPoints<'a> {
@@ -119,13 +121,30 @@ impl<'a> FarthestPoints<'a> {
         let seeds = wavefront.seeds(surface, seeds);
         let mut solver = RotatedScan::new(edges, wavefront);
         solver.solve(&seeds, stop);
-        Ok(Self { surface, solver, sources: first.clone(), start, stop })
+        Ok(Self { surface, solver, sources: first.clone(), start, stop, candidates: None })
+    }
+
+    /// Takes samples only from the points for which `candidates`, row-major, is true. On a grid that was completed
+    /// ([`crate::surface::CompletedGrid`]), samples can so be kept to the given points. The covering radius is then
+    /// that of the candidates.
+    ///
+    /// # Panics
+    /// If there is not one value for each grid point.
+    #[must_use]
+    pub fn among(mut self, candidates: &[bool]) -> Self {
+        let present = self.surface.present();
+        assert_eq!(candidates.len(), present.len(), "a value for each grid point");
+        let both =
+            candidates.iter().zip(present).map(|(candidate, present)| *candidate && *present);
+        self.candidates = Some(both.collect());
+        self
     }
 
     /// Returns the farthest point, which becomes the next sample. If some points are not reached, the first
     /// of them is returned. Returns `None` if every point coincides with a sample.
     pub fn farthest(&self) -> Option<Farthest> {
-        let (chart, present) = (self.surface.chart(), self.surface.present());
+        let chart = self.surface.chart();
+        let present = self.candidates.as_deref().unwrap_or_else(|| self.surface.present());
         let times = |row: usize| self.solver.row(row);
         let unreached = |row: usize| {
             let mut points = times(row).iter().zip(&present[chart.row(row)]);

@@ -11,6 +11,7 @@ mod closed_estimate;
 mod closed_offset;
 mod closed_regions;
 mod closed_ridges;
+mod closed_signed;
 mod closed_sources;
 mod closed_steep;
 #[path = "../common/mod.rs"]

@@ -1,17 +1,26 @@
 //! Gives distances from closed curves a sign: positive outside.
 //!
 //! The inside is where the curves wind around a point. The winding number is computed in the chart: along a
-//! row it changes where a curve crosses the row.
+//! row it changes where a curve crosses the row. Curves on a glued surface may pass seams, and need not surround
+//! anything in the chart. There a point lies inside if its way meets the left side of the nearest curve.
 
 use glam::DVec2;
 use rayon::prelude::*;
 
-use crate::surface::{Chart, Real, Source, Sources};
+use crate::geometry::MapError;
+use crate::geometry::offset::Sides;
+use crate::surface::{Chart, EdgeLengths, Real, Source, Sources, Surface, SurfaceError};
 
 /// The reason why distances have no sign.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SignError {
+    /// The surface has no edges.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// The map does not belong to the surface and the sources.
+    #[error(transparent)]
+    Map(#[from] MapError),
     /// The number of distances or of entries of the mask differs from the number of grid points.
     #[error("{found} {what} do not fill a grid of {rows} x {cols} points")]
     Shape {
@@ -53,6 +62,16 @@ pub enum SignError {
         /// The index of the second source.
         second: usize,
     },
+    /// The curves do not divide a glued surface into an inside and an outside.
+    #[error(
+        "the curves do not divide the surface: their left and their right sides meet near row {row}, column {col}; reverse a curve, add one, or give a mask of the inside"
+    )]
+    Undivided {
+        /// The row of a grid point beside which both sides meet.
+        row: usize,
+        /// The column of the point.
+        col: usize,
+    },
 }
 
 /// Returns the distances from closed curves with a sign, row-major: positive outside, negative inside.
@@ -63,9 +82,12 @@ pub enum SignError {
 /// runs counter-clockwise surrounds its inside. A clockwise curve within it is the border of a hole; a
 /// clockwise curve alone surrounds the outside. Initial values are kept: only the sign changes.
 ///
+/// On a glued surface curves may pass seams, and a curve that goes once around a tube is closed too. The inside is the
+/// part of the surface on the left of the curves. They must divide the surface: one curve around a torus does not.
+///
 /// # Errors
-/// If a source is a point or an open curve, the curves contradict one another, or the number of distances
-/// differs from the number of grid points.
+/// If a source is a point or an open curve, the curves contradict one another or do not divide the surface, a source lies
+/// off it, or the number of distances differs from the number of grid points.
 ///
 /// ```
 /// use geosweep::geometry::signed_distances;
@@ -76,33 +98,57 @@ pub enum SignError {
 /// let square = [[5.0, 5.0], [15.0, 5.0], [15.0, 15.0], [5.0, 15.0], [5.0, 5.0]];
 /// let sources = Sources::curve(square);
 /// let map = distance_map(&surface, &sources, &Options::default())?;
-/// let signed = signed_distances(map.chart, &sources, &map.distances)?;
+/// let signed = signed_distances(&surface, &sources, &map.distances)?;
 /// assert!((signed[10 * 21 + 8] + 3.0).abs() < 1e-5);
 /// assert!((signed[10 * 21 + 2] - 3.0).abs() < 1e-5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn signed_distances<R: Real>(
-    chart: Chart,
+    surface: &Surface,
     sources: &Sources,
     distances: &[R],
 ) -> Result<Vec<R>, SignError> {
+    let chart = surface.chart();
     check(chart, "distances", distances.len())?;
-    let curves = sources
-        .iter()
-        .enumerate()
-        .map(|(source_index, source)| match source {
-            Source::Point { .. } => Err(SignError::Point { source_index }),
-            Source::Curve { vertices, .. } => match vertices[..] {
-                [first, .., last] if first != last || vertices.len() < 4 => {
-                    let ends = [first, last].map(|end| end.to_array());
-                    Err(SignError::Open { source_index, ends })
-                }
-                [] | [_] => Err(SignError::Point { source_index }),
-                _ => Ok(&vertices[..]),
-            },
-        })
-        .collect::<Result<Vec<&[DVec2]>, _>>()?;
-    let outside = winding_outside(&curves)?;
+    let curves = closed_curves(surface, sources)?;
+    let inside = match surface.is_glued() {
+        true => left_of_curves(surface, sources, distances)?,
+        false => surrounded(chart, &curves)?,
+    };
+    Ok(signed(distances, &inside))
+}
+
+/// Returns the vertices of each source, which must be a closed curve.
+fn closed_curves<'a>(
+    surface: &Surface,
+    sources: &'a Sources,
+) -> Result<Vec<&'a [DVec2]>, SignError> {
+    let curve = |(source_index, source): (usize, &'a Source)| match source {
+        Source::Point { .. } => Err(SignError::Point { source_index }),
+        Source::Curve { vertices, .. } => match vertices[..] {
+            [first, .., last] if !is_one_place(surface, vertices) => {
+                let is_closed = match first == last {
+                    true => vertices.len() >= 4 || surface.is_glued(),
+                    false => surface.are_copies(first, last),
+                };
+                let ends = [first, last].map(|end| end.to_array());
+                is_closed.then_some(&vertices[..]).ok_or(SignError::Open { source_index, ends })
+            }
+            _ => Err(SignError::Point { source_index }),
+        },
+    };
+    sources.iter().enumerate().map(curve).collect()
+}
+
+/// Returns whether a curve has no more than one vertex, or only jumps from copy to copy of one place.
+fn is_one_place(surface: &Surface, vertices: &[DVec2]) -> bool {
+    let stays = |ends: &[DVec2]| surface.is_glued() && surface.are_copies(ends[0], ends[1]);
+    vertices.windows(2).all(stays)
+}
+
+/// Returns whether the curves wind around each point of a chart.
+fn surrounded(chart: Chart, curves: &[&[DVec2]]) -> Result<Vec<bool>, SignError> {
+    let outside = winding_outside(curves)?;
     let rows = (0..chart.rows).into_par_iter();
     let inside = rows.flat_map_iter(|row| {
         // Along a row, the winding number changes at the crossings to the left of a point.
@@ -118,8 +164,22 @@ pub fn signed_distances<R: Real>(
             winding > outside
         })
     });
-    let inside: Vec<bool> = inside.collect();
-    Ok(signed(distances, &inside))
+    Ok(inside.collect())
+}
+
+/// Returns whether the way of each point of a glued surface meets the left side of the nearest curve.
+fn left_of_curves<R: Real>(
+    surface: &Surface,
+    sources: &Sources,
+    distances: &[R],
+) -> Result<Vec<bool>, SignError> {
+    let edges = EdgeLengths::new(surface)?;
+    let distances: Vec<f32> = distances.iter().map(|&distance| distance.wide() as f32).collect();
+    let sides = Sides::new(surface, &edges, sources, &distances)?;
+    match sides.meeting() {
+        Some((row, col)) => Err(SignError::Undivided { row, col }),
+        None => Ok(sides.are_left()),
+    }
 }
 
 /// Returns distances with the sign of a mask, row-major: negative where `inside` is true, else positive. Points
@@ -194,8 +254,13 @@ fn area(curve: &[DVec2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Spacing;
 
     const CHART: Chart = Chart { rows: 11, cols: 11 };
+
+    fn plane() -> Surface {
+        Surface::from_heights(11, 11, vec![0.0; 121], Spacing::square(1.0)).unwrap()
+    }
 
     fn square(low: f64, high: f64, clockwise: bool) -> Vec<[f64; 2]> {
         let mut square = vec![[low, low], [high, low], [high, high], [low, high], [low, low]];
@@ -211,7 +276,7 @@ mod tests {
             initial: 0.0,
         };
         let sources: Sources = curves.iter().map(curve).collect();
-        let signed = signed_distances(CHART, &sources, &[1.0f32; 121])?;
+        let signed = signed_distances(&plane(), &sources, &[1.0f32; 121])?;
         Ok(signed.into_iter().map(|distance| distance < 0.0).collect())
     }
 
@@ -246,9 +311,9 @@ mod tests {
         let ends = [[1.0, 1.0], [1.0, 5.0]];
         assert_eq!(inside(&[open]), Err(SignError::Open { source_index: 0, ends }));
         let point = Sources::point(1.0, 1.0);
-        let found = signed_distances(CHART, &point, &[1.0f32; 121]);
+        let found = signed_distances(&plane(), &point, &[1.0f32; 121]);
         assert_eq!(found, Err(SignError::Point { source_index: 0 }));
-        assert!(signed_distances(CHART, &point, &[1.0f32; 12]).is_err());
+        assert!(signed_distances(&plane(), &point, &[1.0f32; 12]).is_err());
         assert!(signed_distances_by_mask(CHART, &[1.0f32; 121], &[true; 12]).is_err());
     }
 }

@@ -6,7 +6,7 @@ mod sides;
 use super::{Contour, Curve, MapError, contours, join_over_seams};
 use crate::surface::{EdgeLengths, Source, Sources};
 use crate::{DistanceMap, Surface};
-use sides::Sides;
+pub(super) use sides::Sides;
 
 /// A side of a directed curve, as seen in a picture of the grid with rows downwards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -9,7 +9,7 @@
 //!
 //! All copies of a point of a glued surface have one angle. It comes from the copy at which the first ray arrives.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::{DMat2, DVec2, Vec2};
 use rayon::prelude::*;
@@ -22,13 +22,15 @@ use crate::geometry::order::{bordered, by_arrival};
 use crate::surface::{EdgeLengths, Real, Source, Sources, Surface, ring};
 
 /// The angle at each point.
-pub(super) struct Sides<'a> {
+pub(in crate::geometry) struct Sides<'a> {
     neighbourhood: Neighbourhood<'a>,
     copies: Copies,
     times: Vec<f32>,
     start: f64,
     /// The cosine and sine of each angle; NaN at points that have not been visited.
     angles: Vec<Vec2>,
+    /// The first copies of the points whose angles have been measured: those beside curves and around their ends.
+    beside: HashSet<usize>,
 }
 
 /// The first ray to arrive at a point: the ends of the base of the triangle that it crosses, and where it crosses that
@@ -40,7 +42,7 @@ struct Ray {
 }
 
 impl<'a> Sides<'a> {
-    pub(super) fn new(
+    pub(in crate::geometry) fn new(
         surface: &Surface,
         edges: &'a EdgeLengths<f32>,
         sources: &Sources,
@@ -57,6 +59,7 @@ impl<'a> Sides<'a> {
             times,
             start: sources.start(),
             angles,
+            beside: HashSet::new(),
         };
         sides.measure(surface, sources)?;
         // The rays do not depend on the angles. Finding them takes the most time, so it runs in parallel.
@@ -102,6 +105,7 @@ impl<'a> Sides<'a> {
                 }
             }
         }
+        self.beside = seen.into_keys().collect();
         Ok(())
     }
 
@@ -182,6 +186,37 @@ impl<'a> Sides<'a> {
             _ if a == b => a,
             _ => arm(ends[0]).lerp(arm(ends[1]), f64::from(share)).normalize().as_vec2(),
         }
+    }
+
+    /// Returns whether each grid point, row-major, lies to the left of the nearest curve. Points that no curve reaches do
+    /// not.
+    pub(in crate::geometry) fn are_left(&self) -> Vec<bool> {
+        let chart = self.neighbourhood.chart();
+        let at = |(row, col): (usize, usize)| self.is_left(chart.bordered(row, col)) == Some(true);
+        chart.places().map(at).collect()
+    }
+
+    /// Returns a grid point beside which points on the left and on the right of curves are neighbours although no curve
+    /// passes between them. There is none if the curves divide the surface.
+    pub(in crate::geometry) fn meeting(&self) -> Option<(usize, usize)> {
+        let chart = self.neighbourhood.chart();
+        chart.places().find(|&(row, col)| {
+            let point = chart.bordered(row, col);
+            self.is_left(point).is_some_and(|is_left| {
+                // A curve passes only between points that it seeds.
+                let is_beside = |point: usize| self.beside.contains(&self.copies.first(point));
+                self.neighbourhood.neighbours(point).any(|other| {
+                    let is_divided = is_beside(point) && is_beside(other);
+                    self.is_left(other) == Some(!is_left) && !is_divided
+                })
+            })
+        })
+    }
+
+    /// Returns on which side of the nearest curve a point lies, or `None` if it is not reached or lies on the curve.
+    fn is_left(&self, point: usize) -> Option<bool> {
+        let angle = self.angles[point];
+        (!angle.is_nan() && angle.y != 0.0).then_some(angle.y > 0.0)
     }
 
     /// Returns the side at a place on the edge between two grid points, as an angle.

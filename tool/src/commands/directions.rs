@@ -1,5 +1,6 @@
 //! Writes the directions, nearest sources and log map of a distance map, and gives distances a sign.
 
+use std::borrow::Cow;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -137,30 +138,27 @@ impl DirectionArgs {
 
 impl SignArgs {
     /// Returns whether the sign is that of the sides of curves.
-    pub fn needs_curves(&self) -> bool {
+    fn needs_curves(&self) -> bool {
         self.signed && self.inside.is_none()
     }
 
-    /// Returns the distances of the given points with a sign, if that is wanted. `sources` lie on the surface's grid.
-    pub fn of<R: Real>(
+    /// Returns the distances of the given points, of those of all points of the surface's grid, with a sign if that is
+    /// wanted. `sources` lie on the surface's grid.
+    pub fn of<'a, R: Real>(
         &self,
         scene: &Scene,
         sources: &Sources,
-        distances: &[R],
-    ) -> Result<Option<Vec<R>>, Box<dyn Error>> {
-        if !self.signed {
-            return Ok(None);
+        distances: &'a [R],
+    ) -> Result<Cow<'a, [R]>, Box<dyn Error>> {
+        if self.needs_curves() {
+            let signed = signed_distances(&scene.surface, sources, distances)?;
+            return Ok(scene.crop(&signed).into_owned().into());
         }
-        let signed = match &self.inside {
-            None => signed_distances(scene.chart(), sources, distances)?,
-            Some(path) => {
-                let place = scene.georeference.as_ref().ok();
-                let chart = scene.chart();
-                let inside = read_mask(path)?.fit_surface(path, chart.rows, chart.cols, place)?;
-                signed_distances_by_mask(chart, distances, &inside)?
-            }
-        };
-        Ok(Some(signed))
+        let (chart, distances) = (scene.chart(), scene.crop(distances));
+        let Some(path) = &self.inside else { return Ok(distances) };
+        let place = scene.georeference.as_ref().ok();
+        let inside = read_mask(path)?.fit_surface(path, chart.rows, chart.cols, place)?;
+        Ok(signed_distances_by_mask(chart, &distances, &inside)?.into())
     }
 }
 

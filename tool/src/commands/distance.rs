@@ -187,9 +187,6 @@ impl Args {
 
     /// Rejects outputs that the surface does not support, before anything is computed.
     fn check(&self, scene: &Scene) -> Result<(), String> {
-        if self.directions.sign.needs_curves() {
-            scene.refuse_round("--signed")?;
-        }
         self.directions.check(scene)
     }
 
@@ -257,11 +254,9 @@ impl Outputs {
         let geo_tags = scene.geo_tags.as_ref();
         let mut staged = self.directions.stage(scene, sources, map)?;
         if let Some((output, format)) = self.map {
-            let distances = scene.crop(&map.distances);
-            let signed = args.directions.sign.of(scene, sources, &distances)?;
-            let distances = signed.as_deref().unwrap_or(&distances);
+            let distances = args.directions.sign.of(scene, sources, &map.distances)?;
             staged.push(
-                output.stage(|writer| format.write(writer, rows, cols, distances, geo_tags))?,
+                output.stage(|writer| format.write(writer, rows, cols, &distances, geo_tags))?,
             );
         }
         if let Some(((output, format), Estimate { errors, .. })) = self.error.zip(estimate.as_ref())

@@ -85,8 +85,8 @@ pub fn run(args: &Args) -> Outcome {
 
     let edges = EdgeLengths::new(surface)?;
     let first = args.first.map(|first| scene.place(first).map_err(|why| format!("--first {why}")));
-    let first = first.unwrap_or_else(|| Ok(middle(surface)))?;
-    let sampled = farthest_points(surface, &edges, first, args.count);
+    let first = first.unwrap_or_else(|| Ok(middle(surface, None)))?;
+    let sampled = farthest_points(surface, &edges, first, None, args.count);
     let (points, mut samples) = sampled.map_err(|error| match scene.explain(error) {
         // The message says `--first`, since here the source is a sample.
         geosweep::Error::Source(error) => error.to_string().replacen("source", "--first", 1).into(),

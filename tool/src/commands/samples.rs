@@ -7,14 +7,19 @@ use serde::Serialize;
 
 use crate::terminal::{progress, say};
 
-/// Computes `count` samples, or as many as there are points, and the map from them.
+/// Computes `count` samples, or as many as there are points, and the map from them. All samples but the first one are
+/// taken from `candidates`, if these are given.
 pub fn farthest_points<'a>(
     surface: &'a Surface,
     edges: &'a EdgeLengths<f32>,
     [row, col]: [f64; 2],
+    candidates: Option<&[bool]>,
     count: usize,
 ) -> Result<(FarthestPoints<'a>, Vec<Sample>), geosweep::Error> {
     let mut points = FarthestPoints::new(surface, edges, &Sources::point(row, col))?;
+    if let Some(candidates) = candidates {
+        points = points.among(candidates);
+    }
     let bar = progress(count).with_message("sampling");
     let farthest = points.by_ref().take(count - 1).inspect(|_| bar.inc(1));
     let samples: Vec<Sample> = std::iter::once(Sample { row, col, radius: None })
@@ -31,14 +36,16 @@ pub fn farthest_points<'a>(
     Ok((points, samples))
 }
 
-/// Returns the point of the surface nearest to the middle of the grid.
-pub fn middle(surface: &Surface) -> [f64; 2] {
+/// Returns the point of the surface nearest to the middle of the grid, among `candidates` if these are given.
+pub fn middle(surface: &Surface, candidates: Option<&[bool]>) -> [f64; 2] {
     let chart = surface.chart();
     let from_middle = |&index: &usize| {
         let (row, col) = chart.position(index);
         (2 * row).abs_diff(chart.rows - 1).pow(2) + (2 * col).abs_diff(chart.cols - 1).pow(2)
     };
-    let present = (0..chart.points()).filter(|&index| surface.present()[index]);
+    let is_candidate = |index: usize| candidates.is_none_or(|candidates| candidates[index]);
+    let present =
+        (0..chart.points()).filter(|&index| surface.present()[index] && is_candidate(index));
     let (row, col) = chart.position(present.min_by_key(from_middle).unwrap_or_default());
     [row as f64, col as f64]
 }

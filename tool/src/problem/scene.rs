@@ -102,6 +102,14 @@ impl Scene {
         self.extended().map(|grid| grid.lines.given_points())
     }
 
+    /// Returns whether each point on the surface's grid is a given one, if that grid has more points.
+    pub fn is_given(&self) -> Option<Vec<bool>> {
+        let points = self.given_points()?;
+        let mut is_given = vec![false; self.surface.chart().points()];
+        points.into_iter().for_each(|point| is_given[point] = true);
+        Some(is_given)
+    }
+
     /// Refuses what needs all points of the surface, if the given grid lacks some of them.
     pub fn refuse_added_lines(&self, what: &str) -> Result<(), String> {
         match self.extended() {
@@ -110,17 +118,6 @@ impl Scene {
                 "{what}: the surface has lines that the grid lacks, at a pole or at a seam, which cannot be left out \
                  here; give a grid that has these lines, or one clear of them"
             )),
-        }
-    }
-
-    /// Refuses what does not pass seams, if the grid goes round the Earth, or has no place for lines that are added.
-    pub fn refuse_round(&self, what: &str) -> Result<(), String> {
-        match self.is_on_earth && self.grid.as_ref().is_some_and(|grid| grid.goes_round) {
-            true => Err(format!(
-                "{what}: does not pass the line where a grid that goes round the Earth begins and ends yet; \
-                 give a part of the Earth (gdal_translate -projwin), or leave it out"
-            )),
-            false => self.refuse_added_lines(what),
         }
     }
 

@@ -35,6 +35,24 @@ fn globe(bench: &Workbench) -> String {
     })
 }
 
+/// Writes the six faces of a sphere on a cube, of 12 x 12 texels each, one below the other.
+fn cube(bench: &Workbench) -> String {
+    surface(bench, "cube.npy", [72, 12], |row, col| {
+        let [u, v] =
+            [col, row % 12.0].map(|at| ((2.0 * at + 1.0) / 12.0 - 1.0) * PI / 4.0).map(f64::tan);
+        let length = (1.0 + u * u + v * v).sqrt();
+        let [u, v, w] = [u, v, 1.0].map(|at| at / length);
+        match (row / 12.0) as u8 {
+            0 => [w, -v, -u],
+            1 => [-w, -v, u],
+            2 => [u, w, v],
+            3 => [u, -w, -v],
+            4 => [u, -v, w],
+            _ => [-u, -v, -w],
+        }
+    })
+}
+
 /// Returns the distance on the tube between two points of its file.
 fn on_tube(a: usize, b: usize) -> f64 {
     let around = (a % 32).abs_diff(b % 32);
@@ -127,6 +145,78 @@ fn all_pairs_are_those_of_the_points_of_the_file() {
     }
 }
 
+/// Samples of a matrix are points of the file, also where the farthest points of the surface are poles or lie between
+/// faces.
+#[test]
+fn samples_of_a_matrix_are_points_of_the_file() {
+    let bench = Workbench::new();
+    let files = [tube(&bench), globe(&bench), cube(&bench)];
+    let kinds = [("columns", [9, 32]), ("globe", [45, 90]), ("cube", [72, 12])];
+    for (given, (glue, [rows, cols])) in files.into_iter().zip(kinds) {
+        let line =
+            format!("pairwise {given} --glue {glue} --sample 9 -o m.npy --labels l.npy --json");
+        let said = json(&done(&bench, &line));
+        assert_eq!([&said["matrix_rows"], &said["matrix_cols"]], [9, rows * cols], "{glue}");
+        let samples: Vec<usize> = (0..9)
+            .map(|k| {
+                let at = |n: usize| said["samples"][k][n].as_u64().unwrap() as usize;
+                at(0) * cols + at(1)
+            })
+            .collect();
+        let matrix = map(&bench.output("m.npy"));
+        let labels = map(&bench.output("l.npy"));
+        assert_eq!((matrix.len(), labels.len()), (9 * rows * cols, rows * cols));
+        for (k, &sample) in samples.iter().enumerate() {
+            assert_eq!(matrix[k * rows * cols + sample], 0.0, "{glue} {k}");
+            assert_eq!(labels[sample], k as f64, "{glue} {k}");
+            // Each sample was the point farthest from those before it, so that others are as far apart.
+            let apart = |other: &usize| matrix[k * rows * cols + other];
+            assert!(samples.iter().filter(|&other| *other != sample).all(|at| apart(at) > 0.5));
+        }
+    }
+}
+
+/// A curve around the tube of the file divides it, and so does a circle around a pole that the file lacks.
+#[test]
+fn signed_distances_pass_seams() {
+    let bench = Workbench::new();
+    let given = tube(&bench);
+    let around: String = (0..=32).map(|col| format!("3.5,{col}\n")).collect();
+    let around = bench.input("around.csv", &around);
+    let line = format!("--glue columns --source-curve {around} --signed -o signed.npy");
+    assert!(bench.distance(&given, &line).status.success());
+    for (index, found) in map(&bench.output("signed.npy")).into_iter().enumerate() {
+        let exact = ((index / 32) as f64 - 3.5) * TAU / 32.0;
+        assert!((found - exact).abs() < 1e-5, "{index}: {found} {exact}");
+    }
+    let given = globe(&bench);
+    let latitude: String = (0..=90).map(|col| format!("9.5,{col}\n")).collect();
+    let curve = bench.input("latitude.csv", &latitude);
+    let line = format!("--glue globe --source-curve {curve} --signed -o signed.npy");
+    assert!(bench.distance(&given, &line).status.success());
+    for (index, found) in map(&bench.output("signed.npy")).into_iter().enumerate() {
+        let exact = ((index / 90) as f64 - 9.5) * PI / 45.0;
+        assert!((found - exact).abs() < 1e-3, "{index}: {found} {exact}");
+    }
+}
+
+/// One curve around a torus has the same part of it on both sides.
+#[test]
+fn a_curve_that_divides_nothing_has_no_inside() {
+    let bench = Workbench::new();
+    let around: String = (0..=32).map(|col| format!("3.5,{col}\n")).collect();
+    let around = bench.input("around.csv", &around);
+    let torus = surface(&bench, "torus.npy", [16, 32], |row, col| {
+        let [(sin, cos), (up, out)] = [TAU * col / 32.0, TAU * row / 16.0].map(f64::sin_cos);
+        [(2.0 + out) * cos, (2.0 + out) * sin, up]
+    });
+    let output = run(
+        &bench,
+        &format!("distance {torus} --glue both --source-curve {around} --signed -o t.npy"),
+    );
+    bench.refuses(&output, &["do not divide the surface", "mask of the inside"]);
+}
+
 #[test]
 fn a_globe_of_cells_is_whole() {
     let bench = Workbench::new();
@@ -173,20 +263,7 @@ fn a_globe_of_cells_is_whole() {
 #[test]
 fn a_cube_map_is_a_sphere() {
     let bench = Workbench::new();
-    let faces = surface(&bench, "cube.npy", [72, 12], |row, col| {
-        let [u, v] =
-            [col, row % 12.0].map(|at| ((2.0 * at + 1.0) / 12.0 - 1.0) * PI / 4.0).map(f64::tan);
-        let length = (1.0 + u * u + v * v).sqrt();
-        let [u, v, w] = [u, v, 1.0].map(|at| at / length);
-        match (row / 12.0) as u8 {
-            0 => [w, -v, -u],
-            1 => [-w, -v, u],
-            2 => [u, w, v],
-            3 => [u, -w, -v],
-            4 => [u, -v, w],
-            _ => [-u, -v, -w],
-        }
-    });
+    let faces = cube(&bench);
     let output =
         bench.distance(&faces, "-s 5.5,5.5 --layout cube -o map.npy --json --picture c.png");
     let said = json(&output);

@@ -335,8 +335,9 @@ fn what_the_commands_cannot_do_on_the_earth_is_refused() {
     let whole = format!("{GLOBE} pixel");
     let output = run(&bench, &format!("distance {flat} {whole} -s 3,3 -o map.exr"));
     bench.refuses(&output, &["single precision only", "--precision single"]);
-    let output = run(&bench, &format!("pairwise --sample 3 {flat} {whole} -o matrix.npy"));
-    bench.refuses(&output, &["--sample: the surface has lines that the grid lacks"]);
+    let vector = "--back-direction way.npy --direction-format vector";
+    let output = run(&bench, &format!("distance {flat} {whole} -s 3,3 {vector}"));
+    bench.refuses(&output, &["--back-direction: the surface has lines that the grid lacks"]);
 }
 
 /// The regions, their areas and the pairs of a grid of cells, which lacks the poles and a column.

@@ -15,7 +15,7 @@ use geosweep::io::{
 };
 use geosweep::pairwise::{Pairwise, PairwiseReport, Rows};
 use geosweep::shown::excerpt;
-use geosweep::surface::{Chart, EdgeLengths};
+use geosweep::surface::EdgeLengths;
 use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Surface, UsedEngine};
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -163,9 +163,8 @@ pub fn run(args: &Args) -> Outcome {
     }
     let Outputs { matrix, labels } = Outputs::new(args)?;
     let scene = args.surface.read()?;
-    args.check(&scene)?;
     let surface = &scene.surface;
-    let samples = args.sample.map(|count| Samples::new(surface, count)).transpose()?;
+    let samples = args.sample.map(|count| Samples::new(&scene, count)).transpose()?;
     let (sources, starts) = match &samples {
         Some(samples) => (samples.points.clone(), vec![0.0; samples.points.len()]),
         None => args.sources(&scene)?,
@@ -252,7 +251,7 @@ pub fn run(args: &Args) -> Outcome {
     let shape = format!("{} rows of {} distances", layout.rows, layout.cols);
     done([engine, shape, format!("{how} in {time}")], &written);
     if args.json {
-        let places = samples.as_ref().map(|samples| samples.places(surface.chart()));
+        let places = samples.as_ref().map(|samples| samples.places(&scene));
         let bytes = (memory_bytes, disk_bytes);
         let summary = Summary::new(&scene, &report, resumed_rows, bytes, places);
         print_json("pairwise", &summary)?;
@@ -264,10 +263,9 @@ pub fn run(args: &Args) -> Outcome {
 fn run_sparse(args: &Args) -> Outcome {
     let output = sparse::output(args)?;
     let scene = args.surface.read()?;
-    args.check(&scene)?;
     let (sources, starts) = match args.sample {
         Some(count) => {
-            let points = Samples::new(&scene.surface, count)?.points;
+            let points = Samples::new(&scene, count)?.points;
             let starts = vec![0.0; points.len()];
             (points, starts)
         }
@@ -296,11 +294,6 @@ impl Outputs {
 impl Args {
     fn options(&self) -> Result<geosweep::Options, String> {
         Ok(self.solver.options()?.with_radius(self.radius))
-    }
-
-    /// Refuses samples of a surface that has points which the grid lacks.
-    fn check(&self, scene: &Scene) -> Result<(), String> {
-        self.sample.map_or(Ok(()), |_| scene.refuse_added_lines("--sample"))
     }
 
     /// Returns the points of the rows on the surface's grid, and the start values of their distances.
@@ -383,23 +376,32 @@ impl Args {
     }
 }
 
-/// Points that are far from one another, and the region nearest to each.
+/// Given points that are far from one another, and the region nearest to each.
 struct Samples {
     points: Vec<usize>,
     regions: Voronoi,
 }
 
 impl Samples {
-    fn new(surface: &Surface, count: usize) -> Result<Self, Box<dyn Error>> {
+    fn new(scene: &Scene, count: usize) -> Result<Self, Box<dyn Error>> {
+        let surface = &scene.surface;
         let (chart, edges) = (surface.chart(), EdgeLengths::new(surface)?);
-        let (map, samples) = farthest_points(surface, &edges, middle(surface), count)?;
+        let is_given = scene.is_given();
+        let first = middle(surface, is_given.as_deref());
+        let (map, samples) = farthest_points(surface, &edges, first, is_given.as_deref(), count)?;
         let regions = Voronoi::new(surface, &edges, map.sources(), &map.distances())?;
         let index = |sample: &Sample| chart.index(sample.row as usize, sample.col as usize);
         Ok(Self { points: samples.iter().map(index).collect(), regions })
     }
 
-    fn places(&self, chart: Chart) -> Vec<(usize, usize)> {
-        self.points.iter().map(|&point| chart.position(point)).collect()
+    /// Returns the rows and columns of the samples on the given grid.
+    fn places(&self, scene: &Scene) -> Vec<(usize, usize)> {
+        let place = |&point: &usize| {
+            let (row, col) = scene.surface.chart().position(point);
+            let [row, col] = scene.given([row as f64, col as f64]);
+            (row.round() as usize, col.round() as usize)
+        };
+        self.points.iter().map(place).collect()
     }
 }
 
