@@ -108,6 +108,11 @@
 // turning around the edge's end. It is not a ratio of small whole numbers. Rays between grid points often turn by such
 // a ratio, and rounding would decide whether they turn by more.
 #define GRAZING 0.0973
+// A front that runs along a border which bends away from it opens into a fan of rays, often narrower than the cells
+// beside the border. The curvature of the front there is this factor times the sine of the angle of the fan, divided by
+// the width of the cells. The factor is that of the smallest errors around the rim of a cone, with cells of many
+// shapes.
+#define FAN 1.5
 // Least value of 1 + kappa l for a front of curvature kappa that runs on by l, so that converging fronts keep a finite
 // curvature.
 #define FOCUS 0.1

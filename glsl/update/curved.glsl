@@ -67,13 +67,25 @@ Fronts curved_in(Shape shape, vec4 h, bvec4 upright, EndFronts end1, EndFronts e
     bvec4 turns = both(either(shape.whole, alone), not(ahead));
     bvec4 is_corner = notEqual(tags_of(edge_g) & DIFFRACTS, uvec4(0u));
     bvec4 starts_anew = both(notEqual(tags_of(edge_g) & LACKING, uvec4(0u)), either(either(from_far, is_known), is_corner));
-    vec4 edge_k = mix(mix(near_k, k, from_far), vec4(SOURCE_CURVATURE), both(turns, starts_anew));
+    vec4 edge_k = mix(near_k, k, from_far);
+
+    // Where a border bends away from the front, the fan of rays that it turns is often narrower than a cell.
+    vec4 beyond = mix(crossing - width, -crossing, from_far);
+    vec4 fan = beyond * FAN * shape.per_base;
+    bvec4 from_border = equal(tags_of(edge_g) & (LACKING | DIFFRACTS), uvec4(LACKING));
+    bvec4 to_border = notEqual(tags_of(g0) & LACKING, uvec4(0u));
+    bvec4 bends_away = both(greaterThan(beyond, vec4(0.0)), either(from_far, is_known));
+    bvec4 opens = both(both(is_front, both(from_border, to_border)), bends_away);
+    bvec4 is_narrow = both(opens, lessThan(fan * edge, h));
+    bvec4 in_fan = both(is_narrow, greaterThan(fan * max(1.0 + edge_k * edge, FOCUS), edge_k * h));
+    bvec4 is_source = both(either(both(turns, starts_anew), opens), not(is_narrow));
+    edge_k = mix(edge_k, vec4(SOURCE_CURVATURE), is_source);
 
     // The place where the ray crosses the base, the ray's length and the curvature share one division, both for rays
     // through the triangle and for rays along an edge.
     vec4 weighted = (width - crossing) * far_kappa * near_spread + crossing * near_kappa * far_spread;
-    vec4 dividend = mix(edge_k, weighted * shape.per_base, inside);
-    vec4 per = 1.0 / mix(max(1.0 + edge_k * edge, FOCUS), width * spread, inside);
+    vec4 dividend = mix(mix(edge_k, fan, in_fan), weighted * shape.per_base, inside);
+    vec4 per = 1.0 / mix(mix(max(1.0 + edge_k * edge, FOCUS), h, in_fan), width * spread, inside);
     vec4 share = crossing * spread * per;
     vec4 ray = mix(edge, c * (root * h * spread * per), inside);
     vec4 gaussian = mix(edge_g, g + share * (near_g - g), inside);

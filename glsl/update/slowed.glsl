@@ -172,7 +172,20 @@ Fronts curved_slowed(EndFronts end1, EndFronts end2, vec4 g0, vec4 s0, vec4 l1, 
     bvec4 turns = both(either(shape.whole, alone), not(ahead));
     bvec4 is_corner = notEqual(tags_of(edge_g) & DIFFRACTS, uvec4(0u));
     bvec4 starts_anew = both(notEqual(tags_of(edge_g) & LACKING, uvec4(0u)), either(either(is_from_far, is_known), is_corner));
-    vec4 edge_k = mix(mix(near_k, k, is_from_far), vec4(SOURCE_CURVATURE), both(turns, starts_anew));
+    vec4 edge_k = mix(near_k, k, is_from_far);
+
+    // The fan of rays that a border turns, as in curved.glsl, from the shape of the front without the bulge.
+    vec4 sight = cos_a * h + sin_a * p;
+    vec4 past = mix(sight - width, -sight, is_from_far);
+    vec4 fan = past * FAN * shape.per_base;
+    bvec4 from_border = equal(tags_of(edge_g) & (LACKING | DIFFRACTS), uvec4(LACKING));
+    bvec4 to_border = notEqual(tags_of(g0) & LACKING, uvec4(0u));
+    bvec4 bends_away = both(greaterThan(past, vec4(0.0)), either(is_from_far, is_known));
+    bvec4 opens = both(both(is_front, both(from_border, to_border)), bends_away);
+    bvec4 is_narrow = both(opens, lessThan(fan * edge, h));
+    bvec4 in_fan = both(is_narrow, greaterThan(fan * max(1.0 + edge_k * edge, FOCUS), edge_k * h));
+    bvec4 is_source = both(either(both(turns, starts_anew), opens), not(is_narrow));
+    edge_k = mix(edge_k, vec4(SOURCE_CURVATURE), is_source);
 
     vec4 from = far + place * (near - far);
     vec4 spreads = 1.0 + jump * (1.0 / (from * own) - 1.0);
@@ -182,7 +195,8 @@ Fronts curved_slowed(EndFronts end1, EndFronts end2, vec4 g0, vec4 s0, vec4 l1, 
     vec4 per_own = 1.0 / (own * own);
     vec4 through = (far_end + place * (near_end - far_end)) * shape.per_base * (1.0 + jump * (per_own - 1.0));
     vec4 edge_spread = edge * (1.0 + jump * (edge_s / own - 1.0));
-    vec4 by_edge = edge_k / max(1.0 + edge_k * edge_spread, FOCUS) * (1.0 + jump * (edge_s * edge_s * per_own - 1.0));
+    vec4 goes_on = mix(max(1.0 + edge_k * edge_spread, FOCUS), h, in_fan);
+    vec4 by_edge = mix(edge_k, fan, in_fan) / goes_on * (1.0 + jump * (edge_s * edge_s * per_own - 1.0));
     vec4 from_foot = place - p;
     vec4 ray_length = sqrt(from_foot * from_foot + h * h);
     vec4 ray = mix(edge, c * ray_length * (from_far + place * (from_near - from_far)), inside);

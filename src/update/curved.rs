@@ -2,7 +2,7 @@
 
 use super::{Shape, Triangle};
 use crate::constants::{
-    ABOUT_STRAIGHT, ALONG_BASE, BENT_AGAIN, BENT_APART, CLEARLY_LATER, FIRST_ORIGIN, FOCUS,
+    ABOUT_STRAIGHT, ALONG_BASE, BENT_AGAIN, BENT_APART, CLEARLY_LATER, FAN, FIRST_ORIGIN, FOCUS,
     FROM_SOURCE, GRAZING, STRADDLING, TOGETHER,
 };
 use crate::surface::{DIFFRACTS, LACKING, Real, Seed, Tagged, max, min};
@@ -96,7 +96,7 @@ pub struct Curvatures<R> {
 /// ends in place of 1 / t. The curvatures of both ends are carried to the arrival time at x0, interpolated to
 /// the place where the ray crosses the base, and bent by the surface's Gaussian curvature along the ray
 /// (`bent`). A front that turns around the end of an edge beside a hole or the border is diffracted: it
-/// starts there again as from a point source.
+/// starts there again as from a point source, or with the curvature of a narrow fan along a border ([`FAN`]).
 #[inline(always)]
 pub fn curved<R: Real>(triangle: Triangle<R>, curvatures: Curvatures<R>) -> Front<R> {
     let Triangle { t1, t2, l1, l2, c } = triangle;
@@ -162,14 +162,26 @@ pub fn curved<R: Real>(triangle: Triangle<R>, curvatures: Curvatures<R>) -> Fron
     // A front that is not known to turn is assumed to turn at corners of holes only, where most fronts turn.
     let is_corner = edge_g.tag_has(DIFFRACTS, DIFFRACTS);
     let diffracted = turns & edge_g.tag_has(LACKING, LACKING) & (from_far | is_known | is_corner);
-    let edge_k = if diffracted { at_source } else { edge_k };
+
+    // A border that bends away from the front turns it a little at each point. The fan of the turned rays is narrower
+    // than the cells beside the border. As the curvature of the front there, x0 takes the mean over the width of a cell.
+    let beyond = if from_far { -crossing } else { crossing - width };
+    let fan = beyond * R::of(FAN) * shape.per_base;
+    let along_border = edge_g.tag_has(LACKING | DIFFRACTS, LACKING) & g0.tag_has(LACKING, LACKING);
+    let opens = is_front & along_border & (beyond > zero) & (from_far | is_known);
+    let is_narrow = opens & (fan * edge < h);
+    let goes_on = max(one + edge_k * edge, focus);
+    let in_fan = is_narrow & (fan * goes_on > edge_k * h);
+    let edge_k = if (diffracted | opens) & !is_narrow { at_source } else { edge_k };
 
     // One division serves the ray's place, its length and the curvature, both across the triangle and along
     // an edge.
     let weighted =
         (width - crossing) * far_kappa * near_spread + crossing * near_kappa * far_spread;
-    let dividend = if inside { weighted * shape.per_base } else { edge_k };
-    let per = one / if inside { width * spread } else { max(one + edge_k * edge, focus) };
+    let (by_edge, per_edge) =
+        if in_fan { (fan, h) } else { (edge_k, max(one + edge_k * edge, focus)) };
+    let dividend = if inside { weighted * shape.per_base } else { by_edge };
+    let per = one / if inside { width * spread } else { per_edge };
     let share = crossing * spread * per;
     let ray = if inside { c * (root * h * spread * per) } else { edge };
     let gaussian = if inside { g + share * (near_g - g) } else { edge_g };

@@ -15,7 +15,7 @@
 use super::curved::{Curvatures, bent};
 use super::{Front, Shape, Triangle};
 use crate::constants::{
-    ABOUT_STRAIGHT, ALONG_BASE, CLEARLY_LATER, CROSSING_STEPS, FOCUS, FROM_SOURCE, GRAZING,
+    ABOUT_STRAIGHT, ALONG_BASE, CLEARLY_LATER, CROSSING_STEPS, FAN, FOCUS, FROM_SOURCE, GRAZING,
     STEEPEST_GUESS, STRADDLING,
 };
 use crate::surface::{DIFFRACTS, LACKING, Real, Seed, Tagged, jumps, max, min};
@@ -227,7 +227,17 @@ pub(crate) fn curved_slowed<R: Real>(
     let is_corner = edge_g.tag_has(DIFFRACTS, DIFFRACTS);
     let diffracted =
         turns & edge_g.tag_has(LACKING, LACKING) & (is_from_far | is_known | is_corner);
-    let edge_k = if diffracted { at_source } else { edge_k };
+
+    // The fan of rays that a border turns, as in `curved`, from the shape of the front without the bulge.
+    let sight = cos_a * h + sin_a * p;
+    let past = if is_from_far { -sight } else { sight - width };
+    let fan = past * R::of(FAN) * shape.per_base;
+    let along_border = edge_g.tag_has(LACKING | DIFFRACTS, LACKING) & g0.tag_has(LACKING, LACKING);
+    let opens = is_front & along_border & (past > zero) & (is_from_far | is_known);
+    let is_narrow = opens & (fan * edge < h);
+    let goes_on = max(one + edge_k * edge, focus);
+    let in_fan = is_narrow & (fan * goes_on > edge_k * h);
+    let edge_k = if (diffracted | opens) & !is_narrow { at_source } else { edge_k };
 
     // Where the slowness jumps, a front spreads as over the harmonic mean of both ends of the ray.
     let from = far + place * (near - far);
@@ -237,7 +247,9 @@ pub(crate) fn curved_slowed<R: Real>(
     let near_end = near_kappa / max(one + near_kappa * (spread - d * spreads), focus);
     let through = (far_end + place * (near_end - far_end)) * shape.per_base * passes(one, own);
     let edge_spread = edge * (one + jump * (edge_s / own - one));
-    let by_edge = edge_k / max(one + edge_k * edge_spread, focus) * passes(edge_s, own);
+    let (by_edge, per_edge) =
+        if in_fan { (fan, h) } else { (edge_k, max(one + edge_k * edge_spread, focus)) };
+    let by_edge = by_edge / per_edge * passes(edge_s, own);
     let from_foot = place - p;
     let length = (from_foot * from_foot + h * h).sqrt();
     let ray = if inside { c * length * (from_far + place * (from_near - from_far)) } else { edge };

@@ -37,6 +37,7 @@ mod paths_around_holes;
 mod properties;
 mod radius;
 mod ridges;
+mod rims;
 mod rotated_scan;
 mod sampling;
 mod slowness;
