@@ -90,7 +90,8 @@ impl PairwiseScan {
     /// which stands for no source (use it for holes), the row is all +infinity.
     ///
     /// # Panics
-    /// If there are more sources, or if `into` does not have one row of all grid points for each source.
+    /// If there are more than [`Self::LANES`] sources, or if `into` does not have one row of all grid points for each
+    /// source.
     pub fn solve(&self, sources: &[Option<usize>], stop: Stop, into: &mut [f32]) -> Convergence {
         self.solve_from(sources, Known::NOTHING, stop, &mut self.rows(into))
     }
@@ -110,11 +111,12 @@ impl PairwiseScan {
     }
 
     /// Computes the same as [`Self::solve`] for successive sources from `first` on, with the symmetric
-    /// initialisation (paper, eq. 20). `rows` are the distances from the first points. From them, the
-    /// distances from the sources to those points are taken, and are not computed again.
+    /// initialisation (paper, eq. 20). `rows` are the distances from the first points to all points. The distances from
+    /// the sources to these first points are taken from `rows` and are not computed again.
     ///
     /// # Panics
-    /// As [`Self::solve`]; and if `rows` is not a whole number of rows or has more than `first` rows.
+    /// As [`Self::solve`]; and if `rows` is not a whole number of rows or has more than `first` rows, or if `sources`
+    /// do not follow one another from `first` on.
     pub fn solve_below(
         &self,
         rows: &[f32],
@@ -153,8 +155,8 @@ impl PairwiseScan {
     }
 }
 
-/// Returns whether the angle between two successive edges around a point exceeds a right angle, even by too
-/// little to count as obtuse.
+/// Returns whether an angle between two successive edges around some point exceeds a right angle by too little to count
+/// as obtuse.
 fn has_wide_angles(edges: &EdgeLengths<f32>) -> bool {
     let fans = Scan::ALL.map(|scan| FanSlots::new(edges.chart(), scan));
     edges.chart().places().any(|(row, col)| {

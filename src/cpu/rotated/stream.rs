@@ -2,7 +2,7 @@
 
 use crate::surface::Real;
 
-/// Copies arrival times to memory without loading it into the caches, for data that is not read soon.
+/// Copies arrival times to memory without loading the destination into the caches, for data that is not read soon.
 /// Unreached points become infinite.
 ///
 /// An ordinary store first fetches the cache line that it is about to overwrite, and waits for it. For the rows of a
@@ -25,7 +25,7 @@ fn copy(from: &[f32], to: &mut [f32]) {
     use std::arch::x86_64::*;
 
     assert_eq!(from.len(), to.len(), "as many numbers");
-    // SAFETY: four numbers side by side are a vector, whatever they are.
+    // SAFETY: any four adjacent numbers are a valid vector.
     let (head, vectors, tail) = unsafe { to.align_to_mut::<__m128>() };
     let (first, from) = from.split_at(head.len());
     let (fours, last) = from.as_chunks::<4>();
