@@ -153,7 +153,8 @@ pub enum VulkanError {
     /// The plan was made for a grid of another size.
     #[error("the plan was made for a grid of another size than the surface's")]
     OtherGrid,
-    /// The plan is one over seams and the surface is not glued, or the other way round.
+    /// The plan was made with [`over_seams`](super::embed::Plan::over_seams) and the surface is not glued, or
+    /// the surface is glued and the plan was made without it.
     #[error("{}", if *.is_glued {
         "the surface is glued and the plan has no step over seams: make it with Plan::over_seams"
     } else {
@@ -211,7 +212,8 @@ pub enum VulkanError {
          (SurfaceInfo::results)"
     )]
     OwnResults,
-    /// Points or sources were replaced while all of their descriptor sets were in use.
+    /// Points, sources or another input of the surface were replaced while all of their descriptor sets were
+    /// in use.
     #[error(
         "the surface's {what} {number} are replaced again while recordings that read them have not run: wait for \
          the fence of a frame, or use as many slots as frames in flight"
@@ -222,7 +224,8 @@ pub enum VulkanError {
         /// Number of the input.
         number: usize,
     },
-    /// Contours, paths or regions were made before an input of their surface was replaced.
+    /// Contours, paths, regions, directions or a log map were made before an input of their surface was
+    /// replaced.
     #[error(
         "the surface's {what} {number} were replaced after its contours, paths or regions were made: call their \
          rebind first"
@@ -253,7 +256,7 @@ pub enum VulkanError {
     /// The surface was used after it was destroyed.
     #[error("the surface was destroyed before")]
     Destroyed,
-    /// Contours or paths were made for another surface.
+    /// Contours, paths, regions, directions or a log map were made for another surface.
     #[error("the contours or paths were made for another surface than the recording's")]
     OtherSurface,
     /// Contours, paths, regions, directions or a log map cannot be made or recorded as requested.

@@ -4,9 +4,9 @@
 //! extension and no feature has to be enabled, and no limit has to exceed the minimum that Vulkan guarantees.
 //! [`unmet`] lists the requirements that a physical device does not meet. [`API_VERSION`],
 //! [`DEVICE_EXTENSIONS`] and [`features`] let a program merge the requirements with its own. Such a program
-//! stays correct if the requirements ever grow. A device that offers `VK_KHR_portability_subset`, as those of
-//! MoltenVK do, requires every program to enable that extension. This crate uses nothing that such a device
-//! leaves out.
+//! stays correct if the requirements ever grow. A device that offers `VK_KHR_portability_subset`, such as a
+//! device of MoltenVK, requires every program to enable that extension. This crate uses nothing that such a
+//! device leaves out.
 //!
 //! ```no_run
 //! # use geosweep::ash::{self, vk};
@@ -41,7 +41,7 @@ pub fn features() -> vk::PhysicalDeviceFeatures {
     vk::PhysicalDeviceFeatures::default()
 }
 
-/// Shared memory of a workgroup in bytes, as every device offers. The pass over the surroundings of sources
+/// Shared memory of a workgroup that every device offers, in bytes. The pass over the surroundings of sources
 /// needs most of it.
 const SHARED_MEMORY_BYTES: u32 = 16 << 10;
 
@@ -145,8 +145,8 @@ fn compute_family(families: &[vk::QueueFamilyProperties]) -> Option<u32> {
         .map(|index| index as u32)
 }
 
-/// Returns whether a device offers the extension `VK_KHR_portability_subset`: it implements Vulkan except for
-/// some corners, and requires programs to enable that extension.
+/// Returns whether a device offers the extension `VK_KHR_portability_subset`. Such a device implements Vulkan
+/// except for some features, and requires programs to enable that extension.
 pub(crate) fn is_portable_subset(
     instance: &ash::Instance,
     physical_device: vk::PhysicalDevice,

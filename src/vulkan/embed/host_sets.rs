@@ -27,7 +27,7 @@ pub(super) struct Part {
     start: u64,
     range: u64,
     first_word: i32,
-    /// Number of bytes after the part that its descriptor also covers.
+    /// Number of bytes after the part that the part's descriptor also covers.
     room: u64,
 }
 
@@ -72,7 +72,7 @@ impl Part {
 }
 
 /// Returns an error if a part extends beyond its buffer. Vulkan does not report the size of a buffer. The
-/// size in its memory requirements takes its place, which some drivers round up.
+/// check uses the size in the buffer's memory requirements instead, which some drivers round up.
 pub(super) fn check_extent(
     device: &ash::Device,
     what: &'static str,
