@@ -8,8 +8,8 @@ pub struct Alignment {
     /// The moved points, row-major.
     pub moved: Vec<f64>,
     /// The root mean square of the distances between corresponding points, divided by the root mean square of
-    /// the fixed points' distances from their mean. It is 0 for congruent forms. Forms are not scaled, so it exceeds
-    /// 1 if the moved form is much larger than the fixed one.
+    /// the fixed points' distances from their mean. It is 0 for congruent forms. Forms are not scaled, so the deviation
+    /// exceeds 1 if the moved form is much larger than the fixed one.
     pub deviation: f64,
 }
 

@@ -5,8 +5,8 @@ use std::ops::RangeInclusive;
 /// The largest allowed difference between the two distances of a pair of points, as a fraction of the largest
 /// distance of the matrix.
 ///
-/// On coarse grids the distances of a planar wavefront differ by up to a few hundredths. A matrix with larger
-/// differences is not a matrix of distances.
+/// With a planar wavefront on a coarse grid, the two distances differ by up to a few hundredths. A matrix
+/// with larger differences is not a matrix of distances.
 pub const ASYMMETRY: f32 = 0.05;
 
 /// The allowed range of the largest distance. Within it, squared distances stay in the range of single

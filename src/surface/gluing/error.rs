@@ -6,7 +6,7 @@ use super::super::GridSide;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GluingError {
-    /// Two points that are to be one lie apart.
+    /// Two points that are to be joined lie apart.
     #[error(
         "row {}, column {} and row {}, column {} are to be one point of the surface, and differ by {apart:e}; \
          the edges there are {edge:e} long. Check which sides continue each other, and in which order",
@@ -15,10 +15,10 @@ pub enum GluingError {
     Apart {
         /// Rows and columns of both points.
         places: [(usize, usize); 2],
-        /// Distance between them, or the difference of their heights, tensors or slowness.
+        /// Distance between the points, or the difference of their heights, tensors or slowness.
         apart: f64,
-        /// The size that a difference is compared with, of which it may be 5 %: an edge's length, or the size of a
-        /// tensor or slowness.
+        /// The size with which the difference is compared: an edge's length, or the size of a tensor or slowness. The
+        /// difference may be up to 5 % of this size.
         edge: f64,
     },
     /// Two sides have different numbers of points.
@@ -87,12 +87,12 @@ pub enum GluingError {
     NoRing {
         /// The row.
         side: GridSide,
-        /// Mean distance of its points from their mean position.
+        /// Mean distance of the row's points from their mean position.
         inner: f64,
         /// Mean distance of the points of the row beside it from their mean position.
         outer: f64,
     },
-    /// A grid is not that of the six faces of a cube.
+    /// A grid does not hold the six faces of a cube.
     #[error(
         "a grid of {rows} x {cols} points does not hold the six square faces of a cube in 2 x 3, 3 x 2, 1 x 6, 6 x 1, or \
          as a cross in 3 x 4 or 4 x 3, side by side or with a line of holes between them. Mark the rest as holes, and \
@@ -104,7 +104,7 @@ pub enum GluingError {
         /// Number of columns of the grid.
         cols: usize,
     },
-    /// A side of a face of a cube has no side of another one beside it.
+    /// A side of a cube's face has no side of another face beside it.
     #[error(
         "the {side} of the face whose first texel is at row {row}, column {col} has no other face beside it: the nearest \
          side is {apart:e} away, where texels are {step:e} apart. Check the positions and the order of the faces"
@@ -121,7 +121,7 @@ pub enum GluingError {
         /// Mean distance to the line of texels beside the side.
         step: f64,
     },
-    /// Nothing of the surface coincides.
+    /// No two points of the surface coincide.
     #[error(
         "no two points of the surface coincide beside its holes and borders, so there is nothing to glue"
     )]
@@ -137,7 +137,7 @@ pub enum GluingError {
     /// A metric is glued in reverse order.
     #[error("a metric cannot be glued in reverse order; give positions")]
     ReversedMetric,
-    /// A coarser grid, on every second row and column, would not be glued as the surface is.
+    /// A coarser grid of every second row and column would not be glued as the surface is.
     #[error(
         "the seams of the surface do not meet on every second row and column, which the comparison with a coarser \
          grid needs; a grid of {rows} x {cols} points has such a coarser one, and so have charts with an odd number of \

@@ -28,11 +28,11 @@ pub enum Gluing {
     /// ([`Seam::Sides`]), the halves of a side ([`Seam::Fold`]), and sides that are one point
     /// ([`Seam::Pole`]).
     Seams(Vec<Seam>),
-    /// An octahedral map, also one with cells of equal areas: each side of the square is folded in its middle. The
-    /// middle of the grid is one pole and its four corners are the other.
+    /// An octahedral map, with cells of equal areas or not: each side of the square is folded in its middle. The middle
+    /// of the grid is one pole and its four corners are the other.
     Octahedral,
-    /// Charts that holes keep apart in one grid, such as the six faces of a cube: all points beside a hole or
-    /// the border that coincide.
+    /// Charts that holes keep apart in one grid, such as the six faces of a cube. All coinciding points beside a hole
+    /// or the border are glued.
     Charts,
     /// Runs of points that coincide pair by pair.
     Runs(Vec<[Run; 2]>),
