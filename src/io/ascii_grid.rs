@@ -154,7 +154,7 @@ fn spacing(
     let factor = unit.and_then(|unit| unit.split(',').nth(1)?.trim().parse::<f64>().ok());
     match factor {
         Some(1.0) => known(Some("m"), true),
-        // Heights have no unit in this format; metres are usual.
+        // Heights have no unit in this format and are usually in metres, so distances in another unit are of no use.
         _ => FileSpacing::Unusable(
             "the .prj beside the file gives its cell size in a unit other than metres".into(),
         ),

@@ -40,8 +40,8 @@ impl Georeference {
         (row.is_finite() && col.is_finite()).then_some([row, col])
     }
 
-    /// Checks that the corners of a grid of this size have the same places under another georeference, up to a tenth
-    /// of a cell.
+    /// Checks that both georeferences put the corners of a grid of this size at the same coordinates, up to a tenth of
+    /// a cell.
     pub(super) fn agrees(&self, other: &Self, rows: usize, cols: usize) -> Result<(), String> {
         if let (Some(own), Some(other)) = (self.system, other.system)
             && own != other

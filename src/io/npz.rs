@@ -54,7 +54,8 @@ pub(super) fn decode(bytes: &[u8], names: &[&str]) -> Result<NpyArray, String> {
         CompressionMethod::DEFLATE => {
             check_decoded(data.len(), ratio::DEFLATE, size)?;
             check_memory::<u8>(size)?;
-            // No more bytes are read than the archive declares, however much the stream holds.
+            // At most one byte more than the archive declares is read, however much the stream holds. If that
+            // byte is there, the verifying reader reports the array as damaged.
             let stream = DeflateDecoder::new(data).take(size as u64 + 1);
             entry.verifying_reader(stream).read_to_end(&mut array).map_err(damaged)?;
         }

@@ -156,7 +156,7 @@ impl MatrixFile {
     ///
     /// # Errors
     /// If the disk is full or fails; the matrix can then be resumed. If a distance is too large for the
-    /// elements, no row is written, and nothing is left behind.
+    /// element type, no row is written, and nothing is left behind.
     ///
     /// # Panics
     /// If `distances` are not whole rows, or more rows than are missing.
@@ -195,7 +195,7 @@ impl MatrixFile {
     ///
     /// # Errors
     /// If the disk is full or fails, or the folder has changed in the meantime; if a mean is too large for
-    /// the elements.
+    /// the element type.
     ///
     /// # Panics
     /// If rows are missing.

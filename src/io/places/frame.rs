@@ -28,7 +28,7 @@ pub struct GridFrame {
     pub chart: Chart,
     /// The grid's map coordinates, or the reason why there are none.
     pub georeference: Result<Georeference, String>,
-    /// Numbers of rows by which the surface extends beyond the grid's first and last row, and the same of columns.
+    /// Numbers of rows by which the surface extends beyond the grid's first and last row, and the same for columns.
     margins: [[f64; 2]; 2],
 }
 
@@ -64,7 +64,7 @@ impl GridFrame {
     }
 
     /// Lets places lie beyond the grid's points. `margins` are numbers of rows before the first and after the last row,
-    /// and the same of columns. A surface extends beyond its grid's points if these are the middles of cells
+    /// and the same for columns. A surface extends beyond its grid's points if these are the middles of cells
     /// ([`crate::surface::GeodeticGrid::margins`]).
     pub fn with_margins(self, margins: [[f64; 2]; 2]) -> Self {
         Self { margins, ..self }
@@ -139,7 +139,7 @@ impl GridFrame {
         [on_axis(0, last_row as f64), on_axis(1, last_col as f64)]
     }
 
-    /// Returns the first and the last row of the surface, and the same of columns.
+    /// Returns the first and the last row of the surface, and the same for columns.
     fn ends(&self) -> [[f64; 2]; 2] {
         let (last_row, last_col) = self.chart.last();
         let ends = |last: usize, [before, after]: [f64; 2]| [0.0 - before, last as f64 + after];
