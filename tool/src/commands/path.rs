@@ -187,7 +187,7 @@ struct Row {
 }
 
 impl Row {
-    /// Describes a path from a given place, which is also known on the surface's grid.
+    /// Describes a path that starts at `from` on the given grid, which is `place` on the surface's grid.
     fn new(
         (from, place): ([f64; 2], [f64; 2]),
         path: &Path,

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::terminal::{progress, say};
 
-/// Computes `count` samples, or as many as there are points, and the map from them.
+/// Computes `count` samples, or fewer if the surface has fewer points, and the map from them.
 pub fn farthest_points<'a>(
     surface: &'a Surface,
     edges: &'a EdgeLengths<f32>,

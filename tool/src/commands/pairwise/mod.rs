@@ -298,7 +298,7 @@ impl Args {
         Ok(self.solver.options()?.with_radius(self.radius))
     }
 
-    /// Refuses samples of a surface that has points which the grid lacks.
+    /// Refuses samples of a surface that has more points than the given grid.
     fn check(&self, scene: &Scene) -> Result<(), String> {
         self.sample.map_or(Ok(()), |_| scene.refuse_added_lines("--sample"))
     }
@@ -383,7 +383,7 @@ impl Args {
     }
 }
 
-/// Points that are far from one another, and the region nearest to each.
+/// Points that are far from one another, and the region of the points nearest to each of them.
 struct Samples {
     points: Vec<usize>,
     regions: Voronoi,
@@ -403,7 +403,7 @@ impl Samples {
     }
 }
 
-/// Computes rows and writes their distances to the points that are kept, or to all.
+/// Computes rows and writes their distances to the points that are kept, or to all points.
 fn row_by_row(
     pairwise: &mut Pairwise,
     mut file: Option<&mut MatrixFile>,
@@ -427,7 +427,7 @@ fn row_by_row(
     })
 }
 
-/// Returns the distances to the points that are kept, of rows of distances to all points.
+/// Returns rows of distances to the points that are kept, from rows of distances to all points.
 fn cropped<'a>(distances: Cow<'a, [f32]>, points: usize, kept: Option<&[usize]>) -> Cow<'a, [f32]> {
     let Some(kept) = kept else { return distances };
     let rows = distances.chunks_exact(points);
@@ -447,7 +447,8 @@ fn go_on() -> Result<(), Stopped> {
     if is_interrupted() { Err(Stopped::Interrupted) } else { Ok(()) }
 }
 
-/// Computes the matrix in memory, and writes it. Glued surfaces are refused, so that all points are given.
+/// Computes the matrix in memory, and writes it. Glued surfaces are refused, so all points of the surface are
+/// points of the given grid.
 fn by_symmetry(
     pairwise: &mut Pairwise,
     file: Option<&mut MatrixFile>,

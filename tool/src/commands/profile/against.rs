@@ -87,7 +87,7 @@ pub enum Verdict {
     Faster,
     /// The times of the runs overlap.
     WithinNoise,
-    /// One of the profiles has a single run, so the noise is not known.
+    /// At least one of the profiles has a single run, so the noise is not known.
     OneRun,
     /// The kind exists only in the new profile.
     New,
@@ -178,8 +178,8 @@ impl Change {
     }
 }
 
-/// Returns the largest deviation of a run from the median, relative to the median. Returns `None` for a
-/// single run.
+/// Returns the largest deviation of a run from the median, relative to the median. Returns `None` for
+/// fewer than two runs or a median of zero.
 fn noise(runs: &[f64]) -> Option<f64> {
     let middle = median(runs).filter(|&middle| middle > 0.0 && runs.len() > 1)?;
     Some(runs.iter().map(|run| (run - middle).abs()).fold(0.0, f64::max) / middle)
