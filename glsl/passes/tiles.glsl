@@ -40,7 +40,7 @@ uint image_before(uint state, uint round) {
 
 // Returns the number of workgroups in a column of a dispatch of up to `count` tiles, with one workgroup for each tile.
 // There are at most MOST_GROUPS columns, which every device supports, and columns are as short as this allows.
-// Twin: column_of in src/vulkan/record/commands.rs.
+// Twin: column_of in src/vulkan/device/limits.rs.
 uint column_of(uint count) {
     return (count + MOST_GROUPS - 1u) / MOST_GROUPS;
 }

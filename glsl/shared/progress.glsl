@@ -27,7 +27,7 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     uint unsettled[ROUNDS]; // largest change of a round that another round has to pass on
     uint reached;           // 1 once a round has reached a point
     uint settled;           // number of texels copied by settle.comp, for profiles
-    uint visits[VISIT_WORDS]; // a bit for each dispatch of a scan that has visited its block, for profiles
+    uint visits[VISIT_WORDS]; // a bit for each block of a scan, set if the scan has visited the block, for profiles
     // The targets of a map: their number, the number of those that must be reached, and their rows and columns.
     uint target_count;
     uint targets_needed;

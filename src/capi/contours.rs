@@ -221,7 +221,7 @@ unsafe fn levels<'a>(given: &GeosweepContourFrame) -> Result<LevelInput<'a>, Fai
         return Ok(LevelInput::Spacing { step, count: level_count as usize });
     }
     if step != 0.0 {
-        let reason = format!("is {step}, and there is a list of levels or none are wanted");
+        let reason = format!("is {step}, but must be 0 with a list of levels or without levels");
         return Err(Failure::argument("frame->step", reason));
     }
     // SAFETY: the caller's promise.

@@ -114,8 +114,8 @@ pub struct GeosweepFrame {
     /// Number of nearest targets whose distances are needed, or 0 for all targets.
     pub targets_needed: u32,
     /// Targets, or null. The map ends once no front can reach the needed targets earlier, and points farther
-    /// than these are not reached. With raster scans, targets are examined only after each iteration, so only
-    /// a radius limits the first iteration.
+    /// than these are not reached. With raster scans, targets do not reduce the work, since an iteration brings
+    /// early and late fronts in any order. Only a radius reduces it.
     pub targets: *const GeosweepTarget,
     /// Number of targets, at most 1024. It is 0 if `targets` is null.
     pub target_count: u32,

@@ -115,14 +115,14 @@ impl Form {
         let first = kind.floats();
         if given.slowness != 0 && given.slowness < first {
             let reason = format!(
-                "is {}, and the first {first} floats of a point are others",
+                "is {}, but the first {first} floats of a point are its coordinates, height or metric",
                 given.slowness
             );
             return Err(Failure::argument(&field("slowness"), reason));
         }
         let given_memory = [!given.buffer.is_null(), !given.view.is_null(), !given.data.is_null()];
         if given_memory.iter().filter(|&&is_there| is_there).count() != 1 {
-            let reason = "names not exactly one of buffer, view and data";
+            let reason = "must name exactly one of buffer, view and data";
             return Err(Failure::argument(name, reason));
         }
         let slowness = (given.slowness != 0).then_some(given.slowness);

@@ -226,7 +226,8 @@ pub unsafe extern "C" fn geosweep_solver_destroy(solver: *mut GeosweepSolver) ->
         let others = unsafe { Arc::strong_count(object(solver, "solver")?.shared()) } - 1;
         if others > 0 {
             let reason = format!(
-                "still has {others} surfaces, plans, contours, paths, regions or profiles: destroy them first"
+                "still has {others} surfaces, plans, contours, paths, regions, directions, log maps or profiles: \
+                 destroy them first"
             );
             return Err(Failure::argument("solver", reason));
         }

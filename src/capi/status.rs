@@ -103,10 +103,12 @@ fn message(error: &VulkanError) -> String {
              GeosweepSolverInfo::passes"
         ),
         VulkanError::OtherGluing { is_glued: true } => {
-            "the surface is glued and the plan has no step over seams: create it with GeosweepMethod::over_seams".into()
+            "the surface is glued, but the plan has no step over seams: set GeosweepMethod::over_seams to 1 for the plan"
+                .into()
         }
         VulkanError::OtherGluing { is_glued: false } => {
-            "the plan is one over seams and the surface is not glued: GeosweepMethod::over_seams is 0 for it".into()
+            "the plan passes seams, but the surface is not glued: set GeosweepMethod::over_seams to 0 for the plan"
+                .into()
         }
         VulkanError::NotPrepared => {
             "the surface is not prepared: geosweep_record_prepare comes once, before \

@@ -163,7 +163,9 @@ impl<'a> Wanted<'a> {
     pub(super) unsafe fn new(info: &'a GeosweepSurfaceInfo) -> Result<Self, Failure> {
         let GeosweepSurfaceInfo { rows, cols, slots, .. } = *info;
         if !(1..=MOST_SLOTS).contains(&slots) {
-            let reason = format!("is {slots}: as many as frames in flight, from 1 to {MOST_SLOTS}");
+            let reason = format!(
+                "is {slots}, but must be the number of frames in flight, from 1 to {MOST_SLOTS}"
+            );
             return Err(Failure::argument("info->slots", reason));
         }
         // SAFETY: the caller's promise.

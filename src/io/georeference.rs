@@ -59,7 +59,7 @@ impl Georeference {
             if (row - place[0]).abs() > SAME_PLACE || (col - place[1]).abs() > SAME_PLACE {
                 let (there, [x, y]) = (other.coordinates(place), coordinates);
                 return Err(format!(
-                    "has its point at row {}, column {} at {x}, {y}, the surface at {}, {}",
+                    "has row {}, column {} at {x}, {y}, but the surface has it at {}, {}",
                     place[0], place[1], there[0], there[1]
                 ));
             }

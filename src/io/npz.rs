@@ -33,7 +33,7 @@ pub(super) fn decode(bytes: &[u8], names: &[&str]) -> Result<NpyArray, String> {
             let there: Vec<_> = arrays.iter().take(8).map(|(name, ..)| &name[..]).collect();
             let more = if count > there.len() { ", ..." } else { "" };
             format!(
-                "holds {count} arrays ({}{more}); keep one, or name the one that is meant {}",
+                "holds {count} arrays ({}{more}); keep only one of them, or give the array to be read the name {}",
                 there.join(", "),
                 names.join(" or ")
             )
@@ -61,7 +61,8 @@ pub(super) fn decode(bytes: &[u8], names: &[&str]) -> Result<NpyArray, String> {
         }
         other => {
             return Err(format!(
-                "its array {name} is compressed by {other:?}; np.savez_compressed writes what is read"
+                "its array {name} is compressed by {other:?}, which is not supported; write the file with \
+                 np.savez_compressed"
             ));
         }
     }

@@ -91,7 +91,7 @@ impl Surface {
     /// use std::f64::consts::TAU;
     /// use geosweep::Surface;
     /// use geosweep::glam::DVec3;
-    /// // A tube whose last column is its first again.
+    /// // A tube whose last column repeats its first.
     /// let angle = |index: usize| TAU * (index % 17) as f64 / 16.0;
     /// let point = |index| DVec3::new(angle(index).cos(), angle(index).sin(), (index / 17) as f64);
     /// let tube = Surface::from_positions(9, 17, (0..9 * 17).map(point).collect())?;

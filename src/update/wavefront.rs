@@ -224,7 +224,7 @@ pub(crate) enum Unsuited {
     CircularFromCurves,
     #[error(
         "the anchored wavefront is for floor plans: flat surfaces whose points are evenly spaced, without \
-         obtuse triangles and without a slowness; use the curved one for others"
+         obtuse triangles and without a slowness; use the curved one for other surfaces"
     )]
     NoFloorPlan,
     #[error(
@@ -238,8 +238,8 @@ pub(crate) enum Unsuited {
     )]
     TooManyInside,
     #[error(
-        "the rows of a matrix have no anchored fronts on a Vulkan device; compute them on the CPU, or with \
-         curved ones"
+        "the rows of a matrix have no anchored fronts on a Vulkan device; compute them on the CPU, or use \
+         curved fronts"
     )]
     AnchoredMatrixOnDevice,
 }

@@ -152,7 +152,8 @@ impl Corner<'_> {
 
     fn triangle<R: Real>(self, a: Step, b: Step, slowness: f64) -> Split<R> {
         let point = |step| {
-            let (row, col) = self.at(step).expect("the caller has looked");
+            let (row, col) =
+                self.at(step).expect("the caller has checked that the point is present");
             self.surface.chart().bordered(row, col)
         };
         Split {

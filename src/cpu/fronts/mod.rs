@@ -34,7 +34,7 @@ use crate::surface::{EdgeLengths, Real};
 use crate::update::{Setting, Wavefront};
 
 /// A kind of front with the data that it needs of one surface.
-#[expect(clippy::large_enum_variant, reason = "it is taken apart at once")]
+#[expect(clippy::large_enum_variant, reason = "it is matched on at once")]
 pub(super) enum FrontOver<R> {
     Planar(Planar),
     Circular(Circular),

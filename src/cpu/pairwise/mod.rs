@@ -74,7 +74,10 @@ impl PairwiseScan {
     /// # Panics
     /// If this machine does not have the instructions; see [`Instructions::available`].
     pub fn with_instructions(mut self, instructions: Instructions) -> Self {
-        assert!(Instructions::available().contains(&instructions), "no {instructions} here");
+        assert!(
+            Instructions::available().contains(&instructions),
+            "this machine does not have {instructions}"
+        );
         self.instructions = instructions;
         self
     }
@@ -126,17 +129,23 @@ impl PairwiseScan {
         into: &mut [f32],
     ) -> Convergence {
         let count = rows.len() / self.chart.points();
-        assert!(rows.len().is_multiple_of(self.chart.points()) && count <= first, "rows before");
+        assert!(
+            rows.len().is_multiple_of(self.chart.points()) && count <= first,
+            "`rows` must be whole rows, at most `first` of them"
+        );
         let follow = |(lane, source): (usize, &Option<usize>)| {
             source.is_none_or(|source| source == first + lane)
         };
-        assert!(sources.iter().enumerate().all(follow), "sources follow one another");
+        assert!(
+            sources.iter().enumerate().all(follow),
+            "sources must follow one another from `first` on"
+        );
         self.solve_from(sources, Known { rows, count, column: first }, stop, &mut self.rows(into))
     }
 
     fn rows<'a>(&self, matrix: &'a mut [f32]) -> Vec<Option<&'a mut [f32]>> {
         let points = self.chart.points();
-        assert!(matrix.len().is_multiple_of(points), "whole rows");
+        assert!(matrix.len().is_multiple_of(points), "the matrix must consist of whole rows");
         matrix.chunks_exact_mut(points).map(Some).collect()
     }
 
@@ -148,7 +157,7 @@ impl PairwiseScan {
         into: &mut [Option<&mut [f32]>],
     ) -> Convergence {
         assert!(sources.len() <= LANES, "a batch has at most {LANES} sources");
-        assert_eq!(into.len(), sources.len(), "a row for each source");
+        assert_eq!(into.len(), sources.len(), "there must be one row for each source");
         let points = self.chart.points();
         assert!(into.iter().flatten().all(|row| row.len() == points), "rows of {points} points");
         self.scans.solve(sources, known, stop, self.instructions, into)

@@ -145,7 +145,10 @@ impl<R: Real> RotatedScan<R> {
     /// # Panics
     /// If this machine does not have the instructions; see [`Instructions::available`].
     pub fn with_instructions(mut self, instructions: Instructions) -> Self {
-        assert!(Instructions::available().contains(&instructions), "no {instructions} here");
+        assert!(
+            Instructions::available().contains(&instructions),
+            "this machine does not have {instructions}"
+        );
         self.scanner.set_instructions(instructions);
         self
     }

@@ -24,7 +24,7 @@ pub(in crate::cpu) fn stream<'a>(pairs: impl Iterator<Item = (&'a [f32], &'a mut
 fn copy(from: &[f32], to: &mut [f32]) {
     use std::arch::x86_64::*;
 
-    assert_eq!(from.len(), to.len(), "as many numbers");
+    assert_eq!(from.len(), to.len(), "both slices must have the same length");
     // SAFETY: any four adjacent numbers are a valid vector.
     let (head, vectors, tail) = unsafe { to.align_to_mut::<__m128>() };
     let (first, from) = from.split_at(head.len());
@@ -46,7 +46,7 @@ fn copy(from: &[f32], to: &mut [f32]) {
 
 #[cfg(not(target_arch = "x86_64"))]
 fn copy(from: &[f32], to: &mut [f32]) {
-    assert_eq!(from.len(), to.len(), "as many numbers");
+    assert_eq!(from.len(), to.len(), "both slices must have the same length");
     one_by_one(from, to);
 }
 

@@ -22,7 +22,7 @@ pub struct Alignment {
 /// # Panics
 /// If the arrays differ in length, or their length is not a multiple of `dimensions`.
 pub fn align(moving: &[f64], fixed: &[f64], dimensions: usize) -> Alignment {
-    assert_eq!(moving.len(), fixed.len(), "as many points in both forms");
+    assert_eq!(moving.len(), fixed.len(), "both forms must have the same number of points");
     assert_eq!(fixed.len() % dimensions, 0, "a whole number of points");
     let points = fixed.len() / dimensions;
     let centred = |coordinates: &[f64]| {

@@ -9,9 +9,9 @@ use glam::{DMat2, DVec2};
 use crate::geometry::MapError;
 use crate::surface::{Source, Sources, Surface};
 
-/// The number of rows and columns around an open end in which angles are measured instead of propagated. The
-/// curvature of the wavefront jumps there, and the error of the map changes the directions of the rays
-/// nearby.
+/// The number of rows and columns around each end of a curve in which angles are measured instead of propagated. The
+/// curvature of the wavefront jumps at an open end, and the error of the map changes the directions of the rays
+/// nearby. Angles are measured in the same way where a closed curve begins and ends.
 const AROUND_END: usize = 8;
 /// The number of rows and columns by which a point may lie outside the bounding box of a segment for its distance from
 /// the segment to be measured.

@@ -162,7 +162,7 @@ impl MatrixFile {
     /// If `distances` are not whole rows, or more rows than are missing.
     pub fn append(&mut self, distances: &[f32]) -> Result<(), IoError> {
         let count = distances.len() / self.layout.cols;
-        assert_eq!(distances.len(), count * self.layout.cols, "whole rows");
+        assert_eq!(distances.len(), count * self.layout.cols, "`distances` must be whole rows");
         assert!(self.rows + count <= self.layout.rows, "no more rows than the matrix has");
         let bytes = match self.part_layout.encode(self.rows, distances, &mut self.buffer) {
             Ok(bytes) => bytes,

@@ -36,8 +36,8 @@ pub(super) fn read(path: &Path) -> Result<Content, IoError> {
         }
         if let Some(value) = read.iter().find(|value| !value.is_finite()) {
             let reason = format!(
-                "row {index} of the array holds {}, which is no finite number; only a row of NaN alone \
-                 divides curves",
+                "row {index} of the array holds {}, which is not a finite number; only a row with nothing \
+                 but NaN separates curves",
                 exact(*value)
             );
             return Err(IoError::content(path, reason));

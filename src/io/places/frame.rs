@@ -165,7 +165,7 @@ impl GridFrame {
         );
         let is_geographic = matches!(georeference.system, Some(CoordinateSystem::Geographic(_)));
         if swapped {
-            said += "; it lies inside the other way round: x runs eastwards and comes first";
+            said += "; with x and y swapped it lies inside; give x (eastwards) first";
         } else if !is_geographic && x.abs() <= TURN && y.abs() <= 90.0 {
             said += "; if these are longitude and latitude, convert them first";
             if let Some(system) = georeference.system {
@@ -285,7 +285,7 @@ mod tests {
         let far = utm.place([6e5, 4e6]).unwrap_err();
         assert!(!far.contains("longitude"), "{far}");
         let swapped = utm.place([3_999_900.0, 500_100.0]).unwrap_err();
-        assert!(swapped.contains("other way round"), "{swapped}");
+        assert!(swapped.contains("with x and y swapped"), "{swapped}");
         assert!(MapCoordinates::Geographic.check(&utm).unwrap_err().contains("EPSG:32616"));
         assert!(MapCoordinates::Epsg(4326).check(&utm).unwrap_err().contains("EPSG:4326"));
         assert_eq!(MapCoordinates::Epsg(32616).check(&utm), Ok(()));

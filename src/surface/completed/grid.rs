@@ -94,9 +94,10 @@ impl CompletedGrid {
         }
         let is_in_space = surface.geometry().is_in_space();
         if !is_in_space && self.added.iter().any(|added| added.copied().is_none()) {
-            return Err(
-                GluingError::NoPositions { what: "a line that is no copy of another one" }.into()
-            );
+            return Err(GluingError::NoPositions {
+                what: "an added line that is not a copy of another line",
+            }
+            .into());
         }
         let chart = self.chart();
         let mut points: Vec<_> =

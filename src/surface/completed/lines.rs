@@ -93,7 +93,10 @@ impl Lines {
             );
         }
         if rows.is_some() && lines.poles != [None; 2] {
-            return unsupported("a seam between rows that are poles", "name one of the two");
+            return unsupported(
+                "a seam between rows that are poles",
+                "name either the seam or the poles",
+            );
         }
         Ok(lines)
     }

@@ -6,10 +6,10 @@ use super::super::GridSide;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GluingError {
-    /// Two points that are to be joined lie apart.
+    /// Two points that should be joined lie apart.
     #[error(
-        "row {}, column {} and row {}, column {} are to be one point of the surface, and differ by {apart:e}; \
-         the edges there are {edge:e} long. Check which sides continue each other, and in which order",
+        "row {}, column {} and row {}, column {} should be the same point of the surface, but differ by \
+         {apart:e}; at most 5 % of {edge:e} is allowed there. Check which sides continue each other, and in which order",
         .places[0].0, .places[0].1, .places[1].0, .places[1].1
     )]
     Apart {
@@ -65,9 +65,9 @@ pub enum GluingError {
         /// Number of columns of the grid.
         cols: usize,
     },
-    /// Two sides that are to continue each other are neither the same line nor neighbours.
+    /// Two sides that should continue each other are neither the same line nor neighbours.
     #[error(
-        "the {} and the {} are to continue each other, and are {apart:e} apart on average, where the lines beside them \
+        "the {} and the {} should continue each other, but are {apart:e} apart on average, where the lines beside them \
          are {step:e} apart. Check which sides continue each other, and in which order",
         .sides[0], .sides[1]
     )]
@@ -79,9 +79,9 @@ pub enum GluingError {
         /// Mean distance to the lines beside them.
         step: f64,
     },
-    /// A row is to surround a pole, and does not.
+    /// A row should surround a pole, but does not.
     #[error(
-        "the {side} is to be at a pole or to surround one, and its points lie {inner:e} from their mean, those of the \
+        "the {side} should be at a pole or surround one, but its points lie {inner:e} from their mean, those of the \
          row beside it {outer:e}. A pole lies half a row or a row beyond; leave poles out if the grid has none"
     )]
     NoRing {

@@ -11,7 +11,7 @@ use crate::surface::{Direction, GridSide, Seam};
 /// use geosweep::glam::DVec3;
 /// use geosweep::surface::Gluing;
 /// use geosweep::{Options, Sources, Surface, distance_map};
-/// // A tube whose last column is its first again.
+/// // A tube whose last column repeats its first.
 /// let angle = |index: usize| TAU * (index % 65) as f64 / 64.0;
 /// let point = |index| DVec3::new(angle(index).cos(), angle(index).sin(), (index / 65) as f64 / 10.0);
 /// let tube = Surface::from_positions(33, 65, (0..33 * 65).map(point).collect())?

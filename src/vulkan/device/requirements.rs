@@ -52,7 +52,7 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
     let mut unmet = Vec::new();
     if properties.api_version < API_VERSION {
         let version = version_text(properties.api_version);
-        unmet.push(format!("it supports Vulkan {version}, and 1.1 is needed"));
+        unmet.push(format!("it supports Vulkan {version}, but 1.1 is needed"));
     }
     let limits = properties.limits;
     for (what, offered, needed) in [
@@ -96,7 +96,7 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
     ] {
         if offered < needed {
             let what = what.replace('#', &offered.to_string());
-            unmet.push(format!("{what}, and {needed} are needed"));
+            unmet.push(format!("{what}, but {needed} are needed"));
         }
     }
     if compute_queue_family(instance, physical_device).is_none() {
@@ -112,7 +112,7 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
 }
 
 /// Message about an instance that was created for Vulkan 1.0.
-pub(crate) const FOR_VULKAN_1_0: &str = "its instance was created for Vulkan 1.0, and 1.1 is needed: say so in \
+pub(crate) const FOR_VULKAN_1_0: &str = "its instance was created for Vulkan 1.0, but 1.1 is needed: request it in \
                                          VkApplicationInfo::apiVersion";
 
 /// Returns whether a device lacks the functions of Vulkan 1.1. That is so if its instance was created for

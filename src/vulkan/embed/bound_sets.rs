@@ -74,9 +74,7 @@ impl BoundSets {
         let count = self.versions.len();
         let mut others = (1..=count).map(|next| (self.current + next) % count);
         let waits = |at: &usize| self.flight.waits_for(self.versions[*at].used.load(Relaxed));
-        let free = others.find(|at| !waits(at));
-        let what = "inputs of contours, paths, regions, directions or log maps";
-        let free = free.ok_or(VulkanError::InputInFlight { what, number: 0 })?;
+        let free = others.find(|at| !waits(at)).ok_or(VulkanError::RebindInFlight)?;
         let of = &mut self.versions[free];
         for (set, content) in of.sets.iter_mut().zip(contents) {
             *set = host_sets::fill(device, set.set, *content);

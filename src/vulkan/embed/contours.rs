@@ -317,7 +317,10 @@ impl LevelInput<'_> {
                     return refuse(format!("level {level} is not finite"));
                 }
                 if let Some(pair) = levels.windows(2).find(|pair| pair[0] >= pair[1]) {
-                    return refuse(format!("level {} stands before {}", pair[0], pair[1]));
+                    return refuse(format!(
+                        "levels must ascend, but {} comes before {}",
+                        pair[0], pair[1]
+                    ));
                 }
                 read[..count].copy_from_slice(levels);
             }
@@ -419,7 +422,7 @@ mod tests {
         let many = [0.0; MOST_LEVELS + 1];
         for (levels, reason) in [
             (LevelInput::List(&[f32::NAN]), "NaN"),
-            (LevelInput::List(&[1.0, 1.0]), "level 1 stands before 1"),
+            (LevelInput::List(&[1.0, 1.0]), "must ascend, but 1 comes before 1"),
             (LevelInput::List(&many), "1025 levels"),
             (LevelInput::Spacing { step: 0.0, count: 2 }, "0 apart"),
             (LevelInput::Spacing { step: f32::INFINITY, count: 0 }, "inf apart"),

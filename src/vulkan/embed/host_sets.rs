@@ -41,7 +41,7 @@ impl Part {
     ) -> Result<Self, VulkanError> {
         let refuse = |reason: String| VulkanError::HostBuffer { what, reason };
         if bytes == 0 {
-            return Err(refuse("it holds nothing".into()));
+            return Err(refuse("its count is 0".into()));
         }
         let start = offset / ALIGNMENT * ALIGNMENT;
         let range = offset - start + bytes;
@@ -84,7 +84,7 @@ pub(super) fn check_extent(
     let holds = unsafe { device.get_buffer_memory_requirements(buffer) }.size;
     let end = offset.saturating_add(bytes);
     if end > holds {
-        let reason = format!("it is read up to byte {end}, and holds {holds} at most");
+        let reason = format!("it must have {end} bytes, but has {holds} at most");
         return Err(VulkanError::HostBuffer { what, reason });
     }
     Ok(())
@@ -224,7 +224,8 @@ pub(super) fn sources_content(
 
 pub(super) fn check_count(what: &'static str, count: u32) -> Result<(), VulkanError> {
     if count > MOST_ENTRIES {
-        let reason = format!("{count} are more than the {MOST_ENTRIES} that are taken");
+        let reason =
+            format!("{count} entries are more than the {MOST_ENTRIES} that a buffer may hold");
         return Err(VulkanError::HostBuffer { what, reason });
     }
     Ok(())

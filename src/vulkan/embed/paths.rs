@@ -317,7 +317,9 @@ fn parts(limits: &Limits, info: PathsInfo) -> Result<(CurveLayout, [BufferInfo; 
     let PathsInfo { paths, vertices } = info;
     let refuse = |reason| Err(VulkanError::Curves { what: "paths", reason });
     if paths == 0 || paths > MOST_PATHS {
-        return refuse(format!("{paths} at once are not between 1 and {MOST_PATHS}"));
+        return refuse(format!(
+            "the number of paths is {paths}, but must be from 1 to {MOST_PATHS}"
+        ));
     }
     if vertices < 2 {
         return refuse(format!("{vertices} vertices are too few for a line"));

@@ -187,7 +187,9 @@ impl WayImage {
         self.sets.as_ref().ok_or(VulkanError::Destroyed)?;
         let what = self.kind.what;
         if self.hosts.is_none() {
-            let reason = "the image belongs to the library: begin with an image of yours".into();
+            let reason = format!(
+                "the image belongs to the library: create the {what} with an image of yours"
+            );
             return Err(VulkanError::HostBuffer { what, reason });
         }
         image.check(what)?;

@@ -255,7 +255,7 @@ impl PairwiseOnDevice {
         submitter: &mut impl Submitter,
     ) -> Result<Convergence, VulkanError> {
         let points = self.layout.chart.points();
-        assert_eq!(into.len(), sources.len() * points, "a row for each source");
+        assert_eq!(into.len(), sources.len() * points, "there must be one row for each source");
         assert!(sources.iter().flatten().all(|&source| source < points), "sources are grid points");
         let batch = self.batch();
         let mut convergence = Convergence::NONE;

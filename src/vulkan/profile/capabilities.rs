@@ -106,11 +106,13 @@ impl Capabilities {
                 features.pipeline_statistics_query != 0,
                 "it counts no invocations: pipelineStatisticsQuery is missing",
             ),
-            executables: or(executables, "VK_KHR_pipeline_executable_properties is missing"),
-            calibration: calibration
-                .into_iter()
-                .find(|name| has(name))
-                .ok_or(Unavailable("VK_KHR_calibrated_timestamps is missing")),
+            executables: or(
+                executables,
+                "VK_KHR_pipeline_executable_properties or its feature pipelineExecutableInfo is missing",
+            ),
+            calibration: calibration.into_iter().find(|name| has(name)).ok_or(Unavailable(
+                "VK_KHR_calibrated_timestamps and VK_EXT_calibrated_timestamps are missing",
+            )),
             labels: or(debug_utils, "VK_EXT_debug_utils is missing or not enabled"),
         }
     }

@@ -17,8 +17,9 @@ pub struct Method {
     /// Stopping criterion. It counts the iterations of the schedule.
     pub stop: Stop,
     /// Largest arrival time of the map. Points that fronts reach later are unreached, and their distance is
-    /// +infinity. Except with [`Schedule::AllPoints`], only the area within the radius causes work. With
-    /// +infinity there is no limit. Frames have a limit of their own: [`crate::vulkan::embed::Frame::limit`].
+    /// +infinity. Except with [`Schedule::AllPoints`], the work is about proportional to the area within the
+    /// radius. With +infinity there is no limit. Frames have a limit of their own:
+    /// [`crate::vulkan::embed::Frame::limit`].
     pub radius: f64,
 }
 

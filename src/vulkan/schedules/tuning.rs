@@ -161,7 +161,9 @@ impl Tuning {
             limits.max_compute_work_group_invocations.min(limits.max_compute_work_group_size[0]);
         let bytes = limits.max_compute_shared_memory_size;
         if scan_lines == 0 || scan_lines > MOST_LINES {
-            return refuse(format!("{scan_lines} lines are not between 1 and {MOST_LINES}"));
+            return refuse(format!(
+                "a block of a scan has {scan_lines} lines, but must have from 1 to {MOST_LINES}"
+            ));
         }
         if scan_width > most || 32 * scan_width > bytes {
             return refuse(format!("a workgroup of {scan_width} invocations is too large"));
@@ -170,7 +172,10 @@ impl Tuning {
             return refuse(format!("{scan_width} invocations are too few for {scan_lines} lines"));
         }
         if !(8..=64).contains(&tile) || tile % 2 != 0 || tile_lanes.invocations() * tile > most {
-            return refuse(format!("a tile cannot have {tile} points a side"));
+            return refuse(format!(
+                "a tile cannot have {tile} points a side; it must have an even number from 8 to 64 for which the \
+                 device's workgroups are large enough"
+            ));
         }
         if Self::tile_bytes(tile, tile_edges) > bytes {
             return refuse(format!("a tile of {tile} points a side does not fit {bytes} bytes"));

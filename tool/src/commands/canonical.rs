@@ -104,8 +104,8 @@ pub fn run(args: &Args) -> Outcome {
     let (distances, kept) = match Distances::of_largest_piece(points, matrix) {
         Err(CanonicalError::Asymmetric { there, back, .. }) if chart.is_some() => {
             return Err(format!(
-                "the surface is too rough for its grid: the distance between two of its points came \
-                 out as {there} there and as {back} back; smooth it, or take a finer grid"
+                "the surface is too rough for its grid: the distance between two of its points is \
+                 {there} in one direction and {back} in the other; smooth it, or take a finer grid"
             )
             .into());
         }

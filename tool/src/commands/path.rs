@@ -32,7 +32,7 @@ pub struct Args {
     #[arg(allow_hyphen_values = true)]
     #[arg(required_unless_present_any = ["from_file", "from_xy"])]
     from: Vec<[f64; 2]>,
-    /// Start in map coordinates, if SURFACE is georeferenced; repeatable. These follow the starts of --from
+    /// Start in map coordinates, if SURFACE is georeferenced; repeatable. Such starts follow those of --from
     #[arg(long, visible_alias = "to-xy", value_name = "X,Y", value_parser = coordinates)]
     #[arg(allow_hyphen_values = true)]
     from_xy: Vec<[f64; 2]>,

@@ -23,10 +23,7 @@ pub fn farthest_points<'a>(
     bar.finish_and_clear();
     let found = samples.len();
     if found < count {
-        say(
-            "note",
-            format_args!("{found} samples in place of {count}: every point is one of them"),
-        );
+        say("note", format_args!("only {found} samples, not {count}: every point is a sample"));
     }
     Ok((points, samples))
 }

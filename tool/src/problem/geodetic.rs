@@ -128,7 +128,7 @@ impl GeodeticArgs {
         let name = path.display();
         match (file.georeference(), self.extent.zip(self.registration)) {
             (Ok(_), Some(_)) => {
-                Err(format!("{name}: gives its own place on the Earth; leave --extent out").into())
+                Err(format!("{name} says where it lies on the Earth; leave --extent out").into())
             }
             (Err(why), None) => Err(format!(
                 "{why}. Give --extent WEST,SOUTH,EAST,NORTH and --registration pixel or gridline"
@@ -194,7 +194,7 @@ fn in_degrees(
             .into());
     }
     if !file.may_be_in_degrees() {
-        return Err("its points lie lengths apart on a map, not degrees; leave --geodetic out, or gdalwarp \
+        return Err("the spacing of its points is a length on a map, not degrees; leave --geodetic out, or gdalwarp \
                     -t_srs EPSG:4326 makes a grid of degrees"
             .into());
     }
@@ -219,7 +219,7 @@ fn remark(path: &Path, system: Option<CoordinateSystem>) {
         ),
         None => say(
             "note",
-            format_args!("{name}: names no coordinate system; it is taken as WGS 84, in degrees"),
+            format_args!("{name} names no coordinate system; it is taken as WGS 84, in degrees"),
         ),
     }
 }

@@ -92,7 +92,7 @@ impl GlueArgs {
             }
             (Wrap::Both, true, false) => {
                 return Err(
-                    "--flip is for --wrap columns or rows; both at once are not glued".into()
+                    "--flip is for --wrap columns or rows; with --wrap both, sides cannot be flipped".into()
                 );
             }
         }))

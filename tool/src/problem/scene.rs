@@ -108,7 +108,7 @@ impl Scene {
             None => Ok(()),
             Some(_) => Err(format!(
                 "{what}: the surface has lines that the grid lacks, at a pole or at a seam, which cannot be left out \
-                 here; give a grid that has these lines, or one clear of them"
+                 here; give a grid that has these lines, or one without poles and seams"
             )),
         }
     }

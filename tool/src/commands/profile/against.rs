@@ -208,7 +208,7 @@ fn differences(before: &Setting, now: &Setting) -> Vec<String> {
 impl Display for Comparison {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         for difference in &self.differences {
-            writeln!(f, "Not of the same: {difference}.\n")?;
+            writeln!(f, "The profiles differ: {difference}.\n")?;
         }
         let milliseconds =
             |seconds: Option<f64>| seconds.map_or(String::new(), |s| digits(1e3 * s));

@@ -176,7 +176,7 @@ fn device(engine: &Engine) -> Result<&DeviceChoice, String> {
         Engine::Auto => Ok(&DeviceChoice::Any),
         Engine::Vulkan(choice) => Ok(choice),
         Engine::Cpu | Engine::FastMarching => {
-            Err("profiles are of Vulkan devices; leave --engine \
+            Err("only Vulkan devices can be profiled; leave --engine \
                                                    out (`geosweep bench` times the CPU engine)"
                 .into())
         }
