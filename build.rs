@@ -23,7 +23,7 @@ use std::{env, fs};
 use interface::Interface;
 
 const GLSL: &str = "glsl";
-/// Folders of shader sources in it: passes, the update of a triangle, and what several passes share.
+/// Folders of shader sources in glsl/: passes, what several passes share, and the update of a triangle.
 const FOLDERS: [&str; 3] = ["passes", "shared", "update"];
 const COMMITTED: &str = "glsl/spirv";
 /// File with the fingerprint of the sources of the committed SPIR-V, and of the way in which it was compiled.
@@ -116,7 +116,7 @@ fn in_parallel<T: Sync, U: Send>(items: &[T], of: impl Fn(&T) -> U + Sync) -> Ve
     done.into_iter().map(|(_, result)| result).collect()
 }
 
-/// Removes the modules of an earlier build, which may have had others.
+/// Removes the modules of an earlier build. Some may belong to shaders that no longer exist.
 fn remove_modules(folder: &Path) {
     let entries = fs::read_dir(folder)
         .unwrap_or_else(|error| panic!("cannot read the folder {}: {error}", folder.display()));

@@ -2,9 +2,10 @@
 //! Vulkan device. Words after `--` choose surfaces by parts of their names.
 //!
 //! The first table has the errors of curved fronts in single precision at about 160,000 points, of both engines.
-//! "Largest" is up to 0.1 radians from the place opposite to the source. The second table has the ratio of times
-//! per iteration between a glued surface and the same grid cut open, medians of runs in turn. The third one has the
-//! errors on the ellipsoid of the Earth in double precision (`-- Earth` prints it alone); it takes 2 GB of memory.
+//! "Largest" is the largest relative error; on spheres it leaves out points within 0.1 radians of the place opposite
+//! to the source. The second table compares the time per iteration on a glued surface with that on the same grid cut
+//! open; both run alternately, and the medians are printed. The third table has the errors on the ellipsoid of the
+//! Earth in double precision (`-- Earth` prints it alone); measuring them takes 2 GB of memory.
 
 #[path = "../tests/common/earth.rs"]
 mod earth;
@@ -21,7 +22,7 @@ use geosweep::{
     DeviceChoice, DistanceMap, Engine, Options, Sources, Spacing, Surface, Wavefront, distance_map,
 };
 
-/// Pairs of runs whose ratios of times are compared.
+/// Number of pairs of runs, on the open and on the glued surface, from which the medians are taken.
 const PAIRS: usize = 9;
 
 /// A closed surface, sources on it, and the exact distances from a source.
@@ -45,8 +46,8 @@ fn glued(surface: Result<Surface, geosweep::surface::SurfaceError>, gluing: Glui
     surface.and_then(|surface| surface.with_gluing(gluing)).expect("opposite sides are alike")
 }
 
-/// Returns the distances on a plane of which opposite sides are glued, from a source. `images` are the source's
-/// rows and columns in the unrolled plane.
+/// Returns the distances from a source on a plane whose opposite sides are glued, in cells. `images` are the rows
+/// and columns at which the source appears in the unrolled plane.
 fn unrolled([rows, cols]: [usize; 2], images: &[[f64; 2]]) -> Vec<f64> {
     let places = (0..rows * cols).map(|index| [(index / cols) as f64, (index % cols) as f64]);
     let nearest = |[row, col]: [f64; 2]| {
@@ -121,7 +122,8 @@ fn solve(surface: &Surface, [row, col]: [f64; 2], engine: &Engine) -> DistanceMa
     distance_map(surface, &Sources::point(row, col), &options(engine)).expect("the map converges")
 }
 
-/// Returns the mean relative error off seams and on them, and the largest up to 0.1 radians from the opposite place.
+/// Returns the mean relative errors off seams and on seams, and the largest relative error. On spheres the largest
+/// error leaves out points within 0.1 radians of the place opposite to the source.
 fn errors(case: &Case, exact: &[f64], distances: &[f32]) -> [f64; 3] {
     let is_copy = {
         let mut is_copy = vec![false; exact.len()];
@@ -169,11 +171,11 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Prints how much longer an iteration takes than on the same grid cut open.
+/// Prints how much longer an iteration takes on a glued surface than on the same grid cut open.
 fn print_times(cases: &[Case], engines: &[(&str, Engine)]) {
     println!("\n| surface | engine | open: ms an iteration | glued | ratio |");
     println!("|---|---|---:|---:|---:|");
-    // A face of a cube that is cut open is a sixth of the work.
+    // On the cube-sphere cut open, a source reaches only its own face, which is a sixth of the work.
     for case in cases.iter().filter(|case| case.name != "cube-sphere") {
         let open = opened(&case.surface);
         for (engine_name, engine) in engines {
@@ -194,7 +196,7 @@ fn print_times(cases: &[Case], engines: &[(&str, Engine)]) {
     }
 }
 
-/// Returns the same grid without its gluing.
+/// Returns the grid of a surface without its gluing.
 fn opened(surface: &Surface) -> Surface {
     let (rows, cols) = (surface.rows(), surface.cols());
     let position = |index| surface.position(index / cols, index % cols);
@@ -207,7 +209,7 @@ fn opened(surface: &Surface) -> Surface {
     .expect("the grid has points")
 }
 
-/// Prints errors against geodesics of the ellipsoid. "Largest" is up to nearly opposite places.
+/// Prints errors against geodesics of the ellipsoid. Places nearly opposite to the source are left out.
 fn print_earth() {
     println!("\n| degrees | longitude, latitude | mean | largest |");
     println!("|---:|---|---:|---:|");

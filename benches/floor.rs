@@ -1,12 +1,12 @@
 //! Compares the CPU engine's times with those of an earlier commit, so that the cost of a change is seen
-//! before it lands. Usage: `cargo bench --bench floor -- COMMIT`. With words after the commit, only rows are
-//! run whose names contain one of the words. `--pairs N` takes N pairs of runs per row instead of 9.
+//! before it lands. Usage: `cargo bench --bench floor -- COMMIT`. With words after the commit, only the rows
+//! whose names contain one of the words are run. `--pairs N` takes N pairs of runs per row instead of 9.
 //! `--tools BEFORE AFTER` instead of a commit compares two tools that are already built.
 //!
 //! The tool of the commit is built once in `target/floor/`, from a work tree of its own. The present tool is
-//! built from the work tree as it is. Both run alternately, and each runs first in half of the pairs. For
-//! each row the median over pairs of the ratio of their `solve_seconds` is printed, with its quartiles. On a
-//! shared machine the ratio of two runs side by side is more reliable than a time.
+//! built from the work tree as it is. Both run alternately, and each runs first in half of the pairs. A pair
+//! gives the ratio of the two tools' `solve_seconds`. For each row the median of this ratio over the pairs is
+//! printed, with its quartiles. On a shared machine the ratio of two runs side by side is more reliable than a time.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, exit};
@@ -23,7 +23,7 @@ const ROWS: [(&str, &[&str]); 8] = [
     ("pairwise builtin:peaks:64x64", FRONTS),
 ];
 
-/// `point` is what all commits accept for circular fronts.
+/// Names of wavefronts. All commits accept the name `point` for circular fronts.
 const FRONTS: &[&str] = &["planar", "point", "curved"];
 
 /// Options that both tools accept for a distance map or matrix.
@@ -70,7 +70,7 @@ fn main() {
     let _ = std::fs::remove_file(matrix);
 }
 
-/// Parses the arguments that `cargo bench` passes on. It adds a flag of its own.
+/// Parses the arguments that `cargo bench` passes on. Cargo adds the flag `--bench` to them.
 fn options() -> Result<Options, String> {
     let mut args = std::env::args().skip(1).filter(|arg| arg != "--bench");
     let mut options = Options { commit: String::new(), tools: None, pairs: 9, words: Vec::new() };
@@ -95,8 +95,8 @@ fn options() -> Result<Options, String> {
     }
 }
 
-/// Returns the seconds of both tools in `count` pairs of runs, and the ratios of the second tool's to the
-/// first tool's. One more pair runs before them and does not count.
+/// Returns the seconds of both tools in `count` pairs of runs, and the ratios of the second tool's seconds to
+/// the first tool's. One more pair runs before these pairs and does not count.
 fn pairs(tools: [&Path; 2], args: &[&str], count: usize) -> [Vec<f64>; 3] {
     let mut found = [(); 3].map(|()| Vec::with_capacity(count));
     for pair in 0..=count {

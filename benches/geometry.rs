@@ -1,6 +1,6 @@
-//! Measures what is computed from a distance map of 1200 x 1200 points, relative to the time of the map from
-//! the same sources: `cargo bench --bench geometry`. With `-- WORD`, only cases whose names contain the word
-//! are measured.
+//! Measures the time of what is computed from a distance map of 1200 x 1200 points, relative to the time of the
+//! map from the same sources: `cargo bench --bench geometry`. With `-- WORD`, only the maps and the cases whose
+//! names contain the word are measured.
 //!
 //! Edge lengths are computed outside the measured time, as for a surface that is kept. The time of
 //! `distance_map` includes them.

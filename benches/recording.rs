@@ -46,7 +46,7 @@ fn record(criterion: &mut Criterion) {
         let surface = solver.surface(&device, host.allocator(), &info);
         let mut surface = surface.expect("there is memory");
         host.run(|commands| solver.record(&device, commands, &surface).prepare());
-        // The number is of iterations for scans, and the largest number of rounds for tiles.
+        // `iterations` is the number of iterations for scans, and the largest number of rounds for tiles.
         for ((schedule, wavefront), iterations) in passes.into_iter().zip([4, 64]) {
             let stop = Stop::within(1e-4).or_after(200);
             let method = Method::new(wavefront, stop).with_schedule(schedule);

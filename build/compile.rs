@@ -1,5 +1,5 @@
-//! How a shader is compiled. What stands here and in names.rs is part of the fingerprint of the committed
-//! SPIR-V.
+//! Compilation of a shader. The text of this file, names.rs and variants.rs is part of the fingerprint of the
+//! committed SPIR-V.
 #![cfg(feature = "shaderc")]
 
 use std::fs;
@@ -22,7 +22,7 @@ pub fn spirv(
     options.set_target_env(TargetEnv::Vulkan, EnvVersion::Vulkan1_1 as u32);
     options.set_optimization_level(OptimizationLevel::Performance);
     options.set_warnings_as_errors();
-    // Without it the optimizer takes all names out.
+    // Without debug information the optimizer removes all names.
     options.set_generate_debug_info();
     if let Some((macro_name, value)) = definition {
         options.add_macro_definition(macro_name, Some(&value));

@@ -1,4 +1,4 @@
-//! Reads the shader's interface from a SPIR-V module: its bindings, the constants that are set when a
+//! Reads a shader's interface from a SPIR-V module: its bindings, the constants that are set when a
 //! pipeline is created, and the layout of its blocks.
 
 use std::collections::BTreeMap;
@@ -16,8 +16,8 @@ pub struct Interface {
     pub constants: Vec<(u32, String)>,
     /// Block of push constants.
     pub push_constants: Option<Block>,
-    /// Blocks of storage buffers as far as their sizes are known, and the structures of which they are
-    /// arrays.
+    /// For each storage buffer up to two blocks: one of the members whose sizes are known, and the structure of which
+    /// an array of any length consists.
     pub buffers: Vec<Block>,
 }
 
@@ -61,7 +61,7 @@ impl Interface {
     pub fn of(spirv: &[u8]) -> Result<Self, String> {
         let mut module = Declarations::default();
         parse_bytes(spirv, &mut module).map_err(|error| error.to_string()).or_else(|error| {
-            // The parser is stopped at the first function.
+            // The parser also returns an error where it is stopped, at the first function.
             if module.is_whole { Ok(()) } else { Err(error) }
         })?;
         module.interface()
@@ -230,7 +230,8 @@ impl Declarations {
         }
     }
 
-    /// Collects the parts of a buffer's block that have a size, and the structures of which it is an array.
+    /// Collects the members of a buffer's block that have a size, as one block, and the structure of which its array
+    /// of any length consists.
     fn buffer_blocks(&self, of: u32, into: &mut Vec<Block>) -> Result<(), String> {
         let mut members = Vec::new();
         for (place, part) in (0..).zip(&self.instructions[&of].operands) {
@@ -266,7 +267,7 @@ impl Declarations {
         Ok(Member { name, offset, kind, size })
     }
 
-    /// Returns a type in Rust, and its size.
+    /// Returns the Rust type of a SPIR-V type, and its size in bytes.
     fn rust(&self, of: u32) -> Option<(String, u32)> {
         let instruction = &self.instructions[&of];
         let operand = |place: usize| instruction.operands.get(place).map(literal_or_id);

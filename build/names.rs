@@ -1,10 +1,10 @@
-//! Which names of a module are kept.
+//! Selection of the names that a module keeps.
 #![cfg(feature = "shaderc")]
 
 use rspirv::spirv::Op;
 
-/// The module without what a compiler adds for debuggers, but with the names of types, members and
-/// global variables and constants: all that stands before the first function.
+/// Returns a module without what the compiler adds for debuggers, but with the names of interfaces: those of
+/// structures, members, global variables and specialization constants, which stand before the first function.
 pub fn keep_those_of_interfaces(words: &[u32]) -> Vec<u8> {
     const HEADER: usize = 5;
     let mut instructions = Vec::new();
@@ -16,7 +16,7 @@ pub fn keep_those_of_interfaces(words: &[u32]) -> Vec<u8> {
     }
     let of_functions = instructions.iter().position(|(op, _)| *op == Some(Op::Function));
     let globals = &instructions[..of_functions.unwrap_or(instructions.len())];
-    // The first operand of a type is what it defines, the second one of a variable or constant.
+    // The id that is defined is the first operand of a type, and the second one of a variable or constant.
     let declared: Vec<u32> = globals
         .iter()
         .filter_map(|(op, words)| match (*op)? {

@@ -95,7 +95,7 @@ fn constants(shaders: &[Shader], rust: &mut String) {
     .unwrap();
 }
 
-/// Writes a shader's module. `blocks` are those of earlier shaders, which are not written again.
+/// Writes a shader's module in Rust. `blocks` are the blocks of earlier shaders; equal blocks are not written again.
 fn shader<'a>(
     Shader { name, modules, interface }: &'a Shader,
     blocks: &mut Vec<(&'a str, String, &'a Block)>,
@@ -166,7 +166,7 @@ fn structure<'a>(
     .unwrap();
     let mut end = 0;
     for member in &block.members {
-        // Padding between members that GLSL aligns must be declared there.
+        // Where GLSL aligns a member, the shader must declare the padding before it.
         assert!(
             member.offset == end,
             "{shader}.comp: {}.{} starts at byte {}, and what is before it ends at {end}",
@@ -188,7 +188,7 @@ fn structure<'a>(
     }
 }
 
-/// Converts a name in snake_case or CamelCase.
+/// Converts a name in snake_case or CamelCase to the case of Rust constants.
 fn constant_case(name: &str) -> String {
     let mut constant = String::new();
     for letter in name.chars() {

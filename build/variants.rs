@@ -1,11 +1,11 @@
-//! Which modules a shader has. Large shaders that depend on the kind of front are compiled once for each kind:
-//! drivers would take time to read code that is then left out. What stands here is part of the fingerprint of the
-//! committed SPIR-V.
+//! Modules of each shader. Large shaders that depend on the kind of front are compiled once for each kind, since
+//! drivers would take time to read the code of other kinds and then leave it out. The text of this file is part of
+//! the fingerprint of the committed SPIR-V.
 
 /// Kinds of fronts, by their numbers in constants.glsl.
 const WAVEFRONTS: [&str; 4] = ["planar", "circular", "curved", "anchored"];
 
-/// Shaders that are compiled for each kind, and the number of kinds that they serve. They are the first ones.
+/// Shaders that are compiled for each kind of front, and for how many kinds: the first ones of [`WAVEFRONTS`].
 const BY_WAVEFRONT: [(&str, usize); 6] = [
     ("all_points", 4),
     ("pairwise_scan", 3),
@@ -22,7 +22,7 @@ pub const WAVEFRONT: (u32, &str) = (2, "WAVEFRONT");
 pub struct Module {
     /// Name of its file, without the extension.
     pub name: String,
-    /// Number of the kind of front for which it is, unless it serves all.
+    /// Number of the kind of front that the module serves, or `None` if it serves all.
     pub wavefront: Option<usize>,
 }
 

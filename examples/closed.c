@@ -1,7 +1,7 @@
 /*
  * A closed tube in a C program: the last column of its grid is the first one again. Its cross-section is an
- * ellipse that swells and shrinks from frame to frame. Distances pass the seam, and each frame's are checked:
- * unrolled, the tube is flat, and the shortest way goes round it on either side.
+ * ellipse that swells and shrinks from frame to frame. Distances pass the seam, and those of each frame are
+ * checked: unrolled, the tube is flat, and the shortest way goes round it on one side or the other.
  *
  *     cargo rustc --release --lib --features capi --crate-type cdylib,staticlib
  *     cc -std=c99 -I src/capi examples/closed.c -L target/release -lgeosweep -lvulkan -lm -o closed
@@ -13,7 +13,7 @@
 #define ROWS 61
 #define COLS 129 /* the last column repeats the first one */
 #define SPACING 0.05 /* between rows */
-#define PIECES 64 /* of a column, to measure its arc */
+#define PIECES 64 /* of the arc from a column to the next, to measure its length */
 #define FRAMES 10
 
 typedef struct Tube {
@@ -21,7 +21,7 @@ typedef struct Tube {
     double along[COLS]; /* length of the cross-section from column 0 */
 } Tube;
 
-/* Moves the points. Columns 0 and COLS - 1 get the same ones. */
+/* Moves the points. Columns 0 and COLS - 1 get the same points. */
 static void move(Tube *tube, int frame) {
     const double step = 2.0 * acos(-1.0) / (COLS - 1);
     const double wide = 1.0 + 0.3 * sin(0.7 * frame), high = 1.0 - 0.3 * sin(0.7 * frame);
@@ -86,7 +86,7 @@ static void run_frame(const Host *host, GeosweepSurface *surface, const Geosweep
     submit_and_wait(host);
 }
 
-/* Returns whether a frame's distances are those on the tube, on both sides of the seam. */
+/* Returns whether a frame has converged to the distances on the tube, with equal values on both sides of the seam. */
 static int is_right(int frame, const Tube *tube, const GeosweepSurface *surface, const float *map,
                     GeosweepSource source) {
     GeosweepOutcome outcome;

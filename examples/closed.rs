@@ -1,6 +1,6 @@
-//! A closed tube that moves, without a window: the last column of its grid is its first one again, and the lines of
-//! equal distance pass from one to the other. One command buffer moves the tube, computes the distances over the
-//! seam, and draws it. The seam faces the eye.
+//! A closed tube that moves, without a window. The last column of the tube's grid is its first one again, and the lines
+//! of equal distance go on across this seam. One command buffer moves the tube, computes the distances over the
+//! seam, and draws the tube. The seam faces the eye.
 //!
 //! `cargo run --release --features formats --example closed -- picture.png`
 
@@ -117,7 +117,7 @@ pub(crate) fn draw(host: &mut Host, time: f32, source: PointSource) -> Vec<u8> {
     let device = host.device.clone();
     let points = host.buffer(16 * CHART.points() as u64, false);
     let time = host.buffer_of(&[time]);
-    // WGSL has its y axis upwards, as DirectX.
+    // In clip coordinates of WGSL the y axis points upwards, as in DirectX.
     let transform = proj::directx::perspective(0.6, WIDTH as f32 / HEIGHT as f32, 100.0, 900.0)
         * view::look_at_mat4(Vec3::new(60.0, -300.0, 120.0), Vec3::ZERO, Vec3::Z);
     let mut seen = transform.to_cols_array().to_vec();

@@ -1,4 +1,4 @@
-//! A decal and a brush on cloth in motion, by the log map of the frame. Every frame one command buffer moves
+//! A decal and a brush on cloth in motion, placed by log maps of each frame. Every frame one command buffer moves
 //! the cloth, strokes a brush over it, and computes the log map of the decal's place. The picture shows the
 //! last frame twice: on the left the decal is projected along the cloth's normal, and smears over the folds;
 //! on the right its coordinates are those of the log map, and it lies on the cloth as if it were glued there.
@@ -28,13 +28,13 @@ const FRAMES: u32 = 36;
 /// Size of each half of the picture.
 const WIDTH: u32 = 720;
 const HEIGHT: u32 = 640;
-/// Pixels on each side of one of the picture's.
+/// Number of drawn pixels along each side of a pixel of the picture.
 const FINER: u32 = 2;
 /// Radii of the decal and the brush.
 const DECAL: f32 = 34.0;
 const BRUSH: f32 = 9.0;
-/// Distance beyond these radii up to which maps are solved, since a log map looks at the points around each.
-/// The rest of the cloth costs nothing.
+/// Distance beyond these radii up to which maps are solved, since a log map also looks at the points around each of
+/// its points. The rest of the cloth costs nothing.
 const AROUND: f32 = 4.0;
 /// Value of u and v beyond the radius.
 const NOWHERE: f32 = 1e6;
@@ -54,8 +54,8 @@ const MOVE: &str = "
         points[id.x] = vec4<f32>(0.72 * x, y, fold * (0.75 + 0.25 * sin(0.03 * y)), 0.0);
     }";
 
-/// One invocation is one texel of the paint, of which there are 4 x 4 in a cell. The brush has bristles,
-/// which keep their places on the cloth while it is stroked.
+/// One invocation is one texel of the paint, of which there are 4 x 4 in a cell. The bristles of the brush have fixed
+/// places in its log map, so they leave streaks on the cloth.
 const STROKE: &str = "
     @group(0) @binding(0) var<storage, read_write> paint: array<f32>;
     @group(0) @binding(1) var log_map: texture_2d<f32>;
@@ -69,7 +69,7 @@ const STROKE: &str = "
         paint[id.x] = max(paint[id.x], ink);
     }";
 
-/// The coordinates at a column and a row. Four texels are loaded, since not all devices filter them.
+/// The coordinates of the log map at a column and a row. Four texels are loaded, since not all devices filter them.
 const SAMPLE: &str = "
     fn log_map_at(place: vec2<f32>) -> vec2<f32> {
         let low = min(vec2<i32>(place), vec2<i32>(158, 118));
@@ -262,10 +262,10 @@ pub(crate) fn draw(host: &mut Host, frames: u32) -> Vec<Vec<[u8; 3]>> {
     pixels
 }
 
-/// Returns what the drawing passes see: the camera, the light, the decal's place, and how it is drawn.
+/// Returns what the drawing passes see: the camera, the light, the decal's place, and how the decal is drawn.
 fn view_of(decal: PointSource, by_log_map: f32) -> Vec<f32> {
     let eye = Vec3::new(-58.0, 112.0, 150.0);
-    // WGSL has its y axis upwards, as DirectX.
+    // In clip coordinates of WGSL the y axis points upwards, as in DirectX.
     let transform = proj::directx::perspective(0.62, WIDTH as f32 / HEIGHT as f32, 20.0, 500.0)
         * view::look_at_mat4(eye, Vec3::new(0.0, 2.0, 0.0), Vec3::Z);
     let mut seen = transform.to_cols_array().to_vec();
@@ -274,7 +274,7 @@ fn view_of(decal: PointSource, by_log_map: f32) -> Vec<f32> {
     seen
 }
 
-/// Returns a row of pixels, each the mean of a square of fine ones.
+/// Returns a row of pixels, each the mean of a square of fine pixels.
 fn averaged(fine: &[u8], row: usize) -> Vec<[u8; 3]> {
     let (finer, width) = (FINER as usize, WIDTH as usize);
     let channel = |col: usize, channel: usize| {

@@ -81,7 +81,7 @@ int main(int argc, char **argv) {
         const GeosweepAccess none = {0};
         const GeosweepAccess host_read = {VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT};
         GeosweepFrame info = {
-            .before = none, /* what the program has written is there once it is submitted */
+            .before = none, /* what the program wrote before submitting is visible without a barrier */
             .sources = {.sources = &source, .count = 1},
             .plan = plan,
             .reader = {{VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT},

@@ -84,8 +84,8 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
             vertex.copy_from_slice(bytemuck::cast_slice(&[x, y, z]));
         }
         submit(&mut || {
-            // ==== Every frame: what is before, where the fronts start, who reads the result ====
-            // Writes of the program to memory are visible to a submission, so `before` stays at NONE.
+            // ==== Every frame: what to wait for, where the fronts start, who reads the result ====
+            // What the program writes before submitting is visible to the device, so `before` stays at NONE.
             // With several frames in flight, `with_slot` says which of them this is.
             let sources = [PointSource::at(60.0, 80.0 + frame as f32)];
             let map = Frame::new(&plan, SourceInput::Inline(&sources), Reader::COPY).with_points(0);

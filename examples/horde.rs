@@ -1,6 +1,7 @@
 //! Ten thousand agents walk to a tower over terrain that is cratered while they walk. Every frame one command
 //! buffer makes the terrain, computes the distances to the tower and the directions of all ways back, and
-//! moves the agents along them. Nothing is read back but the picture of their trails, with two sums.
+//! moves the agents along them. Nothing is read back but the picture of their trails, and two sums: how many
+//! agents have arrived, and how far all have walked.
 //!
 //! `cargo run --release --features formats --example horde -- horde.png`
 //!
@@ -25,12 +26,12 @@ pub(crate) use host::Host;
 const SIDE: usize = 192;
 const AGENTS: u32 = 10_000;
 const FRAMES: u32 = 110;
-/// Pixels for each cell.
+/// Number of pixels along each side of a cell.
 const FINE: usize = 4;
 const WIDTH: usize = FINE * (SIDE - 1);
 const TOWER: [f32; 2] = [96.0, 176.0];
 
-/// The passes share these constants and functions. A crater opens every twenty frames, across the agents' way.
+/// The passes share these constants and this function. A crater opens every 15 to 20 frames, across the agents' way.
 const SHARED: &str = "
     const SIDE = 192u;
     const WIDTH = 764u;
@@ -88,7 +89,7 @@ const WALK: &str = "
         agents[id.x] = place;
     }";
 
-/// The steps are those of the example `viewer`.
+/// Functions that choose the direction of a step, from the example `viewer`.
 const WAYS: &str = concat!(
     include_str!("viewer/shaders/bilinear.wgsl"),
     include_str!("viewer/shaders/ways.wgsl"),
@@ -126,7 +127,7 @@ pub(crate) struct March {
     pub pixels: Vec<u8>,
     /// Number of agents that have arrived.
     pub arrived: u32,
-    /// Mean length of their ways over the terrain, in cells.
+    /// Mean length of all agents' ways over the terrain, in cells.
     pub walked: f64,
 }
 

@@ -1,5 +1,5 @@
 /*
- * What a renderer has and the examples in C need: an instance, a device, a queue, command buffers, memory.
+ * The parts of a renderer that the examples in C need: an instance, a device, a queue, command buffers, memory.
  */
 
 #ifndef GEOSWEEP_EXAMPLES_HOST_H
@@ -121,7 +121,7 @@ static HostBuffer make_buffer(const Host *host, uint32_t floats) {
     vkGetPhysicalDeviceMemoryProperties(host->physical_device, &memory);
     const VkMemoryPropertyFlags wanted =
         VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-    uint32_t type = 0; /* Vulkan promises that there is one */
+    uint32_t type = 0; /* Vulkan guarantees such a type */
     while (!(needed.memoryTypeBits >> type & 1) ||
            (memory.memoryTypes[type].propertyFlags & wanted) != wanted) {
         type++;
@@ -167,7 +167,7 @@ static void copy_to_host(const Host *host, const GeosweepImage *distances, const
                          VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &to_host, 0, NULL, 0, NULL);
 }
 
-/* Returns the larger of two numbers; NaN if any is. */
+/* Returns the larger of two numbers, or NaN if one of them is NaN. */
 static double larger(double a, double b) {
     return a > b || isnan(a) ? a : b;
 }

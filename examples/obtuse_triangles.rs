@@ -2,8 +2,8 @@
 //!
 //!     cargo run --release --example obtuse_triangles
 //!
-//! The surface is a plane sheared by an angle, x = u + v tan(angle), y = v, whose exact distances are
-//! straight lines. From 45 degrees on, two of the eight triangles around a point are obtuse.
+//! The surface is a plane sheared by an angle, x = u + v tan(angle), y = v, whose exact distances are the
+//! lengths of straight lines. Beyond 45 degrees, two of the eight triangles around a point are obtuse.
 
 use std::time::{Duration, Instant};
 
@@ -74,7 +74,8 @@ fn engine_table(points: usize) {
     println!();
 }
 
-/// Prints mean errors and times of fast marching with the crate's [`Connections`], in single precision.
+/// Prints mean errors and times of fast marching in single precision, with the [`Connections`] to eight neighbours
+/// and with those of split triangles.
 fn fast_marching_table(points: usize) {
     println!(
         "| shear | planar: mean, 8 | split | circular: mean, 8 | split | ms, 8 | split | ms to split |"

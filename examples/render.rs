@@ -139,7 +139,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Draws the surface in a phase of its motion. Renders `finer` times as many pixels on each side and averages
+/// Draws the surface in a phase of its motion. Renders `finer` times as many pixels in each direction and averages
 /// them. Returns rows of pixels.
 pub(crate) fn render(
     host: &mut Host,
@@ -152,7 +152,7 @@ pub(crate) fn render(
     let phase = host.buffer_of(&[phase]);
     let eye = Vec3::new(-75.0, 320.0, 245.0);
     let aspect = WIDTH as f32 / HEIGHT as f32;
-    // WGSL has its y axis upwards, as DirectX.
+    // In clip coordinates of WGSL the y axis points upwards, as in DirectX.
     let transform = proj::directx::perspective(0.66, aspect, 100.0, 900.0)
         * view::look_at_mat4(eye, Vec3::new(-2.0, 16.0, -10.0), Vec3::Z);
     let mut seen = transform.to_cols_array().to_vec();

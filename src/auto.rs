@@ -12,9 +12,11 @@ struct Costs {
     gpu: f64,
 }
 
-/// Costs of a limited map for all points, reached or not: on the CPU measuring the edges, on a GPU the set-up and
-/// reading back, which is all but the 2 ns of solving.
+/// Nanoseconds for each grid point in which the CPU measures the edges. A limited map needs them for all points,
+/// reached or not.
 const MEASURING: f64 = 3.0;
+/// Nanoseconds for each grid point in which a GPU solves a map. A limited map needs the rest of the GPU's cost, for
+/// set-up and read-back, for all points.
 const SOLVING_ON_GPU: f64 = 2.0;
 
 impl Costs {
@@ -27,16 +29,16 @@ impl Costs {
     }
 }
 
-/// Seconds in which a GPU is opened: loader, driver, device, and pipelines that a file keeps.
+/// Seconds for opening a GPU: the loader, the driver, the device, and pipelines that a file keeps.
 const OPENING: f64 = 0.25;
 /// Seconds in which the pipelines of a map are compiled where no file keeps them.
 const COMPILING: f64 = 1.0;
 
-/// Returns the cost of a point, as measured on an NVIDIA H200 and 16 cores of its host (docs/devices) on a
-/// sphere of 4096 x 4096 points. The CPU measures edges in 3 ns (estimated from smaller grids) and solves maps
-/// in 9 ns (planar fronts) and 23 ns (curved). The GPU is set up in 7 ns and solves maps in 2 ns, and the host
-/// takes distances in 1 to 2 ns. On the CPU, circular fronts take 1.3 times as long as planar ones
-/// (docs/speed.md), and anchored ones as long as curved ones.
+/// Returns the costs of a point, as measured on an NVIDIA H200 and 16 cores of its host (docs/devices) on a sphere of
+/// 4096 x 4096 points. The CPU measures edges in 3 ns (estimated from smaller grids) and solves maps in 9 ns (planar
+/// fronts) and 23 ns (curved). The GPU is set up in 7 ns and solves maps in 2 ns, and the host reads distances back in
+/// 1 to 2 ns. On the CPU, circular fronts take 1.3 times as long as planar ones (docs/speed.md), and anchored ones as
+/// long as curved ones.
 fn costs(wavefront: Wavefront) -> Costs {
     match wavefront {
         Wavefront::Planar => Costs { cpu: 12.0, gpu: 10.0 },
@@ -56,7 +58,7 @@ pub(crate) enum Choice {
 impl Choice {
     /// Chooses the engine of a map in single precision. `share` is the expected share of the points that the map
     /// reaches: 1 without a radius and targets. `is_kept` says whether pipelines are kept in a file. Vulkan is not
-    /// loaded yet: the loader and its drivers alone take longer than a small map.
+    /// loaded for this choice, since the loader and its drivers alone take longer than a small map.
     pub(crate) fn of(chart: Chart, wavefront: Wavefront, share: f64, is_kept: bool) -> Self {
         let points = chart.points();
         let Costs { cpu, gpu } = costs(wavefront).of_share(share);
@@ -124,8 +126,8 @@ mod tests {
         assert!(matches!(&large, Choice::Gpu(reason) if reason.contains("67108864")), "{large:?}");
     }
 
-    /// With curved fronts, 30 % of the points cost 9.9 ns on the CPU and 9.6 ns on a GPU for each point of the
-    /// grid. A fifth of them cost less on the CPU at any size.
+    /// With curved fronts, a map of 30 % of the points costs 9.9 ns on the CPU and 9.6 ns on a GPU for each point of
+    /// the grid. A map of a fifth of the points costs less on the CPU at any size.
     #[test]
     fn a_limited_map_takes_a_gpu_where_its_part_is_large_enough() {
         let choice = |side: usize, share| {

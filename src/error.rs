@@ -19,7 +19,7 @@ pub enum Error {
     Vulkan(#[from] VulkanError),
     /// The distances do not fit into memory.
     #[error(
-        "{rows} rows of {points} distances need {} MiB of memory, which cannot be had; compute \
+        "{rows} rows of {points} distances need {} MiB of memory, more than is available; compute \
          fewer rows at a time",
         .rows.saturating_mul(*.points).saturating_mul(size_of::<f32>()) >> 20
     )]
@@ -31,8 +31,8 @@ pub enum Error {
     },
     /// The map does not fit into memory.
     #[error(
-        "the map of a grid of {points} points needs {} MiB of memory beside the surface, which \
-         cannot be had; take a coarser grid or a part of the surface",
+        "the map of a grid of {points} points needs {} MiB of memory beside the surface, more than \
+         is available; take a coarser grid or a part of the surface",
         .bytes >> 20
     )]
     MapMemory {

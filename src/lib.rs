@@ -24,15 +24,16 @@
 //! # Ok::<(), geosweep::Error>(())
 //! ```
 //!
-//! [`geometry`] makes contours, shortest paths, Voronoi regions and offset curves of it, [`pairwise`]
-//! computes all pairs, and [`estimate_error`] an error for each distance. A program that computes many maps
-//! of one surface keeps a [`cpu::RotatedScan`] or a [`vulkan::HeadlessSolver`].
+//! [`geometry`] makes contours, shortest paths, Voronoi regions and offset curves of a map, [`pairwise`]
+//! computes the distances between all pairs of points, and [`estimate_error`] an error for each distance. A
+//! program that computes many maps of one surface keeps a [`cpu::RotatedScan`] or a
+//! [`vulkan::HeadlessSolver`].
 //!
 //! # A map in a renderer's frame
 //!
 //! [`vulkan::embed`] records a map into the command buffer of a renderer, on the renderer's device. Points
-//! come from its vertex buffer and may move every frame. The distances are an image that shaders sample in
-//! the same frame. Nothing is read back, and recording allocates nothing.
+//! come from the renderer's vertex buffer and may move every frame. The distances are an image that shaders
+//! sample in the same frame. Nothing is read back, and recording allocates nothing.
 //!
 //! # Features
 //!

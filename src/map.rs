@@ -145,8 +145,8 @@ impl<R: Real> DistanceMap<R> {
         self.distances[self.chart.index(row, col)]
     }
 
-    /// Returns the map rounded to single precision, which contours, paths and all other functions on maps
-    /// take.
+    /// Returns the map rounded to single precision. Contours, paths and all other functions on maps take maps
+    /// in this precision.
     pub fn to_single(&self) -> DistanceMap {
         let distances = self.distances.iter().map(|distance| distance.wide() as f32).collect();
         DistanceMap { chart: self.chart, distances, report: self.report.clone() }

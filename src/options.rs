@@ -49,10 +49,11 @@ pub struct Options {
     /// limit. The work is proportional to the area within the radius, except for measuring the surface.
     pub radius: Option<f64>,
     /// The targets of the map. The map ends when no front can reach them earlier, and points that are farther are
-    /// unreached. On the CPU, and by tiles on a device, the work is about that of the radius that the targets
-    /// need. A target that cannot be reached makes the map whole, and its distance is +infinity.
+    /// unreached. On the CPU, and by tiles on a device, the work is about that of a map with the radius that the
+    /// targets need. If a needed target cannot be reached, the whole map is computed, and the distance of that target
+    /// is +infinity.
     pub targets: Option<Targets>,
-    /// Follows the computation from another thread, which may cancel it.
+    /// The monitor by which another thread follows the computation and may cancel it.
     pub monitor: Option<Monitor>,
 }
 
@@ -112,7 +113,7 @@ impl Options {
         self.monitor.clone().unwrap_or_default()
     }
 
-    /// Returns when iterations stop. `tolerance` is the one of the precision, if none is given.
+    /// Returns the rule by which iterations stop. `tolerance` is the default of the precision.
     pub(crate) fn stop(&self, surface: &Surface, tolerance: f64) -> Result<Stop, Error> {
         let tolerance = self.tolerance.unwrap_or(tolerance);
         if !(0.0..1.0).contains(&tolerance) {
@@ -138,7 +139,7 @@ impl Options {
         Err(Error::Options(message))
     }
 
-    /// Checks the options that rows of a distance matrix do not have.
+    /// Returns an error if an option is set that rows of a distance matrix do not have.
     pub(crate) fn check_for_rows(&self) -> Result<(), Error> {
         let fault = |message: &str| Err(Error::Options(message.into()));
         if self.schedule.is_some() {
@@ -155,7 +156,7 @@ impl Options {
         Ok(())
     }
 
-    /// Returns the targets, which are points of the surface.
+    /// Returns the targets, or an error if a target is not a point of the surface.
     pub(crate) fn checked_targets(&self, surface: &Surface) -> Result<Option<Targets>, Error> {
         let Some(targets) = &self.targets else { return Ok(None) };
         let fault = |message: String| Err(Error::Options(message));

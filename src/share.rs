@@ -1,7 +1,7 @@
 //! Estimates how much of a surface a limited map reaches, before any of it is measured.
 //!
-//! The estimate only serves the choice of the engine ([`crate::auto`]). It takes a typical edge from some places of
-//! the grid, and fronts as ellipses of grid points around the sources. It ignores holes and seams.
+//! The estimate only serves the choice of the engine ([`crate::auto`]). It measures a typical edge at some places of
+//! the grid, and assumes that fronts are ellipses of grid points around the sources. It ignores holes and seams.
 
 use std::f64::consts::PI;
 
@@ -112,7 +112,8 @@ mod tests {
     fn many_seeds_side_by_side_count_once() {
         let curve = Sources::curve([[100.0, 0.0], [100.0, 299.0]]);
         let found = of(&curve, 20.0, None, 1.0);
-        // Ten rows on each side of the curve, which two rows of points seed at most.
+        // The front reaches ten rows on each side of the curve, whose seeds lie in two rows of points at
+        // most.
         assert!((0.1..0.12).contains(&found), "{found}");
     }
 }

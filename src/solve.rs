@@ -118,7 +118,7 @@ fn only_single(what: &str) -> Error {
 }
 
 /// Maximum number of values per point that a map holds in memory, including edges and result. In single
-/// precision these are 40 bytes (`tests/memory/resident.rs`) and the result.
+/// precision these are 40 bytes (`tests/memory/resident.rs`) and the 4 bytes of the result.
 const NUMBERS_OF_POINT: usize = 11;
 
 /// Returns an error if the memory for a map is not available. The engines themselves would end the process in
@@ -137,8 +137,8 @@ fn check_memory<R: Real>(surface: &Surface) -> Result<(), Error> {
 pub(crate) struct Problem<'a> {
     surface: &'a Surface,
     grid: SolverGrid<'a>,
-    /// The seeds on the solver's grid, with the smallest initial value subtracted. A single source then starts at zero, where the
-    /// circular front is exact.
+    /// The seeds on the solver's grid, with the smallest initial value subtracted. A single source then starts at zero,
+    /// where the circular front is exact.
     seeds: Vec<Seed>,
     start: f64,
     wavefront: Wavefront,
@@ -150,7 +150,8 @@ pub(crate) struct Problem<'a> {
     monitor: Monitor,
 }
 
-/// Margin up to which fronts go beyond the radius, as a part of it, so that rounding leaves out no point within it.
+/// Margin by which fronts go beyond the radius, as a fraction of the radius, so that rounding leaves out no point
+/// within the radius.
 const ROUNDING: f64 = 1e-6;
 
 impl<'a> Problem<'a> {
@@ -314,12 +315,13 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Returns the time after which fronts do not matter, on the scale of the seeds.
+    /// Returns the time after which fronts do not matter. Like the times of the seeds, it counts from the
+    /// smallest initial value.
     fn time_limit(&self) -> f64 {
         self.radius * (1.0 + ROUNDING) - self.start
     }
 
-    /// Returns the distance after which points are unreached, given distances without the subtracted initial
+    /// Returns the distance after which points are unreached. `distances` count from the smallest initial
     /// value.
     fn end<R: Real>(&self, distances: &[R]) -> f64 {
         let Some(targets) = &self.targets else { return self.radius };
@@ -332,7 +334,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Adds the subtracted initial value to all distances, and counts the points that were reached. Points
-    /// beyond the radius and the targets are unreached.
+    /// beyond the radius or the needed targets become unreached.
     fn finish<R: Real>(&self, distances: Vec<R>, report: Report) -> DistanceMap<R> {
         let end = self.end(&distances);
         let mut distances = self.grid.crop(distances);

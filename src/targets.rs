@@ -2,8 +2,8 @@
 
 /// Grid points that let the computation of a map end once their distances are known.
 ///
-/// A map with targets ends when no front can lower the distances of those that are needed any more. Points farther than
-/// the last of these are unreached, other targets too: their distance is +infinity.
+/// A map with targets ends when no front can lower the distances of the needed targets any more. Points farther than
+/// the last of these, including other targets, are unreached: their distance is +infinity.
 ///
 /// ```
 /// use geosweep::{Options, Sources, Spacing, Surface, Targets, distance_map};
@@ -24,18 +24,20 @@ pub struct Targets {
 }
 
 impl Targets {
-    /// The map ends when all of these points, given by row and column, have their distances. If one of them
-    /// cannot be reached, the whole map is computed.
+    /// Returns targets with which the map ends when all of these points, given by row and column, have their
+    /// distances. If one of the points cannot be reached, the whole map is computed.
     pub fn all(points: impl IntoIterator<Item = [usize; 2]>) -> Self {
         Self::nearest(usize::MAX, points)
     }
 
-    /// The map ends when the nearest of these points, given by row and column, has its distance.
+    /// Returns targets with which the map ends when the nearest of these points, given by row and column, has
+    /// its distance.
     pub fn any(points: impl IntoIterator<Item = [usize; 2]>) -> Self {
         Self::nearest(1, points)
     }
 
-    /// The map ends when the `count` nearest of these points, given by row and column, have their distances.
+    /// Returns targets with which the map ends when the `count` nearest of these points, given by row and
+    /// column, have their distances.
     pub fn nearest(count: usize, points: impl IntoIterator<Item = [usize; 2]>) -> Self {
         let points: Vec<_> = points.into_iter().collect();
         let needed = count.clamp(1, points.len().max(1));
@@ -47,12 +49,13 @@ impl Targets {
         &self.points
     }
 
-    /// Returns the number of points whose distances are needed, the nearest ones.
+    /// Returns the number of nearest points whose distances are needed.
     pub fn needed(&self) -> usize {
         self.needed
     }
 
-    /// Returns these targets with `by` added to their rows and columns, for a grid that begins that much earlier.
+    /// Returns these targets with `by` added to their rows and columns, for a grid that has `by` more rows and columns
+    /// at its beginning.
     pub(crate) fn moved(mut self, by: [usize; 2]) -> Self {
         let points = self.points.iter_mut();
         points.for_each(|[row, col]| (*row, *col) = (*row + by[0], *col + by[1]));

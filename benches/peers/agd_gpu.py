@@ -118,10 +118,10 @@ class Agd(Solver):
 
 
 def let_new_cupy_compile() -> None:
-    """Compiles without agd's option `-default-device` if compiling with it fails.
+    """Makes CuPy compile without agd's option `-default-device` if compiling with it fails.
 
-    CuPy 13.3 began to add the option itself, and the compiler refuses it twice; agd 0.2.16 takes
-    it out for CuPy 13.3 alone.
+    Since version 13.3 CuPy adds the option itself, and the compiler refuses an option that is given
+    twice. agd 0.2.16 leaves the option out for CuPy 13.3 only.
     """
     import cupy
 
@@ -212,7 +212,7 @@ def measured(
     exact: np.ndarray,
     repeats: int,
 ) -> report.Row:
-    """Runs in this process, to keep the GPU's context. The first solve is a warm-up."""
+    """Measures a solver in this process, to keep the GPU's context. The first solve warms up."""
     try:
         solver.prepare(grid)
         solver.solve(source)

@@ -5,8 +5,8 @@
     python benches/peers/compare.py --geosweep target/release/geosweep --docs
 
 The first command prints tables. The second one also updates docs/peers.csv, where it replaces the rows
-of the measured surfaces and sizes, and docs/peers.md: the summary of these rows, and the tables of
-terrain.py and paths.py.
+of the measured surfaces and sizes, and docs/peers.md, where it replaces the summary of all rows of
+docs/peers.csv, and the tables of terrain.py and paths.py.
 """
 
 from __future__ import annotations

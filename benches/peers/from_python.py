@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Compares what a program in Python can call, on a terrain and on half a cylinder.
+"""Compares solvers that a program in Python can call, on a terrain and on half a cylinder.
 
     python benches/peers/from_python.py
 
-All solvers get the same heights with their spacing; those on meshes get the triangles of grids.py. It needs
-requirements.txt, and `pip install ./python scikit-image xarray-spatial`.
+All solvers get the same heights with their spacing; those on meshes get the triangles of grids.py. This script
+needs requirements.txt, and `pip install ./python scikit-image xarray-spatial`.
 
 The terrain is that of terrain.py: crops of 65 x 65 points, whose reference is exact on a finer mesh. The half
-cylinder has 400 x 400 points and a closed form. Solvers that see no heights measure the map's plane; their
-errors say what that leaves out.
+cylinder has 400 x 400 points and a closed form. Solvers that see no heights measure distances in the map's
+plane; their errors show how much the heights matter.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from solvers import (
 from terrain import CROPS, prepared
 
 SIDE = 400
-# The cylinder's radius, and the part of it that the grid spans, to slopes of 1.3.
+# The cylinder's radius, and the largest |x| of the grid as a fraction of it. Slopes reach 1.3.
 RADIUS, PART = 1.0, 0.8
 SOURCE = (124, 164)
 
@@ -135,7 +135,7 @@ def half_cylinder() -> tuple[np.ndarray, np.ndarray]:
 
 
 def line(make: Callable[[], Solver], folder: Path) -> str:
-    """Returns a solver's row."""
+    """Returns a solver's row of the table."""
     solver = make()
     missing = lacks(solver)
     if missing:

@@ -120,10 +120,10 @@ def _measure(solver: Solver, grid: Grid, source: Place, repeats: int, cores: int
 
 
 def _timed(call: Callable[[], Any], cores: int) -> tuple[Any, float]:
-    """Returns the result of a call, and its time without that of other work on its core.
+    """Returns the result of a call, and the time that the call took.
 
-    On one core this is the processor's time, which is no less than the call needs. On several
-    cores, the processor's time adds up over them, so that the clock is used.
+    On one core this is the processor's time, which leaves out other work on the core but nothing of
+    the call. On several cores the processor's time is the sum over the cores, so the clock is used.
     """
     clock, processor = time.perf_counter(), _processor_time()
     result = call()
@@ -132,6 +132,6 @@ def _timed(call: Callable[[], Any], cores: int) -> tuple[Any, float]:
 
 
 def _processor_time() -> float:
-    """Returns the processor time of this process and of those it waited for."""
+    """Returns the processor time of this process and of the child processes it waited for."""
     children = resource.getrusage(resource.RUSAGE_CHILDREN)
     return time.process_time() + children.ru_utime + children.ru_stime

@@ -31,7 +31,7 @@ from solvers import Exact, GeometryCentralHeat, Place, Solver, lacks
 
 
 class Gdist(Solver):
-    """The Virtual Brain's wrapper of Kirsanov's exact algorithm: all pairs, or one source each."""
+    """The Virtual Brain's wrapper of Kirsanov's exact algorithm, one source at a time."""
 
     name, needs = "gdist (exact on the mesh)", ("gdist",)
 
@@ -54,7 +54,7 @@ OURS = {
 
 @dataclass(frozen=True)
 class Result:
-    """Rate at which rows were computed, and their error."""
+    """Rate at which a solver computed rows of the matrix, and the error of these rows."""
 
     name: str
     rows: int
@@ -115,7 +115,7 @@ def peer(maker: Callable[[], Solver], grid: Grid, count: int, processes: int) ->
 
 
 def ours(name: str, binary: Path, grid: Grid, runs: int) -> Result:
-    """Computes the whole matrix, and the median time of some runs."""
+    """Computes the whole matrix in some runs, and returns the run with the median time."""
     with tempfile.TemporaryDirectory() as folder:
         positions, matrix = Path(folder) / "positions.npy", Path(folder) / "matrix.npy"
         np.save(positions, grid.positions)
@@ -134,7 +134,11 @@ def ours(name: str, binary: Path, grid: Grid, runs: int) -> Result:
 
 
 def table(results: list[Result]) -> str:
-    """Returns a table of each peer and the fastest geosweep method with no larger an error."""
+    """Returns a table of all solvers.
+
+    In a peer's row, the last column has the rates, relative to the peer's, of those geosweep
+    methods whose error is no larger than the peer's.
+    """
     own = [result for result in results if result.name.startswith("geosweep")]
     lines = [
         "| solver | rows | seconds | distances/s | mean relative error | geosweep's rate over it |",
@@ -143,7 +147,7 @@ def table(results: list[Result]) -> str:
     for result in results:
         ratio = ""
         if result not in own:
-            # A method that is exact on the mesh has the error of the mesh.
+            # A method that is exact on the mesh has an error too, that of the mesh.
             better = [one for one in own if one.error <= result.error]
             ratio = ", ".join(f"{one.rate / result.rate:.0f} ({one.name[9:]})" for one in better)
         lines.append(

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Compares shortest paths over real terrain with exact ones on its triangles.
+"""Compares shortest paths over real terrain with exact paths on the terrain's triangles.
 
     python benches/peers/paths.py --geosweep target/release/geosweep
 
 The surfaces are crops of the elevation model in examples/data, 65 x 65 points, as in terrain.py,
-each with two sources and starts at random points. Here the surface consists of the triangles
-themselves. The reference is the exact paths on them (pygeodesic). They are compared with those of
-`geosweep path --edges chord`, and with MeshLib's, straightened over the same triangles.
+each with two sources and starts at random points. Unlike there, the surface is the crop's triangles
+themselves, and the reference is the exact paths on these triangles (pygeodesic). The paths of
+`geosweep path --edges chord` are compared with it, and so are MeshLib's, which are straightened
+over the same triangles.
 """
 
 from __future__ import annotations
@@ -32,15 +33,16 @@ STARTS = 25
 FAR_ENOUGH = 5
 # The distance between the places at which two paths are compared, in cells.
 STEP = 0.1
-# The distance from the exact path, in cells, beyond which a path took another route of about the
-# same length.
+# The distance from the exact path, in cells, beyond which a path counts as another route of about
+# the same length.
 ANOTHER_WAY = 2.0
 
 
 @dataclass(frozen=True)
 class Traced:
-    """A path: the distance at its start in its map, if there is one, and its length as its solver
-    reports it, both in metres, and its rows and columns (K, 2)."""
+    """A path. `distance` is the value of the solver's map at the path's start (NaN without a map),
+    and `length` is the path's length according to the solver, both in metres. `places` are rows and
+    columns (K, 2)."""
 
     distance: float
     length: float
@@ -166,7 +168,7 @@ def on_triangles(grid: Grid, places: np.ndarray) -> float:
 
 
 def crossings(rising: np.ndarray, a: np.ndarray, b: np.ndarray) -> Iterable[np.ndarray]:
-    """Returns where the straight line between two places of a cell crosses its diagonal."""
+    """Returns where the straight line between two places of a cell crosses the cell's diagonal."""
     cell = np.clip(np.floor((a + b) / 2), 0, SIZE - 2)
 
     def beside(place: np.ndarray) -> float:
@@ -179,7 +181,7 @@ def crossings(rising: np.ndarray, a: np.ndarray, b: np.ndarray) -> Iterable[np.n
 
 
 def height(grid: Grid, rising: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Returns the point of the triangles at a row and column."""
+    """Returns the point on the triangles at a row and column."""
     row, col = (int(min(x, SIZE - 2)) for x in place)
     down, right = place - (row, col)
     north_west, north_east, south_west, south_east = (

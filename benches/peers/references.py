@@ -8,7 +8,8 @@ import numpy as np
 
 Place = tuple[int, int]
 
-# The surfaces that `geosweep builtin` writes; see the documentation of `surface::builtin::Builtin`.
+# Sizes of the surfaces that `geosweep builtin` writes; see the documentation of
+# `surface::builtin::Builtin`.
 TURN = 1.5 * np.pi
 CYLINDER_HEIGHT = 3.0
 CONE_SLOPE = 0.5
@@ -20,7 +21,7 @@ def exact(
 ) -> np.ndarray | None:
     """Returns exact distances (M, N) from a grid point, or None if they are not known.
 
-    `folder` may have further ones, as SURFACE-ROWSxCOLS.npy, for surfaces without a closed form.
+    For surfaces without a closed form, `folder` may have exact distances as SURFACE-ROWSxCOLS.npy.
     """
     name, _, angle = surface.partition("@")
     rows, cols = present.shape
@@ -66,7 +67,10 @@ def sphere(rows: int, cols: int, source: Place) -> np.ndarray:
 
 
 def cone(rows: int, cols: int, source: Place) -> np.ndarray:
-    """Distances on the unrolled sector: a line, or two tangents and an arc of the inner circle."""
+    """Returns distances on the unrolled sector.
+
+    A path is a line, or two tangents of the inner circle and an arc of it.
+    """
     u, v = unit_square(rows, cols)
     slant, angle = CONE_INNER + v, CONE_SLOPE * TURN * np.abs(u - u[source])
     here = slant[source]
@@ -77,11 +81,13 @@ def cone(rows: int, cols: int, source: Place) -> np.ndarray:
 
 
 def flat_paths(present: np.ndarray, source: Place) -> np.ndarray:
-    """Returns shortest paths over the flat unit square around its missing points, up to rounding.
+    """Returns the lengths of shortest paths over the flat unit square around its missing points.
 
-    The floor is the union of the triangles between present points, so a rectangle of missing
-    points blocks the octagon within one step (along rows plus along columns) of it. A shortest
-    path bends only at corners of octagons: Dijkstra runs over these, then each point is reached.
+    They are exact up to rounding. The floor is the union of the triangles between present points,
+    so a rectangle of missing points blocks an octagon: the places less than one step (along rows
+    plus along columns) from the rectangle. A shortest path bends only at corners of octagons. So
+    Dijkstra's algorithm runs over these corners, and each point is then reached from the source or
+    a corner.
     """
     octagons = [Octagon(*rectangle) for rectangle in sorted(set(rectangles(~present)))]
     spacing = 1.0 / (np.array(present.shape) - 1)
@@ -140,7 +146,10 @@ def rectangles(missing: np.ndarray) -> list[tuple[int, int, int, int]]:
 
 
 def grow(missing: np.ndarray, row: int, col: int, rows_first: bool) -> tuple[int, int, int, int]:
-    """Returns the rectangle of missing points around one, grown along one axis, then the other."""
+    """Returns a rectangle of missing points around a missing point.
+
+    It is grown along one axis first, then along the other.
+    """
     if not rows_first:
         c0, c1, r0, r1 = grow(missing.T, col, row, True)
         return r0, r1, c0, c1
@@ -194,7 +203,7 @@ class Octagon:
 
 
 def sees(start: np.ndarray, ends: np.ndarray, octagons: list[Octagon]) -> np.ndarray:
-    """Returns which ends the straight line from a place reaches."""
+    """Returns for each end whether the straight line from a place to it is unblocked."""
     seen = np.ones(len(ends), bool)
     for octagon in octagons:
         seen[seen] = ~octagon.blocks(start, ends[seen])

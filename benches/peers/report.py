@@ -87,7 +87,7 @@ def _line(row: Row) -> str:
 
 
 def summary(rows: list[Row]) -> str:
-    """Two tables for each size of the page: mean errors and times of the solvers, by surface."""
+    """Returns two tables for each size of the page: mean errors, and times, by surface."""
     rows = [row for row in rows if row.size in PAGE_SIZES and not _is_left_out(row.solver)]
     sizes = sorted({row.size for row in rows})
     return "\n\n".join(_summary(size, [row for row in rows if row.size == size]) for size in sizes)
@@ -107,7 +107,7 @@ def _summary(size: int, rows: list[Row]) -> str:
 
 
 def _by_surface(rows: list[Row], cell: Callable[[Row], str]) -> str:
-    """A line for each solver and a column for each surface."""
+    """Returns a table with a line for each solver and a column for each surface."""
     surfaces = list(dict.fromkeys(row.surface for row in rows))
     cells = {(row.solver, row.surface): "failed" if row.failure else cell(row) for row in rows}
     lines = [
@@ -177,7 +177,10 @@ def _row(line: dict[str, str]) -> Row:
 
 
 def renewed(old: list[Row], new: list[Row], surfaces: tuple[str, ...]) -> list[Row]:
-    """Replaces or adds whole tables, each of a surface and a size, in the order of both."""
+    """Returns the old rows without those of a surface and size that is in `new`, and the new rows.
+
+    The result is sorted by size, then by surface.
+    """
     again = {(row.surface, row.size) for row in new}
     kept = [row for row in old if (row.surface, row.size) not in again]
     order = {surface: place for place, surface in enumerate(surfaces)}
@@ -185,7 +188,7 @@ def renewed(old: list[Row], new: list[Row], surfaces: tuple[str, ...]) -> list[R
 
 
 def conditions(geosweep: Path) -> str:
-    """Returns the machine and the versions, without names that identify its owner."""
+    """Returns the machine and the versions, without names that identify the machine's owner."""
     version = subprocess.run(
         [geosweep, "--version"], check=True, capture_output=True, text=True
     ).stdout.strip()
@@ -205,7 +208,7 @@ def _version(package: str) -> str | None:
 
 
 def _cpu() -> str:
-    """Returns the processor's name, with family and model, which distinguish virtual ones."""
+    """Returns the processor's name, with family and model, which tell virtual processors apart."""
     fields = dict(
         re.findall(r"^(model name|cpu family|model)\s*:\s*(.*)$", _read("/proc/cpuinfo"), re.M)
     )

@@ -4,8 +4,8 @@
     python smacof.py
 
 The distances are those of great circles between the points of a grid on the unit sphere, and the
-start is a formula too, so that the test can compute both. The output is the raw stress of the
-start, after one, two and ten Guttman transforms, and when it no longer changes.
+start is a formula too, so that the test can compute both. The output is the raw stress at the
+start, after one, two and ten Guttman transforms, and when the stress no longer changes.
 """
 
 from __future__ import annotations

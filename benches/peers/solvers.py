@@ -1,7 +1,7 @@
 """Peers, one small class each: a name, the set-up, and a solve for one source.
 
-Solvers that time themselves set `seconds`, if their call does more than solve. Otherwise the
-clock around `solve` counts.
+If a solver's `solve` does more than solve, it measures the solving alone and stores the time in
+`seconds`. Otherwise the clock around `solve` counts.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from grids import Grid
 
 Place = tuple[int, int]
 
-# A longest distance for peers that is larger than any distance on the surfaces.
+# The longest distance that peers are asked to compute. It exceeds all distances on the surfaces.
 FAR = 1e9
 
 
@@ -45,7 +45,7 @@ class Solver:
         self.grid = grid
 
     def solve(self, source: Place) -> np.ndarray:
-        """Returns distances (M, N) from a grid point, infinite at points without one."""
+        """Returns distances (M, N) from a grid point, infinite at points that are not reached."""
         raise NotImplementedError
 
     def vertex(self, source: Place) -> int:
@@ -171,7 +171,7 @@ class MeshLab(Solver):
 
 
 class Exact(Solver):
-    """Mitchell, Mount and Papadimitriou's exact distances on the mesh, as Kirsanov wrote it."""
+    """Mitchell, Mount and Papadimitriou's exact distances on the mesh, in Kirsanov's program."""
 
     name, needs = "pygeodesic (exact on the mesh)", ("pygeodesic.geodesic",)
 
@@ -190,9 +190,10 @@ class Exact(Solver):
 class HamiltonFastMarching(Solver):
     """Mirebeau's fast marching for metrics, of a higher order, with factored distances.
 
-    It needs the metric at each point, which comes from cubic splines through the positions, so
-    that it sees the same numbers as the others. Within `radius` steps of the source, it writes
-    the distance as that of the source's metric, times or plus a smooth rest.
+    The solver needs the metric at each point. The metric comes from cubic splines through the
+    positions, so that the solver sees the same numbers as the others. Within `radius` steps of the
+    source, the solver writes the distance as the distance in the source's constant metric, times or
+    plus a smooth rest.
     """
 
     needs = ("HFMpy.HFM_Riemann2", "agd.Eikonal", "scipy.interpolate")
@@ -289,7 +290,10 @@ DOUBLE = ("--precision", "double")
 
 
 def geosweep_solvers(binary: Path, engines: tuple[str, ...]) -> dict[str, Callable[[], Solver]]:
-    """Returns geosweep's rows by name: every wavefront with every engine."""
+    """Returns geosweep's solvers by name: every wavefront with every engine.
+
+    On the CPU there are circular and curved fronts in double precision too.
+    """
     makers = [
         partial(Geosweep, binary, engine, front) for engine in engines for front in WAVEFRONTS
     ]

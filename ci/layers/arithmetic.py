@@ -3,16 +3,16 @@
 
     arithmetic.py MODES SPIRV OUT
 
-writes a module to the folder OUT for each one in the folder SPIRV. It computes as MODES say, and has the name by
-which the layer guise.c finds it (GUISE_MODULES). MODES are some of these, separated by commas:
+writes a module to the folder OUT for each module in the folder SPIRV. The new module computes as MODES say, and has
+the file name by which the layer guise.c finds it (GUISE_MODULES). MODES are some of these, separated by commas:
 
     fma   a product in a sum is not rounded before the addition (every GPU), unless the shader forbids it; this is
           computed in double precision, so that only the last rounding may differ
     div   a / b is a * (1 / b), as on most GPUs
     ulp   as div, and reciprocals and roots are off by up to one unit in the last place unless they are exact
           (Vulkan allows 2.5 units for divisions, and 2 for inverse roots)
-    cmp   comparisons with NaN are true (as with compilers that assume that there are none)
-    mm    the operands of min and max are exchanged: of a number and NaN, the other one is taken
+    cmp   comparisons with NaN are true, but != is false (as with compilers that assume that there are no NaNs)
+    mm    the operands of min and max are exchanged, which may give the number instead of NaN or the reverse
     back  the workgroups of a dispatch run in reverse order
     mixed the workgroups run in a scattered order: each is about a thousand after the previous one, cyclically
 
@@ -36,7 +36,7 @@ class Module:
         self.lines = [line for line in text.split("\n") if not line.startswith(";")]
         self.last = int(re.search(r"; Bound: (\d+)", text).group(1))
         self.added = []  # types and constants
-        self.made = {}  # by their definition
+        self.made = {}  # ids of types and constants, by definition
         self.defined = {}
         for line in self.lines:
             if found := INSTRUCTION.match(line):
@@ -83,13 +83,13 @@ class Module:
         return self.made[key]
 
     def product_of(self, name, of):
-        """Returns the factors of a product of a type, or None if it is something else."""
+        """Returns the factors of `name` if it is a product of the type `of`, and None otherwise."""
         op, operands = self.defined.get(name, ("", []))
         return operands[1:] if op == "OpFMul" and operands[0] == of else None
 
 
 class Function:
-    """Instructions that replace one."""
+    """Instructions that are inserted, or replace one instruction."""
 
     def __init__(self, module):
         self.module = module
@@ -102,7 +102,7 @@ class Function:
 
 
 def fused(module, result, op, operands, mode):
-    """Replaces a sum with a product in it by a fused one."""
+    """Replaces a sum that has a product as a term by a fused multiply-add."""
     if op not in ("OpFAdd", "OpFSub", "OpExtInst") or operands[0] not in module.width or result in module.precise:
         return None
     of = operands[0]
@@ -189,7 +189,7 @@ def root(module, result, op, operands, mode):
 
 
 def compared(module, result, op, operands, mode):
-    """Replaces a comparison by one that is true for NaN."""
+    """Replaces a comparison by one that is true for NaN, or false for NaN if it is !=."""
     if op.startswith("OpFOrd"):
         return [" ".join([result, "=", op.replace("OpFOrd", "OpFUnord"), *operands])]
     if op == "OpFUnordNotEqual":
@@ -209,7 +209,7 @@ STRIDES = (1009, 1013, 1019, 1021)
 
 
 def reordered(module, mode):
-    """Reorders the ids of workgroups: passes read other variables in place of the device's."""
+    """Reorders the ids of workgroups: the shader reads private variables in place of the device's inputs."""
     seen = {}
     for line in module.lines:
         if found := re.match(r"OpDecorate (%\d+) BuiltIn (WorkgroupId|GlobalInvocationId|NumWorkgroups|WorkgroupSize)", line):
@@ -271,7 +271,7 @@ def reordered(module, mode):
         entry.append(f"OpStore {own['GlobalInvocationId']} {code.emit('OpIAdd', words, whole, by)}")
     code.lines += entry
 
-    # Variables that the passes read from now on.
+    # Lets the shader read its private variables.
     main = next(line.split()[2] for line in module.lines if line.startswith("OpEntryPoint"))
     chains = set()
     lines = []
@@ -306,7 +306,7 @@ def reordered(module, mode):
 
 
 def rewritten(path, mode):
-    """Returns the text of a module in this arithmetic and order."""
+    """Returns the text of a module in the arithmetic and order of `mode`."""
     module = Module(path)
     if {"back", "mixed"} & mode:
         reordered(module, mode)

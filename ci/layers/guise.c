@@ -4,8 +4,8 @@
  *
  *     GUISE_TYPE=discrete        or integrated, virtual, cpu: the kind of device
  *     GUISE_MEMORY=own           memory of its own, beside the host's: three types of memory in two heaps
- *     GUISE_LIMITS=minimum       the limits that Vulkan 1.1 requires of every device; after it, or without it,
- *                                some by name: storage_images=3,image_side=1024 (the table LIMITS has the names)
+ *     GUISE_LIMITS=minimum       the limits that Vulkan 1.1 requires of every device. Limits by name may follow,
+ *                                or stand alone: storage_images=3,image_side=1024 (the table LIMITS has the names)
  *     GUISE_VERSION=1.0          the version of Vulkan
  *     GUISE_WITHOUT_FORMAT=100   a VkFormat of which the device has no images
  *     GUISE_POISON=0x7fc00000    a word that fills all new memory that the host can map
@@ -29,7 +29,7 @@
 /* ------------------------------------------------------------------ the next functions in the chain */
 
 typedef struct Instance {
-    void *key; /* that of the instance and of its physical devices */
+    void *key; /* of the instance and of its physical devices; see key_of */
     VkInstance handle;
     PFN_vkGetInstanceProcAddr get;
     PFN_vkDestroyInstance destroy;
@@ -202,7 +202,7 @@ static VKAPI_ATTR VkResult VKAPI_CALL get_image_format(VkPhysicalDevice device, 
 
 /* ------------------------------------------------------------------ memory of a device's own */
 
-/* The types that a discrete GPU has. All are the driver's first type, which the host can map. */
+/* Types of memory that a discrete GPU has. All stand for the driver's first type, which the host can map. */
 static const VkMemoryPropertyFlags TYPES_OF_MEMORY[] = {
     VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
@@ -423,7 +423,7 @@ static VKAPI_ATTR void VKAPI_CALL destroy_module(VkDevice handle, VkShaderModule
     device_of(handle)->destroy_module(handle, gone, allocator);
 }
 
-/* Returns a module with these constants folded in, which the caller frees, or NULL if that fails. */
+/* Returns the code of a module with these constants folded in, or NULL if that fails. The caller frees the code. */
 static uint32_t *fold(const Module *module, const VkSpecializationInfo *constants, size_t *size) {
     char values[1024] = "", path[512], command[8192];
     size_t end = 0;

@@ -5,8 +5,8 @@
 layout(set = 0, binding = 0) uniform texture2D distances; // GeosweepImage::view
 layout(set = 0, binding = 1) uniform sampler nearest;     // texels are fetched: any sampler does
 layout(set = 0, binding = 2) uniform Look {
-    float step;      // from line to line
-    float farthest;  // where the last colour stands
+    float step;      // distance from line to line
+    float farthest;  // distance that has the last colour
     float width;     // of lines, in pixels
     float unreached; // as GeosweepFrame::unreached, a negative number
 } look;
@@ -15,8 +15,8 @@ layout(location = 0) in vec2 place; // column and row
 layout(location = 0) out vec4 colour;
 
 void main() {
-    // Devices need not filter the format, and derivatives of what is fetched are noise where triangles are a
-    // few pixels large: the gradient comes from the four texels around.
+    // Devices need not filter the format, and screen derivatives of fetched values are noise where triangles are a
+    // few pixels large. So the gradient comes from the four texels around.
     ivec2 last = textureSize(sampler2D(distances, nearest), 0) - 2;
     ivec2 low = clamp(ivec2(place), ivec2(0), last);
     vec2 part = place - vec2(low);

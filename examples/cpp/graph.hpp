@@ -57,7 +57,7 @@ public:
             for (const auto &[resource, use] : pass.reads) read[resource] = use;
             for (const auto &[resource, use] : pass.writes) {
                 read.erase(resource);
-                // Later readers were declared to such a pass.
+                // Later readers need no barrier: a pass with its own barriers has been told of them.
                 if (pass.has_own_barriers) written.erase(resource);
                 else written[resource] = use;
             }

@@ -1,5 +1,6 @@
 // A renderer with a frame graph in which geosweep computes the colors of a cloth. Each frame uploads the
-// vertices, computes their distances from a source, and copies these, where another renderer would draw them.
+// vertices, computes their distances from a source, and copies the distances back, where another renderer would
+// draw with them.
 //
 // frame_graph [DEVICE [FOLDER]] writes the last frame's vertices and distances into a folder.
 

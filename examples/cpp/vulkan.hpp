@@ -15,7 +15,7 @@ inline void check(VkResult result, const char *call) {
 
 class Gpu {
 public:
-    // Returns the first device whose name contains this part and that `is_usable`.
+    // Takes the first device whose name contains `part` and which `is_usable` accepts.
     template <class Test>
     Gpu(const std::string &part, uint32_t api_version, Test is_usable) {
         VkApplicationInfo application = {};

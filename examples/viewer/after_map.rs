@@ -5,7 +5,7 @@ use geosweep::vulkan::embed::{Access, FrameSurface, Recording, Solver};
 
 use crate::gpu::Gpu;
 
-/// A surface in the commands of a frame, after its map.
+/// The objects with which passes that use the map of a surface are recorded.
 #[derive(Clone, Copy)]
 pub struct AfterMap<'a> {
     pub gpu: &'a Gpu,
@@ -17,7 +17,7 @@ pub struct AfterMap<'a> {
 }
 
 impl<'a> AfterMap<'a> {
-    /// Begins the recording of passes over the map, which an earlier frame may have made.
+    /// Begins the recording of passes that use the map. An earlier frame may have computed the map.
     pub fn recording(&self) -> Recording<'a> {
         let recording = self.solver.record(&self.gpu.device, self.commands, self.surface);
         if !self.changed {

@@ -16,15 +16,15 @@ use crate::shaders::{self, Layout};
 use crate::stage::barrier;
 
 pub const COUNT: u32 = 10_000;
-/// Spacings of lines that agents walk in a second.
+/// Speed of the agents, in spacings of lines a second.
 pub const PACE: f32 = 4.0;
-/// Four floats each, of which the last is not used.
+/// Size of the buffer of agents: four floats each, the last of which is not used.
 const BYTES: u64 = 16 * COUNT as u64;
 
 /// The rule by which agents choose their steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Steps {
-    /// Along the image of directions.
+    /// Steps along the image of directions.
     Directions,
     /// Steps to one of eight neighbours, as agents on grids usually do. This reads the image of distances only.
     Neighbours,
@@ -38,7 +38,7 @@ pub struct WalkPasses {
 
 /// Agents of a surface.
 pub struct Agents {
-    /// Steps; `None` while the agents are hidden, and rest.
+    /// Steps; `None` while the agents are hidden and do not move.
     steps: Option<Steps>,
     places: Buffer,
     /// Whether no agent has started yet.
@@ -87,7 +87,7 @@ impl Agents {
         Ok(Self { steps: None, places, fresh: true, directions, outdated: true })
     }
 
-    /// Shows agents that choose their steps in a way, or hides them.
+    /// Shows agents that choose their steps by the given rule, or hides the agents.
     pub fn show(&mut self, steps: Option<Steps>) {
         self.steps = steps;
     }
@@ -125,7 +125,7 @@ impl Agents {
         Ok(())
     }
 
-    /// Records that no agent has started, before the first frame with agents.
+    /// Records a fill of the buffer with zeros, before the first frame with agents. Zeros mark an agent as not started.
     fn start(&mut self, gpu: &Gpu, commands: vk::CommandBuffer) {
         if !std::mem::replace(&mut self.fresh, false) {
             return;

@@ -23,7 +23,7 @@ pub struct ClosedSurface {
 
 /// Distance between lines, in radii of the surface.
 const SPACING: f32 = 0.1;
-/// First source, in heights and widths of the grid. It lies beside the seam that the camera shows.
+/// First source, in fractions of the grid's height and width. It lies beside the seam that the camera shows.
 const SOURCE: [f32; 2] = [0.35, 0.06];
 
 impl ClosedSurface {
@@ -112,8 +112,8 @@ fn positions(surface: &Surface) -> Vec<Vec4> {
     points.iter().map(|&point| (point - 0.5 * (low + high)).extend(1.0)).collect()
 }
 
-/// Returns the gluing of a grid by seams, or that of charts by pairs of points: frames know no positions in advance by
-/// which they would find where charts coincide.
+/// Returns the gluing with the given copies: the grid's seams if they are enough, otherwise pairs of points. A surface
+/// in frames is created before its positions are known, so it cannot find by itself which points coincide.
 fn gluing(chart: Chart, positions: &[Vec4], copies: &Groups) -> Result<Gluing> {
     let points = positions.iter().map(|point| point.truncate().as_dvec3()).collect();
     let open = Surface::from_positions(chart.rows, chart.cols, points)?;

@@ -13,7 +13,7 @@ use crate::sets::Sets;
 use crate::shaders;
 
 /// Sizes in spacings of lines: the first radius, its limits, and how much farther the log map reaches, so
-/// that the shader can interpolate at the decal's border. The last is more than a cell of any surface.
+/// that the shader can interpolate at the decal's border. This last size is more than a cell of any surface.
 pub const RADIUS: f32 = 5.0;
 const LIMITS: [f32; 2] = [1.0, 15.0];
 const MARGIN: f32 = 0.8;
@@ -44,12 +44,12 @@ pub struct Decal {
     pub look: Look,
     /// Log map, created when it is first shown.
     log_map: Option<LogMapImage>,
-    /// Whether the log map is not that of the map and the radius.
+    /// Whether the map or the radius has changed since the log map was computed.
     outdated: bool,
 }
 
 impl Look {
-    /// Returns the look with the next placement, of which none is one.
+    /// Returns the look with the next placement. No decal also counts as a placement.
     pub fn placed_otherwise(self) -> Self {
         let placement = match self.placement {
             None => Some(Placement::LogMap),
@@ -59,7 +59,7 @@ impl Look {
         Self { placement, ..self }
     }
 
-    /// Returns the look with a radius that is some sizes larger, or smaller.
+    /// Returns the look with a radius that is `by` sizes larger, or smaller if `by` is negative.
     pub fn larger(self, by: i32) -> Self {
         let [least, most] = LIMITS;
         Self { radius: (self.radius * FACTOR.powi(by)).clamp(least, most), ..self }
@@ -73,7 +73,7 @@ impl Decal {
     }
 
     /// Changes the look from the next frame on. Waits for the device when the log map is first shown, since
-    /// it may be using the sets.
+    /// the device may be using the sets.
     pub fn show(
         &mut self,
         gpu: &mut Gpu,
@@ -93,8 +93,8 @@ impl Decal {
         Ok(())
     }
 
-    /// Records the passes that compute the log map, if the map or the radius has changed, with `spacing`
-    /// between lines.
+    /// Records the passes that compute the log map, if the map or the radius has changed. `spacing` is the
+    /// distance between lines.
     pub fn record(&mut self, map: &AfterMap, spacing: f32) -> Result<()> {
         self.outdated |= map.changed;
         let shown = self.look.placement == Some(Placement::LogMap);

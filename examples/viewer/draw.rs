@@ -49,7 +49,7 @@ impl Drawing {
             concat!(include_str!("shaders/point_at.wgsl"), include_str!("shaders/agent.wgsl"));
         let pipeline = |wgsl, vertex: &CStr, fragment: &CStr, topology, depth, blend| {
             let (samples, pass) = (target.samples, target.pass);
-            // All other shaders generate their vertices, or take them from the grid's.
+            // All other shaders generate their vertices, or read the points of the grid.
             let curves = wgsl == lines;
             layout.graphics(
                 gpu,

@@ -103,12 +103,13 @@ impl Gpu {
         let _ = unsafe { self.device.device_wait_idle() };
     }
 
-    /// Destroys everything. Reports errors of the destruction and earlier ones.
+    /// Destroys everything. Returns an error if memory was left behind, or if the validation layers have reported
+    /// anything.
     pub fn destroy(mut self) -> Result<()> {
         let left = self.allocator().generate_report().allocations;
         self.allocator = None;
-        // SAFETY: nothing is in flight, and all objects made from these are destroyed. If not, the validation
-        // layers report it.
+        // SAFETY: nothing is in flight, and all objects created from the device and the instance are destroyed. If
+        // any is not, the validation layers report it.
         let messages = unsafe {
             self.device.destroy_device(None);
             self.surfaces.destroy_surface(self.surface, None);
@@ -161,7 +162,8 @@ fn name(properties: &vk::PhysicalDeviceProperties) -> String {
     properties.device_name_as_c_str().unwrap_or(c"unnamed").to_string_lossy().into_owned()
 }
 
-/// Chooses the first device that supports everything. Prefers devices with their own memory, and avoids CPUs.
+/// Chooses a device that supports everything, the first of the best kind: discrete GPUs before integrated ones, and
+/// CPUs last.
 fn choose(
     instance: &ash::Instance,
     surfaces: &khr::surface::Instance,

@@ -11,15 +11,15 @@ use crate::after_map::AfterMap;
 use crate::gpu::Gpu;
 use crate::pick::{Pick, PickPass};
 
-/// Number of levels. It exceeds that of the maps here: levels beyond the farthest point cost next to nothing.
+/// Number of levels. The maps here need fewer, but levels beyond the farthest point cost next to nothing.
 const LEVELS: usize = 200;
-/// Number of vertices of all contours.
+/// Largest number of vertices of all contours together.
 const CONTOUR_ROOM: u32 = 400_000;
 /// Room for the path, which may have many bends.
 const PATH: PathsInfo = PathsInfo::new(1, 4096);
 
 pub struct Lines {
-    /// Start of the path; at no place at first.
+    /// Start of the path; NaN until a place is picked.
     pub start: Pick,
     /// Contours, created when they are first shown.
     contours: Option<Contours>,
@@ -69,8 +69,8 @@ impl Lines {
         Ok(())
     }
 
-    /// Records the passes that find the lines, if the map or the lines have changed, with a level every
-    /// `spacing`.
+    /// Records the passes that find the lines, if the map or the lines have changed. The levels of contours are
+    /// multiples of `spacing`.
     pub fn record(&mut self, map: &AfterMap, spacing: f32) -> Result<()> {
         let due = std::mem::replace(&mut self.due, false);
         if !due && !map.changed {

@@ -10,8 +10,8 @@
 //! map; again, it projects the decal from above, and once more, it removes the decal. + and - change its
 //! size. Escape ends the program.
 //!
-//! S leads to closed surfaces too, `--surface builtin:globe:181x361` begins with one. Their distances pass seams
-//! of the grid, and the camera sees them from below too. They have no paths, agents and decals.
+//! S leads to closed surfaces too; `--surface builtin:globe:181x361` begins with one. Their distances pass seams
+//! of the grid, and the camera sees them from below too. The viewer shows no paths, agents or decals on them.
 //!
 //! docs/figures/viewer.png: `--surface sheet --frames 60 --picture docs/figures/viewer.png`.
 //!
@@ -53,7 +53,7 @@ use clap::Parser;
 
 use options::Options;
 
-/// An error in words.
+/// A result whose error is a text for the user.
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 fn main() -> ExitCode {

@@ -1,5 +1,5 @@
-//! The distance map of a surface. Together with the lines, the decal and the agents on it, this is all that
-//! uses geosweep in this program.
+//! The distance map of a surface. This module and those of the lines, the decal and the agents on the map are all
+//! that uses geosweep in this program.
 
 use geosweep::Stop;
 use geosweep::Wavefront;
@@ -36,7 +36,7 @@ pub struct Map {
     due: Due,
     /// Slot of the image that is drawn.
     slot: usize,
-    /// Image and recording that each frame in flight has written.
+    /// Slot that each frame in flight has written, and the number of the recording.
     written: [Option<(usize, u64)>; IN_FLIGHT],
     recordings: u64,
     outcome: Option<Outcome>,
@@ -66,7 +66,7 @@ pub fn places(chart: Chart) -> Vec<[f32; 2]> {
 }
 
 impl Map {
-    /// Creates the map of a grid, of which sides may be glued.
+    /// Creates the map of a grid, whose sides may be glued.
     pub fn new(
         gpu: &mut Gpu,
         solver: &Solver,
@@ -96,7 +96,7 @@ impl Map {
         Ok(Self { surface, plan, due, slot: 0, written, recordings: 0, outcome: None })
     }
 
-    /// Prepares the surface. Recorded once before anything else, and again when the solver has new passes.
+    /// Records the preparation of the surface: once before anything else, and again when the solver has new passes.
     pub fn prepare(&self, gpu: &Gpu, solver: &Solver, commands: vk::CommandBuffer) {
         solver.record(&gpu.device, commands, &self.surface).prepare();
     }
@@ -227,8 +227,8 @@ fn plan(
 ) -> Result<Plan> {
     // The tolerance is below what a picture shows.
     let stop = Stop::within(1e-4).or_after(10_000);
-    // Iterations that smooth surfaces need in one frame. If they are not enough, the next frames continue, so
-    // that one sees the front of all points at once advance.
+    // Number of iterations that smooth surfaces need in one frame. If they are not enough, the next frames continue
+    // the map. With the schedule of all points at once, the front can then be seen to advance.
     let iterations = match schedule {
         Some(Schedule::Tiles) => 128,
         Some(Schedule::AllPoints) => 48,

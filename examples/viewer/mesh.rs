@@ -17,7 +17,7 @@ pub fn triangles(chart: Chart, has: impl Fn(u32) -> bool) -> Vec<u32> {
         .collect()
 }
 
-/// Returns the normal at each point: the mean over its triangles, and over those of its copies beyond seams.
+/// Returns the normal at each point: the mean over its triangles and over the triangles of its copies beyond seams.
 pub fn normals(positions: &[Vec4], triangles: &[u32], copies: &Groups) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; positions.len()];
     for triangle in triangles.as_chunks::<3>().0 {
@@ -28,7 +28,7 @@ pub fn normals(positions: &[Vec4], triangles: &[u32], copies: &Groups) -> Vec<Ve
     }
     for group in copies.iter() {
         let first = sums[group[0] as usize];
-        // The grid may turn over at a seam, as that of a Moebius strip does.
+        // The grid may turn over at a seam, as the grid of a Moebius strip does.
         let side = |normal: Vec3| normal.dot(first).signum();
         let own = group.iter().map(|&index| sums[index as usize]);
         let sum: Vec3 = own.map(|normal| side(normal) * normal).sum();

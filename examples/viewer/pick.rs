@@ -1,6 +1,6 @@
-//! Finds the place on the surface under the pointer. Draws a picture of the single pixel under it, in which
-//! the color is a source, and copies it to the buffer that the distance passes read. The program never waits
-//! for it and never reads it.
+//! Finds the place on the surface under the pointer. Draws a picture of the single pixel under the pointer, whose
+//! color is a source, and copies the source to the buffer that the distance passes read. The program never waits
+//! for the source and never reads it.
 
 use geosweep::ash::vk;
 use geosweep::gpu_allocator::MemoryLocation;
@@ -25,11 +25,11 @@ pub struct PickPass {
 
 /// Picture of a surface under the pointer.
 pub struct Pick {
-    /// The last source. If the pointer is beside the surface, it stays.
+    /// Last source, which stays if the pointer is beside the surface.
     color: Image,
     depth: Image,
     framebuffer: vk::Framebuffer,
-    /// Source for the distance passes, or start for those that trace paths.
+    /// Source for the distance passes, or start for the passes that trace paths.
     pub source: Buffer,
 }
 
@@ -61,7 +61,7 @@ impl PickPass {
         }
     }
 
-    /// Records the picture, and the copy to one of the stage's picks.
+    /// Records the drawing of the picture, and its copy to the buffer of `pick`, which is one of the stage's picks.
     pub fn record(
         &self,
         gpu: &Gpu,
@@ -226,7 +226,7 @@ fn render_pass(gpu: &Gpu) -> Result<vk::RenderPass> {
     let reads =
         vk::AccessFlags::COLOR_ATTACHMENT_READ | vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_READ;
     let dependencies = [
-        // Waits for the copy of the previous picture, and for its writes.
+        // The picture waits for the copy of the previous picture, and for the writes of that picture.
         vk::SubpassDependency::default()
             .src_subpass(vk::SUBPASS_EXTERNAL)
             .src_stage_mask(transfer | colors | tests)

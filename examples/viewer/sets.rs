@@ -47,14 +47,14 @@ impl Sets {
         self.by_frame[frame][slot]
     }
 
-    /// Binds a buffer in all sets. No submitted work may be using them.
+    /// Binds a buffer in all sets. No submitted work may be using the sets.
     pub fn bind_buffer(&self, gpu: &Gpu, binding: u32, buffer: vk::Buffer) {
         for &set in self.by_frame.iter().flatten() {
             write_buffer(gpu, set, binding, buffer);
         }
     }
 
-    /// Binds an image in all sets. No submitted work may be using them.
+    /// Binds an image in all sets. No submitted work may be using the sets.
     pub fn bind_image(&self, gpu: &Gpu, binding: u32, image: ResultImage) {
         for &set in self.by_frame.iter().flatten() {
             write_image(gpu, set, binding, image);

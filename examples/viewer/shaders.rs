@@ -10,7 +10,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use crate::Result;
 use crate::gpu::Gpu;
 
-/// Layout of the descriptors that all shaders share, by the bindings in shaders/.
+/// Layout of the descriptors that all shaders share. The files in shaders/ declare the same bindings.
 pub struct Layout {
     pub set: vk::DescriptorSetLayout,
     pub pipeline: vk::PipelineLayout,
@@ -31,8 +31,8 @@ pub const AGENTS: u32 = 7;
 pub const DIRECTIONS: u32 = 8;
 pub const LOG_MAP: u32 = 9;
 
-/// Type of each binding, and the stages that use it. No stage uses more than four storage buffers, as many as
-/// every device has.
+/// Type of each binding, and the stages that use it. No stage uses more than four storage buffers, the number that
+/// every device supports.
 pub const BINDINGS: [(vk::DescriptorType, vk::ShaderStageFlags); 10] = {
     const BUFFER: vk::DescriptorType = vk::DescriptorType::STORAGE_BUFFER;
     const IMAGE: vk::DescriptorType = vk::DescriptorType::SAMPLED_IMAGE;
@@ -98,7 +98,7 @@ impl Layout {
         }
     }
 
-    /// Records a compute pass with one thread for each of some items.
+    /// Records a compute pass with one thread for each of `items` items.
     pub fn dispatch(
         &self,
         gpu: &Gpu,
@@ -193,7 +193,7 @@ pub struct Draw<'a> {
     pub wgsl: &'a str,
     pub vertex: &'a CStr,
     pub fragment: &'a CStr,
-    /// Whether its vertices are those of contours or paths.
+    /// Whether the vertices are those of contours or paths.
     pub curves: bool,
     pub topology: vk::PrimitiveTopology,
     pub depth: bool,

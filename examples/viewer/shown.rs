@@ -20,8 +20,8 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// Returns what is shown of this on a surface. Agents and decals do not pass seams, so that closed surfaces
-    /// have none.
+    /// Returns the part of this that a surface shows. Agents and decals do not pass seams, so closed surfaces show
+    /// none.
     pub fn on(&self, is_closed: bool) -> Self {
         match is_closed {
             true => Self { agents: false, decal: Look { placement: None, ..self.decal }, ..*self },

@@ -70,7 +70,7 @@ pub struct Ground {
 const SPACING: Vec2 = Vec2::new(0.074573, 0.092475);
 /// Lowest pitch of the camera above the ground.
 const LOWEST: f32 = 0.08;
-/// Factor by which heights are enlarged, for drawing and for measuring. It shows why lines bend.
+/// Factor by which heights are enlarged, for drawing and for measuring. Enlarged heights show why lines bend.
 const ENLARGED: f32 = 2.5;
 
 impl Look {
@@ -110,7 +110,7 @@ impl Name {
         };
         let place = all.iter().position(is_this).unwrap_or(0);
         all.rotate_left(place);
-        // Its size may be another one than usual.
+        // The size of this surface may differ from the usual one.
         all[0] = self;
         all
     }

@@ -1,4 +1,4 @@
-//! The window's images, the targets that are drawn before, and how both follow the window's size.
+//! The window's images, and the images of colors and depths that are drawn first. All follow the window's size.
 
 use geosweep::ash::vk;
 
@@ -29,8 +29,8 @@ pub struct WindowImage {
     pub handle: vk::Image,
     view: vk::ImageView,
     pub framebuffer: vk::Framebuffer,
-    /// Signalled when the image has been drawn. There is one for each image, since nothing else tells when
-    /// presenting has finished with it.
+    /// Signalled when the image has been drawn. Each image has a semaphore of its own, since nothing else tells when
+    /// presenting has finished with the semaphore.
     pub drawn: vk::Semaphore,
 }
 
@@ -96,8 +96,8 @@ fn render_pass(
         .color_attachments(&color)
         .resolve_attachments(&resolve)
         .depth_stencil_attachment(&depth)];
-    // Frames in flight share colors and depths. The wait for the window's image is in the stage of colors,
-    // too.
+    // Frames in flight share the images of colors and depths, so a frame waits for the previous one. The wait for
+    // the window's image is in the stage of colors, too.
     let tests =
         vk::PipelineStageFlags::EARLY_FRAGMENT_TESTS | vk::PipelineStageFlags::LATE_FRAGMENT_TESTS;
     let colors = vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT;
@@ -238,7 +238,8 @@ impl WindowImage {
     }
 }
 
-/// Returns the window's size. If the system leaves it to the program, it is the requested one.
+/// Returns the window's size. If the system leaves the size to the program, the requested one is taken, within the
+/// limits.
 fn extent(capabilities: &vk::SurfaceCapabilitiesKHR, [width, height]: [u32; 2]) -> vk::Extent2D {
     if capabilities.current_extent.width != u32::MAX {
         return capabilities.current_extent;

@@ -12,7 +12,7 @@ pub struct Timing {
     mask: u64,
     /// Nanoseconds per tick.
     tick: f64,
-    /// Frames in flight that were timed.
+    /// Whether each of the frames in flight was timed.
     timed: [bool; IN_FLIGHT],
     /// Times of the last few frames, the newest last.
     milliseconds: Vec<f64>,
@@ -74,7 +74,7 @@ impl Timing {
         Ok(())
     }
 
-    /// Starts again, since something else is timed.
+    /// Forgets the times, since something else is timed from now on.
     pub fn forget(&mut self) {
         self.milliseconds.clear();
     }

@@ -21,7 +21,7 @@ pub struct View {
     softness: f32,
     decal: f32,
     pace: f32,
-    /// Up to a multiple of 16 bytes, as after each direction.
+    /// Padding up to a multiple of 16 bytes. Each direction is padded too.
     unused: [f32; 2],
     light: [f32; 3],
     unused_too: f32,
@@ -31,11 +31,12 @@ pub struct View {
 
 /// Direction to the sun over the ground.
 const SUN: Vec3 = Vec3::new(-0.52, 0.66, 0.40);
-/// Directions to the sun and the sky of a surface that floats, in the eye's axes: rightwards, upwards, towards it.
+/// Directions to the sun and the sky of a surface that floats, in the camera's axes: rightwards, upwards and towards
+/// the eye.
 const OWN_SUN: Vec3 = Vec3::new(-0.35, 0.40, 1.00);
 const OWN_SKY: Vec3 = Vec3::new(0.0, 0.6, 0.8);
 
-/// The values that change from frame to frame, beside the camera.
+/// The values that change from frame to frame, apart from the camera.
 pub struct Driven {
     /// Pointer in pixels from the upper left.
     pub pointer: Vec2,
@@ -45,7 +46,7 @@ pub struct Driven {
     pub spacing: f32,
     /// Radius of the decal.
     pub decal: f32,
-    /// Length that agents walk.
+    /// Length that agents walk in this frame.
     pub pace: f32,
 }
 

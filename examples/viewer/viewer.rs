@@ -28,9 +28,9 @@ use crate::swapchain::{Swapchain, Target};
 use crate::timing::Timing;
 use crate::view::{Driven, View};
 
-/// Largest step of a deforming surface from frame to frame. It is the step too if the number of frames is
-/// given.
+/// Step of the time in the first frame, and in every frame if the number of frames is given.
 const STEP: Duration = Duration::from_nanos(1_000_000_000 / 60);
+/// Largest step of the time otherwise.
 const LONGEST_STEP: Duration = Duration::from_millis(100);
 /// Time to wait for an image of the window. Without one in this time, the window is not visible.
 const PATIENCE: Duration = Duration::from_millis(200);
@@ -242,7 +242,7 @@ impl Viewer {
         self.use_method(self.schedule, after(&Wavefront::FOR_ANY_SURFACE, self.wavefront))
     }
 
-    /// Creates the pipelines of a method when it is first used.
+    /// Uses a method on the current surface. Creates the method's pipelines when it is first used.
     fn use_method(&mut self, schedule: Schedule, wavefront: Wavefront) -> Result<()> {
         let Self { gpu, solver, stages, frames, .. } = self;
         (self.schedule, self.wavefront) = (schedule, wavefront);
@@ -254,7 +254,7 @@ impl Viewer {
                 stages.iter().for_each(|stage| stage.map.prepare(gpu, solver, commands));
                 Ok(())
             })?;
-            // The images are then as new.
+            // The images of all maps are then as new, so the maps must be measured again.
             stages.iter_mut().for_each(|stage| stage.map.moved_points());
             self.methods.push(method);
         }
@@ -412,7 +412,7 @@ impl Viewer {
         Ok(())
     }
 
-    /// Advances the time, and returns by how much: by the same step if the number of frames is given, so that
+    /// Advances the time, and returns the step. All steps are the same if the number of frames is given, so that
     /// runs are alike.
     fn step(&mut self) -> Duration {
         let now = Instant::now();

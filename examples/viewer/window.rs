@@ -80,7 +80,7 @@ impl App {
                 "a" => viewer.change(Shown::switch_agents)?,
                 "n" => viewer.change(Shown::switch_steps)?,
                 "d" => viewer.change(Shown::next_decal)?,
-                // Most keyboards have + above this.
+                // Most keyboards have + and = on the same key.
                 "+" | "=" => viewer.change(Shown::enlarge_decal)?,
                 "-" => viewer.change(Shown::shrink_decal)?,
                 "p" => viewer.trace(self.pointer)?,

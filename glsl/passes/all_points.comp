@@ -28,7 +28,7 @@ float[16] around(vec4 texels[9]) {
                    texels[6].y, texels[7].x, texels[7].y, texels[8].x);
 }
 
-// The index of the texel's first point among them.
+// The index of the texel's first point among the 4 x 4 points around the texel.
 const int FIRST = 5;
 
 // Returns the values at the texel's four points, shifted by `step`.

@@ -1,7 +1,7 @@
-// Tracks which blocks are due in each scan. A block is LINES rows of texels (scans down and up) or columns
-// (scans right and left), counted from the first of the grid. It is due if a texel in it, or on the line
-// behind it, has changed since the scan last visited the block. A visit to any other block would change
-// nothing, since the fronts that a scan computes in a block depend on the block and that line alone.
+// Tracks which blocks are due in each scan. In scans down and up a block consists of LINES rows of texels, in scans
+// right and left of LINES columns, counted from the first of the grid. It is due if a texel in it, or on the line
+// behind it, has changed since the scan last visited the block. A visit to any other block would change nothing, since
+// the fronts that a scan computes in a block depend on the block and the line behind it alone.
 //
 // With anchors, a scan also reads corners further behind, and for obtuse triangles points beyond their bases. Some of
 // these points lie in the block itself, and are read before the scan updates them. If the scan then changes one of
@@ -10,14 +10,14 @@
 // Two opposite scans may run at the same time, each in a half of the grid. In the first phase they move from the
 // ends to the middle, and in the second one from the middle to the other ends. Neither sees the changes that the
 // other makes in the same phase. So if a scan changes a line next to the middle in the second phase, the blocks
-// across the middle that read this line are due in the next iteration. These marks have words of their own
-// (`due_past_middle`). In the block's own word they would race with the block's dispatch in the same phase, which may
-// or may not read them. No other mark concerns a block that the opposite scan visits in the same phase.
+// across the middle that read this line are due in the next iteration. The marks of such blocks have words of their own
+// (`due_past_middle`). A mark in a block's own word would race with the block's dispatch in the same phase, which might
+// or might not read the mark. No other mark concerns a block that the opposite scan visits in the same phase.
 //
 // Where a scan skips a block, both images of fronts stay as they are, and are equal there. Where a scan changes a
-// texel, it writes one image. The next scan reads that image and writes the other one, and the texel's block is due in
-// it. So after each scan, the image that it has written holds the whole map. Phases of pairs behave in the same way:
-// in the next phase the opposite scan, or a scan of the next pair, visits the texel.
+// texel, the scan writes one image. The next scan reads that image and writes the other one, and the texel's block is
+// due in the next scan. So after each scan, the image that it has written holds the whole map. Phases of pairs behave
+// in the same way: in the next phase the opposite scan, or a scan of the next pair, visits the texel.
 //
 // Include after progress.glsl.
 // Twin: src/cpu/twins/blocks.rs.
@@ -64,15 +64,16 @@ uint due_again(uint iteration) {
 // Stands for the scan that has changed a line if it is neither of the two opposite scans.
 const int NO_SCAN = -1;
 
-// Returns the block of a scan that is `number` blocks ahead of the middle. `middle` is the first block of the
-// last half.
+// Returns the block of a scan that is `number` blocks ahead of the middle. `middle` is the first block of the last
+// half. `is_forth` is true for scans down and right, false for scans up and left.
 int block_past(int middle, int number, bool is_forth) {
     return is_forth ? middle + number : middle - 1 - number;
 }
 
-// Makes the blocks due that read a changed line: in the scan `forth` the blocks after it, and in the opposite scan
-// those before it. The line has the number `in_block` in `block`. Updates read REACH lines of texels behind a point.
-// `by` is the scan that has changed the line, or NO_SCAN. With PAIRS, `middle` is the first block of the last half.
+// Makes the blocks due that read a changed line: in the scan `forth` (DOWN or RIGHT) the blocks after the line, and in
+// the opposite scan the blocks before it. The line has the number `in_block` in `block`. Updates read REACH lines of
+// texels behind a point. `by` is the scan that has changed the line, or NO_SCAN. With PAIRS, `middle` is the first
+// block of the last half.
 void make_seen_due(int forth, int block, int in_block, int by, int middle, int pitch) {
     const int REACH = (SPLIT_REACH + 1) / 2;
     // There is one more block on each side of the grid.

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Copies the fronts from one image to the other. It measures how fast a pass can be that only moves data. One
-// invocation is one texel.
+// Copies the fronts from one image to the other. It serves to measure the rate of a pass that only moves
+// data. One invocation is one texel.
 
 #include "shared/constants.glsl"
 #include "shared/chart.glsl"

@@ -16,9 +16,9 @@ layout(set = 1, binding = 0) restrict buffer Counts {
 layout(push_constant) uniform Contours {
     ivec2 grid;       // columns and rows of the whole grid
     uint levels;
-    int first_vertex; // index of its word
+    int first_vertex; // index of the word at which the vertices begin
     int capacity;     // number of vertices, even
-    float start;      // time from which squared times count
+    float start;      // time that is subtracted before times are squared
 };
 
 // Returns a level by its index.
@@ -44,7 +44,8 @@ ivec2 strip_columns() {
 
 const uint MISSING = 0xffffffffu;
 
-// Returns the number of levels that a point has passed. A level is passed if the time is at least as large.
+// Returns the number of levels that a point has passed, or MISSING. A point has passed a level if its time is
+// at least as large as the level.
 uint passed(float time) {
     if (!is_reached(time)) return MISSING;
     uint low = 0u;
@@ -60,8 +61,8 @@ uint passed(float time) {
     return low;
 }
 
-// The corners of a cell, north-west, north-east, south-west and south-east. Each has the number of levels
-// that it has passed, and its time.
+// The corners of a cell, north-west, north-east, south-west and south-east. For each corner there are the
+// number of levels that it has passed, and its time.
 struct Corners {
     uvec4 passed;
     vec4 times;

@@ -9,10 +9,11 @@
 
 layout(set = 0, binding = 3) restrict coherent buffer Copies {
     // For each part of a group its first member, and the number of members at the end. Then for each member
-    // its point, as column + 65536 row. Then for each group its first part, and the number of parts at the
-    // end. Then for each texel with copies COPY_TEXEL_WORDS words: the texel, in the same way, and the group
-    // of each of its points, counted from 1, or 0. Then for each part its earliest front: time and carried
-    // value. In a renderer's frame the rings of share_curvature.comp follow.
+    // its point in the images, as column + 65536 row. Then for each group its first part, and the number of
+    // parts at the end. Then for each texel with copies COPY_TEXEL_WORDS words: the texel, packed like a
+    // point, and for each of its points the number of its group, counted from 1, or 0 if it has no group.
+    // Then for each part its earliest front: time and carried value. In a renderer's frame the rings of
+    // share_curvature.comp follow.
     uint copies[];
 };
 

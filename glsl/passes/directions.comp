@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Computes the direction in which the way back leaves each grid point, as a unit vector in columns and rows.
-// Copies of a point of a glued surface have the same direction, each in the columns and rows of its own side, but at poles
-// and at the corners of octahedral maps. One invocation is one point.
+// Copies of a point of a glued surface have the same direction, each in the columns and rows of its own side, except at
+// poles and at the corners of octahedral maps. One invocation is one point.
 // Twin: src/geometry/directions, in double precision.
 
 #include "shared/constants.glsl"
@@ -23,7 +23,7 @@ layout(local_size_x = WORKGROUP) in;
 #include "shared/seams.glsl"
 #include "shared/lattice.glsl"
 #include "passes/over_seams.glsl"
-// Columns and rows have no common plane at a pole, so that other copies' ways would be of no use.
+// At a pole, columns and rows have no common plane. So a way that leaves from another copy would be of no use.
 const bool PASSES_POLES = false;
 #include "passes/path_copies.glsl"
 #include "passes/step_over_seams.glsl"

@@ -1,10 +1,10 @@
 // Measures the edges of the surface, for the shaders edges_from_*.comp. One invocation is one grid point. It
-// writes the lengths of its edges to the east, north, north-east and north-west, or FAR where the surface has
-// none.
+// writes the lengths of the point's edges to the east, north, north-east and north-west, or FAR where the
+// surface has no edge.
 // Twin: src/surface/measure.rs.
 //
 // The including shader declares a Point with a member `slowness` (0 in a hole), and
-//     Point load(ivec2 at)                              the point of the band's buffer
+//     Point load(ivec2 at)                              a point of the band's buffer
 // and defines
 //     float separation(ivec2 at, ivec2 step)            distance to a neighbour, without slowness
 //     void measure_turns(ivec2 at)                      measures how far the surface turns at a point

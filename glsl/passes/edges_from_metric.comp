@@ -33,8 +33,9 @@ float step_length(vec3 metric, ivec2 step) {
 
 void measure_turns(ivec2 at) {} // a metric has no normals that could turn
 
-// Returns the mean of the lengths at both ends, weighted by their slowness. Multiplied by the mean slowness,
-// it gives the mean of the products of slowness and length. The host may have given these products alone.
+// Returns the mean of the lengths at both ends, weighted by the slowness there. Multiplied by the mean
+// slowness, it gives the mean of the products of slowness and length at both ends. The host's data may
+// consist of these products.
 float separation(ivec2 at, ivec2 step) {
     Point a = load(at);
     Point b = load(at + step);

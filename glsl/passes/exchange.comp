@@ -28,8 +28,7 @@ layout(constant_id = 6) const int SPLITS = 1;
 
 layout(local_size_x = EXCHANGE_WORKGROUP) in;
 
-// The image that was written last. After a round of tiles it is image 0, and some tiles have their fronts in the
-// other one.
+// The image that was written last. After a round of tiles it is image 0, and some tiles have their fronts in image 1.
 layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray new_fronts;
 layout(set = 0, binding = 2, rgba32f) uniform restrict image2DArray old_fronts;
 
@@ -87,8 +86,8 @@ void wake_tiles(ivec2 point, float earlier) {
     }
 }
 
-// Records that fronts of a texel have changed. The blocks of lines around it are due, and the tiles around
-// points that have changed by more than the tolerance.
+// Records that fronts of a texel have changed. Before a round of tiles, the tiles around points that have changed by
+// more than the tolerance become due. Otherwise the blocks of lines around the texel become due.
 void note_changes(ivec2 texel, vec4 time_before, vec4 held_before, vec4 time, vec4 held) {
     if (next_round == NO_ROUND) {
         ivec2 inner = without_border(texel);

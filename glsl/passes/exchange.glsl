@@ -1,8 +1,8 @@
 // Offers to each copy of a point the earliest front of all copies, on one map.
 //
 // Each workgroup handles one map, since its invocations wait for each other: all fronts are read before any is
-// written. First, each invocation finds the earliest front of some parts of groups. A pole has many copies, so
-// that its group has many parts. Then each invocation writes some texels. Copies of several points may lie in
+// written. First, each invocation finds the earliest front of some parts of groups. A pole has many copies,
+// so its group has many parts. Then each invocation writes some texels. Copies of several points may lie in
 // one texel.
 //
 // Include after wavefront.glsl and copies.glsl.
@@ -16,8 +16,8 @@
 //     void note_changes(ivec2 texel, vec4 time_before, vec4 held_before, vec4 time, vec4 held)
 //                                                       records that fronts of a texel have changed
 
-// Finds the earliest front that a scan has brought to the members of a part of a group. Fronts that an earlier
-// exchange has brought do not count: those from which they were copied may have been renewed since.
+// Finds the earliest front among the members of a part of a group. Fronts that an earlier exchange has
+// brought do not count: the fronts from which they were copied may have been renewed since.
 void gather(int part) {
     bool found = false;
     float time = FAR;

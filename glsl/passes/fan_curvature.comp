@@ -31,7 +31,7 @@ float slowness_beside(ivec2 point) {
     return slowness_at(point_over_seams(point));
 }
 
-// Returns the length of an edge on the surface.
+// Returns the length of an edge on the surface, without the slowness.
 float length_on_surface(ivec2 point, ivec2 step) {
     float length = edge_over_seams(point, step);
     if (is_slowed == 0u || length >= FAR) return length;
@@ -43,7 +43,8 @@ float squared(ivec2 point, ivec2 step) {
     return length * length;
 }
 
-// Returns the Gaussian curvature of the metric that a slowness makes of a surface of curvature `gaussian`.
+// Returns the Gaussian curvature at a point, in the surface's metric scaled by the slowness. `gaussian` is
+// the curvature of the surface itself.
 float slowed(ivec2 point, float gaussian) {
     float own = slowness_at(point);
     float per_square = 1.0 / (own * own);
@@ -99,7 +100,7 @@ float fan_curvature(ivec2 point) {
         area = area + 0.5 * (a * b) * y;
         a = b;
     }
-    // Beside a hole or the border, `turn` is the angle that is open to waves.
+    // Beside a hole or the border, `turn` has the cosine and sine of the angle that is open to fronts.
     if (lacks) return with_tag(0.0, turn.y < min(0.0, REFLEX * turn.x) ? LACKING | DIFFRACTS : LACKING);
     if (!whole) return with_tag(0.0, LACKING);
     float tangent = turn.x > 0.0 ? clamp(-turn.y / turn.x, -LARGEST_DEFECT, LARGEST_DEFECT)

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Computes the surface value of each point: its Gaussian curvature, which is that of its fan as far as
-// neighbours agree. At the holes of floor plans it holds corners instead; see corner.glsl. One invocation is
-// one texel.
+// Computes the surface value of each point: the Gaussian curvature of its fan, reduced where the curvatures
+// of its neighbours differ. Beside the holes of floor plans, the value tells instead whether the point is a
+// corner; see corner.glsl. One invocation is one texel.
 // Twin: settled() in src/surface/gaussian_curvature.rs, where the formula is explained.
 
 #include "shared/constants.glsl"
@@ -43,8 +43,9 @@ uint neighbours_of(ivec2 point) {
     return there;
 }
 
-// Returns the tag of a point, which had this one by its fan. Beside a pole some triangles have no area; they
-// count as missing elsewhere, but a front that passes the pole does not turn there.
+// Returns the tag of a point, given the tag that its fan has given it. Beside a pole some triangles have no
+// area. The fan counts them as missing, but a front that passes the pole does not turn there, so the point
+// loses the tag.
 uint tag_beside_poles(ivec2 point, uint tag) {
     if (is_glued == 0u || tag == 0u) return tag;
     for (int i = 0; i < 8; i++) {

@@ -6,7 +6,7 @@
 
 #include "shared/lattice.glsl"
 
-// The list is bound in place of an output buffer, which this pass does not need.
+// The list of copies is bound in place of an output buffer, which this pass does not need.
 layout(set = 1, binding = 1) readonly restrict buffer CopiesByRow {
     uint copies[];
 };

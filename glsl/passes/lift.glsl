@@ -13,7 +13,7 @@ layout(push_constant) uniform Lift {
     int first_word;   // offset in the host's buffer
     int stride;       // words from point to point
     vec2 spacing;     // spacing of columns and rows of a height field; 0 if points have positions
-    int first_vertex; // index of its word
+    int first_vertex; // index of the word at which the vertices begin
     int capacity;     // largest number of vertices of a curve
 };
 

@@ -1,7 +1,7 @@
-// Computes the metric of the surface from the lengths of its edges. Lengths over a slowness are travel times.
+// Computes the metric of the surface from the lengths of its edges. If there is a slowness, lengths are travel times.
 // Include after edge_image.glsl.
-// src/geometry/directions/frame.rs computes a metric for the same purpose from positions, or takes the given one. It is
-// no twin.
+// src/geometry/directions/frame.rs computes a metric for the same purpose from positions, or takes the metric that is
+// given. So it is no twin.
 
 // The metric at a place, in steps of columns (c) and rows (r).
 struct Metric {
@@ -10,7 +10,8 @@ struct Metric {
     float cr;
 };
 
-// Returns the mean square of the lengths of two edges that lie in line, or of the one that exists, or -1.
+// Returns the mean square of the lengths of two edges that lie in line. If only one exists, this is its square; if
+// neither does, -1.
 float mean_square(float a, float b) {
     if (a >= FAR && b >= FAR) return -1.0;
     if (a >= FAR) return b * b;
@@ -18,7 +19,8 @@ float mean_square(float a, float b) {
 }
 
 // Returns the metric at a grid point from the lengths of the edges to its neighbours: `own` to the east, north,
-// north-east and north-west, as stored at the point, and `others` to the west, south, south-west and south-east.
+// north-east and north-west, as stored at the point, and `others` to the west, south, south-west and south-east. `unit`
+// is the unit of length.
 Metric metric_of_edges(vec4 own, vec4 others, float unit) {
     own /= unit;
     float west = others.x / unit;
@@ -26,7 +28,7 @@ Metric metric_of_edges(vec4 own, vec4 others, float unit) {
     float south_west = others.z / unit;
     float south_east = others.w / unit;
     float far = FAR / unit;
-    // Lengths that do not exist stay so.
+    // Edges that do not exist keep the length FAR.
     own = mix(own, vec4(FAR), greaterThanEqual(own, vec4(0.5 * far)));
     if (west >= 0.5 * far) west = FAR;
     if (south >= 0.5 * far) south = FAR;
@@ -48,8 +50,8 @@ Metric metric_of_edges(vec4 own, vec4 others, float unit) {
     return metric;
 }
 
-// Returns the metric at a grid point, in units of a length that is comparable with its edges. It has a
-// component that is not positive where no edge leads along columns or rows.
+// Returns the metric at a grid point in units of `unit`, a length that is comparable with the point's edges. A
+// component of the metric is not positive where no edge leads along columns or rows.
 Metric metric_of_point(ivec2 at, float unit) {
     ivec2 point = point_at(at);
     return metric_of_edges(imageLoad(edges, point), edges_to_point(point), unit);

@@ -3,11 +3,13 @@
 //
 // A way leads from a point some cells back towards the source. The way from a place between grid points is the
 // mean of the ways of the points around it. So a way can be continued by the way from its end, which doubles
-// it. All ways have the same length in the grid, so those of neighbours end side by side and have a mean.
+// it. All ways have the same length in the grid, so the ways of neighbouring points end side by side and can
+// be averaged.
 
-// The source of a point whose place in the log map is not known yet.
+// The label of a point whose coordinates in the log map are not known yet. Other labels are the numbers of
+// sources.
 const uint NO_LABEL = 0xffffffffu;
-// The way of a point that has none: a hole, or a point beyond the radius.
+// The value in place of a way for a point that has none: a hole, or a point beyond the radius.
 const vec2 NO_WAY = vec2(-4.0);
 
 bool is_way(vec2 way) {
@@ -18,10 +20,11 @@ bool is_way(vec2 way) {
 struct Around {
     ivec4 points;
     vec4 weights;
-    int nearest; // the one with the largest weight; -1 if there is none
+    int nearest; // index of the point with the largest weight; -1 if there is none
 };
 
-// Returns the points around a place that have a way. `which` is the copy of the ways.
+// Returns the points around a place that have a way. `which` is the number of the array of pairs that holds
+// the ways.
 Around around(vec2 place, int which) {
     Around found;
     vec2 first = floor(place);
@@ -44,8 +47,8 @@ vec2 place_of_point(int index) {
     return vec2(from_row_major(index, grid.x));
 }
 
-// Returns the place to which the way from a place leads. Points are left out if their ways end far from that of
-// the nearest point, as across the cut locus.
+// Returns the place to which the way from a place leads. Points are left out if their ways end far from the
+// end of the nearest point's way, as across the cut locus.
 vec2 carried_back(vec2 place, Around around, int which) {
     if (around.nearest < 0) return place;
     vec2 on = read_pair(which, around.points[around.nearest]);

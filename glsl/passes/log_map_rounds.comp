@@ -18,12 +18,13 @@ layout(local_size_x = WORKGROUP) in;
 // Least cosine of the angle between coordinates of neighbours that follow the same front.
 const float SAME_SIDE = 0.8;
 
-// Copies of labels that are read and written, and those of ways.
+// Numbers of the arrays of labels that are read and written. The arrays of ways have numbers that are larger
+// by 1.
 int from;
 int to;
 
-// Computes the direction of departure between points whose coordinates are known. Returns false if some of
-// the points around the place are not known.
+// Interpolates the direction of departure at a place from the points around it. Returns false if the
+// coordinates of some of these points are not known.
 bool departure_at(Around around, out vec2 departure, out uint label) {
     departure = vec2(0.0);
     label = NO_LABEL;
@@ -43,7 +44,8 @@ bool departure_at(Around around, out vec2 departure, out uint label) {
     return dot(departure, departure) > 0.0;
 }
 
-// Finds a neighbour whose coordinates are known, for a point from which no way leads on.
+// Takes the direction of departure from the earliest neighbour whose coordinates are known, for a point from
+// which no way leads on.
 bool departure_beside(ivec2 at, out vec2 departure, out uint label) {
     label = NO_LABEL;
     float earliest = FAR;
@@ -62,7 +64,7 @@ bool departure_beside(ivec2 at, out vec2 departure, out uint label) {
 
 void main() {
     ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-    // Nothing is left to find if all points were known before the last round.
+    // Nothing is left to find if the coordinates of all points were known after the previous round.
     if (is_beyond(at, grid) || (turn > 0 && ways[1 + turn] == 0u)) return;
     from = 1 - turn % 2;
     to = 1 - from;

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Takes the first step of the ways of a log map: one cell along the directions from log_map_ways.comp. The
-// direction is that half-way, between grid points. One invocation is one point.
+// direction is interpolated half a cell back, between grid points. One invocation is one point.
 // Twin: none; tests compare log maps with those of src/geometry/directions.
 
 #include "shared/constants.glsl"

@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Begins a log map: computes the direction of the way back from each grid point, and follows the ways of
-// points near a source to it, to compute the direction in which they leave it. One invocation is one point.
+// Begins a log map: computes the direction of the way back from each grid point. For points near a source it
+// also follows the way to the source, and computes the direction in which the shortest path leaves the
+// source. One invocation is one point.
 // Twin: src/geometry/directions/departures.rs computes the same from maps of sources that move.
 
 #include "shared/constants.glsl"
@@ -30,7 +31,8 @@ const bool PASSES_POLES = false;
 #include "passes/way.glsl"
 #include "passes/log_map.glsl"
 
-// Returns the metric between grid points, from the points that have one.
+// Returns the metric at a place between grid points: the mean over the points around it that have a usable
+// one.
 Metric metric_between(vec2 place, float unit) {
     place = back_on_grid(place, grid);
     ivec2 first = ivec2(place);
@@ -55,7 +57,8 @@ Metric difference(Metric a, Metric b) {
 
 // Returns the direction in which the shortest path to a place near a source leaves the source, in the
 // source's basis: u along the columns, v at a right angle to it, on the side of larger rows. The shortest
-// path bends in the grid as the metric changes: v = d + Christoffel(d, d) / 2, to the second order.
+// path bends in the grid as the metric changes. If d is the step from the source to the place, the path
+// leaves along d + Christoffel(d, d) / 2, to the second order.
 vec2 departure(vec2 from, vec2 place, float unit) {
     vec2 d = place - from;
     Metric metric = metric_between(from, unit);
@@ -75,8 +78,8 @@ vec2 departure(vec2 from, vec2 place, float unit) {
     return normalize(vec2(per_col * d.x + metric.cr / per_col * d.y, across * d.y));
 }
 
-// Follows the way from a point to its source. Returns the number of the source, or -1 if it is not near.
-// `last` is the last vertex that is at least a cell away from the source, or the point itself.
+// Follows the way from a point to its source. Returns the number of the source, or -1 if the source is not
+// near. `last` is the last vertex that is at least a cell away from the source, or the point itself.
 int follow(ivec2 at, float start, out vec2 last) {
     Path path = path_from(at, start);
     vec2 passed[3] = vec2[](vec2(at), vec2(at), vec2(at));
@@ -119,7 +122,8 @@ void main() {
             vec2 last;
             int found = follow(at, earliest_start(), last);
             if (found >= 0 && source(found).time != earliest_start()) {
-                // Squared times are smooth if they count from the initial value of the own source.
+                // Squared times are smooth if the initial value of the point's own source is subtracted
+                // first.
                 vec2 other;
                 if (follow(at, source(found).time, other) == found) last = other;
             }

@@ -1,14 +1,14 @@
 // Reads the lengths of edges and finds points beyond sides where the grid goes on. Include after edge_image.glsl
 // and lattice.glsl.
 
-// Returns the length of the edge from a point to a neighbour, of which either may lie beyond a side.
+// Returns the length of the edge from a point to a neighbour. Either of them may lie beyond a side.
 float edge_over_seams(ivec2 point, ivec2 step) {
     ivec2 at = at_point(point);
     continue_grid(at, step);
     return edge_length(point_at(at), step);
 }
 
-// Returns the point of the grid that lies at a point beyond a side.
+// Returns the point of the grid that coincides with a point beyond a side.
 ivec2 point_over_seams(ivec2 point) {
     return point_at(on_grid(at_point(point)));
 }

@@ -5,7 +5,7 @@ struct Map {
     int source_col;     // column of its source
     int source_row;     // row of its source
     uint residual;      // largest change of a front in this iteration, in units of the last place
-    uint next_residual; // the same in every second iteration, if a workgroup continues with the next iteration
+    uint next_residual; // takes the place of `residual` in odd iterations of maps in shared memory
     uint renews;        // 1 while curved fronts may be renewed
     uint iterations;    // number of iterations done, of four scans each
     uint last_residual; // residual of the last iteration done

@@ -42,8 +42,8 @@ bool passes(ivec2 point, ivec2 ahead) {
 void main() {
     block_line = line;
     block_lines = lines;
-    // Updates must be causal where fronts may meet themselves, as over a varying slowness, and where they come
-    // through parts of obtuse triangles.
+    // Updates must be causal where fronts may meet themselves, as over a varying slowness, and where fronts
+    // come through parts of obtuse triangles.
     causal = SLOWED != 0 || SPLITS != 0;
     if (maps[group_number().z].done == 0u) scan_block();
 }

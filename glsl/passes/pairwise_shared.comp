@@ -56,7 +56,7 @@ layout(set = 2, binding = 1) restrict buffer Kept {
 
 const int INVOCATIONS = int(gl_WorkGroupSize.x);
 
-// Arrival times, followed by what fronts carry beside.
+// Arrival times, followed by the values that fronts carry.
 shared float fronts[CARRIES ? 2 * ROOM : ROOM];
 
 // Returns the size of a layer of a map, in numbers.
@@ -83,7 +83,7 @@ uint pass_pair(int scan, int line, int behind, int pair, int points, bool may_re
     int across = stride_ahead(scan, pitch());
     int step = stride_along(scan, pitch());
     int first = fan_place(grid(), scan, line, pair, pairs);
-    // No edge leads beyond the ends of a line. The last point stands in for the missing ones.
+    // No edge leads beyond the ends of a line. The point at an end stands in for the points beyond it.
     int places[4];
     for (int i = 0; i < 4; i++) {
         places[i] = behind * across + point_in_line(2 * pair + i - 1, points) * step;

@@ -5,15 +5,15 @@
 // The including shader defines
 //     bool PASSES_POLES     whether paths leave a pole from another of its copies
 
-// Points with more copies are poles. Lavapipe ends all loops of an invocation after 65,535 turns in total, so that not
-// all copies of a pole can be searched.
+// Points with more copies are poles. Lavapipe ends all loops of an invocation after 65,535 turns in total, so the cells
+// around every copy of a pole cannot be searched.
 const int MOST_COPIES = 8;
 
 // Steps to the neighbours along rows and columns.
 const ivec2 ALONG_LINES[4] = ivec2[](ivec2(1, 0), ivec2(0, 1), ivec2(-1, 0), ivec2(0, -1));
 
-// Returns by how much the time falls along the edge from a point, per length. Returns -FAR if there is no such edge, it has
-// no length, or its other end is not reached.
+// Returns by how much the time falls along the edge from a point, per length. The result is -FAR if there is no such
+// edge, the edge has no length, or its other end is not reached.
 float fall_along(ivec2 at, float time, ivec2 step) {
     float size = edge_length(point_at(at), step);
     float other = time_at(at + step);
@@ -58,12 +58,13 @@ int most_copies(Place place) {
     }
     ivec2 others = copies_of(place.first + ivec2(greaterThan(place.share, vec2(0.0))));
     int rarer = min(copies, others.y - others.x);
-    // An edge between copies of one point has no length, and one from pole to pole is a whole meridian.
+    // An edge between copies of one point has no length, and an edge from pole to pole is a whole meridian.
     if (max(copies, others.y - others.x) == 0 || members == others || rarer > MOST_COPIES) return 1;
     return 1 + 4 * max(rarer, 1);
 }
 
-// Finds a copy of a place by its number. Number 0 is the place itself. Returns false if there is none of this number.
+// Finds a copy of a place by its number. Number 0 is the place itself. Returns false if there is no copy with this
+// number.
 bool copy_at(Place place, int number, out Place copy) {
     copy = place;
     if (SEAMS == 0 || number == 0) return true;
@@ -73,7 +74,7 @@ bool copy_at(Place place, int number, out Place copy) {
         copy.first = is_pole ? steepest_copy(members) : member(members.x + number - 1);
         return copy.first != place.first;
     }
-    // Both ends of an edge have copies that are neighbours, or are such copies themselves.
+    // A copy of an edge joins neighbouring copies of its two ends. An end without copies stands for itself.
     ivec2 along = ivec2(greaterThan(place.share, vec2(0.0)));
     int end = rarer_end(place.first, along);
     ivec2 from = place.first + end * along;
@@ -83,7 +84,7 @@ bool copy_at(Place place, int number, out Place copy) {
     ivec2 first = members.x < members.y ? member(members.x + (number - 1) / 4) : from;
     ivec2 last = first + step;
     if (!in_grid(last, grid) || (first == from && last == to) || first_copy(last) != first_copy(to)) return false;
-    // The share from `first` to `last`, and then from the end with the smaller column or row.
+    // The share of the copy along its edge, counted from the end with the smaller column or row.
     float share = max(place.share.x, place.share.y);
     if ((end == 1) != (step.x + step.y < 0)) share = 1.0 - share;
     ivec2 low = min(first, last);

@@ -7,7 +7,7 @@
 
 // Twice the distance from 1 to the next number.
 const float ROUNDING = 2.4e-7;
-// Triangles with a smaller squared sine, at the nearer end of the side, are too flat for single precision.
+// Triangles with a smaller squared sine of the angle at the nearer end of the side are too flat for single precision.
 const float FLAT_TRIANGLE = 3e-7;
 
 // A straight line of a path.
@@ -70,7 +70,7 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
     for (int side = 0; side < 4; side++) {
         int a = SIDES[side].x;
         int b = SIDES[side].y;
-        // Skips the place's own edge, and edges that end at the place.
+        // Skips the edge on which the place lies, and edges that end at the place.
         float own = weights[a] + weights[b];
         if (support == 1 ? own > 0.0 : support == 2 && own > 0.9999999) continue;
         ivec2 point = cell.first + to_corner(a);
@@ -119,8 +119,8 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
     }
 }
 
-// Replaces the nearest source by another one, if that lies at `uv` in the cell and its front arrives earlier at the place
-// of a path in the cell, over a straight line.
+// Replaces the nearest source by another one if that other source lies in the cell, at `uv`, and its front arrives
+// earlier over a straight line at the place of a path in the cell.
 void try_source_at(vec2 uv, int number, float initial, Cell cell, vec4 weights, Path path, inout Line nearest) {
     bool inside = all(greaterThanEqual(uv, vec2(0.0))) && all(lessThanEqual(uv, vec2(1.0)));
     vec4 there;
@@ -164,8 +164,8 @@ void try_source(int number, Cell cell, vec4 weights, Path path, inout Line neare
 // line.
 void find_source(Cell cell, vec4 weights, Path path, inout Line nearest);
 
-// Looks for a better line, and for a nearer source, in the cells around the place of a path. The cell beside the one from
-// which the path comes is tried first.
+// Looks for a better line, and for a nearer source, in the cells around the place of a path. The search begins with a
+// cell from which the path does not come.
 void search_around(Path path, inout Line nearest) {
     Place place = path.place;
     int cells = cells_around(place);

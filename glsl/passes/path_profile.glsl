@@ -1,6 +1,6 @@
-// Describes arrival times along an edge, and finds where a straight line to it arrives first. Times are in
-// units of the cell's longest edge, and relative to the time at the edge's first end. So single precision
-// suffices where the source is far away.
+// Describes arrival times along an edge, and finds where the straight line on which the front arrives first
+// at a place crosses the edge. Times are in units of the cell's longest edge, and relative to the time at the
+// edge's first end. So single precision suffices where the source is far away.
 // Twin: src/geometry/paths, where the choices are explained.
 
 struct Profile {
@@ -18,7 +18,8 @@ struct Crossing {
     float distance;
 };
 
-// Returns the excess of the squared time over that at the first end, and its first two derivatives.
+// Returns the excess of the squared time over its value at the first end, and the first two derivatives of
+// the excess.
 vec3 excess(Profile profile, float share) {
     float rest = 1.0 - share;
     float left = profile.bends.x;
@@ -31,14 +32,15 @@ vec3 excess(Profile profile, float share) {
     return vec3(value, slope, rest * left + share * right);
 }
 
-// Returns the time since that at the first end, from the excess of its square.
+// Returns the time less the time at the first end, from the excess of the squared time.
 float since_first(Profile profile, float value) {
     float square = max(profile.first * profile.first + value, 0.0);
     float sum = profile.first + sqrt(square);
     return sum > 0.0 ? max(value, -profile.first * profile.first) / sum : 0.0;
 }
 
-// Returns whether the time half-way differs from those at the ends by no more than the way is long.
+// Returns whether the time in the middle of the edge differs from the times at its ends by at most half the
+// length of the edge, with a margin.
 bool is_distance(Profile profile) {
     float middle = since_first(profile, excess(profile, 0.5).x);
     float most = (0.5 + MARGIN) * profile.size;
@@ -83,7 +85,7 @@ float time_along(Profile profile, float share) {
     return max(time, max(-share * profile.size, other));
 }
 
-// Returns the squared distance between a place and one on the edge, and its first two derivatives.
+// Returns the squared distance between the place and a point of the edge, and its first two derivatives.
 vec3 away(vec2 ends, float square, float share) {
     float skew = ends.y - ends.x;
     return vec3(ends.x + share * (skew - (1.0 - share) * square),
@@ -112,8 +114,8 @@ Crossing crossing_at(Profile profile, vec2 ends, float square, float share) {
     return Crossing(share, time_along(profile, share), apart);
 }
 
-// Returns where the straight line to a place that arrives there first crosses the edge. `ends` are the
-// squared distances of the edge's ends from the place. The method is Newton's, within brackets.
+// Returns where the straight line on which the front arrives first at a place crosses the edge. `ends` are
+// the squared distances of the edge's ends from the place. The method is Newton's, within brackets.
 Crossing crossing(Profile profile, vec2 ends, float square) {
     float low = slope_and_bend(profile, ends, square, 0.0).x;
     float high = slope_and_bend(profile, ends, square, 1.0).x;

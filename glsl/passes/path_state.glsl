@@ -5,7 +5,7 @@ layout(push_constant) uniform Batch {
     ivec2 grid;       // columns and rows of the whole grid
     int paths;        // number of paths that have a start
     int records;      // number of records
-    int first_vertex; // index of the first path's word
+    int first_vertex; // index of the word at which the vertices begin
     int capacity;     // largest number of vertices of a path
     int first_word;   // offset of the first source
     int count;        // number of sources
@@ -43,7 +43,7 @@ void begin(int number, inout Path path, float start) {
     vec2 at = start_of(number);
     path.place = place_from(at);
     bool is_known = is_point(path.place);
-    // Between grid points, the earliest time of the corners serves.
+    // Between grid points, the earliest time of the corners serves as the base time.
     path.base_time = time_at(path.place.first);
     for (int i = 0; i < 4 && !is_known; i++) {
         path.base_time = min(path.base_time, time_at(path.place.first + to_corner(i)));

@@ -3,7 +3,8 @@
 // Continues paths by some steps back to the source. A path runs from cell to cell along the straight line on
 // which the front arrives first. One invocation is one path.
 // Twin: PathTracer::along_the_map in src/geometry/paths, in double precision. Without that option the twin also pulls
-// paths taut and traces again those that are too long. To leave pits of the map, it looks further than two grid points.
+// paths taut and traces again those that are too long. To leave pits of the map, the twin looks further than two grid
+// points.
 
 #include "shared/constants.glsl"
 #include "shared/chart.glsl"
@@ -65,8 +66,8 @@ void look_from(ivec2 at, inout float earliest, inout ivec2 point, inout ivec2 fi
     }
 }
 
-// Moves across points that coincide to the one from which an edge leads lowest: copies of a point, and points in a row
-// as at a pole. Returns this edge, or zero if no edge leads lower than `below`.
+// Moves across coinciding points (copies of a point, and points in a row as at a pole) to the point from which an edge
+// leads lowest. Returns the step of this edge, or zero if no edge leads lower than `below`.
 ivec2 step_across(inout ivec2 point, float below) {
     float longest = 0.0;
     for (int i = 0; i < 8; i++) {
@@ -92,8 +93,8 @@ ivec2 step_across(inout ivec2 point, float below) {
     return first;
 }
 
-// Moves along edges to a point with an earlier arrival time than all points passed so far. It lies one or two
-// edges away, or one edge away from a point that coincides. Returns false if there is none.
+// Moves along edges to a point with an earlier arrival time than all points passed so far. That point lies one or two
+// edges away, or one edge away from a point that coincides with `point`. Returns false if there is none.
 bool detour(int number, inout Path path, inout ivec2 point) {
     float below = path.lowest;
     if (time_at(point) < below) return true;
@@ -150,7 +151,7 @@ void escape(int number, inout Path path) {
     path.below = 0.0;
 }
 
-// Adds a vertex, unless the path is there. Returns false if there is no room.
+// Adds a vertex, unless the path is there already. Returns false if there is no room.
 bool go_to(int number, inout Path path, vec2 at, float time) {
     return at == path.last || add(number, path, at, time);
 }
@@ -186,9 +187,9 @@ void go_on(int number, inout Path path) {
     path.base_time = next;
 }
 
-// Restarts a path with the initial value of its own source. Squared times are smooth at a source if they
-// count from that value, which is known once a path has found the source. The path starts once more if the
-// restarted one leads to another source.
+// Restarts a path with the initial value of its own source. Squared times are smooth at a source if that value is
+// subtracted first. The value is known once a path has found the source. If the restarted path leads to another source,
+// it starts once more.
 void go_again(int number, inout Path path) {
     if (path.own == -1 && path.status == COMPLETE) {
         float own = source(path.source).time;

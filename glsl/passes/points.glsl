@@ -8,7 +8,7 @@
 float component(ivec2 at, int index);
 
 layout(set = 0, binding = 3) writeonly restrict buffer Points {
-    float points[]; // position and slowness, or height and slowness, row-major
+    float points[]; // position, height or metric, each with the slowness, row-major
 };
 
 layout(push_constant) uniform Band {
@@ -17,7 +17,7 @@ layout(push_constant) uniform Band {
     int band_rows;
     int first_own;  // first of these rows that belongs to no other band
     int own_rows;
-    int heights;    // 1 for one height per point, 0 for positions
+    int heights;    // 1 for one height per point, 0 for three numbers: a position or a metric
     int slowness;   // index of the component with the slowness; -1 for a slowness of 1 everywhere
     int first_word; // offset in the host's buffer
     int stride;     // words from point to point
@@ -28,7 +28,7 @@ layout(push_constant) uniform Band {
 #include "shared/usable.glsl"
 #include "shared/progress.glsl"
 
-// Returns the number of components of a position or height.
+// Returns the number of components of a position, height or metric.
 int components() {
     return heights != 0 ? 1 : 3;
 }
@@ -46,7 +46,7 @@ bool is_given(ivec2 at) {
     return present;
 }
 
-// Writes a point with this number in the band: that of the host at `from`, or a hole.
+// Writes the point with this number in the band: the host's point at `from`, or a hole.
 void write_point(int number, ivec2 from, bool present) {
     int size = components();
     int to = number * (size + 1);

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Reads positions or heights from a buffer of the host, such as a vertex buffer. One invocation is one grid
+// Reads positions, heights or metrics from a buffer of the host, such as a vertex buffer. One invocation is one grid
 // point. See points.glsl.
 
 #include "shared/constants.glsl"

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Reads positions or heights from an image of the host, one texel per point. One invocation is one grid
+// Reads positions, heights or metrics from an image of the host, one texel per point. One invocation is one grid
 // point. See points.glsl.
 
 #include "shared/constants.glsl"

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Gives all copies of a point of a glued surface the way on which its front has come. The way of a copy leads through
-// the cells of its own side alone, and the earliest of the copies' fronts has come on the right one. One invocation is
-// one group of copies.
+// Gives all copies of a point of a glued surface the way on which its front has come. At first each copy has a way
+// through the cells of its own side alone. The right one is the way of the copy whose front has arrived first. One
+// invocation is one group of copies.
 // Twin: share_ways() in src/cpu/twins/regions.rs.
 
 #include "shared/constants.glsl"

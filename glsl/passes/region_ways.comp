@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Computes the beginning of the way to each point. A point that a source's own front reaches first gets its
-// label instead. On a glued surface it also stores when that front arrives, for region_copies.comp. One invocation is one
-// point.
+// Computes the beginning of the way to each point. A point that a source's own front reaches first gets the source's
+// label instead. On a glued surface this pass also stores when the front of each point arrives, for region_copies.comp.
+// One invocation is one point.
 // Twin: src/cpu/twins/regions.rs.
 
 #include "shared/constants.glsl"
@@ -34,9 +34,9 @@ void main() {
     vec2 place = vec2(at);
     float arrival = FAR;
     if (is_reached(here)) {
-        // The neighbours counter-clockwise from east, with the first repeated at the end. Ways lead only to
-        // earlier points, so that none leads in a circle. Copies of a point are one point, although their times may
-        // differ by rounding.
+        // The neighbours counter-clockwise from east, with the first repeated at the end. Ways lead only to earlier
+        // points, so none leads in a circle. Copies of a point are one point, although their times may differ by
+        // rounding.
         float times[9];
         float carried[9];
         float surface[9];

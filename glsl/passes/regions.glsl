@@ -1,7 +1,8 @@
 // Computes the points nearest to each source. A buffer holds two copies of the labels of all grid points, in
 // row-major order, and then two copies of the places to which their ways lead, as column and row. Each pass
-// reads one copy and writes the other. The last pass leaves the labels in the first copy. Before the first of these passes,
-// the second copy of the labels holds sources' starts, and on a glued surface then the arrival times of ways, by rank.
+// reads one copy and writes the other. The last pass leaves the labels in the first copy. Before the first of these
+// passes, the second copy of the labels holds the arrival times of the sources' own fronts, as complements of ranks. On
+// a glued surface it then holds the ranks of the arrival times at all points.
 //
 // The way of a point is the line on which its front has come, followed back towards the source. At first it
 // leads to the point where it crosses the base of the triangle through which the front came. From there it
@@ -19,7 +20,7 @@ layout(push_constant) uniform Push {
     int first_word; // offset of the first source
     int count;      // number of sources
     int from;       // 0 or 1: copy of links and places that is read; the other one is written
-    uint is_last;   // 1 if only labels are left to write; for seeds, 1 in the second pass
+    uint is_last;   // 1 in the last pass of region_labels.comp, and in the second pass of region_starts.comp
 };
 
 // Marks a link that is a label. Other links are the indices of points.

@@ -55,13 +55,13 @@ void note_moved(uint moved, uint further, ivec2 texel) {
 }
 
 shared uint is_due;
-// On a map with a limit: the first and the last texel, along the lines of this scan, at which fronts have changed since
-// the map began, on any line.
+// The range of places along the lines of this scan, as first and last texel, in which a front of any line has changed
+// since the map began. It is known only on maps with a limit.
 shared ivec2 changed_along;
 
 // Returns whether no front that has changed since the map began can reach this workgroup's texels within this block.
-// Changes that other workgroups make in this dispatch cannot reach them either: they come from such fronts, and REACH
-// is how far a change spreads along a line in a whole block.
+// Changes that other workgroups make in this dispatch cannot reach these texels either. Such changes start from fronts
+// that had changed before, and a change spreads along a line by at most REACH texels in a whole block.
 bool lies_apart() {
     if (in_turn != 0 || limit >= NO_LIMIT) return false;
     if (gl_LocalInvocationID.x == 0u) {
@@ -76,8 +76,8 @@ bool lies_apart() {
 }
 
 void main() {
-    // An indirect dispatch has as many rows of groups as the block's word of marks says. Only the first row works. See
-    // blocks.glsl.
+    // The second word of a block is both its mark as due and the number of rows of groups of its indirect dispatch. So
+    // there can be several rows, of which only the first works. See blocks.glsl.
     if (group_number().y > 0u) return;
     causal = fronts_meet != 0u;
     holds = fronts_meet != FRONTS_ARE_ADDED;

@@ -1,10 +1,10 @@
 // Scans a block of lines of texels in a rotated raster scan (paper, section 5.3 and figure 3, second row).
-// Lines are rows for the scans down and up, and columns for those right and left.
+// Lines are rows for the scans down and up, and columns for the scans right and left.
 //
 // One invocation is one texel of each line. It updates the texel's first line of points from the line behind.
 // It updates the second line from the first. For that it also computes the two neighbouring points of the
 // first line. Between lines of a block, neighbours exchange their results in shared memory. At both ends of a
-// workgroup, the results become invalid by one more texel per line, since a neighbour is missing. The
+// workgroup a neighbour is missing, so the results of one more texel become invalid with each line. The
 // workgroup beside it computes these texels too, and writes them.
 //
 // Include after wavefront.glsl.
@@ -16,12 +16,12 @@
 //     void note_change(uint change)                     records a change, in units of the last place
 //     bool passes(ivec2 point, ivec2 ahead)             whether the scan visits a point's line
 //     void note_moved(uint moved, uint further, ivec2 texel)
-//                                                       records lines in which a front has changed at
-//                                                       all. Bit 0 is the line of `texel`. `further`
-//                                                       has the lines where such points see further
-//                                                       than their neighbours, or may be seen from
-//                                                       there: with anchors points that lack an edge,
-//                                                       otherwise points of obtuse triangles
+//                                                       records the lines in which a front has changed
+//                                                       at all. Bit 0 is the line of `texel`. `further`
+//                                                       has the lines in which such a point sees points
+//                                                       beyond its neighbours, or may be seen from there:
+//                                                       with anchors a point that lacks an edge,
+//                                                       otherwise a point of an obtuse triangle
 //     int LINES                                         largest number of lines of texels in a block
 //     int PAIRS                                         whether the opposite scan is at work in the other half
 //                                                       of the grid at the same time
@@ -36,9 +36,9 @@ layout(constant_id = 1) const int AHEAD_Y = 1;
 #include "shared/groups.glsl"
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray old_fronts;
-// This image is read on the line behind the block, which an earlier dispatch has written. The parts of obtuse
-// triangles also read it on lines of the block that this workgroup has written. It is not read where the
-// opposite scan is at work at the same time.
+// This image is read on the line behind the block, which an earlier dispatch has written. For the parts of
+// obtuse triangles it is also read on lines of the block that this workgroup has written. It is not read
+// where the opposite scan is at work at the same time.
 layout(set = 2, binding = 0, rgba32f) uniform restrict coherent image2DArray new_fronts;
 
 layout(push_constant) uniform Block {
@@ -49,7 +49,7 @@ layout(push_constant) uniform Block {
     int last;  // last texel of a line of the grid
     int pitch; // number of blocks of a scan, see blocks.glsl
     int note;  // number of the first block in the recording, for profiles, or negative
-    int in_turn; // whether one workgroup visits several blocks in turn, those that are due
+    int in_turn; // whether one workgroup visits several blocks in turn, and skips those that are not due
     int middle; // with PAIRS the first row or column of texels of the grid's last half
 };
 
@@ -70,12 +70,14 @@ bool differ(vec4 a, vec4 b) {
     return any(notEqual(floatBitsToUint(a), floatBitsToUint(b)));
 }
 
-// Values on the line of points before the texel's, at points -2 to 3. The texel's own points are 0 and 1.
+// Values on the line of points behind the texel's first line, at points -2 to 3. The texel's own points have
+// the places 0 and 1.
 struct Behind {
     vec2 left, middle, right;
 };
 
-// Returns the edge lengths of four points in a line, of which `point` is the second.
+// Returns the lengths of the edges that lead along `step` from four points in a line, of which `point` is the
+// second.
 vec4 edge_lengths(ivec2 point, ivec2 step) {
     return vec4(edge_length(point - along, step), edge_length(point, step),
                 edge_length(point + along, step), edge_length(point + 2 * along, step));
@@ -132,7 +134,8 @@ struct Lines {
 
 // Fronts of the first line of points in the line of texels being updated, for the neighbours.
 shared vec4 begun[gl_WorkGroupSize.x];
-// Number of lines of texels of the block that are done, and whether the first points of the next one are.
+// Number of lines of texels of the block that are done, and whether the first line of points in the next line
+// of texels is done.
 int lines_done = 0;
 bool has_begun = false;
 
@@ -141,9 +144,10 @@ int first_of_workgroup() {
     return first + int(group_number().x) * (int(gl_WorkGroupSize.x) - 2 * HALO) - HALO;
 }
 
-// Returns the front at a point. Behind the block, fronts are those that this scan has left, up to the half in
-// which the opposite scan is at work. The same holds for lines of the block that are done, at texels that this
-// workgroup writes. All others are the fronts from before the scan.
+// Returns the front at a point. Behind the block, this is the front that the scan has left, except in the
+// half in which the opposite scan is at work. On lines of the block that are done, it is also the front that
+// the scan has left, at texels that this workgroup writes. Everywhere else it is the front from before the
+// scan.
 vec2 front_at(ivec2 point) {
     ivec2 texel = texel_of(point);
     int lines_on = lines_ahead(texel, ahead) - block_line * (AHEAD_X + AHEAD_Y);
@@ -173,8 +177,8 @@ vec2 front_at(ivec2 point) {
 #ifdef WITH_ORIGINS
 #include "update/anchored_ways.glsl"
 
-// Updates both lines of a texel by paths to anchors. `behind` is what its first line sees. `l1` and `l2` are
-// the edges from its second line to the first.
+// Updates both lines of a texel by paths to anchors. `behind` has the neighbours behind the texel's first
+// line. `l1` and `l2` are the lengths of the edges from its second line to the first.
 void follow_ways(ivec2 point, NeighboursBehind behind, vec4 l1, vec4 l2, bool may_renew, inout Lines own) {
     // This is a loop, since drivers are slow to compile the same code twice.
     for (int half_of = 0; half_of < 2; half_of++) {
@@ -203,8 +207,8 @@ void follow_ways(ivec2 point, NeighboursBehind behind, vec4 l1, vec4 l2, bool ma
 }
 #endif
 
-// Updates both lines of a texel through triangles, given also the bases of those of the first line. Returns
-// whether any of them is obtuse.
+// Updates both lines of a texel through triangles. `base_left` and `base_right` are the bases of the first
+// line's triangles. Returns whether any triangle is obtuse.
 bool pass_triangles(ivec2 point, NeighboursBehind behind, vec4 base_left, vec4 base_right, vec4 l1, vec4 l2,
                     vec2 surface, vec2 slowness, bool may_renew, inout Lines own) {
     bool any_obtuse = false;
@@ -318,7 +322,7 @@ void scan_block() {
                                      first_line(own_surface, ahead),
                                      first_line(surface_of(texel + along), ahead).x);
         }
-        // From points 0 and 1 of the second line. Left triangles are in xy, right triangles in zw.
+        // The edges from points 0 and 1 of the second line. Left triangles are in xy, right triangles in zw.
         ivec2 next = point + ahead;
         vec2 sides = vec2(edge_length(next, -ahead), edge_length(next + along, -ahead));
         vec4 l1 = vec4(edge_length(next, -ahead - along), edge_length(next + along, -ahead - along),

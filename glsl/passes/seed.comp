@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Writes the initial values of sources where they are earlier than the present ones. One invocation is one
+// Writes the initial values of sources where they are earlier than the present fronts. One invocation is one
 // texel with sources in it. It does nothing if the column of the texel is negative. If tiles follow, the
 // tiles around the texel are put on the first list. If scans follow, the blocks with the texel become due in
 // all scans.

@@ -36,14 +36,15 @@ void count_rounds() {
     if (since_reached >= PATIENCE) renews = 0u;
     if (visited < count || rounds[ROUND_WORDS * count] == 0u) done = 1u;
     if (iterations >= most) done = 1u;
-    // A recording that goes on takes its first list from the last entry.
+    // The next recording takes its first list from the last entry.
     for (uint i = 0u; i < ROUND_WORDS; i++) {
         rounds[ROUND_WORDS * ROUNDS + i] = rounds[ROUND_WORDS * count + i];
     }
     if (done != 0u) rounds[ROUND_WORDS * ROUNDS] = 0u;
 }
 
-// Moves an entry of the list for an odd round, and a tile's urgency in it, to those for an even one.
+// Moves an entry of the list of odd rounds to the list of even rounds, and the urgency of the tile with this
+// number likewise.
 void move_to_even(uint number, uint all) {
     tiles[2u * all + number] = tiles[3u * all + number];
     tiles[urgency_at(number, 0u, all)] = tiles[urgency_at(number, 1u, all)];

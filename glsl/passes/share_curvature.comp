@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Gives the copies of each point of a glued surface the mean of their Gaussian curvatures. A point inside the
-// glued surface has all its triangles, but each copy alone has only some: its tag is cleared.
+// Gives the copies of each point of a glued surface the mean of their Gaussian curvatures. A point inside the glued
+// surface has all its triangles, although each copy alone has only some of them. So the tag of such a point is cleared.
 //
 // A single workgroup is dispatched, since its invocations wait for each other. First, each invocation adds up some
 // parts of groups, then finds the values of some groups, then writes some texels. Points in the middles of folded
@@ -27,9 +27,9 @@ layout(push_constant) uniform Push {
 #include "passes/copies.glsl"
 
 // The rings: for each part its first cell, and the number of cells at the end. Then for each cell its first point,
-// as that of a member, and a code of the two ends of its sides on the ring. Then for each part the sum of its
-// curvatures, the tags that any of them has, whether any of its cells exists, and the exclusive or of the codes of
-// those that do.
+// packed like the point of a member, and a code of the ends of its sides on the ring. Then for each part the sum of its
+// curvatures, the tags that any of them has, whether any of its cells exists, and the exclusive or of the codes of the
+// cells that exist.
 int first_cell_at(int part) {
     return earliest_at(parts) + part;
 }
@@ -73,7 +73,7 @@ void add_up(int part) {
     copies[sum_at(part) + 3] = ends;
 }
 
-// Replaces the sum of a group's first part by the value of its points.
+// Replaces the sum of a group's first part by the value of the group's points.
 void find_value(int group) {
     float sum = 0.0;
     uint tags = 0u;

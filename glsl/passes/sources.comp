@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Computes the initial values around sources that lie anywhere on the grid, as seed.comp reads them. A source
-// reaches at most 2 x 2 texels. One invocation is one source and one of these texels. The first source of a
-// texel writes what all sources bring to it.
+// reaches at most 2 x 2 texels. One invocation is one source and one of these texels. The first source that
+// reaches a texel writes the earliest fronts of all sources to it.
 // Twin: Sources::seeds in src/surface/sources.
 
 #include "shared/constants.glsl"
@@ -24,7 +24,7 @@ layout(push_constant) uniform Portion {
     ivec2 lattice;  // see lattice.glsl
     int first_word; // offset of the first source
     int count;      // number of sources
-    int copy;       // 0, or OVER_COLUMNS and OVER_ROWS for the copies of sources that lie on seams there
+    int copy;       // 0 for the sources, or bits OVER_COLUMNS and OVER_ROWS for their copies on the opposite sides
 };
 
 const int OVER_COLUMNS = 1;
@@ -33,7 +33,8 @@ const int OVER_ROWS = 2;
 #include "shared/source.glsl"
 #include "update/source_arrival.glsl"
 
-// Moves a place from a side of the grid to the opposite one, where the grid goes on. Returns whether it does.
+// Moves a place from a side of the grid to the opposite one. Returns whether the place lies on a side at
+// which the grid goes on.
 bool pass_side(inout float across, inout float along, vec2 last, int beyond) {
     bool is_on_seam = beyond != GRID_ENDS && (across == 0.0 || across == last.x);
     across = last.x - across;
@@ -41,7 +42,8 @@ bool pass_side(inout float across, inout float along, vec2 last, int beyond) {
     return is_on_seam;
 }
 
-// Returns a source, or the copy of one. A source that has none does not count.
+// Returns a source, or the copy of it that `copy` selects. If there is no such copy, the returned source does
+// not count.
 Source copied(int index) {
     Source s = source(index);
     vec2 last = vec2(grid - 1);

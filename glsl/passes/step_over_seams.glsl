@@ -12,8 +12,8 @@ Metric metric_over_seams(ivec2 at, float unit) {
     return metric_of_edges(vec4(sizes[0], sizes[2], sizes[1], sizes[3]), vec4(sizes[4], sizes[6], sizes[5], sizes[7]), unit);
 }
 
-// Moves a point of the first or last column to its copy in the other one, and turns a step with it. Returns false if the
-// grid does not go on there.
+// Moves a point of the first or last column to its copy in the other of these columns, and converts a step at the point
+// to the same step at the copy. Returns false if the grid does not go on there.
 bool cross_cols(inout ivec2 at, inout vec2 step) {
     ivec2 last = grid - 1;
     if (lattice.x == GRID_ENDS || (at.x != 0 && at.x != last.x)) return false;
@@ -25,7 +25,7 @@ bool cross_cols(inout ivec2 at, inout vec2 step) {
     return true;
 }
 
-// As cross_cols(), for the first and last row.
+// Does the same as cross_cols() for the first and last row.
 bool cross_rows(inout ivec2 at, inout vec2 step) {
     ivec2 last = grid - 1;
     if (lattice.y == GRID_ENDS || (at.y != 0 && at.y != last.y)) return false;
@@ -68,7 +68,7 @@ vec2 step_over_fold(ivec2 from, ivec2 copy, vec2 step) {
     return vec2(0.0);
 }
 
-// Returns the step at a copy of the point `from` that is the same as a step there.
+// Returns the step at `copy`, a copy of the point `from`, that is the same as `step` at that point.
 vec2 step_at_copy(ivec2 from, ivec2 copy, vec2 step) {
     if (SEAMS == 0 || from == copy) return step;
     ivec2 at = from;

@@ -7,10 +7,10 @@
 // This pass is for sources inside cells. Near such a source many rays cross a base whose two ends are reached in
 // different scans. Scans of the whole grid would then advance by about one cell an iteration.
 //
-// It is also for point sources with others near them, including those at grid points. Each is solved alone, since an
-// update would take the fronts of two sources for one, which would arrive too early. Its times are marked exact where
-// no front from outside its window can be earlier. Where surroundings meet, merge_surroundings.comp takes the earliest
-// fronts.
+// It is also for point sources with others near them, including those at grid points. Each source is solved alone,
+// since an update would take the fronts of two sources for a single front, which would arrive too early. The times of
+// such a source are marked exact where no front from outside its window can be earlier. Where surroundings meet,
+// merge_surroundings.comp takes the earliest fronts.
 // Twin: src/cpu/twins/surroundings.rs.
 
 #include "shared/constants.glsl"
@@ -37,9 +37,10 @@ layout(push_constant) uniform Portion {
 #include "shared/source.glsl"
 #include "update/source_arrival.glsl"
 
-// The window holds the points of the texels and the points around that these see. The latter stay unreached: ways
-// outside the window are for the scans to find. If sources are added to a map, this pass may drop fronts of the map
-// that came from outside the window. They stay in the images, since seed.comp writes no later front.
+// The window holds the points of the texels and a ring of points around them. The points of the ring are read, but stay
+// unreached: scans of the whole grid find the ways outside the window. If sources are added to a map, this pass may
+// drop fronts of the map that came from outside the window. They stay in the images, since seed.comp writes no later
+// front.
 const int TEXELS = SURROUNDINGS_TEXELS;
 #include "passes/window.glsl"
 
@@ -138,8 +139,8 @@ bool is_point(Source s) {
     return s.curvature == SOURCE_CURVATURE;
 }
 
-// Returns whether other sources lie within TEXELS rows and columns (in grid points) of a point source, all of them
-// point sources. Only curved fronts need to know.
+// Returns whether other sources lie within TEXELS rows and columns of grid points of a point source, and all of these
+// are point sources. The result matters to curved fronts only, and is false for others.
 bool is_crowded(Source own) {
     if (!HAS_CURVATURE || !is_point(own)) return false;
     bool found = false;
@@ -255,7 +256,8 @@ void main() {
         barrier();
         // A front from outside enters through the window's border, and not before the first source starts. It then
         // takes at least as long to a point as this source's front takes from that point to the border. So this
-        // source's front is first up to the mean of two times: that at which it leaves the window, and the first start.
+        // source's front is first up to the mean of two times: the time at which it leaves the window, and the start of
+        // the first source.
         float until = own.time + uintBitsToFloat(leaves);
         bvec4 exact = lessThanEqual(time, vec4(until < FAR ? 0.5 * (until + first_start()) : FAR));
         held = with_tags(held, mix(uvec4(NOT_EXACT | WHOLE), uvec4(EXACT | WHOLE), exact));

@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Ends a map at the time that its targets need, once fronts have reached them: that of the last of the nearest
-// targets. By tiles it also lowers the limit, so that later fronts are not followed. Iterations of scans bring
-// early and late fronts in any order, so that the whole map is computed then. One workgroup runs between two
-// rounds of tiles, or between two iterations.
+// Ends a map once fronts have reached the number of targets that is needed. The end is the arrival time at
+// the last of these nearest targets. On maps solved by tiles, this pass also lowers the limit, so that later
+// fronts are not followed. Scans bring early and late fronts in any order, so with them the whole map is
+// computed. One workgroup runs between two rounds of tiles, or between two iterations.
 // Twin: Limit::lower in src/cpu/limit.rs.
 
 #include "shared/constants.glsl"
@@ -38,7 +38,7 @@ float time_at_target(uint index) {
     return times[component_of(point)];
 }
 
-// Returns the last rank that is needed, found from its first binary digit to its last.
+// Returns the `needed`-th smallest rank, found from its first binary digit to its last.
 uint last_needed(uint count, uint needed) {
     uint last = 0u;
     for (int bit = 31; bit >= 0; bit--) {

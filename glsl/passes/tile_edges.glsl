@@ -4,8 +4,8 @@
 // Whether the lengths are copied to shared memory.
 layout(constant_id = 15) const int EDGES_SHARED = 1;
 
-// Edge lengths at all points of the window: first those to one neighbour, then those to the next, for all four.
-// Neighbouring invocations thus read neighbouring words.
+// Edge lengths at all points of the window: first all edges to one neighbour, then all edges to the next, for the four
+// neighbours whose edges are stored. Neighbouring invocations thus read neighbouring words.
 shared float lengths[EDGES_SHARED != 0 ? 4 * AREA : 1];
 
 // First point of the window, as a point of the images.
@@ -53,7 +53,7 @@ StoredLengths lengths_around(ivec2 at, ivec2 ahead, ivec2 along) {
 }
 
 // Returns the edges of a point. `all` has the lengths stored around it. `behind` has the lengths stored at the point
-// behind. It receives those stored at this point, for the next line.
+// behind. For the next line, `behind` receives the lengths stored at this point.
 Edges edges_of(ivec2 at, ivec2 ahead, ivec2 along, StoredLengths all, inout vec4 behind) {
     if (EDGES_SHARED != 0) {
         return Edges(edge_in_tile(at, -ahead - along), edge_in_tile(at, -ahead), edge_in_tile(at, along - ahead),

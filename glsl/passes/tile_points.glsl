@@ -3,8 +3,8 @@
 // while it waits for its neighbours on this line. Included by tile_round.glsl.
 //
 // An invocation keeps the front that it has written on the line behind. With WITH_SHUFFLES it reads the two fronts
-// beside that one from the registers of its neighbours. Without it, and between subgroups, neighbours pass their
-// fronts through shared memory.
+// beside this front from the registers of its neighbours. Without WITH_SHUFFLES, and between subgroups, neighbours pass
+// their fronts through shared memory.
 //
 // An update takes four triangles. Here the left triangle is in x and the right one in z. The components y and w are
 // constants, and compilers for GPUs remove their computation.

@@ -61,7 +61,7 @@ shared float times[4 * AREA];
 shared float carried[CARRIES ? 4 * AREA : 1];
 shared uint tile_number;
 shared uint tile_urgency;
-shared uint states[9]; // states of the 3 x 3 tiles around this one; outside the grid, that of the nearest tile
+shared uint states[9]; // states of the 3 x 3 tiles around this one; outside the grid, the state of the nearest tile
 shared uint change;
 shared uint border_change;
 shared uint woken; // tiles listed for the next round: one bit for each of the 3 x 3 tiles, row by row
@@ -70,8 +70,8 @@ shared uint urgencies[9]; // urgencies of these tiles
 // Number of the copy of the fronts that front_at() reads.
 int copy_here;
 
-// Returns the front at a point: in and around the tile that of the copy `copy_here`, elsewhere the front before the
-// round.
+// Returns the front at a point: in and around the tile the front of the copy `copy_here`, elsewhere the front before
+// the round.
 vec2 front_at(ivec2 point) {
     ivec2 at = point - window;
     if (in_grid(at, ivec2(SIDE))) {
@@ -187,8 +187,9 @@ void merge(ivec2 in_tile, inout vec4 time, inout vec4 held) {
             for (int copy = 0; copy < 4; copy++) {
                 float other = times[copy * AREA + at];
                 float other_held = carried[copy * AREA + at];
-                // A copy counts only where its own scan has brought the front; other fronts are from before. If a scan
-                // has withdrawn the front from before and no scan has brought another, no front is left.
+                // In a copy only a front that its own scan has brought counts; any other front is from before the
+                // scans. If a scan has withdrawn the front from before and no scan has brought another one, no front is
+                // left.
                 if (other >= FAR && !found) {
                     time[j] = other;
                     held[j] = other_held;
@@ -298,7 +299,7 @@ void main() {
         if (all_change <= tolerance) break;
     }
 
-    // Bits of those of the 3 x 3 tiles that lie on the grid.
+    // Bits of the tiles among the 3 x 3 that lie on the grid.
     uint around = 0u;
     for (uint i = 0u; i < 9u; i++) {
         ivec2 other = tile + neighbour(i);
@@ -346,8 +347,8 @@ void main() {
         ivec2 other = tile + neighbour(gl_LocalInvocationIndex);
         uint wanted = uint(row_major(other, tile_grid.x));
         uint due = urgencies[gl_LocalInvocationIndex];
-        // A tile may not have settled in its last iteration and still have the same fronts as before the round. Then no
-        // change has set its urgency, and it keeps the previous one.
+        // It can happen that a tile has not settled in its last iteration, but has the same fronts as before the round.
+        // Then no change has set its urgency, and the tile keeps its previous urgency.
         enlist(wanted, due != 0u ? due : urgency, round + 1u, count);
     }
 }

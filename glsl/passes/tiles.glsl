@@ -10,8 +10,8 @@
 layout(set = 2, binding = 1) restrict buffer Tiles {
     // Six arrays with an element for each tile of the grid: the tiles' states (see image_before()); the rounds for
     // which they are listed, counted from 1; the lists of even rounds and of odd rounds; and the urgencies in even
-    // rounds and in odd rounds. A round sets urgencies for the next round while its own tiles clear theirs, so both
-    // have arrays of their own.
+    // rounds and in odd rounds. A round sets urgencies for the next round while its own tiles clear theirs, so even and
+    // odd rounds have separate arrays.
     uint tiles[];
 };
 
@@ -39,8 +39,8 @@ uint image_before(uint state, uint round) {
 }
 
 // Returns the number of workgroups in a column of a dispatch of up to `count` tiles, with one workgroup for each tile.
-// Columns are as short as they can be with at most MOST_GROUPS of them, which every device supports.
-// Twin: column_of in src/vulkan/record/commands.rs.
+// There are at most MOST_GROUPS columns, which every device supports, and columns are as short as this allows.
+// Twin: column_of in src/vulkan/device/limits.rs.
 uint column_of(uint count) {
     return (count + MOST_GROUPS - 1u) / MOST_GROUPS;
 }

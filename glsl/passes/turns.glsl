@@ -1,5 +1,5 @@
 // Measures how sharply the surface turns from point to point, so that a renderer knows whether its grid
-// resolves it.
+// resolves the surface.
 // Twin: src/surface/resolution.rs, where it is explained.
 
 // Returns the unit normal at a point with all four neighbours on the grid, otherwise zero.
@@ -29,7 +29,7 @@ void measure_turns(ivec2 at) {
         vec3 apart = there - here;
         float square = dot3(apart, apart);
         if (steps == 1) {
-            // A negative value means that it is not known.
+            // A negative value means that the squared difference is not known.
             turned = is_known ? square : -1.0;
             if (!is_known) continue;
             atomicAdd(compared, 1u);

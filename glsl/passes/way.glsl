@@ -1,7 +1,8 @@
 // Finds the direction in which the way back leaves a grid point. Where squared times are smooth and the
-// source is not near, it is that of their gradient; elsewhere it is that of the path's first line. Include
-// after path_line.glsl, step_over_seams.glsl, start.glsl and ways.glsl.
-// Twin: src/geometry/directions/ways.rs, which also finds the corners from which squared times count.
+// source is not near, it is the direction of their steepest descent; elsewhere it is the direction of the
+// path's first line. Include after path_line.glsl, step_over_seams.glsl, start.glsl and ways.glsl.
+// Twin: src/geometry/directions/ways.rs. Behind corners, the twin subtracts the arrival time at the corner
+// before it squares times.
 
 // Largest change of second differences that counts as smooth, as a part of the squared length of a step.
 const float SMOOTH = 0.5;
@@ -21,13 +22,14 @@ float latest_start() {
     return time_of(ways[1]);
 }
 
-// Returns the number of the source whose own front is the earliest at a point of its cell, or -1.
+// Returns the number of the source beside a point whose own front arrives there first, or -1 if there is no
+// source beside the point.
 int source_beside(ivec2 at) {
     uint number = in_grid(at, grid) ? ways[word_of(0, index_of(at))] : 0u;
     return number == 0u ? -1 : int(~number);
 }
 
-// The sources beside the cell's corners are those that matter.
+// Tries only the sources beside the corners of the cell (see source_beside()). No other source matters.
 void find_source(Cell cell, vec4 weights, Path path, inout Line nearest) {
     int before = -1;
     for (int i = 0; i < 4; i++) {
@@ -37,7 +39,8 @@ void find_source(Cell cell, vec4 weights, Path path, inout Line nearest) {
     }
 }
 
-// Returns a path that begins at a grid point. `start` is the time from which squared times count.
+// Returns a path that begins at a grid point. `start` is the time that is subtracted before times are
+// squared.
 Path path_from(ivec2 at, float start) {
     Path path;
     path.place = Place(at, vec2(0.0));
@@ -45,13 +48,14 @@ Path path_from(ivec2 at, float start) {
     path.below = 0.0;
     path.from = NO_CELL;
     path.zero_time = start;
-    // Sources are looked up, so that no test of time saves anything.
+    // With FAR, search_around() tries sources in every cell. A test by time would save nothing, since sources
+    // are looked up by corners.
     path.latest = FAR;
     return path;
 }
 
-// Returns the squared time since the start at a point, less that at another one, in squared units. It is FAR
-// if the point is not reached.
+// Returns the squared time since the start at the point `at`, less the square at another point, whose arrival
+// time is `time`, in squared units. The result is FAR if `at` is not reached.
 float excess_at(ivec2 at, float time, vec2 start_and_unit) {
     // The grid may go on beyond its sides.
     float other = time_at(SEAMS != 0 ? on_grid(at) : at);
@@ -80,8 +84,8 @@ bool slope_along(ivec2 at, ivec2 along, float time, vec2 start_and_unit, float l
         if (has_back && has_ahead) slope = (8.0 * (ahead - back) - (far_ahead - far_back)) / 12.0;
         return has_back || has_ahead || low >= -limit;
     }
-    // With a kink further away, the three points in the middle are smooth. Then their second difference
-    // agrees with the larger of the other two, which the kink lowers.
+    // If a kink lies further away, the map is still smooth at the three points in the middle. The kink lowers
+    // one of the other two second differences, so the one in the middle agrees with the larger of these.
     return has_back && has_ahead && abs(max(bend_back, bend_ahead) - bend) <= limit;
 }
 

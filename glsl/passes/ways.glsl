@@ -1,11 +1,12 @@
-// Stores the ways back from all grid points in a buffer, for way_starts.comp, directions.comp and
-// log_map_*.comp. The buffer begins with a header: the complement of the earliest initial value of the
-// sources (by rank, see start.glsl), the rank of the latest one, and for each round of a log map whether
-// points are left. Sections follow, each in row-major order:
+// Defines the buffer of the ways back from all grid points, for way_starts.comp, directions.comp and log_map_*.comp.
+// The buffer begins with a header: the complement of the earliest initial value of the sources (by rank, see
+// start.glsl), the rank of the latest one, and for each round of a log map whether there are still points without
+// coordinates. Sections follow, each in row-major order:
 //
 //     words   two arrays of one word a point. At first, array 0 holds the complement of the number of a source beside
-//             the point, and array 1 the complement of the rank of its arrival time. Zero means none. Later, array 1
-//             holds packed directions.
+//             the point, and array 1 the complement of the rank of the time at which its front arrives. Zero means
+//             none. Later, array 1 holds packed directions. In a log map, both arrays instead hold numbers of sources
+//             (labels), and take turns as input and output.
 //     pairs   three arrays of two words a point, for log maps only. Array 0 is (u, v) of the log map. Arrays 1 and 2
 //             take turns as input and output: directions or places, as column and row.
 
@@ -15,12 +16,12 @@ layout(set = 1, binding = 1) restrict buffer Ways {
 
 layout(push_constant) uniform Push {
     ivec2 grid;      // columns and rows of the whole grid
-    ivec2 lattice;   // GRID_ENDS, GOES_ON or REVERSES, beyond the first and last column and beyond the rows
+    ivec2 lattice;   // GRID_ENDS, GOES_ON or REVERSES: in x beyond the first and last column, in y beyond the rows
     int first_word;  // offset of the first source
     int count;       // number of sources
     int turn;        // in way_starts.comp 1 in the second pass; in log_map_rounds.comp the number of the round
     float radius;    // points that are later than all sources by more than this are not in the log map
-    float unreached; // u and v of points that are not in it
+    float unreached; // u and v of points that are not in the log map
 };
 
 int index_of(ivec2 at) {

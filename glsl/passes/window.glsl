@@ -1,5 +1,5 @@
-// Places a window of TEXELS x TEXELS texels in shared memory: their points, and the points around them that
-// they see. Include after chart.glsl. The including shader defines TEXELS.
+// Places a window of TEXELS x TEXELS texels in shared memory: the points of these texels, and a ring of
+// points around them. Include after chart.glsl. The including shader defines TEXELS.
 
 const int SIDE = 2 * TEXELS + 2;
 const int AREA = SIDE * SIDE;
@@ -10,7 +10,8 @@ int spot(ivec2 in_window) {
     return row_major(in_window, SIDE);
 }
 
-// Returns the first point of a texel. Both are counted from the first of the window.
+// Returns the first point of a texel. The texel is counted from the window's first texel, the point from the
+// window's first point.
 ivec2 first_in_window(ivec2 texel) {
     return first_point(texel) + 1;
 }

@@ -8,7 +8,7 @@
 //     texel   2 x 2 points that share a texel in the images of fronts and of surface values:
 //                 x y     a texel's row above, columns 2c and 2c + 1
 //                 z w     its row below
-//     inner   a texel counted without the border, as invocations, tiles and blocks are
+//     inner   a texel counted without the border. Invocations, tiles and blocks are counted in this way
 //     place   a position on the grid, between its points
 //
 // The image of edge lengths has one texel per point: its edges to the east, north, north-east and north-west.
@@ -20,7 +20,8 @@ bool in_grid(ivec2 at, ivec2 size) {
     return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, size));
 }
 
-// Returns whether `at` lies beyond the grid. It is for numbers of invocations, which are never negative.
+// Returns whether `at` lies beyond the last column or row. The test is for numbers of invocations, which are
+// never negative.
 bool is_beyond(ivec2 at, ivec2 size) {
     return any(greaterThanEqual(at, size));
 }
@@ -37,12 +38,12 @@ int points_of(ivec2 size) {
     return size.x * size.y;
 }
 
-// Returns a place on the grid from one that only rounding can have moved off it.
+// Returns the nearest place on the grid, for a place that only rounding can have moved off the grid.
 vec2 back_on_grid(vec2 place, ivec2 size) {
     return clamp(place, vec2(0.0), vec2(size - 1));
 }
 
-// Returns the last point in line with one beyond the grid's last row or column.
+// Returns the nearest point of the grid, for a point that may lie beyond the last row or column.
 ivec2 up_to_last(ivec2 at, ivec2 size) {
     return min(at, size - 1);
 }
@@ -67,8 +68,8 @@ ivec4 corners_row_major(ivec2 first, int columns) {
     return row_major(first, columns) + ivec4(0, 1, columns, columns + 1);
 }
 
-// Returns the step from a cell's first point to one of its corners, in that order, or from a texel's first
-// point to another of its points.
+// Returns the step from a cell's first point to one of its corners, which are numbered in the same order, or
+// from a texel's first point to another of its points.
 ivec2 to_corner(int corner) {
     return ivec2(corner & 1, corner >> 1);
 }
@@ -138,7 +139,7 @@ int component_of(ivec2 point) {
     return 2 * (point.y & 1) + (point.x & 1);
 }
 
-// Returns the step from a texel to one of the 3 x 3 around it.
+// Returns the step from a texel to one of the 3 x 3 texels around it.
 ivec2 around_texel(int index) {
     return from_row_major(index, 3) - 1;
 }
@@ -152,7 +153,7 @@ ivec2 texels_of(ivec2 size) {
     return (size + 1) / 2;
 }
 
-// Returns the size of an image in texels, given that of its inner texels.
+// Returns the size of an image in texels, given the columns and rows of its inner texels.
 ivec2 all_texels(ivec2 inner) {
     return inner + 2 * BORDER;
 }
@@ -214,7 +215,8 @@ int lines_ahead(ivec2 step, ivec2 ahead) {
     return way.x + way.y;
 }
 
-// Returns the number of a texel in a line of texels, or that of the nearest one in the line.
+// Returns the number of a texel in a line of texels, or the number of the nearest texel of the line if it
+// lies beyond.
 int texel_in_line(int texel, int last) {
     return max(min(texel, last), BORDER);
 }
@@ -234,7 +236,7 @@ vec2 second_line(vec4 texel, ivec2 ahead) {
     return first_line(texel, -ahead);
 }
 
-// Returns the texel made of two such lines.
+// Returns the values of a texel, given the values of its first and its second line.
 vec4 texel_of_lines(vec2 first, vec2 second, ivec2 ahead) {
     bool forward = ahead.x + ahead.y > 0;
     vec2 low = forward ? first : second;
@@ -247,7 +249,7 @@ int pairs_of(int points) {
     return (points + 1) / 2;
 }
 
-// Returns the index of a point in a line, or that of the nearest end of the line.
+// Returns the index of a point in a line, or the index of the nearest end of the line if it lies beyond.
 int point_in_line(int index, int points) {
     return clamp(index, 0, points - 1);
 }

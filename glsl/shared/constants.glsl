@@ -3,7 +3,7 @@
 
 // Value for "not reached" and "no such edge". It is large, and sums of such values stay finite.
 #define FAR 1e30
-// Limit of the times on a map that has none. No sum of times and edges exceeds it.
+// Limit of the times on a map without a limit. No sum of times and edges exceeds it.
 #define NO_LIMIT 3e38
 // Kinds of fronts: the values of the specialization constant WAVEFRONT (see wavefront.glsl), and the numbers
 // of Rust's Wavefront.
@@ -89,7 +89,7 @@
 // Tag of the surface at points that lack an edge.
 #define LACKING 2
 // Tangent of 22.5 degrees. Fronts diffract at a point if the angle that is open to them exceeds a half turn by more
-// than that: at corners of holes, and not along the sides of holes or the border.
+// than 22.5 degrees: at corners of holes, and not along the sides of holes or the border.
 #define REFLEX 0.41421357
 // A triangle is obtuse at x0 if the sum of the squares of its sides there is less than this part of the
 // square of its base. This is a margin of three degrees, so that rounding makes no right angle obtuse.
@@ -140,8 +140,8 @@
 // A front that arrives again at the same time is the same front if its curvature differs by no more than this
 // multiple of its rounding. A tag takes 16 units.
 #define BENT_AGAIN 1024.0
-// Number of bends by which a point looks back for anchors other than its neighbours' own. Where several
-// corners lie close together, the region lit from between them may stay narrower than a cell for long.
+// Number of bends by which a point looks back for anchors other than its neighbours' own. Where several corners lie
+// close together, the region in sight between them may stay narrower than a cell over a long way.
 #define BENDS_BACK 4
 // Largest number of anchors through which a path is followed back, including those that lie on one line.
 #define LINES_BACK 32
@@ -231,8 +231,8 @@
 #define UNDER_WAY 5
 // Number of words of the state of a path.
 #define PATH_WORDS 15
-// Number of steps of a path in one dispatch. No device takes long over these. lavapipe ends loops after some
-// thousand iterations in all.
+// Number of steps of a path in one dispatch. No device takes long over these. Lavapipe ends all loops of an invocation
+// after 65,535 turns in total.
 #define STEPS_TOGETHER 256
 // Number of steps by which one pass over regions extends the way of each point. On lavapipe, 3 steps take as
 // long as this at 256 points per side, and 2.4 times as long at 1024.
@@ -254,10 +254,11 @@
 // Amount by which times may change faster than the length of the way, as a part of the edge. It allows for
 // curved edges and for a metric that changes.
 #define MARGIN 0.05
-// A line of a path that ends nearer than this to a grid point, as a part of the edge, ends at that point.
+// Largest distance from a grid point, as a part of the edge, at which the end of a line of a path is moved to that grid
+// point.
 #define AT_POINT 1e-4
-// Part of its length by which a straight line to a source in sight is preferred to others. A line that fits
-// the arrival time up to this part of its length needs no comparison with others.
+// Part of its length by which a straight line to a source in sight is preferred to others. If a line fits the arrival
+// time up to this part of its length, the cell on the other side of the edge is not searched.
 #define FITS 1e-3
 // A line falls if the arrival time falls along it by at least this part of its length.
 #define LEAST_FALL 0.5

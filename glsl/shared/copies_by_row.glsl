@@ -4,9 +4,9 @@
 // The including shader declares
 //     ivec2 grid;        columns and rows of the whole grid
 //     uint copies[];     buffer that begins with the list, which src/vulkan/copies.rs writes: the number of groups. Then
-//                        for each row its first copy, and the number of copies at the end. Then for each copy its column,
-//                        and for each the number of its group. Then for each group its first member, and the number of
-//                        members at the end. Then the members of groups, by their row-major indices.
+//                        for each row its first copy, and the number of copies at the end. Then the columns of all
+//                        copies, and then the numbers of their groups. Then for each group its first member, and the
+//                        number of members at the end. Then the members of groups, by their row-major indices.
 
 const int FIRST_ROW = 1;
 

@@ -1,9 +1,9 @@
-// Finds where the map takes a value on an edge between grid points. Squared times are given by their excess
-// over that at the edge's first end, as the product of a difference and a sum. In single precision, the
-// difference of two squares would lose its digits.
+// Finds where the map takes a value on an edge between grid points. A squared time is represented by its
+// excess over the squared time at the edge's first end. The excess is computed as the product of a difference
+// and a sum. In single precision, the difference of two squares would lose its digits.
 // Twin: src/geometry/arrivals.rs.
 
-// The excess of squared times over that at an edge's first end, along the edge.
+// The excess of the squared time over its value at the first end of an edge, along the edge.
 struct Profile {
     float rise;    // at the other end
     vec2 bends;    // second differences at both ends
@@ -24,8 +24,8 @@ float value(Profile profile, float s) {
     return s * profile.rise - 0.5 * s * rest * bend;
 }
 
-// Returns where a profile takes a value between those at 0 and 1. The method is regula falsi in the Illinois
-// variant.
+// Returns where a profile takes a value between its values at 0 and 1. The method is regula falsi in the
+// Illinois variant.
 float solve(Profile profile, float target) {
     float a = 0.0;
     float b = 1.0;
@@ -52,8 +52,8 @@ float solve(Profile profile, float target) {
     return b;
 }
 
-// Returns where the edge from a point (0) to its neighbour (1) has a time that lies between those of its
-// ends.
+// Returns where on the edge from a point (0) to its neighbour (1) the map has the value `time`, which lies
+// between the values at the two ends.
 float crossing(ivec2 from, ivec2 step, float time, float start) {
     float here = time_at(from);
     float since = here - start;
@@ -72,7 +72,8 @@ float crossing(ivec2 from, ivec2 step, float time, float start) {
     float p = before + profile.rise;
     float q = after - 2.0 * profile.rise;
     if (has_before && has_after && p < 0.0 && q < 0.0) {
-        // Two fronts meet on this edge. The earlier of both counts, and each is extrapolated by itself.
+        // Two fronts meet on this edge. Each is extrapolated from its own side, and the earlier of the two is
+        // used.
         float far_before = time_at(from - 2 * step);
         float far_after = time_at(from + 3 * step);
         if (!is_reached(far_before) || !is_reached(far_after)) return solve(profile, target);

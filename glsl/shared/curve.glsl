@@ -2,9 +2,10 @@
 // curve, and then room for the vertices of each curve. Passes receive the word at which the vertices begin.
 //
 // A record begins with what an indirect draw reads: the number of vertices, one instance, the first vertex,
-// instance 0. The number of vertices that exist or are needed follows, then the status of the curve. Paths
-// also have the number of the source, the distance at the start and the length. A vertex is x, y and z, which
-// lift_from_*.comp write, then its arrival time, row and column.
+// instance 0. The next word is the number of vertices that the path has, or that the contours need even if
+// the buffer lacks room for them. The status of the curve follows. Paths also have the number of the source,
+// the distance at the start and the length. A vertex is x, y and z, which lift_from_*.comp write, then its
+// arrival time, row and column.
 
 layout(set = 1, binding = 1) restrict buffer Curves {
     uint curves[];

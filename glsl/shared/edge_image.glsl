@@ -16,8 +16,8 @@ bool has_edge(ivec2 point) {
     return false;
 }
 
-// Returns the lengths of the edges that are stored at the other end: to the west, south, south-west and
-// south-east.
+// Returns the lengths of a point's edges that are stored at their other ends: to the west, south, south-west
+// and south-east.
 vec4 edges_to_point(ivec2 point) {
     return vec4(imageLoad(edges, point + ivec2(-1, 0)).x, imageLoad(edges, point + ivec2(0, 1)).y,
                 imageLoad(edges, point + ivec2(-1, 1)).z, imageLoad(edges, point + ivec2(1, 1)).w);

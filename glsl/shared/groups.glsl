@@ -1,5 +1,5 @@
 // Numbers the workgroups of a dispatch. No map may depend on the order in which a device runs them. CPUs run
-// them mostly in the order of their numbers, so tests give the numbers away in other orders.
+// them mostly in the order of their numbers, so tests assign the numbers in other orders.
 
 #ifndef GROUPS_GLSL
 #define GROUPS_GLSL

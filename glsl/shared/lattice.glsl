@@ -6,11 +6,11 @@
 //     ivec2 lattice;    GRID_ENDS, GOES_ON or REVERSES: in x for the first and last column, in y for the first and last
 //                       row
 
-// Moves a point, with the step from it, over glued sides until both ends of the step lie on the grid or beyond sides at
-// which it ends. A glued side is the same line as the opposite one, so each move is one less than the number of columns
-// or rows. The step is shorter than the grid.
+// Moves a point, with the step from it, over glued sides until both ends of the step lie on the grid, or beyond sides
+// at which the grid ends. A glued side is the same line as the opposite one, so each move is by one less than the
+// number of columns or rows. The step is shorter than the grid.
 void continue_grid(inout ivec2 at, inout ivec2 step) {
-    // Each turn moves over one side, in columns or in rows.
+    // Each iteration moves over one side, in columns or in rows.
     for (int turn = 0; turn < 4; turn++) {
         ivec2 low = min(at, at + step);
         ivec2 high = max(at, at + step);
@@ -33,7 +33,8 @@ void continue_grid(inout ivec2 at, inout ivec2 step) {
     }
 }
 
-// Returns the point of the grid that lies at a row and column beyond its sides, or a point off the grid.
+// Returns the point of the grid that coincides with a point beyond its glued sides. Beyond sides at which the grid
+// ends, the result lies off the grid.
 ivec2 on_grid(ivec2 at) {
     ivec2 step = ivec2(0);
     continue_grid(at, step);

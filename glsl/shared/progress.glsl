@@ -13,7 +13,7 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     uint visited;       // number of workgroups that have updated a tile, a part of a block, or texels
     uint fronts_meet;   // 0, FRONTS_MEET or FRONTS_ARE_ADDED; see wavefront.glsl
     float limit;        // time after which fronts do not matter; NO_LIMIT if there is none
-    float end;          // time after which points count as unreached: a little earlier if there are targets
+    float end;          // time after which points count as unreached; with targets a little earlier than `limit`
     // The first and the last texel, by column and row and counted without the border, where fronts of a map with
     // a limit have changed. Maps without a limit do not write them.
     int changed_first[2];
@@ -23,11 +23,11 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     // For each scan, bits of the blocks past the middle of the grid that are due in the next iteration; see
     // blocks.glsl. Bit 0 is the block next to the middle.
     uint due_past_middle[4];
-    uint rounds[ROUND_WORDS * (ROUNDS + 1)]; // for the tiles on the list of each round, with its other numbers
+    uint rounds[ROUND_WORDS * (ROUNDS + 1)]; // the words of each round of tiles; see ROUND_WORDS
     uint unsettled[ROUNDS]; // largest change of a round that another round has to pass on
     uint reached;           // 1 once a round has reached a point
     uint settled;           // number of texels copied by settle.comp, for profiles
-    uint visits[VISIT_WORDS]; // a bit for each dispatch of a scan that has visited its block, for profiles
+    uint visits[VISIT_WORDS]; // a bit for each block of a scan, set if the scan has visited the block, for profiles
     // The targets of a map: their number, the number of those that must be reached, and their rows and columns.
     uint target_count;
     uint targets_needed;
@@ -42,7 +42,7 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     uint sharp;       // number of edges at whose ends the normals differ by much
     uint compared;    // number of all sampled edges
     uint continued;   // number of sampled edges beyond which the normal is known too
-    uint turns[2];    // for the latter, sums of squared differences of normals one and two steps apart
+    uint turns[2];    // for these edges, sums of squared differences of normals one and two steps apart
 };
 
 // Notes that a front at a texel, counted without the border, has changed.

@@ -1,6 +1,7 @@
 // Implements fronts that carry the number of their anchor, with a tag. The surface value at a point tells whether the
 // point is a corner of a hole, and where the hole lies (corner.glsl). The update is in anchored_ways.glsl. Anchors have
-// numbers: first the points of the grid, row by row, then from FIRST_INSIDE on the sources inside cells.
+// numbers. The points of the grid come first, row by row. The sources inside cells have the numbers from FIRST_INSIDE
+// on.
 // Twins: the anchored front in src/update, and src/vulkan/upload/anchors.rs.
 
 // Returns the number of the anchor that a front carries.
@@ -39,8 +40,8 @@ void accept_anchored(Fronts fronts, uint scan, bool renews, inout vec4 time, ino
     time = mix(time, fronts.time, accepted);
 }
 
-// Returns the change of time, in units of the last place, as which a change of anchors at any of four points counts.
-// It is 0 if no anchor has changed.
+// Returns a change of anchors at any of four points as an equivalent change of time, in units of the last place. The
+// result is 0 if no anchor has changed.
 uint change_of_anchor(vec4 before, vec4 anchor) {
     return all(are_alike_but_for_tags(before, anchor)) ? 0u : uint(ANCHOR_COUNTS / PRECISION);
 }

@@ -1,7 +1,7 @@
 // Implements the update of fronts with anchors, which is exact over floor plans. Nearly everywhere, all neighbours
 // behind a point have the same anchor. Such points are updated together, four at once. Other points are updated one
 // after another. Include after wavefront.glsl, edge_image.glsl, surface_image.glsl and splits.glsl.
-// Twin: src/update/anchored.rs and src/update/sight.rs, where it is explained.
+// Twin: src/update/anchored.rs, where the update is explained.
 
 #include "shared/processor.glsl"
 #include "update/corner.glsl"
@@ -42,7 +42,7 @@ Way shorter(Way a, Way b) {
     return a;
 }
 
-// Returns the difference between a point's number and that of the point below it.
+// Returns the difference between the numbers of a point and of the point below it.
 int points_in_row() {
     return imageSize(edges).x;
 }
@@ -238,10 +238,11 @@ bool is_clear(ivec2 point, vec2 step) {
 }
 
 // Returns whether an anchor is visible from x0, given one end of the base, `point`. The end's path shows which corner
-// hides the anchor from the end: the first corner on the path from the anchor. Its shadow lies behind it, on the side
-// of its hole. If the end lies in this shadow, x0 sees the anchor if x0 lies outside it. If the end lies elsewhere, or
-// its path winds between holes, another corner may hide the anchor. This is so if the straight line to the end would
-// be shorter than its path. Only then the straight line from x0 is followed over the grid.
+// may hide the anchor: the first corner on the path from the anchor to the end. The corner's shadow lies behind the
+// corner, on the side of its hole. If the end lies in this shadow, an x0 in the shadow does not see the anchor. An x0
+// outside of it does, unless the end's path winds between holes. In all other cases another corner may hide the anchor,
+// but only if the straight line to the end would be shorter than the end's path. Then the straight line from x0 is
+// followed over the grid.
 bool sees(vec2 x0, vec2 point, Anchor anchor, float start, Known ends, int end) {
     Detour detour = detour_of(anchor, start, point, ends, end);
     int shadow = 0;
@@ -403,10 +404,10 @@ Fronts ways_to(NeighboursBehind sight, Places places, uint points, uint scan, bo
     float held_there = told[first != 0u ? findLSB(first) : 0];
     bvec4 alike = both(bvec4(first != 0u), both(of_one, are_alike_but_for_tags(told, vec4(held_there))));
 
-    // The remaining points, one after another. On GPUs all invocations update their i-th point in the same turn, or
-    // skip it: if neighbouring invocations updated different points in one turn, NVIDIA's compiler (driver 580) lost
-    // some of the results. On CPUs each invocation takes its own next point, since the lanes would otherwise wait in
-    // turns that none of them needs.
+    // The remaining points are updated one after another. On GPUs all invocations update their i-th point in the same
+    // turn, or skip it: if neighbouring invocations updated different points in one turn, NVIDIA's compiler (driver
+    // 580) lost some of the results. On CPUs each invocation takes its own next point, since the lanes would otherwise
+    // wait in turns that none of them needs.
     left &= ~bits_of(alike);
     for (int turn = 0; turn < 4; turn++) {
         int i = turn;
@@ -455,8 +456,8 @@ Fronts ways_to(NeighboursBehind sight, Places places, uint points, uint scan, bo
         }
         vec4 time_of_one = mix(vec4(FAR), start + straight, lessThan(start, vec4(FAR)));
         vec4 carried_of_one = vec4(held_there);
-        // Paths along an edge from a corner. Of two equally long paths on one line, the one from the last corner on it
-        // is taken.
+        // These paths come along an edge from a corner. Of two equally long paths on one line, the path from the last
+        // corner on the line is taken.
         for (int k = 0; k < 3; k++) {
             vec2 edge = float(k - 1) * along - ahead;
             vec4 from_corner = reached[k] + length_of(edge);

@@ -3,7 +3,7 @@
 //
 // The including shader declares
 //     int arcs                                          1 for lengths along the surface, 0 for chords (band.glsl)
-//     Point load(ivec2 at)                              the point of the band's buffer
+//     Point load(ivec2 at)                              a point of the band's buffer
 //     bool is_present(ivec2 at)                         whether the surface has that point (edges.glsl)
 //     vec3 difference(Point a, Point b, ivec2 step)     from a point to its neighbour
 
@@ -16,12 +16,12 @@ vec3 unit(vec3 a) {
     return size > 0.0 ? a / size : vec3(0.0);
 }
 
-// Returns the step from a point to its neighbour, or zero if that is missing.
+// Returns the step from a point to its neighbour, or zero if the neighbour is missing.
 vec3 way(ivec2 at, ivec2 step) {
     return is_present(at + step) ? difference(load(at), load(at + step), step) : vec3(0.0);
 }
 
-// Returns the surface's unit normal, or zero where the grid has none.
+// Returns the surface's unit normal at a point, or zero where the neighbours do not determine one.
 vec3 normal(ivec2 at) {
     vec3 u = unit(way(at, ivec2(1, 0)) - way(at, ivec2(-1, 0)));
     vec3 v = unit(way(at, ivec2(0, -1)) - way(at, ivec2(0, 1)));
@@ -35,8 +35,8 @@ bool goes_on(ivec2 at, ivec2 step) {
 }
 
 // Returns the unit normal at an end of an edge in xyz, and the bend of the grid line there in w: the second difference
-// of the positions along the line, projected on the normal. Where the grid line ends, the bend is taken from the next
-// two points inwards: the smaller one, or 0 if their signs differ.
+// of the positions along the line, projected on the normal. Where the grid line ends, the bends at the next two points
+// inwards are used: the smaller of both, or 0 if their signs differ.
 vec4 bend(ivec2 at, ivec2 step) {
     bool inside = goes_on(at, step);
     ivec2 inwards = inside ? ivec2(0) : is_present(at + step) ? step : -step;

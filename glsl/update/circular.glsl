@@ -1,9 +1,9 @@
-// Implements fronts that are circles around a virtual point source. Its distance is the arrival time, so these fronts
-// carry nothing besides their time.
+// Implements fronts that are circles around a virtual point source. The distance from this source is the arrival time,
+// so these fronts carry nothing besides their time.
 // Twin: the circular front in src/update, where the formulas are explained.
 
-// Returns the curvature of a front over a base, in units of 1 over the base. `time` is that at the end that the front
-// reaches later.
+// Returns the curvature of a front over a base, in units of 1 over the base. `time` is the arrival time at the end that
+// the front reaches later.
 float circular_curvature(float time, float base) {
     return base / max(time, 0.25 * base);
 }

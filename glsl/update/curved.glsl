@@ -54,7 +54,7 @@ Fronts curved_in(Shape shape, vec4 h, bvec4 upright, EndFronts end1, EndFronts e
     vec4 near_spread = max(1.0 + near_kappa * (rise - d), FOCUS);
     vec4 spread = far_spread * near_spread;
 
-    // The front along the edge from that end of the base from which it arrives first.
+    // The front that arrives along an edge, taken from the edge that brings it first.
     vec4 grazing = GRAZING * width;
     bvec4 from_far = lessThanEqual(by_far, by_near);
     vec4 edge = mix(near_l, l, from_far);
@@ -102,8 +102,8 @@ Fronts curved(EndFronts end1, EndFronts end2, vec4 g0, vec4 l1, vec4 l2, vec4 c,
 }
 
 // Returns the curvature of a front over a base, in units of 1 over the base. `k` is the curvature at the end that the
-// front reaches later, and `near_k` that at the other end. `d` is the time at the other end less that at the later end,
-// in units of the base.
+// front reaches later, and `near_k` the curvature at the other end. `d` is the time at the other end less the time at
+// the later end, in units of the base.
 float base_curvature(float k, float near_k, float d, float base) {
     bool beside = near_k >= SOURCE_CURVATURE && abs(k * base) < ABOUT_STRAIGHT && d > -FROM_SOURCE;
     float near_kappa = (beside ? k : near_k) * base;
@@ -116,8 +116,8 @@ bvec4 together(vec4 time, vec4 other) {
     return lessThanEqual(abs(time - other), TOGETHER * PRECISION * time);
 }
 
-// Returns the earlier of two fronts at each point. Of fronts that arrive together, one from a whole triangle
-// is preferred. Next is the one whose ray runs straight on, which is the flatter front.
+// Returns the earlier of two fronts at each point. Of fronts that arrive together, one from a whole triangle is
+// preferred. If that does not decide, the flatter front is preferred, since its ray runs straight on.
 Fronts earlier_curved(Fronts a, Fronts b) {
     bvec4 alike = equal(uvec4(a.whole), uvec4(b.whole));
     bvec4 flatter = both(alike, lessThan(b.carried, a.carried));
@@ -128,10 +128,10 @@ Fronts earlier_curved(Fronts a, Fronts b) {
                   either(both(not(second), a.whole), both(second, b.whole)));
 }
 
-// Replaces the present fronts (`time`, `curvature`) by those that a scan brings, where they arrive earlier. Of fronts
-// that arrive together, one from a whole triangle is preferred, then one that is flatter by more than BENT_APART. If
-// `renews` is set, a present front that the same scan brought is replaced too, at an earlier or later time, unless only
-// rounding has changed it. `scan` is counted from 1.
+// Replaces the present fronts (`time`, `curvature`) by those that a scan brings, where the new ones arrive earlier. Of
+// fronts that arrive together, one from a whole triangle is preferred, then one that is flatter by more than
+// BENT_APART. If `renews` is set, a present front that the same scan brought is replaced too, at an earlier or later
+// time, unless only rounding has changed it. `scan` is counted from 1.
 void accept_curved(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 curvature) {
     vec4 tagged = with_tags(fronts.carried, mix(uvec4(scan), uvec4(scan | WHOLE), fronts.whole));
     uvec4 tag_before = tags_of(curvature);

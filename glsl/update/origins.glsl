@@ -32,7 +32,7 @@ Site site_at(Places places, ivec2 first, ivec2 second) {
 struct Sighted {
     vec4 col, row;             // from x0 to one end
     vec4 extent_col, extent_row; // from that end to the other
-    vec4 start;                // FAR if the origin is not known
+    vec4 start;                // time at which the front leaves the origin; FAR if the origin is not known
 };
 
 // Returns the origins of fronts, as seen from the points of a site.
@@ -221,8 +221,8 @@ Fronts curved_from_origins(EndFronts end1, EndFronts end2, vec4 g0, vec4 l1, vec
                             bases_of_acute(faceless, c), alone, both(bvec4(causal), not(of_one)));
     bvec4 keeps_name = both(both(inexact, first.crosses), lessThan(arrival.time, vec4(FAR)));
     vec4 named = carried_on(first, arrival.time, end1.carried, g0, base);
-    // A front that does not keep the number of its origin is made later by the rounding. If both arrive together, one
-    // that keeps its number then replaces it.
+    // A front that does not keep the number of its origin is made later by the rounding. Then a front that keeps its
+    // number replaces it if both arrive together.
     vec4 rounding = abs(arrival.time) * (SIGHT_ROUNDING * PRECISION);
     bvec4 gives_way = both(not(keeps_name), either(first.is_known, second.is_known));
     arrival.time = mix(arrival.time, arrival.time + rounding, gives_way);
@@ -242,7 +242,7 @@ Fronts update_at(EndFronts end1, EndFronts end2, vec4 surface, vec4 slowness, ve
 }
 
 // Return the fronts as update_four() and update_pair() in wavefront.glsl do. The positions `places` of the points are
-// needed to see origins from them.
+// needed to see origins from these points.
 Fronts update_four(NeighboursBehind sight, vec4 surface, vec4 slowness, vec4 base_left, vec4 base_right, Places places) {
     bvec4 alone = are_alone(sight.edges[1]);
     ivec2 back = -places.ahead;

@@ -27,17 +27,18 @@ Shape shape_on_surface(vec4 side, vec4 other, vec4 base, vec4 of_side, vec4 of_o
 
 // Costs of the rays from the base to x0, in units of the cost of the base. The ray from the place w of the base costs
 // sqrt((w - foot)^2 + height^2) (near + slope w). Places count from 0 at the end that the front reaches later to 1 at
-// the other end. `near` is the mean slowness along the ray from place 0, divided by that of the base. `slope` is its
-// change from there to the other end. `jump` is 1 where crossing_of() starts from a refracted ray, else 0.
+// the other end. `near` is the mean slowness along the ray from place 0, divided by the mean slowness along the base.
+// `slope` is the same for the ray from place 1, less `near`. `jump` is 1 where crossing_of() starts from a refracted
+// ray, else 0.
 struct Rays {
     vec4 foot, height;
     vec4 near, slope, jump;
 };
 
-// Arrival time of a front along the base, in units of the cost of the base: that of a circle of curvature `kappa`, less
-// a bulge. The derivative of the circle's time along the base is `-cos_a` at the later end. `d` is the time at the
-// other end less that at the later end. `bulge` is the second derivative of the time that a smoothly varying slowness
-// adds.
+// Arrival time of a front along the base, in units of the cost of the base: the time of a circular front of curvature
+// `kappa`, less a bulge. The derivative of the circle's time along the base is `-cos_a` at the later end. `d` is the
+// time at the other end less the time at the later end. `bulge` is the part of the time's second derivative that a
+// smoothly varying slowness adds to that of the circle.
 struct Slope {
     vec4 d, kappa, cos_a, sin_a, bulge;
 };
@@ -159,7 +160,7 @@ Fronts curved_slowed(EndFronts end1, EndFronts end2, vec4 g0, vec4 s0, vec4 l1, 
     bvec4 is_first = both(lessThanEqual(time, min(by_far, by_near)), either(bvec4(!causal), greaterThanEqual(time, later)));
     bvec4 inside = both(both(is_front, within), is_first);
 
-    // The front along the edge from that end of the base from which it arrives first.
+    // The front that arrives along an edge, taken from the edge that brings it first.
     bvec4 is_from_far = lessThanEqual(by_far, by_near);
     vec4 edge = mix(near_l, l, is_from_far);
     vec4 edge_g = mix(near_g, g, is_from_far);

@@ -1,7 +1,7 @@
 // Computes fronts through the parts of obtuse triangles. Such a triangle is not updated as a whole. A grid point beyond
-// its base is unfolded into its plane and splits it into two parts. If no point splits it, only its edges are used.
-// Include after wavefront.glsl and edge_image.glsl.
-// Twin: src/surface/unfold.rs, where it is explained.
+// the triangle's base is unfolded into the triangle's plane, and splits the triangle into two parts. If no point splits
+// the triangle, only its edges are used. Include after wavefront.glsl and edge_image.glsl.
+// Twin: src/surface/unfold.rs, where unfolding is explained.
 //
 // The including shader defines
 //     vec2 front_at(ivec2 point)          arrival time and carried value at any point of the grid
@@ -62,7 +62,7 @@ bool unfold(vec2 u, vec2 w, float base, float to_u, float to_w, out vec2 place) 
 
 // Finds the grid point beyond the edge from `u` to `w`, and unfolds it into x0's plane. If both grid points beyond the
 // edge can be unfolded, a point between the directions `right` and `left` is preferred, then the one nearer to x0.
-// Returns false if there is none.
+// Returns false if none can be unfolded.
 bool find_beyond(ivec2 x0, Unfolded u, Unfolded w, int turn, vec2 right, vec2 left, inout Unfolded apex) {
     ivec2 along = w.step - u.step;
     ivec2 away = turn * ivec2(-along.y, along.x);

@@ -28,8 +28,8 @@ struct NeighboursBehind {
 };
 
 // Returns the neighbours behind a pair of points of a line. The first point is in x and z of the result, the second one
-// in y and w. `behind` has the fronts at the four points behind the pair. `l1` and `l2` are the edges to the first and
-// to the second end of each triangle: left triangles in xy, right ones in zw.
+// in y and w. `behind` has the fronts at the four points behind the pair. `l1` and `l2` are the lengths of the edges to
+// the first and to the second end of each triangle: left triangles in xy, right ones in zw.
 NeighboursBehind sight_of_pair(EndFronts behind, vec4 l1, vec4 l2) {
     NeighboursBehind sight;
     sight.ends[0] = EndFronts(behind.time.xyxy, behind.carried.xyxy, behind.surface.xyxy, behind.slowness.xyxy);
@@ -41,8 +41,8 @@ NeighboursBehind sight_of_pair(EndFronts behind, vec4 l1, vec4 l2) {
     return sight;
 }
 
-// Grid positions of the four points of an update. `to_second` and `to_third` are the steps from the first point to
-// those. The step to the fourth one is the sum of both. `ahead` and `along` are the scan's steps.
+// Grid positions of the four points of an update. `to_second` and `to_third` are the steps from the first point to the
+// second and the third. The step to the fourth is the sum of both. `ahead` and `along` are the scan's steps.
 struct Places {
     ivec2 first, to_second, to_third;
     ivec2 ahead, along;

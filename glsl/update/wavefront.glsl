@@ -148,7 +148,8 @@ bool is_first(float time, float carried, float other, float other_carried) {
 // fronts do not, since their time follows from their anchor.
 const bool KEEPS_EARLIER_TIME = !HAS_ANCHORS;
 
-// Replaces the present front at a point by another one if is_first() prefers that, or if none has been found.
+// Replaces the present front at a point by another one if is_first() prefers the other one, or if no front has been
+// found yet.
 void take_first(float other, float other_carried, inout bool found, inout float time, inout float carried) {
     bool takes_other = !found || is_first(other, other_carried, time, carried);
     if (takes_other) carried = other_carried;

@@ -40,7 +40,7 @@ def peak() -> float:
 
 
 class Solved:
-    """A compiled surface whose map is ready."""
+    """Stand-in for a compiled surface, with a map that is computed in advance."""
 
     def __init__(self, compiled: "gs._geosweep.Surface") -> None:
         self.shape = compiled.shape

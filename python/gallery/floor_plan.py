@@ -15,7 +15,7 @@ import geosweep as gs
 
 
 def building() -> np.ndarray:
-    """Return where one can walk, at steps of 10 cm."""
+    """Return a mask of the points where one can walk; they are 10 cm apart."""
     walk = np.ones((121, 201), bool)
     walk[[0, -1]] = False
     walk[:, [0, -1]] = False

@@ -2,8 +2,8 @@
 
     python terrain.py [FOLDER [DEM.tif]]
 
-Needs geosweep[all]. Without a GeoTIFF of your own it takes the elevation around the Jacksboro fault
-(examples/data), whose coordinates are degrees, and which it writes as a GeoTIFF first.
+Needs geosweep[all]. Without a GeoTIFF of your own, the script takes the elevation around the
+Jacksboro fault (examples/data), and first writes it as a GeoTIFF whose coordinates are degrees.
 """
 
 import sys

@@ -52,7 +52,7 @@ def __getattr__(name: str) -> Any:
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
-# Whoever has imported xarray before gets `da.geosweep`. Others need `import geosweep.xarray`, since
-# importing xarray takes long.
+# A program that has imported xarray before gets `da.geosweep`. Other programs need
+# `import geosweep.xarray`, since importing xarray takes long.
 if "xarray" in sys.modules:
     importlib.import_module(f"{__name__}.xarray")

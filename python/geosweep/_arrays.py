@@ -1,4 +1,4 @@
-"""Arrays as callers have them, turned into NumPy's."""
+"""Conversion of callers' arrays to NumPy arrays."""
 
 import warnings
 from typing import Any
@@ -17,10 +17,10 @@ class HostCopyWarning(UserWarning):
 
 
 def on_host(name: str, value: ArrayLike) -> NDArray[Any]:
-    """Return a NumPy array of what ``value`` holds.
+    """Return the content of ``value`` as a NumPy array.
 
-    Arrays of CuPy, PyTorch, JAX and others come through DLPack: without a copy from the memory of
-    the host, with a copy and a `HostCopyWarning` from that of a device.
+    Arrays of CuPy, PyTorch, JAX and others come through DLPack. Arrays in the host's memory are not
+    copied. Arrays in a device's memory are copied, with a `HostCopyWarning`.
     """
     if isinstance(value, np.ndarray) or not hasattr(value, "__dlpack_device__"):
         return np.asarray(value)
@@ -42,7 +42,7 @@ def on_host(name: str, value: ArrayLike) -> NDArray[Any]:
 
 
 def _copied(array: Any) -> NDArray[Any]:
-    """Copy an array from its device, as DLPack or its library does."""
+    """Copy an array from its device, by DLPack or by a method of the array's library."""
     try:
         return np.from_dlpack(array, device="cpu")
     except (BufferError, RuntimeError, TypeError, ValueError):
@@ -54,7 +54,7 @@ def _copied(array: Any) -> NDArray[Any]:
 
 
 def is_number(value: object) -> bool:
-    """Return whether a value is one real number. Such arguments need no array, which takes time."""
+    """Return whether a value is one real number, so that no array has to be made of it."""
     return isinstance(value, (int, float, np.integer, np.floating))
 
 
@@ -64,7 +64,7 @@ def numbers(name: str, value: ArrayLike) -> Floats:
         array = on_host(name, value)
         if array.dtype.kind not in "biuf":
             raise TypeError(f"{name} must be real numbers, not {array.dtype}")
-        # What was received from another process may not be aligned.
+        # An array that was received from another process may not be aligned.
         return np.require(array, np.float64, ["C", "A"])
     except (TypeError, ValueError) as error:
         said = f"{name} must be an array of real numbers, not {value!r:.60}"

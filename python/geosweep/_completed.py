@@ -17,7 +17,7 @@ class CompletedGrid:
 
     Examples are longitudes from 0 to 359 degrees, latitudes at the middles of cells, and faces of
     a cube at the middles of texels. The completed grid repeats the first line behind the last one
-    and has lines at poles and between faces, where their points are found from those beside them.
+    and has lines at poles and between faces, whose points are found from the points beside them.
 
     Parameters
     ----------
@@ -81,8 +81,9 @@ class CompletedGrid:
         Parameters
         ----------
         places
-            Row and column on the given grid, or an array (..., 2) of them. They may lie beyond it
-            where the surface does: with latitudes at the middles of cells, a pole is row -0.5.
+            Row and column on the given grid, or an array (..., 2) of them. Places may lie beyond
+            the grid where the surface does: with latitudes at the middles of cells, a pole is row
+            -0.5.
 
         Raises
         ------
@@ -93,12 +94,12 @@ class CompletedGrid:
         return self._grid.to_completed(at.reshape(-1, 2)).reshape(at.shape)
 
     def to_given(self, places: ArrayLike) -> Floats:
-        """Return rows and columns on the given grid of places (..., 2) on the completed one."""
+        """Return rows and columns on the given grid, from places (..., 2) on the completed grid."""
         at = _places(places)
         return self._grid.to_given(at.reshape(-1, 2)).reshape(at.shape)
 
     def crop(self, values: ArrayLike) -> NDArray[np.generic]:
-        """Return the values at the given points, of values (M, N, ...) at all points.
+        """Return the values at the given points, from values (M, N, ...) on the completed grid.
 
         Given points between the faces of a cube have the value of a hole.
         """

@@ -1,4 +1,4 @@
-"""Sources from tables of GeoPandas, and curves and regions to them."""
+"""Sources from tables of GeoPandas, and tables of curves and regions."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -72,7 +72,7 @@ def _table(columns: dict[str, Any], geometry: list[Any], place: Place) -> "GeoDa
 
 def _line(places: Floats, place: Place) -> Any:
     shapely = needed("shapely", "geopandas", "a table of curves or regions")
-    # A path from a source to itself is one point, of which no line can be made.
+    # A path from a source to itself is one point. A line needs two.
     return shapely.LineString(place.to_xy(places if len(places) > 1 else places.repeat(2, axis=0)))
 
 
@@ -97,10 +97,10 @@ def borders_table(voronoi: Voronoi, place: Place) -> "GeoDataFrame":
 
 
 def regions_table(voronoi: Voronoi, place: Place) -> "GeoDataFrame":
-    """Return a table of regions, made of the cells around their points, and areas."""
+    """Return a table of regions, each the union of the cells around its points, with areas."""
     shapely = needed("shapely", "geopandas", "a table of curves or regions")
     labels = voronoi.labels
-    # Runs of equal labels along rows, as rectangles half a step wider than their points.
+    # Runs of equal labels along rows, as rectangles that go half a step beyond their points.
     rows, firsts = np.nonzero(np.diff(labels, axis=1, prepend=-2))
     ends = np.append(firsts[1:], 0)
     ends[ends == 0] = labels.shape[1]

@@ -19,7 +19,7 @@ Direction = Literal["compass", "grass", "grid", "space"]
 
 
 class LogMap:
-    """Places of points in the tangent plane of their source. `DistanceMap.log_map` makes it."""
+    """Places of points in the tangent plane of their source, made by `DistanceMap.log_map`."""
 
     def __init__(self, compiled: "_geosweep.LogMap") -> None:
         self._map = compiled
@@ -55,8 +55,8 @@ class LogMap:
     ) -> NDArray[np.float32]:
         """Return the bearing (M, N) in which each point's path leaves its source, in degrees.
 
-        `DistanceMap.back_direction` says what the units are. The bearing is 0 at sources and -1
-        where no source reaches.
+        `DistanceMap.back_direction` explains the units. The bearing is 0 at sources and -1 where no
+        source reaches.
         """
         if unit not in ("compass", "grass"):
             refuse("unit", unit, "'compass' or 'grass'")
@@ -64,7 +64,7 @@ class LogMap:
 
 
 class DistanceMap:
-    """Distances from sources to every point of a surface. `Surface.solve` makes it."""
+    """Distances from sources to every point of a surface, made by `Surface.solve`."""
 
     def __init__(
         self,
@@ -88,7 +88,7 @@ class DistanceMap:
 
     @property
     def report(self) -> dict[str, Any]:
-        """How the map was computed: engine, iterations, residual, converged and more."""
+        """Report on the computation: engine, iterations, residual, converged and more."""
         return self._map.report
 
     @property
@@ -97,14 +97,14 @@ class DistanceMap:
         return self.voronoi().labels
 
     def nearest_places(self) -> Floats:
-        """Return row and column (M, N, 2) of the place on its source where each path ends.
+        """Return row and column (M, N, 2) of the place where each point's path meets its source.
 
         They are NaN where no source reaches. Paths to lines are traced, which takes time.
         """
         return _geosweep.nearest(self._map)[1]
 
     def back_direction(self, unit: Direction = "compass") -> NDArray[np.float32]:
-        """Return the direction in which each point's shortest path leaves it for its source.
+        """Return the direction in which each point's shortest path to its source leaves the point.
 
         Parameters
         ----------
@@ -117,8 +117,8 @@ class DistanceMap:
         Returns
         -------
         directions
-            Bearings are 0 at sources and -1 where no source reaches, vectors 0 and NaN. Over
-            heights rows run to the south and columns to the east.
+            Bearings are 0 at sources and -1 where no source reaches. Vectors are 0 at sources and
+            NaN where no source reaches. Over heights rows run to the south and columns to the east.
 
         Examples
         --------
@@ -134,15 +134,16 @@ class DistanceMap:
     def back_link(self) -> NDArray[np.int8]:
         """Return the code (M, N) of the next grid point on the way back, as in ArcGIS.
 
-        1 is the neighbour to the east, 2 to the south-east and so on clockwise to 8. It is 0 at
-        sources and -1 where no source reaches.
+        1 is the neighbour to the east, 2 to the south-east and so on clockwise to 8. The code is 0
+        at sources and -1 where no source reaches.
         """
         return _geosweep.back_link(self._map)
 
     def log_map(self) -> LogMap:
         """Compute the direction in which paths leave their source, times their length.
 
-        It needs point sources, and takes nine maps in double precision on the CPU.
+        The log map needs point sources. For it nine maps are computed in double precision on the
+        CPU.
 
         Examples
         --------
@@ -159,9 +160,9 @@ class DistanceMap:
         Parameters
         ----------
         inside
-            Mask (M, N) that is true inside. By default the inside is to the left of the sources,
-            which must be closed lines, as seen with rows downwards. On a glued surface lines may
-            pass seams, and must divide the surface.
+            Mask (M, N) that is true inside. By default the inside is to the left of the sources, as
+            seen with rows downwards. The sources must then be closed lines. On a glued surface
+            lines may pass seams, and must divide the surface.
 
         Returns
         -------
@@ -177,7 +178,7 @@ class DistanceMap:
     def error(self) -> Floats:
         """Estimate the error of each distance (M, N), by maps on other grids.
 
-        This takes the time of one and a third maps, over floor plans that of four to five.
+        This takes the time of one and a third maps, or of four to five maps over floor plans.
         """
         points, lines = self._problem[0]
         return self._surface.error(points, lines, *self._problem[1:])[0]
@@ -199,7 +200,7 @@ class DistanceMap:
         levels
             A number of levels, evenly spaced (default: 10), or the distances themselves.
         step
-            Distance between levels, in place of them.
+            Distance between levels, instead of ``levels``.
         """
         if step is not None or levels is None:
             chosen = self._map.levels(None, step)
@@ -215,7 +216,7 @@ class DistanceMap:
         return Voronoi(labels, [((a, b), line) for (a, b), line in borders], np.asarray(areas))
 
     def offsets(self, levels: ArrayLike, side: str = "left") -> list[Curves]:
-        """Return curves at the given distances on one side of the sources, which are lines.
+        """Return curves at the given distances on one side of the sources, which must be lines.
 
         The side is ``"left"`` or ``"right"``, as seen in a picture with rows downwards.
         """
@@ -246,16 +247,16 @@ class DistanceMap:
         Parameters
         ----------
         ax
-            Where to draw; by default in a new figure.
+            Axes to draw into; by default those of a new figure.
         contours
-            Number of lines, at round distances, or their distances. They are labelled in the map's
-            unit.
+            Number of lines at round distances, or the distances of the lines. The labels are in the
+            map's unit.
         paths
             Rows and columns (n, 2) from which shortest paths are drawn.
         cmap
-            Name of the colours.
+            Name of the colour map.
         colorbar
-            Whether to draw the scale of colours.
+            Whether to draw the colour bar.
 
         Returns
         -------

@@ -16,7 +16,7 @@ Matrix = NDArray[np.float32]
 
 
 def indices(surface: Surface, rows: ArrayLike | None) -> NDArray[np.int64]:
-    """Check row-major indices of grid points; all by default."""
+    """Return row-major indices of grid points after a check; all points by default."""
     points = surface.shape[0] * surface.shape[1]
     wanted = np.arange(points) if rows is None else np.atleast_1d(on_host("rows", rows))
     if wanted.ndim != 1 or wanted.dtype.kind not in "iu":
@@ -51,7 +51,7 @@ def pairwise(
     out
         Array of float32 in C order, a memory map for instance, into which rows are written.
     progress
-        Called with the number of rows that are done and of all rows.
+        Called with the number of rows that are done and the number of all rows.
     """
     wanted = indices(surface, rows)
     points = surface.shape[0] * surface.shape[1]

@@ -75,7 +75,7 @@ def pairs(
     csr, iterations, residual, converged = found
     check(converged, {"iterations": iterations, "residual": residual}, strict)
     matrix = sparse.csr_array(csr, shape=(len(places), rows * cols))[:, of_grid]
-    # A point's own entry is 0.
+    # A point has distance 0 from itself and from equal points, for which there are no entries.
     matrix.setdiag(0)
     matrix.eliminate_zeros()
     return matrix

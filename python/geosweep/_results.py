@@ -12,7 +12,7 @@ class Path(NamedTuple):
     """A shortest path."""
 
     vertices: Floats
-    """Rows and columns (n, 2), from the end that was given to the source."""
+    """Rows and columns (n, 2), from the given end to the source."""
     length: float
     """Length, in the map's unit."""
     source: int
@@ -25,7 +25,7 @@ class Curves(NamedTuple):
     level: float
     """The distance."""
     curves: list[Floats]
-    """Rows and columns (n, 2) of each curve. A closed one ends with its first vertex."""
+    """Rows and columns (n, 2) of each curve. A closed curve ends with its first vertex."""
 
 
 class Ridge(NamedTuple):
@@ -43,7 +43,7 @@ class Voronoi(NamedTuple):
     labels: NDArray[np.int32]
     """Index of the nearest source (M, N); -1 at holes and where no source reaches."""
     borders: list[tuple[tuple[int, int], Floats]]
-    """The two regions on either side, and the vertices (n, 2), of each border."""
+    """For each border, the regions on both sides and the vertices (n, 2)."""
     areas: Floats
     """Area of each region."""
 

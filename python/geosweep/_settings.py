@@ -51,7 +51,7 @@ def settings(
     targets: ArrayLike | None = None,
     needed: int | None = None,
 ) -> Settings:
-    """Check options."""
+    """Check options, and return them as the compiled part takes them."""
     if engine not in ("auto", "cpu", "gpu"):
         refuse("engine", engine, "'auto', 'cpu' or 'gpu'")
     if wavefront not in ("auto", "planar", "circular", "curved", "anchored"):

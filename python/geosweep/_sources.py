@@ -1,4 +1,4 @@
-"""Sources in the forms that callers have them."""
+"""Sources in the forms in which callers give them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

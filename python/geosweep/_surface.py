@@ -123,11 +123,11 @@ class Surface:
             Distance of rows and of columns in the unit of the heights. It is in the order of the
             axes, (dy, dx), as in scikit-fmm and scikit-image. The command-line tool takes DX,DY.
         mask
-            False (M, N) where there are holes.
+            Mask (M, N) that is false at holes.
         slowness
             Reciprocal speed (M, N): distances become travel times.
         edges
-            Measure edges along the smooth surface, ``"arc"``, or straight, ``"chord"``.
+            ``"arc"`` measures edges along the smooth surface, ``"chord"`` straight through space.
         glue
             Sides of the grid that are the same line of a closed surface; see `with_gluing`.
         copy
@@ -167,7 +167,7 @@ class Surface:
 
         Examples
         --------
-        A globe, whose last column is its first one:
+        A globe whose last column repeats its first one:
 
         >>> import numpy as np, geosweep as gs
         >>> p, l = np.mgrid[0:181:2, 0:361:2] * np.pi / 180
@@ -202,7 +202,8 @@ class Surface:
     ) -> "Surface":
         """Make a surface from its metric in steps of rows and columns.
 
-        The metric is (M, N, 2, 2), or (M, N, 3) with the entries for rows, mixed, and columns.
+        The metric is (M, N, 2, 2), or (M, N, 3) with the entries row-row, row-column and
+        column-column.
         """
         values = numbers("metric", metric)
         if values.ndim == 4 and values.shape[2:] == (2, 2):
@@ -216,7 +217,7 @@ class Surface:
         return cls._made(_geosweep.Surface.metric(values), mask, slowness, "arc", glue)
 
     def with_gluing(self, glue: Glue) -> "Surface":
-        """Return the surface with sides of the grid joined, where it is closed.
+        """Return the surface with sides of the grid joined, where the surface is closed.
 
         Both sides must hold the points of the seam: the last column of a tube repeats its first.
 
@@ -226,7 +227,7 @@ class Surface:
             ``"columns"`` (tubes), ``"rows"``, ``"both"`` (tori), ``"flipped-columns"`` (Moebius
             strips), ``"flipped-rows"``, ``"globe"`` (latitudes by longitudes, a row at each pole),
             ``"octahedral"``, ``"charts"`` (the faces of a cube), ``"auto"`` (all sides of positions
-            that coincide), or pairs of lines, each the first and the last (row, column).
+            that coincide), or pairs of lines, each given by its first and last (row, column).
         """
         return Surface(self._surface.with_gluing(glue), (*self._glued, glue))
 
@@ -237,7 +238,7 @@ class Surface:
 
     @property
     def seams(self) -> list[str]:
-        """Descriptions of the sides that coincide, are neighbours or a point, and are not glued."""
+        """Descriptions of unglued sides that coincide, are neighbours or are one point."""
         return self._surface.seams
 
     @property
@@ -301,11 +302,11 @@ class Surface:
             Grid points (n, 2) that the map is for. Points farther than the farthest of them are
             unreached, and not computed.
         needed
-            Number of targets that are needed, the nearest ones; all by default.
+            Number of the nearest targets that are needed; all by default.
         threads
             Number of threads of the CPU. By default all calls share as many as there are cores.
         strict
-            Whether it is an error if iterations run out. Otherwise it is a warning.
+            Whether a map that has not converged is an error. Otherwise it is a warning.
         progress
             Called with the number of iterations and the last change, some 50 times a second.
         out
@@ -333,7 +334,7 @@ class Surface:
         samples
             Rows and columns (count, 2).
         radius
-            Largest distance of a point from its nearest sample.
+            Largest distance of a point from the nearest sample or source.
         """
         samples, radius = self._surface.farthest_points(*native(source, self.shape), count)
         return np.asarray(samples, dtype=np.int64).reshape(-1, 2), radius
@@ -349,7 +350,7 @@ def _restored(
     edges: str,
     glued: tuple[Glue, ...],
 ) -> Surface:
-    """Make a surface again that was pickled."""
+    """Restore a surface that was pickled."""
     values = numbers("values", values)
     if kind == "heights":
         assert spacing is not None
@@ -364,7 +365,7 @@ def _restored(
 
 
 def _precision(dtype: DTypeLike, out: object, shape: tuple[int, ...]) -> bool:
-    """Return whether maps are double, after a check that ``out``, if given, can take one."""
+    """Return whether maps are in double precision; check that ``out``, if given, can take one."""
     double = is_double(dtype)
     if out is not None:
         _check_out(out, shape, np.float64 if double else np.float32)
@@ -441,7 +442,7 @@ def route(
     path
         Rows and columns (n, 2) from the start to the end.
     length
-        Its length, times the slowness.
+        Length of the path; with a slowness, its travel time.
     """
     surface = Surface.from_heights(heights, spacing, mask=mask, slowness=slowness, copy=False)
     path = surface.solve(end).paths([start])[0]
@@ -458,7 +459,7 @@ class Device:
     api_version: str
     driver: str
     unmet: list[str]
-    """What the device lacks; empty if it can be used."""
+    """Requirements that the device does not meet; empty if the device can be used."""
 
 
 def devices() -> list[Device]:

@@ -72,14 +72,15 @@ def pairwise(
     chunks
         Number of rows in a chunk. Multiples of 16 suit the lanes of processors.
     threads
-        Number of threads a chunk is computed on. Dask computes several chunks at once.
+        Number of threads that compute a chunk. Dask computes several chunks at once.
     options
         As in `geosweep.pairwise`.
 
     Returns
     -------
     matrix
-        A Dask array. Its ``to_zarr`` writes the matrix where it need not fit into memory.
+        A Dask array. Its ``to_zarr`` writes the matrix to storage, so that it need not fit into
+        memory.
     """
     wanted = indices(surface, rows)
     _check(options)
@@ -112,11 +113,11 @@ def distances(
     surface
         The surface.
     sources
-        A source of each map, in any form that `Surface.solve` takes.
+        The source of each map, in any form that `Surface.solve` takes.
     chunks
         Number of maps in a chunk.
     threads
-        Number of threads a map is computed on. Dask computes several at once.
+        Number of threads that compute a map. Dask computes several maps at once.
     dtype, options
         As in `Surface.solve`.
     """
@@ -140,7 +141,7 @@ def distances(
 
 
 def _check(options: dict[str, Any]) -> None:
-    """Refuse options here, not in a worker."""
+    """Check the options here, so that errors are not first raised in a worker."""
     for name in ("out", "progress"):
         if name in options:
             raise TypeError(f"{name} has no meaning for Dask's arrays; leave it out")

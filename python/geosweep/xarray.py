@@ -31,7 +31,7 @@ else:
 
 _X = {"x", "lon", "longitude", "easting"}
 _Y = {"y", "lat", "latitude", "northing"}
-# Attributes that tell of the heights themselves, not of the place.
+# Attributes that describe the values of the heights. Results do not take them over.
 _OF_VALUES = {
     "long_name",
     "standard_name",
@@ -44,13 +44,13 @@ _OF_VALUES = {
     "valid_range",
     "actual_range",
 }
-# The largest deviation of a coordinate from even spacing, in steps.
+# The largest accepted deviation of a coordinate from even spacing, as a fraction of a step.
 _UNEVEN = 1e-3
 
 
 @dataclass(frozen=True)
 class _Grid:
-    """How the array of the user and the grid, north up, belong together."""
+    """The relation between the user's array and the grid, which is north up."""
 
     template: "xr.DataArray"
     place: Place
@@ -60,7 +60,7 @@ class _Grid:
     """Steps of 1 or -1 along y and x."""
 
     def north_up(self, name: str, array: ArrayLike) -> NDArray[Any]:
-        """Return an array of the template's shape as the grid has it."""
+        """Return the values of an array of the template's shape in the order of the grid."""
         if isinstance(array, xr.DataArray):
             array = _like(name, array, self.template)
         values = np.asarray(array)
@@ -88,7 +88,10 @@ class _Grid:
 
 
 def _like(name: str, array: "xr.DataArray", template: "xr.DataArray") -> "xr.DataArray":
-    """Return an array with the dimensions of another one, at whose coordinates it must be."""
+    """Return an array with its dimensions in the template's order.
+
+    Its coordinates must be those of the template.
+    """
     try:
         array = array.squeeze(drop=True).transpose(*template.dims[-2:])
         xr.align(array, template.squeeze(drop=True), join="exact", copy=False)
@@ -179,7 +182,7 @@ class GeoMap:
     def __init__(self, grid: _Grid, map_: DistanceMap) -> None:
         self._grid = grid
         self.map = map_
-        """The map in rows, from the north, and columns, from the west."""
+        """The map on the grid, with rows from north to south and columns from west to east."""
 
     @property
     def distance(self) -> "xr.DataArray":
@@ -211,7 +214,7 @@ class GeoMap:
     def paths(self, ends_xy: "ArrayLike | GeoDataFrame") -> "GeoDataFrame":
         """Trace the shortest path from each end, given as x and y (n, 2) or a table of points.
 
-        The columns are ``length`` and ``source``.
+        The columns of the result are ``length`` and ``source``.
         """
         return _frames.paths_table(self.map.paths(_ends(ends_xy, self._grid.place)), self._place)
 
@@ -224,7 +227,8 @@ class GeoMap:
     def regions(self) -> "GeoDataFrame":
         """Return the region of each source, as the cells around its points, and its area.
 
-        The area is that on the surface. The borders themselves, between the points, are `borders`.
+        The area is measured on the surface. `borders` returns the borders themselves, which run
+        between the points.
         """
         return _frames.regions_table(self.map.voronoi(), self._place)
 

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 
 use crate::errors;
 
-/// The elements of a C-contiguous array as values of type `T`. It keeps the array.
+/// The elements of a C-contiguous array as values of type `T`. This value keeps the array alive.
 pub struct Shared<T> {
     first: *const T,
     count: usize,
@@ -26,8 +26,8 @@ unsafe impl<T: Sync> Sync for Shared<T> {}
 
 impl<T> AsRef<[T]> for Shared<T> {
     fn as_ref(&self) -> &[T] {
-        // SAFETY: the array has these elements and lives as long as this value. That nobody writes to them
-        // meanwhile is what `copy=False` asks of the caller.
+        // SAFETY: the array has these elements and lives as long as this value. With `copy=False` the
+        // caller must not write to the elements meanwhile.
         unsafe { std::slice::from_raw_parts(self.first, self.count) }
     }
 }
@@ -63,7 +63,7 @@ pub fn vectors<D: ndarray::Dimension>(
     shared(array, 3)
 }
 
-/// Returns a read-only array of rows x cols values that lie in `owner`, which it keeps.
+/// Returns a read-only array of rows x cols `values`, which lie in `owner`. The array keeps `owner` alive.
 ///
 /// # Safety
 /// The values must stay where they are while `owner` lives.

@@ -1,4 +1,4 @@
-//! Grids of closed surfaces without the lines that gluing needs twice.
+//! Completes grids of closed surfaces that lack lines which gluing needs.
 
 use geosweep::surface::Layout;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use crate::surface::Surface;
 use crate::{errors, work};
 
-/// A given grid and the completed grid that has all its lines.
+/// A given grid that lacks lines, and the completed grid that has them.
 #[pyclass(frozen, module = "geosweep._geosweep")]
 pub struct CompletedGrid {
     grid: geosweep::surface::CompletedGrid,
@@ -44,7 +44,7 @@ impl CompletedGrid {
         self.grid.given_points().into_pyarray(py)
     }
 
-    /// Returns rows and columns (n, 2) on the completed grid.
+    /// Returns the rows and columns (n, 2), on the completed grid, of places on the given grid.
     fn to_completed<'py>(
         &self,
         py: Python<'py>,
@@ -66,7 +66,7 @@ impl CompletedGrid {
         each(py, &places, place)
     }
 
-    /// Returns rows and columns (n, 2) on the given grid.
+    /// Returns the rows and columns (n, 2), on the given grid, of places on the completed grid.
     fn to_given<'py>(
         &self,
         py: Python<'py>,
@@ -76,7 +76,7 @@ impl CompletedGrid {
     }
 }
 
-/// Returns the layout with a name of the gluing that the completed surface has.
+/// Returns the layout with the name `layout`.
 fn named(layout: &str) -> PyResult<Layout> {
     Ok(match layout {
         "columns" => Layout::Columns,

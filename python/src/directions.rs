@@ -75,7 +75,7 @@ pub fn back_link<'py>(py: Python<'py>, map: &Map) -> PyResult<Bound<'py, PyArray
     arrays::handed_over(py, map.on.shape(), links)
 }
 
-/// Returns the distances with a sign, of the sources' curves or of a mask that is true inside.
+/// Returns signed distances, negative inside the sources' closed curves, or where the mask `inside` is true.
 #[pyfunction]
 pub fn signed<'py>(
     py: Python<'py>,
@@ -106,7 +106,8 @@ pub struct LogMap {
     inner: geosweep::geometry::LogMap,
 }
 
-/// The axes of a log map at its source: its place, u and v in rows and columns, and both in space.
+/// The axes of a log map at a source: the source's place, the axes u and v in rows and columns, and both axes in
+/// space.
 type Basis = ([f64; 2], [f64; 2], [f64; 2], Option<[[f64; 3]; 2]>);
 
 /// Computes the log map.
@@ -157,7 +158,7 @@ impl LogMap {
         arrays::handed_over(py, self.on.shape(), bearings)
     }
 
-    /// Returns row and column at coordinates of a source's plane.
+    /// Returns the row and column of the point with these coordinates in the tangent plane of a source.
     fn place(&self, source: usize, coordinates: [f64; 2]) -> PyResult<Option<[f64; 2]>> {
         let sources = self.inner.bases.len();
         if source >= sources {

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use crate::errors;
 
-/// The grid points along a line: row and column of its first and its last one.
+/// The grid points along a line: row and column of the first and of the last point.
 type Line = [(usize, usize); 2];
 
 /// The gluing of a surface, as callers give it.

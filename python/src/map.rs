@@ -21,7 +21,7 @@ pub enum Distances {
     Double(DistanceMap<f64>),
 }
 
-/// The number of paths that are traced between two looks for Ctrl-C: tens of milliseconds on large grids.
+/// The number of paths that are traced between two checks for Ctrl-C. They take tens of milliseconds on large grids.
 const PATHS_AT_ONCE: usize = 256;
 
 /// The entries of a report.
@@ -74,7 +74,7 @@ impl Map {
 
 /// Curves as arrays (n, 2).
 type Curves<'py> = Vec<Bound<'py, PyArray2<f64>>>;
-/// The region of each point, and the borders: the regions on either side, and the curve.
+/// The region of each point, the borders (the regions on either side and the curve), and the area of each region.
 type Regions<'py> =
     (Bound<'py, PyArray2<i32>>, Vec<([u32; 2], Bound<'py, PyArray2<f64>>)>, Vec<f64>);
 

@@ -10,7 +10,7 @@ use crate::settings::Settings;
 use crate::surface::Surface;
 use crate::{errors, work};
 
-/// The columns and distances of a sparse matrix's entries, and the first entry of each row.
+/// The distances and columns of a sparse matrix's entries, and the number of the first entry of each row.
 type Csr<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>);
 
 fn handed_over(py: Python<'_>, indptr: Vec<usize>, indices: Vec<i64>, data: Vec<f32>) -> Csr<'_> {
@@ -18,8 +18,8 @@ fn handed_over(py: Python<'_>, indptr: Vec<usize>, indices: Vec<i64>, data: Vec<
     (data.into_pyarray(py), indices.into_pyarray(py), indptr.into_pyarray(py))
 }
 
-/// Computes the distances within the radius of `settings` from grid points, by their indices, to all points.
-/// Returns also the iterations of the map that took most, the residual, and whether all have converged.
+/// Computes the distances within the radius of `settings` from the grid points with the indices `rows` to all points.
+/// Also returns the largest number of iterations of a map, the residual, and whether all maps have converged.
 #[pyfunction]
 pub fn within<'py>(
     py: Python<'py>,
@@ -37,7 +37,7 @@ pub fn within<'py>(
     Ok((csr, report.iterations, report.residual, report.converged()))
 }
 
-/// Computes for each of some grid points, by row and column, the distances of the `count` nearest others.
+/// Computes, for each of `points` (row and column), the distances to the `count` nearest others of them.
 #[pyfunction]
 pub fn nearest_others<'py>(
     py: Python<'py>,
@@ -49,7 +49,8 @@ pub fn nearest_others<'py>(
     let (monitor, surface) = (Monitor::default(), &surface.inner.surface);
     let options = settings.options(&monitor)?;
     let row = |(index, &[row, col]): (usize, &[usize; 2])| {
-        // The point itself is among them, though equal points may come before it.
+        // The nearest points include the point itself, so `count + 1` are needed. Points at the same place may come
+        // before it.
         let place = [row as f64, col as f64];
         let found = nearest_points(surface, place, &points, count + 1, &options)?;
         let others = found.into_iter().filter(|near| near.index != index).take(count);

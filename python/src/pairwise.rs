@@ -13,9 +13,9 @@ use crate::settings::Settings;
 use crate::surface::Surface;
 use crate::{arrays, errors, work};
 
-/// The iterations of the map that took most, the residual, whether all converged, and the engine.
+/// The largest number of iterations of a map, the residual, whether all maps converged, and the engine.
 type PairwiseItems = (u32, f64, bool, &'static str);
-/// Coordinates, the indices of the points, the stress, and whether it settled.
+/// The coordinates, the indices of the points, the stress, and whether the stress converged.
 type Form<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<i64>>, f64, bool);
 
 /// Computes rows of the matrix into `out` (k, M N).
@@ -57,7 +57,7 @@ pub fn pairwise(
     solved.map_err(errors::of)
 }
 
-/// Computes the canonical form of a matrix of distances, of the largest piece that is connected.
+/// Computes the canonical form of the largest connected piece of a matrix of distances.
 #[pyfunction]
 pub fn canonical<'py>(
     py: Python<'py>,

@@ -53,7 +53,7 @@ impl Settings {
 /// A line's vertices (n, 2), and the start time along it.
 pub type Line<'py> = (PyReadonlyArray2<'py, f64>, f64);
 
-/// Returns sources from points, rows of (row, col, start), and lines.
+/// Returns sources from `lines` and from `points`, whose rows are (row, col, start).
 pub fn sources(points: &PyReadonlyArray2<'_, f64>, lines: &[Line<'_>]) -> PyResult<Sources> {
     let mut sources = Sources::default();
     if points.shape()[1] != 3 {

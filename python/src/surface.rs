@@ -18,7 +18,7 @@ use crate::on_grid::OnGrid;
 use crate::settings::{Line, Settings, sources};
 use crate::{arrays, errors, work};
 
-/// A surface that its arrays share, and its edges once they are needed.
+/// A surface, and its edges once they are needed. Maps on the surface share both.
 #[pyclass(frozen, module = "geosweep._geosweep")]
 pub struct Surface {
     pub inner: Arc<OnGrid>,
@@ -35,7 +35,7 @@ type Estimate<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Option<f64>);
 
 #[pymethods]
 impl Surface {
-    /// Makes a height field. It keeps the array.
+    /// Makes a height field, which keeps and reads the array itself.
     #[staticmethod]
     fn heights(
         py: Python<'_>,
@@ -50,7 +50,7 @@ impl Surface {
         Ok(work::detached(py, make)?.map_err(errors::value)?.into())
     }
 
-    /// Makes a surface from points (M, N, 3). It keeps the array.
+    /// Makes a surface from points (M, N, 3), which keeps and reads the array itself.
     #[staticmethod]
     fn positions(py: Python<'_>, array: PyReadonlyArray3<'_, f64>) -> PyResult<Self> {
         let (rows, cols) = (array.shape()[0], array.shape()[1]);
@@ -59,7 +59,7 @@ impl Surface {
         Ok(work::detached(py, make)?.map_err(errors::value)?.into())
     }
 
-    /// Makes a surface from a metric (M, N, 3): its entries for rows, mixed, and for columns.
+    /// Makes a surface from a metric (M, N, 3): the entries `rr`, `rc` and `cc` of each point's tensor.
     #[staticmethod]
     fn metric(py: Python<'_>, array: PyReadonlyArray3<'_, f64>) -> PyResult<Self> {
         let (rows, cols) = (array.shape()[0], array.shape()[1]);
@@ -156,7 +156,7 @@ impl Surface {
         values.into_pyarray(py)
     }
 
-    /// Distance of rows and of columns, for heights.
+    /// The distance between rows and the distance between columns, for heights.
     #[getter]
     fn spacing(&self) -> Option<(f64, f64)> {
         match self.inner.surface.geometry() {
@@ -198,7 +198,7 @@ impl Surface {
         Ok(Map::new(self.inner.clone(), sources, distances))
     }
 
-    /// Computes distances alone, which belong to the caller, and the report.
+    /// Computes only the distances, in an array that belongs to the caller, and the report.
     #[pyo3(signature = (points, lines, settings, double, progress))]
     fn distances<'py>(
         &self,
@@ -249,7 +249,8 @@ impl Surface {
         if double { estimated!(estimate_error_f64) } else { estimated!(estimate_error) }
     }
 
-    /// Returns `count` samples after the sources, each the farthest point, and the covering radius.
+    /// Returns `count` samples, each the point farthest from the sources and the samples before it, and the covering
+    /// radius.
     fn farthest_points(
         &self,
         py: Python<'_>,

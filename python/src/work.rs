@@ -12,7 +12,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use rayon::{Scope, ThreadPool, ThreadPoolBuilder};
 
-/// Time between two looks at signals and calls of a progress callback.
+/// Time between two checks for signals, after each of which the progress callback is called.
 const INTERVAL: Duration = Duration::from_millis(20);
 
 /// Runs `work` without the lock. A panic becomes a `RuntimeError`.
@@ -20,8 +20,8 @@ pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyR
     py.detach(|| catch_unwind(AssertUnwindSafe(work))).map_err(panicked)
 }
 
-/// Runs `work` on `threads` threads, by default on those that all calls share, without the lock. Meanwhile
-/// this thread looks at signals and calls `tell`. If either fails (Ctrl-C raises `KeyboardInterrupt`),
+/// Runs `work` without the lock, on `threads` threads or, if that is `None`, on the threads that all calls share.
+/// Meanwhile this thread checks for signals and calls `tell`. If either fails (Ctrl-C raises `KeyboardInterrupt`),
 /// `monitor` cancels the work.
 pub fn watched<T: Send>(
     py: Python<'_>,
@@ -75,7 +75,7 @@ pub fn stoppable<T: Send>(py: Python<'_>, work: impl FnOnce(&Monitor) -> T + Sen
     watched(py, None, &monitor, |_| Ok(()), || work(&monitor))
 }
 
-/// Runs `start` in this thread. What it spawns runs on `threads` threads.
+/// Runs `start` in this thread. Jobs that it spawns run on `threads` threads, or on the threads that all calls share.
 fn in_scope<'s, T>(threads: Option<usize>, start: impl FnOnce(&Scope<'s>) -> T) -> PyResult<T> {
     thread_local! {
         /// The pools that calls from this thread have asked for.

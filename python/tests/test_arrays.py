@@ -105,7 +105,8 @@ def test_arrays_of_other_libraries(library: str) -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends SIGINT")
 def test_ctrl_c_ends_a_solve_at_once() -> None:
-    # Fronts wind through a long corridor, first to the end, then until the signal comes.
+    # Fronts wind through a long corridor. The first solve runs to the end, and the signal
+    # interrupts the second one.
     code = """
         import time
         import numpy as np
@@ -133,7 +134,7 @@ def test_ctrl_c_ends_a_solve_at_once() -> None:
     os.kill(child.pid, signal.SIGINT)
     ended = float(child.communicate(timeout=600)[0])
     print(f"Ctrl-C: ended after {ended - sent:.3f} s, without it {0.9 * whole:.1f} s were left")
-    # It takes some 0.03 s, and longer only where other work holds the processor.
+    # The interruption takes some 0.03 s, and longer only if other work occupies the processor.
     assert ended - sent < 0.5 * whole
 
 

@@ -9,7 +9,7 @@ import geosweep as gs
 
 
 def sphere(lat: np.ndarray, lon: np.ndarray) -> np.ndarray:
-    """Return points on the unit sphere, of latitudes and longitudes in degrees."""
+    """Return a grid of points on the unit sphere. Latitudes and longitudes are in degrees."""
     lat, lon = np.radians(np.meshgrid(lat, lon, indexing="ij"))
     return np.stack([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)], axis=-1)
 
@@ -42,7 +42,7 @@ def test_a_globe_at_the_middles_of_cells_is_whole(half: float, down: bool) -> No
 
 
 def without_a_repeated_column(rows: int, cols: int) -> gs.Surface:
-    """Return a plane whose first and last column are not the same line, as their heights tell."""
+    """Return a plane whose heights show that the first and the last column are not one line."""
     heights = np.zeros((rows, cols))
     heights[0, -1] = 1e-9
     return gs.Surface.from_heights(heights)

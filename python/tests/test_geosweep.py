@@ -21,7 +21,7 @@ def hill() -> np.ndarray:
 
 
 def winding(side: int) -> np.ndarray:
-    """Return whether points are present in a corridor that winds through a grid."""
+    """Return a mask of a square grid whose present points form a winding corridor."""
     mask = np.ones((side, side), bool)
     mask[1::2] = False
     mask[1::4, -1] = True
@@ -270,7 +270,7 @@ def test_a_device_gives_the_same_map() -> None:
     m = solve(0)
     assert m.report["device"] == usable[0].name
     assert np.allclose(m.distance, gs.distance(hill(), (3, 4), engine="cpu"), rtol=1e-5)
-    # The device stays open for later calls, and calls at the same time have one each.
+    # The device stays open for later calls. Calls at the same time open the device once each.
     with ThreadPoolExecutor(2) as threads:
         assert all(
             np.array_equal(again.distance, m.distance) for again in threads.map(solve, range(4))

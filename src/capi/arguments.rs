@@ -40,7 +40,7 @@ pub(super) unsafe fn list<'a, T>(
         return Ok(&[]);
     }
     if count > most {
-        let reason = format!("is said to have {count} entries, and {most} at most are taken");
+        let reason = format!("has {count} entries; at most {most} are allowed");
         return Err(Failure::argument(name, reason));
     }
     usable(pointer, name).map_err(|_| {

@@ -1,4 +1,4 @@
-//! Enumerations. C passes them as plain integers, so that any value may arrive.
+//! Enumerations. C passes them as plain integers, so any value may arrive.
 
 use super::status::Failure;
 use crate::surface::EdgeRule;
@@ -17,8 +17,8 @@ pub enum GeosweepWavefront {
     /// around holes.
     Curved = 2,
     /// Front that stores the corner or source from which it comes in a straight line: exact over planes with
-    /// holes. A surface must be known to be such a plane. Surfaces on a device are not, so that they get
-    /// curved fronts.
+    /// holes. This requires a surface that is known to be such a plane. Surfaces on a device are not known to
+    /// be planes, so they get curved fronts.
     Anchored = 3,
 }
 
@@ -47,7 +47,7 @@ pub enum GeosweepEdgeRule {
     Chord = 1,
 }
 
-/// Sides of the grid that coincide. Both hold the points of the seam.
+/// Sides of the grid that coincide. Each of two coinciding sides holds the points of their seam.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub enum GeosweepGluing {
@@ -57,7 +57,7 @@ pub enum GeosweepGluing {
     Columns = 1,
     /// The last row is the first one.
     Rows = 2,
-    /// Both, as on a torus.
+    /// Columns and rows, as on a torus.
     Both = 3,
     /// The last column is the first one in reverse order, as on a Moebius strip.
     FlippedColumns = 4,

@@ -19,7 +19,7 @@ use crate::vulkan::embed::{self, LevelInput, Recording};
 const MOST_LEVELS: usize = 1024;
 
 /// Buffer for the contours of a surface, and the passes that find them. Frames in flight on one queue share
-/// it. If contours are read on other queues, create one for each of these queues.
+/// one such object. If contours are read on other queues, create one object for each of these queues.
 pub struct GeosweepContours {
     pub(super) shared: Arc<Shared>,
     contours: embed::Contours,
@@ -40,7 +40,8 @@ pub struct GeosweepContourFrame {
     pub start: f32,
     /// Number of the surface's points to which contours are lifted.
     pub points: u32,
-    /// Offset in bytes from where the surface has these points, as `GeosweepFrame::points_offset`.
+    /// Offset in bytes, added to the offset of these points in the surface's buffer, as
+    /// `GeosweepFrame::points_offset`.
     pub points_offset: u64,
     /// Stages and accesses that read the contours, in this frame and in the frame before. Usually these are
     /// the stages `VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT` and `VK_PIPELINE_STAGE_VERTEX_INPUT_BIT` with
@@ -68,8 +69,8 @@ pub unsafe extern "C" fn geosweep_contours_bytes_for(
 }
 
 /// Creates contours of a surface with room for `vertices` vertices. Each piece of a contour between grid
-/// lines has two. Allocates device memory and compiles passes. `geosweep_contours_destroy` destroys the
-/// contours.
+/// lines has two vertices. Allocates device memory and compiles passes. `geosweep_contours_destroy` destroys
+/// the contours.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_contours_create(
     surface: *const GeosweepSurface,
@@ -104,7 +105,8 @@ pub unsafe extern "C" fn geosweep_contours_buffer_bytes(
 
 /// Creates contours as `geosweep_contours_create` does, in your own buffer from its first byte. The buffer's
 /// usage contains `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and what its readers need, device addresses included.
-/// You keep the buffer. While no contours are in use, a render graph may use its memory for other resources.
+/// The buffer remains yours. While no contours are in use, a render graph may use its memory for other
+/// resources.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_contours_create_into(
     surface: *const GeosweepSurface,
@@ -125,8 +127,8 @@ pub unsafe extern "C" fn geosweep_contours_create_into(
     })
 }
 
-/// Makes contours write to another buffer of yours in later recordings. They must have been created with your
-/// own buffer. Recordings in flight continue to use the buffer before.
+/// Makes contours write to another buffer of yours in later recordings. The contours must have been created
+/// with your own buffer. Recordings in flight continue to use the previous buffer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_contours_set_buffer(
     contours: *mut GeosweepContours,
@@ -175,9 +177,9 @@ pub unsafe extern "C" fn geosweep_contours_curves(
 
 /// Records the search for the contours of the map. Lifts them to the surface and stores them for you to draw.
 /// Equal maps give equal contours in equal order. Call this after the map was recorded, in the same command
-/// buffer or after `geosweep_record_begin`. If there is not enough room for all, the southern ones are left
-/// out, and their record has the number of vertices that they need. Writes where contours are stored to
-/// `result` unless that is null.
+/// buffer or after `geosweep_record_begin`. If there is not enough room for all vertices, the southern
+/// contours are left out, and the record has the number of vertices that all contours need. Writes where
+/// contours are stored to `result` unless that is null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_contours(
     surface: *const GeosweepSurface,
@@ -219,7 +221,7 @@ unsafe fn levels<'a>(given: &GeosweepContourFrame) -> Result<LevelInput<'a>, Fai
         return Ok(LevelInput::Spacing { step, count: level_count as usize });
     }
     if step != 0.0 {
-        let reason = format!("is {step}, and there is a list of levels or none are wanted");
+        let reason = format!("is {step}, but must be 0 with a list of levels or without levels");
         return Err(Failure::argument("frame->step", reason));
     }
     // SAFETY: the caller's promise.
@@ -227,7 +229,7 @@ unsafe fn levels<'a>(given: &GeosweepContourFrame) -> Result<LevelInput<'a>, Fai
 }
 
 /// Makes contours read the surface's points that `geosweep_surface_set_points` has set since the contours
-/// were created. Recordings in flight continue to read the points before.
+/// were created. Recordings in flight continue to read the previous points.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_contours_rebind(
     contours: *mut GeosweepContours,

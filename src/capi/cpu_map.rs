@@ -34,7 +34,8 @@ pub struct GeosweepMapInfo {
     /// Number of targets, or 0 for no targets.
     pub target_count: u32,
     /// Targets, two numbers each: row and column of a grid point. The map ends when the nearest
-    /// `targets_needed` of them have their distances. Points that are farther are not reached.
+    /// `targets_needed` of them have their distances. Points that are farther than these targets are not
+    /// reached.
     pub targets: *const u32,
     /// Number of targets whose distances are needed, or 0 for all of them.
     pub targets_needed: u32,
@@ -48,8 +49,8 @@ pub struct GeosweepMapInfo {
 pub struct GeosweepMapOutputs {
     /// Distances: a float for each point, `INFINITY` where no source reaches.
     pub distances: *mut f32,
-    /// The way back from each point: two floats, the rows and columns of a step of length 1 in the grid. It
-    /// is 0 at sources and NaN where no source reaches.
+    /// The way back from each point: two floats, the changes of row and column of a step of length 1 in grid
+    /// steps. It is 0 at sources and NaN where no source reaches.
     pub back_directions: *mut f32,
     /// The next grid point on the way back: 0 at sources, 1 to 8 for the neighbours clockwise from east, -1
     /// where no source reaches.
@@ -57,8 +58,9 @@ pub struct GeosweepMapOutputs {
     /// The index of the nearest source, or -1.
     pub nearest: *mut i32,
     /// The log map: two floats for each point, the direction in which its shortest path leaves the source
-    /// times the distance, along the columns and at a right angle to them. NaN where no source reaches. It
-    /// takes nine maps in double precision.
+    /// times the distance. The first is the component in the direction of increasing columns, the second the
+    /// component at a right angle to it, on the side of increasing rows. NaN where no source reaches. The
+    /// computation takes nine maps in double precision.
     pub log_map: *mut f32,
     /// Distances that are negative where `inside` is not 0.
     pub signed_distances: *mut f32,
@@ -126,7 +128,7 @@ impl GeosweepMapInfo {
 /// Copies values to an array of the program, unless it is null.
 ///
 /// # Safety
-/// The array has as many entries.
+/// `to` is null or has room for as many entries as `values`.
 unsafe fn put<T: Copy>(to: *mut T, values: &[T], name: &str) -> Result<(), Failure> {
     if to.is_null() {
         return Ok(());

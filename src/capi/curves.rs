@@ -14,8 +14,8 @@ const _: () = assert!(GEOSWEEP_CURVE_RECORD_BYTES == embed::CurveRecord::BYTES);
 /// Value of `GeosweepCurveRecord::source` for a path that has not arrived at a source.
 pub const GEOSWEEP_NO_SOURCE: u32 = 0xFFFF_FFFF;
 
-/// Buffer in which contours or paths are stored. It belongs to them and has the usages `VERTEX_BUFFER`,
-/// `INDIRECT_BUFFER`, `STORAGE_BUFFER` and `TRANSFER_SRC`.
+/// Buffer in which contours or paths are stored. Unless it is your own, it belongs to the contours or paths
+/// and has the usages `VERTEX_BUFFER`, `INDIRECT_BUFFER`, `STORAGE_BUFFER` and `TRANSFER_SRC`.
 ///
 /// `vkCmdDrawIndirect` draws curve k with an offset of k x `GEOSWEEP_CURVE_RECORD_BYTES`. Contours are a list
 /// of lines, and a path is a strip of lines. Bind the buffer as a vertex buffer with an offset of
@@ -75,20 +75,20 @@ pub enum GeosweepCurveStatus {
 pub struct GeosweepCurveRecord {
     /// State of the curve.
     pub status: GeosweepCurveStatus,
-    /// Number of vertices that are drawn. Contours draw those that there was room for; a path draws all of
-    /// them or none.
+    /// Number of vertices that are drawn. Contours draw the vertices that there was room for; a path draws
+    /// all its vertices or none.
     pub vertex_count: u32,
     /// Index of the curve's first vertex, counted from the first vertex of the first curve.
     pub first_vertex: u32,
-    /// Number of vertices. For contours, this is the number that all of them need; for a path, the number up
-    /// to where it ends.
+    /// Number of vertices. For contours, this is the number that all contours need; for a path, the number up
+    /// to where the path ends.
     pub vertices: u32,
     /// Index of the source at which a path has arrived, in the order in which sources were given. It is
     /// `GEOSWEEP_NO_SOURCE` if there is none.
     pub source: u32,
     /// Distance at the start of a path.
     pub distance: f32,
-    /// Length of a path up to where it ends, measured as the map measures.
+    /// Length of a path up to where it ends, measured in the same way as the map.
     pub length: f32,
 }
 

@@ -18,7 +18,7 @@ use crate::vulkan::embed::{self, Recording};
 
 /// Image of the directions in which ways lead back to the sources, and the passes that find them. A texel of
 /// `VK_FORMAT_R16G16_SFLOAT` is a unit vector in columns and rows. It is 0, 0 at sources and at points that
-/// are not reached. Frames in flight on one queue share it.
+/// are not reached. Frames in flight on one queue share the image.
 pub struct GeosweepDirections {
     pub(super) shared: Arc<Shared>,
     directions: embed::Directions,
@@ -30,7 +30,7 @@ pub struct GeosweepDirections {
 pub struct GeosweepDirectionFrame {
     /// Access that has written the sources.
     pub before: GeosweepAccess,
-    /// All sources of the map, with those that were added to it.
+    /// All sources of the map, including those that were added to the map.
     pub sources: GeosweepSources,
     /// Access that reads the image, in this frame and in the previous one, and its layout.
     pub reader: GeosweepReader,
@@ -67,8 +67,8 @@ pub unsafe extern "C" fn geosweep_directions_create(
     unsafe { way_image::create(surface, image, directions) }
 }
 
-/// Makes directions write to another image of yours in later recordings. They must have been created with an
-/// image of yours. Recordings in flight continue to use the image before.
+/// Makes directions write to another image of yours in later recordings. The directions must have been
+/// created with an image of yours. Recordings in flight continue to use the previous image.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_directions_set_image(
     directions: *mut GeosweepDirections,
@@ -88,7 +88,8 @@ pub unsafe extern "C" fn geosweep_directions_bytes(
     unsafe { way_image::bytes(directions, bytes) }
 }
 
-/// Returns the image, also before it is recorded. `layout` is that of the reader for which it is recorded.
+/// Returns the image, also before any recording writes it. `layout` is the layout of the reader for which the
+/// image is recorded.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_directions_image(
     directions: *const GeosweepDirections,
@@ -130,8 +131,8 @@ pub unsafe extern "C" fn geosweep_record_directions(
     unsafe { record(surface, commands, append) }
 }
 
-/// Makes directions read the surface's sources that `geosweep_surface_set_sources` has set since they were
-/// created. Recordings in flight continue to read the sources before.
+/// Makes directions read the surface's sources that `geosweep_surface_set_sources` has set since the
+/// directions were created. Recordings in flight continue to read the previous sources.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_directions_rebind(
     directions: *mut GeosweepDirections,

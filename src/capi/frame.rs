@@ -30,8 +30,8 @@ pub struct GeosweepAccess {
     pub access: vk::AccessFlags,
 }
 
-/// Reader of an image of distances, in this frame and when that image was last read. If the access is all
-/// zero, the image is read on another queue, after a semaphore.
+/// Reader of an image of distances, for the reads in this frame and the earlier reads of the same image. If
+/// the access is all zero, the image is read on another queue, after a semaphore.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepReader {
@@ -41,7 +41,8 @@ pub struct GeosweepReader {
     pub layout: vk::ImageLayout,
 }
 
-/// A source: a place at which the distance, or time, is given. `geosweep_source_at` returns the usual one.
+/// A source: a place at which the distance, or time, is given. `geosweep_source_at` returns a source with the
+/// usual values.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct GeosweepSource {
@@ -68,8 +69,8 @@ pub struct GeosweepSources {
     pub count: u32,
     /// Number of the surface's source buffer, if there is no array.
     pub buffer: u32,
-    /// Offset in bytes from the first source that the surface has in that buffer; a multiple of 4. With a
-    /// ring buffer, each frame has another offset.
+    /// Offset in bytes, added to the offset of the first source in that buffer
+    /// (`GeosweepSourceBuffer::offset`); a multiple of 4. With a ring buffer, each frame has another offset.
     pub offset: u64,
 }
 
@@ -95,8 +96,8 @@ pub struct GeosweepFrame {
     pub points: u32,
     /// Number of the image of distances that is written.
     pub slot: u32,
-    /// Offset in bytes from where the surface has these points in their buffer; a multiple of 4. With a ring
-    /// buffer, each frame has another offset.
+    /// Offset in bytes, added to the offset of these points in their buffer (`GeosweepPoints::offset`); a
+    /// multiple of 4. With a ring buffer, each frame has another offset.
     pub points_offset: u64,
     /// Sources at which fronts start.
     pub sources: GeosweepSources,
@@ -107,13 +108,14 @@ pub struct GeosweepFrame {
     /// Value in the image at points that no front reaches: `INFINITY` or a negative number. Filters turn
     /// infinity to NaN beside such points. It must not be NaN, nor 0, which is the distance of sources.
     pub unreached: f32,
-    /// Largest distance of the map, or 0 for no limit. Points that are farther are not reached. The work is that
-    /// of the area within the radius, which may be another one in each frame.
+    /// Largest distance of the map, or 0 for no limit. Points that are farther are not reached. The work is
+    /// proportional to the area within the radius. Each frame may have another radius.
     pub radius: f32,
-    /// Number of targets whose distances are needed, the nearest ones, or 0 for all.
+    /// Number of nearest targets whose distances are needed, or 0 for all targets.
     pub targets_needed: u32,
-    /// Targets, or null: the map ends once fronts cannot come to them earlier, and farther points are not
-    /// reached. By raster scans, targets are looked at after each iteration only; a radius limits the first.
+    /// Targets, or null. The map ends once no front can reach the needed targets earlier, and points farther
+    /// than these are not reached. With raster scans, targets do not reduce the work, since an iteration brings
+    /// early and late fronts in any order. Only a radius reduces it.
     pub targets: *const GeosweepTarget,
     /// Number of targets, at most 1024. It is 0 if `targets` is null.
     pub target_count: u32,
@@ -158,7 +160,7 @@ pub(super) fn unreached(given: f32, name: &str) -> Result<f32, Failure> {
     Ok(given)
 }
 
-/// Returns where the map of a frame ends.
+/// Returns the limit of a frame's map.
 ///
 /// # Safety
 /// The array of targets has as many entries as the frame says.

@@ -146,7 +146,7 @@ struct SurfaceInfo : GeosweepSurfaceInfo {
     SurfaceInfo &with(const GeosweepLookup *of, std::size_t count) {
         return lookups = of, lookup_count = static_cast<uint32_t>(count), *this;
     }
-    /* Sides that coincide. Plans for the surface are made with passing_seams(). */
+    /* Glues sides that coincide. Plans for a glued surface must be made with passing_seams(). */
     SurfaceInfo &glued(GeosweepGluing sides) { return gluing = sides, *this; }
     SurfaceInfo &glued(const GeosweepRunPair *of, std::size_t count) {
         return gluing = GEOSWEEP_GLUING_RUNS, runs = of, run_count = static_cast<uint32_t>(count), *this;
@@ -164,9 +164,9 @@ inline GeosweepSolverInfo solver_info() {
 }
 
 /*
- * Transfers images of distances and buffers from one queue family to another. Record this last on the
+ * Transfers buffers and images of distances from one queue family to another. Record this last on the
  * queue that releases them, with the access that wrote them, and first on the other queue, with the access
- * that reads them. The pointer is your vkCmdPipelineBarrier.
+ * that reads them. `barrier` is your vkCmdPipelineBarrier.
  */
 inline void hand_over(PFN_vkCmdPipelineBarrier barrier, VkCommandBuffer commands, bool gives, GeosweepAccess whose,
                       uint32_t from, uint32_t to, const std::vector<GeosweepImage> &images,
@@ -195,7 +195,7 @@ inline void hand_over(PFN_vkCmdPipelineBarrier barrier, VkCommandBuffer commands
         made.size = VK_WHOLE_SIZE;
         of_buffers.push_back(made);
     }
-    /* The other queue's semaphore names the stages that read them. */
+    /* The stages that read on the other queue are those of its wait for the semaphore. */
     VkPipelineStageFlags after = whose.stages;
     if (gives) after = VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT;
     barrier(commands, whose.stages, after, 0, 0, nullptr, static_cast<uint32_t>(of_buffers.size()), of_buffers.data(),
@@ -417,7 +417,7 @@ struct Frame : GeosweepFrame {
         sources = GeosweepSources();
         return sources.buffer = number, sources.offset = offset, *this;
     }
-    /* Sets the largest distance of the map; 0 is none. */
+    /* Sets the largest distance of the map; 0 means no limit. */
     Frame &within(float distance) { return radius = distance, *this; }
     /* Sets the targets of the map to an array, which must exist until the frame is recorded. */
     Frame &toward(const GeosweepTarget *of, std::size_t count, uint32_t needed = 0) {
@@ -427,7 +427,7 @@ struct Frame : GeosweepFrame {
     Frame &timed_by(const GeosweepProfile *taking_down) { return profile = taking_down, *this; }
 };
 
-/* Times of the passes of a frame. GeosweepFrame::profile is the pointer that get() returns. */
+/* Times of the passes of a frame. Set GeosweepFrame::profile to the pointer that get() returns. */
 class Profile : public Owned<GeosweepProfile, geosweep_profile_destroy> {
 public:
     Profile(const Surface &surface, const Plan &plan, GeosweepGrain grain, uint32_t queue_family)
@@ -437,7 +437,7 @@ public:
         own(profile);
     }
 
-    /* Returns the passes of the last frame. It is an empty list if that frame has not run. */
+    /* Returns the passes of the last frame. The list is empty if that frame has not run. */
     std::vector<GeosweepPass> passes() const {
         std::vector<GeosweepPass> passes;
         uint32_t count = 0;

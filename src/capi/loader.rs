@@ -10,8 +10,7 @@ use super::status::Failure;
 /// A `PFN_vkGetInstanceProcAddr`, which may be null.
 pub(super) type GetInstanceProcAddr = Option<vk::PFN_vkGetInstanceProcAddr>;
 
-/// Looks functions up, and keeps the name of the first one that Vulkan 1.0 promises and the loader does not
-/// know.
+/// Looks up functions, and keeps the name of the first function of Vulkan 1.0 that the loader does not know.
 struct Finder<F> {
     find: F,
     missing: Option<String>,
@@ -23,7 +22,7 @@ impl<F: Fn(&CStr) -> vk::PFN_vkVoidFunction> Finder<F> {
     }
 
     /// Finds a function that Vulkan 1.0 promises. For a missing function, ash substitutes one that panics,
-    /// and that panic cannot be caught. So it is looked for first.
+    /// and that panic cannot be caught. So the function is looked up here first.
     fn promised(&mut self, name: &CStr) -> *const c_void {
         let function = self.any(name);
         if function.is_null() {
@@ -91,10 +90,11 @@ pub(super) unsafe fn device(
 }
 
 /// Returns whether the program has enabled `VK_EXT_debug_utils`, so that passes can have labels and objects
-/// names.
+/// can have names.
 ///
 /// # Safety
-/// As for [`instance`] and [`device`], for the function that found them.
+/// The handles are alive. `get_instance_proc_addr` is the function through which [`instance`] found the
+/// instance's functions.
 pub(super) unsafe fn has_labels(
     get_instance_proc_addr: GetInstanceProcAddr,
     instance: &ash::Instance,
@@ -107,7 +107,8 @@ pub(super) unsafe fn has_labels(
     ];
     let of_device = instance.fp_v1_0().get_device_proc_addr;
     get_instance_proc_addr.is_some_and(|get| {
-        // SAFETY: required. Some loaders find device functions of extensions that are not enabled.
+        // SAFETY: required. Some loaders find functions of extensions that are not enabled, so the device is
+        // asked too.
         names.iter().all(|name| unsafe {
             get(instance.handle(), name.as_ptr()).is_some()
                 && of_device(device.handle(), name.as_ptr()).is_some()

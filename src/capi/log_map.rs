@@ -18,8 +18,8 @@ use crate::vulkan::embed::{self, Recording};
 
 /// Image of the log map of point sources, and the passes that compute it. A texel of
 /// `VK_FORMAT_R32G32_SFLOAT` is (u, v): the direction in which the shortest path to the point leaves its
-/// source, times the distance. u is along the columns at the source, v at a right angle to it, on the side of
-/// increasing rows. Frames in flight on one queue share it.
+/// source, times the distance. u is in the direction of increasing columns at the source, v at a right angle
+/// to it, on the side of increasing rows. Frames in flight on one queue share the image.
 pub struct GeosweepLogMap {
     pub(super) shared: Arc<Shared>,
     log_map: embed::LogMapImage,
@@ -31,12 +31,12 @@ pub struct GeosweepLogMap {
 pub struct GeosweepLogMapFrame {
     /// Access that has written the sources.
     pub before: GeosweepAccess,
-    /// All sources of the map, with those that were added to it.
+    /// All sources of the map, including those that were added to the map.
     pub sources: GeosweepSources,
     /// Access that reads the image, in this frame and in the previous one, and its layout.
     pub reader: GeosweepReader,
-    /// Largest distance of points that get coordinates; 0 for no limit. Of several initial values, the
-    /// distance counts from the latest.
+    /// Largest distance of points that get coordinates; 0 for no limit. If sources start at different times,
+    /// the distance counts from the latest of these.
     pub radius: f32,
     /// Value of u and v at points that are not reached or beyond the radius.
     pub unreached: f32,
@@ -71,8 +71,8 @@ pub unsafe extern "C" fn geosweep_log_map_create(
     unsafe { way_image::create(surface, image, log_map) }
 }
 
-/// Makes a log map write to another image of yours in later recordings. It must have been created with an
-/// image of yours. Recordings in flight continue to use the image before.
+/// Makes a log map write to another image of yours in later recordings. The log map must have been created
+/// with an image of yours. Recordings in flight continue to use the previous image.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_log_map_set_image(
     log_map: *mut GeosweepLogMap,
@@ -92,7 +92,8 @@ pub unsafe extern "C" fn geosweep_log_map_bytes(
     unsafe { way_image::bytes(log_map, bytes) }
 }
 
-/// Returns the image, also before it is recorded. `layout` is that of the reader for which it is recorded.
+/// Returns the image, also before any recording writes it. `layout` is the layout of the reader for which the
+/// image is recorded.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_log_map_image(
     log_map: *const GeosweepLogMap,
@@ -135,8 +136,8 @@ pub unsafe extern "C" fn geosweep_record_log_map(
     unsafe { record(surface, commands, append) }
 }
 
-/// Makes a log map read the surface's sources that `geosweep_surface_set_sources` has set since it was
-/// created. Recordings in flight continue to read the sources before.
+/// Makes a log map read the surface's sources that `geosweep_surface_set_sources` has set since the log map
+/// was created. Recordings in flight continue to read the previous sources.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_log_map_rebind(
     log_map: *mut GeosweepLogMap,

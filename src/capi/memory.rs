@@ -34,15 +34,16 @@ pub struct GeosweepMemory {
     pub memory: vk::DeviceMemory,
     /// Offset of the block in `memory` in bytes; a multiple of the alignment.
     pub offset: u64,
-    /// Address at which the block is mapped until it is freed, if it must be host-visible. Otherwise it may
-    /// be null.
+    /// Address at which the block is mapped until it is freed. It may be null if the block need not be
+    /// host-visible.
     pub mapped: *mut c_void,
     /// Your own handle of the block, for instance a `VmaAllocation`.
     pub handle: *mut c_void,
 }
 
-/// Your own allocator for surfaces, contours, paths and regions. Its functions are called by one thread at a
-/// time, in calls that create and destroy these objects. They must not call functions of geosweep.
+/// Your own allocator for surfaces, contours, paths, regions, directions and log maps. Its functions are
+/// called by one thread at a time, in calls that create and destroy these objects. They must not call
+/// functions of geosweep.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepAllocator {
@@ -61,7 +62,7 @@ pub struct GeosweepAllocator {
     pub free: Option<unsafe extern "C" fn(user: *mut c_void, memory: *const GeosweepMemory)>,
 }
 
-/// Source of the memory for a solver's surfaces.
+/// Source of the memory for a solver's surfaces and other objects.
 pub(super) enum Memory {
     /// The solver's own blocks.
     Own(Box<Allocator>),

@@ -7,7 +7,7 @@
 //! cargo rustc --release --lib --features capi --crate-type cdylib,staticlib
 //! ```
 //!
-//! `docs/embedding.md` explains how to use it. The items here are documented for C; from Rust, use
+//! `docs/c.md` explains how to use the library. The items here are documented for C; from Rust, use
 //! [`crate::vulkan::embed`].
 //!
 //! # Errors

@@ -19,8 +19,8 @@ use crate::vulkan::embed::{self, PathsInfo, Recording, StartInput};
 /// Largest number of starts in a recording from the program's memory.
 const MOST_STARTS: usize = 8192;
 
-/// Buffer for the paths on a surface, and the passes that trace them. Frames in flight on one queue share it.
-/// If paths are read on other queues, create one for each of these queues.
+/// Buffer for the paths on a surface, and the passes that trace them. Frames in flight on one queue share one
+/// such object. If paths are read on other queues, create one object for each of these queues.
 pub struct GeosweepPaths {
     pub(super) shared: Arc<Shared>,
     paths: embed::Paths,
@@ -45,9 +45,10 @@ pub struct GeosweepPathFrame {
     pub start_count: u32,
     /// Number of the surface's points to which paths are lifted.
     pub points: u32,
-    /// Offset in bytes from where the surface has these points, as `GeosweepFrame::points_offset`.
+    /// Offset in bytes, added to the offset of these points in the surface's buffer, as
+    /// `GeosweepFrame::points_offset`.
     pub points_offset: u64,
-    /// All sources of the map, with those that were added to it.
+    /// All sources of the map, including those that were added to the map.
     pub sources: GeosweepSources,
     /// Access that reads the paths, in this frame and in the previous one, as in `GeosweepContourFrame`.
     pub reader: GeosweepAccess,
@@ -71,10 +72,10 @@ pub unsafe extern "C" fn geosweep_paths_bytes_for(
     })
 }
 
-/// Creates paths on a surface: `paths` of them at once, at most 65535, with room for `vertices` vertices
-/// each. A straight path has one vertex at each grid line that it crosses, so that rows + cols + 8 are enough
-/// on a surface without obstacles. Allocates device memory and compiles passes. `geosweep_paths_destroy`
-/// destroys the paths.
+/// Creates paths on a surface: `path_count` paths at once, at most 65535, with room for `vertices` vertices
+/// each. A straight path has one vertex at each grid line that it crosses, so rows + cols + 8 vertices are
+/// enough on a surface without obstacles. Allocates device memory and compiles passes.
+/// `geosweep_paths_destroy` destroys the paths.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_paths_create(
     surface: *const GeosweepSurface,
@@ -112,8 +113,8 @@ pub unsafe extern "C" fn geosweep_paths_buffer_bytes(
 
 /// Creates paths as `geosweep_paths_create` does, in your own buffer from its first byte. The buffer's usage
 /// contains `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`, `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what its readers
-/// need, device addresses included. You keep the buffer. While no paths are in use, a render graph may use
-/// its memory for other resources.
+/// need, device addresses included. The buffer remains yours. While no paths are in use, a render graph may
+/// use its memory for other resources.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_paths_create_into(
     surface: *const GeosweepSurface,
@@ -136,8 +137,8 @@ pub unsafe extern "C" fn geosweep_paths_create_into(
     })
 }
 
-/// Makes paths write to another buffer of yours in later recordings. They must have been created with your
-/// own buffer. Recordings in flight continue to use the buffer before.
+/// Makes paths write to another buffer of yours in later recordings. The paths must have been created with
+/// your own buffer. Recordings in flight continue to use the previous buffer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_paths_set_buffer(
     paths: *mut GeosweepPaths,
@@ -183,8 +184,8 @@ pub unsafe extern "C" fn geosweep_paths_curves(
 
 /// Records the tracing of paths from their starts back to the sources. Lifts them to the surface and stores
 /// them for you to draw. Call this after the map was recorded, in the same command buffer or after
-/// `geosweep_record_begin`. The record of a path that cannot be drawn has the reason. Writes where paths are
-/// stored to `result` unless that is null.
+/// `geosweep_record_begin`. The record of a path that cannot be drawn gives the reason. Writes where paths
+/// are stored to `result` unless that is null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_paths(
     surface: *const GeosweepSurface,
@@ -243,7 +244,7 @@ unsafe fn starts<'a>(given: &GeosweepPathFrame) -> Result<StartInput<'a>, Failur
 
 /// Makes paths read the surface's points and sources that `geosweep_surface_set_points` and
 /// `geosweep_surface_set_sources` have set since the paths were created. Recordings in flight continue to
-/// read the inputs before.
+/// read the previous inputs.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_paths_rebind(
     paths: *mut GeosweepPaths,

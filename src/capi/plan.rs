@@ -35,8 +35,8 @@ pub struct GeosweepMethod {
     /// the grid's size limits their number in a recording: 10 at 48 x 48 points, 20 at 120 x 120, 36 at 256 x
     /// 256, and never more than 128. `geosweep_plan_iterations` returns the number in the plan.
     pub iterations: u32,
-    /// Anything but 0 for surfaces with a `GeosweepSurfaceInfo::gluing`: fronts pass seams after each scan, or each
-    /// round of tiles.
+    /// 0 for surfaces without a gluing. Any other number is for surfaces with a `GeosweepSurfaceInfo::gluing`: fronts
+    /// then pass seams after each scan, or each round of tiles.
     pub over_seams: u32,
 }
 
@@ -94,7 +94,8 @@ pub unsafe extern "C" fn geosweep_plan_create(
 }
 
 /// Returns the number of iterations, or rounds of tiles, in a recording of the plan. It is the number
-/// requested, or with tiles a smaller one. Resume the map until it has converged.
+/// requested, but at most `GeosweepMethod::most_iterations`, and with tiles it may be smaller. Resume the map
+/// until it has converged.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_plan_iterations(
     plan: *const GeosweepPlan,
@@ -152,7 +153,7 @@ pub unsafe extern "C" fn geosweep_plan_destroy(plan: *mut GeosweepPlan) -> Geosw
 /// Returns a plan of the surface's solver.
 ///
 /// # Safety
-/// The pointer is null or a plan's.
+/// The pointer is null or points to a plan.
 pub(super) unsafe fn plan<'a>(
     plan: *const GeosweepPlan,
     surface: &GeosweepSurface,

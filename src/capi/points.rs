@@ -34,8 +34,8 @@ pub enum GeosweepPointKind {
 type PointKindNumber = i32;
 
 /// Points of a surface, one for each grid point, row by row. They are in your own buffer or image on the
-/// device, which recordings read when they measure, or in the program's memory, which is copied at once.
-/// Exactly one of `buffer`, `view` and `data` is not null.
+/// device, which recordings read when they measure edges, or in the program's memory, from which the call
+/// copies them. Exactly one of `buffer`, `view` and `data` is not null.
 ///
 /// On the device, a point is a hole if one of its floats is NaN, infinite or beyond 1e12, or if its slowness
 /// is negative. In the program's memory, NaN, an infinite slowness and the mask make holes; other invalid
@@ -46,8 +46,8 @@ type PointKindNumber = i32;
 pub struct GeosweepPoints {
     /// Meaning of the first floats of a point.
     pub kind: PointKindNumber,
-    /// Index of the float of a point, counted from 0, that is its slowness: time per length, so that
-    /// distances are travel times. 0 stands for a slowness of 1 everywhere.
+    /// Index, counted from 0, of that float of a point which is its slowness: time per length. Distances are
+    /// then travel times. An index of 0 stands for a slowness of 1 everywhere.
     pub slowness: u32,
     /// Distance between columns, for heights.
     pub dx: f64,
@@ -115,14 +115,14 @@ impl Form {
         let first = kind.floats();
         if given.slowness != 0 && given.slowness < first {
             let reason = format!(
-                "is {}, and the first {first} floats of a point are others",
+                "is {}, but the first {first} floats of a point are its coordinates, height or metric",
                 given.slowness
             );
             return Err(Failure::argument(&field("slowness"), reason));
         }
         let given_memory = [!given.buffer.is_null(), !given.view.is_null(), !given.data.is_null()];
         if given_memory.iter().filter(|&&is_there| is_there).count() != 1 {
-            let reason = "names not exactly one of buffer, view and data";
+            let reason = "must name exactly one of buffer, view and data";
             return Err(Failure::argument(name, reason));
         }
         let slowness = (given.slowness != 0).then_some(given.slowness);
@@ -261,8 +261,8 @@ impl Copied {
                 point.fill(0xFF);
                 continue;
             }
-            // The origin is zero, since curves are lifted to these positions. They were single precision
-            // before.
+            // Curves are lifted to these positions, so no origin is subtracted from them. The program's
+            // numbers were in single precision, so the conversion does not change them.
             let floats = surface.point::<f32>(index, DVec3::ZERO);
             let floats = match surface.geometry() {
                 Geometry::Heights { .. } => &floats[2..],

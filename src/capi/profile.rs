@@ -33,14 +33,14 @@ pub enum GeosweepGrain {
     Blocks = 1,
     /// Iterations, and the passes around them.
     Iterations = 2,
-    /// Portions: all of a map from its sources to its outcome, and the passes before and after.
+    /// Portions: all of a map from its sources to its outcome, and the passes before and after it.
     Portions = 3,
 }
 
 /// Number of a `GeosweepGrain`, not checked yet.
 type GrainNumber = i32;
 
-/// Profile of a frame, with its own queries and buffer. Each profiled frame in flight needs one.
+/// Profile of a frame, with its own queries and buffer. Each profiled frame in flight needs its own profile.
 pub struct GeosweepProfile {
     pub(super) shared: Arc<Shared>,
     pub(super) profile: Profile,
@@ -70,7 +70,7 @@ pub struct GeosweepPass {
     /// Number of texels of 2 x 2 points that the pass visited.
     pub texels: u64,
     /// Whether the pass was dispatched and visited nothing, since the map had converged or nothing could
-    /// change there.
+    /// change where the pass works.
     pub is_idle: bool,
 }
 
@@ -97,7 +97,7 @@ impl GeosweepProfile {
 
     fn destroy(&mut self) {
         let Self { shared, pool, decisions, .. } = self;
-        // SAFETY: the program ensures that no submitted work uses it.
+        // SAFETY: the program ensures that no submitted work uses the pool.
         unsafe { shared.device.destroy_query_pool(*pool, None) };
         decisions.destroy(&shared.device, &mut shared.allocator());
     }

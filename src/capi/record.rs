@@ -97,7 +97,7 @@ pub unsafe extern "C" fn geosweep_record_frame(
     unsafe { record(surface, commands, append) }
 }
 
-/// Returns a frame of a surface, checked as far as C requires.
+/// Returns a frame of a surface, after the checks that arguments from C need.
 ///
 /// # Safety
 /// The pointers of the frame are null or valid.
@@ -121,10 +121,10 @@ unsafe fn frame_of<'a>(
 
 /// Records frames of several surfaces so that they run at the same time. Each is recorded as
 /// `geosweep_record_frame` does, and the passes of all frames share barriers. `count` surfaces of one size
-/// and plan thus need only the barriers of one; if recorded one after another, they would run one after
-/// another. `surfaces` and `frames` have `count` entries, at most 64. All surfaces belong to one solver, none
-/// is listed twice, and no frame has a profile. Your own images of distances differ too. Writes the images of
-/// distances to `results`, which has room for `count`, unless that is null.
+/// and plan thus need only the barriers of one surface. Frames that are recorded one after another also run
+/// one after another. `surfaces` and `frames` have `count` entries, at most 64. All surfaces belong to one
+/// solver, none is listed twice, and no frame has a profile. No two frames write the same image of yours.
+/// Writes the images of distances to `results`, which has room for `count`, unless that is null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_frames(
     surfaces: *const *const GeosweepSurface,
@@ -175,7 +175,7 @@ pub unsafe extern "C" fn geosweep_record_frames(
         if let Some(results) = results {
             for (number, of) in frames.iter().enumerate() {
                 let image = of.surface.result(of.frame.slot, of.frame.reader.layout)?;
-                // SAFETY: the caller promises that there is room for `count` of them.
+                // SAFETY: the caller promises that there is room for `count` images.
                 unsafe { results.write_at(number, image.into()) };
             }
         }
@@ -199,8 +199,8 @@ pub unsafe extern "C" fn geosweep_record_begin(
     unsafe { record(surface, commands, append) }
 }
 
-/// Measures the surface's edges from the points with this number. Invalidates the map, so that `solve` comes
-/// next. `offset` is as `GeosweepFrame::points_offset`.
+/// Measures the surface's edges from the points with this number. Invalidates the map, so
+/// `geosweep_record_solve` comes next. `offset` is as `GeosweepFrame::points_offset`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_measure(
     surface: *const GeosweepSurface,
@@ -230,7 +230,7 @@ pub unsafe extern "C" fn geosweep_record_solve(
     }
 }
 
-/// Adds sources to the map. It must have converged with the same wavefront.
+/// Adds sources to the map. The map must have converged, with the same wavefront.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_add(
     surface: *const GeosweepSurface,
@@ -298,9 +298,10 @@ pub unsafe extern "C" fn geosweep_record_outcome(
     unsafe { record(surface, commands, append) }
 }
 
-/// Copies the outcome of the iterations to your own buffer with usage `VK_BUFFER_USAGE_TRANSFER_DST_BIT`.
-/// These are `GEOSWEEP_OUTCOME_BYTES` bytes for `geosweep_outcome_from_bytes`. The third 32-bit number is the
-/// number of iterations, for shaders. `after` is how you read the bytes; `offset` is a multiple of 4.
+/// Copies the outcome of the iterations to your own buffer with usage `VK_BUFFER_USAGE_TRANSFER_DST_BIT`. It
+/// copies `GEOSWEEP_OUTCOME_BYTES` bytes, which `geosweep_outcome_from_bytes` reads. Shaders find the number
+/// of iterations in the third 32-bit number. `after` is the access by which you read the bytes; `offset` is a
+/// multiple of 4.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_outcome_to(
     surface: *const GeosweepSurface,
@@ -337,8 +338,8 @@ pub unsafe extern "C" fn geosweep_outcome_from_bytes(
     })
 }
 
-/// Writes the map to the slot's image of distances, for a reader. Waits for the reader of earlier commands;
-/// the reader in later commands waits for this. Writes the image to `result` unless that is null.
+/// Writes the map to the slot's image of distances, for a reader. Waits for the reads by `reader` in earlier
+/// commands; the reads in later commands wait for this. Writes the image to `result` unless that is null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_result(
     surface: *const GeosweepSurface,
@@ -363,9 +364,9 @@ pub unsafe extern "C" fn geosweep_record_result(
     unsafe { record(surface, commands, append) }
 }
 
-/// Looks distances up with the surface's lookup of this number. They are bilinear between grid points, and
-/// `unreached` where no front arrives or off the grid. Waits for what you have written in `before`; `after`
-/// is how you read the distances.
+/// Looks up distances by the surface's lookup with this number. Between grid points, distances are
+/// interpolated bilinearly. Where no front arrives and off the grid, they are `unreached`. Waits for your
+/// writes by the access `before`; `after` is the access by which you read the distances.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_lookup(
     surface: *const GeosweepSurface,

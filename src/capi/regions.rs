@@ -20,18 +20,18 @@ pub const GEOSWEEP_NO_REGION: u32 = 0xFFFF_FFFF;
 const _: () = assert!(GEOSWEEP_NO_REGION == crate::geometry::NO_REGION);
 
 /// Buffer for the regions of a surface's maps, and the passes that find them. Frames in flight on one queue
-/// share it. If regions are read on other queues, create one for each of these queues.
+/// share one such object. If regions are read on other queues, create one object for each of these queues.
 pub struct GeosweepRegions {
     pub(super) shared: Arc<Shared>,
     regions: embed::Regions,
 }
 
-/// Buffer of labels with the usages `STORAGE_BUFFER`, `VERTEX_BUFFER` and `TRANSFER_SRC`. From its first byte
-/// it has an unsigned 32-bit number for each grid point, row by row.
+/// Buffer of labels. Unless it is your own, it has the usages `STORAGE_BUFFER`, `VERTEX_BUFFER` and
+/// `TRANSFER_SRC`. From its first byte it has an unsigned 32-bit number for each grid point, row by row.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepLabels {
-    /// The buffer, which is longer than the labels and belongs to the regions.
+    /// The buffer, which is longer than the labels. Unless it is your own, it belongs to the regions.
     pub buffer: vk::Buffer,
     /// Bytes of all labels: 4 x rows x cols.
     pub bytes: u64,
@@ -43,7 +43,8 @@ pub struct GeosweepLabels {
 pub struct GeosweepRegionFrame {
     /// Access that has written the sources.
     pub before: GeosweepAccess,
-    /// All sources of the map, with those that were added to it. A source's index in this list is its label.
+    /// All sources of the map, including those that were added to the map. A source's index in this list is
+    /// its label.
     pub sources: GeosweepSources,
     /// Access that reads the labels, in this frame and in the previous one.
     pub reader: GeosweepAccess,
@@ -104,8 +105,8 @@ pub unsafe extern "C" fn geosweep_regions_buffer_bytes(
 
 /// Creates regions as `geosweep_regions_create` does, in your own buffer from its first byte. The buffer's
 /// usage contains `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`, `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what its
-/// readers need, device addresses included. You keep the buffer. While no regions are in use, a render graph
-/// may use its memory for other resources.
+/// readers need, device addresses included. The buffer remains yours. While no regions are in use, a render
+/// graph may use its memory for other resources.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_regions_create_into(
     surface: *const GeosweepSurface,
@@ -127,8 +128,8 @@ pub unsafe extern "C" fn geosweep_regions_create_into(
     })
 }
 
-/// Makes regions write to another buffer of yours in later recordings. They must have been created with your
-/// own buffer. Recordings in flight continue to use the buffer before.
+/// Makes regions write to another buffer of yours in later recordings. The regions must have been created
+/// with your own buffer. Recordings in flight continue to use the previous buffer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_regions_set_buffer(
     regions: *mut GeosweepRegions,
@@ -208,7 +209,7 @@ pub unsafe extern "C" fn geosweep_record_regions(
 }
 
 /// Makes regions read the surface's sources that `geosweep_surface_set_sources` has set since the regions
-/// were created. Recordings in flight continue to read the sources before.
+/// were created. Recordings in flight continue to read the previous sources.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_regions_rebind(
     regions: *mut GeosweepRegions,

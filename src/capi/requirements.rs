@@ -61,7 +61,8 @@ pub unsafe extern "C" fn geosweep_requirements(
 
 /// Checks whether a physical device can be used, before a device is created on it. If not, the status is
 /// `GEOSWEEP_STATUS_UNSUPPORTED`, and the message lists all that is missing. An instance that was created for
-/// Vulkan 1.0 cannot be used either. Only a device shows that, so that this call creates one and destroys it.
+/// Vulkan 1.0 cannot be used either. Only a device shows the version for which its instance was created, so
+/// this call creates a device and destroys it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_check_device(
     get_instance_proc_addr: GetInstanceProcAddr,
@@ -81,8 +82,8 @@ pub unsafe extern "C" fn geosweep_check_device(
 }
 
 /// Returns whether the instance was created for Vulkan 1.0, so that its devices know no function of Vulkan
-/// 1.1. The instance's own functions do not show it: loaders return them whatever version the instance was
-/// created for.
+/// 1.1. The instance's own functions do not show this version: loaders return them whatever version the
+/// instance was created for.
 fn is_for_vulkan_1_0(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> bool {
     let Some(family) = requirements::compute_queue_family(instance, physical_device) else {
         return false;
@@ -96,13 +97,13 @@ fn is_for_vulkan_1_0(instance: &ash::Instance, physical_device: vk::PhysicalDevi
         return false;
     };
     let is_old = requirements::is_for_vulkan_1_0(instance, &device);
-    // SAFETY: nothing was created from it.
+    // SAFETY: nothing was created from the device.
     unsafe { device.destroy_device(None) };
     is_old
 }
 
-/// Finds a queue family for compute. Prefers one without graphics, which is the asynchronous one on large
-/// GPUs. Any family with `VK_QUEUE_COMPUTE_BIT` can be used.
+/// Finds a queue family for compute. Prefers a family without graphics, which is the one for asynchronous
+/// compute on large GPUs. Any family with `VK_QUEUE_COMPUTE_BIT` can be used.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_compute_queue_family(
     get_instance_proc_addr: GetInstanceProcAddr,

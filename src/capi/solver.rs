@@ -19,10 +19,11 @@ use crate::vulkan::{VulkanError, embed};
 /// change that makes programs compile or run differently.
 pub const GEOSWEEP_HEADER_VERSION: u32 = 7;
 
-/// Flag for `GeosweepSolverInfo::flags` that adds checks during development, at a small cost. With it, these
-/// are errors: to record for a slot, among several, whose last recording has not run; to destroy an object
-/// that such a recording uses; to write points that it reads; and to use an object that was destroyed, of
-/// which a few bytes are kept. Each recording gets one more fill and two more barriers.
+/// Flag for `GeosweepSolverInfo::flags` that adds checks during development, at a small cost. With this flag,
+/// it is an error to record for one of several slots while the slot's last recording has not run, to destroy
+/// an object that such a recording uses, to write points that such a recording reads, and to use an object
+/// that was destroyed. The library keeps a few bytes of each destroyed object for this. Each recording gets
+/// one more fill and two more barriers.
 pub const GEOSWEEP_SOLVER_CHECKS: u32 = 1;
 
 /// Largest count of passes that is accepted. Only nine passes differ.
@@ -40,7 +41,7 @@ pub struct GeosweepPasses {
     pub wavefront: WavefrontNumber,
 }
 
-/// Parameters of a solver. You keep all handles, which must outlive the solver.
+/// Parameters of a solver. All handles remain yours and must outlive the solver.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepSolverInfo {
@@ -53,7 +54,7 @@ pub struct GeosweepSolverInfo {
     pub instance: vk::Instance,
     /// A physical device that `geosweep_check_device` accepts.
     pub physical_device: vk::PhysicalDevice,
-    /// A device created on it, with what `geosweep_requirements` returns.
+    /// A device created on `physical_device`, with what `geosweep_requirements` returns.
     pub device: vk::Device,
     /// Schedules and wavefronts for which pipelines are created: those that plans will request. Compiling
     /// them takes a while.
@@ -61,10 +62,11 @@ pub struct GeosweepSolverInfo {
     /// Number of entries in `passes`.
     pub pass_count: u32,
     /// Cache for creating pipelines, or null. You fill, save and destroy it. It must be alive whenever the
-    /// solver creates pipelines: now, with the first surface that has a slowness, and with the first
-    /// contours, paths and regions. `geosweep_solver_set_pipeline_cache` takes it away again. Pipelines do
-    /// not need it once they are created. The solver uses it on one thread at a time. If you use it at the
-    /// same time, the rules of `vkCreateComputePipelines` apply.
+    /// solver creates pipelines: now, with the first surface that has a slowness or a small grid, and with
+    /// the first contours, paths, regions (of each wavefront), directions and log map.
+    /// `geosweep_solver_set_pipeline_cache` replaces or removes it. Pipelines do not need it once they are
+    /// created. The solver uses it on one thread at a time. If you use it at the same time, the rules of
+    /// `vkCreateComputePipelines` apply.
     pub pipeline_cache: vk::PipelineCache,
     /// `GEOSWEEP_SOLVER_CHECKS`, or 0.
     pub flags: u32,
@@ -196,9 +198,9 @@ pub unsafe extern "C" fn geosweep_solver_set_pipeline_cache(
     })
 }
 
-/// Returns the bytes of device memory that the solver holds for its surfaces, contours, paths and regions.
-/// Since it holds them in blocks, they are a little more than `geosweep_surface_bytes` and the similar calls
-/// return for each.
+/// Returns the bytes of device memory that the solver holds for its surfaces, contours, paths, regions,
+/// directions and log maps. Since it allocates them in blocks, they are a little more than the sum of what
+/// `geosweep_surface_bytes` and the similar calls return.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_solver_bytes(
     solver: *const GeosweepSolver,
@@ -212,8 +214,8 @@ pub unsafe extern "C" fn geosweep_solver_bytes(
     })
 }
 
-/// Destroys a solver. Its surfaces, plans, contours, paths, regions and profiles must be destroyed first;
-/// otherwise it is an error. Null is allowed.
+/// Destroys a solver. Its surfaces, plans, contours, paths, regions, directions, log maps and profiles must
+/// be destroyed first; otherwise the call fails. Null is allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_solver_destroy(solver: *mut GeosweepSolver) -> GeosweepStatus {
     guard(|| {
@@ -224,7 +226,8 @@ pub unsafe extern "C" fn geosweep_solver_destroy(solver: *mut GeosweepSolver) ->
         let others = unsafe { Arc::strong_count(object(solver, "solver")?.shared()) } - 1;
         if others > 0 {
             let reason = format!(
-                "still has {others} surfaces, plans, contours, paths, regions or profiles: destroy them first"
+                "still has {others} surfaces, plans, contours, paths, regions, directions, log maps or profiles: \
+                 destroy them first"
             );
             return Err(Failure::argument("solver", reason));
         }

@@ -18,7 +18,7 @@ pub enum GeosweepStatus {
     Success = 0,
     /// An argument cannot be used. The message says which one, and why. Nothing was created or recorded.
     InvalidArgument = 1,
-    /// The device lacks something that is needed. The message lists all of it.
+    /// The device lacks something that is needed. The message lists everything that is missing.
     Unsupported = 2,
     /// The grid is too large for the device's images or its memory.
     TooLarge = 3,
@@ -26,12 +26,12 @@ pub enum GeosweepStatus {
     OutOfMemory = 4,
     /// The device is lost.
     DeviceLost = 5,
-    /// Another Vulkan call failed. The message names it and its result.
+    /// Another Vulkan call failed. The message names the call and its result.
     VulkanError = 6,
     /// A defect in geosweep, which was kept from crossing into your program. The object of the call is in an
     /// unknown state: destroy it.
     InternalError = 7,
-    /// The result is not available yet. Call again after the fence of its submission.
+    /// The result is not available yet. Call again after the fence of the submission.
     NotReady = 8,
 }
 
@@ -53,7 +53,7 @@ impl Failure {
         Self { status: GeosweepStatus::NotReady, message: message.into() }
     }
 
-    /// Adds the name of the struct that the argument belongs to, with a dot at its end.
+    /// Puts `name` before the message: the struct to which the argument belongs, with a dot at its end.
     pub(super) fn inside(self, name: &str) -> Self {
         Self { message: format!("{name}{}", self.message), ..self }
     }
@@ -103,10 +103,12 @@ fn message(error: &VulkanError) -> String {
              GeosweepSolverInfo::passes"
         ),
         VulkanError::OtherGluing { is_glued: true } => {
-            "the surface is glued and the plan has no step over seams: create it with GeosweepMethod::over_seams".into()
+            "the surface is glued, but the plan has no step over seams: set GeosweepMethod::over_seams to 1 for the plan"
+                .into()
         }
         VulkanError::OtherGluing { is_glued: false } => {
-            "the plan is one over seams and the surface is not glued: GeosweepMethod::over_seams is 0 for it".into()
+            "the plan passes seams, but the surface is not glued: set GeosweepMethod::over_seams to 0 for the plan"
+                .into()
         }
         VulkanError::NotPrepared => {
             "the surface is not prepared: geosweep_record_prepare comes once, before \
@@ -142,7 +144,7 @@ impl From<SurfaceError> for Failure {
 
 /// Runs a call. Errors and panics become a status and a message for `geosweep_last_error`.
 pub(super) fn guard(call: impl FnOnce() -> Result<(), Failure>) -> GeosweepStatus {
-    // State that a panic leaves behind is only destroyed, as the status demands.
+    // The caller only destroys the object of a call that has panicked, as the status demands.
     match catch_unwind(AssertUnwindSafe(call)) {
         Ok(Ok(())) => GeosweepStatus::Success,
         Ok(Err(failure)) => {
@@ -163,12 +165,12 @@ pub(super) fn guard(call: impl FnOnce() -> Result<(), Failure>) -> GeosweepStatu
     }
 }
 
-/// Size in bytes of a message with its terminating zero.
+/// Largest size in bytes of a message with its terminating zero.
 const MESSAGE_BYTES: usize = 2048;
 
 thread_local! {
     // A thread-local array without a destructor exists until the thread ends. Writing it needs no allocation,
-    // so that it works when memory has run out.
+    // so it works even when memory has run out.
     static MESSAGE: UnsafeCell<[u8; MESSAGE_BYTES]> = const { UnsafeCell::new([0; MESSAGE_BYTES]) };
 }
 

@@ -26,7 +26,8 @@ pub struct GeosweepSurface {
     copied: Vec<Option<Copied>>,
 }
 
-/// An image with usage `SAMPLED`, `STORAGE` and `TRANSFER_SRC`, which belongs to its surface.
+/// An image of distances, directions or a log map. Unless it is your own, it belongs to the object that
+/// returns it and has the usages `SAMPLED` and `TRANSFER_SRC`, for distances `STORAGE` too.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepImage {
@@ -66,31 +67,31 @@ pub struct GeosweepOutcome {
     pub residual: f64,
     /// Number of iterations, or of rounds of tiles, since the start of the map.
     pub iterations: u32,
-    /// Number of visits since the start of the map, each by one workgroup: to a tile, or to the part of a block
-    /// of lines that a workgroup updates. A smaller radius takes fewer.
+    /// Number of visits since the start of the map, each by one workgroup: to a tile, or to the part of a block of
+    /// lines that a workgroup updates. A smaller radius takes fewer visits.
     pub visits: u32,
     /// Number of grid points that are holes. A point is a hole if one of its values is not finite or too
     /// large, if it lies outside an image that is too small, or if its slowness is negative. Compare this
     /// with the holes that you made.
     pub holes: u32,
     /// Number of edges without a length between points that are not holes. Their points are at the same
-    /// place, or so far apart that the length overflows single precision. A pole or a seam has such edges, as
-    /// you know. More of them mean that vertices were zeroed or not written yet.
+    /// place, or so far apart that the length overflows single precision. Expect such edges at a pole or a
+    /// seam. More of them mean that vertices were zeroed or not written yet.
     pub edges_without_length: u32,
     /// Number of the map's sources that reach no point: those off the grid, in holes, or with a time that is
-    /// NaN or not below 1e30. Unused entries of a buffer count.
+    /// NaN or not below 1e30. Unused entries of a buffer count too.
     pub passed_over: u32,
     /// Fraction of edges at whose ends the surface's normals differ by more than 30 degrees, among about a
     /// thousand edges. It is 0 for a metric. Above a tenth, the grid does not resolve the surface, and the
     /// map is that of some polyhedron.
     pub sharp_edges: f32,
     /// Whether the surface turns at random from point to point, as noise does. On such surfaces planar fronts
-    /// have the smallest errors, and curved ones may arrive early by some hundredths.
+    /// have the smallest errors, and curved ones may arrive early by some hundredths of the distance.
     pub is_rough: bool,
     /// Whether the map has converged, over edges that were measured. If not, `geosweep_record_resume`
     /// continues it.
     pub converged: bool,
-    /// Whether edges have been measured on the device. They have not if the recording that measures them has
+    /// Whether edges have been measured on the device. It is false if the recording that measures them has
     /// never run.
     pub measured: bool,
 }
@@ -190,7 +191,7 @@ impl GeosweepSurface {
 
 /// Computes the bytes of device memory that a surface will take, before it is created: 36 per grid point and
 /// 4 more for each slot; a buffer of 16 per point up to 4 MiB, or on larger grids of 6 per point up to 16
-/// MiB; and 16 per point (8 for heights) for points in the program's memory.
+/// MiB; and, for points in the program's memory, 12 per point (4 for heights), with a slowness 4 more.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_bytes_for(
     solver: *const GeosweepSolver,
@@ -244,8 +245,9 @@ pub unsafe extern "C" fn geosweep_surface_bytes(
 }
 
 /// Replaces points that were copied from the program's memory by others with the same offset and stride. No
-/// submitted work may still read them; a solver with checks verifies that. So create the surface with one
-/// entry of points for each frame in flight. Later recordings that measure them read the new ones.
+/// submitted work may still read the old points; a solver with checks verifies that. So create the surface
+/// with one entry of points for each frame in flight. Later recordings that measure these points read the new
+/// values.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_write_points(
     surface: *mut GeosweepSurface,
@@ -279,12 +281,13 @@ pub unsafe extern "C" fn geosweep_surface_write_points(
     })
 }
 
-/// Replaces points in your own buffer or image by others, which later recordings read. They may have a
-/// slowness only if some points of the surface had one when it was created. Frames in flight continue to read
-/// the points for which they were recorded, so keep these alive until the frames have run. It is an error if
-/// more frames are in flight than the surface has slots. Edges keep the lengths of the old points until they
-/// are measured. Contours and paths are lifted to the new points after `geosweep_contours_rebind` and
-/// `geosweep_paths_rebind`. Record command buffers anew that are submitted repeatedly.
+/// Replaces points in your own buffer or image by others, which later recordings read. The new points may
+/// have a slowness only if some points of the surface had a slowness when the surface was created. Frames in
+/// flight continue to read the points for which they were recorded, so keep these alive until the frames have
+/// run. It is an error if more frames are in flight than the surface has slots. Edges keep the lengths of the
+/// old points until they are measured. Contours and paths are lifted to the new points after
+/// `geosweep_contours_rebind` and `geosweep_paths_rebind`. Command buffers that are submitted repeatedly must
+/// be recorded anew.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_set_points(
     surface: *mut GeosweepSurface,
@@ -313,8 +316,9 @@ pub unsafe extern "C" fn geosweep_surface_set_points(
     })
 }
 
-/// Replaces a buffer of sources, as `geosweep_surface_set_points` does for points. Paths and regions then
-/// need `geosweep_paths_rebind` and `geosweep_regions_rebind`.
+/// Replaces a buffer of sources, as `geosweep_surface_set_points` does for points. Paths, regions, directions
+/// and log maps then need `geosweep_paths_rebind`, `geosweep_regions_rebind`, `geosweep_directions_rebind`
+/// and `geosweep_log_map_rebind`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_set_sources(
     surface: *mut GeosweepSurface,
@@ -350,7 +354,8 @@ pub unsafe extern "C" fn geosweep_surface_set_result(
     })
 }
 
-/// Returns the image of distances of a slot. `layout` is that of the reader for which it was recorded last.
+/// Returns the image of distances of a slot. `layout` is the layout of the reader for which the image was
+/// recorded last.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_result(
     surface: *const GeosweepSurface,
@@ -367,8 +372,8 @@ pub unsafe extern "C" fn geosweep_surface_result(
     })
 }
 
-/// Returns the packed distances that all slots share. They are those of the last recording until the next
-/// one. Read them after `geosweep_record_end`.
+/// Returns the packed distances that all slots share. Until the next recording, these are the distances of
+/// the last one. Read them after `geosweep_record_end`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_packed(
     surface: *const GeosweepSurface,
@@ -415,7 +420,7 @@ pub unsafe extern "C" fn geosweep_surface_discard(
 }
 
 /// Tells a solver with checks that the last recording for the surface into a command buffer was discarded and
-/// will never run, whatever it was.
+/// will never run, whatever its kind.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_discard_commands(
     surface: *const GeosweepSurface,

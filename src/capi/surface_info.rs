@@ -30,7 +30,7 @@ pub struct GeosweepSourceBuffer {
     pub count: u32,
 }
 
-/// Buffers for looking distances up: places are read, and distances are written. Both have usage
+/// Buffers for looking up distances: places are read, and distances are written. Both have usage
 /// `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -50,9 +50,10 @@ pub struct GeosweepLookup {
 /// Your own image for the distances of a slot, in place of one that the surface allocates. A render graph may
 /// use its memory for other resources between frames. The image is 2D with `VK_FORMAT_R32_SFLOAT` and at
 /// least cols x rows texels and one array layer; its usage contains `VK_IMAGE_USAGE_STORAGE_BIT` and what its
-/// readers need. Its old content is discarded, whatever its layout. `GeosweepFrame::before`, or a barrier of
-/// yours, must wait for earlier uses of the memory. Slots may share an image, and so may surfaces that are
-/// recorded one after another.
+/// readers need. The old content of the image is discarded, whatever its layout. `GeosweepFrame::before`, or
+/// a barrier of yours, must wait for earlier uses of the memory. Slots may share an image, and so may
+/// surfaces that are recorded one after another. For directions and log maps, `geosweep_directions_create`
+/// and `geosweep_log_map_create` name the format and the usage.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepHostImage {
@@ -72,7 +73,7 @@ pub struct GeosweepRun {
     pub col: u32,
     /// Rows from point to point: -1, 0 or 1.
     pub row_step: i32,
-    /// Columns from point to point: -1, 0 or 1, not 0 if `row_step` is.
+    /// Columns from point to point: -1, 0 or 1. It is not 0 if `row_step` is 0.
     pub col_step: i32,
 }
 
@@ -84,12 +85,12 @@ pub struct GeosweepRunPair {
     pub first: GeosweepRun,
     /// The other run.
     pub second: GeosweepRun,
-    /// Number of points of each.
+    /// Number of points of each run.
     pub points: u32,
 }
 
-/// Parameters of a surface. You keep images and buffers, which must be alive whenever a recording that uses
-/// them runs. The arrays are not needed after the call, and may be null where their count is 0.
+/// Parameters of a surface. The images and buffers remain yours, and they must be alive whenever a recording
+/// that uses them runs. The arrays are not needed after the call, and may be null where their count is 0.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepSurfaceInfo {
@@ -102,15 +103,15 @@ pub struct GeosweepSurfaceInfo {
     /// Number of images of distances, which recordings write in turn: the number of frames in flight, from 1
     /// to 64.
     pub slots: u32,
-    /// Queue families that use the images of distances and the packed distances: the recording one and those
-    /// of the readers. If this lists different families, no ownership transfers are needed. If it is empty,
-    /// one family at a time uses them.
+    /// Queue families that use the images of distances and the packed distances: the family of the queue to
+    /// which you submit recordings, and the families of the readers. If this lists different families, no
+    /// ownership transfers are needed. If it is empty, other families need ownership transfers.
     pub queue_families: *const u32,
     /// Number of queue families.
     pub queue_family_count: u32,
     /// Your own images for the distances, one per slot; null for images that the surface allocates.
     pub results: *const GeosweepHostImage,
-    /// Number of images: 0 or the number of slots.
+    /// Number of entries in `results`: 0 or the number of slots.
     pub result_count: u32,
     /// Points that recordings select by number, for instance one entry for each frame in flight.
     pub points: *const GeosweepPoints,
@@ -125,8 +126,8 @@ pub struct GeosweepSurfaceInfo {
     /// Number of entries in `lookups`.
     pub lookup_count: u32,
     /// Sides of the grid that coincide, so that distances pass from one to the other. Copies of a point take
-    /// the values of the first, and are a hole if any of them is. It is not checked that they coincide. Plans
-    /// for a glued surface have `GeosweepMethod::over_seams`.
+    /// the values of the first copy, and are holes if any copy is a hole. Whether the copies coincide is not
+    /// checked. Plans for a glued surface need `GeosweepMethod::over_seams`.
     pub gluing: GluingNumber,
     /// Points that coincide, for `GEOSWEEP_GLUING_RUNS`.
     pub runs: *const GeosweepRunPair,
@@ -162,7 +163,9 @@ impl<'a> Wanted<'a> {
     pub(super) unsafe fn new(info: &'a GeosweepSurfaceInfo) -> Result<Self, Failure> {
         let GeosweepSurfaceInfo { rows, cols, slots, .. } = *info;
         if !(1..=MOST_SLOTS).contains(&slots) {
-            let reason = format!("is {slots}: as many as frames in flight, from 1 to {MOST_SLOTS}");
+            let reason = format!(
+                "is {slots}, but must be the number of frames in flight, from 1 to {MOST_SLOTS}"
+            );
             return Err(Failure::argument("info->slots", reason));
         }
         // SAFETY: the caller's promise.

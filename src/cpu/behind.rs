@@ -4,7 +4,7 @@ use super::scan::Scan;
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Offset, Real};
 use crate::update::Triangle;
 
-/// Three neighbours of a point in turn around it, and the two triangles that they form with it.
+/// Three successive neighbours around a point, and the two triangles that they form with the point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Behind {
     triangles: [TriangleSlots; 2],

@@ -24,8 +24,8 @@ pub struct CpuCeilings {
     /// a large cache.
     pub copy: f64,
     /// Updates from one triangle per second, by wavefront ([`Wavefront::FOR_ANY_SURFACE`]), for a line of
-    /// points that stays in the nearest cache, with the best available instructions. Each point counts as
-    /// two, also where one of its triangles is skipped because it brings nothing.
+    /// points that stays in the nearest cache, with the best available instructions. Each point counts as two
+    /// updates, even if one of its triangles is skipped because it brings nothing.
     pub triangles: [f64; Wavefront::FOR_ANY_SURFACE.len()],
 }
 
@@ -107,7 +107,8 @@ fn two_rows() -> EdgeLengths<f32> {
 }
 
 impl<'a, K: TriangleKind<f32> + LaneKind<f32>> WarmLine<'a, K> {
-    /// Creates the rows. The first one has the front of a point 300 rows before it, at its first column.
+    /// Creates the rows. The first row has the front of a source that lies 300 rows before it, in the first
+    /// column.
     fn new(edges: &'a EdgeLengths<f32>, kind: K) -> Self {
         let chart = edges.chart();
         let mut times = vec![f32::FAR; chart.bordered_points()];

@@ -11,7 +11,8 @@ pub(crate) struct Limit {
     targets: Option<Targets>,
 }
 
-/// Margin after the targets' time, as a fraction of it. Renewed fronts may come later by less than this.
+/// Margin that is added to the targets' time, as a fraction of that time. A renewed front may come later than before,
+/// but by less than this margin.
 const LATER: f64 = 1e-4;
 
 impl Limit {
@@ -38,7 +39,8 @@ impl Limit {
         self.targets.as_ref().map_or(&[], Targets::points)
     }
 
-    /// Lowers the limit, given the present times at points. Fronts do not come later than these.
+    /// Lowers the limit, given the present times at points. The final times are no later than these, apart from the
+    /// margin for renewed fronts.
     pub(crate) fn lower(&mut self, time: impl Fn([usize; 2]) -> f64) {
         let Some(targets) = &self.targets else { return };
         let last = targets.last(time);

@@ -1,8 +1,8 @@
 //! Estimates when fronts come to given points, from a few points of the grid.
 //!
-//! Planar fronts march over every eighth row and column. The way from one such point to the next is the line of
-//! grid edges between them, so holes and slowness count, and no path is found that the grid does not have. The
-//! estimate only says how far a map has to be solved at first. The map itself does not depend on it.
+//! Planar fronts march over the points on every eighth row and column. The way from one of these points to the next is
+//! the line of grid edges between them, so holes and slowness count, and no path is found that the grid does not have.
+//! The estimate only says how far a map has to be solved at first. The map itself does not depend on it.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -13,7 +13,7 @@ use crate::update::{Triangle, planar};
 
 /// Number of rows and columns from one point to the next, where the grid is large enough.
 const LARGEST_STEP: usize = 8;
-/// Minimum number of points on a side if the step is larger than 1.
+/// Minimum number of points on the longer side if the step is larger than 1.
 const LEAST_POINTS: usize = 24;
 
 /// Returns an estimate of the time at which fronts of the seeds have come to the targets, and the number of
@@ -75,7 +75,7 @@ impl Ord for Time {
     }
 }
 
-/// The directions whose ways are stored. Those of the others are stored at their ends.
+/// The directions whose ways are stored at a point. A way in another direction is stored at the point where it ends.
 const STORED: [Direction; 4] =
     [Direction::East, Direction::North, Direction::NorthEast, Direction::NorthWest];
 
@@ -100,7 +100,7 @@ impl<'a, R: Real> March<'a, R> {
         }
     }
 
-    /// Marches until no front can come to the targets earlier, and returns the time that they need.
+    /// Marches until no front can come to the targets earlier, and returns the time by which the targets are reached.
     fn run(&mut self, seeds: &[Seed], targets: &Targets) -> f64 {
         for seed in seeds {
             for point in self.around([seed.row, seed.col]) {
@@ -126,7 +126,7 @@ impl<'a, R: Real> March<'a, R> {
                     ways.iter().map(|&(point, way)| self.times[point] + way).fold(*own, f64::min)
                 })
             });
-            // Many at once, since there may be many targets.
+            // Several points are passed between two evaluations of `last`, which take long if there are many targets.
             for _ in 0..near.len().max(1) {
                 let Some(Reverse((Time(time), point))) = self.heap.pop() else { return last };
                 if time >= last {
@@ -181,7 +181,7 @@ impl<'a, R: Real> March<'a, R> {
         (self.first.0 + row * self.step, self.first.1 + col * self.step)
     }
 
-    /// Returns the points around a point of the grid: one, two or four.
+    /// Returns the points of the coarse chart around a point of the grid: one, two or four.
     fn around(&self, [row, col]: [usize; 2]) -> Vec<usize> {
         let span = |at: usize, first: usize, points: usize| {
             let low = (at.saturating_sub(first) / self.step).min(points - 1);
@@ -210,7 +210,7 @@ impl<'a, R: Real> March<'a, R> {
         self.ways[point][stored]
     }
 
-    /// Returns the length of some edges in a row, or +infinity if one of them is missing.
+    /// Returns the total length of `steps` successive edges in one direction, or +infinity if an edge is missing.
     fn along(&self, (row, col): (usize, usize), to: Direction, steps: usize) -> f64 {
         let chart = self.edges.chart();
         let (mut at, mut length) = ((row, col), 0.0);
@@ -258,7 +258,7 @@ mod tests {
     use crate::surface::builtin::Builtin;
     use crate::{Options, distance_map};
 
-    /// Returns the estimate over the distance for a target.
+    /// Returns the ratio of the estimate to the distance for a target, and the number of visited points.
     fn estimate(builtin: Builtin, side: usize, from: [usize; 2], to: [usize; 2]) -> (f64, u64) {
         let surface = builtin.surface(side, side).unwrap();
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
@@ -274,7 +274,8 @@ mod tests {
         for builtin in [Builtin::Plane, Builtin::Sphere, Builtin::Peaks] {
             for to in [[150, 30], [120, 100], [199, 199]] {
                 let (ratio, visits) = estimate(builtin, 200, [100, 91], to);
-                // The coarse grid sees peaks as a polyhedron, and near targets at the ends of its edges.
+                // The coarse triangles are flat, and the last part of the way to a target follows edges, which
+                // lengthens short ways most.
                 assert!((0.97..1.1).contains(&ratio), "{builtin} {to:?}: {ratio}");
                 assert!(visits <= 26 * 26, "{visits}");
             }

@@ -9,8 +9,8 @@ use crate::constants::{CURVATURE_COUNTS, FIRST_REACHED, PATIENCE};
 use crate::surface::{Real, min, relative_change};
 use crate::{Convergence, Stop};
 
-/// Returns how much a change of curvature counts, in units of the arrival time. `bend` is the size of the
-/// change times the arrival time. A change of any size counts less than a point's first front.
+/// Returns how much a change of curvature counts, in units of the last place of the arrival time. `bend` is the size of
+/// the change times the arrival time. A change of any size counts less than a point's first front.
 #[inline(always)]
 pub(crate) fn bend_units<R: Real>(bend: R) -> R::Bits {
     min(bend * R::of(CURVATURE_COUNTS), R::one()).in_units()
@@ -22,7 +22,7 @@ pub(crate) struct Progress {
     stop: Stop,
     /// Number of iterations of four scans.
     pub iterations: u32,
-    /// Relative change of the last iteration.
+    /// Largest relative change in the last iteration.
     pub residual: f64,
     since_reached: u32,
 }
@@ -43,7 +43,7 @@ impl Progress {
         self.is_settled() || self.is_last()
     }
 
-    /// Returns the iterations so far and the change that is left.
+    /// Returns the number of iterations so far and the residual.
     pub(crate) fn convergence(&self) -> Convergence {
         Convergence { iterations: self.iterations, residual: self.residual }
     }

@@ -90,8 +90,8 @@ impl Scan {
 }
 
 /// Options of the updates of a scan. `renews`: whether a scan may replace a front that the same scan direction
-/// brought earlier. `limit`: the time after which fronts do not matter, or +infinity. Points that such fronts
-/// alone reach are not updated, and changes of later fronts are not passed on.
+/// brought earlier. `limit`: the time after which fronts do not matter, or +infinity. Points that only later fronts
+/// reach are not updated, and changes of later fronts are not passed on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct UpdateOptions {
     pub scan: Scan,

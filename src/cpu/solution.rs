@@ -35,8 +35,8 @@ impl<R: Real> Solution<R> {
     }
 }
 
-/// Converts the arrival times of a bordered array to distances, row-major. Later times than `end` are
-/// unreached.
+/// Converts the arrival times of a bordered array to distances, row-major. Times later than `end` become +infinity, as
+/// do those of unreached points.
 pub(super) fn distances<R: Real>(chart: Chart, times: &[R], end: f64) -> Vec<R> {
     let mut distances = vec![R::zero(); chart.points()];
     distances.par_chunks_mut(chart.cols).enumerate().for_each(|(row, distances)| {

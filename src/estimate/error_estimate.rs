@@ -11,15 +11,16 @@ pub struct ErrorEstimate<R = f32> {
     /// The map itself.
     pub map: DistanceMap<R>,
     /// Estimate of |distance - exact distance| at each point, row-major, rounding included, in the unit of
-    /// the distances. It is +infinity where the map is, and where no coarser grid reaches.
+    /// the distances. It is +infinity where the map is +infinity, and where no coarser grid reaches.
     pub errors: Vec<R>,
-    /// The map less its estimated error, sign included (Richardson's extrapolation). It is often much nearer
-    /// to the exact distances, see [`estimate_error`](super::estimate_error). Where there is no estimate, it equals the map.
+    /// The map less its estimated error, sign included (Richardson's extrapolation). It is often much nearer to the
+    /// exact distances; see [`estimate_error`](super::estimate_error). Where there is no estimate, it equals the map.
     pub extrapolated: Vec<R>,
-    /// The observed order p: over the whole map, changes from grid to grid are proportional to h^p. It needs
-    /// three grids. On smooth surfaces it is 1.2 to 2 for circular fronts, about 2 for curved ones, and
-    /// near 0.5 for planar ones from points. It is lower where the surface is rough on the grid or has holes,
-    /// and where only rounding is left. It is `None` for anchored fronts that are compared with a finer grid.
+    /// The observed order p: over the whole map, changes from grid to grid are proportional to h^p, where h
+    /// is the distance between grid points. It needs three grids. On smooth surfaces it is 1.2 to 2 for
+    /// circular fronts, about 2 for curved ones, and near 0.5 for planar ones from points. It is lower where
+    /// the surface is rough on the grid or has holes, and where only rounding is left. It is `None` for
+    /// anchored fronts that are compared with a finer grid.
     pub observed_order: Option<f64>,
     /// Number of grids that were compared, the map's own included: 2 or 3.
     pub grids: u32,

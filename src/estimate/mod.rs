@@ -7,9 +7,10 @@
 //! - circular: h and h^2, from the curvature that bends the front and from the chords;
 //! - curved: h^2.
 //!
-//! Let d1 be the growth of the distance from every point to every second one, and d2 that from there to every
-//! fourth one. The errors of these forms are 3 d1 - d2, (5 d1 - d2) / 3 and d1 / 3. On rough surfaces a curved
-//! front is of a lower order, which |d2| / |d1| over the whole map shows.
+//! Let d1 be the growth of a distance from the grid of all points to the grid of every second point, and d2
+//! its growth from there to the grid of every fourth point. For these three forms the errors are 3 d1 - d2,
+//! (5 d1 - d2) / 3 and d1 / 3. On rough surfaces a curved front is of a lower order, which |d2| / |d1| over
+//! the whole map shows.
 
 mod error_estimate;
 mod floor_plan;
@@ -30,11 +31,11 @@ use crate::{DistanceMap, Error};
 ///
 /// It solves again on every second and every fourth point, which takes a third more time. Over floor plans,
 /// if fronts have anchors, it solves on a grid twice as fine instead, and the whole takes four to five times
-/// the time.
+/// as long as the map alone.
 ///
 /// The estimate is for a converged map on grids that are fine enough for the surface. It cannot include what
-/// no grid shows, such as a ridge between points, or the corners of a curve given as a polyline. Measured,
-/// with 65 to 257 points per side:
+/// no grid shows, such as a ridge between points, or the corners of a curve given as a polyline. The table
+/// gives values measured with 65 to 257 points per side:
 ///
 /// | surface, sources | mean estimate over mean error | errors below twice the estimate |
 /// |---|---|---|
@@ -59,8 +60,8 @@ use crate::{DistanceMap, Error};
 ///   terrain the error is doubled.
 /// - Curved front: 0.1 to 18 % on sphere, cylinder and cone, up to 30 % from two sources. On rough terrain
 ///   half of the error is left.
-/// - Anchored front: the distances are those of the finer grid. They are as good as the map's, and where
-///   single points are missing have 1 to 3 % of its error.
+/// - Anchored front: the distances are those of the finer grid. They are as accurate as the map's distances,
+///   and where single points are missing they have 1 to 3 % of the map's error.
 ///
 /// Extrapolated distances are worse than the map by far where paths bend around holes, and worse where the
 /// map's error is rounding, as on a plane.
@@ -81,9 +82,9 @@ use crate::{DistanceMap, Error};
 /// ```
 ///
 /// # Errors
-/// The errors of [`distance_map`](crate::distance_map). Where coarser grids are compared, also if a side of
-/// the grid has two points or both sides have one, if no point near a source is left on every second row
-/// and column, or if the seams of a glued surface do not meet there ([`Surface::coarsened`]).
+/// The errors of [`distance_map`](crate::distance_map). Where coarser grids are compared, it is also an error
+/// if a side of the grid has two points or both sides have one, if no point near a source is left on the
+/// coarser grid, or if the seams of a glued surface do not meet on that grid ([`Surface::coarsened`]).
 pub fn estimate_error(
     surface: &Surface,
     sources: &Sources,
@@ -121,7 +122,7 @@ fn estimate<R: Precision>(
     let coarse = surface.coarsened(&grid_points(surface, sources))?;
     let map = in_precision::<R>(surface, sources, options)?;
     // All grids use one engine, since their differences are the estimate.
-    // Targets are points of the finest grid.
+    // Targets are points of the finest grid, so the other grids are solved without targets.
     let engine = options.engine.as_for(&map.report);
     let options = &options.clone().with_engine(engine).with_targets(None);
     let first = Level::new(surface, coarse, sources, &map, options)?;
@@ -140,8 +141,8 @@ fn estimate<R: Precision>(
         _ => 1.0,
     };
     let (errors, extrapolated) = first.on_the_fine_grid(&errors, caution, &map, sources.start());
-    // This is a floor plan that is too large for a finer grid. The growth of its distances shows that corners
-    // have moved, not an error of the map.
+    // A map with anchored fronts comes here only if its floor plan is too large for a finer grid. The growth
+    // of its distances shows that corners have moved, not an error of the map.
     let is_exact = map.report.wavefront == Wavefront::Anchored;
     let extrapolated = if is_exact { map.distances.clone() } else { extrapolated };
     let levels = || [Some(&first), second.as_ref()].into_iter().flatten();
@@ -167,8 +168,8 @@ impl Weights {
         }
     }
 
-    /// Returns a factor for an estimate that assumes errors to grow fourfold from grid to grid, where they
-    /// are observed to grow less. A growth of at least twofold, the first order, is assumed.
+    /// Returns the factor that corrects an estimate based on errors that grow fourfold from grid to grid, if
+    /// they are observed to grow less. At least twofold growth, the first order, is assumed.
     fn caution(&self, observed_order: f64) -> f64 {
         let growth = observed_order.clamp(1.0, 2.0).exp2();
         1.0 / (growth - 1.0) / self.two
@@ -196,8 +197,8 @@ struct Level<R> {
     coarse: Coarsened,
     sources: Sources,
     map: DistanceMap<R>,
-    /// Growth of the distance from the finer grid to this one. It is infinite where one of the two does not
-    /// reach.
+    /// Growth of the distance from the finer grid to this one. It is infinite where one of the two maps does
+    /// not reach.
     growth: Vec<f64>,
 }
 
@@ -226,7 +227,8 @@ impl<R: Precision> Level<R> {
         Ok(Self { coarse, sources: coarse_sources, map, growth })
     }
 
-    /// Returns the next coarser grid, if there is one that can start from each source.
+    /// Returns the level of the next coarser grid, if there is such a grid and its map can start from each
+    /// source.
     fn coarser(&self, options: &Options) -> Result<Option<Self>, Error> {
         let surface = self.coarse.surface();
         let coarse = match surface.coarsened(&grid_points(surface, &self.sources)) {
@@ -250,8 +252,8 @@ impl<R: Precision> Level<R> {
         (sum1 > 0.0 && sum2 > 0.0).then(|| f64::log2(sum2 / sum1))
     }
 
-    /// Converts the errors at this grid's points to estimates for the finer grid, times `caution`, and to the
-    /// finer grid's distances without the errors.
+    /// Converts the errors at this grid's points to estimates for the finer grid, multiplied by `caution`.
+    /// Also returns the finer grid's distances less the errors.
     fn on_the_fine_grid(
         &self,
         errors: &[f64],
@@ -276,8 +278,9 @@ impl<R: Precision> Level<R> {
             .unzip()
     }
 
-    /// Returns the largest error of each point and its neighbours. The sign of the error changes along lines
-    /// on which the error is not small, and the error jumps at the lines where fronts meet.
+    /// Returns the largest error of each point and its neighbours. Where the sign of `errors` changes, the
+    /// values pass through zero, although the true error need not be small there. The error also jumps at the
+    /// lines where fronts meet.
     fn largest_around(&self, errors: &[f64]) -> Vec<f64> {
         let chart = self.map.chart;
         let around = |index: usize| {
@@ -304,7 +307,7 @@ impl<R: Precision> Level<R> {
 }
 
 /// Returns the sources as seeds of the coarse grid. A source in a cell that has become a hole, or beyond the
-/// last row or column left, starts from the finer map's distances at the points beside it.
+/// last remaining row or column, starts from the finer map's distances at the points beside it.
 fn coarse_seeds<R: Real>(
     surface: &Surface,
     coarse: &Coarsened,

@@ -7,8 +7,8 @@ use glam::DVec2;
 use super::Curve;
 use crate::Surface;
 
-/// The distance, in cells, up to which ends of curves on two sides of a seam are the same place. The crossings of
-/// a level are computed from equal values on both sides.
+/// The distance, in cells, up to which ends of curves on two sides of a seam are the same place. It can be small, since
+/// the crossings of a level are computed from equal values on both sides.
 const SAME: f64 = 1e-6;
 
 /// One end of a curve: its index, and whether it is the last vertex.
@@ -17,8 +17,7 @@ type End = (usize, bool);
 /// Joins open curves whose ends are the same place of a closed surface, such as contours, which end on both sides
 /// of each seam. Curves that come back to their start are closed. The order of the other curves is kept.
 ///
-/// The direction of each curve is that of its first part. On a surface with one side, parts beyond a seam may be
-/// reversed.
+/// Each joined curve has the direction of its first part. On a one-sided surface, parts beyond a seam may be reversed.
 ///
 /// ```
 /// use std::f64::consts::TAU;
@@ -50,14 +49,14 @@ pub fn join_over_seams(curves: Vec<Curve>, surface: &Surface) -> Vec<Curve> {
         let is_free = |end| !partners.contains_key(&(index, end));
         curves[index].closed || is_free(false) || is_free(true)
     };
-    // Chains with free ends come first, since one that is entered in its middle would lose its beginning.
+    // Chains with free ends come first, since a chain that is entered in its middle would lose its beginning.
     let mut starts: Vec<usize> = (0..curves.len()).filter(|&index| has_free_end(index)).collect();
     starts.extend((0..curves.len()).filter(|&index| !has_free_end(index)));
     for start in starts {
         if taken[start] {
             continue;
         }
-        // A chain begins at its free end, and goes on as the curve there does or against it.
+        // A chain begins at a free end, and follows the curve there forwards or backwards.
         let is_forward =
             !partners.contains_key(&(start, false)) || partners.contains_key(&(start, true));
         let (mut vertices, mut at) = (Vec::new(), (start, is_forward));

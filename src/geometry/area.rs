@@ -26,7 +26,7 @@ pub fn area(surface: &Surface) -> f64 {
     rows.into_iter().sum()
 }
 
-/// Returns the rows of cells.
+/// Returns the indices of the rows of cells.
 pub(super) fn rows(surface: &Surface) -> impl IndexedParallelIterator<Item = usize> {
     surface.chart().rows_of_cells().into_par_iter()
 }

@@ -59,8 +59,8 @@ impl<'a> Arrivals<'a> {
         };
         let bends = [bend(at(-1), a, Some(b)), bend(Some(a), b, at(2))];
         match bends {
-            // Two wavefronts meet on this edge. The time is the earlier of both, each extrapolated from its
-            // own side.
+            // Two wavefronts meet on this edge. Each is extrapolated from its own side, and the earlier time
+            // is used.
             [Some(p), Some(q)] if p < 0.0 && q < 0.0 => {
                 let ahead = bend(at(-2), at(-1).unwrap_or(a), Some(a));
                 let behind = bend(Some(b), at(2).unwrap_or(b), at(3));

@@ -58,8 +58,8 @@ pub(super) fn join<K: Copy + Ord + Send + Sync>(
     curves
 }
 
-/// Joins undirected segments into polylines of maximal length that pass only through nodes of exactly two
-/// segments. A closed polyline repeats its first node.
+/// Joins undirected segments into polylines of maximal length that pass only through nodes at which exactly
+/// two segments meet. A closed polyline repeats its first node.
 pub(super) fn ways(segments: &[[u64; 2]]) -> Vec<Vec<u64>> {
     let mut at: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
     for (index, ends) in segments.iter().enumerate() {

@@ -87,7 +87,7 @@ pub struct Contour {
     /// The distance.
     pub level: f64,
     /// The curves of the contour. Each is either closed, or open with its ends at the surface's border, at a
-    /// hole or at the limit of the map. They end on both sides of the seams of a closed surface;
+    /// hole or at the limit of the map. On a closed surface, curves end on both sides of each seam;
     /// [`join_over_seams`](super::join_over_seams) joins them there.
     ///
     /// Nearer points lie to the left of each curve, as seen in a picture of the grid with rows downwards.
@@ -100,8 +100,8 @@ pub struct Contour {
 ///
 /// Vertices lie on the grid's lines and on diagonals of cells. Along an edge, the square of the distance since the
 /// smallest initial value is interpolated by a cubic through four points in line. On circles in the plane this is
-/// exact, however close to the source. Where wavefronts meet, the curve has a corner, which one straight segment
-/// inside a triangle cuts off.
+/// exact, however close to the source. Where wavefronts meet, the curve has a corner, and a straight segment inside a
+/// triangle cuts this corner off.
 ///
 /// A contour that passes between grid points without separating any of them is not found, for example around
 /// a source inside a cell. Curves at the largest distance connect the grid points that have this distance up
@@ -161,7 +161,7 @@ pub fn contours(map: &DistanceMap, sources: &Sources, levels: &[f64]) -> Vec<Con
 fn march(arrivals: &Arrivals, levels: &[f64]) -> Vec<Segment<u32>> {
     const MISSING: u32 = u32::MAX;
     let chart = arrivals.chart;
-    // The number of levels that are at most the distance of the point, or MISSING if it is unreached.
+    // The number of levels that are at most the distance of the point, or MISSING if the point is unreached.
     let passed = |index: usize| {
         let time = f64::from(arrivals.time(index));
         if !time.is_finite() {
@@ -181,7 +181,7 @@ fn march(arrivals: &Arrivals, levels: &[f64]) -> Vec<Segment<u32>> {
             }
             let there = counts.map(|count| count != MISSING);
             let times = corners.map(|index| arrivals.time(index));
-            // Splits the cell along the diagonal with the larger change of the map, so that curves cross the
+            // The cell is split along the diagonal with the larger change of the map, so that curves cross the
             // diagonal.
             let falling = (times[0] - times[3]).abs() >= (times[1] - times[2]).abs();
             for triangle in triangles(there, falling) {
@@ -197,8 +197,9 @@ fn march(arrivals: &Arrivals, levels: &[f64]) -> Vec<Segment<u32>> {
     chart.rows_of_cells().into_par_iter().flat_map_iter(row_of_cells).collect()
 }
 
-/// Calls `found` with the index of each level whose contour crosses the triangle, the edge on which the boundary,
-/// followed corner by corner, leaves the part nearer than the level, and the edge on which it returns.
+/// Calls `found` for each level whose contour crosses the triangle, with the index of the level and two edges. Along
+/// the boundary, in the order of the corners, the first edge leaves the part nearer than the level, and the second edge
+/// returns to this part.
 fn march_triangle(
     triangle: &[usize; 3],
     counts: &[u32; 4],

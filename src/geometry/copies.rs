@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::order::rank;
 use crate::surface::{EdgeLengths, Groups, Real};
 
-/// The points that are one point of the surface. Empty for open surfaces.
+/// The groups of points that are copies of one point of the surface. Open surfaces have none.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Copies {
     groups: Option<Groups>,
@@ -20,12 +20,13 @@ impl Copies {
         Self { groups, numbers }
     }
 
-    /// Returns whether there are none.
+    /// Returns whether the surface has no copies.
     pub(super) fn is_none(&self) -> bool {
         self.groups.is_none()
     }
 
-    /// Returns the copies of a point in ascending order, itself included. Returns `None` if it has no other.
+    /// Returns the copies of a point in ascending order, the point itself included. Returns `None` if it has
+    /// no other copy.
     fn group(&self, point: usize) -> Option<&[u32]> {
         let groups = self.groups.as_ref()?;
         self.numbers.get(&(point as u32)).map(|&number| groups.get(number))
@@ -41,7 +42,7 @@ impl Copies {
         self.group(point).is_some()
     }
 
-    /// Returns all copies of a point, itself included, or none if it has no other.
+    /// Returns all copies of a point, the point itself included. The result is empty if it has no other copy.
     pub(super) fn copies(&self, point: usize) -> impl Iterator<Item = usize> + Clone {
         self.group(point).into_iter().flatten().map(|&copy| copy as usize)
     }
@@ -51,7 +52,8 @@ impl Copies {
         std::iter::once(point).chain(self.copies(point).filter(move |&copy| copy != point))
     }
 
-    /// Returns the copy of a point with the given number, from 0. A point without copies is its own first.
+    /// Returns the copy of a point with the given number, from 0. A point without copies counts as its own
+    /// first copy.
     pub(super) fn nth(&self, point: usize, number: usize) -> Option<usize> {
         match self.group(point) {
             Some(group) => group.get(number).map(|&copy| copy as usize),
@@ -65,7 +67,7 @@ impl Copies {
         self.group(point).map_or(point, |group| group[0] as usize)
     }
 
-    /// Gives all copies of a point the earliest of their times. Maps may differ there by rounding.
+    /// Gives all copies of a point the earliest of their times. The times of copies may differ by rounding.
     pub(super) fn share_earliest(&self, times: &mut [f32]) {
         for group in self.groups() {
             let time = group.iter().fold(f32::FAR, |time, &copy| time.min(times[copy as usize]));
@@ -73,7 +75,7 @@ impl Copies {
         }
     }
 
-    /// Returns the rank of a point in the order of arrival, which is that of all its copies.
+    /// Returns the rank of a point in the order of arrival, which all its copies share.
     #[inline]
     pub(super) fn rank(&self, times: &[f32], point: usize) -> u64 {
         let first = self.first(point);

@@ -10,7 +10,7 @@ use crate::surface::{Cell, Direction};
 /// The rounding error of a largest distance in single precision that accumulates along the path, as a
 /// fraction of the distance since the start.
 const ON_THE_WAY: f64 = 2e-6;
-/// The rounding error of the stored value, as a fraction of it.
+/// The rounding error of the stored value, as a fraction of that value.
 const OF_DIGITS: f64 = 4.0 * f32::EPSILON as f64;
 
 /// Returns by how much a distance may lie below the largest one and still count as equal.
@@ -28,7 +28,8 @@ pub(super) fn curves(arrivals: &Arrivals, least: f64) -> Vec<Curve> {
         time.is_finite() && time >= least
     };
     let top = |(row, col): (usize, usize)| is_top(chart.index(row, col));
-    // Whether a corner of the cell to the south-east of a point is nearer. Of a plateau only the border is kept.
+    // Whether a corner of the cell to the south-east of a point is nearer than `least`. Only the border of a plateau is
+    // kept.
     let falls = |at: Option<(usize, usize)>| {
         let whole = at.filter(|&(row, col)| chart.neighbour(row, col, SouthEast).is_some());
         let corners = whole.map(|at| Cell::of(at).corners());

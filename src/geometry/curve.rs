@@ -7,8 +7,8 @@ use crate::surface::{Sample, grid_crossings};
 
 /// A polyline in the parameter domain. Its vertices may lie anywhere between grid points.
 ///
-/// On a closed surface ([`Surface::with_gluing`]) a curve may pass seams. Two vertices in turn are then the
-/// same place of the surface at different rows and columns: the curve *jumps*. See [`Self::jumps`].
+/// On a closed surface ([`Surface::with_gluing`]) a curve may pass seams. Two successive vertices are then
+/// the same place of the surface at different rows and columns: the curve *jumps*. See [`Self::jumps`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
     /// The row and column of each vertex, fractional, in order.
@@ -66,7 +66,7 @@ impl Curve {
 
     /// Returns the length of the curve on the surface, in the surface's unit. The length is the sum of the
     /// straight segments between the places where the curve crosses the grid's lines. A slowness does not
-    /// change it. Jumps have no length.
+    /// change the length. Jumps have no length.
     ///
     /// # Errors
     /// If a part of the curve lies off the surface.
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn a_circle_of_latitude_is_as_long_as_it_should_be() {
-        // Around the cylinder of radius 1, over three quarters of a turn, half-way up a cell.
+        // The curve runs around the cylinder of radius 1, over three quarters of a turn, half-way up a cell.
         let surface = Builtin::Cylinder.surface(33, 129).unwrap();
         let curve = Curve { vertices: vec![[8.5, 0.0], [8.5, 128.0]], closed: false };
         let exact = 1.5 * std::f64::consts::PI;

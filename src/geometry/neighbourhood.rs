@@ -52,7 +52,7 @@ impl<'a> Neighbourhood<'a> {
         wide(self.edges.at(point, self.neighbourhood[to].edge))
     }
 
-    /// Returns the length of the edge between two neighbours, or 0 if they are none.
+    /// Returns the length of the edge between two neighbouring points, or 0 if the points are not neighbours.
     pub(super) fn length_between(&self, from: usize, to: usize) -> f64 {
         let towards = (0..8).find(|&direction| self.neighbour(from, direction) == to);
         towards.map_or(0.0, |direction| self.length(from, direction))
@@ -68,7 +68,7 @@ impl<'a> Neighbourhood<'a> {
     /// and the next one, and where it crosses the base, from 0 to 1.
     ///
     /// `since` holds the times since the start at both neighbours, infinite where they are not known. Returns
-    /// `None` if neither is known or no edge leads to the point.
+    /// `None` unless at least one of the neighbours has both a known time and an edge to the point.
     pub(super) fn ray(&self, point: usize, to: usize, since: [f64; 2]) -> Option<(f64, f64)> {
         let next = ring::next(to);
         let [a, b] = [to, next].map(|to| self.length(point, to));

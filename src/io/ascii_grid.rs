@@ -37,7 +37,8 @@ struct Header<'a>(HashMap<String, &'a str>);
 
 /// Decodes a file. `projection` is the text of the `.prj` file beside it.
 pub(super) fn decode(bytes: &[u8], projection: Option<&str>) -> Result<AsciiGrid, String> {
-    let text = std::str::from_utf8(bytes).map_err(|_| "is no ESRI ASCII grid: it is no text")?;
+    let text =
+        std::str::from_utf8(bytes).map_err(|_| "is not an ESRI ASCII grid: it is not text")?;
     let mut tokens = text.trim_start_matches('\u{feff}').split_ascii_whitespace().peekable();
     let mut header = Header(HashMap::new());
     while let Some(key) = tokens.next_if(|token| c_number(token).is_none()) {
@@ -81,8 +82,9 @@ pub(super) fn decode(bytes: &[u8], projection: Option<&str>) -> Result<AsciiGrid
 impl Header<'_> {
     fn count(&self, key: &str) -> Result<usize, String> {
         let text = self.0.get(key);
-        let text = text.ok_or_else(|| format!("is no ESRI ASCII grid: its header lacks {key}"))?;
-        text.parse().map_err(|_| format!("its {key} `{}` is no count", shortened(text)))
+        let text =
+            text.ok_or_else(|| format!("is not an ESRI ASCII grid: its header lacks {key}"))?;
+        text.parse().map_err(|_| format!("its {key} `{}` is not a whole number", shortened(text)))
     }
 
     fn number(&self, key: &str) -> Result<Option<f64>, String> {
@@ -100,7 +102,10 @@ impl Header<'_> {
         let usable = |side: f64| side.is_finite() && side > 0.0;
         match usable(cell.dx) && usable(cell.dy) {
             true => Ok(cell),
-            false => Err("its cells have no size: cellsize, dx and dy are positive".into()),
+            false => {
+                Err("its cells have no size: cellsize, dx and dy must be positive and finite"
+                    .into())
+            }
         }
     }
 
@@ -154,7 +159,7 @@ fn spacing(
     let factor = unit.and_then(|unit| unit.split(',').nth(1)?.trim().parse::<f64>().ok());
     match factor {
         Some(1.0) => known(Some("m"), true),
-        // Heights have no unit in this format; metres are usual.
+        // Heights have no unit in this format and are usually in metres, so distances in another unit are of no use.
         _ => FileSpacing::Unusable(
             "the .prj beside the file gives its cell size in a unit other than metres".into(),
         ),

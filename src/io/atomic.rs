@@ -114,7 +114,7 @@ impl OutputFile {
     fn temporary_file(&self) -> io::Result<NamedTempFile> {
         let mut builder = Builder::new();
         builder.prefix(".geosweep-").suffix(".part");
-        // Temporary files are private by default. This is the mode of other new files, less the umask.
+        // Temporary files are private by default. The mode 0o666, less the umask, is that of other new files.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         builder.tempfile_in(self.folder())

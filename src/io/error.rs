@@ -1,4 +1,4 @@
-//! The errors of reading and writing files.
+//! Defines the errors of reading and writing files.
 
 use std::path::{Path, PathBuf};
 

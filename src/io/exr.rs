@@ -114,8 +114,8 @@ fn check_headers(headers: &[Header], file: usize) -> Result<(), String> {
 }
 
 /// Checks that each block of the first layer's picture is present exactly once. The crate `exr` does not check the
-/// table of offsets. If an entry leads to a block of another layer or level, that crate panics. If two entries lead
-/// to the same block, it reads the missing one as zeros.
+/// table of offsets. If an entry leads to a block of another layer or level, that crate panics. If two entries lead to
+/// the same block, the crate reads the missing block as zeros.
 fn check_blocks(bytes: &[u8]) -> Result<(), Error> {
     let blocks = read_blocks(Cursor::new(bytes), false)?
         .filter_chunks(false, |_, tile, block| {

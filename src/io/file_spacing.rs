@@ -7,7 +7,7 @@ use crate::surface::Spacing;
 pub(super) enum FileSpacing {
     /// The file gives no distance.
     Unknown,
-    /// The distances between columns and between rows. Their unit is that of the heights; where the file does not say
+    /// The distances between columns and between rows. They are in the unit of the heights; if the file does not say
     /// so, this is assumed.
     Known(Spacing, LinearUnit),
     /// The distances are, or may be, in degrees. The text says why.

@@ -40,8 +40,8 @@ impl Georeference {
         (row.is_finite() && col.is_finite()).then_some([row, col])
     }
 
-    /// Checks that the corners of a grid of this size have the same places under another georeference, up to a tenth
-    /// of a cell.
+    /// Checks that both georeferences put the corners of a grid of this size at the same coordinates, up to a tenth of
+    /// a cell.
     pub(super) fn agrees(&self, other: &Self, rows: usize, cols: usize) -> Result<(), String> {
         if let (Some(own), Some(other)) = (self.system, other.system)
             && own != other
@@ -59,7 +59,7 @@ impl Georeference {
             if (row - place[0]).abs() > SAME_PLACE || (col - place[1]).abs() > SAME_PLACE {
                 let (there, [x, y]) = (other.coordinates(place), coordinates);
                 return Err(format!(
-                    "has its point at row {}, column {} at {x}, {y}, the surface at {}, {}",
+                    "has row {}, column {} at {x}, {y}, but the surface has it at {}, {}",
                     place[0], place[1], there[0], there[1]
                 ));
             }

@@ -68,7 +68,7 @@ pub(super) fn check_memory<T>(values: usize) -> Result<(), String> {
     std::hint::black_box(&room);
     there.map_err(|_| {
         let mib = values.saturating_mul(size_of::<T>()) >> 20;
-        format!("holds {values} values, which need {mib} MiB of memory that cannot be had")
+        format!("holds {values} values, which need {mib} MiB of memory, more than is available")
     })
 }
 

@@ -42,7 +42,7 @@ impl MapFormat {
         self != Self::Exr
     }
 
-    /// Writes a map of `rows` x `cols` values, row-major. A GeoTIFF carries `geo_tags`, those of the
+    /// Writes a map of `rows` x `cols` values, row-major. A GeoTIFF carries `geo_tags`, the tags of the
     /// surface's file ([`SurfaceFile::geo_tags`](super::SurfaceFile::geo_tags)).
     ///
     /// # Errors

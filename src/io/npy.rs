@@ -138,7 +138,9 @@ fn parse_shape(text: &str) -> Result<Vec<usize>, String> {
     let size = |text: &str| text.trim().parse();
     sizes.split(',').map(size).collect::<Result<_, _>>().map_err(|_| {
         let sizes = excerpt(sizes);
-        format!("the .npy header's 'shape' ({sizes}) is no list of sizes that fit this machine")
+        format!(
+            "the .npy header's 'shape' ({sizes}) is not a list of sizes that this machine can address"
+        )
     })
 }
 

@@ -33,7 +33,7 @@ pub(super) fn decode(bytes: &[u8], names: &[&str]) -> Result<NpyArray, String> {
             let there: Vec<_> = arrays.iter().take(8).map(|(name, ..)| &name[..]).collect();
             let more = if count > there.len() { ", ..." } else { "" };
             format!(
-                "holds {count} arrays ({}{more}); keep one, or name the one that is meant {}",
+                "holds {count} arrays ({}{more}); keep only one of them, or give the array to be read the name {}",
                 there.join(", "),
                 names.join(" or ")
             )
@@ -54,13 +54,15 @@ pub(super) fn decode(bytes: &[u8], names: &[&str]) -> Result<NpyArray, String> {
         CompressionMethod::DEFLATE => {
             check_decoded(data.len(), ratio::DEFLATE, size)?;
             check_memory::<u8>(size)?;
-            // No more bytes are read than the archive declares, however much the stream holds.
+            // At most one byte more than the archive declares is read, however much the stream holds. If that
+            // byte is there, the verifying reader reports the array as damaged.
             let stream = DeflateDecoder::new(data).take(size as u64 + 1);
             entry.verifying_reader(stream).read_to_end(&mut array).map_err(damaged)?;
         }
         other => {
             return Err(format!(
-                "its array {name} is compressed by {other:?}; np.savez_compressed writes what is read"
+                "its array {name} is compressed by {other:?}, which is not supported; write the file with \
+                 np.savez_compressed"
             ));
         }
     }

@@ -79,7 +79,8 @@ mod tests {
         let wide = |values: &[usize]| values.iter().map(|&value| value as f64).collect::<Vec<_>>();
         assert_eq!(array("indptr").values, wide(&rows.indptr));
         assert_eq!(array("shape").values, [2.0, 30.0]);
-        // Within the radius there are four points around the corner and nine around the inner point, with themselves.
+        // Within the radius of the corner lie four points, and within the radius of the inner point nine. Both counts
+        // include the point itself.
         assert_eq!(rows.indptr, [0, 4, 13]);
         let columns: Vec<_> = rows.indices.iter().map(|&column| f64::from(column)).collect();
         assert_eq!(array("indices").values, columns);

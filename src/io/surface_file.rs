@@ -23,7 +23,7 @@ use crate::surface::{MetricTensor, Spacing, Surface, SurfaceError};
 /// | `.asc` | heights, an ESRI ASCII grid |
 /// | `.exr` | positions in channels X, Y, Z or R, G, B, or heights in a single channel |
 ///
-/// NaN marks holes in all of them.
+/// Points at which a value is NaN are holes.
 #[derive(Clone, Debug)]
 pub struct SurfaceFile {
     path: PathBuf,
@@ -120,8 +120,8 @@ impl SurfaceFile {
         self.system.clone().map_err(|reason| IoError::content(&self.path, reason))
     }
 
-    /// Returns the fields that give the location of a GeoTIFF, to be written to maps of the same grid. From the
-    /// header of an ESRI ASCII grid equivalent fields are made.
+    /// Returns the fields that give the location of a GeoTIFF, to be written to maps of the same grid. For an ESRI
+    /// ASCII grid, equivalent fields are made from its header.
     pub fn geo_tags(&self) -> Option<&GeoTags> {
         self.geo_tags.as_ref()
     }
@@ -149,7 +149,7 @@ impl SurfaceFile {
         Err(IoError::content(&self.path, format!("holds {held}, not heights (M, N)")))
     }
 
-    /// Makes the surface. Heights have the given spacing, else that of the file, else 1.
+    /// Makes the surface. Heights have the given spacing, otherwise the file's, otherwise 1.
     ///
     /// # Errors
     /// If the values do not make a surface; if a spacing is given and the file does not hold heights; if the

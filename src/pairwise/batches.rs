@@ -47,8 +47,8 @@ impl Batches {
     /// Splits sources, in order, into groups, each with its batches.
     ///
     /// The other sources of a batch can change the last bits of a map. So consecutive sources are computed in
-    /// the same batches as for the whole matrix; these are completed with neighbours that were not requested.
-    /// Other lists fill the lanes in order.
+    /// the same batches as for the whole matrix; these batches are filled up with neighbours that were not
+    /// requested. The sources of other lists fill the lanes in order.
     pub fn split(self, sources: &[usize]) -> impl Iterator<Item = (Range<usize>, Vec<Batch>)> {
         let mut begin = 0;
         std::iter::from_fn(move || {
@@ -111,12 +111,12 @@ mod tests {
 
     const CHART: Chart = Chart { rows: 7, cols: 6 };
 
-    /// Returns batches in a row, and in blocks.
+    /// Returns batches that are parts of rows, and batches that are blocks.
     fn tilings() -> [Batches; 2] {
         [1, 4].map(|rows| Batches { chart: CHART, rows })
     }
 
-    /// Splits the sources. Returns all batches, and what each place is computed from, in order.
+    /// Splits the sources. Returns all batches, and the source from which each place is computed, in order.
     fn split(batches: Batches, sources: &[usize]) -> (Vec<Batch>, Vec<usize>) {
         let (mut all, mut computed, mut end) = (Vec::new(), vec![usize::MAX; sources.len()], 0);
         for (group, batches) in batches.split(sources) {

@@ -170,7 +170,7 @@ impl<'a> RowEngine<'a> {
         match &mut self.kind {
             Kind::Lanes(lanes) => Ok(lanes.solve(grid, sources, stop, into, (&self.monitor, done))),
             Kind::Maps(edges) => {
-                // Threads are busy with maps of their own.
+                // All threads have maps of their own, so a map does not need the parallel order of patches.
                 let new = || {
                     let solver = RotatedScan::in_order(edges, wavefront, Order::Lines);
                     let mut solver = solver.with_monitor(self.monitor.clone());

@@ -19,7 +19,7 @@ const GENERATION: usize = 256;
 
 impl LaneEngine {
     /// Prepares the engine. Returns `None` if maps of this wavefront cannot be computed side by side, or the surface is
-    /// glued. So the solver's grid is the surface's own.
+    /// glued. Since glued surfaces are left out, the solver's grid is the surface's own.
     pub fn new(grid: &SolverGrid, edges: &EdgeLengths<f32>, wavefront: Wavefront) -> Option<Self> {
         let (scan, batches) = (PairwiseScan::new(edges, wavefront)?, Batches::new(grid.chart()));
         Some(Self { scan, batches })

@@ -55,7 +55,7 @@ pub struct Pairwise<'a> {
 impl<'a> Pairwise<'a> {
     /// Prepares a surface. Options have the same meaning as for a single map, with these exceptions.
     /// [`Options::schedule`] and [`Options::targets`] must not be set, since rows have neither. Distances beyond
-    /// [`Options::radius`] are +infinity; [`pairs_within`] computes only those within it.
+    /// [`Options::radius`] are +infinity; [`pairs_within`] computes only the distances within the radius.
     /// [`Engine::Auto`](crate::Engine::Auto) means the CPU.
     ///
     /// The CPU computes sixteen maps at once in SIMD lanes ([`PairwiseScan`](crate::cpu::PairwiseScan)).
@@ -105,8 +105,8 @@ impl<'a> Pairwise<'a> {
     /// Computes the whole matrix with the symmetric initialisation (paper, eq. 20).
     ///
     /// Rows are computed in generations. Distances to the points of earlier generations are copied from the
-    /// rows of those points. So the matrix is symmetric except for the blocks of a generation on its
-    /// diagonal. If `done` fails, no more rows are started.
+    /// rows of those points. So the matrix is symmetric except for the blocks on its diagonal, one for each
+    /// generation. If `done` fails, no more rows are started.
     ///
     /// # Errors
     /// As for [`Self::matrix`]; if the wavefront is curved, since its start would need curvatures as well; if

@@ -13,9 +13,10 @@ pub struct NearPoint {
     pub distance: f32,
 }
 
-/// Finds the `count` nearest of some grid points, by row and column, from a place (row and column), in the
-/// order of their distances. Points at equal distances come in the order of the list. Points farther than the
-/// radius of `options`, and those that no path reaches, are left out. So the result may be shorter, or empty.
+/// Finds those `count` of some grid points (rows and columns) that are nearest to a place (row and column),
+/// in the order of their distances. Points at equal distances come in the order of the list. Points farther
+/// than the radius of `options`, and those that no path reaches, are left out. So the result may be shorter,
+/// or empty.
 ///
 /// Distances are symmetric. So one map is solved, from the place outward, and only as far as the nearest points
 /// need.

@@ -24,8 +24,8 @@ pub struct PairwiseReport {
     pub residual: f64,
     /// The tolerance that the residual had to meet.
     pub tolerance: f64,
-    /// The time from the start of the first map to the end of the last one. It includes what was done with
-    /// rows in between.
+    /// The time from the start of the first map to the end of the last one. It includes the time in which
+    /// rows were handled in between.
     pub solve_time: Duration,
 }
 

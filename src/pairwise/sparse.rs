@@ -13,7 +13,7 @@ use crate::{Convergence, Engine, Error, Options, Stop, UsedEngine};
 /// SciPy's `csr_array` holds them.
 ///
 /// The entries of row r are those from `indptr[r]` to before `indptr[r + 1]`. Columns are grid points in
-/// row-major order. A row has its own point, at distance 0. The row of a hole is empty.
+/// row-major order. A row includes its own point, at distance 0. The row of a hole is empty.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SparseRows {
@@ -45,11 +45,11 @@ impl SparseRows {
 }
 
 /// Computes the distances from each of some points, given by their grid indices, to all points within the
-/// radius of `options`. The work is proportional to the area within the radius of all rows together. Rows are
-/// computed by all of rayon's threads.
+/// radius of `options`. The work is proportional to the sum, over all rows, of the area within the radius.
+/// Rows are computed by all of rayon's threads.
 ///
-/// The options have the same meaning as for [`Pairwise`](super::Pairwise). The rows are those of its matrix,
-/// without the larger distances.
+/// The options have the same meaning as for [`Pairwise`](super::Pairwise). The rows are those of the matrix
+/// of [`Pairwise`](super::Pairwise), without distances beyond the radius.
 ///
 /// ```
 /// use geosweep::pairwise::pairs_within;

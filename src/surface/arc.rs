@@ -7,8 +7,8 @@
 //! paths between their points, and a plane stays a plane whatever grid is drawn on it.
 //!
 //! A cubic with the bends a and b at its ends, in units of the chord, is longer than its chord by the
-//! fraction m^2 / 24 + d^2 / 1440, where m is the mean of the bends and d their difference. We use the
-//! fraction s / 24 with s = |m| sqrt(a b), which differs from it only by terms of second order in d. It vanishes
+//! fraction m^2 / 24 + d^2 / 1440, where m is the mean of the bends and d their difference. The fraction used here
+//! is s / 24 with s = |m| sqrt(a b), which differs from the former only by terms of second order in d. It vanishes
 //! where only one end bends (a crease that runs through a grid point has flat surface on either side) and where the
 //! ends bend to different sides. It needs no threshold that noise could cross. Measured on real terrain with curved
 //! fronts (see [`EdgeRule`]), the error is 9.4e-4 with this rule, 9.7e-4 with a b / 24, and 8.8e-4 with m^2 / 24
@@ -32,10 +32,10 @@ use super::real::{Real, max, min};
 /// The rule by which the length of an edge between neighbouring grid points is measured.
 ///
 /// [`EdgeRule::Arc`] is the default, since it is more accurate both on smooth surfaces and on rough ones. The
-/// table shows the mean relative error of converged maps from a point source. The first four rows are at 400
-/// x 400 points in single precision. The terrain is ten maps over 65 x 65 points of the terrain in
-/// `examples/data`, with heights in whole metres, against exact polyhedral distances on a fourfold spline
-/// refinement.
+/// table shows the mean relative error of converged maps from a point source. The first four rows are at 400 x 400
+/// points in single precision. The rows of the terrain are means over ten maps of 65 x 65 points of the terrain in
+/// `examples/data`, with heights in whole metres. They are compared with exact polyhedral distances on a fourfold
+/// spline refinement.
 ///
 /// | surface | wavefront | chord | arc |
 /// |---|---|---:|---:|
@@ -56,7 +56,7 @@ pub enum EdgeRule {
     Chord,
     /// The arc of a cubic through the neighbouring samples, where the surface bends to the same side at both
     /// ends of the edge, and the chord at creases. Where a neighbour is missing, at a hole or the border, the bend
-    /// there is the smaller one of the next two points inwards, or 0 if these bend to different sides.
+    /// there is the smaller of the bends at the next two points inwards, or 0 if these bends are to different sides.
     #[default]
     Arc,
 }
@@ -74,9 +74,9 @@ impl EdgeRule {
     /// Returns the part of the area of a point's fan of eight triangles over which the angle defect at its tip is
     /// spread.
     ///
-    /// With chords the fan is a part of the polyhedron, and its tip stands for one of its four cells (exactly
-    /// so where the grid follows the lines of curvature). With arcs each angle of a curved triangle is larger
-    /// than that of a flat one with the same sides by a third of the triangle's total curvature, whatever the
+    /// With chords the fan is a part of the polyhedron, and its tip stands for the area of one cell of the four in the
+    /// fan (exactly so where the grid follows the lines of curvature). With arcs each angle of a curved triangle is
+    /// larger than that of a flat one with the same sides by a third of the triangle's total curvature, whatever the
     /// grid.
     pub(crate) fn share_of_fan(self) -> f64 {
         match self {
@@ -217,8 +217,9 @@ mod tests {
                     if length >= f64::FAR {
                         continue;
                     }
-                    // Across the axis the chord is too short by 4e-4; a line of three points keeps it. Arcs
-                    // leave 7e-10, and 3e-7 at the border, where the normals are those half an edge inwards.
+                    // Across the axis the chord is too short by 4e-4; a line of three points keeps its chords. Arcs
+                    // leave an error of 7e-10, or 3e-7 at the border, where the normals used are those half an edge
+                    // inwards.
                     let is_arc = points_on_line(&surface, row, col, to) > 3;
                     let inside = (2..7).contains(&row) && (2..9).contains(&col);
                     let tolerance = match is_arc {

@@ -31,15 +31,14 @@ impl Surface {
     /// sources there are grid points of both surfaces. Where points of `through` are too close together for
     /// that, earlier ones take precedence. With a metric only the first one counts.
     ///
-    /// The first and the last row and column stay too. Where the number of points requires it, there is a
-    /// single step between two rows or columns, at an end or half-way between two of the points. A metric is
-    /// given per step, so it leaves out the ends instead. A side of one point stays one point. Slowness and
-    /// positions are those of the points that stay. Holes stay holes. Where a wall would fall between two
-    /// points that stay, one of them becomes a hole, so that any path on the coarse surface exists on the
-    /// fine one.
+    /// The first and the last row and column stay too. Where the number of points requires it, there is a single step
+    /// between two rows or columns, at an end or half-way between two points of `through`. A metric is given per step,
+    /// so a surface with a metric leaves out ends instead. A side of one point stays one point. Slowness and positions
+    /// are those of the points that stay. Holes stay holes. Where a wall would fall between two points that stay, one
+    /// of them becomes a hole, so that any path on the coarse surface exists on the fine one.
     ///
-    /// The coarse surface is glued as this one is. On every second row and column, both copies of a point of a seam stay
-    /// or none. Points of `through` may get lost for that. Lines of holes between charts stay too.
+    /// The coarse surface is glued as this one is. Of the copies of a point on a seam, either all stay or none, and
+    /// points of `through` may get lost for that. Lines of holes between charts stay too.
     ///
     /// # Errors
     /// If a side has two points, or both sides have one, or only holes would be left;
@@ -75,7 +74,8 @@ impl Surface {
         let Chart { rows, cols } = self.chart();
         let evenly = !self.geometry().has_positions();
         let ends = [[0, 0], [rows - 1, cols - 1]];
-        // Where seams would not meet, points of `through` get lost, then all steps are of two from either end.
+        // Where seams would not meet, the second attempt gives up the points of `through`. The third one counts in
+        // steps of two from both ends.
         for through in [through, &[], &ends] {
             let lines = |points, axis: usize| {
                 let through: Vec<usize> = through.iter().map(|point| point[axis]).collect();
@@ -111,10 +111,11 @@ impl Surface {
     }
 }
 
-/// Returns every second index of a side of `points` points. Indices in `through` are included where possible,
-/// and the first of them always. Both ends are included, unless `evenly` asks for even steps.
+/// Returns every second index of a side of `points` points. Indices in `through` are included where possible. The first
+/// of them is always included if there are more than three points. Both ends are included, unless `evenly` asks for
+/// even steps.
 fn every_second(points: usize, through: &[usize], evenly: bool) -> Vec<usize> {
-    // Three points make two steps of one or one step of two.
+    // Three points make one step of two from end to end. With the middle point they would make two steps of one.
     let mut fixed = vec![if points > 3 { through.first().copied().unwrap_or(0) } else { 0 }];
     if !evenly && points > 3 {
         for &line in through {
@@ -145,13 +146,12 @@ fn every_second(points: usize, through: &[usize], evenly: bool) -> Vec<usize> {
     kept
 }
 
-/// Minimum distance of two points with a single step between them. With closer ones the grid would hardly be
-/// coarser.
+/// Minimum distance of two points with a single step between them. With closer points the grid would hardly be coarser.
 const BETWEEN_SINGLE_STEPS: usize = 8;
 
-/// Makes one of two neighbours a hole if there is a hole between them on the fine surface: the first, unless
-/// that is a point of `through`. No diagonal slips through the wall either: a diagonal needs a third corner,
-/// and with it two sides of a cell on which nothing is missing.
+/// Makes one of two neighbours a hole if there is a hole between them on the fine surface: the first, unless that is a
+/// point of `through`. No diagonal passes through the wall either: a diagonal needs a third corner of the cell, and on
+/// the two sides of the cell at that corner nothing is missing.
 fn keep_walls(
     fine: &Surface,
     rows: &[usize],
@@ -199,8 +199,8 @@ impl Coarsened {
 
     /// Converts the fine surface's sources to coarse rows and columns.
     ///
-    /// A curve gets an additional vertex wherever the steps between rows or columns change, since its
-    /// segments would not stay straight there. Between the two copies of a place where it passes a seam it gets none.
+    /// A curve gets an additional vertex wherever the steps between rows or columns change, since its segments would
+    /// not stay straight there. Where the curve passes a seam, it gets no vertex between the two copies of the place.
     pub fn sources(&self, fine: &Sources) -> Sources {
         fine.iter().fold(Sources::default(), |sources, source| match source {
             Source::Point { at, initial } => {
@@ -259,7 +259,7 @@ impl Coarsened {
             }
             match (weights > 0.0, count > 0.0) {
                 (true, _) => sum / weights,
-                // The point lies on a coarse point without a value, and a point beside that has one.
+                // The point lies on a coarse point without a value, and a coarse point beside it has a value.
                 (_, true) => plain / count,
                 _ => f64::INFINITY,
             }

@@ -6,11 +6,13 @@ use super::chart::{Direction, ring};
 type There = [bool; Direction::ALL.len()];
 
 /// Returns whether a path can leave a grid point between the direction `eighth` and the next one. It can if
-/// their triangle is present, or the triangle of half a cell from which it is cut.
+/// the point's triangle with its neighbours in both directions is present. It also can if the cell's two
+/// other corners on the row and on the column of the point are present, since their triangle with the point
+/// covers the beginning of this eighth.
 pub(crate) fn is_open(there: There, eighth: usize) -> bool {
     let first = eighth / 2 * 2;
     let diagonal = ring::next(first);
-    // The three neighbours of the cell.
+    // The point's three neighbours in the cell.
     match [first, diagonal, ring::next(diagonal)].map(|to| there[to]) {
         [true, _, true] => true,
         [a, true, b] => {

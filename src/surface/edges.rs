@@ -15,12 +15,11 @@ use super::real::Real;
 /// The edges to the other four neighbours are stored at the neighbour. A missing edge (border, hole) has the
 /// length [`Real::FAR`].
 ///
-/// The update of a triangle uses three such edges, so masks, metrics and slowness need no special case
-/// anywhere else. The arrays have a border of missing points. They take 16 bytes per point in single
-/// precision.
+/// The update of a triangle uses three such edges, so it needs no special case for masks and metrics. The arrays have a
+/// border of missing points. They take 16 bytes per point in single precision.
 ///
 /// A clone shares the arrays and whatever solvers compute and store with them, so cloning is cheap. Solvers that
-/// live long hold a clone. The memory is freed with the last one.
+/// live long hold a clone. The memory is freed with the last clone.
 #[derive(Clone, Debug)]
 pub struct EdgeLengths<R> {
     /// The shared arrays. Fast loops borrow an array before they start, so that they do not follow this pointer
@@ -51,22 +50,22 @@ pub(super) struct SharedEdges<R> {
     pub(super) obtuse: ObtuseTriangles,
     /// See `obtuse/parts.rs`.
     pub(super) parts: Parts<R>,
-    /// See [`Self::copies`].
+    /// See [`EdgeLengths::copies`].
     pub(super) copies: Option<Groups>,
     /// Parts of the grid across its seams.
     pub(super) strips: Vec<Strip<R>>,
-    /// Whether the surface, or that of which this is a strip, is glued.
+    /// Whether these are the edges of a glued surface or of a strip of one.
     pub(super) of_glued: bool,
 }
 
-/// A part of a grid that goes on over a seam, measured like any surface. Its values take the place of those of the
-/// grid beside the seam, which depend on points beyond it (`gluing/strips.rs`).
+/// A part of a grid that goes on over a seam, measured like any surface. Its values replace the grid's own values
+/// beside the seam, since those values depend on points beyond the seam (`gluing/strips.rs`).
 #[derive(Clone, Debug)]
 pub(super) struct Strip<R> {
     pub edges: EdgeLengths<R>,
     /// Row and column of the strip's first point.
     pub first: (isize, isize),
-    /// The points of the grid whose values the strip has.
+    /// The points of the grid that take their values from the strip.
     pub block: Block,
 }
 
@@ -117,9 +116,8 @@ impl<R: Real> EdgeLengths<R> {
         Self { shared: Arc::new(shared), beside_a_source: self.beside_a_source }
     }
 
-    /// Returns whether the front of a single source may meet itself from cell to cell, as the fronts of
-    /// several sources do. It may if the slowness is uneven, or if there are obtuse triangles, as on steep
-    /// surfaces.
+    /// Returns whether the front of a single source may meet itself, as the fronts of several sources meet each other.
+    /// It may if the slowness is uneven, or if there are obtuse triangles, as on steep surfaces.
     pub(crate) fn front_meets_itself(&self) -> bool {
         !self.beside_a_source && (self.shared.slowed_unevenly || self.has_obtuse_triangles())
     }

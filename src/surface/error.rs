@@ -30,7 +30,7 @@ pub enum SurfaceError {
     },
     /// The grid cannot be coarsened.
     #[error(
-        "a grid of {rows} x {cols} points cannot be compared with every second point of it: each side needs one point, or at least three of which some are not holes"
+        "a grid of {rows} x {cols} points has no coarser grid of every second point: each side needs at least three points, or one if the other side has three, and some of the points kept must not be holes"
     )]
     TooSmall {
         /// Number of rows of the grid.

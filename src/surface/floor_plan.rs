@@ -8,7 +8,7 @@ use super::{ANCHORS, Chart, EvenGrid, Surface};
 impl Surface {
     /// Returns whether the surface is a floor plan: a flat, evenly spaced grid without a slowness and without
     /// gluing, with or without holes. The grid may be sheared as long as no triangle of neighbours is obtuse.
-    /// It may have about 30 million points at most. Over a floor plan, and from points,
+    /// It may have about 30 million points at most. From point sources over a floor plan,
     /// [`crate::Wavefront::Anchored`] is exact.
     ///
     /// ```
@@ -27,13 +27,13 @@ impl Surface {
     /// Returns the even grid of a floor plan.
     pub(crate) fn floor(&self) -> Option<EvenGrid> {
         let grid = || self.even_grid().filter(|grid| !grid.is_obtuse());
-        // Anchors are places of the chart, and seams lead to other places.
+        // A path runs straight through the chart from its anchor to a point. This fails across seams.
         let is_open = has_numbers(self.chart) && !self.is_glued();
         *self.floor.get_or_init(|| is_open.then(grid).flatten())
     }
 
-    /// Fits an even grid to the surface by least squares. Returns `None` if it is not such a grid, has
-    /// a slowness or no positions, or if its points lie on a line.
+    /// Fits an even grid to the surface by least squares. Returns `None` if the surface is not such a grid,
+    /// has a slowness or no positions, or if its points lie on a line.
     pub(super) fn even_grid(&self) -> Option<EvenGrid> {
         if self.is_weighted() {
             return None;
@@ -61,20 +61,20 @@ pub(super) fn has_numbers(chart: Chart) -> bool {
     (chart.rows + AROUND) * (chart.cols + AROUND) <= ANCHORS / 2
 }
 
-/// Largest distance of a position from such a grid, relative to the grid's extent: the rounding of single
+/// Largest distance of a position from an even grid, relative to the grid's extent: the rounding of single
 /// precision.
 const NEAR: f64 = 1e-7;
 
 /// Number of rows and of columns in a sample.
 const FEW: usize = 16;
 
-/// Sums over points, from which the least-squares grid follows. Places and positions are relative to the
-/// middle of the surface.
+/// Sums over points, from which the least-squares grid follows. Places are relative to the middle of the
+/// grid, and positions to `origin`.
 #[derive(Clone, Copy, Default)]
 struct Fit {
     /// Step from a sampled row to the next, and from a sampled column to the next.
     every: [usize; 2],
-    /// The middle of the surface.
+    /// The middle of the surface, or one of its points for the fit to a sample.
     origin: DVec3,
     count: f64,
     place: DVec2,

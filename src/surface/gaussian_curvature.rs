@@ -38,8 +38,8 @@ impl<R: Real> EdgeLengths<R> {
 }
 
 /// Computes the Gaussian curvature at each point of the bordered array. It is the angle defect of the fan of
-/// eight triangles around the point, divided by its share of the fan's area ([`EdgeRule::share_of_fan`]), and
-/// counts as far as the neighbours agree ([`settled`]).
+/// eight triangles around the point, divided by its share of the fan's area ([`EdgeRule::share_of_fan`]), and reduced
+/// where the curvatures of neighbours differ ([`settled`]).
 ///
 /// Defects near `DEFECT_NOISE`, the rounding of lengths in single precision, are shrunk towards zero;
 /// otherwise a flat surface would seem bent the same way everywhere. Defects are limited to `LARGEST_DEFECT`
@@ -50,7 +50,7 @@ impl<R: Real> EdgeLengths<R> {
 /// also carry `DIFFRACTS`, since most fronts that pass them turn.
 fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
     let chart = edges.chart();
-    // The curvature is FAR where a triangle of the fan is missing, and larger where waves diffract.
+    // The curvature is FAR where a triangle of the fan is missing, and larger where fronts diffract.
     let mut fans = vec![R::FAR; chart.bordered_points()];
     let is_slowed = edges.slowness().is_some();
     chart.rows_mut(&mut fans).enumerate().for_each(|(row, line)| match is_slowed {
@@ -112,9 +112,9 @@ impl<R: Real> Loop for Settled<'_, R> {
     }
 }
 
-/// Returns the final curvature of a point: the curvature of its own fan, or the mean of its neighbours' if
-/// its fan is incomplete, times (m^2 - v) / (m^2 + v) if that is positive, else 0. Here m is the mean and v
-/// the variance over the point and its neighbours.
+/// Returns the final curvature of a point: the curvature of its own fan, or the mean of its neighbours' curvatures if
+/// its fan is incomplete, times (m^2 - v) / (m^2 + v) if that is positive, else 0. Here m is the mean and v the
+/// variance over the point and its neighbours.
 ///
 /// On a smooth surface v falls with the square of the spacing, so that the curvature counts in full. Where
 /// the grid does not resolve the surface, the curvature changes its sign from point to point. Its effects on
@@ -209,13 +209,13 @@ fn on_surface<R: Real>(length: R, [from, to]: [R; 2]) -> R {
     if length < R::FAR { (length + length) / (from + to) } else { length }
 }
 
-/// Returns the Gaussian curvature of the metric that a slowness s makes of a surface of curvature K: (K - L)
-/// / s^2, where L is the Laplacian of the logarithm of s. Where s jumps, L is meaningless and left out.
+/// Returns the Gaussian curvature of the metric that a slowness s gives to a surface of curvature K: (K - L) / s^2,
+/// where L is the Laplacian of the logarithm of s. Where s jumps, L is meaningless and left out.
 ///
 /// L is the flux of the gradient out of the point's own quarter of the fan, through the four sides towards
-/// the neighbours along rows and columns. The flux through a side follows from the difference between both
-/// points and from the difference along the side, under the metric that the lengths of the edges around
-/// define. Second differences alone would treat grid lines that bend on the surface as straight.
+/// the neighbours along rows and columns. The flux through a side follows from the difference of the logarithms at the
+/// point and the neighbour, from their difference along the side, and from the metric that the lengths of the edges
+/// around define. Second differences alone would treat grid lines that bend on the surface as straight.
 fn slowed<R: Real>(edges: &EdgeLengths<R>, slowness: &[R], point: usize, gaussian: R) -> R {
     let chart = edges.chart();
     let own = slowness[point];
@@ -268,8 +268,8 @@ fn slowed<R: Real>(edges: &EdgeLengths<R>, slowness: &[R], point: usize, gaussia
 }
 
 /// Returns the angle defect of a fan divided by its share of the fan's area. `bases` are the edges between
-/// the ends of successive `edges`. The result is FAR if a triangle is missing, and twice that if the point is
-/// a corner of a hole.
+/// the ends of successive `edges`. The result is FAR if a triangle is missing or has no area, and twice FAR if the
+/// point is a corner of a hole.
 #[inline(always)]
 fn defect_density<R: Real>(edges: [R; 8], bases: [R; 8], share_of_fan: R) -> R {
     let (zero, one, half) = (R::zero(), R::one(), R::of(0.5));
@@ -296,7 +296,7 @@ fn defect_density<R: Real>(edges: [R; 8], bases: [R; 8], share_of_fan: R) -> R {
     let square = tangent * tangent;
     let (third, fifth, seventh) = (R::of(1.0 / 3.0), R::of(1.0 / 5.0), R::of(1.0 / 7.0));
     let defect = tangent * (one - square * (third - square * (fifth - square * seventh)));
-    // `DEFECT_NOISE` is the noise of f32. That of f64 is smaller by the ratio of both precisions.
+    // `DEFECT_NOISE` is the noise of f32. The noise of f64 is smaller by the ratio of both precisions.
     let noise = R::of(DEFECT_NOISE / f64::from(f32::EPSILON)) * R::epsilon();
     let signal = defect * defect / (defect * defect + noise * noise);
     let curvature = defect * signal / (share_of_fan * area);
@@ -323,7 +323,7 @@ mod tests {
     fn a_sphere_has_curvature_one_and_developable_surfaces_none() {
         let (double, single) = at_the_middle(Builtin::Sphere, 65);
         approx::assert_abs_diff_eq!(double, 1.0, epsilon = 1e-3);
-        // The error is that of eight angles, each rounded to about 1e-7, over the area of a cell.
+        // The error is that of eight angles, each rounded to about 1e-7, divided by the area of a cell.
         approx::assert_abs_diff_eq!(single, 1.0, epsilon = 2e-2);
         for builtin in [Builtin::Plane, Builtin::Cylinder, Builtin::Cone] {
             let (double, single) = at_the_middle(builtin, 65);

@@ -9,10 +9,10 @@ use super::{Chart, CompletedGrid, GluingError, GridSide, Seam, Surface, SurfaceE
 const EQUATOR: f64 = 6_378_137.0;
 /// Flattening of the WGS84 ellipsoid.
 const FLATTENING: f64 = 1.0 / 298.257_223_563;
-/// Largest gap between the outermost row and a pole, or between the last column and the first one, in steps
-/// between lines, that one more line closes.
+/// Largest gap that one more line closes, in steps between lines. The gap lies between the outermost row and a pole, or
+/// between the last column and the first one.
 const LARGEST_GAP: f64 = 1.5;
-/// Part of a step up to which two lines are the same.
+/// Largest distance of two lines that count as one, as a part of a step.
 const SAME_LINE: f64 = 1e-3;
 /// A turn round the Earth, and the latitude of a pole, in degrees.
 const TURN: f64 = 360.0;
@@ -66,10 +66,11 @@ pub enum GeodeticError {
 /// A grid of latitudes (rows) and longitudes (columns) on the WGS84 ellipsoid. Its surface is closed where the grid
 /// goes round the Earth: across the line between its last and its first column, and at the poles.
 ///
-/// Latitudes ascend or descend. Longitudes ascend or descend from any meridian, up to a full turn: 0 to 360 and -180
-/// to 180 degrees are alike, and a jump by a turn on the way is none. Lines may be unevenly spaced. Where no line
-/// of the grid lies on a pole, or on both sides of the seam, the surface has one line more: with columns from 0 to
-/// 359 degrees, and with values at the middles of cells. [`GeodeticGrid::crop`] takes these lines away from a map.
+/// Latitudes ascend or descend. Longitudes ascend or descend from any meridian, up to a full turn: 0 to 360 degrees and
+/// -180 to 180 degrees are both accepted, and jumps by a full turn from one column to the next are ignored. Lines may
+/// be unevenly spaced. Where the grid ends up to one and a half steps before a pole, or before its first column, the
+/// surface has one line more, as with columns from 0 to 359 degrees or with values at the middles of cells.
+/// [`GeodeticGrid::crop`] takes these lines away from a map.
 ///
 /// ```
 /// use geosweep::surface::GeodeticGrid;
@@ -98,7 +99,8 @@ pub struct GeodeticGrid {
 }
 
 impl GeodeticGrid {
-    /// Makes a grid of latitudes and longitudes in degrees, one of each row and one of each column.
+    /// Makes a grid of latitudes and longitudes in degrees, with one latitude for each row and one longitude for each
+    /// column.
     ///
     /// # Errors
     /// If a latitude lies beyond a pole, lines do not ascend or descend, the columns span more than a full turn, or
@@ -137,19 +139,20 @@ impl GeodeticGrid {
         Ok(Self { latitudes, longitudes, lines, goes_round })
     }
 
-    /// Makes the surface, in metres from the middle of the Earth. `heights` are those of the given points above the
-    /// ellipsoid, in metres, row-major; NaN marks holes. Heights above sea level differ from them by up to 107 m,
-    /// which changes distances by at most a 60,000th. The height of a pole is the mean of its row, or of the row
+    /// Makes the surface, in metres from the middle of the Earth. `heights` are the heights of the given points above
+    /// the ellipsoid, in metres, row-major; NaN marks holes. Heights above sea level differ from these by up to 107 m,
+    /// which changes distances by at most a 60,000th. The height of a pole is the mean height of its row, or of the row
     /// beside it if the pole is added.
     ///
     /// # Errors
-    /// If there is not one height for each point, one is infinite, or these points make no surface.
+    /// If the number of heights is not the number of given points, a height is infinite, or the points make no surface.
     pub fn surface(&self, heights: &[f64]) -> Result<Surface, SurfaceError> {
         let Chart { rows, cols } = self.lines.given();
         if heights.len() != rows * cols {
             return Err(SurfaceError::Shape { what: "heights", found: heights.len(), rows, cols });
         }
-        // The poles have means, and lines are added: afterwards an infinite height is another one, or none.
+        // Infinite heights are found before the grid is extended. Afterwards rows and columns have other numbers, and
+        // the mean at a pole may hide such a height.
         if let Some(index) = heights.iter().position(|height| height.is_infinite()) {
             let (row, col) = (index / cols, index % cols);
             return Err(SurfaceError::Infinite { what: "heights", row, col });
@@ -168,12 +171,13 @@ impl GeodeticGrid {
     }
 
     /// Returns the lines of the grid, with those that are added: a row at a pole, and a column where the grid goes round.
-    /// Poles have means of their rows ([`CompletedGrid::extend`]).
+    /// The value at a pole is a mean ([`CompletedGrid::extend`]).
     pub fn lines(&self) -> &CompletedGrid {
         &self.lines
     }
 
-    /// Returns values at all points of the surface, of values at the given points, as [`CompletedGrid::extend`] does.
+    /// Returns values at all points of the surface from `values` at the given points, as [`CompletedGrid::extend`]
+    /// does.
     ///
     /// # Panics
     /// If there is not one value for each given point.
@@ -217,7 +221,7 @@ impl GeodeticGrid {
         Some([between(&self.latitudes, latitude)?, col])
     }
 
-    /// Returns the values at the given points, of values at all points of the surface, row-major.
+    /// Returns the values at the given points from `values` at all points of the surface, both row-major.
     ///
     /// # Panics
     /// If there is not one value for each point of the surface.
@@ -229,16 +233,16 @@ impl GeodeticGrid {
 /// An end of the rows of a grid.
 #[derive(Clone, Copy)]
 struct End {
-    /// Latitude of the outermost row, exact if it is a pole up to rounding.
+    /// Latitude of the outermost row. It is exactly the latitude of the pole if the row lies there up to rounding.
     latitude: f64,
-    /// Latitude of the row that is added beyond it.
+    /// Latitude of the row that is added beyond the outermost one.
     added: Option<f64>,
     /// Distance of the pole from the outermost row, in steps between rows.
     gap: f64,
 }
 
 impl End {
-    /// Finds the end of rows that is beyond `last`, which follows `before`.
+    /// Returns the end of the rows whose outermost latitude is `last` and whose next latitude inwards is `before`.
     fn of(before: f64, last: f64) -> Self {
         let pole = POLE.copysign(last - before);
         let (gap, step) = ((pole - last).abs(), (last - before).abs());
@@ -259,7 +263,8 @@ impl End {
     }
 }
 
-/// Returns the lines of a grid between two ends. A column that is added lies a `step` beyond the last one.
+/// Returns the lines of a grid between two ends. `step` is the distance of an added column from the last one, in steps
+/// between columns.
 fn lines_of(
     chart: Chart,
     ends: [End; 2],
@@ -305,7 +310,7 @@ fn in_order(what: &'static str, lines: &[f64]) -> Result<(), GeodeticError> {
     }
 }
 
-/// Returns the fractional number of a value between lines in ascending or descending order.
+/// Returns the fractional number of the line on which a value lies, between lines in ascending or descending order.
 fn between(lines: &[f64], value: f64) -> Option<f64> {
     let holds = |pair: &[f64]| (pair[0] - value) * (pair[1] - value) <= 0.0;
     let index = lines.windows(2).position(holds)?;
@@ -345,13 +350,13 @@ mod tests {
             let first = grid.crop(&all)[0];
             (surface.rows(), surface.cols(), first, surface.is_glued())
         };
-        // Lines, cells, and lines that leave the poles out, in either order of latitudes.
+        // Samples lie on lines, at the middles of cells, or on lines without the poles, in either order of latitudes.
         let (whole, round) = (lines(19, 90.0, -10.0), lines(37, -180.0, 10.0));
         assert_eq!(size(&whole, &round), (19, 37, 0, true));
         assert_eq!(size(&lines(19, -90.0, 10.0), &lines(36, 0.0, 10.0)), (19, 37, 0, true));
         assert_eq!(size(&lines(18, 85.0, -10.0), &lines(36, 5.0, 10.0)), (20, 37, 37, true));
         assert_eq!(size(&lines(17, -80.0, 10.0), &round), (19, 37, 37, true));
-        // A cap and a region are open.
+        // A cap is open at one end, and a region on all sides.
         assert_eq!(size(&lines(8, 85.0, -10.0), &round), (9, 37, 37, true));
         assert_eq!(size(&lines(8, 65.0, -10.0), &lines(20, 5.0, 10.0)), (8, 20, 0, false));
         // 170, 180, -170 and so on.
@@ -375,7 +380,7 @@ mod tests {
 
     #[test]
     fn given_places_are_those_of_the_surface() {
-        // Poles lie half a step beyond, and the seam 1.2 steps.
+        // Poles lie half a step beyond the outermost rows, and the seam 1.12 steps beyond the last column.
         let grid = GeodeticGrid::new(&lines(18, 85.0, -10.0), &lines(36, 5.0, 9.966)).unwrap();
         let [[north, south], [west, east]] = grid.margins();
         assert_eq!([north, south, west], [0.5, 0.5, 0.0]);

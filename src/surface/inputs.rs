@@ -1,4 +1,4 @@
-//! Holds the inputs at each grid point: a geometry, whether the surface is present, and a slowness.
+//! Holds the inputs at each grid point: a geometry, whether the point is present, and a slowness.
 
 use super::chart::{Block, Chart};
 use super::geometry::Geometry;

@@ -7,20 +7,23 @@ use super::{Chart, Direction, Surface};
 impl Surface {
     /// Returns Theorem 1's bound on the number of raster scan iterations, from finite differences.
     ///
-    /// The theorem (paper, section 4 and appendix A) bounds how far a geodesic can turn in the chart; four
-    /// scans cover every quarter turn. Two details of the published expression need an interpretation.
+    /// The theorem (paper, section 4 and appendix A) bounds how far a geodesic can turn in the chart, and
+    /// each quarter turn takes at most one more iteration of four scans. Two details of the published
+    /// expression need an interpretation.
     ///
     /// - The eigenvalues of the Hessians are taken by magnitude, since the proof bounds a quadratic form with
     ///   them.
-    /// - The factor lambda_max depends on the units. The curvature bound of the proof, |H| / lambda_min per
-    ///   unit of length on the surface, does not change when the chart or the surface is scaled. It equals
-    ///   the published one where the chart is scaled so that lambda_max = 1.
+    /// - The published expression has a factor lambda_max, the largest eigenvalue of the metric, which
+    ///   depends on the units. The curvature bound of the proof, |H| / lambda_min per unit of length on the
+    ///   surface, does not change when the chart or the surface is scaled. It equals the published bound if
+    ///   the chart is scaled so that lambda_max = 1.
     ///
-    /// The maximum and the minimum are taken over the surface independently. The diameter is bounded by the
-    /// longest row plus the longest column.
+    /// The largest |H| and the smallest lambda_min are each taken over all points of the surface, and need
+    /// not be at the same point. The diameter is bounded by the longest row plus the longest column.
     ///
     /// Returns `None` where the theorem does not apply: for a metric without positions, with a slowness, with
-    /// holes (a path around a wall turns as often as the wall does), and below 3 x 3 points.
+    /// holes (a path around a wall turns as often as the wall does), and below 3 x 3 points. It also returns
+    /// `None` if the bound is not finite, as where grid points coincide.
     pub fn iteration_bound(&self) -> Option<u64> {
         use Direction::{East, North, NorthEast, NorthWest, South, SouthEast, SouthWest, West};
         let chart = self.chart();
@@ -64,7 +67,8 @@ impl Surface {
     }
 }
 
-/// Returns the root of the sum, over x, y and z, of the squared largest eigenvalue of each Hessian.
+/// Returns the square root of the sum, over x, y and z, of the square of each Hessian's eigenvalue of largest
+/// magnitude.
 fn hessian_norm(rr: DVec3, rc: DVec3, cc: DVec3) -> f64 {
     let largest = |axis: usize| {
         let (low, high) = eigenvalues(symmetric(rr[axis], rc[axis], cc[axis]));
@@ -105,7 +109,7 @@ mod tests {
         let plane =
             Surface::from_heights(5, 7, vec![0.1; 35], Spacing { dx: 0.1, dy: 0.3 }).unwrap();
         assert_eq!(plane.iteration_bound(), Some(1));
-        // This includes a slanted and sheared grid, however fine, and far from the origin.
+        // A slanted and sheared grid also needs one iteration, even if it is fine and far from the origin.
         let points = 513;
         let position = |index: usize| {
             let (row, col) = ((index / points) as f64, (index % points) as f64);

@@ -13,8 +13,7 @@ use crate::lanes::{Instructions, Loop};
 /// Index of the current row among the four rows of bends.
 const HERE: usize = 2;
 
-/// Number of points that are measured together. They are in local arrays, which the compiler knows not to
-/// overlap.
+/// Number of points that are measured together, in local arrays that the compiler knows not to overlap.
 const SPAN: usize = 32;
 
 /// The bends of a surface at the points of a row, with an additional point at each end.
@@ -54,8 +53,8 @@ impl Surface {
     }
 
     /// Computes the lengths of the edges stored at the points of a row. `rows` are the row before and the row
-    /// itself. `bends` are those of the row before these two, of these two, and of the row after. Returns
-    /// whether a length may be too short or too long.
+    /// itself. `bends` are the bends of four rows: the row before these two, these two, and the row after.
+    /// Returns whether a length may be too short or too long.
     pub(super) fn measure_row<R: Real>(
         &self,
         rows: [&Row<R>; 2],
@@ -261,8 +260,8 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
         self.rows[1usize.wrapping_add_signed(down)]
     }
 
-    /// Measures the edges of a span that lie at an end of their grid line again, one by one, since they
-    /// are few. Returns whether a length may be too short or too long.
+    /// Measures again, one by one, the few edges of a span that lie at an end of their grid line. Returns
+    /// whether a length may be too short or too long.
     #[inline(never)]
     fn measure_ends(&self, k: usize, start: usize, found: &mut [R]) -> bool {
         let (down, right) = STORED[k].step();

@@ -21,14 +21,14 @@ use super::{Surface, SurfaceError};
 
 /// Number of rows that are measured together, so that each row's points and bends serve the next row.
 const BAND: usize = 32;
-/// Smallest number of them, where there are many threads.
+/// Smallest number of rows that are measured together, where there are many threads.
 const LEAST_BAND: usize = 8;
 
 impl<R: Real> EdgeLengths<R> {
     /// Measures the edges of a surface, in parallel over rows.
     ///
     /// In single precision, positions are taken relative to the middle of the surface, as on the device. The
-    /// rounded points make an equally good surface, and both engines see the same one.
+    /// rounded points make an equally good surface, and both engines measure the same points.
     ///
     /// # Errors
     /// [`SurfaceError::EdgeLength`] if a length is neither zero (points that coincide, for example at a pole)
@@ -48,7 +48,8 @@ impl<R: Real> EdgeLengths<R> {
 
     /// Measures the edges of a surface with positions relative to `origin`.
     fn uninterrupted(surface: &Surface, origin: DVec3) -> Result<Self, SurfaceError> {
-        // A function, since a closure here would have a type for each surface within another.
+        // This is a function, since a closure would have a new type at each level of the recursion through
+        // `strips::measured`.
         fn go_on() -> Result<(), SurfaceError> {
             Ok(())
         }
@@ -99,8 +100,8 @@ impl<R: Real> EdgeLengths<R> {
             chart.bordered(row, col)
         };
         let slowness = surface.bordered_slowness();
-        // The cells were marked by other lengths than those of the surface: with a slowness the edges are
-        // weighted, and beside seams they have changed since.
+        // The marks of cells do not hold with a slowness, since they come from weighted lengths, nor on glued
+        // surfaces, since lengths beside seams have changed after the marking.
         let obtuse = match (slowness.is_some() || surface.is_glued(), cells.any()) {
             (true, _) => ObtuseTriangles::default(),
             (false, true) => ObtuseTriangles::within(cells),
@@ -138,7 +139,7 @@ impl Surface {
 
     /// Measures the edges stored at the points of some rows in single precision, in parallel. The four
     /// lengths of a point are written side by side, in the layout of the device's texels. Returns whether any
-    /// triangle with one of these edges is obtuse at a point that is updated from it.
+    /// triangle with one of these edges may be obtuse at a point that is updated from it.
     pub(crate) fn write_edges(
         &self,
         rows: Range<usize>,
@@ -146,7 +147,8 @@ impl Surface {
         texels: &mut [[f32; 4]],
     ) -> Result<bool, SurfaceError> {
         let cols = self.cols();
-        // All threads have work, although each band also reads the rows around it.
+        // The bands are so small that all threads have work, although each band also reads the rows around
+        // it.
         let band_rows = rows.len().div_ceil(rayon::current_num_threads()).clamp(LEAST_BAND, BAND);
         let band_of = |(band, texels): (usize, &mut [[f32; 4]])| {
             let first = rows.start + band * band_rows;
@@ -182,8 +184,8 @@ impl Surface {
                 self.bend_row(rows, bends);
             }
         };
-        // `points` are those of the row before, this row and the next two. `around` are the bends of the two
-        // rows before, this row and the next. For the first row, reading begins three rows before it.
+        // `points` holds the points of the row before, this row and the next two. `around` holds the bends of
+        // the two rows before, this row and the next. For the first row, reading begins three rows before it.
         let mut points = [(); 4].map(|_| Row::missing(cols));
         let mut around = [(); 4].map(|_| RowBends::none(cols));
         let mut lengths = [(); 4].map(|_| vec![R::FAR; cols]);
@@ -218,8 +220,8 @@ impl Surface {
 }
 
 impl Surface {
-    /// Finds the value that makes an edge too long, if the value itself exceeds [`LONGEST_EDGE`]: often it
-    /// stands for no data. Returns an error that names it, or else `error`.
+    /// Finds the value that makes an edge too long, if the value itself exceeds [`LONGEST_EDGE`]: often such
+    /// a value stands for no data. Returns an error that names it, or else `error`.
     fn cause(&self, error: SurfaceError) -> SurfaceError {
         let SurfaceError::EdgeLength { row, col, length, .. } = error else { return error };
         let value = |(row, col)| {

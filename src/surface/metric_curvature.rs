@@ -1,7 +1,7 @@
 //! Computes the Gaussian curvature of a surface given by a metric, from the tensors around each point.
 //!
-//! The angles between edges cannot give it. The length of an edge from the metric at its ends is accurate to
-//! second order, and the remaining error turns angles by as much as the surface's curvature does.
+//! The angles between edges cannot give this curvature. The length of an edge from the metric at its ends is
+//! accurate to second order, and the remaining error turns angles by as much as the surface's curvature does.
 
 use super::Surface;
 use super::geometry::{Geometry, MetricTensor};
@@ -43,8 +43,8 @@ impl Surface {
     }
 }
 
-/// Returns the curvature from the tensors at a point and around it (Brioschi's formula), as far as the
-/// tensors change smoothly.
+/// Returns the curvature from the tensors at a point and around it (Brioschi's formula), reduced where the
+/// tensors do not change smoothly.
 fn smooth_curvature(block: &[[MetricTensor; 3]; 3]) -> f64 {
     let steps = [[0.0, 1.0], [1.0, 0.0], [1.0, 1.0], [1.0, -1.0]];
     let jumps = steps.map(|step| {
@@ -58,7 +58,7 @@ fn smooth_curvature(block: &[[MetricTensor; 3]; 3]) -> f64 {
 }
 
 fn curvature(block: &[[MetricTensor; 3]; 3]) -> f64 {
-    // The coordinate u runs along columns, v along rows.
+    // The coordinate u counts columns, and v counts rows.
     let [e, f, g]: [fn(&MetricTensor) -> f64; 3] = [|t| t.cc, |t| t.rc, |t| t.rr];
     let of = |entry: fn(&MetricTensor) -> f64| {
         let at = |row: usize, col: usize| entry(&block[row][col]);
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
     use crate::surface::EdgeLengths;
 
-    /// A sphere by latitudes and longitudes, and a plane by circles and rays.
+    /// A sphere on a grid of latitudes and longitudes, and a plane on a grid of circles and rays.
     #[test]
     fn a_sphere_has_curvature_one_and_a_plane_none_in_any_coordinates() {
         let step = 0.02;

@@ -120,8 +120,8 @@ impl Surface {
         Self::new(rows, cols, Geometry::Heights { heights: heights.into(), spacing })
     }
 
-    /// Makes a height field as [`Self::from_heights`] does, from heights that stay where they are: in an array
-    /// of the program, which the surface and its clones keep. The values must not change meanwhile.
+    /// Makes a height field as [`Self::from_heights`] does, from heights that stay in an array of the
+    /// program. The surface and its clones keep this array alive, and its values must not change meanwhile.
     ///
     /// ```
     /// use std::sync::Arc;
@@ -147,8 +147,8 @@ impl Surface {
         Self::new(rows, cols, Geometry::Heights { heights: Values::shared(heights), spacing })
     }
 
-    /// Makes a surface from 3D points as [`Self::from_positions`] does, from points that stay where they are:
-    /// in an array of the program, which the surface and its clones keep. The values must not change
+    /// Makes a surface from 3D points as [`Self::from_positions`] does, from points that stay in an array of
+    /// the program. The surface and its clones keep this array alive, and its values must not change
     /// meanwhile.
     pub fn from_shared_positions(
         rows: usize,

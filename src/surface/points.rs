@@ -8,7 +8,8 @@ use super::geometry::{Point, bounds};
 use super::real::Real;
 
 impl Surface {
-    /// Returns the middle of the surface. Relative to it, single precision keeps more digits of positions.
+    /// Returns the middle of the surface. Positions relative to this point keep more digits in single
+    /// precision.
     pub(crate) fn origin(&self) -> DVec3 {
         let chart = self.chart();
         let row_bounds = |row| self.geometry().row_bounds(chart, row, self.present());
@@ -36,8 +37,8 @@ impl Surface {
     }
 }
 
-/// A row of grid points, one array per coordinate, with an additional point before the first and after the
-/// last.
+/// A row of grid points, with an additional point before the first and after the last. There is one array for
+/// each of the numbers of a point.
 pub(super) struct Row<R>([Vec<R>; 4]);
 
 impl<R: Real> Row<R> {
@@ -78,7 +79,7 @@ impl<R: Real> Row<R> {
     }
 }
 
-/// A part of a row. Indices count from the point before its first one.
+/// A part of a row. Indices count from the point before the part's first point.
 #[derive(Clone, Copy)]
 pub(super) struct Window<'a, R>([&'a [R]; 4]);
 

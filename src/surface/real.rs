@@ -1,9 +1,9 @@
-//! Defines the two precisions of the solvers, and the numbers that fit them.
+//! Defines the two precisions of the solvers, and limits of lengths that fit them.
 
 /// The value for "not reached" and "no such edge" inside the solvers and the shaders.
 ///
-/// It is a large finite number, since GLSL does not promise infinities, and their difference is NaN. The
-/// public interface uses +infinity instead.
+/// It is a large finite number, since GLSL does not promise infinities, and the difference of two infinities
+/// is NaN. The public interface uses +infinity instead.
 pub const FAR: f64 = crate::constants::FAR;
 
 /// Minimum length of an edge between distinct points, in the surface's unit of length.

@@ -6,9 +6,9 @@ use super::floor_plan::has_numbers;
 use super::{Direction, Surface};
 
 impl Surface {
-    /// Returns a floor plan ([`Self::is_floor_plan`]) with a point between any two neighbours. Row r and
-    /// column c become 2 r and 2 c, and holes keep their outlines. Returns `None` on other surfaces, and if
-    /// the result would have too many points for a floor plan.
+    /// Returns a floor plan ([`Self::is_floor_plan`]) with an additional point between any two neighbours.
+    /// Row r and column c become 2 r and 2 c, and holes keep their outlines. Returns `None` on other
+    /// surfaces, and if the result would have too many points for a floor plan.
     pub(crate) fn halved_floor(&self) -> Option<Self> {
         let grid = self.floor()?;
         let chart = self.chart().refined();
@@ -43,7 +43,7 @@ mod tests {
 
     #[test]
     fn outlines_stay() {
-        // Two holes with an edge between them from cell to cell, and beside each hole a cell cut in half.
+        // Two holes with a diagonal edge between them. Cells beside each hole are cut in half.
         let floor = [
             [true, true, true, true],
             [true, false, true, true],

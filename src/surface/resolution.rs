@@ -79,7 +79,7 @@ impl Surface {
         })
     }
 
-    /// Returns the surface's unit normal at a point, if it and all four neighbours are present.
+    /// Returns the surface's unit normal at a point, if the point and all four neighbours are present.
     fn normal_at(&self, row: usize, col: usize) -> Option<DVec3> {
         let beside = |to| {
             let (row, col) = self.chart().neighbour(row, col, to)?;
@@ -93,8 +93,8 @@ impl Surface {
 }
 
 /// Thresholds of a surface that turns at random. `ROUGH_TURN` is the least turn per step in radians.
-/// `ROUGH_TURNS` is the upper limit for the mean square of the turn in two steps relative to that in one; it
-/// is 4 on evenly bent surfaces.
+/// `ROUGH_TURNS` is the upper limit for the mean square of the turn in two steps relative to the mean square
+/// in one step; this ratio is 4 on evenly bent surfaces.
 const ROUGH_TURN: f64 = 0.2;
 const ROUGH_TURNS: f64 = 2.0;
 

@@ -1,4 +1,5 @@
-//! Detects where a grid of positions is a closed surface that was cut open. Fronts do not pass such a cut.
+//! Detects where a grid of positions is a closed surface that was cut open. Fronts do not pass such a cut unless its
+//! sides are glued.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -7,26 +8,28 @@ use glam::DVec3;
 pub use super::chart::GridSide;
 use super::{Geometry, Surface};
 
-/// A part of the grid's border whose points coincide with other border points, so that the surface continues
-/// where the grid ends.
+/// A part of the grid's border at which the surface continues although the grid ends: at other points of the border, or
+/// at a pole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seam {
-    /// Two sides of the grid coincide, point by point. Distances do not pass from one to the other.
+    /// Two sides of the grid coincide, point by point. Unless the sides are glued, fronts do not pass from one to the
+    /// other.
     Sides {
         /// The two sides.
         sides: [GridSide; 2],
         /// Whether the first point of one side coincides with the last point of the other.
         reversed: bool,
     },
-    /// Two opposite sides of the grid are neighbours one cell apart, as on a globe that is sampled at the
-    /// middles of its cells. Distances do not pass from one to the other.
+    /// Two opposite sides of the grid are neighbours one cell apart, as on a globe that is sampled at the middles of
+    /// its cells. Fronts do not pass from one to the other.
     Neighbours {
         /// The two sides.
         sides: [GridSide; 2],
         /// Whether the first point of one side is beside the last point of the other.
         reversed: bool,
     },
-    /// The two halves of a side coincide, as in geometry images. Distances do not pass from one to the other.
+    /// The two halves of a side coincide, as in geometry images. Unless the halves are glued, fronts do not pass from
+    /// one to the other.
     Fold(GridSide),
     /// A side is a single point, as at the poles of a sphere.
     Pole {
@@ -37,7 +40,7 @@ pub enum Seam {
         exact: bool,
     },
     /// A side surrounds a pole that the grid lacks, as on a globe that is sampled at the middles of its cells.
-    /// [`Surface::seams`] does not find it, since a tube that ends there looks alike.
+    /// [`Surface::seams`] does not find it, since a tube that ends there looks the same.
     /// [`CompletedGrid`](super::CompletedGrid) adds the pole.
     Ring(GridSide),
 }
@@ -65,29 +68,30 @@ impl Display for Seam {
     }
 }
 
-/// Largest distance of coincident points, relative to the cell behind them. It is far less than the distance
-/// of neighbours, and more than the rounding of half precision, in which geometry images are sometimes
-/// stored.
+/// Largest distance of coincident points, relative to the edges there. It is far less than the distance of neighbours,
+/// and more than the rounding of half precision, in which geometry images are sometimes stored.
 pub(super) const COINCIDENT: f64 = 0.05;
 
-/// Largest ratio, either way, between the step from one side to the other and the steps of the grid on both
-/// sides of it, for the sides to count as neighbours.
+/// Largest factor by which the step between two neighbouring sides may be longer or shorter than the steps of the grid
+/// before and behind it.
 const MOST_UNEVEN: f64 = 2.0;
-/// Part of a side's longest step up to which steps are those at a pole, which have no length.
+/// Length up to which a step counts as zero, as at a pole. It is a part of the longest edge that leads inwards from the
+/// side.
 const AT_POLE: f64 = 1e-9;
-/// Least cosine of the angle between these steps, for the sides to count as neighbours: 60 degrees.
+/// Least cosine of the angle between the step from one neighbouring side to the other and the steps of the grid before
+/// and behind it: that of 60 degrees.
 const LEAST_COSINE: f64 = 0.5;
 
 impl Surface {
     /// Returns the seams: sides of the grid that coincide or are neighbours, at points that are not holes.
-    /// Seams that are glued ([`Self::with_gluing`]) are left out. Only a surface of positions can be seen to be
-    /// closed; others have no seams.
+    /// Seams that are glued ([`Self::with_gluing`]) are left out. Only positions show that a surface is closed; other
+    /// geometries have no seams.
     ///
     /// ```
     /// use std::f64::consts::TAU;
     /// use geosweep::Surface;
     /// use geosweep::glam::DVec3;
-    /// // A tube whose last column is its first again.
+    /// // A tube whose last column repeats its first.
     /// let angle = |index: usize| TAU * (index % 17) as f64 / 16.0;
     /// let point = |index| DVec3::new(angle(index).cos(), angle(index).sin(), (index / 17) as f64);
     /// let tube = Surface::from_positions(9, 17, (0..9 * 17).map(point).collect())?;
@@ -153,8 +157,8 @@ impl RimPoint {
         self.inwards.map_or(0.0, DVec3::length)
     }
 
-    /// Returns whether the grid continues from `other` to this point as it does before and behind them. At poles,
-    /// where steps are shorter than `least`, that is not known.
+    /// Returns whether the step from `other` to this point continues the steps of the grid before and behind it. The
+    /// result is `None` if one of these steps is missing, and at poles, where all of them are at most `least` long.
     fn follows(&self, other: &Self, least: f64) -> Option<bool> {
         let steps = [self.position - other.position, self.inwards?, other.inwards?];
         if steps.into_iter().all(|step| step.length() <= least) {
@@ -202,8 +206,8 @@ impl Rim {
         coincide(self.points.iter().zip(self.points.iter().rev()).take(half))
     }
 
-    /// Returns the sum of the distances between the points of this side and of another one, if the grid
-    /// continues from there to here.
+    /// Returns the sum of the distances between corresponding points of this side and another one, if the grid
+    /// continues from the other side to this one.
     pub(super) fn gap_to(&self, other: &Self, reversed: bool) -> Option<f64> {
         let others: Vec<_> = match reversed {
             false => other.points.iter().collect(),
@@ -234,7 +238,7 @@ impl Rim {
     }
 }
 
-/// Returns whether there are at least two pairs, and all of them coincide.
+/// Returns whether there are at least two pairs of different points that are not holes, and all such pairs coincide.
 fn coincide<'a>(pairs: impl Iterator<Item = (&'a Option<RimPoint>, &'a Option<RimPoint>)>) -> bool {
     all_known(pairs.map(|(a, b)| a.as_ref()?.coincides(b.as_ref()?)))
 }
@@ -274,8 +278,8 @@ mod tests {
     #[test]
     fn a_tube_is_closed_where_its_columns_coincide() {
         assert_eq!(names(&tube(1.0)), ["its first column and its last column coincide"]);
-        // With one column less, the last column is beside the first. With two less, or one more, the tube is
-        // open.
+        // With a gap of one step, the last column is beside the first one. With a gap of three and a half steps, or an
+        // overlap of one, the tube is open.
         let beside = "its first column and its last column are neighbours one cell apart";
         assert_eq!(names(&tube(32.0 / 33.0)), [beside]);
         assert!(tube(32.0 / 35.5).seams().is_empty());

@@ -29,7 +29,7 @@ impl Surface {
     ///
     /// # Errors
     /// If a value is negative, no point is left, or the number of values is not rows x columns. On a glued
-    /// surface also if the copies of a point have different values.
+    /// surface also if the values at the copies of a point differ by more than a twentieth.
     pub fn with_slowness(mut self, mut slowness: Vec<f64>) -> Result<Self, SurfaceError> {
         check_shape("slowness", slowness.len(), self.chart)?;
         let (mut least, mut has_free) = (f64::INFINITY, false);
@@ -89,7 +89,7 @@ impl Surface {
     }
 
     /// Returns the slowness of a point in the updates: the given slowness, times the scale of the metric if
-    /// that jumps.
+    /// that scale jumps.
     fn slowness_to_updates(&self, index: usize) -> f64 {
         match self.geometry() {
             Geometry::Metric(metric) if self.inputs.is_scaled => {
@@ -116,8 +116,8 @@ impl Surface {
     }
 
     /// Returns [`JUMPS`] if the slowness jumps at a point that is present, else 0. It jumps if it differs
-    /// from a neighbour's by more than a quarter, or if its second difference along a line of points is
-    /// large; the second differences of a smooth slowness are small.
+    /// from the slowness of a neighbour by more than a quarter, or if its second difference along a line of
+    /// points is large; the second differences of a smooth slowness are small.
     fn jumps_at(&self, (row, col): (usize, usize)) -> u8 {
         let own = self.slowness_to_updates(self.chart.index(row, col));
         let neighbour = |to: Direction| {
@@ -137,8 +137,9 @@ impl Surface {
     /// the edges of rows and columns.
     ///
     /// This was measured on random blocks of 5 x 5 and on blobs, at 40 x 40 points with contrasts of 3
-    /// to 1000. Distances there and back differ by a mean of 4e-4 to 9e-4 with planar fronts, and by two to
-    /// four times as much with curved fronts, which arrive earlier where they come from slow regions.
+    /// to 1000. Distances from one point to another and back differ by a mean of 4e-4 to 9e-4 with planar
+    /// fronts, and by two to four times as much with curved fronts, which arrive earlier where they come from
+    /// slow regions.
     pub(crate) fn is_slowed_in_patches(&self) -> bool {
         if !self.is_slowed_unevenly() {
             return false;
@@ -168,7 +169,7 @@ impl Surface {
         self
     }
 
-    /// Returns this surface with the slowness of another one at `points`.
+    /// Returns this surface with the slowness that another surface has at `points`.
     pub(super) fn with_slowness_of(mut self, other: &Self, points: &[usize]) -> Self {
         let slowness = other.slowness();
         self.inputs.slowness = slowness.map(|all| points.iter().map(|&index| all[index]).collect());
@@ -222,7 +223,7 @@ impl Surface {
     }
 }
 
-/// Reciprocal of the share of edges with a jump from which a slowness counts as patches: one edge in twenty.
+/// Reciprocal of the share of edges with a jump above which a slowness counts as patches: one edge in twenty.
 const PATCHES: usize = 20;
 
 /// Slowness of free travel, relative to the least positive slowness.

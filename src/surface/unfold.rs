@@ -3,11 +3,11 @@
 //!
 //! A front that runs through a triangle with an obtuse angle at x0 may reach x0 before it reaches one end of
 //! the base. Then points depend on one another in a cycle. The result depends on the order of updates, and
-//! where fronts meet, they pass on arrival times that are too early. So an obtuse triangle is not used for
-//! updates; only its edges are. Instead, the triangles beyond its base are unfolded into its plane, one after
-//! another, until a grid point lies between both edges. That point splits the triangle in two. At most one
-//! part is obtuse, and it is split again. Where a hole or the border ends the unfolding first, no path from
-//! any grid point comes through the remaining part, and it is not used either.
+//! where fronts meet, arrival times that are too early spread. So an obtuse triangle is not used for updates;
+//! only its edges are. Instead, the triangles beyond its base are unfolded into its plane, one after another,
+//! until a grid point lies between both edges. That point splits the triangle in two. At most one part is
+//! obtuse, and it is split again. Where a hole or the border ends the unfolding first, no path from any grid
+//! point comes through the remaining part, and this part is not used either.
 
 use super::chart::{Direction, EdgeSlot, Offset, STORED};
 use super::edges::EdgeLengths;
@@ -38,9 +38,9 @@ impl<R: Real> EdgeLengths<R> {
     /// the lengths of x0 x1, x0 x2 and x1 x2 in the plane; and the slowness by which they are weighted at x0,
     /// x1 and x2.
     ///
-    /// A part may cover several cells, whose slowness may differ from that at its corners. If the slowness
-    /// jumps there, the largest slowness seen in the search for the part counts, so that no front walks
-    /// through slow regions.
+    /// A part may cover several cells, whose slowness may differ from the slowness at the part's corners. If
+    /// the slowness jumps there, the largest slowness seen in the search for the part counts, so that no
+    /// front passes through slow regions too fast.
     pub(crate) fn split(
         &self,
         x0: usize,
@@ -48,7 +48,7 @@ impl<R: Real> EdgeLengths<R> {
         mut part: impl FnMut([usize; 2], [R; 3], [R; 3]),
     ) {
         let chart = self.chart();
-        // The first direction is the same whichever scan asks.
+        // The directions are put in order, so that the first one is the same whichever scan asks.
         let [first, second] = directions;
         let [a, b] = if first.next() == second { directions } else { [second, first] };
         let base = (b.step().0 - a.step().0, b.step().1 - a.step().1);
@@ -174,7 +174,7 @@ impl<R: Real> EdgeLengths<R> {
     }
 }
 
-/// Stored edges of the steps to neighbours, three per row: the index of the edge, and whether the neighbour
+/// For each step to a neighbour, three per row: the index of its stored edge, and whether the neighbour
 /// stores it.
 const STORED_AT: [Option<(usize, bool)>; 9] = {
     let mut found = [None; 9];

@@ -7,8 +7,8 @@ use super::Surface;
 use super::chart::Block;
 
 impl Surface {
-    /// Returns the points of some rows and columns, with their slowness. The part may consist of holes only. It
-    /// is open, also where the surface is glued.
+    /// Returns the points of some rows and columns, with their slowness. The part may consist of holes only. The part
+    /// is open even if the surface is glued.
     ///
     /// Edges and curvatures of a part are those of the whole surface, except at some points along its sides.
     /// An edge depends on points up to three rows and columns around it. The Gaussian curvature at a point
@@ -39,7 +39,7 @@ mod tests {
     /// Margin that covers everything on which a point's update depends.
     const MARGIN: usize = 5;
 
-    /// They agree up to rounding, since positions are taken relative to the middle.
+    /// Edges and curvatures agree up to rounding, since positions are taken relative to the middle of each surface.
     #[test]
     fn inside_a_part_edges_and_curvatures_are_those_of_the_whole() {
         let chart = Chart { rows: 20, cols: 24 };

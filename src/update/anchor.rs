@@ -8,17 +8,18 @@ use crate::surface::{Real, TAG, Tagged};
 /// The number of an anchor (a pseudo-source), below [`ANCHORS`](crate::surface::ANCHORS). Its tag says which
 /// scan brought the front.
 ///
-/// The number is stored in a normal floating-point number, which devices leave unchanged. The highest digit
-/// of the number is the sign; the other digits stand above the tag.
+/// The bits of the number make a normal floating-point number, which devices leave unchanged. The highest bit
+/// of the number is the sign; the other bits stand above the tag.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
 pub(crate) struct Anchor<R>(R);
 
-/// Number of digits of the number, without the sign.
+/// Number of bits of an anchor's number, without the bit that is the sign.
 const LOW: usize = 25;
 /// Number of digits of the tag.
 const TAG_DIGITS: usize = TAG.count_ones() as usize;
-/// 2^-63. In this range of exponents all digits below the exponent's first ones are free.
+/// 2^-63. All bits of this number below the first bits of its exponent are 0, so an anchor's number can be
+/// stored there.
 const BASE: f64 = 1.0 / (1u64 << 63) as f64;
 
 impl<R: Real> Anchor<R> {

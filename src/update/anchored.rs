@@ -1,18 +1,18 @@
 //! Implements fronts that know their anchor. They are exact over floor plans. The twin of
-//! `glsl/update/anchored.glsl`.
+//! `glsl/update/anchored.glsl` and `glsl/update/anchored_ways.glsl`.
 //!
 //! A shortest path over a flat grid with holes is a chain of straight lines that bends only at corners of
 //! holes. Its last bend, or its source, is the *anchor* of the points that follow (the pseudo-source of exact
 //! polyhedral methods; Mitchell, Mount and Papadimitriou, "The discrete geodesic problem", 1987). The
-//! distance of a point is that of its anchor plus the straight line from there. So no shape of the front is
-//! assumed inside a triangle. The candidates of a point are the anchors of two neighbours, and the anchors of
-//! these anchors. The point takes the nearest one from which it can be reached through the triangle. This
-//! mostly requires only the side of a line on which a grid point lies, in whole numbers. Where fronts meet,
-//! and the corner that shades one point from another is not known, the straight line is followed over the
-//! grid.
+//! distance of a point is the distance of its anchor plus the length of the straight line from there. So no
+//! shape of the front is assumed inside a triangle. The candidates of a point are the anchors of two
+//! neighbours, and the anchors of these anchors. Of the candidates from which the point can be reached
+//! through the triangle, it takes the one that gives the shortest path. To find out, it mostly suffices to
+//! compute, in whole numbers, on which side of a line a grid point lies. Where fronts meet, and the corner
+//! that shades one point from another is not known, the straight line is followed over the grid.
 //!
-//! An anchor that no neighbour knows is missed. Among holes of single points, the region that a corner lights
-//! often stays narrower than a cell for long, and distances there can be too long.
+//! An anchor that no neighbour knows is missed. Among holes of single points, the region in sight of a corner
+//! often stays narrower than a cell over a long way, and distances there can be too long.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -39,7 +39,7 @@ pub(crate) struct Floor<R> {
     /// neighbouring directions lead into a hole.
     corners: [bool; 256],
     blocked: [u8; 256],
-    /// The metric: the entries for rows, for both, and for columns.
+    /// The entries of the metric: rr, rc and cc for rows (r) and columns (c).
     metric: [R; 3],
     inside: InsideSources,
 }
@@ -56,7 +56,7 @@ impl<R: Real> Way<R> {
     /// The value for no path.
     pub(crate) const NONE: Self = Self { time: R::FAR, anchor: 0, start: R::FAR };
 
-    /// Returns the shorter of two paths. Of two equally long ones on one line, the one from the last corner
+    /// Returns the shorter of two paths. Of two equally long paths on one line, the path from the last corner
     /// passed is returned.
     fn or(self, other: Self) -> Self {
         let as_long = !is_shorter(self.time, other.time) && !is_shorter(other.time, self.time);
@@ -76,7 +76,7 @@ pub(crate) fn is_shorter<R: Real>(a: R, b: R) -> bool {
 /// except the length of the ray.
 #[derive(Clone, Copy)]
 pub(crate) struct Rays<R> {
-    /// Arrival time at the anchor, as far as it is known.
+    /// Arrival time stored at the anchor; [`Real::FAR`] if the anchor has not been reached.
     known: R,
     /// Step from the line behind.
     ahead: Step<R>,
@@ -142,7 +142,7 @@ fn there(edges: usize) -> [bool; 8] {
     std::array::from_fn(|to| edges >> to & 1 != 0)
 }
 
-/// Returns twice the area between two steps. Its sign says on which side of one step the other is.
+/// Returns twice the area between two steps. Its sign says on which side of one step the other one lies.
 fn cross<R: Real>(a: Step<R>, b: Step<R>) -> f64 {
     a[0].wide() * b[1].wide() - a[1].wide() * b[0].wide()
 }
@@ -153,7 +153,8 @@ fn dot<R: Real>(a: Step<R>, b: Step<R>) -> f64 {
 
 /// A path that is not straight.
 struct Detour {
-    /// The first corner at which the path bends. If it bends at none before, this is the last corner.
+    /// The first corner after the anchor at which the path bends. If the path bends at no earlier corner,
+    /// this is the end's own anchor.
     first_bend: usize,
     /// Whether the path bends to both sides.
     winds: bool,
@@ -390,8 +391,8 @@ impl<R: Real> Floor<R> {
         if goes_on { self.way(x0, end.start, end.anchor) } else { Way::NONE }
     }
 
-    /// Returns the shortest straight path through a triangle, from an anchor of its ends or from the anchors
-    /// of these.
+    /// Returns the shortest straight path through a triangle, from the anchor of one of its ends or from an
+    /// earlier anchor on the path to that end.
     fn through(
         &self,
         x0: usize,
@@ -401,7 +402,7 @@ impl<R: Real> Floor<R> {
         let [e1, e2] = ends.map(|end| self.step(x0, end.point));
         let turn = cross(e1, e2);
         let mut best = Way::NONE;
-        // If both ends have one anchor, it alone lights everything between them.
+        // If both ends have the same anchor, this anchor alone is in sight of all points between them.
         let is_of_one = ends[0].anchor == ends[1].anchor;
         for end in &ends[..if is_of_one { 1 } else { 2 }] {
             let (mut start, mut anchor, mut next) = (end.start, end.anchor, end.point);
@@ -409,8 +410,8 @@ impl<R: Real> Floor<R> {
             for _ in 0..=LINES_BACK {
                 let ray = self.step(x0, anchor);
                 let [a, b] = [cross(ray, e2) * turn, cross(e1, ray) * turn];
-                // A path from an end itself comes along its edge (`along`). Two points that learn of such an
-                // anchor from each other would keep a time that the anchor no longer has.
+                // A path from an end itself comes along its edge (`along`). If two points learned of such an
+                // anchor from each other, they would keep a time that the anchor no longer has.
                 let is_end = ends.iter().any(|end| end.point == anchor);
                 let beyond_base = a >= 0.0 && b >= 0.0 && a + b >= turn * turn && !is_end;
                 let way = self.way(x0, start, anchor);
@@ -450,7 +451,7 @@ impl<R: Real> Floor<R> {
         cross(self.step(before, at), self.step(at, next))
     }
 
-    /// Returns the shape of the path from an anchor to an end, or `None` if that is not known.
+    /// Returns the shape of the path from an anchor to an end, or `None` if the shape is not known.
     fn detour(
         &self,
         anchor: usize,
@@ -479,12 +480,14 @@ impl<R: Real> Floor<R> {
         None
     }
 
-    /// Returns whether x0 is outside the shadow that hides an end of its base from an anchor.
+    /// Returns whether an anchor is visible from x0, given one end of the base.
     ///
-    /// That shadow lies behind the first corner on the path from the anchor to the end, on the side of the
-    /// corner's hole. If the end does not lie in it, or the path winds between holes, the end may lie in the
-    /// shadow of another corner. It does if the straight line would be shorter than its path. Only then x0's
-    /// own line is followed over the grid.
+    /// The end's path shows which corner may hide the anchor: the first corner on the path from the anchor to
+    /// the end. The corner's shadow lies behind the corner, on the side of its hole. If the end lies in this
+    /// shadow, an x0 in the shadow does not see the anchor. An x0 outside of it does, unless the end's path
+    /// winds between holes. In all other cases another corner may hide the anchor, but only if the straight
+    /// line to the end would be shorter than the end's path. Then the straight line from x0 is followed over
+    /// the grid.
     fn sees(
         &self,
         x0: usize,
@@ -540,7 +543,7 @@ impl<R: Real> Floor<R> {
         let beside = |to: usize| 1u8 << to | 1u8 << ((to + 7) % 8);
         let past = |point: usize, to: usize| self.around[to].from(point);
 
-        // Along edges, one of the cells on both sides must be present.
+        // Where the line runs along edges, the cell on at least one side of each edge must be present.
         if aside == R::zero() || aside == lines {
             let diagonal = if is_left { ahead + 1 } else { (ahead + 7) % 8 };
             let to = if aside == R::zero() { ahead } else { diagonal };
@@ -551,13 +554,13 @@ impl<R: Real> Floor<R> {
             return left <= R::zero();
         }
 
-        // Otherwise the line must pass through edges with cells on both sides, or through points.
+        // Otherwise the line must cross edges with cells on both sides, or pass through points.
         let eighth = if is_left { ahead } else { (ahead + 7) % 8 };
         let through_point = 1u8 << eighth | 1u8 << ((eighth + 4) % 8);
         let (mut point, mut beyond, mut left) = (x0, R::zero(), lines);
         while left > R::zero() {
-            // `beyond` is how far the line lies beyond the point where it passes the next grid line, times
-            // the total number of lines.
+            // `beyond` is the offset of the line from `point` on the next grid line, times the total number
+            // of grid lines.
             beyond = beyond + aside * min(left, R::one());
             if beyond > lines && blocked(past(point, toward)) & beside(ahead) != 0 {
                 return false;

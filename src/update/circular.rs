@@ -4,8 +4,8 @@ use super::{Shape, Triangle};
 use crate::constants::STRADDLING;
 use crate::surface::{Real, max, min};
 
-/// Returns the arrival time at x0 of a circular front that reaches x1 and x2 at t1 and t2. If `causal`, the
-/// result is at least both times, see [`super::Curvatures`].
+/// Returns the arrival time at x0 of a circular front that reaches x1 and x2 at t1 and t2. If `causal`, a
+/// front through the triangle arrives no earlier than t1 and t2, see [`super::Curvatures`].
 ///
 /// The front's virtual source lies at the distances t1 and t2 from x1 and x2, on the opposite side of the
 /// base from x0. The time t0 is its distance from x0 if the straight ray crosses the base, else the Dijkstra

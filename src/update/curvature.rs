@@ -10,9 +10,9 @@ use crate::surface::{Real, TAG, Tagged};
 /// The curvature of a front. Its tag says which scan brought the front, and whether it came through a whole
 /// triangle.
 ///
-/// In maps of several sources, the number of the front's origin may stand in its place (`sight.rs`). This is
-/// a negative value of a larger magnitude than any curvature, so that of two fronts that arrive together the
-/// one with a number counts as the flatter one.
+/// In maps of several sources, the number of the front's origin may stand in place of the curvature
+/// (`sight.rs`). The number is encoded as a negative value of a larger magnitude than any curvature. So if
+/// two fronts arrive together, a front with a number counts as flatter than one with a curvature.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
 pub(crate) struct Curvature<R>(R);
@@ -32,7 +32,7 @@ impl<R: Real> Curvature<R> {
         Front { time, curvature: self.0, whole: !self.0.tag_has(WHOLE as u8, 0) }
     }
 
-    /// Returns the value that a front carries whose origin has this number.
+    /// Returns the value that is carried by a front whose origin has this number.
     #[inline(always)]
     pub(crate) fn of_origin(number: u32) -> R {
         let digits: R::Bits = (number << TAG.count_ones()).into();

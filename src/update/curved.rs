@@ -23,10 +23,10 @@ pub struct Front<R> {
 impl<R: Real> Front<R> {
     /// Returns the earlier of two fronts.
     ///
-    /// Of fronts that arrive together, one from a whole triangle is preferred. Next is the one whose ray runs
-    /// straight on along the common edge, which is the flatter front. This choice does not depend on the
-    /// order in which triangles are visited. The time is the earlier one, since the delay of the other would
-    /// grow from point to point.
+    /// Of fronts that arrive together, one from a whole triangle is preferred. If that does not decide, the flatter
+    /// front is preferred, since its ray runs straight on along the common edge. This choice does not depend on the
+    /// order in which triangles are visited. The time is the earlier one, since the delay of the other would grow from
+    /// point to point.
     #[inline(always)]
     pub(crate) fn first(a: Self, b: Self) -> Self {
         let second = if a.arrives_with(b) { b.knows_better(a) } else { b.time < a.time };
@@ -51,9 +51,8 @@ impl<R: Real> Front<R> {
         (self.whole & !other.whole) | flatter
     }
 
-    /// Returns whether this front equals `kept` up to rounding. Both arrive together and were brought by the
-    /// same scan, the kept one earlier. If such a front were renewed, all fronts that follow from it would be
-    /// renewed too.
+    /// Returns whether this front equals `kept` up to rounding. Both arrive together, and the same scan brought both,
+    /// `kept` at an earlier visit. If such a front were renewed, all fronts that follow from it would be renewed too.
     #[inline(always)]
     pub(crate) fn is_same_as(self, kept: Self) -> bool {
         let rounding = self.curvature.abs() * (R::of(BENT_AGAIN) * R::epsilon());
@@ -78,15 +77,15 @@ pub struct Curvatures<R> {
     /// Curvatures of the front at x1 and x2.
     pub fronts: [R; 2],
     /// Gaussian curvatures of the surface at x0, x1 and x2. Their four lowest binary digits mark points
-    /// beside a hole or the border, and corners of holes, where waves diffract.
+    /// beside a hole or the border, and corners of holes, where fronts diffract.
     pub surface: [R; 3],
     /// Whether one of x1 and x2 is a hole, and the other is x0's neighbour across a diagonal. A front along
     /// that diagonal is assumed to have come around the hole's corner, as most fronts there have, until
     /// another scan brings a better one. Without this assumption all points behind the corner would have to
     /// be renewed.
     pub alone: bool,
-    /// Whether the update must be causal: x0 then does not depend on neighbours that arrive later. This is
-    /// needed where several fronts meet; without it they would settle in more than one way, or never.
+    /// Whether the update must be causal: x0 then does not depend on neighbours that arrive later. This is needed where
+    /// several fronts meet; otherwise they would settle in more than one way, or never.
     pub causal: bool,
 }
 
@@ -114,10 +113,10 @@ pub fn curved<R: Real>(triangle: Triangle<R>, curvatures: Curvatures<R>) -> Fron
     let (p, whole) = (shape.foot, shape.whole);
     let h = max(shape.height_squared, zero).sqrt();
     let d = (near_t - t) * shape.per_base;
-    // The curvatures of both ends at the time of the farther end. If the farther end is a source, its front
-    // has no curvature yet. If the nearer end is a source, the front at the farther end usually came from
-    // there along the base. If it did not, and is nearly straight, it started beside the source, which is the
-    // end of a curve. Then it is the front that arrives at x0.
+    // These are the curvatures of both ends at the time of the farther end. If the farther end is a source, its front
+    // has no curvature yet. If the nearer end is a source, the front at the farther end usually came from there along
+    // the base. If it did not, and is nearly straight, it started beside the source, and the source is the end of a
+    // curve. Then the front at the farther end is the one that arrives at x0.
     let beside =
         (near_k >= at_source) & ((k * c).abs() < R::of(ABOUT_STRAIGHT)) & (d > R::of(-FROM_SOURCE));
     let near_kappa = if beside { k * c } else { near_k * c };
@@ -128,19 +127,18 @@ pub fn curved<R: Real>(triangle: Triangle<R>, curvatures: Curvatures<R>) -> Fron
     let sin_a = max((one - cos_a) * (one + cos_a), zero).sqrt();
     let crossing = cos_a * h + sin_a * p;
     let width = sin_a + kappa * h;
-    // A front that came along the base to its later end has already passed x0, or turns around the nearer
-    // end.
+    // A front that came along the base to the base's later end has already passed x0, or turns around the nearer end.
     let of_one = (d > R::of(-ALONG_BASE)) & (kappa * (one - d) <= R::of(STRADDLING));
     let is_front = whole & of_one & (width > zero);
     let n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * R::of(2.0);
     let root = max(one + kappa * n, zero).sqrt();
-    // No front arrives before the later end of the base, so that each point depends on earlier points only. A
-    // single front in cells that are not sheared may arrive before the later end, but not before the earlier
-    // one: in a stretched cell x0 may be nearer to the source than an end of its base. Fronts also do not
-    // arrive after a front along an edge.
+    // No front arrives at x0 earlier than at the later end of the base, so that each point depends on earlier points
+    // only. A single front in cells that are not sheared may arrive earlier than at the later end, but not earlier than
+    // at the earlier end: in a stretched cell x0 may be nearer to the source than an end of its base. Fronts also do
+    // not arrive after a front along an edge.
     let rise = max(n / (one + root), if shape.is_upright() & !causal { d } else { zero });
     let (by_far, by_near) = (t + l, near_t + near_l);
-    // Later by more than the tolerance within which fronts arrive together.
+    // This time exceeds that of the later end by more than the tolerance within which fronts arrive together.
     let later = t + t * (R::of(CLEARLY_LATER) * R::epsilon());
     let time = t + c * rise;
     let is_first = (time <= min(by_far, by_near)) & (!causal | (time >= later));
@@ -149,7 +147,7 @@ pub fn curved<R: Real>(triangle: Triangle<R>, curvatures: Curvatures<R>) -> Fron
     let near_spread = max(one + near_kappa * (rise - d), focus);
     let spread = far_spread * near_spread;
 
-    // The front along the edge through which it arrives first.
+    // The front that arrives along an edge, taken from the edge that brings it first.
     let grazing = R::of(GRAZING) * width;
     let from_far = by_far <= by_near;
     let (edge_time, edge) = if from_far { (by_far, l) } else { (by_near, near_l) };

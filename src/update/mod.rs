@@ -117,7 +117,7 @@ impl<R: Real> Shape<R> {
     }
 
     /// Computes the shape from edges that are weighted by a slowness. `of_side` and `of_other` are the mean
-    /// slowness along these two edges, divided by that along the base.
+    /// slownesses along these two edges, divided by the mean slowness along the base.
     #[inline(always)]
     fn on_surface([side, other, base]: [R; 3], [of_side, of_other]: [R; 2]) -> Self {
         let exists = (side < R::FAR) & (other < R::FAR) & (base < R::FAR);

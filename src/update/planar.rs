@@ -8,10 +8,10 @@ use crate::surface::{Real, max, min};
 /// In units of the base, with x1 at the origin, let (p, h) be x0. A front with d = t2 - t1 runs at an angle
 /// with cosine d to the base, so t0 = t1 + p d + h sqrt(1 - d^2), the larger root of eq. 10. The upwind
 /// condition (15) is the interval of d for which the ray to x0 crosses the base between x1 and x2: d |x0 x1|
-/// <= p and d |x0 x2| >= p - 1. Outside of it the ray runs along an edge (16). This is the minimum over the
-/// base of t plus distance (the Hopf-Lax form), which is monotone for every triangle, including obtuse ones.
-/// In obtuse triangles, however, t0 is at least the time of the later end of the base. Otherwise two points
-/// that each arrive through the other's triangle would make one another earlier forever.
+/// <= p and d |x0 x2| >= p - 1. Outside of this interval the ray runs along an edge (16). The resulting t0 is
+/// the minimum over the base of t plus distance (the Hopf-Lax form), which is monotone for every triangle,
+/// including obtuse ones. In obtuse triangles, however, t0 is at least the time of the later end of the base.
+/// Otherwise two points that each arrive through the other's triangle would make one another earlier forever.
 #[inline(always)]
 pub fn planar<R: Real>(triangle: Triangle<R>) -> R {
     let Triangle { t1, t2, l1, l2, c } = triangle;

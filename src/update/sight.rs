@@ -3,10 +3,10 @@
 //! Time and curvature do not tell to which source a front belongs. Two fronts that arrive together from
 //! neighbouring sources look like one circle around a place between them, and that circle arrives too early.
 //! Therefore fronts of maps with several sources carry the number of their origin ([`Origin`]) in place of
-//! the curvature, as long as the straight line from there explains their time. A triangle whose ends have one
-//! origin has one front, whose curvature follows from its distance. If the ends have two origins, the front
-//! of each end continues separately: its time grows with the distance from its origin, if the ray to x0
-//! crosses the base.
+//! the curvature, as long as the straight line from there explains their time. A triangle whose ends have the
+//! same origin has one front, whose curvature follows from the distance to that origin. If the ends have
+//! different origins, the front of each end continues separately: its time grows with the distance from its
+//! origin, if the ray to x0 crosses the base.
 //!
 //! Distances from origins are computed in double precision, also for maps in single precision. They span many
 //! cells, and in long or sheared cells their squares are small differences of large numbers.
@@ -23,7 +23,7 @@ pub(crate) struct Sighted<R> {
     pub to: [R; 2],
     /// Step from that end to the other.
     pub extent: [R; 2],
-    /// Arrival time at the source; [`Real::FAR`] if the front's origin is not known.
+    /// Time at which fronts leave the origin; [`Real::FAR`] if the front's origin is not known.
     pub start: R,
 }
 
@@ -86,7 +86,8 @@ impl Steps {
     }
 }
 
-/// The squared lengths in the plane of a triangle. Steps are given as shares of x0 x1 and x0 x2.
+/// The scalar products of the steps x0 x1 and x0 x2 in the plane of a triangle: of the first with itself, of
+/// both, and of the second with itself. Other steps are given as shares of these two.
 #[derive(Clone, Copy)]
 struct Plane([f64; 3]);
 
@@ -119,7 +120,7 @@ struct Ray {
     /// Step from that point to the place.
     step: [f64; 2],
     length: f64,
-    /// Whether the ray starts between the source's ends, at a right angle.
+    /// Whether the ray starts between the source's ends, at a right angle to the source.
     is_beside: bool,
 }
 
@@ -303,7 +304,8 @@ pub(crate) fn curved_from_origins<R: Real>(
     );
     let keeps_name = of_one & !exact & first.crosses & (of_both.time < R::FAR);
     let named = first.carried(of_both.time, fronts[0], g0);
-    // A front along an edge gives way to one that arrives with it up to rounding and carries its origin.
+    // A front along an edge gives way to a front that arrives together with it, up to rounding, and carries
+    // the number of its origin.
     let rounding = of_both.time.abs() * (R::of(ROUNDING) * R::epsilon());
     let gives_way = !keeps_name & (first.is_known | second.is_known);
     let mut arrival = Front {

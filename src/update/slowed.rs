@@ -3,13 +3,13 @@
 //!
 //! The slowness is linear along each edge. An edge costs its length times the mean slowness of its ends.
 //! A ray from a place y of the base to x0 costs |y x0| times the mean slowness of its ends. A front
-//! arrives along the ray for which the sum of its time at y and that cost is least ([`Slope`]). The costs of
-//! the edges do not give the shape of a triangle: an equilateral one between corners of slowness 1, 1 and 100
-//! would seem skewed. The shape is that of the lengths on the surface, the costs divided by the slowness.
+//! arrives along the ray for which the sum of its time at y and that cost is least ([`Slope`]). The costs of the edges
+//! do not give the shape of a triangle: an equilateral triangle between corners of slowness 1, 1 and 100 would seem
+//! long and thin. The shape follows from the lengths on the surface: the costs divided by the mean slownesses.
 //!
-//! The sum is convex from one end of the base up to some place, and concave beyond it, if anywhere. So the
-//! minimum is at an end, where an edge runs, or at the one place within the convex part to which Newton's
-//! method converges. Any place gives an upper bound, and the error of the time is quadratic in that of the
+//! The sum is convex from one end of the base up to some place. Beyond that place, if it lies on the base, the sum is
+//! concave. So the minimum is at an end, where an edge runs, or at the one place within the convex part to which
+//! Newton's method converges. Any place gives an upper bound, and the error of the time is quadratic in that of the
 //! place.
 
 use super::curved::{Curvatures, bent};
@@ -45,28 +45,28 @@ impl<R: Real> Triangle<R> {
     }
 }
 
-/// The cost of rays from the base to x0, in units of the base's cost. From the place w, which counts from the end
-/// that the front reaches later, in units of the base, the cost is sqrt((w - foot)^2 + height^2) (near + slope w).
+/// The cost of rays from the base to x0, in units of the base's cost. Places on the base count from 0 at the end that
+/// the front reaches later to 1 at the other end. The ray from the place w costs sqrt((w - foot)^2 + height^2) (near +
+/// slope w).
 struct Rays<R> {
     foot: R,
     height: R,
-    /// The mean slowness of the ray from that end relative to that of the base, and its change towards the
-    /// other end.
+    /// Mean slowness along the ray from place 0, divided by the mean slowness along the base.
     near: R,
+    /// The same for the ray from place 1, less `near`.
     slope: R,
     jump: R,
 }
 
-/// The arrival time of a front along the base, in the same units: that of a circle of curvature `kappa` which
-/// leaves the later end at an angle, less a bulge.
+/// The arrival time of a front along the base, in the same units: the time of a circular front of curvature `kappa`,
+/// less a bulge. At the later end of the base, the derivative of the circle's time along the base is `-cos_a`.
 struct Slope<R> {
-    /// Time at the other end less that at the end reached later: never positive.
+    /// Time at the other end less the time at the end reached later: never positive.
     d: R,
     kappa: R,
     cos_a: R,
     sin_a: R,
-    /// Second derivative of the time beyond that of the circle: the bending of the front by a smoothly
-    /// varying slowness.
+    /// Part of the time's second derivative that a smoothly varying slowness adds to that of the circle.
     bulge: R,
 }
 
@@ -87,8 +87,8 @@ impl<R: Real> Slope<R> {
         let Self { d, kappa, cos_a, sin_a, bulge } = *self;
         let Rays { foot, height, near, slope, jump } = *rays;
         let within = |place: R| max(min(place, one), zero);
-        // The guess is for a constant slowness. Where the slowness jumps, the ray is given the refracted
-        // angle of its own side.
+        // The guess is for a constant slowness. Where the slowness jumps, the iteration starts instead at the place
+        // that the law of refraction gives for the slowness between the base and x0.
         let across = near + slope * within(foot);
         let steepest = R::of(STEEPEST_GUESS);
         let cosine = max(min(-(d + slope * height) / across, steepest), -steepest);
@@ -112,7 +112,7 @@ impl<R: Real> Slope<R> {
             let cosine = from_foot * per_distance;
             let falls =
                 along * per_root - bulge * (half - place) + mean * cosine + slope * distance;
-            // Where the sum is not convex, its second derivative is taken as a quarter of the contributions
+            // The sum need not be convex. So its second derivative is taken as at least a quarter of the contributions
             // of the front's circle and the ray.
             let spreads = max(kappa, zero) * (sin_a * sin_a) * (per_root * per_root * per_root);
             let convex = spreads + squared * mean * (per_distance * per_distance * per_distance);
@@ -126,7 +126,7 @@ impl<R: Real> Slope<R> {
 
 /// Returns the arrival time at x0 of a straight front that reaches x1 and x2 at t1 and t2, given the slowness
 /// at x0, x1 and x2. A front through the triangle arrives no earlier than the later of both times, see
-/// [`super::planar()`]; one along an edge may.
+/// [`super::planar()`]; a front along an edge may arrive earlier.
 #[inline(always)]
 pub(crate) fn planar_slowed<R: Real>(triangle: Triangle<R>, slowness: [R; 3]) -> R {
     let Triangle { t1, t2, l1, l2, c } = triangle;
@@ -151,12 +151,13 @@ pub(crate) fn planar_slowed<R: Real>(triangle: Triangle<R>, slowness: [R; 3]) ->
     min(along_edge, if inside { time } else { along_edge })
 }
 
-/// Returns the front at x0 from fronts at x1 and x2, given the slowness at x0, x1 and x2. It equals that of
+/// Returns the front at x0 from fronts at x1 and x2, given the slowness at x0, x1 and x2. It equals the front of
 /// [`super::curved()`] where the slowness is constant.
 ///
-/// Curvatures are those of the metric that the slowness makes of the surface. Where the slowness jumps, they
-/// are useless. The quantity that continues across a jump is the second derivative of the time along a front:
-/// curvature times slowness squared. Points have a tag where the slowness jumps ([`jumps`]).
+/// Curvatures are measured in the surface's metric scaled by the slowness, in which lengths are travel times. Where the
+/// slowness jumps, these curvatures are of no use. The quantity that is continuous across a jump is the second
+/// derivative of the time along the front's tangent: curvature times slowness squared. Points have a tag where the
+/// slowness jumps ([`jumps`]).
 #[inline(always)]
 pub(crate) fn curved_slowed<R: Real>(
     triangle: Triangle<R>,
@@ -177,7 +178,7 @@ pub(crate) fn curved_slowed<R: Real>(
     let (s, near_s) = if swap { (s2, s1) } else { (s1, s2) };
     let jump = jump_of(slowness);
     let per_base_slowness = one / (s + near_s);
-    // Relative to the base's slowness, which is the mean of both ends'.
+    // These are relative to the base's slowness, which is the mean of the slownesses at its two ends.
     let [own, far, near] =
         [s0, s, near_s].map(|slowness| (slowness + slowness) * per_base_slowness);
     let (from_far, from_near) = (half * (own + far), half * (own + near));
@@ -185,7 +186,7 @@ pub(crate) fn curved_slowed<R: Real>(
     let (p, whole) = (shape.foot, shape.whole);
     let h = max(shape.height_squared, zero).sqrt();
     let d = (near_t - t) * shape.per_base;
-    // The factor by which a curvature changes between places of different slowness.
+    // The factor by which a curvature changes across a jump of the slowness; it is 1 where the slowness does not jump.
     let passes = |from: R, to: R| one + jump * (from * from / (to * to) - one);
     let beside =
         (near_k >= at_source) & ((k * c).abs() < R::of(ABOUT_STRAIGHT)) & (d > R::of(-FROM_SOURCE));
@@ -214,7 +215,7 @@ pub(crate) fn curved_slowed<R: Real>(
     let is_first = (time <= min(by_far, by_near)) & (!causal | (time >= later));
     let inside = is_front & (place > zero) & (place < one) & is_first;
 
-    // The front along the edge through which it arrives first.
+    // The front that arrives along an edge, taken from the edge that brings it first.
     let grazing = R::of(GRAZING);
     let is_from_far = by_far <= by_near;
     let (edge_time, edge) = if is_from_far { (by_far, l) } else { (by_near, near_l) };
@@ -239,7 +240,8 @@ pub(crate) fn curved_slowed<R: Real>(
     let in_fan = is_narrow & (fan * goes_on > edge_k * h);
     let edge_k = if (diffracted | opens) & !is_narrow { at_source } else { edge_k };
 
-    // Where the slowness jumps, a front spreads as over the harmonic mean of both ends of the ray.
+    // Where the slowness jumps, a front spreads as it would at a constant slowness, the harmonic mean of the slownesses
+    // at both ends of the ray.
     let from = far + place * (near - far);
     let spreads = one + jump * (one / (from * own) - one);
     let spread = max(rise, zero) * spreads;
@@ -260,13 +262,13 @@ pub(crate) fn curved_slowed<R: Real>(
     Front { time: if inside { time } else { edge_time }, curvature, whole }
 }
 
-/// Returns whether no front comes through a triangle earlier than `now`, nor, if it is curved, at the same
-/// time. `curvatures` are those at x1 and x2, or `None` for straight fronts.
+/// Returns whether a bound shows that every front through a triangle comes at `now` or later, or, for curved fronts,
+/// later than `now`. `curvatures` are those at x1 and x2, or `None` for straight fronts.
 ///
-/// The bound is that of `cpu/lines/settled.rs`. A ray from a place x of the base is at least as long as its
-/// projection u . (x0 - x) on the direction u from x1. The projection is linear along the base, as is the
-/// slowness. So the cost falls below the lesser of both ends' by at most a quarter of the product of both
-/// changes.
+/// The bound is that of `cpu/lines/settled.rs`. A ray from a place x of the base is at least as long as its projection
+/// u . (x0 - x) on the direction u from x1 to x0. The projection and the slowness are linear along the base. So their
+/// product, which bounds the cost of the ray, falls below the linear function between its values at both ends by at
+/// most a quarter of the product of both changes.
 #[inline(always)]
 pub(crate) fn is_settled<R: Real>(
     triangle: Triangle<R>,

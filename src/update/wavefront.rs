@@ -7,25 +7,25 @@ use crate::constants::{self, SOURCES_INSIDE};
 use crate::name::{UnknownName, by_name};
 use crate::surface::{Sources, Surface};
 
-/// The shape of the front that an update assumes inside a triangle. The numbers are those of `WAVEFRONT` in
-/// `glsl/update/wavefront.glsl`.
+/// The shape of the front that an update assumes inside a triangle. The numbers of the kinds are those of
+/// `WAVEFRONT` in `glsl/update/wavefront.glsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(i32)]
 pub enum Wavefront {
     /// A straight front (paper, section 3). It is first-order accurate, also for extended sources.
     Planar = constants::PLANAR as i32,
-    /// A circular front around a virtual point source, for one point. It is exact on developable surfaces
-    /// except for the sampling, and second-order accurate elsewhere. Maps of several sources or over an
-    /// uneven slowness are solved with [`Self::Curved`] instead, and their report says so: circular fronts do
-    /// not tell to which source they belong where they meet. Fast marching, which updates in one order, keeps
-    /// them for several sources.
+    /// A circular front around a virtual point source, for maps of a single point source. It is exact on
+    /// developable surfaces except for the sampling, and second-order accurate elsewhere. Maps of several
+    /// sources or over an uneven slowness are solved with [`Self::Curved`] instead, and their report says so:
+    /// circular fronts do not tell to which source they belong where they meet. Fast marching, which updates
+    /// in one order, keeps them for several sources.
     Circular = constants::CIRCULAR as i32,
     /// A front that carries its curvature beside the arrival time. It is second-order accurate on curved
     /// surfaces, also around holes and for extended sources.
     Curved = constants::CURVED as i32,
-    /// A front that knows its anchor, the corner or source from which it comes on a straight line, in place
-    /// of its curvature. From points it is exact over floor plans ([`crate::Surface::is_floor_plan`]). On
-    /// other surfaces and from curves it is refused. Engines that are given the edges of another surface
+    /// A front that carries its anchor, the corner or source from which it comes on a straight line, in place
+    /// of its curvature. From point sources it is exact over floor plans ([`crate::Surface::is_floor_plan`]).
+    /// On other surfaces and from curves it is refused. Engines that are given the edges of another surface
     /// solve as [`Self::Curved`].
     Anchored = constants::ANCHORED as i32,
 }
@@ -67,9 +67,9 @@ impl Wavefront {
             Some(Self::Anchored) => setting.has_anchors().map(|()| Self::Anchored),
             Some(Self::Circular) if from_curves => Err(Unsuited::CircularFromCurves),
             // Circular fronts do not tell from which source they come. Where fronts of several sources meet,
-            // or one that a slowness bends meets itself, the result would depend on the order of updates.
-            // Fast marching has only one order. Matrices with a constant slowness keep circular fronts for
-            // their speed; where rays bend, circles have no centre.
+            // or where a front that a slowness bends meets itself, the result would depend on the order of
+            // updates. Fast marching has only one order. Matrices with a constant slowness keep circular
+            // fronts for their speed; where rays bend, circles have no centre.
             Some(Self::Circular)
                 if sources.are_several() && engine != EngineKind::FastMarching
                     || is_slowed_unevenly =>
@@ -86,8 +86,8 @@ impl Wavefront {
         }
     }
 
-    /// Returns the wavefront with which an engine solves that accepts any request: the curved one in place of
-    /// one that does not suit the setting.
+    /// Returns the wavefront with which an engine solves if it accepts any request: this one, or the curved
+    /// one if this one does not suit the setting.
     pub(crate) fn or_curved(self, setting: Setting) -> Self {
         Self::resolve(Some(self), setting).unwrap_or(Self::Curved)
     }
@@ -153,7 +153,7 @@ impl SourceKind {
         Self::Points { single, inside_cells }
     }
 
-    /// Returns the kind of sources to which others will be added.
+    /// Returns the kind of these sources if others will be added to them.
     pub(crate) fn several(sources: &Sources) -> Self {
         match Self::of(sources) {
             Self::Points { inside_cells, .. } => Self::Points { single: false, inside_cells },
@@ -194,8 +194,8 @@ impl Setting {
         }
     }
 
-    /// Makes the setting of an engine that is given edges and seeds, and knows of the surface at most that it
-    /// is a floor plan.
+    /// Makes the setting of an engine that is given edges and seeds. Such an engine knows nothing of the
+    /// surface but whether it is a floor plan.
     pub(crate) fn of_engine(is_floor_plan: bool) -> Self {
         let (sources, engine) = (SourceKind::POINT, EngineKind::Map);
         Self { is_floor_plan, is_rough: false, is_slowed_unevenly: false, sources, engine }
@@ -224,7 +224,7 @@ pub(crate) enum Unsuited {
     CircularFromCurves,
     #[error(
         "the anchored wavefront is for floor plans: flat surfaces whose points are evenly spaced, without \
-         obtuse triangles and without a slowness; use the curved one for others"
+         obtuse triangles and without a slowness; use the curved one for other surfaces"
     )]
     NoFloorPlan,
     #[error(
@@ -238,8 +238,8 @@ pub(crate) enum Unsuited {
     )]
     TooManyInside,
     #[error(
-        "the rows of a matrix have no anchored fronts on a Vulkan device; compute them on the CPU, or with \
-         curved ones"
+        "the rows of a matrix have no anchored fronts on a Vulkan device; compute them on the CPU, or use \
+         curved fronts"
     )]
     AnchoredMatrixOnDevice,
 }

@@ -1,10 +1,10 @@
-//! Describes where a grid goes on beyond its sides, as `glsl/shared/lattice.glsl` has it.
+//! Describes where a grid goes on beyond its sides, in the terms of `glsl/shared/lattice.glsl`.
 
 use crate::constants::{GOES_ON, GRID_ENDS, REVERSES, SEAM_HALO};
 use crate::surface::{Chart, Lattice};
 
 impl Lattice {
-    /// Returns the numbers of shaders for the continuation beyond the columns and beyond the rows.
+    /// Returns the codes by which shaders know whether and how the grid goes on beyond its columns and beyond its rows.
     pub(crate) fn codes(self) -> [i32; 2] {
         [self.cols, self.rows].map(|reversed| match reversed {
             None => GRID_ENDS as i32,
@@ -18,7 +18,8 @@ impl Lattice {
         [self.cols, self.rows].map(|side| side.map_or(0, |_| SEAM_HALO as usize))
     }
 
-    /// Returns the numbers of the copies that `sources.comp` finds of sources on seams, after 0 for the sources.
+    /// Returns the values of `copy` in `sources.comp`: 0 for the sources, and the others for the copies of sources on
+    /// seams.
     pub(crate) fn copies(self) -> impl Iterator<Item = i32> {
         let over = i32::from(self.cols.is_some()) + 2 * i32::from(self.rows.is_some());
         (0..4).filter(move |copy| copy & !over == 0)

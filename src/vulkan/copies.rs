@@ -17,20 +17,20 @@ use super::{TexelChart, VulkanError};
 use crate::constants::{COPIES_TOGETHER, COPY_TEXEL_WORDS, LAYERS};
 use crate::surface::{Chart, Glued, Groups, Ring};
 
-/// In place of the number of the round of tiles that follows: none does.
+/// The value of `next_round` if no round of tiles follows an exchange.
 pub(crate) const NO_ROUND: i32 = -1;
 
-/// Alignment of a list by rows in words, which is one of storage buffers' offsets on every device.
+/// Alignment of a list by rows, in words. It suits the offsets of storage buffers on every device.
 const ALIGNMENT: usize = 64;
 
-/// Number of words of the earliest front of a part: its time and what it carries.
+/// Number of words of the earliest front of a part: its time and the value that it carries.
 const EARLIEST_WORDS: usize = 2;
 
-/// Copies of points in the order and the places in which shaders read them.
+/// A list of the copies of points, in the layout in which shaders read it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CopyList {
     words: Vec<u32>,
-    /// Number of words behind these that shaders write before they read them.
+    /// Number of further words after `words`. Shaders write them before they read them.
     room: usize,
     /// Numbers of parts, members, groups and texels.
     parts: usize,
@@ -90,7 +90,7 @@ impl CopyList {
     }
 
     /// Adds the cells around the members of each part, in the order of the groups, as
-    /// `glsl/passes/share_curvature.comp` reads them, and room for what it finds.
+    /// `glsl/passes/share_curvature.comp` reads them, and room for the results of that pass.
     fn add_rings<'r>(&mut self, rings: impl Iterator<Item = &'r Ring>) {
         let (mut starts, mut cells) = (vec![0], Vec::new());
         for of_part in rings.flat_map(|ring| ring.cells.chunks(COPIES_TOGETHER as usize)) {
@@ -197,7 +197,7 @@ impl Copies {
         &self.list
     }
 
-    /// Returns the buffer and what it has to hold before the first exchange.
+    /// Returns the buffer and the bytes that it has to hold before the first exchange.
     pub(crate) fn contents(&self) -> (vk::Buffer, &[u8]) {
         (self.buffer.buffer, bytemuck::cast_slice(&self.list.words))
     }
@@ -219,7 +219,7 @@ impl Copies {
         self.sets.with_host(set)
     }
 
-    /// Returns the push constants of the pass that shares the curvature of copies. The list has rings.
+    /// Returns the push constants of the pass that shares the curvature of copies. The list must have rings.
     pub(crate) fn push_to_share(&self) -> share_curvature::Push {
         let [parts, members, groups, copy_texels] = self.counts();
         share_curvature::Push { parts, members, groups, copy_texels }
@@ -248,15 +248,15 @@ impl Copies {
         Push { texels, parts, members, groups, copy_texels, tile_texels, next_round }
     }
 
-    /// Returns the bytes that an exchange reads and writes, without those of earliest fronts: each copy is read
-    /// once by itself and once with its texel.
+    /// Returns the bytes that an exchange reads and writes, without the bytes of earliest fronts. The exchange reads
+    /// the texel of each copy, and each texel with copies once more.
     pub(crate) fn bytes_moved(&self) -> [u64; 2] {
         let texel = 16 * u64::from(LAYERS);
         let [members, texels] = [self.list.members, self.list.texels].map(|count| count as u64);
         [(members + texels) * texel, texels * texel]
     }
 
-    /// Returns the bytes that are read and written if copies share their curvature: those of each copy, of the
+    /// Returns the bytes that are read and written if copies share their curvature: the bytes of each copy, of the
     /// edges of its cells, and of each texel with copies.
     pub(crate) fn bytes_of_curvature(&self) -> [u64; 2] {
         let [members, texels] = [self.list.members, self.list.texels].map(|count| count as u64);
@@ -274,7 +274,7 @@ impl Copies {
     }
 }
 
-/// Returns the groups in the order in which they are listed. Tests change it.
+/// Returns the groups in the order in which they are listed. Tests change the order.
 fn in_order(groups: Vec<&[u32]>) -> Vec<&[u32]> {
     #[cfg(test)]
     let groups = tests::reordered(groups);

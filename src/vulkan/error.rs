@@ -136,8 +136,8 @@ pub enum VulkanError {
     },
     /// The surface has no buffer or image with this number.
     #[error(
-        "the surface has {count} {what}, counted from 0, and number {number} was asked for{}",
-        if *count == 0 { "; it is made with them, unless an array is given in their place" } else { "" }
+        "the surface has {count} {what}, counted from 0, but number {number} was asked for{}",
+        if *count == 0 { where_listed(what) } else { "" }
     )]
     NoSuch {
         /// Kind of the buffer or image.
@@ -153,18 +153,19 @@ pub enum VulkanError {
     /// The plan was made for a grid of another size.
     #[error("the plan was made for a grid of another size than the surface's")]
     OtherGrid,
-    /// The plan is one over seams and the surface is not glued, or the other way round.
+    /// The plan was made with [`over_seams`](super::embed::Plan::over_seams) and the surface is not glued, or
+    /// the surface is glued and the plan was made without it.
     #[error("{}", if *.is_glued {
-        "the surface is glued and the plan has no step over seams: make it with Plan::over_seams"
+        "the surface is glued, but the plan has no step over seams: make the plan with Plan::over_seams"
     } else {
-        "the plan is one over seams and the surface is not glued: leave Plan::over_seams out"
+        "the plan passes seams, but the surface is not glued: make the plan without Plan::over_seams"
     })]
     OtherGluing {
         /// Whether the surface is glued.
         is_glued: bool,
     },
     /// The surface was used before it was prepared.
-    #[error("the surface is not prepared: record that once, before anything else")]
+    #[error("the surface is not prepared: record Recording::prepare once, before anything else")]
     NotPrepared,
     /// A map was requested before the edges were measured.
     #[error(
@@ -202,7 +203,7 @@ pub enum VulkanError {
     /// The preparation of the surface was recorded and never ran on the device.
     #[error(
         "the surface's preparation was recorded and has not run, so that its maps are wrong: submit it before its \
-         first frame, or record it again in the same command buffer as that"
+         first frame, or record it again in the same command buffer as that frame"
     )]
     PreparationLost,
     /// The surface owns its images of distances.
@@ -211,7 +212,8 @@ pub enum VulkanError {
          (SurfaceInfo::results)"
     )]
     OwnResults,
-    /// Points or sources were replaced while all of their descriptor sets were in use.
+    /// Points, sources or another input of the surface were replaced while all of their descriptor sets were
+    /// in use.
     #[error(
         "the surface's {what} {number} are replaced again while recordings that read them have not run: wait for \
          the fence of a frame, or use as many slots as frames in flight"
@@ -222,10 +224,18 @@ pub enum VulkanError {
         /// Number of the input.
         number: usize,
     },
-    /// Contours, paths or regions were made before an input of their surface was replaced.
+    /// Contours, paths, regions, directions or a log map were rebound while all of their descriptor sets were in
+    /// use.
     #[error(
-        "the surface's {what} {number} were replaced after its contours, paths or regions were made: call their \
-         rebind first"
+        "the contours, paths, regions, directions or log map are rebound again while recordings that use them have \
+         not run: wait for the fence of a frame, or use as many slots as frames in flight"
+    )]
+    RebindInFlight,
+    /// Contours, paths, regions, directions or a log map were made before an input of their surface was
+    /// replaced.
+    #[error(
+        "the surface's {what} {number} were replaced after its contours, paths, regions, directions or log map \
+         were made: call `rebind` on them first"
     )]
     OldInput {
         /// Kind of the input: points or sources.
@@ -237,7 +247,7 @@ pub enum VulkanError {
     #[error("the limit of the map cannot be used: {0}")]
     Limit(String),
     /// One of several frames that are recorded together cannot be recorded.
-    #[error("frame {number} of those recorded together, counted from 0: {source}")]
+    #[error("frame {number} (counted from 0) of the frames that are recorded together: {source}")]
     OfFrame {
         /// Number of the frame.
         number: usize,
@@ -253,8 +263,10 @@ pub enum VulkanError {
     /// The surface was used after it was destroyed.
     #[error("the surface was destroyed before")]
     Destroyed,
-    /// Contours or paths were made for another surface.
-    #[error("the contours or paths were made for another surface than the recording's")]
+    /// Contours, paths, regions, directions or a log map were made for another surface.
+    #[error(
+        "the contours, paths, regions, directions or log map were made for another surface than the recording's"
+    )]
     OtherSurface,
     /// Contours, paths, regions, directions or a log map cannot be made or recorded as requested.
     #[error("no {what}: {reason}")]
@@ -301,6 +313,18 @@ impl VulkanError {
     /// Returns a function that turns the result of the Vulkan function `call` into an error.
     pub(crate) fn from_call(call: &'static str) -> impl Fn(vk::Result) -> Self {
         move |result| Self::Call { call, result }
+    }
+}
+
+/// Returns the advice to list inputs of a kind when a surface is made that has none of them.
+fn where_listed(what: &str) -> &'static str {
+    match what {
+        "point inputs" => "; list them in `points` of the surface's info when it is made",
+        "source buffers" => {
+            "; list them in `sources` of the surface's info when it is made, or give the sources in an array"
+        }
+        "lookups" => "; list them in `lookups` of the surface's info when it is made",
+        _ => "",
     }
 }
 

@@ -22,7 +22,7 @@ use super::{TexelChart, Tuning, VulkanError};
 use crate::constants::LAYERS;
 use crate::surface::{Chart, Lattice};
 
-/// Numbers that are kept for a tile.
+/// Number of words that are kept for each tile.
 pub(crate) const TILE_WORDS: usize = 6;
 
 /// Largest number of sources in a recording.
@@ -34,10 +34,11 @@ pub(crate) type Copied = ((vk::Buffer, u64), (vk::Buffer, u64), u64);
 /// Purpose of a grid's images.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Purpose<'a> {
-    /// Headless solving. Edges and sources come from the program's memory, and distances go back there. Both
-    /// pass through buffers of 4 bytes a point, up to 16 MiB each. The upload buffer has room for anchors
-    /// after the edges. If the slowness of the surface is uneven, it is on the device too, 4 bytes a point.
-    /// With [`Tuning::staged`] there are buffers in the host's memory too, of 12 bytes a point together.
+    /// Headless solving. Edges and sources come from the program's memory, and distances go back there. In
+    /// each direction they pass through a buffer of 4 bytes a point, up to 16 MiB. The upload buffer has room
+    /// for anchors after the edges. If the slowness of the surface is uneven, it is on the device too, 4
+    /// bytes a point. With [`Tuning::staged`] there are buffers in the host's memory too, of 12 bytes a point
+    /// together.
     Headless { slowed: bool },
     /// Embedding in a renderer. Everything stays on the device. `slots` is the number of frames in flight,
     /// `results` the number of images of distances, and `families` are the queue families that use these
@@ -95,9 +96,10 @@ pub(crate) struct GridImages {
     pub(crate) outcome: Buffer,
     pub(crate) tiles: Buffer,
     pub(crate) blocks: Buffer,
-    /// Points or sources, and anchors, for shaders. Unless there is staging, edges are copied from it too.
+    /// Points or sources, and anchors, for shaders. Unless there is staging, edges are copied from this
+    /// buffer too.
     pub(crate) upload: Buffer,
-    /// Buffer to which distances are unpacked, or of sources that a recording contains.
+    /// Buffer to which distances are unpacked, or which holds the sources that a recording contains.
     pub(crate) download: Buffer,
     /// Buffers in the host's memory through which everything passes to `upload` and from `download`, if the
     /// device has memory of its own.
@@ -249,12 +251,12 @@ impl GridImages {
         self.slowed
     }
 
-    /// Returns the number of bands that may be on their way at a time, each in a half of its own.
+    /// Returns the number of bands that may be transferred at the same time, each in a half of its own.
     pub(crate) fn halves(&self) -> usize {
         if self.staging.is_some() { HALVES } else { 1 }
     }
 
-    /// Returns the halves of bands that are transferred one after another.
+    /// Returns the halves that successive bands use, in turn and without end.
     pub(crate) fn halves_in_turn(&self) -> impl Iterator<Item = usize> + use<> {
         (0..self.halves()).cycle()
     }
@@ -303,7 +305,7 @@ impl GridImages {
     }
 
     /// Returns the copies that bring `sources` bytes of the first half, and the anchors, to where shaders
-    /// read them. They are `None` if shaders read what the program has written.
+    /// read them. The result is `None` if shaders read the memory that the program writes.
     pub(crate) fn inputs(&self, sources: u64) -> Option<[Copied; 2]> {
         let [upload, _] = self.staging.as_ref()?;
         let (to, room) = (self.upload.buffer, self.source_room() as u64);
@@ -311,7 +313,8 @@ impl GridImages {
         Some([(upload.at(0), (to, 0), sources), (upload.further_at(), (to, room), anchors)])
     }
 
-    /// Returns where distances are to be copied for the host; `None` if it reads what shaders write.
+    /// Returns where distances are to be copied for the host; `None` if the host reads the buffer that
+    /// shaders write.
     pub(crate) fn read_back_at(&self, half: usize) -> Option<(vk::Buffer, u64)> {
         self.staging.as_ref().map(|[_, read_back]| read_back.at(half))
     }
@@ -417,21 +420,22 @@ fn buffer_infos(
     .map(|(name, size, location)| BufferInfo { name, size: size as u64, location })
 }
 
-/// Returns the names and sizes of the staging buffers, each of a half and of what follows both.
+/// Returns the names and sizes of the staging buffers: the size of a half, and the size of what follows both
+/// halves.
 fn staging_infos(chart: Chart) -> [(&'static str, (usize, usize)); 2] {
     let upload = upload_bytes(chart, transfer_bytes(chart));
     let read_back = distance_bytes(chart, staged_bytes(chart));
     [("staging of uploads", (upload, ANCHOR_BYTES)), ("staging of distances", (read_back, 0))]
 }
 
-/// Returns the bytes kept for tiles. For each tile they are its state, the round that it waits for, a place
-/// on each of two lists, and its urgency in even and in odd rounds.
+/// Returns the bytes kept for tiles. A tile has its state, the round that it waits for, a place on each of
+/// two lists, and its urgency in even and in odd rounds.
 fn tiles_bytes(texels: TexelChart, tile: u32) -> usize {
     let [cols, rows] = texels.tiles(tile);
     TILE_WORDS * size_of::<u32>() * cols as usize * rows as usize
 }
 
-/// Returns the bytes of the dispatch arguments of each block in each scan.
+/// Returns the bytes of the dispatch arguments of all blocks in all scans.
 fn blocks_bytes(texels: TexelChart, lines: u32) -> usize {
     Scan::ALL.len() * texels.block_pitch(lines) as usize * size_of::<[u32; 3]>()
 }

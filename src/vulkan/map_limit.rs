@@ -23,22 +23,22 @@ impl TargetPoint {
     }
 }
 
-/// Part of the surface for which a map is solved. Its distances are those of the whole map, and all other
-/// points are unreached.
+/// Part of the surface for which a map is solved. The distances in this part are those of the whole map. All
+/// other points are unreached.
 ///
-/// The work is about that of the part. With tiles, a map ends after the round in which the last needed target
-/// gets its distance. With raster scans, targets are checked after each iteration only, and the first iteration
-/// may go far beyond them; a radius limits it.
+/// The work is about as much as for a surface of the size of this part. With tiles, a map ends after the round
+/// in which the last needed target gets its distance. With raster scans, targets do not reduce the work, since
+/// an iteration brings early and late fronts in any order. Only a radius reduces it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct MapLimit<'a> {
     /// Largest arrival time: a distance where sources start at 0. With +infinity there is no radius.
     pub radius: f32,
     /// Points whose distances are needed, at most [`MOST_TARGETS`]. Without any, the radius alone counts. If
-    /// fewer of them can be reached than are needed, the map extends to the radius.
+    /// fewer targets can be reached than are needed, the map extends to the radius.
     pub targets: &'a [TargetPoint],
-    /// Number of targets, the nearest ones, whose distances are needed. A number larger than that of the
-    /// targets stands for all of them.
+    /// Number of the nearest targets whose distances are needed. A number larger than the number of targets
+    /// stands for all of them.
     pub needed: u32,
 }
 

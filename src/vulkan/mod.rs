@@ -1,12 +1,12 @@
-//! The Vulkan engine: the paper's section 5.3 on compute shaders.
+//! The Vulkan engine: the method of the paper's section 5.3, in compute shaders.
 //!
 //! This module stores arrival times in two RGBA32F images with 2 x 2 grid points a texel. A third image holds
 //! the edge lengths, one point a texel. A pass reads one image of times and writes the other. A [`Schedule`]
 //! decides which points a pass visits. The raster schedule scans the grid in blocks of lines, with a barrier
 //! between blocks. From the positions of the sources it computes which points no front can have reached yet,
-//! and skips them. The tiles schedule visits the tiles beside which something has changed. The host reads
-//! nothing back to steer: the device detects that a map has converged, and passes recorded beyond that visit
-//! nothing.
+//! and skips them. The tiles schedule visits the tiles beside which something has changed. A recording runs
+//! without decisions of the host: the device detects that a map has converged, and passes recorded beyond
+//! that visit nothing.
 //!
 //! A [`plan`] is a list of plain values. [`embed`] records it into a renderer's own command buffer, on the
 //! renderer's device and with its allocator. [`HeadlessSolver`] brings its own device, command buffers and

@@ -1,4 +1,4 @@
-//! Defines what the floats of a grid point mean, and what depends on that on a device.
+//! Defines the meaning of the floats of a grid point, and the passes and sizes on a device that depend on it.
 
 use super::device::passes::{
     CommonPass, EDGES_FROM_HEIGHTS, EDGES_FROM_METRIC, EDGES_FROM_POSITIONS,

@@ -60,8 +60,8 @@ impl TexelChart {
         self.inner().map(|texels| (2 * texels).div_ceil(points))
     }
 
-    /// Returns the distance between the blocks of two scans: the blocks of `lines` rows, or columns, of
-    /// texels, and one more on each side of the grid.
+    /// Returns the number of blocks that are stored for a scan: a block for every `lines` rows or columns of
+    /// texels, whichever are more, and one more block on each side of the grid.
     pub(crate) fn block_pitch(self, lines: u32) -> u32 {
         let [cols, rows] = self.inner();
         cols.max(rows).div_ceil(lines) + 2

@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 use std::{env, fs};
 
 pub const ROOT: &str = env!("CARGO_MANIFEST_DIR");
-/// Warnings without which a program in C must compile.
+/// Compiler options that enable warnings and make them errors.
 const STRICT: [&str; 4] = ["-Wall", "-Wextra", "-Werror", "-pedantic"];
 /// System libraries that the static library needs on Linux.
 const SYSTEM: [&str; 3] = ["-lpthread", "-ldl", "-lm"];
@@ -61,7 +61,7 @@ pub fn profile() -> OsString {
 }
 
 /// Returns a C compiler (`CC`, otherwise `cc`) or a C++ compiler (`CXX`, otherwise `c++`) that can include
-/// our header.
+/// geosweep.h.
 fn compiler(variable: &str, usual: &str) -> Command {
     let program = env::var(variable).unwrap_or_else(|_| usual.into());
     let probe = format!("{ROOT}/tests/capi/probe.c");
@@ -83,14 +83,14 @@ fn compiler(variable: &str, usual: &str) -> Command {
     compiler
 }
 
-/// Returns a folder for this test alone.
+/// Returns the folder `name`, which only one test uses.
 pub fn scratch(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("capi").join(name);
     fs::create_dir_all(&folder).unwrap();
     folder
 }
 
-/// Checks that a source file in C or C++ compiles, by a standard such as c99.
+/// Checks that a source file in C or C++ compiles under a standard such as c99.
 pub fn check_syntax(file: &Path, standard: &str) {
     let (variable, usual) = match file.extension().and_then(OsStr::to_str) {
         Some("c") => ("CC", "cc"),

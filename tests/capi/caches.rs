@@ -11,7 +11,7 @@ use crate::session::{Session, entry, frame, method, ok, solver_info, surface_inf
 
 static REAL: OnceLock<(vk::PFN_vkGetDeviceProcAddr, vk::PFN_vkCreateComputePipelines)> =
     OnceLock::new();
-/// Caches with which pipelines were created, one by one.
+/// The cache with which each pipeline was created, in the order of creation.
 static CACHES: Mutex<Vec<vk::PipelineCache>> = Mutex::new(Vec::new());
 
 unsafe extern "system" fn create_and_note(
@@ -43,7 +43,7 @@ unsafe extern "system" fn of_device(
     unsafe { get(device, name) }
 }
 
-/// The loader's functions, except for the one that creates pipelines.
+/// Finds the loader's functions, but replaces the function that creates pipelines.
 unsafe extern "system" fn noting(
     instance: vk::Instance,
     name: *const c_char,
@@ -62,7 +62,7 @@ fn made_with() -> Vec<vk::PipelineCache> {
 }
 
 /// A program fills a cache, saves it, and starts again with the saved one. Pipelines are created with the
-/// cache that the solver has at that time, and maps are the same.
+/// cache that the solver has at that time. Both runs give the same map.
 #[test]
 fn a_saved_cache_serves_the_next_solver() {
     let mut host = Host::new();
@@ -91,7 +91,8 @@ fn a_saved_cache_serves_the_next_solver() {
         let mut session = Session { host, solver };
         let surface = session.surface(&surface_info(9, 12, &points));
         assert_eq!(made_with(), [], "surfaces make none");
-        // The cache is taken away before the contours' pipelines, and given again for those of the paths.
+        // The cache is taken away before the contours' pipelines are created, and given back before the paths'
+        // pipelines are created.
         let (mut contours, mut paths) = (std::ptr::null_mut(), std::ptr::null_mut());
         let null = vk::PipelineCache::null();
         ok(unsafe { geosweep_solver_set_pipeline_cache(solver, null) });

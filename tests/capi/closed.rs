@@ -92,7 +92,8 @@ fn gluings_have_numbers_and_runs() {
     for (truth, gluing, (row, col)) in cases {
         let (rows, cols) = (truth.rows() as u32, truth.cols() as u32);
         let truth = match gluing {
-            // The runs of the host's surface say nothing about where the grid goes on either.
+            // From runs, neither the device nor the CPU knows that the grid continues over the seam. So the
+            // surface for the CPU is glued by runs too.
             GeosweepGluing::Runs => {
                 use geosweep::surface::{Direction, Run};
                 let run = |col| Run { from: (0, col), to: Direction::South, points: 25 };

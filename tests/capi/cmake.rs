@@ -44,8 +44,8 @@ fn floats(file: &Path) -> Vec<f32> {
 }
 
 /// `examples/cpp` finds the package and runs with frames in flight, without messages of the validation
-/// layers. Its map is that of the CPU engine on its vertices. The package is found after it was moved, also
-/// by pkg-config.
+/// layers. Its map equals the map of the CPU engine on the same vertices. The package is found after it was
+/// moved, also by pkg-config.
 #[test]
 fn a_renderer_in_cpp_finds_the_package_and_has_the_map() {
     let prefix = install();
@@ -130,7 +130,8 @@ fn the_library_has_a_soname() {
     assert!(holds, "{:?}", OsStr::new(&soname));
 }
 
-/// `cmake/RustTarget.cmake` maps toolchains to Rust targets. A script asks it, since this needs no compiler.
+/// `cmake/RustTarget.cmake` maps toolchains to Rust targets. A CMake script calls it, since a script needs no
+/// compiler.
 #[test]
 fn toolchains_stand_for_rust_targets_or_fail() {
     let folder = scratch("cmake/targets");

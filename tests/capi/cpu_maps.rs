@@ -36,7 +36,7 @@ fn info(heights: &[f32], sources: &[GeosweepSource]) -> GeosweepMapInfo {
     }
 }
 
-/// Calls with the outputs for distances alone.
+/// Returns the distances of a call without other outputs.
 fn distances(info: &GeosweepMapInfo) -> Vec<f32> {
     let mut distances = vec![0.0; POINTS];
     let outputs = GeosweepMapOutputs { distances: distances.as_mut_ptr(), ..zero() };

@@ -119,7 +119,7 @@ int main(int argc, char **argv) {
                            .reader = {read, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL},
                            .unreached = INFINITY};
     GeosweepContourFrame contour_frame = {.level_count = LEVELS, .step = STEP, .reader = read};
-    /* Starts around the hole, along an edge and off the grid, and one that is missing. */
+    /* Starts behind the hole, at a corner of the grid and off the grid. The fourth path has no start. */
     const float starts[] = {20.25f, 81.5f, 0.0f, 159.0f, -3.0f, 5.0f};
     GeosweepPathFrame path_frame = {.starts = starts, .start_count = 3, .sources = sources,
                                     .reader = read};

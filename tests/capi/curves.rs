@@ -139,7 +139,7 @@ fn a_program_in_c_finds_the_contours_and_paths_of_the_rust_side() {
         .map(|line| line.split(' ').skip(1).map(|number| number.parse().unwrap()).collect())
         .collect();
     let expected = embedded();
-    // These are contours, two paths, one that starts outside, and one without a start.
+    // The records are those of the contours, two paths, a path that starts outside, and a path without a start.
     let records: Vec<_> = expected.iter().filter(|line| line.len() == 7).collect();
     let statuses: Vec<_> = records.iter().map(|record| record[0]).collect();
     assert_eq!(statuses, [0.0, 0.0, 0.0, 3.0, 3.0]);
@@ -194,11 +194,11 @@ fn unusable_arguments_are_named() {
             geosweep_contours_curves(null(), &mut curves) => "contours is null",
             geosweep_contours_curves(contours, null_mut()) => "curves is null",
             geosweep_paths_bytes_for(null(), 1, 9, &mut bytes) => "solver is null",
-            geosweep_paths_bytes_for(solver, 0, 9, &mut bytes) => "0 at once",
+            geosweep_paths_bytes_for(solver, 0, 9, &mut bytes) => "number of paths is 0",
             geosweep_paths_bytes_for(solver, 1, 9, null_mut()) => "bytes is null",
             geosweep_paths_create(no_surface, 1, 9, &mut nothing) => "surface is null",
             geosweep_paths_create(surface, 1, 9, null_mut()) => "paths is null",
-            geosweep_paths_create(surface, 65_536, 9, &mut nothing) => "65536 at once",
+            geosweep_paths_create(surface, 65_536, 9, &mut nothing) => "number of paths is 65536",
             geosweep_paths_create(surface, 1, 1, &mut nothing) => "too few for a line",
             geosweep_paths_bytes(null(), &mut bytes) => "paths is null",
             geosweep_paths_bytes(paths, null_mut()) => "bytes is null",
@@ -252,7 +252,7 @@ fn unusable_arguments_are_named() {
             contour(spaced) => "2 levels cannot be 0 apart",
             contour(GeosweepContourFrame { level_count: 1025, ..good }) => "1025 entries",
             contour(GeosweepContourFrame { level_count: 1025, step: 1.0, ..spaced }) => "1025",
-            contour(GeosweepContourFrame { levels: falling.as_ptr(), ..good }) => "stands before 1",
+            contour(GeosweepContourFrame { levels: falling.as_ptr(), ..good }) => "comes before 1",
             contour(GeosweepContourFrame { points: 1, ..good }) => "number 1",
             record_paths(null(), commands, paths, &path_frame, &mut curves) => "surface is null",
             record_paths(surface, commands, null(), &path_frame, &mut curves) => "paths is null",
@@ -282,7 +282,7 @@ fn unusable_arguments_are_named() {
         ok(geosweep_plan_destroy(plan));
         wrong(
             geosweep_solver_destroy(solver),
-            "still has 2 surfaces, plans, contours, paths, regions or profiles",
+            "still has 2 surfaces, plans, contours, paths, regions, directions, log maps or profiles",
         );
         ok(geosweep_contours_destroy(contours));
         ok(geosweep_paths_destroy(paths));

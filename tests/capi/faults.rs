@@ -39,7 +39,7 @@ unsafe extern "system" fn finds_little(
         physical_device: vk::PhysicalDevice,
         properties: *mut vk::PhysicalDeviceProperties,
     ) {
-        // All instances know this name, whatever the handle.
+        // This function is given no instance, so it finds the real function through the test's instance.
         let host = INSTANCE.get().expect("it was set before this function was installed").0;
         unsafe {
             let ask = really(host, c"vkGetPhysicalDeviceProperties".as_ptr()).unwrap();
@@ -74,7 +74,7 @@ fn missing_requirements_of_a_device_are_reported() {
     let (instance, device) = (host.instance.handle(), host.physical_device);
     ok(unsafe { geosweep_check_device(get_instance_proc_addr(), instance, device) });
     let status = unsafe { geosweep_check_device(Some(finds_little), instance, device) };
-    for words in ["Vulkan 1.0.0, and 1.1 is needed", "4 bytes of push constants"] {
+    for words in ["Vulkan 1.0.0, but 1.1 is needed", "4 bytes of push constants"] {
         refused(status, GeosweepStatus::Unsupported, words);
     }
     let get_instance_proc_addr = Some(finds_little as vk::PFN_vkGetInstanceProcAddr);
@@ -95,7 +95,7 @@ fn missing_requirements_of_a_device_are_reported() {
     assert!(families[family as usize].queue_flags.contains(vk::QueueFlags::COMPUTE));
 }
 
-/// ash would end the process when such a function is called.
+/// When a missing function is called, ash would end the process.
 #[test]
 fn missing_functions_are_named() {
     let host = Host::without_validation();
@@ -125,10 +125,11 @@ fn missing_functions_are_named() {
     wrong(unsafe { geosweep_solver_create(&info, &mut solver) }, "vkGetDeviceProcAddr knows no");
 }
 
-/// Each failing call has its own status and a message with its name, and leaves nothing behind.
+/// A Vulkan call that fails gives a status for its result and a message with its name, and leaves nothing behind.
 #[test]
 fn calls_that_fail_have_a_status_and_a_name() {
-    /// Makes `vkCreateComputePipelines` fail, and `vkBindImageMemory` from its second call on.
+    /// Makes `vkCreateComputePipelines` fail for solvers that are created while `PIPELINES` is 1, and
+    /// `vkBindImageMemory` for later solvers.
     unsafe extern "system" fn failing(
         instance: vk::Instance,
         name: *const c_char,
@@ -144,7 +145,7 @@ fn calls_that_fail_have_a_status_and_a_name() {
                 c"vkBindImageMemory"
             };
             if wanted == fails {
-                // The function takes no arguments, which this calling convention allows.
+                // `fail` has no parameters. The calling convention allows arguments in a call of such a function.
                 return unsafe {
                     std::mem::transmute::<extern "system" fn() -> vk::Result, vk::PFN_vkVoidFunction>(
                         fail,

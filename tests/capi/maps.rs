@@ -253,7 +253,7 @@ fn a_map_in_parts_is_the_map_of_one_frame() {
     assert!(difference < SAME, "{difference}");
     assert_eq!(&found.floats()[..3], &[map[44], map[15 * CHART.cols + 20], -1.0]);
 
-    // The image that recordings return is the surface's.
+    // The surface describes the image that recordings return.
     let (mut image, mut packed) = (zero::<GeosweepImage>(), zero::<GeosweepPackedTimes>());
     ok(unsafe { geosweep_surface_result(surface, 0, COPY.layout, &mut image) });
     assert_eq!((image.extent.width, image.extent.height), (COLS, ROWS));
@@ -278,7 +278,7 @@ fn a_map_in_parts_is_the_map_of_one_frame() {
     session.end([buffer, more, places, found, record]);
 }
 
-/// Frames with a radius and with targets have that part of the whole map, and take fewer visits.
+/// A frame with a radius or with targets gives the part of the whole map within that limit, in no more visits.
 #[test]
 fn frames_end_at_a_radius_or_at_targets() {
     let mut session = Session::new(Host::new());

@@ -16,11 +16,12 @@ use crate::session::{
     Session, all_wrong, frame, method, ok, refused, solver_info, surface_info, zero,
 };
 
-/// Simple allocator of a program: `vkAllocateMemory` for each block, which begins at some offset.
+/// Simple allocator of a program. It calls `vkAllocateMemory` for each block. A block begins at [`OFFSET`] in its
+/// memory.
 struct Plain {
     device: ash::Device,
     types: vk::PhysicalDeviceMemoryProperties,
-    /// Blocks by their memory: their purpose, and whether they are buffers.
+    /// The purpose of each block, and whether it is for a buffer, by its memory handle.
     blocks: Mutex<BTreeMap<u64, (String, bool)>>,
     calls: Mutex<Calls>,
 }
@@ -171,8 +172,8 @@ fn the_programs_allocator_provides_all_memory() {
     assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
 }
 
-/// Whatever fails in the program's allocator, the call returns an error that names it, and all memory is
-/// freed.
+/// Whatever fault the program's allocator has, the call returns an error that names the fault, and all memory
+/// is freed.
 #[test]
 fn faults_of_the_programs_allocator_are_errors() {
     let host = Host::new();

@@ -130,7 +130,7 @@ fn unusable_arguments_of_a_solver_are_refused() {
         create(&GeosweepSolverInfo { instance: vk::Instance::null(), ..good }) => "instance is",
         create(&GeosweepSolverInfo { device: vk::Device::null(), ..good }) => "device is the null",
         create(&GeosweepSolverInfo { passes: null(), ..good }) => "passes is null, and is said to have 4",
-        create(&GeosweepSolverInfo { pass_count: u32::MAX, ..good }) => "4294967295 entries, and 64 at most",
+        create(&GeosweepSolverInfo { pass_count: u32::MAX, ..good }) => "4294967295 entries; at most 64",
         create(&with(1)) => "info->passes[0].schedule is GEOSWEEP_SCHEDULE_BEST",
         create(&with(2)) => "info->passes[0].wavefront is 4, which is no GeosweepWavefront",
         create(&with(3)) => "info->passes[0].schedule is 7, which is no GeosweepSchedule",
@@ -198,12 +198,12 @@ fn unusable_arguments_of_a_surface_are_refused() {
         create(&GeosweepSurfaceInfo { cols: 0, ..good }) => "cols is 0",
         create(&GeosweepSurfaceInfo { edge_rule: 2, ..good }) => "info->edge_rule is 2",
         create(&GeosweepSurfaceInfo { points: null(), ..good }) => "info->points is null",
-        create(&GeosweepSurfaceInfo { point_count: 1025, ..good }) => "1025 entries, and 1024 at most",
+        create(&GeosweepSurfaceInfo { point_count: 1025, ..good }) => "1025 entries; at most 1024",
         create(&GeosweepSurfaceInfo { queue_family_count: 2, ..good }) => "info->queue_families is null",
         create(&GeosweepSurfaceInfo { source_count: 2, ..good }) => "info->sources is null",
         create(&GeosweepSurfaceInfo { lookup_count: 2, ..good }) => "info->lookups is null",
         create(&sources(&null_buffer)) => "null handle",
-        create(&sources(&no_sources)) => "holds nothing",
+        create(&sources(&no_sources)) => "its count is 0",
         create(&lookups) => "offset 3",
     }
     let info = GeosweepSurfaceInfo { rows: u32::MAX, cols: u32::MAX, ..good };
@@ -230,8 +230,8 @@ fn unusable_arguments_of_a_surface_are_refused() {
     let layout = vk::ImageLayout::GENERAL;
     let view = vk::ImageView::from_raw(1);
     all_wrong! {
-        with(zero()) => "info->points[0] names not exactly one of buffer, view and data",
-        with(GeosweepPoints { data: data.as_ptr(), ..on_device }) => "not exactly one",
+        with(zero()) => "info->points[0] must name exactly one of buffer, view and data",
+        with(GeosweepPoints { data: data.as_ptr(), ..on_device }) => "must name exactly one",
         with(GeosweepPoints { kind: 3, ..positions(12) }) => "info->points[0].kind is 3",
         with(positions(8)) => "stride is 8: it is a multiple of 4, and a point has 12 bytes",
         with(positions(13)) => "stride is 13",
@@ -303,7 +303,7 @@ fn refused_calls_record_nothing() {
         record(GeosweepFrame { unreached: f32::NAN, ..good }) => "frame->unreached is NaN",
         record(GeosweepFrame { sources: zero(), ..good }) => "0 source buffers",
         record(GeosweepFrame { sources: null_sources, ..good }) => "frame->sources.sources is null",
-        record(GeosweepFrame { sources: sources(&many), ..good }) => "1025 entries, and 1024 at most",
+        record(GeosweepFrame { sources: sources(&many), ..good }) => "1025 entries; at most 1024",
         record(GeosweepFrame { sources: sources(&outside), ..good }) => "9",
         record(GeosweepFrame { sources: sources(&nowhere), ..good }) => "NaN",
         record(GeosweepFrame { sources: sources(&late), ..good }) => "inf",

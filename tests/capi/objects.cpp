@@ -66,7 +66,7 @@ static void objects_are_assigned(const Gpu &gpu) {
         geosweep::Surface surface(one, info);
         geosweep::Plan plan(one, 9, 12, geosweep::Method(GEOSWEEP_WAVEFRONT_CURVED));
         require(first.blocks > 0 && plan.iterations() == 8, "a surface and a plan are made");
-        /* The first solver has no other owners. */
+        /* Afterwards only `surface` and `plan` own the first solver. */
         one = solver_on(gpu, of_second);
         surface = geosweep::Surface(one, info);
         require(first.blocks == 0 && second.blocks > 0, "the surface before was destroyed");

@@ -29,7 +29,7 @@ struct Scene {
 }
 
 impl Scene {
-    /// Creates the scene. `is_ready` prepares and measures the surface.
+    /// Creates the scene. If `is_ready` is set, prepares and measures the surface.
     fn new(layers: bool, is_ready: bool) -> Self {
         let mut host = if layers {
             Host::with_synchronization_validation()
@@ -168,7 +168,7 @@ const MISTAKES: [Mistake; 14] = [
             unsafe { instance.destroy_instance(None) };
             told
         },
-        told: "was created for Vulkan 1.0, and 1.1 is needed",
+        told: "was created for Vulkan 1.0, but 1.1 is needed",
     },
     Mistake {
         name: "a surface with two frames among those recorded together",
@@ -417,7 +417,8 @@ const MISTAKES: [Mistake; 14] = [
     },
 ];
 
-/// Runs the mistake that the environment names, in its own process. Without one, this test does nothing.
+/// Runs the mistake that the environment variable names. [`mistakes_are_reported_and_end_no_process`] starts a process
+/// for each mistake. Without the variable, this test does nothing.
 #[test]
 fn a_process_with_a_mistake() {
     let Ok(wanted) = std::env::var(NAME) else { return };

@@ -33,8 +33,8 @@ fn the_header_compiles_in_c_and_cpp() {
     let [frame, curves] = in_c[..] else { panic!("a frame and its curves are in the guide, in C") };
     let objects = "#include \"geosweep.hpp\"\n#include \"geosweep.hpp\"\n";
     let with_objects = format!("{objects}{}", in_cpp.concat());
-    // This header acts like volk's, which needs Vulkan without prototypes, since it declares variables with
-    // their names.
+    // This header acts like volk's. It declares variables with the names of Vulkan's functions, so it needs
+    // Vulkan without prototypes.
     let volk = "#pragma once\n#define VK_NO_PROTOTYPES\n#include <vulkan/vulkan_core.h>\n\
                 extern PFN_vkCreateInstance vkCreateInstance;\n";
     fs::write(folder.join("volk.h"), volk).unwrap();
@@ -115,7 +115,8 @@ fn the_closed_tube_runs_and_the_validation_layers_have_nothing_to_say() {
     let run = validated(&program);
     let frames = run.printed.lines().filter(|line| line.starts_with("frame ")).count();
     assert_eq!((frames, run.findings), (10, Vec::new()), "{}", run.printed);
-    // The circular tube of the first frame, from column 123 over the seam to column 8: 13 of 128 columns.
+    // On the circular tube of the first frame, the path from column 123 over the seam to column 8 spans 13 of 128
+    // columns.
     let exact = 13.0 / 128.0 * std::f64::consts::TAU;
     assert!(run.printed.contains(&format!("and {exact:.4} to column 8,")), "{}", run.printed);
 }
@@ -160,7 +161,7 @@ fn the_frame_of_the_guide_compiles_and_runs() {
     assert!(run.printed.contains("the snippet's map is right"), "{}", run.printed);
 }
 
-/// Assigned and moved objects, and 64-bit accesses.
+/// The program assigns and moves objects, and converts 64-bit accesses.
 #[test]
 fn objects_in_cpp_are_destroyed_once_and_in_order() {
     let program = scratch("objects").join("objects");

@@ -135,8 +135,8 @@ fn ranges_beyond_a_buffer_are_refused() {
     let many = [GeosweepSourceBuffer { buffer: handle, count: 10_000, ..zero() }];
     let sources = GeosweepSurfaceInfo { sources: many.as_ptr(), source_count: 1, ..good };
     all_wrong! {
-        create(&surface_info(ROWS, COLS, &wide)) => "points cannot be used: it is read up to byte",
-        create(&sources) => "sources cannot be used: it is read up to byte",
+        create(&surface_info(ROWS, COLS, &wide)) => "points cannot be used: it must have",
+        create(&sources) => "sources cannot be used: it must have",
     }
     session.end([buffer]);
 }
@@ -208,7 +208,7 @@ fn checks_look_at_slots_in_flight() {
 fn inputs_change_from_frame_to_frame() {
     let mut session = Session::new(Host::with_synchronization_validation());
     let count = (ROWS * COLS) as usize;
-    // These planes rise along the rows, each more steeply.
+    // Each plane rises by `steep` from one row to the next.
     let heights = |steep: f32| (0..count as u32).map(move |index| steep * (index / COLS) as f32);
     let ring: Vec<f32> = heights(0.0).chain(heights(1.0)).collect();
     let ring = session.host.buffer_of(&ring);
@@ -226,7 +226,7 @@ fn inputs_change_from_frame_to_frame() {
     let surface = session.surface(&info);
     let plan = session.plan(ROWS, COLS, &method(GeosweepWavefront::Curved, 12));
     let good = GeosweepFrame { sources: zero(), ..frame(plan, &[]) };
-    // The distances run from the source's row down its column.
+    // Checks the distance from the source, which lies in column 4, to another row of this column.
     let mut along = |points_offset, source, row: u32, words: f32| {
         let sources = GeosweepSources { offset: source, ..zero() };
         let map = session.map(surface, &GeosweepFrame { points_offset, sources, ..good });
@@ -269,7 +269,7 @@ fn inputs_change_from_frame_to_frame() {
             geosweep_surface_set_points(surface, 0, &GeosweepPoints { stride: 2, ..replaced }) => "points.stride is 2",
             geosweep_surface_set_sources(surface, 1, &later) => "number 1",
             geosweep_surface_set_sources(surface, 0, null_mut()) => "sources is null",
-            geosweep_surface_set_sources(surface, 0, &zero()) => "it holds nothing",
+            geosweep_surface_set_sources(surface, 0, &zero()) => "its count is 0",
         }
     }
     session.host.end(commands);
@@ -280,7 +280,7 @@ fn inputs_change_from_frame_to_frame() {
     session.end([ring, other, entries]);
 }
 
-/// Images and buffers of the program. They are refused if they are too small, null or were not requested.
+/// Images and buffers of the program. They are refused if they are null, too few, or not the program's to replace.
 #[test]
 fn the_program_may_provide_outputs() {
     let mut session = Session::new(Host::with_synchronization_validation());
@@ -422,7 +422,7 @@ fn regions_are_those_of_the_nearest_source() {
     session.end([to]);
 }
 
-/// On a plane, directions lead straight to the source, and the log map has the points' places.
+/// On a plane, directions lead straight to the source, and the log map is the offset of each point from the source.
 #[test]
 fn directions_and_log_maps_of_a_plane() {
     let mut session = Session::new(Host::new());

@@ -39,7 +39,7 @@ pub struct Case {
 impl Case {
     /// Returns a random case. The relief is from a hundredth to a hundred times the spacing, smooth or rough.
     /// Grids are sheared by up to three cells and stretched up to tenfold. They may have holes and a
-    /// slowness. There are up to eight sources, some inside cells and some with later start values, or a
+    /// slowness. There are up to eight sources, possibly inside cells, with later start values, or with a
     /// curve beside them.
     pub fn new(number: u64) -> Self {
         let mut random = Random::new(number);
@@ -122,8 +122,8 @@ impl Case {
         Self { name, surface, sources, has_positions: false, has_origins: false }
     }
 
-    /// Returns a case on one of these surfaces, with clusters of sources at grid points, some of which start
-    /// later, and a line across the grid.
+    /// Returns a case on a surface of [`Self::new`], [`Self::irregular`] or [`Self::patches`]. It has clusters of
+    /// sources at grid points, which may start later, and perhaps a line across the grid.
     pub fn clusters(number: u64) -> Self {
         let surface = match number % 3 {
             0 => Self::new(number),
@@ -165,8 +165,8 @@ impl Case {
         Self { has_origins: true, ..Self::of(name, surface, sources) }
     }
 
-    /// Returns a case with flat ground or hills, patches and strips with slownesses up to a thousandfold,
-    /// holes, and some sources.
+    /// Returns a case with flat ground or hills, square patches of a slowness up to a thousand times as large, and
+    /// up to four sources.
     pub fn patches(number: u64) -> Self {
         let mut random = Random::new(number ^ 0x5eed);
         let mut between = |low: f64, high: f64| low + (high - low) * random.next();
@@ -198,8 +198,8 @@ impl Case {
         Self::of(name, surface, sources)
     }
 
-    /// Returns the wavefronts for this case. Circular ones are only for one source and an even slowness, see
-    /// [`Wavefront::Circular`].
+    /// Returns the wavefronts for this case. The circular one is only for a single point source without a slowness,
+    /// see [`Wavefront::Circular`].
     pub fn wavefronts(&self) -> Vec<Wavefront> {
         let is_circular = self.sources.are_points()
             && self.sources.iter().count() == 1
@@ -290,8 +290,8 @@ impl Bounds {
         a.iter().zip(b).map(apart).fold(0.0, f64::max) / self.largest
     }
 
-    /// Checks a map. No distance may be below that of the first source, or above the shortest path along
-    /// edges. None may be below the straight line by more than half the longest edge, which is the largest
+    /// Checks a map. No distance may be below the earliest start, or above the shortest path along edges. No
+    /// distance may be below the straight line by more than half the longest edge, which is the largest
     /// error where fronts meet inside a cell. The map must reach the connected points and no others.
     pub fn check<R: Real>(&self, distances: &[R]) -> Result<(), String> {
         // Rounding in single precision: some units in the last place for each point on the way, up to this

@@ -7,8 +7,8 @@ use proptest::prelude::ProptestConfig;
 use proptest::test_runner::RngSeed;
 
 /// Returns a configuration with `cases` random cases. They are the same in every run, so that a failing test
-/// is caused by a change. The environment variable `GEOSWEEP_SEED` selects others: a number, or `random` for
-/// a fresh one, which a failure prints.
+/// is caused by a change. The environment variable `GEOSWEEP_SEED` selects other cases: by a number, or by
+/// `random` for a fresh number, which a failing test prints.
 pub fn cases(cases: u32) -> ProptestConfig {
     let seed = match env::var("GEOSWEEP_SEED").as_deref() {
         Ok("random") => RandomState::new().hash_one(cases),

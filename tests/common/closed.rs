@@ -39,7 +39,7 @@ pub fn torus(rows: usize, cols: usize) -> Surface {
     torus.with_gluing(Gluing::both()).unwrap()
 }
 
-/// Returns a sphere by latitudes and longitudes.
+/// Returns a sphere as a grid of latitudes and longitudes.
 pub fn globe(rows: usize, cols: usize) -> Surface {
     Closed::Globe.surface(rows, cols).unwrap()
 }
@@ -54,24 +54,26 @@ pub fn equal_area(half: usize) -> Surface {
     Closed::EqualAreaSphere.surface(2 * half + 1, 2 * half + 1).unwrap()
 }
 
-/// Returns the six faces of a cube on the sphere, 2 x 3, with lines of holes between them.
+/// Returns the six faces of a cube projected onto the sphere, in two rows of three, with lines of holes between
+/// them.
 pub fn cube(side: usize) -> Surface {
     Closed::CubeSphere.surface(2 * side + 1, 3 * side + 2).unwrap()
 }
 
-/// A plane of 41 x 65 points with square cells, of which opposite sides are glued.
+/// A plane of 41 x 65 points with square cells. One or both pairs of its opposite sides are glued.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Flat {
     /// The last column is glued to the first one.
     pub cols: bool,
-    /// The rows are reversed beyond the columns.
+    /// The columns are glued in reverse order: row r of the last column meets row 40 - r of the first one.
     pub flipped: bool,
     /// The last row is glued to the first one.
     pub rows: bool,
 }
 
 impl Flat {
-    /// Returns the shortest way from one place to another, in rows and columns at the first.
+    /// Returns the shortest way from one place to another in rows and columns, in the orientation that these have at
+    /// the first place.
     pub fn way(self, from: [f64; 2], to: [f64; 2]) -> DVec2 {
         let [from, to] = [from, to].map(DVec2::from);
         let images = |wraps: bool| if wraps { -1..=1 } else { 0..=0 };
@@ -84,7 +86,8 @@ impl Flat {
         all.min_by(|a, b| a.length().total_cmp(&b.length())).unwrap()
     }
 
-    /// Returns whether the way to `to` is the only shortest one around a place. At the cut locus either way is right.
+    /// Returns whether the shortest way to `to` is unique at a place and around it. At the cut locus either of two ways
+    /// is right.
     pub fn is_smooth(self, at: [f64; 2], to: [f64; 2]) -> bool {
         let way = self.way(at, to);
         [[0.0, 1.5], [0.0, -1.5], [1.5, 0.0], [-1.5, 0.0]].into_iter().all(|by| {

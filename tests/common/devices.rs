@@ -60,7 +60,7 @@ static LAST: Mutex<Vec<Box<dyn FnOnce() + Send>>> = Mutex::new(Vec::new());
 /// registered so far, since the last one registered runs first. Layers register functions when they are
 /// loaded and also when they are used, so each use of a device ends with this call.
 fn close_at_exit() {
-    // SAFETY: this is its declaration in C, and it requires nothing of its caller.
+    // SAFETY: `atexit` has this declaration in C, and it requires nothing of its caller.
     unsafe extern "C" {
         safe fn atexit(function: extern "C" fn()) -> c_int;
     }

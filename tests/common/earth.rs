@@ -5,14 +5,14 @@ use geosweep::{Engine, Options, Sources, Surface, distance_map_f64};
 
 use super::vincenty::vincenty;
 
-/// Distance, in metres, from which on Vincenty's iteration may not converge: it is that of nearly opposite points.
+/// Distance, in metres, beyond which points are nearly opposite and Vincenty's iteration may not converge.
 const OPPOSITE: f64 = 1.9e7;
 
 /// Longitudes and latitudes of sources: on the equator, in the north, on the date line, beside a pole and at one.
 pub const SOURCES: [[f64; 2]; 5] =
     [[0.0, 0.0], [13.0, 52.0], [180.0, -40.0], [75.0, 89.0], [0.0, -90.0]];
 
-/// Returns degrees from a first one on.
+/// Returns `count` numbers of degrees, which begin with `first` and are `step` apart.
 pub fn lines(count: usize, first: f64, step: f64) -> Vec<f64> {
     (0..count).map(|k| first + step * k as f64).collect()
 }
@@ -38,8 +38,8 @@ impl Earth {
         Self::new(lines(rows + 1, 90.0, -step), lines(cols + 1, -180.0, step))
     }
 
-    /// Returns the mean relative error of distances at the given points, by area, and the largest up to nearly
-    /// opposite points.
+    /// Returns the mean, weighted by area, and the largest relative error of distances at the given points. Points
+    /// nearer than a metre and nearly opposite points are left out.
     pub fn errors(&self, source: [f64; 2], distances: &[f64]) -> [f64; 2] {
         let (mut sum, mut weights, mut largest) = (0.0, 0.0, 0f64);
         let found = self.grid.crop(distances);
@@ -58,7 +58,7 @@ impl Earth {
         [sum / weights, largest]
     }
 
-    /// Returns the map of a place in double precision.
+    /// Returns the distances from a place in double precision.
     pub fn map(&self, [longitude, latitude]: [f64; 2]) -> Vec<f64> {
         let [row, col] = self.grid.place([longitude, latitude]).unwrap();
         let options = Options::default().with_engine(Engine::Cpu);

@@ -23,7 +23,7 @@ impl Shape {
 }
 
 impl Case {
-    /// Returns a surface of this kind with up to eight sources, some inside cells and some with later start
+    /// Returns an irregular surface with up to eight sources, which may lie inside cells and have later start
     /// values.
     pub fn irregular(number: u64) -> Self {
         let mut random = Random::new(number + 77_000_003);

@@ -1,4 +1,4 @@
-//! Maps that end at a radius or at targets, held against the whole map.
+//! Maps that end at a radius or at targets, compared with the whole map.
 
 use geosweep::surface::Real;
 use geosweep::{Options, Sources, Spacing, Surface, Targets, distance_map};
@@ -13,7 +13,7 @@ pub fn farthest<R: Real>(map: &[R]) -> f64 {
 pub fn assert_is_part<R: Real>(near: &[R], whole: &[R], radius: f64, what: &str) {
     for (index, (near, whole)) in near.iter().zip(whole).enumerate() {
         let (near, whole) = (near.wide(), whole.wide());
-        // On the edge itself rounding decides.
+        // At the radius itself rounding decides.
         if whole > radius * (1.0 + 1e-6) {
             assert!(near.is_infinite(), "{what}, point {index}: {near} of {whole}");
         } else if whole < radius * (1.0 - 1e-6) {
@@ -27,7 +27,7 @@ pub fn reached<R: Real>(map: &[R]) -> usize {
     map.iter().filter(|distance| distance.is_finite()).count()
 }
 
-/// Asserts that all, any and the two nearest of some targets end a map with these options.
+/// Asserts that maps with these options end at any, at the two nearest or at all of some targets.
 pub fn assert_targets_end_maps(options: &Options) {
     let surface = Surface::from_heights(40, 50, vec![0.0; 2000], Spacing::square(1.0)).unwrap();
     let points = [[20, 26], [20, 40], [8, 20]];
@@ -35,7 +35,7 @@ pub fn assert_targets_end_maps(options: &Options) {
         (Targets::any(points), 6.0),
         (Targets::nearest(2, points), 12.0),
         (Targets::all(points), 20.0),
-        // A target at the source needs nothing else.
+        // A target at the source ends the map at once.
         (Targets::any([[20, 20]]), 0.0),
     ] {
         let options = options.clone().with_targets(targets);

@@ -1,4 +1,4 @@
-//! The length of geodesics on the ellipsoid of WGS 84: the truth of maps of the Earth.
+//! The length of geodesics on the ellipsoid of WGS 84: the reference for maps of the Earth.
 
 /// Semi-axes of the WGS84 ellipsoid in metres, and its flattening.
 pub const EQUATOR: f64 = 6_378_137.0;
@@ -7,7 +7,7 @@ const POLAR: f64 = EQUATOR * (1.0 - FLATTENING);
 
 /// Returns the length of the geodesic between two places, given by longitude and latitude in degrees, by Vincenty's
 /// inverse formula (Survey Review 23, 1975), which errs by less than a millimetre. The result is `None` for opposite
-/// points.
+/// points, and for nearly opposite ones for which the iteration does not converge.
 pub fn vincenty(from: [f64; 2], to: [f64; 2]) -> Option<f64> {
     let [[lon1, lat1], [lon2, lat2]] = [from, to].map(|place| place.map(f64::to_radians));
     let reduced = |lat: f64| ((1.0 - FLATTENING) * lat.tan()).atan().sin_cos();
@@ -23,7 +23,7 @@ pub fn vincenty(from: [f64; 2], to: [f64; 2]) -> Option<f64> {
         }
         let sin_alpha = cos1 * cos2 * sin / across;
         let squared = 1.0 - sin_alpha * sin_alpha;
-        // On the equator the cosine is zero.
+        // Along the equator, `squared`, the squared cosine of alpha, is zero.
         let middle = if squared > 0.0 { along - 2.0 * sin1 * sin2 / squared } else { 0.0 };
         let c = FLATTENING / 16.0 * squared * (4.0 + FLATTENING * (4.0 - 3.0 * squared));
         let bracket = middle + c * along * (2.0 * middle * middle - 1.0);

@@ -13,8 +13,8 @@ struct Capped;
 
 static HELD: AtomicUsize = AtomicUsize::new(0);
 
-/// Takes `bytes` bytes from the remaining ones. If there are too few, reports the current case; the caller
-/// may continue without the allocation, otherwise the process ends.
+/// Counts `bytes` bytes as held, and returns whether they fit below [`CAP`]. If they do not fit, counts nothing and
+/// reports the current case, since the process may end without the allocation.
 fn take(bytes: usize) -> bool {
     let held = HELD.fetch_add(bytes, Ordering::Relaxed);
     let fits = held.checked_add(bytes).is_some_and(|held| held <= CAP);

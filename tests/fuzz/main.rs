@@ -1,10 +1,10 @@
 //! The bodies of cargo-fuzz on stable Rust: mutated files for each reader, and random surfaces.
 //!
 //! This is a separate binary, since it replaces the global allocator by one with a cap. Each case has a seed.
-//! A failure prints it, and leaves the case's bytes in the folder for temporary files. Environment:
+//! A failure prints the seed, and leaves the case's bytes in the folder for temporary files. Environment:
 //!
 //! - `GEOSWEEP_FUZZ_CASES`: cases per body (default 500).
-//! - `GEOSWEEP_FUZZ_SEED`: seed of the first case; the others follow (default: a fresh one).
+//! - `GEOSWEEP_FUZZ_SEED`: seed of the first case; each further case adds 1 (default: a fresh number).
 //! - `GEOSWEEP_UPDATE_SEEDS=1`: writes the valid files from which cases are made.
 
 mod bodies;

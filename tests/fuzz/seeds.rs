@@ -1,4 +1,4 @@
-//! Valid files to start from, in `seeds/NAME/`: small, and of every kind that our encoders write.
+//! Valid files to start from, in `seeds/NAME/`: small, and of every kind that the encoders used here write.
 
 use std::fs;
 use std::io::{Cursor, Write};
@@ -68,7 +68,7 @@ pub fn write() {
     exrs(&put);
     tables(&put);
     matrices(&put);
-    // Small and large, flat and rough surfaces. The bytes start the generator of everything else.
+    // Small and large, flat and rough surfaces. Pseudo-random bytes that depend on these bytes follow them.
     for (index, bytes) in
         [&[5u8, 0, 7, 0, 1, 1][..], &[23, 0, 23, 0, 1], &[0; 8], b"geosweep"].iter().enumerate()
     {
@@ -213,7 +213,7 @@ fn tiffs(put: Put) {
     put("tiff", "tiled.tif", &tiled());
 }
 
-/// Returns a picture in one tile of 16 x 16 bytes, which our encoder cannot write.
+/// Returns a picture in one tile of 16 x 16 bytes, which the encoder of the crate `tiff` cannot write.
 fn tiled() -> Vec<u8> {
     const ENTRIES: [(u16, u32); 10] = [
         (256, COLS as u32),

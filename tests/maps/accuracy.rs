@@ -30,7 +30,7 @@ const ENGINES: [Engine; 2] = [
     },
 ];
 
-/// Converged point-source maps in single precision stay below a mean relative error.
+/// Converged point-source maps in single precision have a mean relative error below a bound.
 #[test]
 fn point_source_fronts_are_accurate() {
     let steep = Builtin::ShearedPlane { degrees: 60.0 };
@@ -86,7 +86,7 @@ fn curved_fronts_are_more_accurate() {
 }
 
 /// The error of curved fronts falls with the square of the spacing where the surface is smooth. With arcs for
-/// edges, it is below a fifth of that with chords.
+/// edges, the error is below a fifth of the error with chords.
 #[test]
 fn curved_fronts_are_of_second_order() {
     for builtin in [Builtin::Sphere, Builtin::Cylinder, Builtin::Cone] {
@@ -119,8 +119,8 @@ fn curved_fronts_are_of_second_order() {
 fn maps_converge_where_no_closed_form_exists() {
     // Measured: planar 5.1e-3 and 1.1e-2, order 0.6 (first order up to a logarithm); point-source 6.3e-5 and
     // 7.0e-4, order 1.1 and 0.9 (curvature bends the front); curved 3.3e-6 and 2.5e-4, order 1.9 and 1.4. On
-    // the steep peaks, the rest of the curved front's error comes from chords: with arcs for edges it is
-    // 4.1e-5, of order 2.3.
+    // the steep peaks, the rest of the curved front's error comes from chords: with arcs for edges the error
+    // is 4.1e-5, of order 2.3.
     let bars = [
         (Builtin::Torus, [(7e-3, 0.55), (9e-5, 0.9), (6e-6, 1.8)]),
         (Builtin::Peaks, [(1.5e-2, 0.55), (1e-3, 0.8), (4e-4, 1.2)]),
@@ -146,7 +146,7 @@ fn maps_converge_where_no_closed_form_exists() {
     }
 }
 
-/// The front of an extended source consists of circles around a circle. A planar front is of first order
+/// The source is a circle, so its front consists of concentric circles. A planar front is of first order
 /// there, and a front from points would be early.
 #[test]
 fn curved_fronts_leave_curves() {
@@ -208,8 +208,8 @@ const FIGURE_5: [Builtin; 3] =
     [Builtin::Plane, Builtin::ShearedPlane { degrees: 60.0 }, Builtin::Sphere];
 const SIZES: [usize; 7] = [17, 33, 65, 129, 257, 513, 1025];
 
-/// Returns mean relative errors after one iteration from a source that lies on every grid of [`SIZES`]. Exact
-/// values are given within a radius of it.
+/// Returns mean relative errors after one iteration from a source that lies on every grid of [`SIZES`]. Seeds have
+/// the exact values within `radius` of the source.
 fn errors_after_one_iteration(engine: &Engine, builtin: Builtin, radius: f64) -> Vec<f64> {
     let is_split = matches!(builtin, Builtin::ShearedPlane { .. });
     let error = |&points: &usize| {
@@ -218,7 +218,7 @@ fn errors_after_one_iteration(engine: &Engine, builtin: Builtin, radius: f64) ->
         let exact = builtin.exact_distances(points, points, [last / 4.0, last * 0.375]).unwrap();
         let sources = exact_disc(surface.chart(), &exact, radius);
         // For obtuse triangles, a scan of the device reads points beyond its workgroup with their values from
-        // before the scan.
+        // before the scan. So these maps are iterated until they converge.
         let stop = if is_split { CONVERGED } else { Stop::after(1) };
         let map = (engine.solve)(&surface, &sources, Wavefront::Planar, stop);
         Errors::of(&map, &exact).mean_relative
@@ -287,8 +287,8 @@ const ENTRY: [f64; 2] = [1.0, 1.0];
 #[test]
 fn one_iteration_does_not_reach_the_end_of_a_maze_and_more_do() {
     // Mean relative error, and largest error relative to the largest distance. Measured: planar 8.2e-4 and
-    // 3.8e-4; point-source 2.1e-4 and 2.2e-4. Nearly all of it comes from the corners of the walls, where the
-    // front turns around a grid point with a new centre.
+    // 3.8e-4; point-source 2.1e-4 and 2.2e-4. Nearly all of the error comes from the corners of the walls,
+    // where the front turns around a grid point with a new centre.
     let points = 257;
     let surface = Builtin::Maze.surface(points, points).unwrap();
     let exact = Builtin::Maze.exact_distances(points, points, ENTRY).unwrap();
@@ -301,8 +301,8 @@ fn one_iteration_does_not_reach_the_end_of_a_maze_and_more_do() {
             let once = solve(Stop::after(1));
             println!("{} {wavefront}, one iteration: {once}", engine.name);
             assert!(once.reached_by_one > surface.points() / 2, "{}", engine.name);
-            // In one iteration, the CPU's parallel scans reach only points that see the source, whose values
-            // are final. Vulkan's successive scans also reach points with values that are not final.
+            // In one iteration, the CPU's parallel scans reach only points that see the source, and these points
+            // have their final values. Vulkan's successive scans also reach points with values that are not final.
             assert!(engine.name == "cpu" || once.max_of_largest > 0.01, "{}", engine.name);
             let converged = solve(CONVERGED);
             println!("{} {wavefront}, converged: {converged}", engine.name);
@@ -314,7 +314,7 @@ fn one_iteration_does_not_reach_the_end_of_a_maze_and_more_do() {
 }
 
 /// The maze turns twelve times. A directed iteration follows three turns, in the order of its scans. A
-/// rotated one, whose scans go down, up, right and left, follows fewer. The last iteration confirms
+/// rotated iteration, whose scans go down, up, right and left, follows fewer. The last iteration confirms
 /// convergence.
 #[test]
 fn a_maze_takes_as_many_iterations_as_its_turns() {

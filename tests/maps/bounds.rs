@@ -16,7 +16,7 @@ fn checked<R: Real>(case: &Case, what: &str, solution: &Solution<R>) -> Result<V
     Ok(distances.iter().map(|distance| distance.wide()).collect())
 }
 
-/// Checks the map that is solved by patches as small as can be, so that even small grids have several.
+/// Checks the map that is solved by patches of 16 points a side, so that even small grids have several patches.
 fn by_patches(
     case: &Case,
     edges: &EdgeLengths<f32>,
@@ -85,8 +85,8 @@ fn maps_keep_their_bounds_around_clusters_of_sources() {
     check(Case::clusters, |count| 1 + count / 500);
 }
 
-/// A front that leaves a curve arrives at its seeds as they do, up to rounding, and is bent by the surface.
-/// Here the surface is white noise.
+/// A front that leaves a curve comes back to the curve's own seeds at their times, up to rounding, but with a
+/// curvature that the surface has changed. Here the surface is white noise.
 #[test]
 fn rounding_does_not_choose_between_a_curve_and_what_leaves_it() {
     let case = Case::new(20187);
@@ -98,7 +98,7 @@ fn rounding_does_not_choose_between_a_curve_and_what_leaves_it() {
     assert!(most < 1e-5, "{most:.1e} apart");
 }
 
-/// A front that leaves a straight curve is not bent around its ends, which lie on the border here.
+/// A front that leaves a straight curve is not bent around the curve's ends, which lie on the border here.
 #[test]
 fn a_straight_curve_from_border_to_border_is_exact() {
     let surface = Surface::from_heights(9, 9, vec![0.0; 81], Spacing::square(1.0)).unwrap();

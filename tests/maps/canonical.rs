@@ -1,5 +1,5 @@
-//! Canonical forms: known points are recovered, stress is that of other implementations, and bendings share a
-//! form.
+//! Canonical forms: known points are recovered, the stress agrees with that of another implementation, and bendings
+//! of a surface share a form.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -48,7 +48,7 @@ fn points_of_space_come_back() {
 
 #[test]
 fn points_of_space_come_back_from_far_away() {
-    // Majorisation finds them, not only classical scaling.
+    // Majorisation finds the points from a disturbed start, without classical scaling.
     let points = scattered(3 * 150);
     let distances = straight(&points, 3);
     let disturbed = points.iter().zip(scattered(2 * 450).split_off(450));
@@ -66,7 +66,7 @@ fn points_of_space_come_back_from_far_away() {
 
 #[test]
 fn in_fewer_dimensions_the_widest_remain() {
-    // A box of 9 x 3 x 1, seen from its thin side: no better plane form is near.
+    // The points fill a box of 9 x 3 x 0.01. The best form in the plane is close to the box without its thin side.
     let points: Vec<f64> =
         scattered(3 * 200).chunks(3).flat_map(|x| [9.0 * x[0], 3.0 * x[1], 0.01 * x[2]]).collect();
     let form = canonical_form(&straight(&points, 3), &options(2)).unwrap();

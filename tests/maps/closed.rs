@@ -13,8 +13,8 @@ fn curved() -> Options {
     Options::default().with_engine(Engine::Cpu).with_wavefront(Wavefront::Curved)
 }
 
-/// Errors of a map, relative to the distance: their mean, the mean at points that have copies, and the largest
-/// where `is_usual`. Prints them.
+/// Errors of a map, relative to the distance: their mean, the mean at points that have copies, and the largest at
+/// distances for which `is_usual` of [`errors`] is true.
 struct Errors {
     mean: f64,
     on_seams: f64,
@@ -167,7 +167,7 @@ fn rolling_and_mirroring_changes_nothing_but_rounding() {
     }
 }
 
-/// Copies of a source are one source, on every engine that solves closed surfaces.
+/// Copies of a source are one source. Fast marching gives the same map as scans.
 #[test]
 fn copies_of_a_source_are_one_source() {
     let globe = globe(31, 61);
@@ -177,7 +177,7 @@ fn copies_of_a_source_are_one_source() {
         let one = map(&Sources::point(12.5, 0.0));
         let other = map(&Sources::point(12.5, 60.0));
         let both = map(&Sources::point(12.5, 0.0).and_point(12.5, 60.0, 0.0));
-        // Two sources that are given have curved fronts in place of circular ones, also where they are one.
+        // If two sources are given, curved fronts replace circular ones, even if both sources are one point.
         let both = Some(&both).filter(|_| wavefront != Wavefront::Circular);
         for (name, map) in [("other", Some(&other)), ("both", both)] {
             let Some(map) = map else { continue };
@@ -303,7 +303,7 @@ fn paths_pass_seams() {
     assert!(on_sphere("cube", &cube(31), [10, 20]) > 60);
 }
 
-/// The middle of a folded side is its own only copy. Paths cross the side there too, on the short way.
+/// The middle of a folded side has no copy but itself. Paths cross the side there too, on the shortest way.
 #[test]
 fn paths_cross_a_folded_side_beside_its_middle() {
     let sphere = octahedral(20);
@@ -334,8 +334,8 @@ fn paths_cross_a_folded_side_beside_its_middle() {
         });
         let jumps = jumps.count();
         println!("{start:?} to {source:?}: {} of {exact}, {jumps} crossings", path.length);
-        // Cells beside a corner of the octahedron are far from parallelograms, and lengths inside them follow from those
-        // of their edges: up to 11 % off.
+        // Cells beside a corner of the octahedron are far from parallelograms. Lengths inside these cells, which follow
+        // from the lengths of their edges, are up to 11 % off.
         assert!((path.length / exact - 1.0).abs() < 0.15, "{start:?}: {} {exact}", path.length);
         assert_eq!(jumps, 1, "{start:?}: {vertices:?}");
     }

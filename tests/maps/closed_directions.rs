@@ -19,7 +19,8 @@ struct Angles {
     largest: f64,
 }
 
-/// Compares ways with exact ones at each point that has one. `angle` is that of a point's row and column.
+/// Compares ways with exact ways. `angle` returns the angle between the two at a point, given its index, row and
+/// column, or `None` to leave the point out.
 fn angles(
     name: &str,
     surface: &Surface,
@@ -41,7 +42,8 @@ fn angles(
     Angles { mean, on_seams, largest }
 }
 
-/// Walks along back links from every point. Each walk must descend and end at a code 0 at `source`.
+/// Walks along back links from every point. Each walk must descend, and end at a point with code 0 and a distance of
+/// at most `near`.
 fn walk(name: &str, ways: &BackDirections, distances: &[f32], near: f32) {
     let links = ways.links();
     for from in 0..links.len() {
@@ -88,7 +90,7 @@ fn ways_back_pass_the_seams_of_flat_surfaces() {
     }
 }
 
-/// Returns the angles on a sphere in space, and walks there.
+/// Returns the angles on a sphere in space, and checks the walks on it.
 fn on_sphere(name: &str, surface: &Surface, source: [usize; 2]) -> Angles {
     let edges = EdgeLengths::new(surface).unwrap();
     let sources = Sources::point(source[0] as f64, source[1] as f64);
@@ -140,7 +142,8 @@ fn runs_of_points_without_positions_are_refused() {
     assert!(matches!(refused, Err(MapError::Glued(_))), "{refused:?}");
 }
 
-/// Returns the mean and the largest error of a log map where `exact` gives the truth, over the farthest distance.
+/// Returns the mean and the largest error of a log map, both divided by the farthest distance. Points at which
+/// `exact` is `None` are left out.
 fn log_errors(
     name: &str,
     surface: &Surface,
@@ -189,7 +192,8 @@ fn log_maps_go_on_over_seams() {
             let way = (at - from * from.dot(at)).normalize_or_zero();
             let way = way * at.cross(from).length().atan2(at.dot(from));
             let axes = log_map.bases[0].in_space?;
-            // Farther off, a step of the source turns the ways by too much.
+            // Farther from the source, moving it by a grid step turns the ways by too much for the differences
+            // from which log maps are computed.
             (at.dot(from) > f64::cos(2.0))
                 .then(|| DVec2::from(axes.map(|axis| way.dot(axis.into()))))
         };

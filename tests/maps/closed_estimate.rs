@@ -20,7 +20,8 @@ fn exact(surface: &Surface, [row, col]: [f64; 2]) -> Vec<f64> {
 }
 
 /// Sources lie inside, on seams, at poles, and on rows and columns that do not stay on the coarser grid. Measured: ratios
-/// of 1.09 to 1.86, and of 1.3 to 3.7 from the pole; planar fronts have 91 to 100 % of the points within twice.
+/// of 1.09 to 1.86, and of 1.3 to 3.7 from the pole. With planar fronts, 91 to 100 % of the points have errors below
+/// twice the estimate.
 #[test]
 fn estimates_are_near_the_errors_of_whole_spheres() {
     for (name, surface, sources) in [
@@ -43,7 +44,7 @@ fn estimates_are_near_the_errors_of_whole_spheres() {
     }
 }
 
-/// A tube whose columns begin at any other even one has the same estimate.
+/// On a globe, an estimate moves with the source if the source moves by an even number of columns.
 #[test]
 fn estimates_do_not_depend_on_where_the_grid_is_cut() {
     let of = |by: usize| {
@@ -74,12 +75,13 @@ fn grids_whose_seams_do_not_meet_on_every_second_line_are_named() {
         Err(Error::Surface(SurfaceError::Gluing(error))) => error,
         other => panic!("{:?}", other.map(|_| ())),
     };
-    // The middle of a side of 31 points has an odd number.
+    // The middle point of a side of 31 points has an odd index.
     let error = refused(&octahedral(15));
     assert_eq!(error, GluingError::Uneven { rows: 33, cols: 33 });
     assert!(error.to_string().contains("33 x 33 points"), "{error}");
     assert!(matches!(refused(&cube(16)), GluingError::Uneven { .. }));
-    // A tube has a single step somewhere, and a Moebius strip in its middle.
+    // With an even number of lines, the coarse grid of a tube has a single step somewhere, and that of a Moebius
+    // strip has one in its middle.
     for surface in [
         tube(20, 48),
         flat(22, 36).with_gluing(geosweep::surface::Gluing::flipped_columns()).unwrap(),

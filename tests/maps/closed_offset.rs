@@ -17,7 +17,7 @@ fn offsets(surface: &Surface, sources: &Sources, levels: &[f64], side: Side) -> 
 }
 
 /// The curve crosses the seam, ends near it, or lies far from it. Each offset is a straight line and two quarters of a
-/// circle, on the curve's own left and right side, also where the strip turns the grid over.
+/// circle, on the curve's own left and right side, also where the rows of the Moebius strip are reversed.
 #[test]
 fn offsets_of_lines_are_whole_over_seams() {
     for (name, gluing, shape) in shapes() {
@@ -40,7 +40,7 @@ fn offsets_of_lines_are_whole_over_seams() {
                 println!("{name} {col} {side}: {length:.2} of {exact:.2}");
                 assert!((length - exact).abs() < 0.02 * exact, "{name} {col} {side}: {length}");
                 for at in &curve.vertices {
-                    // The vertex in the rows and columns that continue those at the beginning of the curve.
+                    // The vertex is unrolled: continued from the rows and columns at the beginning of the curve.
                     let right = if at[1] < col - 9.0 { 64.0 } else { 0.0 };
                     let right = if at[1] > end + 9.0 { -64.0 } else { right };
                     let row = if right == 0.0 { at[0] } else { beyond(at[0]) };
@@ -56,7 +56,7 @@ fn offsets_of_lines_are_whole_over_seams() {
 fn offsets_of_a_circle_around_a_globe_are_circles() {
     let surface = globe(61, 121);
     let circle = Sources::curve((0..=60).map(|k| [20.0, 2.0 * f64::from(k)]));
-    // Eastwards, so that the north is on the left.
+    // The circle runs eastwards, so that the north is on its left.
     for (side, polar) in [(Side::Left, PI / 3.0 - 0.3), (Side::Right, PI / 3.0 + 0.3)] {
         let found = offsets(&surface, &circle, &[0.3], side);
         let [curve] = &found[0].curves[..] else { panic!("{side}: {found:?}") };
@@ -75,7 +75,7 @@ fn offsets_of_an_arc_over_a_pole_lie_beside_it() {
     let surface = globe(61, 121);
     let arc = Sources::curve([[10.0, 20.0], [0.0, 20.0], [0.0, 80.0], [10.0, 80.0]]);
     let [from, to] = [20, 80].map(|col| surface.position(10, col).unwrap());
-    // Walking from the first end to the last one over the pole, seen from outside.
+    // The left side of a walk from the first end over the pole to the last end, seen from outside.
     let left = from.cross(to).normalize();
     for (side, sign) in [(Side::Left, 1.0), (Side::Right, -1.0)] {
         let found = offsets(&surface, &arc, &[0.3], side);
@@ -95,7 +95,7 @@ fn offsets_of_an_arc_over_a_pole_lie_beside_it() {
     }
 }
 
-/// A torus in space whose columns begin at any other one has the same offsets.
+/// A torus in space whose grid begins at any other column has the same offsets.
 #[test]
 fn offsets_do_not_depend_on_where_the_grid_is_cut() {
     let (rows, cols) = (41, 61);

@@ -6,7 +6,7 @@ use geosweep::{Engine, Options, Sources, Surface, distance_map};
 
 use crate::common::closed::*;
 
-/// Returns the regions of sources, and their map.
+/// Returns the regions of sources. Asserts that the nearest sources are the same.
 fn regions(surface: &Surface, sources: &Sources) -> Voronoi {
     let options = Options::default().with_engine(Engine::Cpu);
     let map = distance_map(surface, sources, &options).unwrap();
@@ -17,8 +17,8 @@ fn regions(surface: &Surface, sources: &Sources) -> Voronoi {
     regions
 }
 
-/// Holds labels against the nearest source by closed-form distances. No label may be that of a source that is
-/// farther than the nearest by more than `slack`.
+/// Compares labels with closed-form distances. No label may be that of a source that is farther than the nearest
+/// source by more than `slack`.
 fn check(
     name: &str,
     surface: &Surface,

@@ -23,7 +23,7 @@ fn vertices(found: &[Ridge]) -> impl Iterator<Item = DVec2> {
     found.iter().flat_map(|ridge| ridge.curve.vertices.iter().copied().map(DVec2::from))
 }
 
-/// The line is on the seam, beside it, or far from it. It ends where fronts from both sides include 30 degrees.
+/// The line is on the seam, beside it, or far from it. It ends where the fronts from both sides meet at 30 degrees.
 #[test]
 fn the_ridge_of_a_tube_is_the_line_opposite_the_source() {
     let surface = tube(97, 49);
@@ -37,7 +37,7 @@ fn the_ridge_of_a_tube_is_the_line_opposite_the_source() {
         }
         let rows = || ridge.curve.vertices.iter().map(|at| at[0]);
         let [low, high] = [rows().fold(f64::MAX, f64::min), rows().fold(f64::MIN, f64::max)];
-        // The angle is 30 degrees 90 rows from the source, beyond both ends.
+        // At 90 rows from the source, beyond both ends of the tube, the angle is 30 degrees.
         assert!(low < 1.5 && high > 94.5, "{col}: {low} {high}");
         for (at, angle) in ridge.curve.vertices.iter().zip(&ridge.angles) {
             let exact = 2.0 * f64::atan2(24.0, (at[0] - 40.0).abs()).to_degrees();
@@ -60,8 +60,8 @@ fn ways(shape: Flat, from: DVec2, to: DVec2) -> Vec<DVec2> {
         .collect()
 }
 
-/// Each vertex has two shortest ways to the source, up to half a cell. The lines are all there are: their length is that
-/// of the cut locus.
+/// Each vertex lies within half a cell of a place with two shortest ways to the source. The lines are complete: their
+/// length is that of the cut locus.
 #[test]
 fn ridges_of_flat_surfaces_are_their_cut_loci() {
     for (name, gluing, shape) in shapes() {
@@ -89,9 +89,9 @@ fn ridges_of_flat_surfaces_are_their_cut_loci() {
     }
 }
 
-/// The bisector of two points is a great circle, on which fronts include at least the angle between them: here 50 degrees
-/// and more. Measured: lines are off by 0.013 and too long by 2.4 % at most. Where fronts meet beside a pole or a fold,
-/// errors of the map are larger.
+/// The bisector of two points is a great circle, on which fronts meet at no less than the angle between the points:
+/// here 50 degrees and more. Measured: lines are off by 0.013 and too long by 2.4 % at most. Where fronts meet beside a
+/// pole or a fold, errors of the map are larger.
 #[test]
 fn bisectors_of_spheres_are_whole_great_circles() {
     let cases = [
@@ -126,7 +126,7 @@ fn bisectors_of_spheres_are_whole_great_circles() {
     }
 }
 
-/// A torus in space whose columns begin at any other one has the same ridges.
+/// A torus in space whose grid begins at any other column has the same ridges.
 #[test]
 fn ridges_do_not_depend_on_where_the_grid_is_cut() {
     let (rows, cols) = (41, 61);

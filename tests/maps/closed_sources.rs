@@ -50,12 +50,13 @@ fn curves_jump_over_the_seams_of_flat_surfaces() {
         }
         let mean = sum / surface.chart().points() as f64;
         println!("{name}: mean {mean:.1e} cells, largest {largest:.1e}");
-        // As from the same curve away from the seams: 1.7e-2 and 0.21, behind its bends.
+        // Away from the seams, the same curve has errors of 1.7e-2 and 0.21 too. The largest are behind its bends.
         assert!(mean < 2e-2 && largest < 0.25, "{name}: mean {mean:e}, largest {largest:e}");
     }
 }
 
-/// A curve along a meridian, on the seam of a globe, against the distance from an arc of a great circle.
+/// Distances from a curve along a meridian, on the seam of a globe, are compared with those from an arc of a great
+/// circle.
 #[test]
 fn a_curve_along_the_seam_of_a_globe_is_seen_from_both_sides() {
     let globe = globe(91, 181);
@@ -75,7 +76,7 @@ fn a_curve_along_the_seam_of_a_globe_is_seen_from_both_sides() {
     }
     let mean = sum / globe.chart().points() as f64;
     println!("mean {mean:.1e}, largest {largest:.1e}");
-    // As from any other meridian: 1.6e-4 and 5e-3, of a cell's side of 3.5e-2.
+    // Curves on other meridians have errors of 1.6e-4 and 5e-3 too. The side of a cell is 3.5e-2.
     assert!(mean < 2e-4 && largest < 6e-3, "mean {mean:e}, largest {largest:e}");
 }
 
@@ -90,7 +91,7 @@ fn torus(rows: usize, cols: usize, by: usize) -> Surface {
     torus.with_gluing(Gluing::both()).unwrap()
 }
 
-/// Returns a curve on rolled columns. It needs a vertex wherever it passes the seam.
+/// Returns a curve on rolled columns. The curve needs a vertex wherever it passes the seam.
 fn rolled(curve: &[[f64; 2]], by: f64, turn: f64) -> Vec<[f64; 2]> {
     let mut vertices: Vec<[f64; 2]> = Vec::new();
     for &[row, col] in curve {
@@ -111,7 +112,8 @@ fn rolled(curve: &[[f64; 2]], by: f64, turn: f64) -> Vec<[f64; 2]> {
 fn rolling_columns_changes_nothing_but_rounding_whatever_the_sources() {
     let (rows, cols) = (121, 161);
     let turn = (cols - 1) as f64;
-    // No grid point is equally near to two segments of a curve: which one it takes would hang on their order.
+    // No grid point is equally near to two segments of a curve. Otherwise the order of the segments would
+    // decide the value of that point.
     let arch = |col: i32, sign: f64| {
         let along = f64::from(col - 80) / 14.0;
         [60.31 + sign * 9.7 * (0.5 * PI * along).cos(), f64::from(col)]
@@ -159,7 +161,7 @@ fn rolling_columns_changes_nothing_but_rounding_whatever_the_sources() {
     }
 }
 
-/// Ends of closed curves are no ends where they are copies of each other.
+/// A curve whose first and last point are copies of each other is closed and has no ends.
 #[test]
 fn a_circle_round_a_tube_has_no_ends() {
     let tube = tube(41, 97);

@@ -31,7 +31,7 @@ fn numbers(gluing: &Gluing, by: usize) -> Vec<usize> {
     (0..ROWS * COLS).map(number).collect()
 }
 
-/// Returns a surface whose heights change by up to three steps from point to point.
+/// Returns a surface whose heights change by up to three times the spacing from point to point.
 fn steep(gluing: &Gluing, by: usize) -> Surface {
     let height = |number: usize| 3.0 * (number as f64 * number as f64 * 0.618).fract();
     let heights = numbers(gluing, by).into_iter().map(height).collect();
@@ -59,7 +59,7 @@ fn options(engine: &Engine, wavefront: Wavefront) -> Options {
     Options::default().with_engine(engine.clone()).with_wavefront(wavefront)
 }
 
-/// Returns the engines, with a device for one gluing alone, since it takes time to make its pipelines.
+/// Returns the engines. Only one gluing is tested on a device, since creating the device's pipelines takes long.
 fn engines(gluing: &Gluing) -> Vec<Engine> {
     let device = (*gluing == Gluing::both()).then(|| Engine::Vulkan(device_choice()));
     [Engine::Cpu, Engine::FastMarching].into_iter().chain(device).collect()

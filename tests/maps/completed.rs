@@ -20,7 +20,7 @@ fn map(lines: &CompletedGrid, surface: &Surface, source: [f64; 2]) -> Vec<f64> {
     lines.crop(&map.distances)
 }
 
-/// Completes a grid, which has as many lines as is expected.
+/// Completes a grid. Asserts that the completed grid has the rows and columns `chart`.
 fn completed(given: &Surface, layout: Layout, chart: [usize; 2]) -> (CompletedGrid, Surface) {
     let lines = CompletedGrid::new(given, layout).unwrap();
     let surface = lines.complete(given).unwrap();
@@ -87,8 +87,8 @@ fn a_sphere_is_whole_whichever_of_its_lines_are_given() {
     }
 }
 
-/// Returns the texels of the faces of a cube on the sphere at their middles, arranged in the order of `faces`: rows of the
-/// numbers of faces, quarter turns included. Lines of holes lie between faces if `gap` is 1.
+/// Returns the middles of the texels of a cube map of the sphere. `faces` has rows of faces, each with its number and
+/// its quarter turns, or `None` for holes. Lines of holes lie between faces if `gap` is 1.
 fn cube(texels: usize, gap: usize, faces: &[&[Option<(usize, usize)>]]) -> Surface {
     let pitch = texels + gap;
     let (rows, cols) = (faces.len() * pitch - gap, faces[0].len() * pitch - gap);
@@ -98,7 +98,7 @@ fn cube(texels: usize, gap: usize, faces: &[&[Option<(usize, usize)>]]) -> Surfa
             return DVec3::NAN;
         };
         let at = |k: usize| (2 * k + 1) as f64 / texels as f64 - 1.0;
-        // Equal angles between texels.
+        // The angles between texels are equal.
         let [mut u, mut v] = [at(col), at(row)].map(|at| (at * PI / 4.0).tan());
         (0..turns).for_each(|_| (u, v) = (-v, u));
         let sign = if face % 2 == 0 { 1.0 } else { -1.0 };
@@ -204,7 +204,8 @@ fn unrolled_surfaces_are_exact_up_to_rounding() {
     }
 }
 
-/// Returns a torus in space of which each turn has these rows and columns, rolled. Its grid has `lines` rows and columns.
+/// Returns a torus in space that closes after `rows` rows and `cols` columns, rolled by `down` rows and `right`
+/// columns. The numbers of rows and columns of its grid are `lines`.
 fn torus(lines: [usize; 2], [rows, cols]: [usize; 2], [down, right]: [usize; 2]) -> Surface {
     let turn = |k: usize, n: usize| TAU * (k % n) as f64 / n as f64;
     grid(lines[0], lines[1], |row, col| {
@@ -234,7 +235,7 @@ fn rolling_changes_nothing_but_rounding() {
     }
 }
 
-/// Holes and slowness go on as positions do: a torus is that whose lines are repeated.
+/// Holes and slowness are completed like positions: the torus equals a torus whose grid repeats the lines.
 #[test]
 fn holes_and_slowness_are_completed() {
     let turns @ [rows, cols] = [40, 60];
@@ -299,7 +300,7 @@ fn values_are_extended_and_cropped() {
     }
     assert_eq!([[-0.6, 0.0], [0.0, -0.1], [0.0, 8.1]].map(|at| lines.to_completed(at)), [None; 3]);
     assert!(globe.position(0, 0).unwrap().distance(DVec3::Z) < 0.03);
-    // A pole among holes is made of the points whose opposites are there, or is a hole.
+    // A pole beside holes is computed from points whose opposite points are present. If there are none, it is a hole.
     let holed = |cols: std::ops::Range<usize>| {
         let mask: Vec<_> = (0..48).map(|index| index > 7 || !cols.contains(&index)).collect();
         let surface = lines.complete(&given.clone().with_mask(&mask).unwrap()).unwrap();
@@ -364,7 +365,7 @@ fn grids_that_do_not_fit_are_refused() {
     }
 }
 
-/// Heights that are equal on both sides are one line, others are neighbours.
+/// If heights are equal on both sides, the sides are one line. Otherwise they are neighbouring lines.
 #[test]
 fn heights_tell_whether_a_line_is_repeated() {
     let heights = |cols: usize| {

@@ -16,8 +16,8 @@ fn flat(rows: usize, cols: usize) -> Surface {
     Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
 }
 
-/// Contours are within a tenth of a cell, also in the middle of each piece. Sources are at grid points,
-/// between them, and beside the border.
+/// Contours lie within a tenth of a cell of the exact curve, also in the middle of each of their segments.
+/// Sources are at grid points, between them, and beside the border.
 #[test]
 fn contours_lie_within_a_tenth_of_a_cell_of_the_exact_curve() {
     const POINTS: usize = 129;
@@ -57,12 +57,13 @@ fn contours_lie_within_a_tenth_of_a_cell_of_the_exact_curve() {
 proptest! {
     #![proptest_config(cases(100))]
 
-    /// If a whole border, or a line between two sources, has the largest distance, its curve is found at the
-    /// exact distance, at the map's largest one, and as the last multiple of a spacing.
+    /// If a whole border, or the line midway between two sources, has the largest distance, this border or line
+    /// is found as a contour at three levels: the exact distance, the map's largest distance, and the last
+    /// multiple of a spacing.
     #[test]
     fn the_largest_distance_has_a_curve_where_points_side_by_side_have_it(
         (rows, cols) in (2usize..40, 2usize..40),
-        // Single precision holds the multiples of these spacings. In much longer cells, straight fronts have
+        // Multiples of these spacings are exact in single precision. In much longer cells, straight fronts have
         // larger rounding errors.
         spacing in (1u16..400, prop::sample::select(vec![0.5, 1.0, 2.0]))
             .prop_map(|(dx, long)| (0.25 * f64::from(dx), 0.25 * f64::from(dx) * long)),
@@ -102,7 +103,8 @@ proptest! {
             prop_assert!((length - last_row * dy).abs() < 1e-9 * length, "{length}");
             prop_assert!(curve.vertices.iter().all(|&[row, col]| [row, col][usize::from(!along_rows)] == far));
             if !both {
-                // To the left, with rows downwards: a step to the left of (down, right) is (-right, down).
+                // The nearer side lies to the left of the curve. Since rows count downwards, the step to the left
+                // of a step (down, right) is (-right, down).
                 let (a, b) = (curve.vertices[0], curve.vertices[1]);
                 let left = [a[1] - b[1], b[0] - a[0]];
                 let inwards = left[usize::from(!along_rows)];
@@ -111,7 +113,7 @@ proptest! {
         }
     }
 
-    /// A farthest corner alone gives no curve.
+    /// If only a corner has the largest distance, the contour of this distance has no curve.
     #[test]
     fn a_single_farthest_point_has_no_curve((rows, cols) in (2usize..30, 2usize..30), last: bool) {
         let source = if last { [rows - 1, cols - 1] } else { [0, 0] };

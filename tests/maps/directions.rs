@@ -28,8 +28,8 @@ fn metric(builtin: Builtin, size: usize, at: DVec2) -> DMat2 {
     DMat2::from_cols_array(&[rr, rc, rc, cc])
 }
 
-/// Returns the mean and the largest angle between the ways back and the exact ones, at some of the points for
-/// which `counts` is true.
+/// Returns the mean and the largest angle between the computed and the exact ways back, at one in `every`
+/// points. A point is left out if `counts` is false for the column component of its exact way.
 fn angles(
     builtin: Builtin,
     size: usize,
@@ -97,8 +97,8 @@ fn ways_back_turn_around_the_corners_of_a_maze() {
     assert!(mean < 1e-3 && worst < 0.2, "{mean} {worst}");
 }
 
-/// Walks along back links from every point, and returns the number of points that arrive at a point of code 0.
-/// Asserts that times decrease at each step, and that all reached points have a link.
+/// Follows back links from every reached point to a point with link 0, and returns the number of these walks.
+/// Asserts that times decrease at each step, and that exactly the reached points have links.
 fn walk(surface: &Surface, sources: &Sources) -> usize {
     const STEPS: [(isize, isize); 8] =
         [(0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1)];
@@ -164,7 +164,7 @@ fn hand_made_grids_have_the_published_codes_and_degrees() {
     near(ways.compass(), [135.0, 180.0, 225.0, 90.0, 0.0, 270.0, 45.0, 360.0, 315.0]);
     near(ways.grass(), [315.0, 270.0, 225.0, 360.0, 0.0, 180.0, 45.0, 90.0, 135.0]);
 
-    // A wall cuts the last column off. Rows are farther apart than columns, and bearings are those of a map.
+    // A wall cuts the last column off. Rows are farther apart than columns, which bearings take into account.
     let mut heights = vec![0.0; 20];
     (0..4).for_each(|row| heights[row * 5 + 3] = f64::NAN);
     let surface = Surface::from_heights(4, 5, heights, Spacing { dx: 1.0, dy: 2.0 }).unwrap();
@@ -180,8 +180,8 @@ fn hand_made_grids_have_the_published_codes_and_degrees() {
     assert_eq!(ways.in_space().unwrap()[0], [0.0; 3]);
 }
 
-/// Returns the mean error of a log map over the farthest distance. The exact log map is the derivative of half
-/// the squared distance by the source's place.
+/// Returns the mean error of a log map, divided by the farthest distance. The exact log map is the negative
+/// gradient of half the squared distance with respect to the source's place.
 fn log_error(builtin: Builtin, size: usize, source: [f64; 2], step: f64) -> f64 {
     let surface = builtin.surface(size, size).unwrap();
     let log_map = LogMap::new(&surface, &Sources::point(source[0], source[1])).unwrap();
@@ -228,7 +228,7 @@ fn places_of_a_log_map_are_found_again() {
         let source = log_map.labels[index] as usize;
         let coordinates = log_map.coordinates[index].map(f64::from);
         count += 1;
-        // A walk may graze the border of its region.
+        // A walk that grazes the border of its region may find no place.
         let Some(place) = log_map.place(source, coordinates) else { continue };
         found += 1;
         let at = DVec2::new((index / 65) as f64, (index % 65) as f64);

@@ -34,7 +34,7 @@ pub struct Comparison {
     pub ratio: f64,
     /// Fraction of points whose error is below twice its estimate.
     pub within_twice: f64,
-    /// Mean error of the extrapolated distances divided by that of the map.
+    /// Mean error of the extrapolated distances divided by the mean error of the map.
     pub left: f64,
 }
 
@@ -71,7 +71,8 @@ fn measured(builtin: Builtin, points: usize, source: [f64; 2], front: Wavefront)
     comparison
 }
 
-/// Measured at 65 and 129 points: ratios of 1.06 to 1.38, and at least 99.0 % of the points.
+/// Measured at 65 and 129 points per side: ratios of 1.06 to 1.38. At least 99.0 % of the points have errors
+/// below twice the estimate.
 #[test]
 fn estimates_are_near_the_errors_of_smooth_surfaces() {
     for points in [65, 129] {
@@ -85,7 +86,8 @@ fn estimates_are_near_the_errors_of_smooth_surfaces() {
     }
 }
 
-/// An even number of points leaves a last row and column at a single step.
+/// With an even number of points per side, the coarse grid has a single step between two of its rows and
+/// between two of its columns, in place of a step of two.
 #[test]
 fn even_sides_are_as_good_as_odd_ones() {
     for wavefront in WAVEFRONTS {
@@ -95,9 +97,10 @@ fn even_sides_are_as_good_as_odd_ones() {
     }
 }
 
-/// A source between grid points has another position in the cells of each grid, and planar fronts start with
-/// other errors. Measured: planar 1.24 to 1.38, 94 to 99 % of the points, and half of the error remains. The
-/// other wavefronts are as from grid points, except at the cone's tip.
+/// A source between grid points lies at a different position in the cells of each grid, so planar fronts start
+/// with different errors. Measured with planar fronts: ratios of 1.24 to 1.38, 94 to 99 % of the points within
+/// twice the estimate, and half of the error remains. With the other wavefronts, results are as from grid
+/// points, except at the cone's tip.
 #[test]
 fn sources_may_lie_between_grid_points() {
     for wavefront in WAVEFRONTS {
@@ -111,8 +114,8 @@ fn sources_may_lie_between_grid_points() {
     }
 }
 
-/// Measured at 129 points: planar 0.044 to 0.078, circular 0.007 to 0.042, curved 0.004 to 0.124. The
-/// largest is that of the cone, whose tip is not smooth.
+/// Measured at 129 points per side, the fraction of the error that remains: planar 0.044 to 0.078, circular
+/// 0.007 to 0.042, curved 0.004 to 0.124. It is largest on the cone, whose tip is not smooth.
 #[test]
 fn extrapolation_takes_most_of_the_error_of_smooth_surfaces() {
     for (wavefront, bar) in
@@ -127,20 +130,20 @@ fn extrapolation_takes_most_of_the_error_of_smooth_surfaces() {
     assert!(plane.left < 0.06);
 }
 
-/// Circular fronts are exact on a plane up to rounding, and estimates are no larger.
+/// Circular and curved fronts are exact on a plane up to rounding, and estimates are as small as rounding.
 #[test]
 fn rounding_is_estimated_if_it_is_the_only_error() {
     let surface = Builtin::Plane.surface(129, 129).unwrap();
     for wavefront in [Wavefront::Circular, Wavefront::Curved] {
         let estimate = estimate(&surface, &at(off_centre(129, 129)), wavefront);
         let (mean, largest) = estimate.relative();
-        // Measured: 3.3e-7 and 1.6e-7, at most 1.2e-6.
+        // Measured: means of 3.3e-7 and 1.6e-7, and at most 1.2e-6 at a point.
         assert!(mean > 1e-7 && mean < 6e-7 && largest < 3e-6, "{mean} {largest}");
     }
 }
 
-/// On every second point, the maze's walls are up to a step thicker. Estimates are too large by factors of 15
-/// to 35 for planar and circular fronts and of 1100 for curved ones, but seldom too small.
+/// On the grid of every second point, the maze's walls are up to a step thicker. Estimates are too large by
+/// factors of 15 to 35 for planar and circular fronts and of 1100 for curved ones, but seldom too small.
 #[test]
 fn estimates_behind_walls_err_on_the_safe_side() {
     for wavefront in WAVEFRONTS {
@@ -149,8 +152,8 @@ fn estimates_behind_walls_err_on_the_safe_side() {
     }
 }
 
-/// Planar fronts from a circle have no singularity and are of first order. Measured: 1.42, all points, and
-/// 0.17 of the error remains.
+/// Planar fronts from a circle have no singularity and are of first order. Measured: a ratio of 1.42, all
+/// points within twice the estimate, and 0.17 of the error remains.
 #[test]
 fn curves_are_sources_too() {
     let (points, centre, radius) = (129, [58.0, 71.0], 26.0);
@@ -172,8 +175,8 @@ fn curves_are_sources_too() {
     assert!((0.9..2.0).contains(&found.ratio) && found.within_twice > 0.98 && found.left < 0.3);
 }
 
-/// The sources have odd and even rows and columns. Measured: planar 1.20, with 0.08 of the error left;
-/// circular 1.2 to 3.3, with up to half of it left; curved 1.1 to 1.5, with up to a quarter left.
+/// The sources have odd and even rows and columns. Measured ratios: planar 1.20, with 0.08 of the error left;
+/// circular 1.2 to 3.3, with up to half of the error left; curved 1.1 to 1.5, with up to a quarter left.
 #[test]
 fn several_sources_are_as_good_as_one() {
     let points = 129;
@@ -213,7 +216,8 @@ fn start_values_do_not_count_as_error() {
 
 /// On a surface that is rough on the grid, a curved front is of first order. The estimate detects and reports
 /// this, and is then too large rather than too small. The reference is a map with four times the points per
-/// side. Measured from these sources: 1.6 to 3.4 times the error; orders 0.6 to 1.6, and 9 on the cylinder.
+/// side. Measured from these sources: estimates of 1.6 to 3.4 times the error, and observed orders of 0.6 to
+/// 1.6. On the cylinder the observed order is 9.
 #[test]
 fn roughness_is_seen() {
     let (points, times) = (65, 4);
@@ -242,7 +246,8 @@ fn roughness_is_seen() {
     assert!(smooth.observed_order > Some(1.8), "{:?}", smooth.observed_order);
 }
 
-/// The same flat surface as positions, heights and a metric has the same estimates.
+/// A flat surface has the same estimates whether it is given by heights, by a metric, or by heights with a
+/// slowness.
 #[test]
 fn estimates_do_not_depend_on_how_the_surface_is_given() {
     let (rows, cols, dx, dy) = (33, 41, 2.0, 3.0);
@@ -262,7 +267,7 @@ fn estimates_do_not_depend_on_how_the_surface_is_given() {
             approx::assert_relative_eq!(a, b, epsilon = 1e-3, max_relative = 1e-3);
         }
     }
-    // A metric is compared on rows 1, 3, .. 31. Sources may lie on others.
+    // With a metric, the coarse grid has the rows 1, 3, .. 31. Sources may lie on other rows.
     let tensors = vec![tensor; rows * cols];
     let metric = Surface::from_metric(rows, cols, tensors).unwrap();
     let sources = at([11.0, 13.0]).and_point(32.0, 40.0, 0.0);
@@ -337,7 +342,7 @@ fn a_single_row_is_enough_and_two_are_not() {
         let expected = SurfaceError::TooSmall { rows, cols };
         assert!(matches!(&error, Error::Surface(found) if *found == expected), "{error}");
     }
-    // Three points per side are compared with two, and with no coarser grid.
+    // A grid of three points per side is compared with one of two, and there is no coarser grid.
     let surface = Builtin::Sphere.surface(3, 3).unwrap();
     let found = estimate(&surface, &at([1.0, 1.0]), Wavefront::Planar);
     assert_eq!((found.grids, found.unknown()), (2, 0));

@@ -53,7 +53,7 @@ impl Folder {
 
     fn file(&self, name: &str, bytes: &[u8]) -> PathBuf {
         let path = self.0.path().join(name);
-        // Some file systems write a file that replaces another to the disk at once.
+        // Some file systems flush a file to the disk at once if it replaces another file.
         let _ = fs::remove_file(&path);
         fs::write(&path, bytes).unwrap();
         path
@@ -274,7 +274,7 @@ fn asymmetric_metrics_are_refused_where_they_are() {
     assert!(error.contains("row 2, column 3"), "{error}");
 }
 
-/// Returns the path of an archive that NumPy has written, by `numpy/make.py`.
+/// Returns the path of an archive that `numpy/make.py` has written with NumPy.
 fn archive(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/maps/numpy").join(name)
 }
@@ -349,7 +349,7 @@ fn ascii_grids_are_surfaces_masks_and_slowness() {
     assert_eq!(holes, [0, 3]);
     assert_eq!(read_slowness(&path).unwrap().values[3], f64::INFINITY);
 
-    // Both files have the georeference of the surface, or are refused.
+    // A mask is refused if its size or its georeference differs from the surface's.
     let place = georeference;
     assert!(mask.clone().fit_surface(&path, ROWS, COLS, Some(&place)).is_ok());
     assert!(mask.clone().fit_surface(&path, COLS, ROWS, Some(&place)).is_err());

@@ -1,5 +1,5 @@
-//! GeoTIFFs are read as GDAL reads them: `gdal/make.py` wrote these files with GDAL, and the values that GDAL
-//! reads.
+//! GeoTIFFs are read as GDAL reads them. `gdal/make.py` has written the files with GDAL, and beside them the
+//! values that GDAL reads from them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,8 @@ fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/maps/gdal")
 }
 
-/// Compares every `variant-*.tif` of a folder with the values beside it. Returns their number.
+/// Compares every `variant-*.tif` of a folder with the values in the `.npy` file beside it. Returns the number
+/// of compared files.
 fn check_variants(folder: &Path) -> usize {
     let mut paths: Vec<_> =
         fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -39,7 +40,7 @@ fn check_variants(folder: &Path) -> usize {
                 || (found - expected).abs() <= 1e-12 * size;
             assert!(same, "{name}: {index}: {found} {expected}");
         }
-        // The same values are read as heights, weights and masks.
+        // The same values are read as heights, as a mask and as a slowness.
         let heights = SurfaceFile::read(path).unwrap().into_surface(Some(Spacing::square(1.0)));
         if let Ok(surface) = heights {
             assert_eq!(surface.present().len(), expected.values.len(), "{name}");
@@ -67,7 +68,8 @@ fn values_are_those_that_gdal_reads() {
     assert_eq!(check_variants(&fixtures()), 48);
 }
 
-/// Returns Python with rasterio, if there is one. `GEOSWEEP_PYTHON` names it; the default is `python3`.
+/// Returns the command that runs `make.py`, or `None` if Python lacks rasterio. `GEOSWEEP_PYTHON` names the
+/// interpreter; the default is `python3`.
 fn rasterio() -> Option<Command> {
     let python = std::env::var("GEOSWEEP_PYTHON").unwrap_or("python3".into());
     let found = Command::new(&python).args(["-c", "import rasterio"]).output();
@@ -122,7 +124,7 @@ fn pixel_sizes_are_lengths_where_they_can_be() {
         let surface = surface(name).unwrap();
         let Geometry::Heights { heights, spacing } = surface.geometry() else { panic!("{name}") };
         assert!((spacing.dx - 30.0).abs() < 1e-9 && (spacing.dy - 20.0).abs() < 1e-9, "{name}");
-        // Rows keep their order, in either direction.
+        // Rows keep the file's order, whether they run southwards or northwards.
         assert!(
             heights.iter().enumerate().all(|(index, height)| index as f64 == *height),
             "{name}"
@@ -159,7 +161,7 @@ fn unsupported_files_are_refused_with_advice() {
         assert!(parts.iter().all(|part| error.contains(part)), "{error}");
         assert!(error.starts_with(&path.display().to_string()), "{error}");
     }
-    // For a palette, the index decides whether a value is zero.
+    // A mask takes a pixel's index in the palette as its value, so index 0 is a hole.
     let mask = read_mask(&fixtures().join("palette.tif")).unwrap().values;
     assert_eq!(mask.iter().filter(|present| !**present).count(), 1);
 }
@@ -203,7 +205,7 @@ fn maps_lie_where_their_surface_does() {
         let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(&bands), bits(ways.as_flattened()));
 
-        // GDAL finds the same.
+        // GDAL finds the same georeference, and a single point without a value.
         let describe = |path: &Path| {
             let output = rasterio()?.arg("describe").arg(path).output().unwrap();
             Some(String::from_utf8(output.stdout).unwrap())
@@ -212,7 +214,7 @@ fn maps_lie_where_their_surface_does() {
         let place = expected.lines().next().unwrap();
         assert_eq!(describe(&map).unwrap(), format!("{place}\ninf 1\n"), "{name}");
         assert_eq!(describe(&labels).unwrap(), format!("{place}\n-1.0 1\n"), "{name}");
-        // Scale and offset stand there for each band.
+        // The description lists the scales and the offsets of all bands.
         let place = place.replace("(1.0,) (0.0,)", "(1.0, 1.0) (0.0, 0.0)");
         assert_eq!(describe(&vectors).unwrap(), format!("{place}\nnan 1\n"), "{name}");
     }

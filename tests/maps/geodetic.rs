@@ -45,7 +45,8 @@ fn distances_at_a_tenth_of_a_degree_are_those_of_geodesics() {
     }
 }
 
-/// Other grids of the Earth give equal maps: from south to north, from 0 to 359 degrees, at the middles of cells.
+/// Other grids of the Earth give maps of the same accuracy: from south to north, from 0 to 359 degrees, at the middles
+/// of cells.
 #[test]
 fn grids_of_any_order_and_place_are_the_same_earth() {
     let step = 1.0;
@@ -70,7 +71,7 @@ fn grids_of_any_order_and_place_are_the_same_earth() {
     }
 }
 
-/// Measured: mean 1.1e-6, and 6.9e-6 at most, where double precision has 1.0e-6 and 1.9e-6.
+/// Measured: mean 1.1e-6, largest 6.9e-6. In double precision: mean 1.0e-6, largest 1.9e-6.
 #[test]
 fn single_precision_costs_few_digits_at_half_a_degree() {
     let earth = Earth::new(lines(361, 90.0, -0.5), lines(721, -180.0, 0.5));

@@ -1,4 +1,4 @@
-//! Log maps on a surface of bumps, held against geodesics that are shot from the source.
+//! Log maps on a surface of bumps, compared with geodesics that are shot from the source.
 
 use geosweep::geometry::LogMap;
 use geosweep::glam::{DMat2, DVec2};
@@ -16,7 +16,7 @@ const BUMPS: [([f64; 2], f64, f64); 5] = [
     ([0.48, 0.55], 0.03, 0.15),
 ];
 
-/// Returns height, slope and second derivatives.
+/// Returns the height, the slope and the second derivatives of the bumps at a place.
 fn bumps(at: DVec2) -> (f64, DVec2, DMat2) {
     BUMPS.iter().fold(
         (0.0, DVec2::ZERO, DMat2::ZERO),
@@ -33,11 +33,11 @@ fn bumps(at: DVec2) -> (f64, DVec2, DMat2) {
     )
 }
 
-/// Returns the end of the geodesic that leaves `from` with a velocity in the chart and takes a time of 1, by the
-/// classical method of Runge and Kutta.
+/// Returns the place that a geodesic from `from`, with this velocity in the chart, reaches at time 1. It is computed by
+/// the classical Runge-Kutta method.
 fn shot(from: DVec2, velocity: DVec2) -> DVec2 {
     const STEPS: usize = 256;
-    // The geodesic equation of a graph: the acceleration in the chart is against the slope.
+    // The geodesic equation of a height field: the acceleration in the chart is parallel to the slope.
     let change = |[at, by]: [DVec2; 2]| {
         let (_, slope, bend) = bumps(at);
         [by, -slope * (by.dot(bend * by) / (1.0 + slope.length_squared()))]

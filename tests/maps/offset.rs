@@ -25,8 +25,9 @@ fn length(surface: &Surface, contour: &Contour) -> f64 {
     contour.curves.iter().map(|curve| curve.length(surface).unwrap()).sum()
 }
 
-/// Cells are squares in the plane, and oblongs on the unrolled cylinder. A curve has a straight piece, two
-/// quarters of a circle, and ends on the prolongations. Measured: ends within 0.14 cells.
+/// Cells are squares in the plane, and oblongs on the unrolled cylinder. An offset curve consists of a straight
+/// piece and two quarters of a circle, and ends on the prolongations of the line. Measured: ends within 0.14
+/// cells of the prolongations.
 #[test]
 fn an_open_curve_has_a_line_and_two_quarter_circles_on_each_side() {
     for builtin in [Builtin::Plane, Builtin::Cylinder] {
@@ -114,7 +115,8 @@ fn sides_meet_half_way_between_curves() {
                 if !(31.0..89.0).contains(&at[1]) {
                     continue;
                 }
-                // North of both lines, south of both lines, and half-way between them.
+                // The left side of a line is north of it, and the right side south of it. Between the lines, sides
+                // meet at row 40.
                 let expected = [
                     at[0] < 30.0 || (40.0..50.0).contains(&at[0]),
                     at[0] > 50.0 || (30.0..=40.0).contains(&at[0]),
@@ -126,7 +128,7 @@ fn sides_meet_half_way_between_curves() {
     }
 }
 
-/// A corner fans out only on its outer side.
+/// An offset curve has an arc around a corner only on the corner's outer side.
 #[test]
 fn a_corner_is_round_outside() {
     let surface = flat(101, 101);
@@ -152,7 +154,7 @@ fn points_have_no_sides_and_curves_beyond_the_map_no_offsets() {
     for contour in offsets(&surface, &sources, &[-1.0, 0.0, 1e6], Side::Left) {
         assert!(contour.curves.is_empty());
     }
-    // A part that no front reaches has no side, and a curve along the border has only one.
+    // There is no offset in a part that no front reaches, and a curve along the border has offsets on one side only.
     let mask: Vec<bool> = (0..11 * 21).map(|i| i / 21 != 5).collect();
     let cut_off = surface.with_mask(&mask).unwrap();
     let sources = Sources::curve([[0.0, 0.0], [0.0, 20.0]]);

@@ -63,7 +63,8 @@ fn sources_side_by_side_are_exact_on_cylinders_but_for_their_edges() {
     assert_exact::<f64>(true, 4e-4, 2e-4, ONE_IN);
 }
 
-/// Scalloped fronts of many sources in a row would each count as part of a circle.
+/// The front of many sources in a row is scalloped. If each scallop counted as part of a circle, the map would differ
+/// from the map of a line.
 #[test]
 fn rows_of_sources_are_lines_whatever_the_relief() {
     for relief in [0.0, 1e-3] {
@@ -81,8 +82,9 @@ fn rows_of_sources_are_lines_whatever_the_relief() {
     }
 }
 
-/// Compares the map of several point sources with the minimum of each source's own map. Returns the largest
-/// amounts by which it is early and late, and the mean of both, relative to the largest distance.
+/// Compares the map of several point sources with the minimum of the sources' own maps. Returns the largest
+/// amounts by which the map is early and late, and its mean absolute difference, relative to the largest
+/// distance.
 fn from_single_maps(surface: &Surface, places: &[[f64; 2]]) -> [f64; 3] {
     let options = Options::default().with_wavefront(Wavefront::Curved);
     let map = |sources: &Sources| distance_map_f64(surface, sources, &options).unwrap().distances;
@@ -124,11 +126,11 @@ fn sources_side_by_side_on_curved_surfaces_are_as_good_as_single_ones() {
     }
 }
 
-/// One source starts late amid others, and walls stand between them.
+/// Fronts reach distant points on the sources' side of a wall earlier over fast ground behind the wall.
 #[test]
 fn exact_seeds_do_not_block_earlier_fronts() {
     let mut slowness = vec![1.0; 41 * 41];
-    // Fast ground surrounds the first source, beyond a wall with a gap.
+    // The ground is fast behind a wall, which has two gaps.
     slowness.iter_mut().enumerate().filter(|(k, _)| k % 41 > 24).for_each(|(_, s)| *s = 1e-3);
     let mask: Vec<_> = (0..41 * 41).map(|k| k % 41 != 22 || k / 41 == 2 || k / 41 == 38).collect();
     let surface = Surface::from_heights(41, 41, vec![0.0; 41 * 41], Spacing::square(1.0)).unwrap();

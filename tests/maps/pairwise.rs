@@ -29,7 +29,7 @@ fn matrix(solver: &PairwiseScan, surface: &Surface, stop: Stop) -> Vec<f32> {
     matrix
 }
 
-/// Returns rows of some sources, computed as in use.
+/// Returns the rows of some sources, computed by [`Pairwise`] on the CPU.
 fn rows(surface: &Surface, wavefront: Wavefront, sources: &[usize]) -> Vec<f32> {
     let options = Options::default()
         .with_engine(Engine::Cpu)
@@ -74,8 +74,8 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
 }
 
 /// The scans are the same in the same order, so that maps agree after any number of iterations, up to the
-/// rounding of coefficients and squares. This is a unit in the last place, 6e-8, for each of the few dozen
-/// steps of the longest path.
+/// rounding of coefficients and squares. This rounding is a unit in the last place, 6e-8, for each of the few
+/// dozen steps of the longest path.
 #[test]
 fn every_row_is_the_map_of_its_source() {
     for (name, surface) in surfaces() {
@@ -221,8 +221,8 @@ fn point_sources_on_the_sphere_are_accurate() {
     assert!(mean < 3e-4, "{mean:e}");
 }
 
-/// Behind each corner of the maze, two fronts touch. With their mean, these maps are wrong by 1e-3. With
-/// anchors, only rounding remains.
+/// Behind each corner of the maze, two fronts touch. Fronts that take the mean of both are wrong by 1e-3 in these
+/// maps. With anchors, only rounding remains.
 #[test]
 fn the_maze_is_exact_with_anchors() {
     let side = 49;

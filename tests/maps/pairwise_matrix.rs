@@ -18,8 +18,8 @@ fn on_lanes(wavefront: Wavefront) -> Options {
     options(Engine::Cpu, wavefront)
 }
 
-/// Returns hills with holes, one of which cuts a corner off, and a number of points that does not fill the
-/// lanes.
+/// Returns hills with holes, some of which cut a corner off. The number of points is no multiple of the number
+/// of lanes.
 fn hills() -> Surface {
     let (rows, cols) = (13, 19);
     let height = |i: usize| (i as f64 * 0.41).sin() + (i / cols) as f64 * 0.2;
@@ -40,8 +40,8 @@ fn matrix(surface: &Surface, options: &Options) -> Vec<f32> {
     matrix
 }
 
-/// The project requires engines to agree within 1e-5 of the largest distance. Fast marching is only an upper
-/// bound with circular or curved fronts, so that it is compared only with planar ones.
+/// The project requires engines to agree within 1e-5 of the largest distance. Fast marching gives only an upper
+/// bound with circular or curved fronts, so it is compared with planar fronts only.
 #[test]
 fn every_engine_gives_the_same_matrix() {
     let device = device_choice();
@@ -124,8 +124,9 @@ fn the_matrix_does_not_depend_on_threads() {
     }
 }
 
-/// Eq. 20 takes distances from earlier rows. Measured: the mean error is 0.99 to 1.01 times that without it,
-/// and outside of blocks of 256 rows the matrix equals its transpose.
+/// The symmetric start (paper, eq. 20) takes distances from earlier rows. Measured: the mean error is 0.99 to
+/// 1.01 times the error without the symmetric start. Outside of blocks of 256 rows, the matrix equals its
+/// transpose.
 #[test]
 fn the_symmetric_start_is_as_accurate() {
     let side = 25;

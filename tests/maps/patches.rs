@@ -1,4 +1,4 @@
-//! Maps that are solved patch by patch: by any number of threads, as by scans of the whole grid.
+//! Maps that are solved patch by patch, with any number of threads, compared with maps by scans of the whole grid.
 
 use geosweep::cpu::{Order, PatchCounts, RotatedScan};
 use geosweep::surface::builtin::{Builtin, Closed};
@@ -8,7 +8,7 @@ use geosweep::{Convergence, Sources, Spacing, Stop, Surface, Wavefront};
 use crate::common::closed::{cube, globe, octahedral};
 use crate::common::{CONVERGED, CONVERGED_F64, at, difference, off_centre, rough};
 
-/// A solved map, how it converged, and its visits.
+/// A solved map, its convergence, and the counts of its visits to patches.
 type Solved<R> = (Vec<R>, Convergence, Option<PatchCounts>);
 
 fn solved<R: Real>(
@@ -26,7 +26,8 @@ fn solved<R: Real>(
 /// Patches of 32 points a side.
 const PATCHES: Order = Order::Patches { side: 32 };
 
-/// Surfaces of sizes that are no multiples of a patch: flat, round, with obtuse triangles, with holes.
+/// Returns surfaces whose sides are mostly no multiples of a patch's side: flat, round, with obtuse triangles,
+/// with holes.
 fn surfaces() -> Vec<(&'static str, Surface)> {
     let built = |builtin: Builtin, rows, cols| builtin.surface(rows, cols).unwrap();
     vec![
@@ -40,7 +41,7 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
     ]
 }
 
-/// Glued surfaces whose copies lie in several patches, with a source on a seam or beside one.
+/// Returns glued surfaces whose copies lie in several patches, with a source on a seam or beside one.
 fn closed_surfaces() -> Vec<(&'static str, Surface, Sources)> {
     vec![
         ("torus", Closed::Torus.surface(70, 101).unwrap(), at([0.0, 100.0])),
@@ -72,7 +73,7 @@ fn every_number_of_threads_gives_the_same_map_to_the_bit() {
     }
 }
 
-/// Largest difference between maps by patches and by lines, relative to the largest distance.
+/// Returns the largest difference between maps by patches and by lines, relative to the largest distance.
 fn apart<R: Real>(surface: &Surface, seeds: &[Seed], wavefront: Wavefront, stop: Stop) -> f64 {
     let edges = EdgeLengths::<R>::new(surface).unwrap();
     let (by_lines, ..) = solved(&edges, seeds, wavefront, Order::Lines, stop);
@@ -129,7 +130,8 @@ fn tiny_and_narrow_grids_have_patches_too() {
 #[test]
 fn several_sources_and_curves_cross_patches() {
     let surface = Builtin::Peaks.surface(120, 100).unwrap();
-    // In a corner that four patches share, on a border, inside a cell, and a line across many.
+    // Points beside a corner where four patches meet, on a patch's border and inside a cell; and a line across many
+    // patches.
     let points = [[31.0, 31.0], [63.5, 64.0], [100.3, 10.6]];
     let line: Vec<_> = (0..90).map(|k| [10.0 + k as f64, 50.0]).collect();
     let sources = |all: &[[f64; 2]]| {
@@ -180,13 +182,13 @@ fn added_sources_give_the_map_of_all_sources() {
         lines.add(&second, CONVERGED_F64);
         let apart = difference(&solver.distances(), &lines.distances());
         assert!(apart < 1e-7, "{wavefront}: {apart:e}");
-        // Nothing comes earlier than the map.
+        // No front of these sources comes earlier than the map's, so no patch is visited.
         solver.add(&both, CONVERGED_F64);
         assert_eq!(visits(&solver), visited, "{wavefront}");
     }
 }
 
-/// A map that its limit of iterations has stopped is not called converged when nothing new is added.
+/// If the limit of iterations has stopped a map, adding its own sources again continues it until it has converged.
 #[test]
 fn adding_to_a_stopped_map_goes_on_with_it() {
     let surface = Builtin::Maze.surface(150, 110).unwrap();
@@ -269,7 +271,8 @@ fn a_serpentine_is_followed_to_its_end() {
     }
 }
 
-/// Checks the number of threads that rounds keep busy on average, and of visits to a patch, for smooth fronts.
+/// Checks two means for smooth fronts: the number of threads that a round keeps busy, and the number of visits to a
+/// patch.
 #[test]
 fn rounds_leave_room_for_many_threads() {
     let surface = Builtin::Sphere.surface(2048, 2048).unwrap();

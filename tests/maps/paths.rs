@@ -82,7 +82,7 @@ fn starts_beyond(source: [f64; 2], points: usize, count: usize) -> Vec<[f64; 2]>
 fn paths_traced_together_equal_paths_traced_alone() {
     const POINTS: usize = 65;
     let one = at([0.0, 0.0]);
-    // The paths of the second source are traced twice.
+    // The second source starts later than the first, so paths to it are traced twice.
     let two = Sources::point(33.25, 40.5).and_point(20.0, 20.5, 0.1);
     let in_the_maze = at([0.0, 0.0]).and_point(60.0, 30.0, 0.3);
     for (builtin, sources) in [
@@ -118,8 +118,8 @@ fn paths_traced_together_equal_paths_traced_alone() {
     }
 }
 
-/// The bound is 2e-3. Measured at 257 points per side: lengths 5.0e-4 (peaks), elsewhere below 6e-5; from the
-/// map's value 1.3e-3 (peaks).
+/// The bound is 2e-3. Measured at 257 points per side: lengths are off by at most 5.0e-4 on peaks and by less
+/// than 6e-5 elsewhere. They differ from the map's value by at most 1.3e-3, on peaks.
 #[test]
 fn lengths_are_the_distances() {
     for builtin in Builtin::measurable() {
@@ -131,8 +131,9 @@ fn lengths_are_the_distances() {
 }
 
 /// The bound is 2e-3, except where fronts meet, since the map itself is early there: by up to 2e-3 on peaks
-/// and 3e-3 on the face, as the next test shows. On peaks, seven in a thousand starts would lead to paths
-/// along such lines that are up to 5e-3 too long, and on the face up to 8e-3.
+/// and 3e-3 on the face, as the next test shows. If paths followed the map alone, seven in a thousand starts on
+/// peaks would lead to paths along the lines where fronts meet. Such paths are up to 5e-3 too long on peaks, and
+/// up to 8e-3 on the face.
 #[test]
 fn no_path_is_longer_than_the_map_says() {
     for (builtin, bar) in [
@@ -190,8 +191,9 @@ fn paths_from_where_fronts_meet_are_the_shortest() {
 }
 
 /// If triangles are obtuse, a line can pass a grid point that the front reaches after the line's own start.
-/// From a place beside a grid line, or beside a point on one, paths continue over the cell across it. Of 1.2
-/// million such paths, the worst is 8.4e-5 off at 60 degrees and 3.4e-4 at 75, as measured.
+/// From a place beside a grid line, or beside a point on a grid line, paths continue over the cell on the other
+/// side of this line. Of 1.2 million such paths, the worst is 8.4e-5 off at 60 degrees and 3.4e-4 at 75, as
+/// measured.
 #[test]
 fn paths_pass_beside_points_and_start_beside_lines() {
     const POINTS: usize = 257;
@@ -237,7 +239,7 @@ fn paths_pass_beside_points_and_start_beside_lines() {
         let mut largest = 0.0f64;
         for (start, path) in starts.iter().zip(paths(&surface, &at(source), &starts)) {
             let exact = builtin.exact_distance(POINTS, POINTS, *start, source).unwrap();
-            // Beside the source there is only rounding.
+            // Beside the source, errors are only rounding.
             if exact > 1e-2 {
                 let error = (path.length - exact).abs() / exact;
                 largest = largest.max(error);
@@ -270,7 +272,7 @@ fn paths_on_the_sphere_are_great_circles() {
         let surface = Builtin::Sphere.surface(points, points).unwrap();
         let source = off_centre(points, points);
         let cell = 0.5 * std::f64::consts::PI / (points - 1) as f64;
-        // On the cube's face from which the patch is projected, as in its definition.
+        // The patch is projected from a face of a cube, as in its definition.
         let position = |[row, col]: [f64; 2]| {
             let angle = |x: f64| (x * cell - 0.25 * std::f64::consts::PI).tan();
             geosweep::glam::DVec3::new(angle(col), angle(row), 1.0).normalize()
@@ -308,7 +310,7 @@ fn paths_refract_by_snells_law() {
     }
     let path = path(&surface, &at(source.to_array()), start.to_array());
     let exact = time(low);
-    // The step itself is resolved to half a cell.
+    // The step of the slowness is resolved to half a cell.
     assert!((path.length - exact).abs() < 5e-3 * exact, "{} {exact}", path.length);
     let crossing = path.curve.vertices.iter().find(|vertex| vertex[1] <= 63.5).unwrap();
     assert!((crossing[0] - low).abs() < 2.0, "{crossing:?} {low}");
@@ -318,7 +320,7 @@ fn paths_refract_by_snells_law() {
 fn paths_bend_around_corners_exactly() {
     let surface = floor(&[".........", ".........", "######...", ".........", "........."]);
     let path = path(&surface, &at([4.0, 0.0]), [0.0, 0.0]);
-    // The wall's end is cut off along the lines between its neighbours.
+    // The path cuts off the corners of the wall's end, along the lines between the points around it.
     let exact = 2.0 * (26f64.sqrt() + 2f64.sqrt());
     approx::assert_relative_eq!(path.length, exact, max_relative = 1e-2);
     for corner in [[1.0, 5.0], [2.0, 6.0], [3.0, 5.0]] {
@@ -404,7 +406,7 @@ fn paths_cross_a_pole() {
     });
     let surface = Surface::from_positions(rows, cols, points.collect()).unwrap();
     let path = path(&surface, &at([6.0, 0.0]), [7.0, 13.0]);
-    // The path leaves from one of the nearer points of the pole's many.
+    // The pole has many grid points, and the path does not leave from the best of them.
     approx::assert_relative_eq!(path.length, 1.3, max_relative = 0.1);
     assert_eq!(path.curve.vertices.last(), Some(&[6.0, 0.0]));
 }
@@ -442,7 +444,7 @@ fn maps_of_other_surfaces_are_errors() {
     assert!(matches!(lost, Err(PathError::Lost { .. })), "{lost:?}");
 }
 
-/// Returns a height field with steep random steps, with holes and a slowness that changes at random.
+/// Returns a height field with steep random steps and holes, and in some cases a random slowness per point.
 fn rough() -> impl Strategy<Value = Surface> {
     (1..=12usize, 1..=12usize, 0.4..1.0)
         .prop_flat_map(|(rows, cols, filled)| {
@@ -464,7 +466,7 @@ fn rough() -> impl Strategy<Value = Surface> {
         })
 }
 
-/// Straight lines meet at a corner there, and rounding suggests that they could be shorter.
+/// On this surface, straight lines of paths meet at a corner, and rounding suggests that they could be shorter.
 #[test]
 fn paths_over_a_corner_that_are_straight_already_stay() {
     let nan = f64::NAN;

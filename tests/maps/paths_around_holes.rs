@@ -8,7 +8,7 @@ use geosweep::{Sources, Spacing, Surface, Wavefront};
 
 use crate::common::{CONVERGED, Random, at, off_centre, rotated};
 
-/// Returns the paths led around corners, and those along the map alone.
+/// Returns the paths that are pulled taut around corners, and the paths that follow the map alone.
 fn both(surface: &Surface, sources: &Sources, map: &[f32], starts: &[[f64; 2]]) -> [Vec<Path>; 2] {
     let edges = EdgeLengths::new(surface).unwrap();
     let paths = PathTracer::new(surface, &edges, sources, map).unwrap();
@@ -16,7 +16,7 @@ fn both(surface: &Surface, sources: &Sources, map: &[f32], starts: &[[f64; 2]]) 
         .map(|paths| paths.trace_all(starts).into_iter().map(Result::unwrap).collect())
 }
 
-/// Returns a thousand places on a square grid, without those in holes.
+/// Returns a thousand random places of a square grid that do not lie in holes.
 fn starts_on(surface: &Surface, seed: u64) -> Vec<[f64; 2]> {
     let mut random = Random::new(seed);
     let last = (surface.rows() - 1) as f64;
@@ -31,9 +31,10 @@ fn converged(surface: &Surface, sources: &Sources) -> Vec<f32> {
     rotated::<f32>(surface, sources, Wavefront::Curved, CONVERGED).distances()
 }
 
-/// Returns means of relative errors of paths in the maze. Paths around corners are compared with the exact
-/// polygon and with the map, and again with the exact polygon on a map of exact distances; paths along the
-/// map are compared with the exact polygon. Starts are at the same places on all grids.
+/// Returns four means of relative errors of the lengths of paths in the maze. Taut paths are compared first with
+/// the exact polygon, and second with the map. Third, taut paths on a map of exact distances are compared with
+/// the exact polygon. Fourth, paths along the map are compared with the exact polygon. Starts are at the same
+/// places on all grids.
 fn errors_in_the_maze(points: usize, wavefront: Wavefront) -> [f64; 4] {
     let surface = Builtin::Maze.surface(points, points).unwrap();
     let exact = Builtin::Maze.exact_distances(points, points, [0.0; 2]).unwrap();
@@ -65,7 +66,7 @@ fn errors_in_the_maze(points: usize, wavefront: Wavefront) -> [f64; 4] {
 
 /// Paths in the maze are straight from corner to corner, and as long as the exact polygons: within 5e-8
 /// measured, the rounding of single precision. Paths along the map are 2.3e-5 too long at 65 points per side
-/// and 3.6e-6 at 513, of order 0.89. Lengths differ from the map's values by the error of these: by 1.8e-5
+/// and 3.6e-6 at 513, of order 0.89. Lengths differ from the map's values by the error of the map: by 1.8e-5
 /// and 2.8e-6, of order 0.89.
 #[test]
 fn paths_in_the_maze_are_exact() {
@@ -87,7 +88,7 @@ fn paths_in_the_maze_are_exact() {
     }
 }
 
-/// On maps with anchors, lengths differ from the map's values by the rounding of these.
+/// On maps with anchors, lengths differ from the map's values only by the rounding of the map.
 #[test]
 fn paths_in_the_maze_are_as_long_as_anchors_say() {
     for points in [65, 129, 257, 513] {
@@ -98,8 +99,8 @@ fn paths_in_the_maze_are_as_long_as_anchors_say() {
     }
 }
 
-/// Returns the length of the shortest path past a convex polygon: straight, or around the convex hull of its
-/// ends and the polygon, in either direction.
+/// Returns the length of the shortest path past a convex polygon: straight, or around the convex hull of the
+/// path's ends and the polygon, in either direction.
 fn around(polygon: &[DVec2], ends: [DVec2; 2]) -> f64 {
     let mut points = polygon.to_vec();
     points.extend(ends);
@@ -130,9 +131,10 @@ fn around(polygon: &[DVec2], ends: [DVec2; 2]) -> f64 {
     length(a, b).min(length(b, a))
 }
 
-/// A square hole at odd places of a flat floor, with starts and sources between grid points. The mean error
+/// A flat floor has a square hole off its middle. Starts and sources lie between grid points. The mean error
 /// measured is 1.0e-6 at 33 points per side and 4.6e-7 at 257; along the map it is 7.3e-5 and 6.9e-6. The
-/// rest comes from the map's errors where a path only just misses a corner, 1.2e-4 and 9.8e-5 at most.
+/// remaining errors come from the map where a path only just misses a corner. They are at most 1.2e-4 and
+/// 9.8e-5.
 #[test]
 fn paths_around_a_square_are_exact() {
     for (points, [north, south, west, east]) in [
@@ -178,7 +180,7 @@ fn paths_around_a_square_are_exact() {
             largest = largest.max(error);
         }
         println!("{points}: mean {sum:.1e}, largest {largest:.1e}; along the map {before:.1e}");
-        // Lengths in parts of a cell.
+        // The width of a cell, as a fraction of the grid's side. The bounds are proportional to it.
         let cell = 1.0 / points as f64;
         assert!(sum < 3e-4 * cell && largest < 0.1 * cell, "{points}: {sum:e} {largest:e}");
         assert!(sum < 0.2 * before, "{points}: {sum:e} {before:e}");

@@ -1,7 +1,8 @@
 //! Properties that every distance map has, on random small surfaces.
 //!
-//! Tolerances of 1e-12 (double precision) are rounding: their properties hold exactly. The other tolerances
-//! are discretisation errors of grids of at most 16 x 16 points, and state the measured error.
+//! Tolerances of 1e-12 (double precision) allow for rounding only: the properties with such a tolerance hold
+//! exactly. The other tolerances allow for the discretisation error of grids of at most 16 x 16 points, which
+//! the comments state as measured.
 
 use geosweep::Stop;
 use geosweep::glam::DVec3;
@@ -86,16 +87,16 @@ fn slow() -> impl Strategy<Value = Surface> {
     })
 }
 
-/// Random heights, holes and slownesses on a grid of which opposite sides are glued. They vary so little that no
-/// triangle is obtuse: obtuse ones are not split by points beyond a seam.
+/// Random heights, holes and slownesses on a grid whose first and last column are glued, and perhaps also its first and
+/// last row.
 #[derive(Clone, Debug)]
 struct Wrapped {
     rows: usize,
-    /// Number of columns round the surface: the grid has one more.
+    /// Number of columns around the surface. The grid has one more.
     round: usize,
-    /// The rows are reversed beyond the last column.
+    /// Whether the last column is glued to the first one in reverse order.
     flipped: bool,
-    /// The last row is glued to the first one.
+    /// Whether the last row is glued to the first one too.
     both: bool,
     /// Height and slowness of each point. Where the height is NaN, the surface has a hole.
     values: Vec<(f64, f64)>,
@@ -154,7 +155,7 @@ fn any_surface() -> impl Strategy<Value = Surface> {
     prop_oneof![smooth(), rough(), holed(), slow()]
 }
 
-/// Returns the nearest grid point, in row-major order from a place, that is not a hole.
+/// Returns the first grid point from a place on, in row-major order, that is not a hole.
 fn present(surface: &Surface, place: Place) -> (usize, usize) {
     let (row, col) = point(surface, place);
     let chart = surface.chart();
@@ -193,7 +194,7 @@ fn renumbered(
     }
 }
 
-/// Returns which points edges connect with a point.
+/// Returns for each point whether edges connect it with the given point.
 fn connected(surface: &Surface, (row, col): (usize, usize)) -> Vec<bool> {
     let chart = surface.chart();
     let mut reached = vec![false; chart.points()];
@@ -208,7 +209,8 @@ fn connected(surface: &Surface, (row, col): (usize, usize)) -> Vec<bool> {
     reached
 }
 
-/// Over the turned grid, the scans run in another order and lead to the same map.
+/// Checks that the transposed grid and the grid with reversed rows have the same map. Over them, scans visit points in
+/// another order.
 fn check_turned(
     surface: &Surface,
     (row, col): (usize, usize),
@@ -243,9 +245,9 @@ proptest! {
         }
     }
 
-    /// The triangle inequality holds exactly for the planar front, on every surface: its update is monotone
-    /// and passes constants on, so that d(a, b) + d(b, .) lies above d(a, .). The circular front has
-    /// neither property.
+    /// The triangle inequality holds exactly for the planar front, on every surface: its update is monotone, and
+    /// a constant added to its inputs is added to its result, so that d(a, b) + d(b, .) lies above d(a, .). The
+    /// circular front has neither property.
     #[test]
     fn no_detour_is_shorter(surface in any_surface(), a in place(), b in place()) {
         let (a, b) = (present(&surface, a), present(&surface, b));
@@ -259,7 +261,7 @@ proptest! {
         }
     }
 
-    /// The circular front satisfies it within 1% of the largest distance in 20 000 cases.
+    /// The circular front satisfies the triangle inequality within 1% of the largest distance in 20 000 cases.
     #[test]
     fn no_detour_is_much_shorter(surface in smooth(), a in place(), b in place()) {
         let (a, b) = (point(&surface, a), point(&surface, b));
@@ -272,9 +274,9 @@ proptest! {
         }
     }
 
-    /// This holds exactly for both fronts on a polyhedron: the chord from the source is a convex function
-    /// along every edge. With arcs, each longer by its own bend, distances can be shorter than the chord (by
-    /// 3e-5 on coarse grids).
+    /// This holds exactly for both fronts on a polyhedron: the length of the chord from the source is a convex
+    /// function along every edge. With arcs, each of which is longer than its chord by its own bend, distances
+    /// can be shorter than the chord (by 3e-5 on coarse grids).
     #[test]
     fn no_distance_is_below_the_chord(
         surface in prop_oneof![smooth(), rough(), holed()],
@@ -367,8 +369,9 @@ proptest! {
         }
     }
 
-    /// For the planar front, which is monotone, the map is the minimum or less. Where two fronts meet across
-    /// an edge, the update treats them as one, so that it is early by up to a third of a cell.
+    /// For the planar front, which is monotone, the map is the minimum of the single maps or less. Where two
+    /// fronts meet across an edge, the update treats them as one, so that the map is early by up to a third of a
+    /// cell.
     #[test]
     fn several_sources_give_the_least_of_their_maps(
         surface in smooth(),
@@ -391,8 +394,8 @@ proptest! {
         }
     }
 
-    /// A source that the other's front passes before it starts changes nothing. Starting all sources later
-    /// delays the map by the same time.
+    /// A source changes nothing if the front of another source passes it before it starts. Starting all sources
+    /// later delays the map by the same time.
     #[test]
     fn initial_values_delay(surface in smooth(), a in place(), b in place(), later in 0.0..50.0) {
         let (a, b) = (point(&surface, a), point(&surface, b));
@@ -512,13 +515,14 @@ proptest! {
         let wavefront = if wrapped.is_slowed { Wavefront::Planar } else { wavefront };
         let (surface, numbers) = wrapped.surface(|col| col);
         let (row, col) = present(&surface, from);
-        // Obtuse triangles beside a seam need the points beyond it, which solvers alone do not look for.
+        // Obtuse triangles beside a seam are split by points beyond it. `distance_map_f64` finds these points, but the
+        // solver that it calls does not.
         let options = Options::default().with_engine(Engine::Cpu).with_wavefront(wavefront);
         let map = |surface, source| {
             distance_map_f64(surface, &sources(source), &options).unwrap().distances
         };
         let distances = map(&surface, (row, col));
-        // Twice round, so that Moebius strips are as they were.
+        // Columns are shifted by up to twice round the surface, after which a Moebius strip is as it was.
         let by = by.index(2 * wrapped.round);
         let (rolled, places) = wrapped.surface(|col| {
             if mirrored { 3 * wrapped.round + by - col } else { col + by }

@@ -13,7 +13,8 @@ use crate::common::{CONVERGED, at, rough};
 /// Patches of 32 points a side.
 const PATCHES: Order = Order::Patches { side: 32 };
 
-/// Surfaces with a source near the middle: flat, round, hilly, with obtuse triangles, with holes.
+/// Returns surfaces with a source near the middle, or at a corner of the maze: flat, round, hilly, with obtuse
+/// triangles, with holes.
 fn surfaces([rows, cols]: [usize; 2]) -> Vec<(&'static str, Surface, [usize; 2])> {
     let built = |builtin: Builtin| builtin.surface(rows, cols).unwrap();
     let middle = [rows * 4 / 10, cols * 45 / 100];
@@ -36,7 +37,7 @@ fn source([row, col]: [usize; 2]) -> Sources {
     at([row as f64, col as f64])
 }
 
-/// A solved map and its visits.
+/// Returns a solved map and its number of visits.
 fn solved<R: Real>(
     (edges, wavefront, order): (&EdgeLengths<R>, Wavefront, Order),
     seeds: &[Seed],
@@ -91,7 +92,8 @@ fn double_precision_and_fast_marching_end_at_a_radius() {
     }
 }
 
-/// The area of a source's radius, as a share of the points reached, and the share of visits.
+/// Compares a map that ends at a radius with the whole map. The radius is the fraction `share` of the farthest
+/// distance. Returns the fraction of the points that the map reaches, and the fraction of the visits that it takes.
 fn shares(
     (edges, wavefront, order): (&EdgeLengths<f32>, Wavefront, Order),
     seeds: &[Seed],
@@ -104,8 +106,8 @@ fn shares(
 }
 
 /// The radius is 40 to 90 points. A span of sixteen points is visited as a whole, so smaller discs cost more. Over
-/// hills the source's front is renewed in more iterations than elsewhere, so that they need the larger disc: at 45
-/// points curved fronts visit 2.36 times the area.
+/// hills the source's front is renewed in more iterations than elsewhere, so the test uses a larger disc there: with a
+/// radius of 45 points, curved fronts visit 2.36 times the area.
 #[test]
 fn visits_are_those_of_the_area_within_the_radius() {
     for (builtin, side) in [(Builtin::Plane, 1025), (Builtin::Sphere, 1025), (Builtin::Peaks, 2049)]

@@ -15,7 +15,7 @@ fn flat(rows: usize, cols: usize) -> Surface {
     Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
 }
 
-/// The ridge is all of the line where the fronts' angle is large enough, and nothing else.
+/// The ridge consists of the part of the bisector where fronts meet at a large enough angle, and of nothing else.
 #[test]
 fn the_bisector_of_two_sources_is_a_ridge() {
     for builtin in [Builtin::Plane, Builtin::Cylinder, Builtin::Sphere] {
@@ -54,7 +54,7 @@ fn a_ridge_lies_half_way_between_curves_and_has_its_angle() {
     assert!(!ridge.curve.closed && ridge.angles.len() == ridge.curve.vertices.len());
     for (at, angle) in ridge.curve.vertices.iter().zip(&ridge.angles) {
         approx::assert_abs_diff_eq!(at[0], 27.5, epsilon = 0.05);
-        // Rays are those of circular fronts 12 cells from their centre, in triangles of a cell.
+        // Rays are those of circular fronts. 12 cells beside a source curve, each ray is off by up to 0.5 / 12 radians.
         approx::assert_abs_diff_eq!(*angle, 180.0, epsilon = 8.0);
     }
     let cols: Vec<f64> = ridge.curve.vertices.iter().map(|at| at[1]).collect();
@@ -64,8 +64,8 @@ fn a_ridge_lies_half_way_between_curves_and_has_its_angle() {
     );
 }
 
-/// A single source lies symmetrically before a wall. Behind the wall is a single line, although it runs along
-/// a column of the grid, where rounding decides from which side a point's front has come.
+/// A single source lies symmetrically before a wall. The ridge behind the wall is a single line, although it
+/// runs along a column of the grid, where rounding decides from which side a point's front has come.
 #[test]
 fn fronts_meet_behind_a_wall() {
     for (side, wall, half, from) in [(101, 30, 20, 10.0), (61, 20, 15, 5.0), (91, 25, 12, 15.0)] {
@@ -114,7 +114,8 @@ fn no_fronts_meet_in_a_convex_patch() {
     assert_eq!(error.to_string(), "4 distances do not fill a grid of 3 x 3 points");
 }
 
-/// Along these ridges, angles vary around the least one, which would otherwise cut them into dashes.
+/// Along these ridges, angles vary around the least angle. If a ridge ended wherever its angle is smaller, it would
+/// be cut into dashes.
 #[test]
 fn ridges_behind_hills_are_in_one_piece_each() {
     let surface = Builtin::Peaks.surface(257, 257).unwrap();

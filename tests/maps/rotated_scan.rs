@@ -81,7 +81,7 @@ fn a_solver_forgets_the_map_before() {
     let torus = Builtin::Torus.surface(70, 50).unwrap();
     let mask: Vec<bool> = (0..70 * 50).map(|k| k % 50 != 20 || k / 50 < 40).collect();
     let torus = [torus.clone().with_mask(&mask).unwrap(), torus];
-    // The largest grid has edges that are transposed permanently.
+    // For the largest grid, the solver keeps transposed edges.
     let sizes = SIZES.into_iter().chain([[257, 261]]);
     for surface in torus.into_iter().chain(sizes.map(holed)) {
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
@@ -137,7 +137,7 @@ fn memory_is_at_most_forty_bytes_a_point() {
 }
 
 /// Two kinds of changes must not be passed on, since scans would visit whole corridors again: changes of a
-/// curved front by rounding, and those of a front around a corner that is not known completely.
+/// curved front by rounding, and changes of a front around a corner while not all fronts there are known.
 #[test]
 fn curved_fronts_visit_few_more_points_than_planar_ones() {
     for builtin in [Builtin::Plane, Builtin::Sphere, Builtin::Peaks, Builtin::Maze] {

@@ -58,8 +58,9 @@ fn sources_added_to_a_planar_map_give_the_map_of_all() {
     }
 }
 
-/// The updates of other fronts use more than the arrival time. The first source's front is alone at first and
-/// not causal, which changes rounding. In stretched cells, from sources inside them, it is more accurate.
+/// The updates of other fronts use more than the arrival time. The first source's front is alone at first, so its
+/// updates are not causal. This changes the rounding. Such updates are also more accurate from sources inside
+/// stretched cells.
 #[test]
 fn sources_added_to_a_bent_map_give_the_map_of_all() {
     for builtin in SMOOTH {

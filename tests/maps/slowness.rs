@@ -41,8 +41,8 @@ fn map(surface: &Surface, source: (usize, usize), wavefront: Wavefront) -> Vec<f
 proptest! {
     #![proptest_config(cases(60))]
 
-    /// The time straight across strips along columns or rows is the sum over the edges of the mean slowness
-    /// of both ends.
+    /// The time straight across strips along columns or rows is a sum over the edges on the way. Each edge adds
+    /// the mean slowness of its two ends.
     #[test]
     fn crossing_strips_costs_what_edges_cost(
         strips in prop::collection::vec((4usize..25, 1usize..4, 0.0..3.0), 1..4),
@@ -74,8 +74,8 @@ proptest! {
         }
     }
 
-    /// No path along edges is shorter, and nothing crosses slow ground too early, by raster scans or
-    /// marching.
+    /// No path along edges is shorter than the map says, and no front crosses slow ground too early, with raster
+    /// scans or with fast marching.
     #[test]
     fn maps_of_patches_keep_their_bounds(
         seed in any::<u64>(),
@@ -111,8 +111,9 @@ proptest! {
     }
 }
 
-/// Returns the time across a border along a line at `border`, between slownesses `near` and `far`: the
-/// minimum over the crossing point.
+/// Returns the time across a straight border between the slownesses `near` and `far`: the minimum over the
+/// crossing point. `from` and `to` are the distances of the two ends from the border, and `along` is the distance
+/// between the ends along the border.
 fn refracted([along, from, to]: [f64; 3], [near, far]: [f64; 2]) -> f64 {
     let time = |at: f64| near * at.hypot(from) + far * (along - at).hypot(to);
     // The sum is convex.
@@ -147,7 +148,8 @@ fn rays_between_half_planes_obey_snells_law() {
     }
 }
 
-/// Returns the error for a velocity that grows linearly with the row. Rays are circles, and times are known.
+/// Returns the mean error for a velocity that grows linearly with the row. Rays are arcs of circles, and times
+/// are known.
 fn linear(points: usize, wavefront: Wavefront) -> f64 {
     let step = 1.0 / (points - 1) as f64;
     let velocity = |row: usize| 1.0 + 2.0 * row as f64 * step;
@@ -167,8 +169,8 @@ fn linear(points: usize, wavefront: Wavefront) -> f64 {
     found.iter().enumerate().map(error).sum::<f64>() / found.len() as f64
 }
 
-/// Returns the error for a conformal map of the plane. Its derivative is the slowness, and times are
-/// distances between images. Sheared grids cover the same plane.
+/// Returns the mean error for a conformal map of the plane. The absolute value of its derivative is the slowness,
+/// and times are distances between images. Sheared grids cover the same plane.
 fn conformal(points: usize, shear: f64, as_metric: bool) -> f64 {
     let step = 0.8 / (points - 1) as f64;
     let place = |index: usize| {
@@ -190,7 +192,7 @@ fn conformal(points: usize, shear: f64, as_metric: bool) -> f64 {
         geosweep::glam::DVec3::new(x, y, 0.0)
     });
     let surface = if as_metric {
-        // The metric of a step of rows, which also lead to the side, and of a step of columns.
+        // The metric of a step from row to row, which also leads sideways, and of a step from column to column.
         let metric = (0..points * points).map(|index| {
             let unit = (slowness(index) * step).powi(2);
             MetricTensor { rr: unit * (1.0 + shear * shear), rc: unit * shear, cc: unit }

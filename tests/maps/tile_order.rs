@@ -1,5 +1,5 @@
-//! How often tiles are visited, and in how many rounds, if tiles that are due much later than the first one
-//! wait. The work of a map is linear in its points on any surface.
+//! Numbers of visits to tiles and of rounds, if tiles that are due much later than the first one wait. The work
+//! of a map grows linearly with its number of points, on any surface.
 
 use geosweep::Stop;
 use geosweep::cpu::twins::{Rounds, tile_rounds_within};
@@ -34,8 +34,8 @@ fn serpentine(side: usize) -> Surface {
     plane.unwrap().with_mask(&floor).unwrap()
 }
 
-/// The grid has `GEOSWEEP_SIDE` points per side, or 384. With 1024 and 2048, the test takes one minute and
-/// five.
+/// The grid has `GEOSWEEP_SIDE` points per side, or 384. The test takes one minute with 1024, and five minutes
+/// with 2048.
 #[test]
 fn tiles_in_order_are_visited_some_six_times() {
     let side = std::env::var("GEOSWEEP_SIDE").map_or(384, |side| side.parse().unwrap());
@@ -69,8 +69,8 @@ fn tiles_in_order_are_visited_some_six_times() {
     }
 }
 
-/// A round takes a GPU as long as the lines of one tile, if all its tiles run at once. On grids of up to 128 points
-/// a side, tiles of 16 points take fewer lines that wait for one another than tiles of 32, in more rounds.
+/// If all tiles of a round run at once on a GPU, the round takes as long as the lines of one tile. On grids of up to
+/// 128 points a side, tiles of 16 points take fewer lines one after another than tiles of 32, although in more rounds.
 #[test]
 fn small_tiles_take_fewer_lines_one_after_another_on_small_grids() {
     for side in [64, 128] {

@@ -196,10 +196,10 @@ fn start_values_shift_borders() {
     assert_eq!((regions.borders.len(), regions.areas(&surface)[1]), (0, 0.0));
 }
 
-/// Fifty sources in the plane: labels, junctions and the sum of areas. Two in five junctions lie beside the
-/// triangle with a corner in each region. If no border leads to one, for example between two such triangles,
-/// it is moved to its side. Of 222 ends, 3 were moved, to places where distances to the three sources differ
-/// by 0.30, as measured.
+/// Fifty sources in the plane: labels, junctions and the sum of areas. Two in five junctions lie outside the
+/// triangle that has a corner in each of their regions. If no border leads to such a junction, for example since
+/// another such triangle lies in between, the junction is moved to a side of its triangle. Measured: of 222 ends
+/// of borders, 3 were moved, to places where distances to the three sources differ by 0.30.
 #[test]
 fn many_regions_meet_where_they_should() {
     const POINTS: usize = 201;

@@ -61,7 +61,7 @@ fn the_cpu_takes_at_most_forty_bytes_a_point() {
 /// the processor, device memory is the machine's.
 #[test]
 fn a_device_takes_at_most_forty_eight_bytes_a_point() {
-    // Large compared with the memory that a driver takes for shaders.
+    // Maps of this size are large compared with the memory that a driver takes for shaders.
     const POINTS: usize = 1800;
     let _alone = ALONE.lock();
     let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();

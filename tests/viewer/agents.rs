@@ -34,7 +34,7 @@ fn agents_come_nearer_by_directions_than_by_neighbours() {
     // Agents start in the farther places.
     assert!([first, later, beside].iter().all(|seen| seen.0 > 2000));
     let [near, nearer] = [beside, later].map(|seen| first.1 - seen.1);
-    // The pace is the same, and ways to one of eight neighbours are longer by some hundredths.
+    // The pace is the same, and ways that step to one of eight neighbours are longer by some hundredths.
     assert!(nearer > 4.0 && near > 4.0 && near < 0.97 * nearer, "{near:.2} and {nearer:.2} pixels");
 }
 

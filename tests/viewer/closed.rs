@@ -58,8 +58,8 @@ fn step(grab: &Grab, line: usize, turned: bool) -> u32 {
     steps[steps.len() / 2]
 }
 
-/// From the west, the seam of columns is in the middle of the picture, and that of the torus' rows too. The source
-/// lies to one side of both. Coarse grids would show creases where normals do not agree.
+/// From the west, the seam of columns is in the middle of the picture, and so is the seam of the torus' rows. The
+/// source lies to one side of both seams. Coarse grids would show creases where normals do not agree.
 #[test]
 fn no_step_shows_where_a_seam_is() {
     let screen = Screen::new();
@@ -113,7 +113,8 @@ fn a_globe_is_picked_on_its_seam_and_turned_below() {
     viewer.end(&screen);
 }
 
-/// Lines pass the seams as curves too, schedules lead to one map, and the rest is refused in the title.
+/// Lines of equal distance pass the seams also if they are drawn as curves, and all schedules lead to one map. What
+/// does not pass seams is refused in the title.
 #[test]
 fn keys_work_on_closed_surfaces_or_say_why_not() {
     let screen = Screen::new();

@@ -9,8 +9,8 @@ fn is_decal([r, g, b]: [u8; 3]) -> bool {
     r > g.saturating_add(50) && b > g.saturating_add(20)
 }
 
-/// Returns the fraction of the decal's border beside which the strong line of its distance is drawn in a
-/// picture without the decal.
+/// Returns the fraction of the decal's border beside which a picture without the decal shows a dark line. The
+/// decal's radius is the distance of such a line.
 fn part_beside_line(decal: &Grab, plain: &Grab) -> f64 {
     let (width, height) = (plain.width as i16, plain.height as i16);
     let [x, y] = plain.source().unwrap();
@@ -34,7 +34,8 @@ fn part_beside_line(decal: &Grab, plain: &Grab) -> f64 {
     beside as f64 / border.len() as f64
 }
 
-/// Checks that a decal by the log map ends at its distance, and the projected one elsewhere.
+/// Checks that the border of a decal by the log map follows the line at the decal's radius, and that the border of a
+/// projected decal does not.
 fn check_border(plain: &Grab, log_map: &Grab, projected: &Grab) {
     let covered = [plain, log_map, projected].map(|grab| grab.part(is_decal));
     let beside = [log_map, projected].map(|grab| part_beside_line(grab, plain));

@@ -22,7 +22,7 @@ struct Viewer {
     window: Window,
 }
 
-/// Returns the example that cargo builds along with the tests: `cargo test` does so,
+/// Returns the path of the viewer's executable. `cargo test` builds the example along with the tests, but
 /// `cargo test --test viewer` does not.
 fn program() -> PathBuf {
     let tests = std::env::current_exe().unwrap();
@@ -141,7 +141,7 @@ fn keys_switch_surface_schedule_and_wavefront() {
     let raster = viewer.still(&screen);
     screen.key(u32::from(b'w'));
     titled("planar fronts");
-    // First-order fronts are at other places, but not far away.
+    // Planar fronts are of first order, so their lines are at other places, but not far away.
     let planar = viewer.still(&screen);
     assert!((0.001..0.9).contains(&planar.changed(&raster)), "{}", planar.changed(&raster));
     screen.key(u32::from(b'w'));
@@ -150,7 +150,7 @@ fn keys_switch_surface_schedule_and_wavefront() {
     titled("curved fronts");
     screen.wait("as before", || (screen.grab(viewer.window) == raster).then_some(()));
 
-    // All schedules lead to the same map. All points at once take many frames.
+    // All schedules lead to the same map. The schedule that updates all points at once takes many frames.
     screen.key(u32::from(b'c'));
     titled("all-points");
     let same = |grab: &Grab| {
@@ -177,7 +177,7 @@ fn keys_switch_surface_schedule_and_wavefront() {
     viewer.end(&screen);
 }
 
-/// Returns the fraction of some pixels of a picture that have a pixel of the same kind nearby in another one.
+/// Returns the fraction of a kind of pixels in a picture that have a pixel of this kind nearby in another picture.
 fn part_beside(grab: &Grab, other: &Grab, is_one: impl Fn([u8; 3]) -> bool) -> f64 {
     let close = |at: usize| {
         let (x, y) = (at % grab.width, at / grab.width);

@@ -19,7 +19,7 @@ fn anchored(schedule: Schedule) -> Method {
     Method::new(Wavefront::Anchored, CONVERGED).with_schedule(schedule)
 }
 
-/// Returns a plane without some boxes and walls, and some of its points.
+/// Returns a plane with boxes and walls as holes, and some of its points.
 fn floor_plan(number: u64, rows: usize, cols: usize) -> (Surface, Vec<[usize; 2]>) {
     let mut random = Random::new(number);
     let mut below = |most: usize| (random.next() * most as f64) as usize;
@@ -49,8 +49,8 @@ fn floor_plan(number: u64, rows: usize, cols: usize) -> (Surface, Vec<[usize; 2]
     (plane.with_mask(&floor).unwrap(), some)
 }
 
-/// Returns the seeds of those sources that lie on the plan, some inside cells and with different start
-/// values.
+/// Returns the seeds of sources with different start values. Half of them are inside cells beside the places, if
+/// they are on the plan there. The others are at the places.
 fn some_seeds(surface: &Surface, places: &[[usize; 2]], number: u64) -> Vec<Seed> {
     let mut random = Random::new(number + 1000);
     let mut all = Vec::new();
@@ -163,8 +163,8 @@ fn other_surfaces_have_curved_fronts() {
     }
 }
 
-/// A table holds the sources inside cells. Sources beyond its size are not anchors in a map of their own, and
-/// cannot be added to a map.
+/// A table holds the sources inside cells. If there are more sources than the table holds, their map has curved
+/// fronts, and sources that no longer fit cannot be added to a map.
 #[test]
 fn sources_inside_cells_are_as_many_as_there_is_room_for() {
     let mut solver = vulkan_solver();
@@ -237,7 +237,7 @@ fn rooms(number: u64, rows: usize, cols: usize) -> (Surface, Sources) {
     (plane.unwrap().with_mask(&floor).unwrap(), source)
 }
 
-/// The schedule is the default or any other, and the source is anywhere.
+/// With every schedule, the map is that of the CPU. The source is inside a cell of a room.
 #[test]
 fn rooms_are_the_same_in_every_schedule() {
     // GPUs' drivers take seconds to compile the pipelines of each device that is opened.

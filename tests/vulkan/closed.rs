@@ -15,13 +15,13 @@ use crate::headless::assert_schedule_twins;
 
 /// Largest difference between the engines' converged maps, relative to the largest distance. Measured: 6.1e-7.
 const AGREEMENT: f64 = 1e-6;
-/// The largest difference with updates of all points. A front advances by a point in an update, so changes below the
-/// tolerance add up over more of them. Measured: 1.1e-6.
+/// The largest difference with updates of all points at once. A front advances by a point in an update, so changes
+/// below the tolerance add up over more updates. Measured: 1.1e-6.
 const AGREEMENT_BY_POINTS: f64 = 5e-6;
 
 const WAVEFRONTS: [Wavefront; 3] = Wavefront::FOR_ANY_SURFACE;
 
-/// Returns a closed hill with holes, whose triangles are obtuse in part, and with an uneven slowness.
+/// Returns closed hills with holes and some obtuse triangles, and with an uneven slowness if they are `slowed`.
 fn hills(slowed: bool) -> Surface {
     let (rows, cols) = (27, 37);
     let heights = (0..rows * cols).map(|index| {
@@ -89,8 +89,8 @@ fn engines_agree_on_closed_surfaces() {
     }
 }
 
-/// The radius ends fronts that have passed seams too. Each schedule has a wavefront of its own on each surface, and all
-/// three in turn.
+/// The radius ends fronts that have passed seams too. On each surface, each schedule has another wavefront. From
+/// surface to surface, a schedule has all three wavefronts in turn.
 #[test]
 fn parts_of_closed_surfaces_are_those_of_the_whole_map() {
     let mut solver = HeadlessSolver::with_validation(&device_choice()).unwrap();
@@ -158,7 +158,7 @@ fn every_exchange_is_one_of_its_twin() {
     }
 }
 
-/// Lines fit a workgroup of 64 texels, which takes blocks in turn, and they do not fit one of 16.
+/// Lines fit a workgroup of 64 texels, which takes blocks in turn. They do not fit a workgroup of 16 texels.
 #[test]
 fn seams_are_passed_in_blocks_of_any_size_and_in_pairs() {
     let forms = [(64, 4, true), (16, 1, true), (16, 3, false)].map(
@@ -176,7 +176,8 @@ fn seams_are_passed_in_blocks_of_any_size_and_in_pairs() {
             assert_schedule_twins(&mut solver, &surface, source, Schedule::Raster, [1, 2, 5]);
             let seeds = Sources::point(row, col).seeds(&surface).unwrap();
             let mut on_device = solver.upload(&surface).unwrap();
-            // All wavefronts are those of the twin; the forms share their whole maps among them.
+            // The comparison with the twin is for all wavefronts. The converged map is compared for one of them, which
+            // differs from form to form.
             let wavefront = WAVEFRONTS[(form + number) % WAVEFRONTS.len()];
             let method = Method::new(wavefront, CONVERGED).with_schedule(Schedule::Raster);
             let cpu = on_cpu(&surface, &seeds, wavefront, CONVERGED);
@@ -209,7 +210,7 @@ fn blocks_are_due_beside_seams() {
     }
 }
 
-/// Mean error of the whole sphere, against the exact angle.
+/// Maps of whole spheres are compared with the exact angles.
 #[test]
 fn spheres_are_whole_on_a_device() {
     let mut solver = vulkan_solver();

@@ -65,7 +65,7 @@ fn every_exchange_of_a_matrix_is_one_of_its_twin() {
     }
 }
 
-/// The rows of one call are the shortest ways on the plane, over all images of the target.
+/// The rows of one call hold the lengths of the shortest ways on the plane, over all images of the target.
 #[test]
 fn matrices_of_flat_surfaces_are_exact() {
     for (name, gluing, shape) in shapes() {
@@ -130,7 +130,7 @@ fn profiles_of_matrices_have_all_exchanges() {
     }
 }
 
-/// A map that takes more iterations than a recording has goes on in the next one.
+/// A map that takes more iterations than one recording holds is continued in the next recording.
 #[test]
 fn maps_of_closed_mazes_take_several_recordings() {
     let solver = vulkan_solver();

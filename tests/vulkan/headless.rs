@@ -17,7 +17,7 @@ use geosweep::{
 use crate::common::*;
 
 /// Largest difference between engines. Both stop when nothing falls by more than 1e-6 in an iteration, and
-/// measure edges in different precision. The bound is ten times that.
+/// measure edges in different precision. The bound is ten times that tolerance.
 const AGREEMENT: f64 = 1e-5;
 /// Largest difference after the same number of iterations. Only rounding remains: a few units of the last
 /// digit for each point that a front passes, with both signs.
@@ -187,8 +187,8 @@ fn sources_can_be_added_to_a_map() {
     }
 }
 
-/// A surface takes at most 48 bytes per point, including the buffers for transfer. GPUs pad images, and small
-/// ones the most.
+/// A surface takes at most 48 bytes per point, including the buffers for transfer. GPUs pad images, small
+/// images the most, so the bound is 80 bytes on GPUs.
 #[test]
 fn a_surface_takes_little_memory() {
     let solver = vulkan_solver();
@@ -200,7 +200,7 @@ fn a_surface_takes_little_memory() {
     }
 }
 
-/// Compares scans with those of the twin iteration by iteration, not only in the limit.
+/// Compares scans with those of the twin iteration by iteration, not only after convergence.
 fn assert_twins(
     solver: &mut HeadlessSolver,
     surface: &Surface,
@@ -410,7 +410,7 @@ fn engines_agree_with_rough_slowness() {
     let slowness = (1..=50 * 40).map(|i| 0.5 + 1.5 * noise(i)).collect();
     let surface = rough(50, 40, 0).with_slowness(slowness).unwrap();
     assert_engines_agree(&mut solver, &surface, &middle(&surface), "rough slowness");
-    // The same as a sheared metric, with walls.
+    // The same noise scales a sheared metric with holes.
     let tensor = |i: u64| {
         let square = (0.5 + 1.5 * noise(i)).powi(2);
         let hole = if i % 97 == 5 { f64::NAN } else { 1.0 };

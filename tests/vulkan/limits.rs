@@ -20,8 +20,8 @@ fn solver() -> HeadlessSolver {
     HeadlessSolver::with_validation(&device_choice()).unwrap()
 }
 
-/// The radius is read from a buffer, so maps with one are recorded and compiled as those without. A radius beyond the map
-/// changes no bit.
+/// The radius is read from a buffer, so maps with a radius are recorded and compiled like maps without one. A radius
+/// beyond the map changes no bit.
 #[test]
 fn distances_within_a_radius_are_those_of_the_whole_map() {
     let mut solver = solver();
@@ -52,7 +52,7 @@ fn distances_within_a_radius_are_those_of_the_whole_map() {
     assert_nothing_said(&solver);
 }
 
-/// Iteration by iteration and round by round.
+/// The maps are compared after one, two, five and nine iterations or rounds.
 #[test]
 fn maps_with_a_radius_are_those_of_the_twins() {
     let mut solver = solver();
@@ -78,7 +78,7 @@ fn maps_with_a_radius_are_those_of_the_twins() {
             let (twin, visits) =
                 tile_rounds_within(&edges, &seeds, wavefront, stop, rounds, radius);
             assert_is_part(&tiles.distances, &twin.distances(), radius, &what);
-            // Elsewhere rounding may decide which tile waits.
+            // On GPUs, rounding may decide which tile waits.
             assert!(tiles.visits == visits || !exact, "{what}: {}, {visits}", tiles.visits);
             let raster = on(Schedule::Raster);
             let order = if tuning.scan_pairs { ScanOrder::InPairs } else { ScanOrder::InTurn };
@@ -90,7 +90,8 @@ fn maps_with_a_radius_are_those_of_the_twins() {
     }
 }
 
-/// Returns the area within a tenth of the farthest distance as a part of all points, and the part of the visits.
+/// Returns two parts of a whole map: the points within a radius of a tenth of the farthest distance, as a part of all
+/// reached points, and the visits of a map with that radius, as a part of all visits.
 fn parts(
     solver: &mut HeadlessSolver,
     surface: &mut SurfaceOnDevice,
@@ -163,8 +164,8 @@ fn targets_cost_little_more_than_the_radius_that_they_need() {
     }
 }
 
-/// Estimates that are right, too low by a little, and far too low. The first one costs little more than the radius
-/// that the targets need; in any case the distances are the same.
+/// The estimates of the targets' distance are right, a little too low, and far too low. With the right one, a map costs
+/// little more than with the radius that the targets need. The distances are the same in all cases.
 #[test]
 fn scans_go_no_farther_than_an_estimate_of_the_targets_allows() {
     let surface = Builtin::Peaks.surface(400, 400).unwrap();
@@ -193,7 +194,7 @@ fn scans_go_no_farther_than_an_estimate_of_the_targets_allows() {
     }
 }
 
-/// All, any and the two nearest of some targets, on every schedule.
+/// Maps end at all, any and the two nearest of some targets, with every schedule.
 #[test]
 fn the_nearest_or_the_farthest_target_ends_the_map() {
     for schedule in Schedule::ALL {
@@ -220,7 +221,7 @@ fn a_target_that_cannot_be_reached_leaves_the_map_whole() {
     }
 }
 
-/// A seed after the radius starts nothing, and is not sought for again.
+/// A seed whose start time exceeds the radius starts nothing, and does not keep the map from converging.
 #[test]
 fn start_values_count_for_the_radius() {
     let surface = Surface::from_heights(30, 90, vec![0.0; 2700], Spacing::square(1.0)).unwrap();

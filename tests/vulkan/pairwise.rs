@@ -15,7 +15,7 @@ use geosweep::{Engine, Error, MetricTensor, Options, Spacing, Surface, Wavefront
 use crate::common::*;
 
 /// Largest difference between engines. Both stop when nothing falls by more than 1e-6 in an iteration, and
-/// measure edges in different precision. The bound is ten times that.
+/// measure edges in different precision. The bound is ten times that tolerance.
 const AGREEMENT: f64 = 1e-5;
 /// Largest difference after the same number of iterations: only rounding remains; see headless.rs.
 const TWINS: f64 = 2e-6;
@@ -81,7 +81,8 @@ pub fn assert_rows_agree(
     }
 }
 
-/// Compares engines for every wavefront. Both schedules alternate; the twins compare them with one another.
+/// Compares engines for every wavefront, with one of the two schedules in turn. The tests with twins compare the
+/// schedules with each other.
 fn assert_engines_agree(solver: &HeadlessSolver, surface: &Surface, number: usize, what: &str) {
     let points = surface.chart().points();
     let sources = sources(surface, 5);
@@ -140,7 +141,7 @@ fn engines_agree_with_slowness_and_on_a_metric() {
     assert_engines_agree(&solver, &weighted.unwrap(), 0, "slowness on steep hills");
 }
 
-/// Scans and counts equal the twin's, iteration by iteration and for each map.
+/// Each map equals the twin's, after some iterations and after convergence.
 #[test]
 fn every_iteration_of_the_shaders_is_one_of_their_twin() {
     let solver = vulkan_solver();
@@ -158,7 +159,7 @@ fn every_iteration_of_the_shaders_is_one_of_their_twin() {
     }
 }
 
-/// Compares maps in images or in shared memory with the twin, after some iterations and converged.
+/// Compares maps in images or in shared memory with the twin, after some iterations and after convergence.
 pub fn assert_twins(
     solver: &HeadlessSolver,
     surface: &Surface,
@@ -186,7 +187,7 @@ pub fn assert_twins(
     }
 }
 
-/// Hills of which some triangles are obtuse, with a few holes.
+/// Returns hills with some obtuse triangles and a few holes.
 fn steep(rows: usize, cols: usize) -> Surface {
     let height = |index: usize| {
         let (row, col) = ((index / cols) as f64, (index % cols) as f64);
@@ -199,7 +200,7 @@ fn steep(rows: usize, cols: usize) -> Surface {
     surface
 }
 
-/// A batch takes the parts of obtuse triangles where a line of texels is longer than a workgroup, too.
+/// A batch updates the parts of obtuse triangles also where a line of texels is longer than a workgroup.
 #[test]
 fn batches_split_obtuse_triangles_over_several_workgroups() {
     let solver = vulkan_solver();
@@ -272,7 +273,7 @@ fn sources_beyond_a_batch_are_computed_in_the_next() {
     }
 }
 
-/// Returns corridors to and fro, one above the other. Each takes about one iteration.
+/// Returns corridors that lead to and fro, one above the other. A front needs about one iteration for each corridor.
 fn corridors(rows: usize, cols: usize) -> Surface {
     let is_open = |index: usize| {
         let (row, col) = (index / cols, index % cols);
@@ -282,14 +283,14 @@ fn corridors(rows: usize, cols: usize) -> Surface {
     rough(rows, cols, 0).with_mask(&mask).unwrap()
 }
 
-/// A map that takes more iterations than a dispatch has continues in the next one.
+/// If a map takes more iterations than one dispatch makes, it continues in the next dispatch.
 #[test]
 fn mazes_take_as_many_dispatches_as_they_need() {
     let solver = vulkan_solver();
     let surface = corridors(141, 12);
     let (points, edges) = (surface.chart().points(), EdgeLengths::<f32>::new(&surface).unwrap());
     let uploaded = solver.upload(&surface).unwrap();
-    // The way is long from the first point, and half as long from one in the middle.
+    // The way is long from the first point, and half as long from a point in the middle.
     let sources = [Some(0), Some(70 * 12)];
     for wavefront in [Wavefront::Planar, Wavefront::Curved] {
         let twins = sources.iter().flatten().map(|&source| {

@@ -11,9 +11,9 @@ use crate::tile_lanes::{Problem, assert_nothing_said, problems};
 /// Largest difference of converged maps, relative to the largest distance.
 const AGREEMENT: f64 = 1e-6;
 
-/// Widths of workgroups, and lines in a block. Of the problems' grids, lines fit a workgroup of 64 texels, which
-/// takes blocks in turn, and they do not fit one of 16. The parts of obtuse triangles see up to three blocks of
-/// one line past the middle.
+/// Widths of workgroups, and numbers of lines in a block. The lines of the problems' grids fit a workgroup of 64
+/// texels, which takes blocks in turn. They do not fit a workgroup of 16 texels. Updates of the parts of obtuse
+/// triangles read up to three blocks of one line past the middle.
 const FORMS: [(u32, u32); 2] = [(64, 4), (16, 1)];
 
 fn solver((scan_width, scan_lines): (u32, u32), scan_pairs: bool) -> HeadlessSolver {
@@ -26,7 +26,7 @@ fn raster(wavefront: Wavefront, stop: Stop) -> Method {
     Method::new(wavefront, stop).with_schedule(Schedule::Raster)
 }
 
-/// Returns a surface of obtuse triangles whose fronts come from all sides.
+/// Returns a problem with a surface of obtuse triangles and fronts from all sides.
 fn obtuse() -> Problem {
     let surface = Builtin::ShearedPlane { degrees: 60.0 }.surface(47, 38).unwrap();
     let sources = Sources::point(20.0, 11.25).and_point(44.0, 30.0, 2.0);

@@ -1,5 +1,5 @@
 //! Maps and matrices on devices with memory of their own: shaders access that memory alone, and copies pass
-//! inputs and results between it and the host's.
+//! inputs and results between that memory and the host's.
 
 use geosweep::surface::builtin::Builtin;
 use geosweep::vulkan::{HeadlessSolver, Method, PairwiseSchedule, Schedule, Tuning};
@@ -23,8 +23,8 @@ fn assert_nothing_said(solvers: &[HeadlessSolver]) {
     }
 }
 
-/// Maps have each input, several bands in each direction, anchors and numbered origins in the upload buffer, and
-/// more sources than it has room for.
+/// The maps have every kind of input, several bands in each direction, anchors and numbered origins in the upload
+/// buffer, and more sources than this buffer has room for.
 #[test]
 fn staged_maps_are_the_same_to_the_bit() {
     use Wavefront::{Anchored, Curved, Planar};

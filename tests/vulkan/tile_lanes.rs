@@ -1,5 +1,5 @@
-//! The forms of the pass over tiles that GPUs take, on any device, against the form that CPUs take and
-//! against the twin.
+//! The forms in which GPUs run the pass over tiles, on any device, compared with the form in which CPUs run it and with
+//! the twin.
 
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{Seed, Surface};
@@ -9,8 +9,8 @@ use geosweep::{Sources, Spacing, Stop, Wavefront};
 use crate::common::*;
 use crate::headless::{assert_schedule_twins, is_processor};
 
-/// Lines of 8 points fit a subgroup of lavapipe, and those of 16 do not. Of 24 points a side only tiles whose
-/// edges stay in their image fit its shared memory.
+/// Lines of 8 points fit a subgroup of lavapipe, and lines of 16 points do not. Tiles of 24 points a side fit
+/// lavapipe's shared memory only if their edges stay in the image.
 const FORMS: [(TileLanes, u32, bool, u32); 4] = [
     (TileLanes::Shuffled, 8, true, 1),
     (TileLanes::Shuffled, 16, false, 2),
@@ -48,8 +48,8 @@ impl Problem {
     }
 }
 
-/// Surfaces with holes, obtuse triangles, an uneven slowness, fronts of several origins, and anchors. No side is
-/// a multiple of that of a tile.
+/// Returns problems with holes, obtuse triangles, an uneven slowness, fronts of several origins, and anchors. No side
+/// of a grid is a multiple of a tile's side.
 pub fn problems() -> Vec<Problem> {
     use Wavefront::{Anchored, Circular, Curved, Planar};
     let middle = |surface: &Surface| {
@@ -83,7 +83,8 @@ fn solved(
     solver.solve(&mut on_device, &problem.seeds, method).unwrap()
 }
 
-/// Round by round, and to the last bit where the device rounds as the twins do.
+/// Fronts are compared after one and nine rounds and after convergence, to the last bit where the device rounds as the
+/// twins do.
 #[test]
 fn every_form_leads_to_the_same_fronts() {
     let problems = problems();
@@ -91,7 +92,8 @@ fn every_form_leads_to_the_same_fronts() {
         let mut pairs = solver(TileLanes::Pairs, tile, edges, inner);
         let mut points = solver(lanes, tile, edges, inner);
         let is_exact = is_processor(&pairs);
-        // All of them for one form of each module; drivers take a second or more for each pipeline.
+        // One form of each shader module solves all problems, the other forms solve two, since drivers take a second or
+        // more for each pipeline.
         let is_first = matches!((lanes, tile), (TileLanes::Shuffled, 8) | (TileLanes::Points, 24));
         let count = if is_first { problems.len() } else { 2 };
         for problem in &problems[..count] {
@@ -116,7 +118,8 @@ fn every_form_leads_to_the_same_fronts() {
     }
 }
 
-/// A solver has tiles of two sides. On each grid the rounds are those of a solver with tiles of that side alone.
+/// A solver has tiles of two sizes. On each grid, its rounds are those of a solver that only has tiles of the size used
+/// there.
 #[test]
 fn small_grids_have_small_tiles() {
     let of = |tile, tile_edges| solver(TileLanes::Pairs, tile, tile_edges, 1);
@@ -143,7 +146,7 @@ fn small_grids_have_small_tiles() {
     [small, large, by_size].iter().for_each(assert_nothing_said);
 }
 
-/// Among them rounds in a second recording, which is shorter than the first, and more than the map takes.
+/// Some rounds are in a second recording, which is shorter than the first, and some come after convergence.
 #[test]
 fn every_round_of_a_form_is_one_of_its_twin() {
     let (lanes, tile, edges, inner) = FORMS[0];
@@ -152,7 +155,7 @@ fn every_round_of_a_form_is_one_of_its_twin() {
     assert_schedule_twins(&mut solver, &maze, (0, 0), Schedule::Tiles, [1, 2, 9, 17, 19, 200]);
     let holes = rough(64, 51, 6);
     let source = some_point(&holes);
-    // Later rounds hang on which of two fronts is due first, up to rounding.
+    // Later rounds depend on which of two fronts is due first, and this depends on rounding.
     assert_schedule_twins(&mut solver, &holes, source, Schedule::Tiles, [1, 2, 9]);
     assert_nothing_said(&solver);
 }

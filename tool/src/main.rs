@@ -87,7 +87,7 @@ enum Command {
     Bench(bench::Args),
     /// Profile a map on a Vulkan device: every pass, its cost and what bounds it
     Profile(Box<profile::Args>),
-    /// Find the portions and the schedule that suit a Vulkan device
+    /// Find the portions of work and the schedule that suit a Vulkan device
     Tune(tune::Args),
     /// Time maps of a moving surface in frames on a Vulkan device
     Frames(frames::Args),

@@ -17,9 +17,10 @@ use crate::terminal::{Spinner, say};
 pub fn output_file(path: &Path, what: &str, extension: &str) -> Result<OutputFile, Box<dyn Error>> {
     if path.extension().is_none_or(|found| !found.eq_ignore_ascii_case(extension)) {
         let name = path.display();
-        return Err(
-            format!("{name}: {what} written as .{extension}; choose a name that ends so").into()
-        );
+        return Err(format!(
+            "{name}: {what} written as .{extension}; choose a name that ends in .{extension}"
+        )
+        .into());
     }
     Ok(OutputFile::new(path)?)
 }
@@ -60,7 +61,7 @@ pub fn check_outputs<'a>(
         let target = resolve(output.path());
         if target.is_some_and(|target| inputs.contains(&target)) {
             let name = output.path().display();
-            return Err(format!("{name}: is also an input; choose another name"));
+            return Err(format!("{name} is also an input; choose another name"));
         }
     }
     Ok(())

@@ -72,7 +72,7 @@ pub fn print_json(command: &str, value: &impl Serialize) -> io::Result<()> {
     print(serde_json::to_string(&Json { version: JSON_VERSION, command, value })?)
 }
 
-/// A list under a single name.
+/// A list that is printed as a JSON object with a single member.
 pub struct List<'a, T>(pub &'static str, pub &'a [T]);
 
 impl<T: Serialize> Serialize for List<'_, T> {

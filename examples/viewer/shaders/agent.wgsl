@@ -1,5 +1,5 @@
 // Agents as discs that face the eye.
-// Drawn with four vertices for each instance, which is an agent.
+// Drawn with an instance for each agent and four vertices for each instance.
 
 @group(0) @binding(1) var<storage, read> positions: array<vec4<f32>>;
 // Column, row, and the number of starts so far.
@@ -17,7 +17,7 @@ struct Fragment {
 @vertex
 fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) agent: u32) -> Fragment {
     let corner = vec2(f32(index & 1u), f32(index >> 1u)) * 2.0 - 1.0;
-    // Some of the way toward the eye, so that it lies above the surface.
+    // A little of the way toward the eye, so that the agent lies above the surface.
     let middle = mix(point_at(agents[agent].xy), view.eye, 0.004);
     let toward_eye = normalize(view.eye - middle);
     let right = normalize(cross(vec3(0.0, 1.0, 0.0), toward_eye));

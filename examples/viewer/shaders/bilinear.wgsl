@@ -1,5 +1,5 @@
-// Values of an image between grid points, of which each has a texel.
-// By hand, since devices need not filter 32-bit floats.
+// Values of an image between grid points. Each grid point has a texel.
+// The interpolation is written out, since devices need not filter 32-bit floats.
 
 struct Around {
     // Texels above left, above right, below left and below right.
@@ -28,8 +28,9 @@ fn between(texels: Around) -> vec2<f32> {
     return mix(above, below, texels.part.y);
 }
 
-// The distance between grid points. Points that are not reached are negative and have no part in it: a pixel at the
-// border of a hole may lie in the hole by rounding. The result is negative where their weights are half of all.
+// The distance at a place between grid points. Points that are not reached hold a negative number and are left out,
+// since a pixel at the border of a hole may lie in the hole by rounding. The result is negative where the points that
+// are left out have at least half of the weight.
 fn reached_between(texels: Around) -> f32 {
     let values = vec4(texels.a.x, texels.b.x, texels.c.x, texels.d.x);
     if all(values >= vec4(0.0)) {

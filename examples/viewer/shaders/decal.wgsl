@@ -1,4 +1,4 @@
-// A decal on the surface, around the source. Follows surface.wgsl.
+// A decal on the surface, around the source. This text is appended to surface.wgsl.
 
 // Row, column, time and curvature.
 @group(0) @binding(6) var<storage, read> source: vec4<f32>;
@@ -6,7 +6,7 @@
 
 const TAU = 6.2831853;
 
-// Rings and sectors, which show every distortion, of radius 1. The last number says how much they cover.
+// Rings and sectors within radius 1, which show every distortion. The last number is their opacity.
 fn decal(at: vec2<f32>) -> vec4<f32> {
     let far = length(at);
     let waves = sin(TAU * 3.0 * far) * sin(12.0 * atan2(at.y, at.x));
@@ -22,13 +22,13 @@ fn with_decal(in: Fragment, front: bool, at: vec2<f32>) -> vec4<f32> {
     return shown(in, front, distance, mix(painted(distance), on_it.rgb, on_it.a));
 }
 
-// Every point of the surface has its place in the decal.
+// The log map gives every point of the surface its place in the decal.
 @fragment
 fn log_map_fragment(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
     return with_decal(in, front, between(around(log_map, in.cell)));
 }
 
-// From above, without regard to the surface between.
+// The decal is projected from above, without regard to the shape of the surface.
 @fragment
 fn projected_fragment(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
     return with_decal(in, front, (in.position - point_at(source.yx)).xz);

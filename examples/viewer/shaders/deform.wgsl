@@ -1,4 +1,4 @@
-// Moves the points of the sheet: waves that cross, and a hill that wanders.
+// Moves the points of the sheet: waves that cross, and a hill and a dent that wander.
 // Dispatched with one thread a grid point.
 
 @group(0) @binding(1) var<storage, read_write> positions: array<vec4<f32>>;

@@ -1,4 +1,4 @@
-// What the surface stands in: a background without a horizon, and a soft shadow on the ground.
+// Surroundings of the surface: a background without a horizon, and a soft shadow on the ground.
 
 @group(0) @binding(1) var<storage, read> positions: array<vec4<f32>>;
 
@@ -31,7 +31,7 @@ fn shadow_vertex(@builtin(vertex_index) index: u32) -> Shadow {
     return Shadow(view.projection * vec4(at.x, view.ground, at.y, 1.0), at);
 }
 
-// A box blurred by something close to a Gaussian.
+// A box in one dimension, blurred by a kernel close to a Gaussian.
 fn edge(at: f32, half: f32) -> f32 {
     let scale = 1.7 / view.softness;
     return 0.5 * (tanh(scale * (at + half)) - tanh(scale * (at - half)));
@@ -39,7 +39,7 @@ fn edge(at: f32, half: f32) -> f32 {
 
 @fragment
 fn shadow_fragment(in: Shadow) -> @location(0) vec4<f32> {
-    // Away from the light.
+    // The shadow is shifted away from the light.
     let at = in.at + 0.35 * view.softness * normalize(view.light).xz;
     let shadow = edge(at.x, view.half.x) * edge(at.y, view.half.y);
     return vec4(0.05, 0.07, 0.11, 0.62 * shadow);

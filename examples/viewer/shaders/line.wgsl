@@ -1,4 +1,4 @@
-// Contours and paths as lines, from the vertices that geosweep has left.
+// Contours and paths as lines, from the vertices that geosweep has written.
 
 struct Line {
     @builtin(position) clip: vec4<f32>,
@@ -6,7 +6,7 @@ struct Line {
     @location(0) level: f32,
 }
 
-// Brought so much of the way toward the eye: above the surface, and in the same pixel.
+// Moves a vertex by the fraction `nearer` of its way toward the eye: it then lies above the surface, in the same pixel.
 fn placed(position: vec3<f32>, time: f32, nearer: f32) -> Line {
     let above = mix(position, view.eye, nearer);
     return Line(view.projection * vec4(above, 1.0), time / abs(view.spacing));

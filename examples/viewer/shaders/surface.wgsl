@@ -2,7 +2,7 @@
 
 @group(0) @binding(1) var<storage, read> positions: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read> shading: array<vec4<f32>>;
-// Perceptually uniform, from the source to the farthest corner; linear.
+// Perceptually uniform colors from the source to the farthest of `some_distances`, in linear RGB.
 @group(0) @binding(3) var<storage, read> palette: array<vec4<f32>>;
 // Distances of places that are spread over the grid.
 @group(0) @binding(4) var<storage, read> some_distances: array<f32>;
@@ -38,13 +38,13 @@ fn pick_vertex(@builtin(vertex_index) index: u32) -> Fragment {
 @fragment
 fn pick_fragment(in: Fragment) -> @location(0) vec4<f32> {
     let inside = clamp(in.cell, vec2(0.0), vec2<f32>(view.grid) - 1.0);
-    // Up to rounding, a place on the border of a chart is not in the hole beside it.
+    // A place on the border of a chart must not lie in the hole beside it by rounding.
     let line = round(inside);
     let cell = select(inside, line, abs(inside - line) < vec2(1e-3));
     return vec4(cell.y, cell.x, 0.0, AT_SOURCE);
 }
 
-// Negative where most of what is around is not reached.
+// The distance at a column and a row; negative where most of the points around are not reached.
 fn distance_at(cell: vec2<f32>) -> f32 {
     return reached_between(around(distances, cell));
 }
@@ -60,7 +60,7 @@ fn color_of(distance: f32) -> vec3<f32> {
     return mix(palette[index].rgb, palette[index + 1u].rgb, place - f32(index));
 }
 
-// How much of the pixel a line covers: `distance` in spacings of lines, `slope` of it a pixel.
+// The part of the pixel that a line covers. `distance` is in spacings of lines, and `slope` is its change over a pixel.
 fn line(distance: f32, slope: f32, width: f32) -> f32 {
     let away = abs(distance - round(distance)) / max(slope, 1e-6);
     let cover = clamp(0.5 * width + 0.5 - away, 0.0, 1.0);
@@ -75,7 +75,7 @@ fn painted(distance: f32) -> vec3<f32> {
     if distance < 0.0 {
         return vec3(0.30, 0.31, 0.33);
     }
-    // Every fifth line is a strong one. None at the source itself.
+    // Every fifth line is a strong one. There is no line at the source itself.
     let thin = 0.62 * line(lines, slope, 1.1);
     let strong = 0.95 * line(lines / 5.0, slope / 5.0, 2.4);
     let ink = max(thin, strong) * smoothstep(0.3, 0.6, lines);

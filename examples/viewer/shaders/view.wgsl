@@ -1,22 +1,22 @@
-// What all shaders of the viewer share: the twin of `View` in view.rs.
+// Data that all shaders of the viewer share: the twin of `View` in view.rs.
 
 struct View {
     projection: mat4x4<f32>,
-    // The same, with the pixel under the pointer over all of the picture.
+    // The projection that enlarges the pixel under the pointer to the whole picture.
     pick: mat4x4<f32>,
     eye: vec3<f32>,
-    // Units a pixel covers at the centre of the picture.
+    // Length of a pixel at the centre of the picture, in units of the world.
     pixel: f32,
     // Half the extents of the surface along x and z.
     half: vec2<f32>,
     // Height of the ground.
     ground: f32,
-    // Drives the deformation.
+    // Time of the deformation, in seconds.
     phase: f32,
     grid: vec2<u32>,
     // Distance between lines; negative if the surface's shader does not draw them.
     spacing: f32,
-    // How soft the shadow on the ground is.
+    // Softness of the shadow on the ground.
     softness: f32,
     // Radius of the decal.
     decal: f32,
@@ -36,7 +36,7 @@ fn background(height: f32) -> vec3<f32> {
     return mix(PAPER * 0.80, PAPER * 1.10, smoothstep(0.0, 1.0, height));
 }
 
-// Less than a step of 8 bits, so that gradients show no bands.
+// Noise of less than a step of 8 bits, so that gradients show no bands.
 fn dither(at: vec2<f32>) -> f32 {
     return (fract(52.9829189 * fract(dot(at, vec2(0.06711056, 0.00583715)))) - 0.5) / 255.0;
 }

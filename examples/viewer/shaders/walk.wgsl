@@ -10,9 +10,9 @@
 @group(0) @binding(8) var directions: texture_2d<f32>;
 
 const STEPS = 8;
-// Cells beside the source in which agents have arrived.
+// Distance from the source, in cells, within which an agent has arrived.
 const ARRIVED = 1.5;
-// Places from which an agent takes the farthest as its start.
+// Number of random places, of which an agent takes the farthest as its start.
 const PLACES = 3u;
 
 fn apart(a: vec2<i32>, b: vec2<i32>) -> f32 {
@@ -42,7 +42,7 @@ fn start(index: u32, starts: u32) -> vec2<f32> {
     return best;
 }
 
-// The agent where it begins this frame.
+// The agent at the place where it begins this frame.
 fn begun(index: u32) -> vec3<f32> {
     let agent = agents[index];
     if agent.z > 0.0 && distance(agent.xy, source.yx) > ARRIVED {

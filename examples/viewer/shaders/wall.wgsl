@@ -10,7 +10,7 @@ struct Fragment {
     @location(2) below: f32,
 }
 
-// A point of the border, clockwise from the corner of row 0 and column 0.
+// The border point with the number `place`, clockwise from the corner of row 0 and column 0.
 fn border(place: u32) -> vec2<u32> {
     let last = view.grid - 1u;
     let around = place % (2u * (last.x + last.y));

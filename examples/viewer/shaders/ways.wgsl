@@ -1,7 +1,7 @@
-// Ways in which agents step, as vectors of columns and rows no longer than 1.
+// Directions in which agents step, as vectors of columns and rows, no longer than 1.
 // The includer defines `apart`, the length between two grid points.
 
-// The way back to the source. Where ways lead apart, the nearest texel is as good as any.
+// The way back to the source. Where the ways of the four texels lead apart, the nearest one is as good as any.
 fn along_directions(directions: texture_2d<f32>, place: vec2<f32>) -> vec2<f32> {
     let way = between(around(directions, place));
     if length(way) > 0.5 {

@@ -38,12 +38,12 @@ pub fn unmet(adapter: &wgpu::Adapter) -> Vec<String> {
     }
 }
 
-/// The pipelines of a device, and the memory of its maps. All maps share it.
+/// The pipelines of a device, and the memory of its maps. All maps on the device share one `MapDevice`.
 pub struct MapDevice {
     solver: Solver,
     allocator: Mutex<Allocator>,
     raw: ash::Device,
-    /// The last member, since the others are dropped before the device.
+    /// Device of wgpu. It is the last member, so that the others are dropped before it.
     device: wgpu::Device,
 }
 
@@ -108,8 +108,8 @@ impl Drop for Images {
 }
 
 impl DistanceMap {
-    /// Creates a map over `chart.rows` rows and `chart.cols` columns of vertices. Each begins with three
-    /// floats, and they are `stride` bytes apart, in a buffer with usage `STORAGE`.
+    /// Creates a map over `chart.rows` rows and `chart.cols` columns of vertices. Each vertex begins with three
+    /// floats. The vertices are `stride` bytes apart, in a buffer with usage `STORAGE`.
     ///
     /// # Errors
     /// If the vertices are too few, or memory runs out.
@@ -190,9 +190,9 @@ impl DistanceMap {
         Ok(Self { texture, plan, images })
     }
 
-    /// Records a new map from the vertices as they are when it runs. The encoder is for maps alone: an
-    /// encoder records either wgpu's own commands or those of others. Submit it after the commands that write
-    /// the vertices, and before those that draw.
+    /// Records a new map from the vertices as they are when the map runs. The encoder is for maps alone: an
+    /// encoder records either wgpu's own commands or those of others. Submit its commands after the commands that
+    /// write the vertices, and before those that draw.
     ///
     /// # Errors
     /// If a source is off the grid.
@@ -240,7 +240,7 @@ impl DistanceMap {
     /// Returns the outcome of the last map, once it has run.
     ///
     /// # Errors
-    /// If it has not run.
+    /// If no map has run.
     pub fn outcome(&self) -> Result<Outcome, Box<dyn Error>> {
         Ok(self.images.surface.outcome(0)?)
     }
@@ -259,7 +259,7 @@ fn with_commands<T>(
     encoder: &mut wgpu::CommandEncoder,
     record: impl FnOnce(vk::CommandBuffer) -> T,
 ) -> Result<T, Box<dyn Error>> {
-    // SAFETY: commands are recorded into it, and wgpu ends it.
+    // SAFETY: commands are only recorded into the command buffer, and wgpu ends it.
     unsafe {
         encoder.as_hal_mut::<Vulkan, _, _>(|hal| {
             Ok(record(hal.ok_or("the encoder does not record for Vulkan")?.raw_handle()))

@@ -15,7 +15,7 @@ use distance_map::DistanceMap;
 /// Opens a Vulkan device whose name contains `name`, in upper or lower case, and on which maps run.
 ///
 /// # Errors
-/// If there is none.
+/// If there is no such device.
 pub fn open(
     flags: wgpu::InstanceFlags,
     name: &str,

@@ -1,5 +1,5 @@
 //! Maps in wgpu's frames equal the headless ones, and the validation layers report nothing about them. If
-//! wgpu's pipelines read the map too early on purpose, they do.
+//! wgpu's pipelines read the map too early on purpose, the layers report this.
 
 use std::fs;
 use std::sync::Mutex;
@@ -22,7 +22,7 @@ mod snippet {
 /// Messages of the layers, which reach a program through the crate `log`.
 struct Messages(Mutex<Vec<String>>);
 
-/// Message of older layers about shaders that name their source language as wgpu's do.
+/// Message of older layers about shaders that name WGSL as their source language, as wgpu's do.
 const IS_IN_WGSL: &str = "Invalid source language operand: 10";
 
 static MESSAGES: Messages = Messages(Mutex::new(Vec::new()));
@@ -58,7 +58,7 @@ fn renderer() -> Renderer {
     Renderer::new(device, queue).unwrap()
 }
 
-/// A texel for each texel of the map.
+/// Shaders that write one texel for each texel of the map.
 const SAMPLE: &str = "
     @group(0) @binding(0) var distances: texture_2d<f32>;
 
@@ -116,7 +116,7 @@ fn headless(Renderer { device, queue, cloth, .. }: &Renderer, frame: u32) -> Vec
     solution.distances.into_iter().map(f64::from).collect()
 }
 
-/// Frames do not wait. After the first and the last of them, the map is the headless one.
+/// The program does not wait between frames. After the first and the last of them, the map is the headless one.
 fn frames_hold_the_headless_map() {
     let renderer = renderer();
     for last in [0, 5] {
@@ -140,8 +140,8 @@ fn frames_hold_the_headless_map() {
     assert_eq!(messages(), Vec::<String>::new());
 }
 
-/// The map is dropped while frames are in flight, before its image is released, and before and after the
-/// device is dropped.
+/// A map is dropped while a frame is in flight, before its image is released and before the device is dropped.
+/// Another map is dropped after the device.
 fn a_map_goes_at_any_time() {
     let Renderer { device, queue, cloth, map, picture, .. } = {
         let renderer = renderer();
@@ -159,7 +159,7 @@ fn a_map_goes_at_any_time() {
     cloth.draw(&mut drawing, &colours, &picture.create_view(&Default::default()));
     queue.submit([drawing.finish()]);
     drop((kept, colours, cloth, picture, queue, device));
-    // The texture alone now keeps the device alive.
+    // The second map alone now keeps the device alive.
     drop(second);
     assert_eq!(messages(), Vec::<String>::new());
 }
@@ -172,8 +172,8 @@ fn the_guide_shows_the_snippet() {
     let _ = (snippet::load, snippet::frame);
 }
 
-/// A recording that does not name wgpu's shaders as readers is reported, so that silence of the layers means
-/// something.
+/// A recording that does not name wgpu's shaders as readers is reported, so that the silence of the layers in the
+/// other tests means something.
 fn a_reader_that_is_not_waited_for_is_reported() {
     let renderer = renderer();
     let reader = Reader { access: Access::NONE, ..READER };
@@ -201,8 +201,8 @@ fn a_source_off_the_grid_is_an_error() {
 
 fn main() {
     let folder = tempfile::tempdir().unwrap();
-    // Older layers compare submissions with one another, and newer ones check shaders' accesses, only on
-    // request.
+    // Older layers compare submissions with one another only on request. Newer ones check the accesses of shaders
+    // only on request.
     let settings = "khronos_validation.enables = \
          VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT,\
          VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT\n\

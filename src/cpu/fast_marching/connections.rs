@@ -10,9 +10,9 @@ use crate::update::Triangle;
 /// after Spira and Kimmel).
 ///
 /// An obtuse triangle between the neighbours x0 + a and x0 + b is split by the grid point x0 + a + b, the
-/// nearest one between their directions. The halves are split again until no angle is obtuse. A triangle is not
-/// split if a connection would cross a hole or the border, or cells whose slowness or lengths differ by a
-/// quarter from those beside them: the ends of a connection would not tell what it crosses.
+/// nearest one between their directions. The halves are split again until no angle is obtuse. A triangle is not split
+/// if a connection would cross a hole or the border, or cells among which the slowness or the lengths vary by more than
+/// a quarter: the data at the ends of a connection do not describe what lies between them.
 #[derive(Clone, Debug)]
 pub struct Connections<R> {
     triangles: Vec<Split<R>>,
@@ -152,7 +152,8 @@ impl Corner<'_> {
 
     fn triangle<R: Real>(self, a: Step, b: Step, slowness: f64) -> Split<R> {
         let point = |step| {
-            let (row, col) = self.at(step).expect("the caller has looked");
+            let (row, col) =
+                self.at(step).expect("the caller has checked that the point is present");
             self.surface.chart().bordered(row, col)
         };
         Split {
@@ -167,7 +168,8 @@ impl Corner<'_> {
     }
 
     /// Returns the largest slowness in the smallest box around the steps and the point itself. Returns `None`
-    /// if a point is missing from the box, or if the slowness or a metric changes by a quarter within it.
+    /// if a point is missing from the box, or if the slowness or the metric varies by more than a quarter within the
+    /// box.
     fn slowness_of_box(self, a: Step, b: Step, middle: Step) -> Option<f64> {
         let range = |k: fn(Step) -> isize| {
             let all = [0, k(a), k(b), k(middle)];
@@ -229,8 +231,8 @@ mod tests {
 
     #[test]
     fn every_obtuse_triangle_inside_is_split_into_two() {
-        // At 60 degrees two of the eight triangles are split, each into two. The 7 x 5 points are far from
-        // the border.
+        // At 60 degrees two of the eight triangles of a point are split, each into two. The 7 x 5 points in the middle
+        // are far enough from the border.
         let surface = Builtin::ShearedPlane { degrees: 60.0 }.surface(9, 9).unwrap();
         let split = Connections::<f64>::split(&surface).unwrap();
         let chart = surface.chart();

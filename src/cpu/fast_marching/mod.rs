@@ -59,8 +59,8 @@ pub(crate) fn limited_march<R: Real>(
     }
 }
 
-/// Returns the edges from a fixed point to its neighbours, and the triangles at the fixed point as each
-/// neighbour sees them.
+/// Returns, for each neighbour of a fixed point, the offset to the neighbour, the edge to it, and the neighbour's two
+/// triangles that have the fixed point as a corner.
 fn neighbours(chart: Chart) -> [(Offset, EdgeSlot, Behind); 8] {
     Direction::ALL.map(|to| {
         let back = to.opposite();
@@ -111,8 +111,8 @@ fn by_triangles<R: Real, K: TriangleKind<R>>(
     march.fronts.finish(1, 0.0)
 }
 
-/// Solves over a floor plan, which is exact. A fixed point has been reached on its shortest path and has
-/// passed its anchor on to its neighbours. See `update/anchored.rs`.
+/// Solves over a floor plan exactly: each fixed point has been reached on its shortest path and has passed its anchor
+/// on to its neighbours. See `update/anchored.rs`.
 fn by_anchors<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],

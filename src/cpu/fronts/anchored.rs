@@ -1,9 +1,9 @@
 //! Implements fronts over a floor plan that carry the number of their anchor.
 //!
-//! Nearly everywhere all points behind a span have the same anchor, and there is no hole beside them. Then
-//! the anchor reaches a point if the straight line to it runs between its neighbours behind. That takes one
-//! square root per point, in SIMD lanes. Elsewhere points are updated one after another, as in
-//! `update/anchored.rs`.
+//! Nearly everywhere all points behind a span have the same anchor, and there is no hole beside them. Then the anchor
+//! reaches a point if the straight line from the anchor to the point runs between the point's neighbours behind. This
+//! test and the arrival time take two square roots per point, in SIMD lanes. Elsewhere points are updated one after
+//! another, as in `update/anchored.rs`.
 
 use std::ops::Range;
 
@@ -71,8 +71,8 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
         self.floor.forget();
     }
 
-    /// Accepts an arrival that is shorter than the present front by more than rounding. If the scan `renews`,
-    /// it also replaces a front that it brought itself.
+    /// Accepts an arrival that is shorter than the present front by more than rounding. If the scan `renews`, an
+    /// arrival also replaces a front that the same scan brought before, unless both agree within rounding.
     #[inline(always)]
     fn accept(
         kept: KeptAnchored<R>,
@@ -190,7 +190,8 @@ impl<R: Real> LaneKind<R> for Anchored<R> {
         Some(any)
     }
 
-    /// Returns true only if all points behind have one anchor. Where they have several, the points must be updated.
+    /// Returns true only if no point is later than a neighbour behind it, or if all points behind have one anchor.
+    /// Where they have several anchors, the points must be updated.
     #[inline(always)]
     fn leaves(
         &self,
@@ -339,7 +340,7 @@ fn further([row, col]: [usize; 2], by: usize, scan: Scan) -> [usize; 2] {
     if scan.by_rows() { [row, col + by] } else { [row + by, col] }
 }
 
-/// Returns the shortest path to a point from the line behind, for a single point.
+/// Returns the front that reaches a single point from the line behind on the shortest path.
 #[inline(never)]
 fn reach<R: Real>(
     floor: &Floor<R>,

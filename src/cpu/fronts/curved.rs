@@ -24,7 +24,7 @@ use crate::update::{
 #[derive(Clone, Debug)]
 pub(in crate::cpu) struct Curved<R> {
     edges: EdgeLengths<R>,
-    /// The surface's Gaussian curvature, with a tag where waves diffract.
+    /// The surface's Gaussian curvature, with a tag where fronts diffract.
     gaussian: Arc<Vec<R>>,
     origins: Origins,
     /// The origins whose numbers fronts carry.
@@ -49,7 +49,8 @@ impl<R: Real> Curved<R> {
 
     /// Returns the time at which a seed's front arrives along the straight line from its origin, and the number of
     /// the origin. Returns `None` if the seed has no numbered origin, or if its time does not agree with the line.
-    /// The length of the line is computed as in updates, so that both agree up to rounding.
+    /// The length of the line is computed as in updates, so that this time and the times of updates agree up to
+    /// rounding.
     fn named(&mut self, seed: &Seed) -> Option<(R, R)> {
         // Lines of the chart end at seams.
         let is_open = self.edges.copies().is_none();
@@ -432,7 +433,7 @@ impl<R: Real, const SPLIT: bool> Bent<'_, R, SPLIT> {
         Curvatures { fronts, surface, alone, causal: self.causal }
     }
 
-    /// Returns the front through that triangle.
+    /// Returns the front through one of the two triangles of point `i`.
     #[inline(always)]
     fn front<const LEFT: bool>(&self, i: usize) -> Front<R> {
         curved(self.span.triangle::<LEFT, SPLIT>(i), self.bends::<LEFT>(i))
@@ -492,7 +493,8 @@ fn earliest_of_both<R: Real, const LIKELY_LEFT: bool, const OTHER_LEFT: bool, co
 pub(super) struct FirstFronts<R> {
     times: [R; TILE],
     curvatures: [R; TILE],
-    /// 1 where the front is whole. As wide as the other arrays, for the sake of SIMD lanes.
+    /// Flags, 1 where the front is whole. They are as wide as the numbers in the other arrays, for the sake of SIMD
+    /// lanes.
     whole: [R; TILE],
 }
 
@@ -511,7 +513,7 @@ impl<R: Real> FirstFronts<R> {
         Front { time: self.times[i], curvature: self.curvatures[i], whole }
     }
 
-    /// Takes the fronts through parts of obtuse triangles where these are first, in the span that begins with
+    /// Takes the fronts through parts of obtuse triangles where these fronts are first, in the span that begins with
     /// point `start` of the line.
     #[inline(always)]
     pub(super) fn lower(&mut self, splits: &[(usize, Option<Front<R>>)], start: usize) {
@@ -534,8 +536,8 @@ impl<R: Real> FirstFronts<R> {
 mod tests {
     use super::*;
 
-    /// Returns the front at a point after another one comes. The present front has time 1.5 and curvature
-    /// 0.3, and scan 2 has brought it from a whole triangle.
+    /// Returns the front at a point after another front has come. The present front has time 1.5 and curvature 0.3, and
+    /// scan 2 has brought it from a whole triangle.
     fn after<R: Real>([time, curvature]: [f64; 2], scan: u8, renews: bool) -> KeptCurved<R> {
         let whole = true;
         let old = Curvature::of(Front { time: R::of(1.5), curvature: R::of(0.3), whole }, 2);
@@ -556,7 +558,8 @@ mod tests {
             assert!(!is_kept(changed, 2, true) && is_kept(changed, 2, false));
             assert!(is_kept(changed, 1, true));
         }
-        // Another scan brings a front that arrives together with it, earlier by a digit, or earlier by more.
+        // A front of another scan replaces the present one if it arrives at the same time and is clearly flatter, or if
+        // it is clearly earlier.
         assert!(is_kept([1.5 - digit, 0.299], 1, true));
         assert!(!is_kept([1.5 - digit, 0.29], 1, true));
         assert!(!is_kept([1.5 - 4.0 * digit, 0.299], 1, true));

@@ -1,4 +1,5 @@
-//! Defines the interface between solvers and kinds of fronts, and that of kinds whose points are updated one by one.
+//! Defines the interface between solvers and kinds of fronts, and the interfaces of kinds whose points are updated one
+//! by one.
 
 use crate::cpu::behind::{Behind, TriangleSlots};
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
@@ -36,7 +37,8 @@ pub(in crate::cpu) trait FrontKind<R: Real>:
     fn forget(&mut self) {}
 
     /// Returns the front at a point after `arrival` has reached it, brought by `scan` (numbered from one).
-    /// The arrival is taken if it is the first, or if the scan `renews` a front that it brought earlier.
+    /// The arrival is accepted if it is earlier than the present front, or if the scan `renews` a front that the same
+    /// scan brought before.
     fn accept(
         kept: Kept<R, Self::Carried>,
         arrival: Self::Arrival,
@@ -95,8 +97,8 @@ pub(in crate::cpu) trait PointKind<R: Real>: FrontKind<R> {
 
 /// A kind of front that can be updated from a single triangle.
 pub(in crate::cpu) trait TriangleKind<R: Real>: FrontKind<R> + Triangular {
-    /// Returns the front that reaches x0 through the triangle with x1 and x2. `carried` is the data of the
-    /// fronts there. See [`crate::update::Curvatures`] for `alone`.
+    /// Returns the front that reaches x0 through the triangle with x1 and x2. `carried` is the data of the fronts at x1
+    /// and x2. See [`crate::update::Curvatures`] for `alone`.
     fn arrival(
         &self,
         corners: [usize; 3],

@@ -1,7 +1,7 @@
 //! Defines the kinds of fronts ([`FrontOver`]) and selects the one for a surface. `kind.rs` and `lanes.rs` define their
-//! interfaces to solvers. Each kind has a file, as has what kinds share: `straight.rs` for planar and circular fronts,
-//! `slowed.rs` for those over an uneven slowness, `surface_array.rs` and `exchange.rs` for all of them. `origins.rs` is
-//! a part of curved fronts.
+//! interfaces to solvers. Each kind has a file. Code that kinds share has files of its own: `straight.rs` for planar
+//! and circular fronts, `slowed.rs` for fronts over an uneven slowness, and `surface_array.rs` and `exchange.rs` for
+//! all kinds. `origins.rs` is a part of curved fronts.
 //!
 //! Solvers are written once, for any [`FrontKind`]. Functions that take a [`Wavefront`] use [`for_kind`],
 //! which compiles a solver for each kind.
@@ -34,7 +34,7 @@ use crate::surface::{EdgeLengths, Real};
 use crate::update::{Setting, Wavefront};
 
 /// A kind of front with the data that it needs of one surface.
-#[expect(clippy::large_enum_variant, reason = "it is taken apart at once")]
+#[expect(clippy::large_enum_variant, reason = "it is matched on at once")]
 pub(super) enum FrontOver<R> {
     Planar(Planar),
     Circular(Circular),
@@ -45,8 +45,8 @@ pub(super) enum FrontOver<R> {
 }
 
 impl<R: Real> FrontOver<R> {
-    /// Selects the kind of front that computes `wavefront` on the surface with these edges. It may be another: curved
-    /// fronts replace those that the surface does not allow.
+    /// Selects the kind of front that computes `wavefront` on the surface with these edges. It may differ from the kind
+    /// asked for: curved fronts replace kinds that the surface does not allow.
     pub(super) fn new(edges: &EdgeLengths<R>, wavefront: Wavefront) -> Self {
         let floor = edges.floor();
         if let Some(slowness) = edges.shared_slowness() {

@@ -24,7 +24,7 @@ impl<R: Real> OriginTable<R> {
         self.sighted.clear();
     }
 
-    /// Returns a numbered origin.
+    /// Returns the origin with the given number.
     pub(super) fn get(&self, number: u32) -> &Sighted<R> {
         &self.sighted[number as usize]
     }
@@ -57,7 +57,7 @@ pub(super) struct LineOrigins<'a, R> {
     /// Row and column of the line's first point in the bordered array, and the step to the next point.
     first: [R; 2],
     along: [R; 2],
-    /// The steps to both ends of the triangles before and after each point.
+    /// The steps from a point to both ends of the base, for the triangle before and the triangle after the point.
     steps: [Steps; 2],
 }
 
@@ -98,8 +98,8 @@ impl<'a, R: Real> LineOrigins<'a, R> {
     }
 }
 
-/// The origins of the fronts behind a span of points, from the one before its first point to the one after
-/// its last.
+/// The origins of the fronts behind a span of points, from the neighbour before the first point to the neighbour after
+/// the last point.
 pub(super) struct SpanOrigins<'a, R> {
     line: &'a LineOrigins<'a, R>,
     /// Place of the first point in the line.

@@ -22,7 +22,7 @@ use crate::update::{
 #[derive(Clone, Debug)]
 pub(in crate::cpu) struct SlowedCurved<R> {
     /// Gaussian curvature of the metric in which lengths are travel times: the surface's metric times the squared
-    /// slowness. It has a tag where waves diffract.
+    /// slowness. It has a tag where fronts diffract.
     gaussian: Arc<Vec<R>>,
     slowness: Arc<Vec<R>>,
     origins: Origins,

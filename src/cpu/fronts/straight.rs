@@ -12,7 +12,7 @@ use crate::cpu::scan::{Scan, UpdateOptions};
 use crate::surface::{Chart, Origins, Real, Seed, min};
 use crate::update::{Kept, Triangle};
 
-/// The operations in which these kinds of fronts differ.
+/// The operations in which planar and circular fronts differ.
 pub(in crate::cpu) trait Straight:
     Copy + std::fmt::Debug + Send + Sync + 'static
 {
@@ -28,11 +28,11 @@ pub(in crate::cpu) trait Straight:
     /// gains within rounding.
     fn earlier<R: Real>(self, now: R, triangle: Triangle<R>) -> R;
 
-    /// Returns the arrival time at a point after a front has come at `time`, by the same rule.
+    /// Returns the arrival time at a point after a front has come at `time`, by the rule of [`Straight::earlier`].
     fn first<R: Real>(now: R, time: R) -> R;
 
-    /// Returns whether a cheap test finds that no front arrives through a triangle earlier than `now`. It may miss
-    /// some.
+    /// Returns whether a cheap test finds that no front arrives through a triangle earlier than `now`. The test may
+    /// miss some settled points.
     fn is_settled<R: Real>(triangle: Triangle<R>, now: R) -> bool;
 }
 
@@ -115,8 +115,8 @@ impl<R: Real, S: Straight> LaneKind<R> for S {
             if span.leads(points) {
                 return None;
             }
-            // Points that no front has reached are about to be, unless the map has a limit. The test whether they are
-            // settled would only cost time.
+            // Points that no front has reached are about to be reached, unless the map has a limit. A test whether they
+            // are settled would only cost time.
             let is_new = options.limit == f64::INFINITY && span.is_unreached(points);
             if !is_new && stays::<R, S, false>(&span, points, options.limit) {
                 return None;
@@ -194,8 +194,9 @@ fn stays<R: Real, S: Straight, const SPLIT: bool>(
     settled
 }
 
-/// Returns, for each point, the earlier of the arrival time `now` and the one through one of its two triangles.
-/// Compilers keep the resulting array in registers. If this wrote to the line, they would store each value in memory.
+/// Returns, for each point, the earlier of the arrival time `now` and the arrival time through one of the point's two
+/// triangles. Compilers keep the resulting array in registers. If this function wrote to the line, compilers would
+/// store each value in memory.
 #[inline(always)]
 fn earlier<R: Real, S: Straight, const LEFT: bool, const SPLIT: bool>(
     kind: S,

@@ -1,4 +1,4 @@
-//! Holds the data of a surface that a kind of front needs of each point.
+//! Holds the data that a kind of front needs at each point of a surface.
 
 use std::ops::Deref;
 use std::sync::Arc;

@@ -24,8 +24,8 @@ pub(in crate::cpu) struct GridLines<'a, R, C, G> {
     /// Lengths of the edges from each point to the next point of its line, and to three points of the line before: the
     /// one beside it, the next and the previous one. Empty where edges are not needed.
     pub edges: [&'a [R]; 4],
-    /// Layout of the surface's data: the distance in memory from a line to the next, and the number of lines that they
-    /// have before the first one of the fronts.
+    /// Layout of the surface's data: the distance in memory from a line to the next, and the number of its lines before
+    /// the first line of the arrays of fronts.
     pub surface: (usize, usize),
     pub place: LinesInGrid<'a, R, C>,
 }
@@ -48,8 +48,8 @@ pub(in crate::cpu) struct LinesInGrid<'a, R, C> {
 
 /// Fronts at points outside the arrays of some lines.
 pub(in crate::cpu) struct Beyond<'a, R, C> {
-    /// Points of each line that the arrays hold, and lines that they hold. Both are counted from the border of the
-    /// grid.
+    /// The points of each line that the arrays hold, and the lines that the arrays hold. Both are counted from the
+    /// border of the grid.
     pub points: Range<usize>,
     pub lines: Range<usize>,
     /// Fronts at all other points: first those in the scan's window, then those of the whole grid.
@@ -105,7 +105,7 @@ impl<'a, R: Real, C: Carried, G> GridLines<'a, R, C, G> {
 }
 
 impl<R: Real, C: Carried> LinesInGrid<'_, R, C> {
-    /// Returns the number in these arrays of a row or column of the grid.
+    /// Returns the number that a row or column of the grid has among the lines of these arrays.
     pub(in crate::cpu) fn number(&self, line: usize) -> usize {
         line + 1 - self.first
     }
@@ -180,7 +180,7 @@ impl<R: Real, C: Carried, G> ScanLine<'_, '_, R, C, G> {
         }
     }
 
-    /// Returns the same span without lengths of edges.
+    /// Returns the span of [`Self::span`] without lengths of edges.
     #[inline(always)]
     pub(in crate::cpu) fn span_without_edges(
         &self,
@@ -214,7 +214,7 @@ impl<R: Real, C: Carried, G> ScanLine<'_, '_, R, C, G> {
     }
 
     /// Returns the front at a point of the grid. Callers ask for many points one after another. If this function were
-    /// inlined, each of them would load all fields that it reads.
+    /// inlined, each call would load all fields that the function reads.
     #[inline(never)]
     pub(in crate::cpu) fn front(&self, point: usize) -> Kept<R, C> {
         self.place.front((self.times, self.carried), point)

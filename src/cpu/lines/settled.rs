@@ -7,11 +7,11 @@
 //! - t1 + u . (x0 - x1) and
 //! - t2 + u . (x0 - x2),
 //!
-//! less the bulge. Here x1 is the neighbour across the grid's diagonal, and u is the direction from it. On the other
-//! side of that diagonal lies a triangle of a scan along the other axis, and the test also finds settled fronts that
-//! came through it. Until a map has converged, a point is visited about four times, and only one or two of these visits
-//! need the update. With x1 and x2 exchanged, u is the direction from the neighbour beside x0. That test decides which
-//! of its two triangles an update can skip.
+//! less the bulge. Here x1 is the neighbour across the grid's diagonal, and u is the direction from x1 to x0. On the
+//! other side of that diagonal lies a triangle of a scan along the other axis, and the test also finds settled fronts
+//! that came through that triangle. Until a map has converged, a point is visited about four times, and only one or two
+//! of these visits need the update. With x1 and x2 exchanged, u is the direction from the neighbour beside x0 to x0.
+//! That test decides whether an update can skip one of the two triangles of x0.
 //!
 //! [`crate::cpu::pairwise`] has the same test, with coefficients that are computed once for many maps.
 
@@ -27,9 +27,9 @@ pub(crate) struct Visited<R> {
 }
 
 impl<R: Real> Visited<R> {
-    /// Returns whether no front arrives at the point earlier than the present one: either all neighbours behind it
-    /// are unreached, or neither triangle brings an earlier front. `settled` tells for each triangle whether it
-    /// brings none.
+    /// Returns whether no front arrives at the point earlier than the present one: either all neighbours behind it are
+    /// reached no earlier than the point itself, or neither triangle brings an earlier front. `settled` tells for each
+    /// triangle whether it brings no earlier front.
     #[inline(always)]
     pub(crate) fn stays(&self, settled: [bool; 2]) -> bool {
         let [left, right] = &self.triangles;
@@ -84,8 +84,8 @@ pub(crate) fn from_circular<R: Real>(triangle: Triangle<R>, now: R) -> bool {
 }
 
 /// Returns whether it is certain that every curved front through a triangle arrives later than `now`, given the
-/// curvatures at x1 and x2. With kappa as the larger curvature, the front's centre is 1 / kappa from the farther end of
-/// the base. So it is at least 1 / kappa - c from all points of the base.
+/// curvatures at x1 and x2. With kappa as the larger curvature, the centre of the front that the update assumes is at
+/// least 1 / kappa from the later end of the base. So the centre is at least 1 / kappa - c from all points of the base.
 #[inline(always)]
 pub(in crate::cpu) fn from_curved<R: Real>(
     triangle: Triangle<R>,
@@ -127,8 +127,8 @@ mod tests {
     }
 
     /// Asserts, for present times before and after a front, that nothing arrives earlier where the test says
-    /// settled. Asserts too that the test is worth its cost: it must hold for more than `share` of the times
-    /// at which nothing arrives.
+    /// settled. Asserts too that the test is worth its cost: it must hold for more than `share` of the present times
+    /// before which nothing arrives.
     fn assert_settles(
         share: f64,
         arrival: impl Fn(Triangle<f32>) -> f32,
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn no_settled_point_is_reached_earlier_by_a_curved_front() {
-        // Spreading, flat and converging, and different at both ends.
+        // Fronts that spread, are flat or converge, mostly with different curvatures at both ends.
         for curvatures in
             [[0.3, 0.2], [0.01, 0.7], [0.0; 2], [-0.2, 0.05], [-0.5, -1.0], [1e18, 2.0]]
         {

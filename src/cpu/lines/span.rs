@@ -53,9 +53,9 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         self.edges[1][i] >= R::FAR
     }
 
-    /// Returns one of the two triangles of point `i`: the left one, with the points behind that are before
-    /// and beside it, or the right one, with those beside and after it. If the span may have obtuse
-    /// triangles (`SPLIT`), an obtuse one is reduced to its edges.
+    /// Returns one of the two triangles of point `i`: the left one, with the neighbours behind that lie before and
+    /// beside the point, or the right one, with the neighbours behind that lie beside and after it. If the span may
+    /// have obtuse triangles (`SPLIT`), an obtuse one is reduced to its edges.
     #[inline(always)]
     pub(in crate::cpu) fn triangle<const LEFT: bool, const SPLIT: bool>(
         &self,
@@ -142,7 +142,8 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         renewed
     }
 
-    /// Returns whether fronts reach the neighbour before the first point no later than the one after the last.
+    /// Returns whether fronts reach the neighbour behind and before the first point no later than the neighbour behind
+    /// and after the last point.
     #[inline(always)]
     pub(in crate::cpu) fn comes_from_left(&self, points: usize) -> bool {
         self.times_behind[0][0] <= self.times_behind[2][points - 1]
@@ -154,7 +155,7 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
 pub(in crate::cpu) struct LargestChanges<R: Real> {
     /// Changes of arrival times ([`Real::units_between`]).
     times: [R::Bits; TILE],
-    /// Changes of curvatures times the arrival time, in units above zero.
+    /// Changes of curvatures times the arrival time, as the number of representable numbers above zero.
     bends: [R::Bits; TILE],
 }
 
@@ -180,7 +181,7 @@ impl<R: Real> LargestChanges<R> {
         any
     }
 
-    /// Notes a change of the front at point `i` of a span, in units of the arrival time.
+    /// Notes a change of the front at point `i` of a span, in units of the last place of the arrival time.
     #[inline(always)]
     pub(in crate::cpu) fn note(&mut self, i: usize, change: R::Bits) {
         self.times[i] = change.max(self.times[i]);
@@ -192,8 +193,8 @@ impl<R: Real> LargestChanges<R> {
         self.bends[i] = R::zero().units_between(bend).max(self.bends[i]);
     }
 
-    /// Returns the largest change, in units of the arrival time. `bends` tells whether changes of curvature
-    /// were noted.
+    /// Returns the largest change, in units of the last place of the arrival time. `bends` tells whether changes of
+    /// curvature were noted.
     #[inline(always)]
     pub(in crate::cpu) fn largest(self, bends: bool) -> R::Bits {
         let largest = |of: [R::Bits; TILE]| of.into_iter().max().unwrap_or_default();
@@ -257,9 +258,9 @@ impl<'a, R: Real, C: Carried, G> Before<'a, R, C, G> {
     }
 }
 
-/// Prefetches the data that the check of a span's next row needs, from the point `start` on. For times
-/// this is the row after the next, since the next one has been read for this row. `strides` are the offsets
-/// to the next row of the fronts and of the surface's data.
+/// Prefetches the data that the check of a span's next row needs, from the point `start` on. For fronts this is the row
+/// after the next one, since the check of the present row has already read the fronts of the next row. `strides` are
+/// the offsets to the next row of the fronts and of the surface's data.
 #[inline(always)]
 pub(in crate::cpu) fn prefetch_next_row<R: Real, C: Carried, G>(
     span: &Span<R, C, G>,

@@ -5,7 +5,7 @@ use super::reach::{Bulge, Reach};
 use crate::surface::{max, min};
 use crate::update::Corner;
 
-/// The circular update. If it is `CAUSAL`, no front arrives before either end of a base.
+/// The circular update. If it is `CAUSAL`, no front arrives at x0 earlier than at either end of the base.
 pub(super) struct Circular<const CAUSAL: bool>;
 
 /// Coefficients of the circular update of a triangle with x1 at the origin, x2 at (base, 0) and x0 at (foot,
@@ -57,17 +57,17 @@ impl CircularTriangle {
         }
     }
 
-    /// Returns the square of the arrival time at x0 if the ray crosses the base, else infinity, from the
-    /// squares of those at x1 and x2.
+    /// Returns the square of the arrival time at x0 if the ray crosses the base, else infinity, given the squares of
+    /// the arrival times at x1 and x2.
     ///
     /// The front is the same as in [`crate::update::circular`]: its virtual source lies at (x, -y), t1
-    /// away from x1 and t2 from x2. Squares need no division and one square root. They round to the precision
-    /// of t0 and not to that of the step. With a few precomputed coefficients and all sources at grid points,
-    /// this is fast and accurate enough.
+    /// away from x1 and t2 from x2. A computation with squares needs no division and one square root. It rounds to the
+    /// precision of t0, which is coarser than the precision of the step from the base to x0. With a few precomputed
+    /// coefficients and all sources at grid points, this is fast and accurate enough.
     #[inline(always)]
     fn arrival_squared<const CAUSAL: bool>(&self, t1_squared: f32, t2_squared: f32) -> f32 {
         let x = (t1_squared - t2_squared) * self.half_per_base + self.half_base;
-        // NaN if no point has these distances from both. All comparisons with it fail.
+        // `y` is NaN if no point has these distances from x1 and x2. All comparisons with NaN fail.
         let y = (t1_squared - x * x).sqrt();
         let upwind = (x >= self.slopes[0] * y) & (x <= self.base + self.slopes[1] * y);
         let rise = self.twice_height * y - self.twice_foot * x;

@@ -1,5 +1,5 @@
-//! Finds the points that a scan has to visit because of changes that are not on the line behind them. These
-//! are points with obtuse triangles, whose parts reach further.
+//! Finds the points that a scan has to visit because of changes elsewhere than at their three neighbours on the line
+//! behind. These points have obtuse triangles, whose parts reach further.
 
 use super::marks::WORD;
 use crate::cpu::scan::Scan;
@@ -36,7 +36,7 @@ impl Concern {
 }
 
 impl Farther {
-    /// Finds these points for a surface whose parts are stored.
+    /// Finds the affected points of a surface whose parts of obtuse triangles are stored.
     pub(super) fn new(edges: &EdgeLengths<f32>) -> Self {
         Self { kinds: [Lines::Rows, Lines::Cols].map(|lines| Concerns::of(edges, lines)) }
     }
@@ -110,8 +110,8 @@ mod tests {
     use super::*;
     use crate::surface::builtin::Builtin;
 
-    /// A change wakes the points beside it on the next line of each scan and those with a part that has it as
-    /// a corner. It wakes no others.
+    /// A change wakes the points beside it on the next line of each scan and the points with a part that has the
+    /// changed point as a corner. It wakes no other points.
     #[test]
     fn changes_wake_the_points_whose_parts_have_them_as_corners() {
         let surface = Builtin::ShearedPlane { degrees: 70.0 }.surface(9, 70).unwrap();

@@ -6,8 +6,8 @@ use crate::cpu::behind::Behind;
 use crate::cpu::scan::Scan;
 use crate::surface::{Chart, EdgeLengths, Real, min};
 
-/// Number of maps that are computed side by side: the number of single-precision lanes of AVX-512. With
-/// narrower instructions several vectors take their place, which hides the latency of square roots.
+/// Number of maps that are computed side by side: the number of single-precision lanes of AVX-512. With narrower
+/// instructions the maps fill several vectors, which hides the latency of square roots.
 pub(super) const LANES: usize = 16;
 
 /// One number for each map, on a cache line of its own.
@@ -23,9 +23,9 @@ impl Lanes {
         Self([value; LANES])
     }
 
-    /// Takes those of `times` that are earlier. Returns whether one of them is earlier by more than `wakes`,
-    /// in units of its precision. If so, the neighbouring points have to be visited again. If `TRACKS` is
-    /// set, the largest changes are noted in the same units; otherwise all changes count as large.
+    /// Replaces each time by the one in `times` if that is earlier. Returns whether a time has fallen by more than
+    /// `wakes` units of its last place. If so, the neighbouring points have to be visited again. If `TRACKS` is set,
+    /// the largest changes are noted in the same units; otherwise all changes count as large.
     #[inline(always)]
     pub(super) fn lower<const TRACKS: bool>(
         &mut self,
@@ -68,15 +68,15 @@ impl Fan {
     }
 }
 
-/// A kind of front that its arrival times fully describe, in SIMD lanes.
+/// The update in SIMD lanes of a kind of front that carries nothing besides its arrival time.
 pub(super) trait Kernel: 'static {
     /// Data that all maps share at a point, for one of the scans.
     type Coefficients: Copy + Send + Sync;
 
     fn coefficients(fan: Fan) -> Self::Coefficients;
 
-    /// Returns whether, by a cheap test, a front from the three points behind could arrive before the times
-    /// `here` by more than rounding, in at least one map.
+    /// Returns whether, by a cheap test, a front from the three points behind could arrive earlier than the time `here`
+    /// by more than rounding in at least one map.
     fn may_change(here: &Lanes, behind: [&Lanes; 3], coefficients: &Self::Coefficients) -> bool;
 
     /// Returns the times at which the fronts arrive from the three points behind.
@@ -92,7 +92,7 @@ pub(super) trait Kernel: 'static {
     fn through(ends: [&Lanes; 2], part: &Self::Part) -> Lanes;
 }
 
-/// Returns the new times of a point in the maps that pass it, and the old times in the others.
+/// Returns the new times of a point in the maps in which the scan passes it, and the old times in the other maps.
 #[inline(always)]
 pub(super) fn merged(new: Lanes, old: Lanes, maps: [u32; LANES]) -> Lanes {
     let (mut new, old): ([u32; LANES], [u32; LANES]) = (bytemuck::cast(new), bytemuck::cast(old));

@@ -22,13 +22,13 @@ pub(super) struct Maps {
     pub stage: Stage,
 }
 
-/// The known distances of a batch: rows of the distance matrix above its own, or nothing.
+/// The known distances of a batch: rows of the distance matrix above the batch's own rows, or nothing.
 #[derive(Clone, Copy)]
 pub(super) struct Known<'a> {
     /// Rows of the matrix, one after another.
     pub rows: &'a [f32],
-    /// Number of rows whose distances are reused (eq. 20). They give the distances at as many points,
-    /// row-major.
+    /// Number of rows whose distances are reused (eq. 20). They give the distances from the batch's sources at the
+    /// first `count` points, in row-major order.
     pub count: usize,
     /// The first source of the batch.
     pub column: usize,
@@ -55,7 +55,7 @@ impl Maps {
         points + Pending::bytes(chart) + lines.iter().sum::<usize>() + Stage::bytes(chart)
     }
 
-    /// Sets the distances of the sources and those that are known.
+    /// Sets the distances at the sources and the known distances.
     pub(super) fn start(&mut self, chart: Chart, sources: &[Option<usize>], known: Known) {
         self.pending.start(known.count);
         self.outward = Outward::new(chart, sources);

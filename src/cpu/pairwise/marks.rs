@@ -78,7 +78,8 @@ fn words(lines: Chart) -> Chart {
     Chart { cols: lines.cols.div_ceil(WORD), ..lines }
 }
 
-/// Transposes a block of bits: swaps the off-diagonal halves, then those of the halves, down to single bits.
+/// Transposes a block of bits: swaps its two off-diagonal quarters, then the off-diagonal quarters of each quarter,
+/// down to single bits.
 fn transpose(block: &mut [u64; WORD]) {
     let (mut width, mut low) = (WORD / 2, u64::MAX >> (WORD / 2));
     while width > 0 {

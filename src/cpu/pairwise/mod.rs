@@ -74,7 +74,10 @@ impl PairwiseScan {
     /// # Panics
     /// If this machine does not have the instructions; see [`Instructions::available`].
     pub fn with_instructions(mut self, instructions: Instructions) -> Self {
-        assert!(Instructions::available().contains(&instructions), "no {instructions} here");
+        assert!(
+            Instructions::available().contains(&instructions),
+            "this machine does not have {instructions}"
+        );
         self.instructions = instructions;
         self
     }
@@ -90,7 +93,8 @@ impl PairwiseScan {
     /// which stands for no source (use it for holes), the row is all +infinity.
     ///
     /// # Panics
-    /// If there are more sources, or if `into` does not have one row of all grid points for each source.
+    /// If there are more than [`Self::LANES`] sources, or if `into` does not have one row of all grid points for each
+    /// source.
     pub fn solve(&self, sources: &[Option<usize>], stop: Stop, into: &mut [f32]) -> Convergence {
         self.solve_from(sources, Known::NOTHING, stop, &mut self.rows(into))
     }
@@ -110,11 +114,12 @@ impl PairwiseScan {
     }
 
     /// Computes the same as [`Self::solve`] for successive sources from `first` on, with the symmetric
-    /// initialisation (paper, eq. 20). `rows` are the distances from the first points. From them, the
-    /// distances from the sources to those points are taken, and are not computed again.
+    /// initialisation (paper, eq. 20). `rows` are the distances from the first points to all points. The distances from
+    /// the sources to these first points are taken from `rows` and are not computed again.
     ///
     /// # Panics
-    /// As [`Self::solve`]; and if `rows` is not a whole number of rows or has more than `first` rows.
+    /// As [`Self::solve`]; and if `rows` is not a whole number of rows or has more than `first` rows, or if `sources`
+    /// do not follow one another from `first` on.
     pub fn solve_below(
         &self,
         rows: &[f32],
@@ -124,17 +129,23 @@ impl PairwiseScan {
         into: &mut [f32],
     ) -> Convergence {
         let count = rows.len() / self.chart.points();
-        assert!(rows.len().is_multiple_of(self.chart.points()) && count <= first, "rows before");
+        assert!(
+            rows.len().is_multiple_of(self.chart.points()) && count <= first,
+            "`rows` must be whole rows, at most `first` of them"
+        );
         let follow = |(lane, source): (usize, &Option<usize>)| {
             source.is_none_or(|source| source == first + lane)
         };
-        assert!(sources.iter().enumerate().all(follow), "sources follow one another");
+        assert!(
+            sources.iter().enumerate().all(follow),
+            "sources must follow one another from `first` on"
+        );
         self.solve_from(sources, Known { rows, count, column: first }, stop, &mut self.rows(into))
     }
 
     fn rows<'a>(&self, matrix: &'a mut [f32]) -> Vec<Option<&'a mut [f32]>> {
         let points = self.chart.points();
-        assert!(matrix.len().is_multiple_of(points), "whole rows");
+        assert!(matrix.len().is_multiple_of(points), "the matrix must consist of whole rows");
         matrix.chunks_exact_mut(points).map(Some).collect()
     }
 
@@ -146,15 +157,15 @@ impl PairwiseScan {
         into: &mut [Option<&mut [f32]>],
     ) -> Convergence {
         assert!(sources.len() <= LANES, "a batch has at most {LANES} sources");
-        assert_eq!(into.len(), sources.len(), "a row for each source");
+        assert_eq!(into.len(), sources.len(), "there must be one row for each source");
         let points = self.chart.points();
         assert!(into.iter().flatten().all(|row| row.len() == points), "rows of {points} points");
         self.scans.solve(sources, known, stop, self.instructions, into)
     }
 }
 
-/// Returns whether the angle between two successive edges around a point exceeds a right angle, even by too
-/// little to count as obtuse.
+/// Returns whether an angle between two successive edges around some point exceeds a right angle by too little to count
+/// as obtuse.
 fn has_wide_angles(edges: &EdgeLengths<f32>) -> bool {
     let fans = Scan::ALL.map(|scan| FanSlots::new(edges.chart(), scan));
     edges.chart().places().any(|(row, col)| {

@@ -11,17 +11,17 @@ use crate::surface::Chart;
 /// over the whole grid need 1.4 times as long for one iteration.
 #[derive(Clone, Debug)]
 pub(super) struct Outward {
-    /// Rows and columns of the sources. Maps without a source have those of another.
+    /// Rows and columns of the sources. Maps without a source have the row and column of another map's source.
     places: [[usize; LANES]; 2],
-    /// The first and the last row and column.
+    /// The first and the last row of all sources, and the first and the last column.
     ends: [[usize; 2]; 2],
 }
 
-/// The maps of a batch that pass a line.
+/// The maps of a batch in which a scan passes a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Passing {
     None,
-    /// A mask for each map, with all bits set for those that pass.
+    /// A mask for each map, with all bits set if the scan passes the line in that map.
     Some([u32; LANES]),
     All,
 }

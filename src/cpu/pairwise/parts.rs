@@ -67,7 +67,7 @@ pub(super) struct VisitParts<'a, K: Kernel, const TRACKS: bool> {
     /// Marks of the points that have changed by more than `wakes`; see [`Lanes::lower`].
     pub changed: &'a mut [u64],
     pub wakes: u32,
-    /// A mask for each map, with all bits set for those that pass the line.
+    /// A mask for each map, with all bits set if the scan passes the line in that map.
     pub maps: [u32; LANES],
 }
 

@@ -1,4 +1,4 @@
-//! Tracks the points that a scan has to visit: those beside a change that it has not seen yet.
+//! Tracks the points that a scan has to visit: the points beside a change that the scan has not seen yet.
 
 use std::sync::Arc;
 
@@ -12,11 +12,11 @@ use crate::surface::{Chart, Lines};
 #[derive(Clone, Debug)]
 pub(super) struct Pending {
     chart: Chart,
-    /// Points to visit, by the number of the scan less one. Lines are those of the scan.
+    /// Points to visit for each scan, indexed by the number of the scan less one. Lines are those of the scan.
     visits: [Marks; 4],
     /// Points that the current scan has changed, by rows and by columns.
     changed: [Marks; 2],
-    /// Number of points, row-major, that are known and never visited.
+    /// Number of the first points, in row-major order, that are known and never visited.
     known: usize,
     /// Shared by all batches of a surface.
     farther: Arc<Farther>,
@@ -56,9 +56,9 @@ impl Pending {
         }
     }
 
-    /// Takes the points of a line that a scan has to visit, or returns `None` if there are none. The scan
-    /// must keep marked the points that it changes, and then call [`Self::tell`]. If it does not visit them
-    /// in `all_maps`, they stay pending for another visit.
+    /// Takes the points of a line that a scan has to visit, or returns `None` if there are none. The scan must leave
+    /// only the points marked that it changes, and then call [`Self::tell`]. If it does not visit the points in all
+    /// maps (`all_maps`), they stay pending for another visit.
     pub(super) fn take(&mut self, scan: Scan, line: usize, all_maps: bool) -> Option<&mut [u64]> {
         let first = scan.lines().before(self.chart, line, self.known);
         let end = self.chart.by(scan.lines()).cols;
@@ -83,7 +83,7 @@ impl Pending {
         all.iter_mut().zip(changed).for_each(|(all, changed)| *all |= changed);
     }
 
-    /// Passes the changes on a line on to both scans over lines of this kind.
+    /// Reports the changes on a line to both scans over lines of this kind (rows or columns).
     pub(super) fn tell(&mut self, scan: Scan, line: usize) {
         let changed = self.changed[kind(scan)].line(line);
         let over = match scan.lines() {
@@ -102,7 +102,7 @@ impl Pending {
         }
     }
 
-    /// Ends a scan. Passes its changes on to the scans over lines of the other kind.
+    /// Ends a scan. Reports its changes to the scans over lines of the other kind.
     pub(super) fn end(&mut self, scan: Scan) {
         let [rows, cols] = &mut self.changed;
         let turned = match scan.lines() {

@@ -5,15 +5,15 @@ use super::reach::Reach;
 use crate::surface::{Real, max, min};
 use crate::update::Corner;
 
-/// The planar update. If it is `CAUSAL`, no front arrives before either end of a base, as in single maps.
-/// Between edges at an angle that is not obtuse, none does so anyway.
+/// The planar update. If it is `CAUSAL`, no front arrives at x0 earlier than at either end of the base, as in single
+/// maps. In triangles that are not obtuse at x0, this holds anyway.
 pub(super) struct Planar<const CAUSAL: bool>;
 
 /// Coefficients of the planar update of a triangle (paper, eqs. 10 and 15, solved for t0).
 ///
 /// With d = t2 - t1, the front arrives at t0 = t1 + w d + sqrt(alpha - beta d^2) if d is between `low` and
-/// `high`. Beyond these limits the ray runs along an edge. Its arrival is what the same formula gives at the
-/// nearer limit. So the coefficients include the Dijkstra step (16) without a comparison.
+/// `high`. Beyond these limits the ray runs along an edge. The same formula, taken at the nearer limit, gives the
+/// arrival along that edge. So the coefficients include the Dijkstra step (16) without a comparison.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlanarTriangle {
     low: f32,

@@ -13,9 +13,9 @@ use crate::update::Corner;
 /// - t1 + u . (x0 - x1) and
 /// - t2 + u . (x0 - x2).
 ///
-/// Here u runs along the outer edge of each triangle, which is a diagonal of the grid. A scan of the other
-/// direction has a triangle on the other side of that diagonal, and a point that has its time from there
-/// fails this test. So the four scans update each point about once and not twice.
+/// Here u runs along the outer edge of each triangle, which is a diagonal of the grid. A scan along the other axis has
+/// a triangle on the other side of that diagonal. The bound also rules out a change of a point that has its time from
+/// that triangle. So the four scans update each point about once and not twice.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
     before: f32,
@@ -47,8 +47,9 @@ impl Reach {
 
 /// A bound of how far a circular front can be ahead of a planar one between the ends of a base.
 ///
-/// If its source is at a distance of r from the base's nearest point, the distance from the source to the
-/// points of the base is at most c^2 / 8r below the chord. Here r is at least t - c / 2 for the earlier end.
+/// If the front's source is at a distance r from the nearest point of the base, the distance from the source to the
+/// points of the base is at most c^2 / 8r below its linear interpolation between the ends. If t is the time at the
+/// earlier end, r is at least t - c / 2.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bulge {
     half_base: f32,
@@ -70,8 +71,8 @@ impl Bulge {
         Self { half_base: 0.5 * longest, times_distance }
     }
 
-    /// Returns whether a time that is `ahead` of all planar fronts stays the earliest, if the first of the
-    /// points behind is reached at `first`.
+    /// Returns whether a time that is `ahead` of all planar fronts stays the earliest, if the earliest of the points
+    /// behind is reached at `first`.
     #[inline(always)]
     pub(super) fn keeps(&self, ahead: f32, first: f32) -> bool {
         ahead * max(first - self.half_base, 0.0) >= self.times_distance

@@ -14,8 +14,8 @@ use crate::lanes::Loop;
 use crate::surface::{Chart, EdgeLengths, Offset};
 use crate::{Convergence, Stop};
 
-/// The coefficients of a surface for one kind of front, and working memory for as many batches as have been
-/// computed at once.
+/// The coefficients of a surface for one kind of front, and working memory for the largest number of batches that have
+/// been computed at once.
 pub(super) struct Scans<K: Kernel> {
     chart: Chart,
     /// Coefficients of all points for each scan, in the order in which the scan passes them.
@@ -165,7 +165,7 @@ impl<K: Kernel> BatchSolver for Scans<K> {
         let mut maps = spare.unwrap_or_else(|| Maps::new(self.chart, self.farther.clone()));
         maps.start(self.chart, sources, known);
         let convergence = if stop.iterations == 1 {
-            // After a single iteration the solver stops, whatever it changes.
+            // The solver stops after a single iteration anyway, so changes need not be tracked.
             self.iterate::<false>(&mut maps, stop, instructions)
         } else {
             self.iterate::<true>(&mut maps, stop, instructions)
@@ -186,14 +186,14 @@ struct MarkedLine<'a, K: Kernel> {
     behind: Offset,
     coefficients: &'a [K::Coefficients],
     marks: &'a mut [u64],
-    /// A mask for each map, with all bits set for those that pass the line.
+    /// A mask for each map, with all bits set if the scan passes the line in that map.
     maps: [u32; LANES],
     /// Changes above this limit wake the neighbouring points; see [`Lanes::lower`].
     wakes: u32,
 }
 
-/// The update of the marked points of a line, in `ALL` maps or in those that pass it. Afterwards the points
-/// that have changed are marked. Returns the largest change.
+/// The update of the marked points of a line, in `ALL` maps or in those in which the scan passes the line. Afterwards
+/// the points that have changed are marked. Returns the largest change.
 struct Visit<'a, K: Kernel, const TRACKS: bool, const ALL: bool>(MarkedLine<'a, K>);
 
 impl<K: Kernel, const TRACKS: bool, const ALL: bool> Loop for Visit<'_, K, TRACKS, ALL> {
@@ -215,7 +215,7 @@ impl<K: Kernel, const TRACKS: bool, const ALL: bool> Loop for Visit<'_, K, TRACK
                 let (mut state, coefficients) = (points[here], &coefficients[point]);
                 if K::may_change(&state, behind, coefficients) {
                     let arrivals = K::arrivals(behind, coefficients);
-                    // Without a branch, which could not be predicted.
+                    // There is no branch on whether a time falls, since it could not be predicted.
                     let wakes_others = state.lower::<TRACKS>(arrivals, wakes, &mut largest);
                     changed |= u64::from(wakes_others) << bit;
                     points[here] = if ALL { state } else { merged(state, points[here], maps) };

@@ -18,7 +18,7 @@ pub(super) struct Stage {
 impl Stage {
     pub(super) fn new(chart: Chart) -> Self {
         let band = band(chart);
-        // Strides that are powers of two would share few cache lines.
+        // With a stride that is a power of two, the spans would compete for few cache lines.
         Self { rows: vec![Lanes::all(0.0); band * chart.cols + LANES], band }
     }
 
@@ -49,7 +49,7 @@ impl Stage {
                     cols: into.len(),
                 };
                 transpose(bytemuck::cast_slice_mut::<_, f32>(line), staged, block, instructions);
-                // While the line is in the cache.
+                // The line is cleared while it is in the cache.
                 instructions.run(Clear(line));
             }
             let (start, count) = (chart.index(first, 0), rows.len() * chart.cols);
@@ -61,8 +61,8 @@ impl Stage {
     }
 }
 
-/// Returns the number of rows in a band. Long spans are written to memory at once, so that few have
-/// partial ends, and a band still fits a cache.
+/// Returns the number of rows in a band. A band is large, so that it is written to memory in long spans with few
+/// partial cache lines, but still fits a cache.
 fn band(chart: Chart) -> usize {
     (2048 / chart.cols).clamp(1, chart.rows)
 }

@@ -86,7 +86,8 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         self.kind.reach(&self.edges, point, behind, seen)
     }
 
-    /// Accepts a front at a point if it is the first. Returns the change of the time.
+    /// Accepts a front that no scan has brought, if it is earlier than the present front at the point. Returns the
+    /// change of the front.
     #[inline]
     pub(in crate::cpu) fn lower(&mut self, point: usize, arrival: K::Arrival) -> R::Bits {
         self.accept(point, arrival, SEED, false)
@@ -173,9 +174,10 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         largest
     }
 
-    /// Takes the earliest of the fronts that four scans have left at a point, and returns the change. `copies`
-    /// are in the order of the scans. In each copy only a front that the copy's own scan brought counts. Any
-    /// other front there is the present one, and stays, unless it has been taken back.
+    /// Takes the earliest of the fronts that four scans have left at a point, and returns the change. `copies` are
+    /// copies of all fronts, one for each scan, in the order of the scans. If fronts record their scan, a copy
+    /// contributes only a front that its own scan has brought. If no copy contributes, the present front stays, or
+    /// becomes unreached if a scan has made the point unreached in its copy.
     pub(in crate::cpu) fn take_first(&mut self, copies: &[Self; 4], point: usize) -> R::Bits {
         let before = self.at(point);
         let (mut taken, mut left): (Option<Kept<R, K::Carried>>, _) = (None, before);

@@ -1,9 +1,9 @@
-//! Finds the tiles in which two scans have work, before they start.
+//! Finds the tiles in which scans have work, before the scans start.
 //!
 //! A scan has to examine every tile beside a change. In most of them it only confirms that the change has no
 //! effect. If all points of a tile are settled (`lines/settled.rs`) before a scan, the scan changes nothing there
-//! until it brings a change itself. This module finds such tiles for both scans of a pair at once. It examines points
-//! row by row, in the order of memory, with any number of threads. So scans to the right and left have to transpose the
+//! until it brings a change itself. This module finds such tiles for up to four scans at once. It examines points row
+//! by row, in the order of memory, with any number of threads. So scans to the right and left have to transpose the
 //! columns of few tiles only.
 
 use std::ops::Range;
@@ -19,8 +19,9 @@ use crate::lanes::Loop;
 use crate::surface::Real;
 
 /// Finds the tiles in which any of up to four scans has work. All scans start from the same fronts. Returns the number
-/// of examined points. A point that is examined for two scans counts twice. Rows of tiles are examined in parallel if
-/// the tiles are those of the whole grid.
+/// of examined points. A point that is examined for two scans counts twice. Without a limit, the points of tiles that
+/// are due anyway are included, although they are not examined. Rows of tiles are examined in parallel if the tiles are
+/// those of the whole grid.
 pub(in crate::cpu) fn find_due<R: Real, K: LaneKind<R>>(
     kind: &K,
     before: Before<R, K::Carried, K::SurfaceData>,
@@ -72,9 +73,9 @@ fn runs(beside: &[u8], scan: Scan) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
-/// A check of whether a scan has work in the tiles along a row of points. It adds the scan to `due` of those
-/// tiles. If there is a limit, it returns the number of points that it has not examined: those beyond the limit,
-/// and those of tiles that are due anyway.
+/// A check of whether a scan has work in the tiles along a row of points. It adds the scan to `due` of those tiles. If
+/// there is a limit, it returns the number of points that it has not examined: points beyond the limit, and points of
+/// tiles that are due anyway. Without a limit it returns 0.
 struct Look<'l, R: Real, K: LaneKind<R>> {
     kind: &'l K,
     before: &'l Before<'l, R, K::Carried, K::SurfaceData>,
@@ -122,7 +123,7 @@ impl<R: Real, K: LaneKind<R>> Loop for Look<'_, R, K> {
                     obtuse[start..][..points].iter().fold(0, any) & of_scan != 0
                 })
             };
-            // Spans are those of updates: the last one overlaps the one before.
+            // Spans are the same as in updates: the last span of a line overlaps the span before it.
             let leaves = match points.checked_sub(TILE) {
                 Some(last) => {
                     let start = (tile * TILE).min(last);

@@ -1,4 +1,4 @@
-//! Exchanges fronts between the copies of a point of a glued surface, in both arrays of a map.
+//! Exchanges fronts between the copies of a point of a glued surface, in both copies of a map.
 
 use super::scan_copy::ScanCopy;
 use super::tiles::Tiles;
@@ -7,8 +7,8 @@ use crate::cpu::fronts::exchange;
 use crate::surface::{EdgeLengths, Real, min};
 use crate::update::Kept;
 
-/// Gives all copies of each point the earliest front among them, and returns the largest change. Both arrays in
-/// `copies` hold the same map, before and after this call. Scans do not continue changes later than `limit`.
+/// Gives all copies of each point the earliest front among them, and returns the largest change. `copies` are two
+/// copies of the map, which are equal before and after this call. Scans do not continue changes later than `limit`.
 pub(in crate::cpu) fn exchange<R: Real, K: FrontKind<R>>(
     edges: &EdgeLengths<R>,
     copies: &mut [ScanCopy<R, K::Carried>; 2],

@@ -63,15 +63,15 @@ pub(in crate::cpu) fn update_line<R: Real, K: LaneKind<R>>(
 struct LineUpdate<'l, 'g, R: Real, K: LaneKind<R>, const SPLIT: bool> {
     of_line: K::OfLine<'l>,
     line: ScanLine<'l, 'g, R, K::Carried, K::SurfaceData>,
-    /// The points with obtuse triangles, and the fronts that arrive through parts of these.
+    /// The points with obtuse triangles, and the fronts that arrive through parts of these triangles.
     splits: &'l [(usize, Option<K::Arrival>)],
     options: UpdateOptions,
     /// Marks of the spans that the update changes.
     changed: &'l mut [Changed],
 }
 
-/// Updates each span of [`TILE`] points. If the number of points is no multiple of that, the last span overlaps the one
-/// before it. A second update leaves the points in both spans as they are.
+/// Updates each span of [`TILE`] points. If the number of points is no multiple of [`TILE`], the last span overlaps the
+/// span before it. A second update leaves the points in both spans as they are.
 impl<R: Real, K: LaneKind<R>, const SPLIT: bool> Loop for LineUpdate<'_, '_, R, K, SPLIT> {
     type Output = Updated<R::Bits>;
 

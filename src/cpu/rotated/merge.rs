@@ -1,4 +1,4 @@
-//! Merges the two copies of a map's fronts after two opposite scans have each updated one.
+//! Merges the two copies of a map's fronts after two opposite scans have each updated one of them.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ use crate::lanes::Loop;
 use crate::surface::{Chart, Real};
 use crate::update::{Carried, Kept};
 
-/// Stores at each point the front that arrives first in both copies.
+/// Stores at each point, in both copies, the first of the two copies' fronts.
 pub(in crate::cpu) fn merge<R: Real, K: FrontKind<R>>(
     chart: Chart,
     tiles: &Tiles,
@@ -77,7 +77,7 @@ fn merge_band(
 }
 
 /// A merge that takes the first of two fronts. If a copy has a front that the scan of the other copy brought in an
-/// earlier iteration, its own scan has not changed it, and the other copy's front is taken.
+/// earlier iteration, the copy's own scan has not changed that front, and the other copy's front is taken.
 struct Merge<'l, R: Real, K: FrontKind<R>> {
     a: (&'l mut [R], &'l mut [K::Carried]),
     b: (&'l mut [R], &'l mut [K::Carried]),

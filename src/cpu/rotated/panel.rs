@@ -33,7 +33,7 @@ pub(in crate::cpu) struct Panel<R, C, G> {
 #[derive(Clone, Copy)]
 pub(in crate::cpu) struct Grid<'a, R, G> {
     pub edges: &'a EdgeLengths<R>,
-    /// Transposed edges from columns to those before them, if they are kept.
+    /// Transposed edges from each column to the column before it, if they are kept.
     pub transposed: Option<&'a TransposedEdges<R>>,
     pub surface_data: &'a [G],
 }
@@ -102,7 +102,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         }
     }
 
-    /// Returns the columns as lines. The panel holds their points in `rows`.
+    /// Returns the columns as lines. The panel holds the points of these lines in `rows`.
     pub(in crate::cpu) fn lines<'a>(
         &'a mut self,
         grid: Grid<'a, R, G>,

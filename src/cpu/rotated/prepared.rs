@@ -25,7 +25,8 @@ pub(in crate::cpu) struct Prepared<R: Real, K: LaneKind<R>> {
 }
 
 /// Minimum number of grid points for keeping transposed edges. On smaller grids the transposed edges and the panels
-/// would take more than 40 bytes per point. They would save less time, since the arrays to transpose fit near caches.
+/// would take more than 40 bytes per point. Transposed edges would also save less time there, since the arrays to
+/// transpose fit near caches.
 const TRANSPOSED_FROM: usize = 256 * 256;
 
 /// Number of iterations of a map after which the parts of many obtuse triangles are stored. On a plane sheared by 60
@@ -36,7 +37,7 @@ pub(in crate::cpu) const FEW_ITERATIONS: u32 = 3;
 impl<R: Real, K: LaneKind<R>> Prepared<R, K> {
     pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, kind: K) -> Self {
         if K::NEEDS_EDGES {
-            // A scan would store the parts of obtuse triangles otherwise, while its other threads wait.
+            // Otherwise a scan would store the parts of obtuse triangles, while other threads wait for it.
             edges.store_few_parts();
         }
         let chart = edges.chart();
@@ -73,9 +74,9 @@ impl<R: Real, K: LaneKind<R>> Prepared<R, K> {
         panel
     }
 
-    /// Stores data before the second map that makes it and all later ones faster: the parts of all obtuse triangles,
-    /// and the edges between columns in the order that scans to the right and left need. Returns whether this call
-    /// has stored these edges.
+    /// Before the second map, stores data that make this map and all later ones faster: the parts of all obtuse
+    /// triangles, and the edges between columns in the order that scans to the right and left need. Returns whether
+    /// this call has stored these edges.
     pub(in crate::cpu) fn prepare(&mut self) -> bool {
         if !std::mem::replace(&mut self.solved, true) {
             return false;

@@ -17,8 +17,8 @@ use crate::{Convergence, Monitor, Stop, Targets};
 
 /// Returns the scanner for the kind of front, as this crate has compiled it.
 ///
-/// The compiler would generate the code of all kinds of fronts anew in each crate that calls a generic function which
-/// makes scanners. That takes one to two minutes.
+/// If a generic function made the scanners, the compiler would generate the code of all kinds of fronts anew in each
+/// crate that calls it. That takes one to two minutes.
 fn compiled_scanner<R: Real>(
     edges: &EdgeLengths<R>,
     wavefront: Wavefront,
@@ -84,8 +84,8 @@ const FURTHER: [f64; 6] = [0.02, 0.06, 0.15, 0.3, 0.6, 1.0];
 /// part of that happens during the first map. It holds a clone of the edge lengths, which shares their arrays.
 ///
 /// For straight fronts on grids of at least 256 x 256 points, the second map fills another 12 bytes per point (in
-/// single precision), and on surfaces with many obtuse triangles it stores their parts with the edges. Both make the
-/// second map and all later ones faster.
+/// single precision). On surfaces with many obtuse triangles, the second map stores the parts of these triangles with
+/// the edges. Both make the second map and all later ones faster.
 ///
 /// Large grids are solved patch by patch, by all threads of the pool that makes the solver ([`Order`]). On smaller
 /// grids, opposite scans run in parallel on two copies of the fronts, which are then merged. This takes no more
@@ -93,15 +93,15 @@ const FURTHER: [f64; 6] = [0.02, 0.06, 0.15, 0.3, 0.6, 1.0];
 /// bit-identical for any number of threads. [`RotatedScan::new`] chooses the order by that number.
 ///
 /// With patches, the number of iterations of a map is that of the patch with the most iterations, and
-/// [`Stop::iterations`] limits those of each patch. The residual is the largest change in the last iteration of any
-/// patch, or a larger change beside a patch that had no iterations left to respond to it.
+/// [`Stop::iterations`] limits the iterations of each patch. The residual is the largest change in the last iteration
+/// of any patch, or a larger change beside a patch that had no iterations left to respond to it.
 #[derive(Debug)]
 pub struct RotatedScan<R> {
     edges: EdgeLengths<R>,
     chart: Chart,
-    /// Largest arrival time of the maps; [`Self::set_radius`].
+    /// Largest arrival time of the maps; see [`Self::set_radius`].
     radius: f64,
-    /// Largest arrival time of the last map. It has no distances beyond that.
+    /// Largest arrival time of the last map. The map has no distances beyond this time.
     end: f64,
     /// Number of points that were visited to estimate the times of targets.
     foreseen: u64,
@@ -145,7 +145,10 @@ impl<R: Real> RotatedScan<R> {
     /// # Panics
     /// If this machine does not have the instructions; see [`Instructions::available`].
     pub fn with_instructions(mut self, instructions: Instructions) -> Self {
-        assert!(Instructions::available().contains(&instructions), "no {instructions} here");
+        assert!(
+            Instructions::available().contains(&instructions),
+            "this machine does not have {instructions}"
+        );
         self.scanner.set_instructions(instructions);
         self
     }
@@ -158,8 +161,8 @@ impl<R: Real> RotatedScan<R> {
     }
 
     /// Sets a radius: points whose front would arrive later are unreached. Distances within the radius are
-    /// those of the whole map. Only tiles are visited that a front reaches within the radius, so that the work
-    /// is proportional to their area. With +infinity there is no limit.
+    /// those of the whole map. Only tiles that a front reaches within the radius are visited, so the work is
+    /// proportional to the area of these tiles. With +infinity there is no limit.
     ///
     /// ```
     /// use geosweep::cpu::RotatedScan;

@@ -84,7 +84,7 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
         Fronts { window: self.window, times: &self.times, carried: &self.carried }
     }
 
-    /// Resets all points that have been reached to unreached. They lie in the used ones of `tiles`.
+    /// Resets all points that have been reached to unreached. These points lie in the used tiles of `tiles`.
     pub(in crate::cpu) fn forget(&mut self, tiles: &Tiles) {
         (self.visits, self.updates) = (0, 0);
         for Block { rows, cols } in tiles.used() {
@@ -96,7 +96,7 @@ impl<R: Real, C: Carried> ScanCopy<R, C> {
         }
     }
 
-    /// Runs a scan over the tiles that are due and over those ahead of its own changes. Returns the largest change.
+    /// Runs a scan over the tiles that are due and over the tiles ahead of its own changes. Returns the largest change.
     pub(in crate::cpu) fn scan<K: LaneKind<R, Carried = C>>(
         &mut self,
         kind: &K,

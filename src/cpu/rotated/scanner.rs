@@ -31,7 +31,7 @@ pub(in crate::cpu) struct Scanner<R: Real, K: LaneKind<R>> {
     copies: [ScanCopy<R, K::Carried>; 2],
     panels: [Panel<R, K::Carried, K::SurfaceData>; 2],
     limit: Limit,
-    /// Number of points that were examined before scans, to find the tiles in which they have work.
+    /// Number of points that were examined before scans, to find the tiles in which the scans have work.
     looked: u64,
 }
 

@@ -21,7 +21,7 @@ pub(in crate::cpu) trait Scans<R>: std::fmt::Debug + Send + Sync {
     /// Returns blocks of the grid that hold all points that the last map has reached.
     fn used(&self) -> Vec<Block>;
 
-    /// Sets the limit of the next map. It falls with the times of its targets.
+    /// Sets the limit of the next map. The limit falls with the times of its targets.
     fn set_limit(&mut self, limit: Limit);
 
     /// Returns the current limit. Arrival times after it are not final.

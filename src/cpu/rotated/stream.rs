@@ -2,7 +2,7 @@
 
 use crate::surface::Real;
 
-/// Copies arrival times to memory without loading it into the caches, for data that is not read soon.
+/// Copies arrival times to memory without loading the destination into the caches, for data that is not read soon.
 /// Unreached points become infinite.
 ///
 /// An ordinary store first fetches the cache line that it is about to overwrite, and waits for it. For the rows of a
@@ -24,8 +24,8 @@ pub(in crate::cpu) fn stream<'a>(pairs: impl Iterator<Item = (&'a [f32], &'a mut
 fn copy(from: &[f32], to: &mut [f32]) {
     use std::arch::x86_64::*;
 
-    assert_eq!(from.len(), to.len(), "as many numbers");
-    // SAFETY: four numbers side by side are a vector, whatever they are.
+    assert_eq!(from.len(), to.len(), "both slices must have the same length");
+    // SAFETY: any four adjacent numbers are a valid vector.
     let (head, vectors, tail) = unsafe { to.align_to_mut::<__m128>() };
     let (first, from) = from.split_at(head.len());
     let (fours, last) = from.as_chunks::<4>();
@@ -46,7 +46,7 @@ fn copy(from: &[f32], to: &mut [f32]) {
 
 #[cfg(not(target_arch = "x86_64"))]
 fn copy(from: &[f32], to: &mut [f32]) {
-    assert_eq!(from.len(), to.len(), "as many numbers");
+    assert_eq!(from.len(), to.len(), "both slices must have the same length");
     one_by_one(from, to);
 }
 

@@ -26,9 +26,9 @@ pub(in crate::cpu) struct Tiles {
     used: Vec<bool>,
     /// Scans that have not seen the tile's last change yet.
     pending: Vec<u8>,
-    /// Scans of the current pair that have to examine the tile, since it is beside or ahead of such a change.
+    /// Scans that are about to run and have to examine the tile, since it is beside or ahead of such a change.
     beside: Vec<u8>,
-    /// Scans of the current pair that have work in the tile.
+    /// Scans that are about to run and have work in the tile.
     due: Vec<u8>,
 }
 
@@ -141,7 +141,8 @@ impl Tiles {
         self.pending.iter().any(|pending| pending & scan.bit() != 0)
     }
 
-    /// Returns, for each row of inner tiles, the block from the first to the last of some tiles.
+    /// Returns, for each row of inner tiles, the block of points from the first to the last tile that is marked as
+    /// changed in `some`.
     pub(in crate::cpu) fn spans<'t>(
         &'t self,
         some: &'t [Changed],
@@ -195,9 +196,9 @@ impl Tiles {
         Block { rows: within(rows, &self.inner.rows), cols: within(cols, &self.inner.cols) }
     }
 
-    /// Returns two slices for each row of tiles. The first one has, for each tile, the flags of those of `scans` that
-    /// have to examine it, since it is beside or ahead of a changed tile. The second one is zero: the caller adds the
-    /// flags of the scans that have work in the tile.
+    /// Returns two slices for each row of tiles. The first slice has, for each tile, the flags of those `scans` that
+    /// have to examine the tile, since it is beside or ahead of a changed tile. The second slice is zero: the caller
+    /// adds the flags of the scans that have work in the tile.
     pub(in crate::cpu) fn rows_beside_changes(
         &mut self,
         scans: &[UpdateOptions],
@@ -221,8 +222,8 @@ impl Tiles {
         self.beside.par_chunks(cols).zip(self.due.par_chunks_mut(cols))
     }
 
-    /// Finds the spans of a band that a scan has to visit: those beside tiles that are due, and those
-    /// ahead of tiles that the scan has changed.
+    /// Finds the spans of a band that a scan has to visit. They consist of the tiles that are due, the tiles ahead of
+    /// tiles that the scan has changed, and the tiles beside all these.
     pub(in crate::cpu) fn runs(
         &self,
         scan: Scan,
@@ -250,9 +251,9 @@ impl Tiles {
         }
     }
 
-    /// Notes that some scans have run in parallel, and which tiles they have changed. Each of them has not seen the
-    /// changes of the others yet. Changes beyond the limit are pending for no scan. An empty list means that the scan
-    /// has changed no tile.
+    /// Notes that some scans have run in parallel, and which tiles they have changed. None of them has seen the changes
+    /// of the others yet. Changes beyond the limit are pending for no scan. An empty list means that the scan has
+    /// changed no tile.
     pub(in crate::cpu) fn passed<const N: usize>(
         &mut self,
         scans: [Scan; N],
@@ -308,7 +309,7 @@ mod tests {
         let inner = Block { rows: 64..96, cols: 48..96 };
         let mut tiles = Tiles::new(window, &inner);
         let quiet = vec![Changed::No; tiles.len()];
-        // Above the inner tiles, and beside them.
+        // The touched points lie above the inner tiles and beside them.
         tiles.touch(50, 60);
         tiles.touch(70, 100);
         assert!(tiles.has_pending(Scan::LEFT));

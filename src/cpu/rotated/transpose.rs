@@ -30,8 +30,8 @@ pub(in crate::cpu) fn transpose<T: Pod>(
     if instructions != Instructions::Baseline && size_of::<T>() == size_of::<f32>() {
         use bytemuck::{try_cast_slice, try_cast_slice_mut};
         if let (Ok(from), Ok(to)) = (try_cast_slice(from), try_cast_slice_mut(to)) {
-            // SAFETY: both sets have AVX2, and `Instructions::available` lists only sets that
-            // this machine has.
+            // SAFETY: all instruction sets above the baseline have AVX2, and `Instructions::available` lists only sets
+            // that this machine has.
             return unsafe { avx2::transpose(from, to, block) };
         }
     }
@@ -103,8 +103,8 @@ mod avx2 {
     #[inline]
     #[target_feature(enable = "avx2")]
     unsafe fn eight(from: *const f32, from_stride: usize, to: *mut f32, to_stride: usize) {
-        // Loads half a line, and into the upper half of the register that half of the fourth line after it. This costs
-        // no extra instruction.
+        // Loads half of a line into the lower half of a register, and the same half of the fourth line after it into
+        // the upper half. This costs no extra instruction.
         // SAFETY: the caller's.
         let halves = |line: usize, half: usize| unsafe {
             let near = from.add(line * from_stride + 4 * half);

@@ -12,8 +12,8 @@ use crate::cpu::lines::window::Window;
 use crate::surface::{Chart, EdgeLengths, Real};
 
 /// Lengths of the edges from each point of a column to three points of the column before: in the same row, in the next
-/// and in the previous one. They pay for solvers of many maps: a scan to the right or left otherwise spends a third of
-/// its time on transposing these lengths.
+/// and in the previous one. Storing these lengths pays off for solvers of many maps: a scan to the right or left
+/// otherwise spends a third of its time on transposing these lengths.
 #[derive(Clone, Debug)]
 pub(in crate::cpu) struct TransposedEdges<R> {
     /// Distance in memory from a line to the next.

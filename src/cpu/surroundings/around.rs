@@ -12,7 +12,8 @@ use crate::cpu::rotated::scans::Scans;
 use crate::surface::{Block, Direction, EdgeLengths, Real, Seed, Sheet, Surface};
 use crate::update::Wavefront;
 
-/// Number of rows and columns around the surroundings on whose points the edges and curvatures there depend.
+/// Width in rows and columns of the margin around the surroundings. Edges and curvatures in the surroundings depend on
+/// the points of this margin.
 const MARGIN: usize = 5;
 /// A sufficient precision. The scans of the whole grid start from the surroundings and correct the rest.
 const STOP: Stop = Stop::within(1e-8).or_after(100);
@@ -23,8 +24,8 @@ pub(super) struct Surroundings<'a> {
     surface: &'a Surface,
     sheet: Sheet<'a>,
     own: Block,
-    /// Edges of the part. `None` if they are too long or too short: the engine will report this, with those
-    /// of the whole surface.
+    /// Edges of the part. `None` if an edge is too long or too short: the engine reports this when it measures the
+    /// whole surface.
     edges: Option<EdgeLengths<f64>>,
 }
 
@@ -39,8 +40,9 @@ impl<'a> Surroundings<'a> {
         Self { surface, sheet, own, edges }
     }
 
-    /// Returns the fronts that arrive in the surroundings from the source's seeds by paths inside them, at rows and
-    /// columns of the surroundings. Where a front by a path outside is earlier, it will replace them.
+    /// Returns the fronts that come from the source's seeds on paths inside the surroundings, as seeds at rows and
+    /// columns of the surroundings. Scans of the whole grid replace these fronts where a front on a path outside is
+    /// earlier.
     pub(super) fn seeds(&self, wavefront: Wavefront, own: &[Seed]) -> Vec<Seed> {
         let Some(edges) = &self.edges else { return Vec::new() };
         let points: Vec<_> = own.iter().map(|seed| (seed.row, seed.col)).collect();
@@ -63,8 +65,8 @@ impl<'a> Surroundings<'a> {
         self.edges.as_ref()
     }
 
-    /// Limits each seed's time to that along an edge from another seed. Fronts settle only to within some
-    /// digits.
+    /// Limits each seed's time to the arrival time along an edge from another seed. Without this, a seed could be later
+    /// by the tolerance to which the surroundings are solved.
     pub(super) fn shorten(&self, seeds: &mut [Seed]) {
         let Some(edges) = &self.edges else { return };
         let numbers: BTreeMap<_, _> =
@@ -80,7 +82,8 @@ impl<'a> Surroundings<'a> {
         }
     }
 
-    /// Returns whether a point of the surroundings lies on a border beyond which the grid continues.
+    /// Returns whether fronts can leave the surroundings at a point: the point lies on a border beyond which the grid
+    /// continues, or has copies to which the grid does not go on, as at a pole.
     pub(super) fn is_at_way_out(&self, (row, col): (usize, usize)) -> bool {
         let chart = self.sheet.chart();
         let leaves = |own: &Range<usize>, at: usize, all: usize| {

@@ -25,13 +25,13 @@ use crate::update::Wavefront;
 const REACH: usize = 16;
 /// Minimum number of rows and columns. With fewer there is little to gain.
 const LEAST_REACH: usize = 4;
-/// Limits of the points of all these maps together: the grid's points divided by `SHARE`, or `MOST_POINTS` if
-/// that is larger.
+/// Limits of the number of points of all these maps together: the number of the grid's points divided by `SHARE`, or
+/// `MOST_POINTS` if that is larger.
 const SHARE: usize = 4;
 const MOST_POINTS: usize = 40_000;
 
-/// Returns exact seeds around the point sources that have another one near. `seeds` are those of all sources,
-/// with their origins.
+/// Returns exact seeds around the point sources that have another point source near. `seeds` are the seeds of all
+/// sources, with their origins.
 pub(in crate::cpu) fn around_clusters(
     wavefront: Wavefront,
     surface: &Surface,
@@ -110,7 +110,8 @@ fn outer(surface: &Surface, sources: &[Origin]) -> Vec<Origin> {
     sources.iter().copied().filter(|origin| !is_inner(origin)).collect()
 }
 
-/// Returns the sources that have another one near, and the reach of their maps, if there are few enough.
+/// Returns the sources that have another source near, and the reach of their maps. Returns `None` if there are none, or
+/// too many for any reach.
 fn crowded(surface: &Surface, sources: &[Origin]) -> Option<(Vec<Origin>, usize)> {
     let most = (surface.chart().points() / SHARE).max(MOST_POINTS);
     let place = |origin: &Origin| origin.ends[0];
@@ -133,7 +134,7 @@ struct Places {
 }
 
 impl Places {
-    /// Sorts places for queries of those within `reach` rows and columns.
+    /// Sorts places, to find the places within `reach` rows and columns of a point.
     fn of(surface: &Surface, places: impl Iterator<Item = DVec2>, reach: usize) -> Self {
         let side = reach as f64;
         let images = |(number, at): (usize, DVec2)| {

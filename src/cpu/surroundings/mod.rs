@@ -1,12 +1,12 @@
 //! Solves the surroundings of sources inside cells before the whole grid.
 //!
 //! A scan follows rays up to 45 degrees from its direction. The rays of a source at a grid point stay between
-//! grid points of one scan. The rays of a source inside a cell that run close to a diagonal pass between
-//! points of which two scans reach one each. Either scan then has to wait for the other's next iteration,
-//! point after point. Some cells away from the source this changes hardly anything, but each change is passed
-//! on to the end of the grid, and maps took two to three times the iterations. So the source's surroundings
-//! are solved first, as a small map in which iterations cost nothing. For a renderer's sources, which may be
-//! known on the device only, `glsl/passes/surroundings.comp` does this.
+//! grid points of one scan. But a ray of a source inside a cell that runs close to a diagonal passes between two grid
+//! points that different scans reach. Point after point, each of these scans then has to wait for the other's next
+//! iteration. Some cells away from the source the times hardly change any more, but each change is passed on to the end
+//! of the grid, so that maps would take two to three times as many iterations. So the source's surroundings are solved
+//! first, as a small map in which iterations cost nothing. For a renderer's sources, which may be known on the device
+//! only, `glsl/passes/surroundings.comp` does this.
 //!
 //! On a surface with obtuse triangles fronts are causal ([`crate::surface::Origins`]). A front that takes a
 //! detour along an edge is a little late. Close to the source, where the front bends most, all later times
@@ -32,30 +32,30 @@ use sight_lines::along_sight_lines;
 /// cells take as many iterations as from grid points, or one more. With 4 they take one or two more.
 const REACH: usize = 8;
 /// Maximum number of rows and columns for a lone source among obtuse triangles. The mean error on peaks of
-/// 1025 x 1025 points is 2.7e-6 with 8, 2.1e-6 with 12 and 2.0e-6 with 16. The last is that of fronts that
-/// are not causal at all.
+/// 1025 x 1025 points is 2.7e-6 with 8, 2.1e-6 with 12 and 2.0e-6 with 16. The last figure is also the error of fronts
+/// that are not causal at all.
 const REACH_AMONG_OBTUSE: usize = 16;
 /// Minimum number of rows and columns. With fewer there is little to gain.
 const LEAST_REACH: usize = 4;
 /// Minimum number of grid points per point of all surroundings together. Solving one point of the
-/// surroundings takes about as long as is saved at `SHARE` grid points.
+/// surroundings takes about as long as the surroundings save at `SHARE` grid points.
 const SHARE: usize = 40;
 /// Minimum number of grid points for surroundings among obtuse triangles. On smaller grids they would take
 /// more than a twentieth of the time of the whole map, and few iterations are saved there.
 const LEAST_AMONG_OBTUSE: usize = 1_000_000;
-/// Maximum number of sources in long cells that get surroundings on any grid, with the least reach. In long
-/// cells the maps of several sources differ from those of one ([`crate::surface::Origins`]). Without
-/// surroundings their error is up to ten times as large.
+/// Maximum number of sources in long cells that get surroundings on any grid, with the least reach. In long cells, maps
+/// of several sources are less accurate than maps of one source, since updates of several sources are causal
+/// ([`crate::surface::Origins`]). Without surroundings the error is up to ten times as large.
 const MOST_IN_LONG_CELLS: usize = 8;
 /// Ratio of a cell's edges, or of its diagonals, above which the cell is long.
 const LONG: f64 = 1.5;
 impl Wavefront {
-    /// Returns the seeds from which engines solve best with this wavefront. Seeds from points inside cells
-    /// are followed by further seeds around them, up to some cells away, or with anchors along the diagonals.
-    /// Maps are the same without these, but take up to three times the iterations. With anchors they take
-    /// about as many as a diagonal has points.
+    /// Returns the seeds from which engines solve best with this wavefront. For sources inside cells it adds seeds
+    /// around the source, up to some cells away; for anchored fronts, the added seeds lie along the diagonals instead.
+    /// Without added seeds, maps are the same but take up to three times as many iterations. With anchored fronts they
+    /// would take about as many iterations as a diagonal has points.
     ///
-    /// On a large surface with obtuse triangles around a lone source, seeds around it are added wherever it
+    /// On a large surface with obtuse triangles around a lone source, seeds around the source are added wherever it
     /// lies. They make the map more accurate.
     ///
     /// ```
@@ -75,8 +75,8 @@ impl Wavefront {
     }
 }
 
-/// Returns the seeds and the fronts that those from each point inside a cell reach around it, in row-major
-/// order. Where several fronts meet, the earliest is taken.
+/// Returns the seeds, and for each source inside a cell the fronts in its surroundings, as further seeds. Each point
+/// has only its earliest seed. The order is row-major.
 fn with_surroundings(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
     let around: Vec<_> = if let Some(around) = among_obtuse_triangles(wavefront, surface, &seeds) {
         around
@@ -108,9 +108,9 @@ fn earliest(seeds: impl Iterator<Item = Seed>) -> Vec<Seed> {
     earliest.into_values().collect()
 }
 
-/// Returns the seeds of [`with_surroundings`], given the origins of all fronts. Around sources that lie close
-/// together it adds the fronts that each reaches by itself. Where cells are even, seeds keep their origins,
-/// which tell fronts apart.
+/// Returns the seeds of [`with_surroundings`], given seeds with their origins. Around sources that lie close together
+/// it adds exact seeds from maps of each source alone. Where all cells are alike, it adds seeds along straight lines
+/// instead, and seeds keep their origins, which tell fronts apart.
 fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -> Vec<Seed> {
     let of_one = |origin: Option<Origin>| seeds.iter().all(|seed| seed.origin == origin);
     let is_lone = match seeds.first().map(|seed| seed.origin) {
@@ -118,7 +118,7 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
         Some(None) => of_one(None),
         None => true,
     };
-    // A lone point source has no other fronts to be told apart from.
+    // The front of a lone point source need not be told apart from others.
     if !is_lone && wavefront.is_curved() && surface.has_even_cells() {
         let further = along_sight_lines(surface, &seeds);
         let around = with_surroundings(wavefront, surface, seeds);
@@ -140,7 +140,7 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
 /// Relative difference below which times count as equal.
 const SAME_TIME: f64 = 1e-7;
 
-/// Returns the seeds that come from a point inside a cell, by that point.
+/// Returns the seeds that come from points inside cells, grouped by these points.
 fn by_source(seeds: &[Seed]) -> Vec<(DVec2, Vec<Seed>)> {
     let mut found = BTreeMap::<_, (DVec2, Vec<Seed>)>::new();
     for seed in seeds {
@@ -155,7 +155,8 @@ fn by_source(seeds: &[Seed]) -> Vec<(DVec2, Vec<Seed>)> {
     found.into_values().collect()
 }
 
-/// Returns what a lone source reaches first if some triangles around it are obtuse.
+/// Returns the fronts in the surroundings of a lone source on a large grid, as seeds, if some triangles around the
+/// source are obtuse.
 fn among_obtuse_triangles(
     wavefront: Wavefront,
     surface: &Surface,
@@ -219,10 +220,10 @@ mod tests {
         rotated_scan(&edges, seeds, wavefront, DOUBLE).distances()
     }
 
-    /// Asserts that the map with surroundings equals the one from the sources' cells alone. Returns the
-    /// number of seeds. For one source they differ by what `STOP` leaves open. Maps of several sources are
-    /// causal ([`crate::surface::Origins`]) except in the surroundings, which have one source each. Without
-    /// surroundings, the first fronts in stretched cells are late by up to a tenth of a cell.
+    /// Asserts that the map with surroundings equals the map without them. Returns the number of seeds. For one source,
+    /// the maps may differ by the tolerance to which the surroundings are solved. Maps of several sources are causal
+    /// ([`crate::surface::Origins`]) except in the surroundings, which have one source each. Without surroundings, the
+    /// first fronts in stretched cells are late by up to a tenth of a cell.
     fn assert_same_map(surface: &Surface, wavefront: Wavefront, sources: &Sources) -> usize {
         let tolerance = if sources.iter().count() > 1 { 1e-3 } else { 1e-8 };
         let own = sources.seeds(surface).unwrap();
@@ -271,7 +272,7 @@ mod tests {
             let whole = builtin.surface(160, 160).unwrap();
             let surface = if masked { whole.with_mask(&mask).unwrap() } else { whole };
             for wavefront in [Wavefront::Circular, Wavefront::Curved] {
-                // In the middle, on a side of a cell, and beside the grid's corner.
+                // The sources lie in the middle of the grid, on a side of a cell, and beside the grid's corner.
                 for (row, col) in [(80.3, 100.75), (81.0, 100.5), (0.25, 158.5)] {
                     let seeds = assert_same_map(&surface, wavefront, &Sources::point(row, col));
                     assert!(seeds > 80, "{builtin}: {seeds}");
@@ -282,8 +283,8 @@ mod tests {
         }
     }
 
-    /// Without surroundings a causal front passes a triangle eight cells from the source late, and the mean
-    /// error is 2.9e-6.
+    /// Without surroundings, a causal front is late at a triangle eight cells from the source, and the mean error is
+    /// 2.9e-6.
     #[test]
     fn a_lone_source_among_obtuse_triangles_has_surroundings_at_a_grid_point_too() {
         let peaks = Builtin::Peaks.surface(1025, 1025).unwrap();
@@ -312,7 +313,7 @@ mod tests {
         let fast = |k: usize| if k % cols > 80 { 0.01 } else { 1.0 };
         let plane = Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0));
         let surface = plane.unwrap().with_slowness((0..rows * cols).map(fast).collect()).unwrap();
-        // The wall reaches from the fast half past the source, which lies beside it.
+        // The wall reaches from the fast half past the source, which lies beside the wall.
         let wall = |k: usize| k / cols != 60 || k % cols < 66 || k % cols > 90;
         let surface = surface.with_mask(&(0..rows * cols).map(wall).collect::<Vec<_>>()).unwrap();
         for wavefront in [Wavefront::Circular, Wavefront::Curved] {
@@ -336,7 +337,7 @@ mod tests {
         assert_eq!(added(Wavefront::Curved, &small, &Sources::point(20.3, 20.75)), 0);
         let one = added(Wavefront::Curved, &surface, &inside);
         assert_eq!(one, 18 * 18 - 4);
-        // Fronts without anchors reach the same points.
+        // On this surface, curved fronts replace anchored ones, so the same points are added.
         assert_eq!(added(Wavefront::Anchored, &surface, &inside), one);
         let crowd = |count: usize| {
             let place = |k: usize| (5.3 + 14.0 * (k / 10) as f64, 5.75 + 14.0 * (k % 10) as f64);

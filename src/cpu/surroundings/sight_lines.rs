@@ -80,7 +80,7 @@ fn has_no_hole(surface: &Surface, (row, col): (usize, usize), to: DVec2) -> bool
 /// The surface around a place.
 struct SurfaceData {
     at: DVec2,
-    /// The first fundamental form, including slowness: of rows, mixed, of columns.
+    /// The first fundamental form, including slowness: the entries for rows, for both, and for columns.
     metric: [f64; 3],
 }
 
@@ -102,8 +102,8 @@ impl SurfaceData {
         a.x * (rr * b.x + rc * b.y) + a.y * (rc * b.x + cc * b.y)
     }
 
-    /// Returns the place of an origin from which a front comes to a grid point along a straight line, and the
-    /// seed there.
+    /// Returns the place on an origin from which a front comes to a grid point along a straight line, and the seed at
+    /// the grid point.
     fn seed(&self, origin: &Origin, (row, col): (usize, usize)) -> (DVec2, Seed) {
         let at = DVec2::new(row as f64, col as f64);
         let [a, b] = origin.ends;
@@ -126,8 +126,8 @@ impl SurfaceData {
 }
 
 /// Returns the metric of cells that are all alike, from the lengths of edges in the middle of a part of the
-/// surface. It is 1 in directions that have no edges. At the sides of the part, arcs differ from those of the
-/// whole surface.
+/// surface. It is 1 in directions that have no edges. The middle is used since arcs at the sides of the part differ
+/// from those of the whole surface.
 fn metric<R: Real>(edges: &EdgeLengths<R>) -> [f64; 3] {
     let chart = edges.chart();
     let from_middle = |&(row, col): &(usize, usize)| {

@@ -9,7 +9,7 @@ use crate::cpu::{Progress, Solution};
 use crate::surface::{EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 
-/// Solves by updates of all points from the previous fronts, two in each iteration. Each iteration equals
+/// Solves by updates of all points from the previous fronts. Each iteration consists of two such updates, and equals
 /// that of the shader. A front advances by one point per update.
 pub fn all_points<R: Real>(
     edges: &EdgeLengths<R>,

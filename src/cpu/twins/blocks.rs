@@ -12,8 +12,8 @@ use crate::cpu::{Progress, Solution};
 use crate::surface::{Chart, EdgeLengths, Real, Seed, Tiling};
 use crate::update::Wavefront;
 
-/// The blocks that an iteration has visited. For each of the scans down, up, right and left, it lists the
-/// blocks of rows or of columns, starting with the first.
+/// Flags of the blocks that an iteration has visited. For each of the scans down, up, right and left, there is one flag
+/// for each block of rows or of columns, starting with the first block.
 pub type Visits = [Vec<bool>; 4];
 
 /// Solves as [`super::scan_in_turn`] or [`super::scan_in_pairs`] does, bit for bit, in blocks of `lines`
@@ -51,7 +51,7 @@ pub fn scan_in_pairs<R: Real>(
     })
 }
 
-/// Solves from the fronts at seeds. Visits only the blocks that are due if `visits` are wanted.
+/// Solves from the fronts at seeds. If `visits` is given, visits only the blocks that are due.
 fn solve<R: Real, K: PointKind<R>>(
     mut fronts: PointFronts<R, K>,
     seeds: &[Seed],
@@ -117,8 +117,8 @@ struct Due {
     /// Number of lines of texels in a block.
     lines: usize,
     blocks: [Vec<bool>; 4],
-    /// Blocks that see a line which the opposite scan has changed while they may be visited themselves. They
-    /// become due once both scans have ended their phase.
+    /// Blocks that see a line which the opposite scan has changed in the same phase. They become due at the end of the
+    /// phase.
     after: Vec<(usize, usize)>,
 }
 
@@ -137,7 +137,8 @@ impl Due {
     }
 
     /// Records that a point, given by row and column, has changed. `by` is the part that changed it, or `None` for
-    /// a seed or an exchange between copies. The scan that changed it need not visit the block again for it.
+    /// a seed or an exchange between copies. The scan that changed the point need not visit the point's block again
+    /// because of this change.
     fn changed(&mut self, (row, col): (usize, usize), by: Option<&Part>) {
         for (scan, order) in Scan::ALL.into_iter().enumerate() {
             let texel = order.lines().place(row, col).0 / 2;
@@ -145,7 +146,8 @@ impl Due {
             if by.is_none_or(|part| part.scan != order) {
                 self.blocks[scan][block] = true;
             }
-            // The opposite scan sees the lines of this phase only in its own blocks.
+            // In this phase the opposite scan visits blocks outside this part, and does not see what the part changes.
+            // Such blocks become due after the phase.
             let is_across = |ahead: usize| {
                 by.is_some_and(|part| part.scan.is_opposite(order) && !part.blocks.contains(&ahead))
             };

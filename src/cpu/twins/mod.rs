@@ -1,6 +1,6 @@
-//! Implements the shaders' schedules point by point, each in the order of its shader. Tests and studies
-//! compare both after any number of iterations. The twins are slow. They need the feature `twins` and are not
-//! covered by the crate's promises of compatibility.
+//! Implements the shaders' schedules point by point, each in the order of its shader. Tests and studies compare twin
+//! and shader after any number of iterations. The twins are slow. They need the feature `twins` and are not covered by
+//! the crate's promises of compatibility.
 
 mod all_points;
 mod blocks;

@@ -67,8 +67,8 @@ impl Part {
         (self.lines.start + 1..self.lines.end + 1).contains(&line)
     }
 
-    /// Returns the front that the scan sees at a point: the present one in its own blocks, and elsewhere the
-    /// one of before the phase.
+    /// Returns the front that the scan sees at a point: the present front in the scan's own blocks, and elsewhere the
+    /// front from before the phase.
     pub(super) fn sees<R: Real, K: PointKind<R>>(
         &self,
         fronts: &PointFronts<R, K>,
@@ -84,7 +84,8 @@ impl Part {
 mod tests {
     use super::*;
 
-    /// Seven texels of rows in blocks of two are four blocks; five of columns are three.
+    /// Thirteen rows are seven lines of texels, which make four blocks of two. Ten columns are five lines of texels,
+    /// which make three blocks.
     #[test]
     fn parts_of_a_phase_have_no_block_in_common_and_those_of_an_iteration_have_all() {
         let chart = Chart { rows: 13, cols: 10 };

@@ -19,7 +19,7 @@ type Start = Option<(f32, u32)>;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Link {
     Label(u32),
-    /// The label of an earlier point, which applies if the way leads nowhere.
+    /// The index of an earlier point, whose label applies if the way leads nowhere.
     Parent(usize),
     /// No front arrives.
     Nothing,
@@ -96,7 +96,7 @@ fn starts(chart: Chart, seeds: &[(Seed, u32)]) -> Vec<Start> {
     starts
 }
 
-/// Returns the row-major indices of the copies of each point that has some.
+/// Returns the row-major indices of the copies of each point that has copies.
 fn copies(edges: &EdgeLengths<f32>) -> Vec<Vec<usize>> {
     let chart = edges.chart();
     let index = |&point: &u32| {
@@ -116,7 +116,7 @@ fn share_starts(copies: &[Vec<usize>], starts: &mut [Start]) {
     }
 }
 
-/// Gives all copies of a point the way on which its front has come, which is the earliest.
+/// Gives all copies of a point the way of the copy that a front reaches first.
 fn share_ways(copies: &[Vec<usize>], ways: &mut [(f32, Link, Place)]) {
     for group in copies {
         let of_group = group.iter().map(|&copy| ways[copy]);
@@ -125,7 +125,8 @@ fn share_ways(copies: &[Vec<usize>], ways: &mut [(f32, Link, Place)]) {
     }
 }
 
-/// Returns when a front arrives at a point, and where its way crosses the base of its triangle.
+/// Returns the arrival time of the front at a point, the link of the point, and the place at which its way crosses the
+/// base of its triangle.
 fn begin<K: TriangleKind<f32>>(
     chart: Chart,
     fronts: &PointFronts<f32, K>,
@@ -198,7 +199,7 @@ fn flow(chart: Chart, links: &[Link], places: &[Place], index: usize) -> (Link, 
     (link, place)
 }
 
-/// Returns where the way continues from a place, or the label there.
+/// Returns the next place of a way after a place, or the label there, or `None` if the way leads nowhere.
 fn step(
     chart: Chart,
     links: &[Link],

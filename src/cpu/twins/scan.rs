@@ -33,7 +33,8 @@ pub fn scan_outward<R: Real>(
     solve(edges, seeds, wavefront, stop, true)
 }
 
-/// Solves by scans one after another. With `outward`, those of the first iteration visit only lines ahead of a seed.
+/// Solves by scans one after another. With `outward`, the scans of the first iteration visit only lines ahead of a
+/// seed.
 fn solve<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],

@@ -61,7 +61,7 @@ fn solve<R: Real, K: PointKind<R>>(
         }
         let window = Window::around(source.at, chart);
         let points = || window.places().map(|(row, col)| chart.bordered(row, col));
-        // Points around the window stay unreached: ways outside it are for the scans to find.
+        // Points around the window stay unreached: scans of the whole grid find the paths outside the window later.
         let mut old = unreached.clone();
         let begin = match is_crowded {
             true => PointFronts::start(edges, kind.clone(), &source.seeds),

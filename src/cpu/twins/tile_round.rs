@@ -21,10 +21,11 @@ pub struct Rounds {
     pub tile: usize,
     /// Largest number of iterations of four scans inside a tile in one round.
     pub inner: u32,
-    /// Number of rounds of a recording. After these it is decided whether curved fronts are still renewed.
+    /// Number of rounds of a recording. At the end of a recording, `settle.comp` decides whether curved fronts are
+    /// still renewed.
     pub recorded: u32,
-    /// Tiles that are due much later than the first one wait if more than this number are on the list. It is
-    /// 0 in shaders on CPUs and 64 on GPUs. With `None`, no tile waits.
+    /// Number of tiles on the list above which tiles that are due much later than the first one wait. It is 0 in
+    /// shaders on CPUs and 64 on GPUs. With `None`, no tile waits.
     pub few: Option<usize>,
 }
 
@@ -87,19 +88,19 @@ fn solve<R: Real, K: PointKind<R>>(
 struct Tiles<R: Real, K: PointKind<R>> {
     chart: Chart,
     tiling: Tiling,
-    /// Distance from which other points may see a point.
+    /// Largest distance, in rows and columns, from which an update reads a point.
     reach: usize,
     rounds: Rounds,
     behind: [Behind; 4],
     /// The fronts before the round.
     fronts: PointFronts<R, K>,
-    /// Four copies of the fronts. The fronts of one tile and around it are in use.
+    /// Four copies of the fronts, one for each scan. Only the fronts in and around the visited tile are in use.
     copies: [PointFronts<R, K>; 4],
     /// The tiles to visit in the next round.
     list: Vec<(usize, usize)>,
     /// The time at which each tile is due, if it is on the list.
     due: Vec<Option<R>>,
-    /// A tile waits if it is due later than the first by more than this. If it is zero, no tile waits.
+    /// A tile waits if it is due later than the first tile by more than this time. If the time is zero, no tile waits.
     band: R,
     /// Number of tiles visited so far.
     visits: u64,
@@ -155,7 +156,7 @@ impl<R: Real, K: PointKind<R>> Tiles<R, K> {
             since_reached: 0,
             renews: true,
         };
-        // The tiles of the texels around the texel of each seed.
+        // Enlists the tiles of the texels around the texel of each seed.
         let texels = Tiling::new(chart, 2);
         for seed in seeds {
             let (texel, _) = texels.tile_of((seed.row, seed.col));
@@ -250,7 +251,7 @@ impl<R: Real, K: PointKind<R>> Tiles<R, K> {
                 for line in order.in_order(turned.rows) {
                     let points = turned.cols.clone().map(|at| order.lines().place(line, at));
                     let points = points.map(|(row, col)| chart.bordered(row, col));
-                    // All points see the line as it was.
+                    // All points of the line are updated from the fronts before its update.
                     let seen = |x| if near(x) { copy.at(x) } else { fronts.at(x) };
                     let arrive = |point| (point, copy.reach_seen(point, behind, seen));
                     for (point, front) in points.map(arrive).collect::<Vec<_>>() {
@@ -301,7 +302,8 @@ impl<R: Real, K: PointKind<R>> Tiles<R, K> {
     }
 
     /// Ends the rounds of a recording, and returns whether they were the last. `unsettled` holds the largest
-    /// unsettled change of each round. The twin of `settle.comp`, except that fronts are in one place here.
+    /// unsettled change of each round. The twin of `settle.comp`, except that all fronts are in one array here and need
+    /// not be copied back.
     fn settle(&mut self, unsettled: &[R::Bits], reached: bool, recorded: u32) -> bool {
         let visited = unsettled.len() as u32;
         self.iterations += visited;

@@ -8,8 +8,8 @@ pub struct Alignment {
     /// The moved points, row-major.
     pub moved: Vec<f64>,
     /// The root mean square of the distances between corresponding points, divided by the root mean square of
-    /// the fixed points' distances from their mean. It is 0 for congruent forms. Forms are not scaled, so it exceeds
-    /// 1 if the moved form is much larger than the fixed one.
+    /// the fixed points' distances from their mean. It is 0 for congruent forms. Forms are not scaled, so the deviation
+    /// exceeds 1 if the moved form is much larger than the fixed one.
     pub deviation: f64,
 }
 
@@ -22,7 +22,7 @@ pub struct Alignment {
 /// # Panics
 /// If the arrays differ in length, or their length is not a multiple of `dimensions`.
 pub fn align(moving: &[f64], fixed: &[f64], dimensions: usize) -> Alignment {
-    assert_eq!(moving.len(), fixed.len(), "as many points in both forms");
+    assert_eq!(moving.len(), fixed.len(), "both forms must have the same number of points");
     assert_eq!(fixed.len() % dimensions, 0, "a whole number of points");
     let points = fixed.len() / dimensions;
     let centred = |coordinates: &[f64]| {

@@ -1,4 +1,5 @@
-//! Computes classical scaling: the form whose scalar products fit best, from the largest eigenvalues.
+//! Computes classical scaling: the form whose scalar products fit the distances best, from the largest
+//! eigenvalues.
 //!
 //! Let D2 be the matrix of squared distances and J = I - 11^T / n the centring matrix. The scalar products of
 //! the centred points are B = -J D2 J / 2 (Torgerson 1952). B itself is never formed. Its product with
@@ -21,11 +22,11 @@ const SPARE: usize = 2;
 const MOST_BLOCKS: usize = 12;
 /// The relative change of the requested eigenvalues below which no more blocks are added. The form is only
 /// the start of SMACOF, so it need not be more accurate. The rounding errors of single precision are not far
-/// below.
+/// below this limit.
 const SETTLED: f64 = 1e-5;
 
-/// Returns the coordinates, row-major, by descending eigenvalue. Dimensions without a positive eigenvalue are
-/// zero.
+/// Returns the coordinates, row-major, with the axes by descending eigenvalue. Dimensions without a positive
+/// eigenvalue are zero.
 pub(super) fn classical_scaling(
     distances: &Distances,
     dimensions: usize,

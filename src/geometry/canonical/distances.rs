@@ -139,8 +139,8 @@ fn largest_piece(points: usize, values: &[f32]) -> Vec<usize> {
     let mut largest = Vec::new();
     while let Some(&first) = left.first() {
         let row = &values[first * points..][..points];
-        // In a matrix of path lengths, reachability is transitive. A matrix in which it is not, or which
-        // contains NaN, is rejected by the later check of the piece.
+        // In a matrix of path lengths, reachability is transitive. A matrix without this property, or with a
+        // NaN, is rejected by the later check of the piece.
         let reached = |&to: &usize| to == first || row[to] != f32::INFINITY;
         let (piece, others): (Vec<_>, Vec<_>) = left.into_iter().partition(reached);
         if piece.len() > largest.len() {
@@ -156,7 +156,8 @@ fn largest_piece(points: usize, values: &[f32]) -> Vec<usize> {
 }
 
 impl CanonicalError {
-    /// Replaces the indices within a piece by the indices in the whole matrix. `kept` maps one to the other.
+    /// Replaces the indices within a piece by the indices in the whole matrix. `kept` holds the index in the
+    /// whole matrix of each point of the piece.
     fn renumbered(self, kept: &[usize]) -> Self {
         match self {
             Self::NotANumber { from, to } => Self::NotANumber { from: kept[from], to: kept[to] },

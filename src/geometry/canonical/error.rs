@@ -5,8 +5,8 @@ use std::ops::RangeInclusive;
 /// The largest allowed difference between the two distances of a pair of points, as a fraction of the largest
 /// distance of the matrix.
 ///
-/// On coarse grids the distances of a planar wavefront differ by up to a few hundredths. A matrix with larger
-/// differences is not a matrix of distances.
+/// With a planar wavefront on a coarse grid, the two distances differ by up to a few hundredths. A matrix
+/// with larger differences is not a matrix of distances.
 pub const ASYMMETRY: f32 = 0.05;
 
 /// The allowed range of the largest distance. Within it, squared distances stay in the range of single
@@ -19,7 +19,7 @@ pub const EXTENT: RangeInclusive<f32> = 1e-15..=1e15;
 pub enum CanonicalError {
     /// The array is not a square matrix.
     #[error(
-        "{values} values are no matrix of {points} x {points} distances, which has {}",
+        "{values} values do not form a matrix of {points} x {points} distances, which has {}",
         .points * .points
     )]
     NotSquare {
@@ -50,7 +50,7 @@ pub enum CanonicalError {
     },
     /// The distance of a point from itself is not zero.
     #[error(
-        "the distance from point {point} to itself is {distance}, not 0: this is no matrix of distances"
+        "the distance from point {point} to itself is {distance}, not 0, so this is not a matrix of distances"
     )]
     Diagonal {
         /// The point.
@@ -61,8 +61,8 @@ pub enum CanonicalError {
     /// The two distances of a pair of points differ by more than a solver's error.
     #[error(
         "the distance from point {from} to point {to} is {there}, but {back} in the other direction; a matrix of \
-         distances is symmetric but for errors below {} of the largest, so symmetrise it if this \
-         is meant",
+         distances is symmetric up to errors below {} of the largest distance; symmetrise it first if \
+         the difference is intended",
         ASYMMETRY
     )]
     Asymmetric {

@@ -77,7 +77,8 @@ mod tests {
 
     #[test]
     fn a_linear_iteration_is_solved_in_a_few_steps() {
-        // x -> A x + b with eigenvalues up to 0.99: a thousand plain steps for four digits.
+        // The iteration is x -> A x + b with eigenvalues up to 0.99. It would take a thousand plain steps for
+        // four digits.
         let rates = [0.99, 0.9, 0.5, -0.3];
         let fixed = [1.0, -2.0, 3.0, 4.0];
         let image = |x: &[f64]| {

@@ -9,7 +9,7 @@ use crate::lanes::Loop;
 /// The number of pairs in a block. A block fits the first-level cache and is short enough to be summed in
 /// single precision; sums over blocks are in double precision.
 pub(super) const BLOCK: usize = 512;
-/// The number of independent partial sums, which lets the compiler keep them in SIMD lanes.
+/// The number of independent partial sums, which the compiler can keep in SIMD lanes.
 pub(super) const LANES: usize = 16;
 /// The number of rows that a thread takes at a time.
 pub(super) const ROWS: usize = 16;
@@ -81,7 +81,8 @@ impl Loop for Row<'_> {
             let distances = &distances[start..points.min(start + BLOCK)];
             let ratios = &mut ratios[..distances.len()];
             let axes = || planes.chunks_exact(points).map(|plane| (plane[point], &plane[start..]));
-            // A positive start makes the ratio of coinciding points finite. It is then multiplied by zero.
+            // A positive start makes the ratio of coinciding points finite. This ratio is then multiplied by
+            // zero.
             ratios.fill(f32::MIN_POSITIVE);
             for (here, there) in axes() {
                 for (square, &there) in ratios.iter_mut().zip(there) {

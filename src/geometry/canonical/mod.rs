@@ -29,7 +29,7 @@
 //!     .flat_map(|row| (0..17).map(move |col| (row, col)))
 //!     .flat_map(|(row, col)| [width * col as f64 / 16.0, height * row as f64 / 12.0])
 //!     .collect();
-//! // As near as distances on so coarse a grid.
+//! // The deviation is that of distances on so coarse a grid.
 //! assert!(align(&form.coordinates, &flat, 2).deviation < 5e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -9,7 +9,7 @@ use crate::cpu::Instructions;
 /// The default of [`FormOptions::tolerance`].
 pub const DEFAULT_TOLERANCE: f64 = 1e-4;
 /// The number of consecutive iterations with a small change after which the stress counts as settled. A
-/// single one is not enough, since extrapolated steps vary in size.
+/// single such iteration is not enough, since extrapolated steps vary in size.
 const CALM: u32 = 2;
 /// The stress, relative to the sum of squared distances, at which the distances agree up to the rounding of
 /// single precision.

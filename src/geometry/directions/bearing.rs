@@ -9,10 +9,10 @@ use crate::surface::Geometry;
 /// The bearing at points that no source reaches, in degrees.
 pub const NO_BEARING: f32 = -1.0;
 
-/// Returns the parts of a direction to the east and to the north, from a step of rows and columns.
+/// Returns the components towards east and north of the direction of a step of rows and columns.
 ///
-/// Over heights, they are those of the map seen from above. Otherwise, east is the direction of the columns on
-/// the surface, and north is at a right angle to it.
+/// Over heights, these are the components in the map seen from above. Otherwise, east is the direction of
+/// increasing columns on the surface, and north is at a right angle to it.
 pub(super) fn east_and_north(surface: &Surface, frame: &Frame, step: DVec2) -> DVec2 {
     if let Geometry::Heights { spacing, .. } = surface.geometry() {
         return DVec2::new(step.y * spacing.dx, -step.x * spacing.dy);
@@ -22,7 +22,7 @@ pub(super) fn east_and_north(surface: &Surface, frame: &Frame, step: DVec2) -> D
             let image = frame.metric * step;
             DVec2::new(along.dot(image), -across.dot(image))
         }
-        // A single row or column, or a pole.
+        // The place is on a single row or column, or at a pole.
         None => DVec2::new(step.y, -step.x),
     }
 }

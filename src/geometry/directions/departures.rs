@@ -2,10 +2,10 @@
 //!
 //! If a source moves, the distance of a point changes by the cosine of the angle between the move and the
 //! path's first direction (the first variation of length). So the derivative of half the squared distance by
-//! the place of the source is the departure direction times the distance, with the opposite sign. It comes
-//! from maps of the sources moved by one and two grid steps along rows and columns, in double precision. It
-//! needs no path, is of fourth order, and does not become less accurate with the distance. Behind holes it
-//! holds as well.
+//! the place of the source is the departure direction times the distance, with the opposite sign. The
+//! derivative is computed from maps of the sources moved by one and two grid steps along rows and columns, in
+//! double precision. This method needs no path, is of fourth order, and does not become less accurate with
+//! the distance. It also holds behind holes.
 //!
 //! All sources move together. Where a move changes the front that arrives first, as at borders of regions and
 //! at a cut locus, the squared distance has a kink ([`super::stencil`]).
@@ -20,7 +20,7 @@ use crate::geometry::NO_REGION;
 use crate::surface::{Direction, EdgeLengths, Groups, Real, Source, Sources, Surface};
 use crate::{Engine, Error, Monitor, Options};
 
-/// The steps by which sources move, on each side.
+/// The largest number of steps by which sources move to either side.
 const MOVES: isize = 2;
 /// The rounding of squared distances in double precision, as a fraction of them.
 const ROUNDING: f64 = 1e-12;
@@ -38,13 +38,14 @@ pub(super) struct Start {
 }
 
 impl Start {
-    /// Returns `None` if the surface has no tangent plane at the source.
+    /// Returns the source with the surface around it, or `None` if the surface has no tangent plane at the
+    /// source.
     pub(super) fn new(surface: &Surface, at: DVec2, initial: f64) -> Option<Self> {
         let frame = Frame::at(surface, at);
         let slowness = surface.slowness().map_or(1.0, |slowness| {
             let index = |at: DVec2| surface.chart().index(at.x as usize, at.y as usize);
             let corners = [at.floor(), at.ceil()];
-            // A bilinear mean of the four corners; missing ones do not count.
+            // This is the bilinear mean of the four corners; missing corners do not count.
             let (mut sum, mut weights) = (0.0, 0.0);
             for row in corners.map(|corner| corner.x) {
                 for col in corners.map(|corner| corner.y) {
@@ -78,7 +79,7 @@ pub(super) struct Departures<'a> {
     starts: &'a [Start],
     /// The smallest initial value.
     start: f64,
-    /// The map of the sources where they are.
+    /// The map of the sources before they move.
     pub times: Times,
     /// The maps of the moved sources: along columns and rows, by -2, -1, 1 and 2 steps.
     moved: [[Option<Times>; 2 * MOVES as usize + 1]; 2],
@@ -186,8 +187,9 @@ impl<'a> Departures<'a> {
         ((length / distance - 1.0).abs() < OFF_LENGTH).then_some(departure * (distance / length))
     }
 
-    /// Gives the points without a direction the mean direction of their neighbours, from point to point.
-    /// These are points at which two kinks meet. Copies of a point have the direction of the first.
+    /// Gives points without a direction the mean direction of their neighbours. Such points are those at
+    /// which two kinks meet. This is repeated, so that directions spread from point to point. Copies of a
+    /// point get the direction of the first copy.
     fn filled(&self, mut found: Vec<Option<DVec2>>, labels: &[u32]) -> Vec<DVec2> {
         let chart = self.surface.chart();
         let mut missing: Vec<usize> =

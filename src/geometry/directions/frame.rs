@@ -5,7 +5,7 @@ use glam::{DMat2, DVec2, DVec3};
 use crate::Surface;
 use crate::surface::{Cell, Direction, Geometry, corner_weights};
 
-/// The metric of a surface at a place, in steps of rows and columns, and the tangent vectors of both.
+/// The metric of a surface at a place, in steps of rows and columns, and the tangent vectors of such steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Frame {
     pub metric: DMat2,
@@ -66,7 +66,7 @@ impl Frame {
         a.dot(self.metric * b) / (self.length(a) * self.length(b))
     }
 
-    /// Returns an orthonormal basis as steps of rows and columns: along the columns' direction, and at a
+    /// Returns an orthonormal basis as steps of rows and columns: in the direction of increasing columns, and at a
     /// right angle to it on the side of increasing rows. Returns `None` where the grid has no tangent plane.
     pub(super) fn basis(&self) -> Option<[DVec2; 2]> {
         let along = DVec2::Y / self.length(DVec2::Y);
@@ -104,8 +104,8 @@ fn matrix(rr: f64, rc: f64, cc: f64) -> DMat2 {
     DMat2::from_cols_array(&[rr, rc, rc, cc])
 }
 
-/// Returns the derivative of the position along a grid line, of the fourth order if five points in a row
-/// contain this one. It is zero at a point alone.
+/// Returns the derivative of the position along a grid line, of the fourth order if the point is one of five successive
+/// points of the line. The derivative is zero at a point without neighbours on the line.
 fn tangent(surface: &Surface, from: (usize, usize), to: Direction) -> DVec3 {
     let point = |k: isize| {
         let (row, col) = surface.chart().along(from, to, k)?;

@@ -1,11 +1,11 @@
 //! Finds the next grid point on the way back from each grid point.
 //!
-//! A link leads to an earlier neighbour, so that no walk runs in a circle. Among the earlier neighbours it is
-//! the one in whose direction the shortest path leaves the point. A point without an earlier neighbour is the
-//! end of a walk if a source is beside it. Others are minima by rounding, such as the points of a pole, which
-//! coincide. Walks leave them over their lowest rim, as water leaves a lake (priority-flood: Barnes, Lehman
-//! and Mulla, "Priority-flood: An optimal depression-filling and watershed-labeling algorithm for digital
-//! elevation models", Computers & Geosciences 62, 2014).
+//! A link leads to an earlier neighbour, so that no walk runs in a circle. Of the earlier neighbours, it is the one
+//! closest to the direction in which the shortest path leaves the point. A point without an earlier neighbour is the
+//! end of a walk if a source is beside it. Other points without an earlier neighbour are minima by rounding, such as
+//! the points of a pole, which coincide. Walks leave such minima over their lowest rim, as water leaves a lake
+//! (priority-flood: Barnes, Lehman and Mulla, "Priority-flood: An optimal depression-filling and watershed-labeling
+//! algorithm for digital elevation models", Computers & Geosciences 62, 2014).
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -47,13 +47,15 @@ struct Next {
     link: i8,
     /// The cosine of the angle between the way back and the edge to the neighbour.
     alike: f64,
-    /// Whether the way is to a source less than half-way to the neighbour: the point stands for the source.
+    /// Whether the way leads to a source that is at most half as far as the neighbour. The point then stands for the
+    /// source.
     is_end: bool,
 }
 
 impl Links<'_> {
-    /// Returns the links, row-major. Copies of a point have the link of the copy that has this neighbour.
-    /// `is_beside_source` tells whether a source touches a cell of the point with an index in a bordered array.
+    /// Returns the links, row-major. Copies of a point have one link, which leads from the copy that has the chosen
+    /// neighbour. `is_beside_source` tells whether a source touches a cell of the point with an index in a bordered
+    /// array.
     pub(super) fn find(
         &self,
         ways: &[Way],
@@ -106,8 +108,8 @@ impl Links<'_> {
         })
     }
 
-    /// Returns the indices of the points on the way from a point along `links`. Where it passes a seam, copies of a
-    /// point follow each other.
+    /// Returns the indices of the points on the way from a point along `links`. Where the way passes a seam, copies of
+    /// a point follow each other.
     pub(super) fn walk(&self, links: &[i8], from: usize) -> Vec<usize> {
         let mut way = vec![from];
         let mut at = from;
@@ -119,8 +121,8 @@ impl Links<'_> {
         way
     }
 
-    /// Returns the indices of the copy of a point from which a link leads, and of the neighbour to which it leads:
-    /// the earliest of those that any copy has in this direction.
+    /// Returns the index of the copy of a point from which a link leads, and the index of the neighbour to which it
+    /// leads. This is the earliest neighbour that any copy has in the direction of the link.
     fn next(&self, index: usize, link: i8) -> Option<[usize; 2]> {
         let to = *CODES.get(usize::try_from(link).ok()?.checked_sub(1)?)?;
         let beside = |copy: usize| {
@@ -145,11 +147,11 @@ impl Links<'_> {
         self.surface.chart().index(row, col)
     }
 
-    /// Links the points without a link, and those whose walks end at them, to points from which walks arrive. Of
-    /// copies only the first is linked.
+    /// Links the points without a link, and the points whose walks end at such points, to points from which walks
+    /// arrive at a source. Of the copies of a point only the first is linked.
     fn flooded(&self, mut links: Vec<Option<i8>>) -> Vec<i8> {
         let own = |index: usize| self.index(self.copies.first(self.point(index)));
-        // Walks descend, so a point's successor is visited before it in the order of arrival.
+        // Walks descend, so in the order of arrival a point's successor is visited before the point.
         let time = |index: usize| self.times[self.point(index)];
         let is_linked = |&at: &usize| links[at] != Some(NO_LINK) && own(at) == at;
         let mut order: Vec<usize> = (0..links.len()).filter(is_linked).collect();
@@ -186,7 +188,7 @@ impl Links<'_> {
                 }
             }
         }
-        // A point that the map reaches and the links do not belongs to another map's sources.
+        // If the map reaches a point from which no walk arrives at a source, the map has other sources.
         links.into_iter().map(|link| link.unwrap_or(NO_LINK)).collect()
     }
 }

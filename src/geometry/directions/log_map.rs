@@ -11,8 +11,8 @@ use crate::{Error, Monitor};
 /// The logarithmic map of one or several point sources: for each grid point the direction in which its
 /// shortest path leaves the nearest source, times its distance from that source.
 ///
-/// These coordinates (u, v) are lengths in the tangent plane at the source. On a plane they are the point
-/// itself relative to the source, rotated to the axes of [`Basis`]. Textures drawn in them are undistorted
+/// These coordinates (u, v) are lengths in the tangent plane at the source. On a plane they are the position of the
+/// point relative to the source, rotated to the axes of [`Basis`]. Textures drawn in these coordinates are undistorted
 /// around the source.
 ///
 /// ```
@@ -42,15 +42,15 @@ pub struct LogMap {
     pub bases: Vec<Basis>,
 }
 
-/// The axes of a log map at its source. Both are steps of unit length on the surface, at a right angle.
+/// The axes of a log map at its source. Both are steps of unit length on the surface, at a right angle to each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Basis {
     /// The row and column of the source.
     pub at: [f64; 2],
-    /// The axis of u, in rows and columns: along the direction of the columns.
+    /// The axis of u, in rows and columns: in the direction of increasing columns.
     pub u: [f64; 2],
-    /// The axis of v, in rows and columns: at a right angle to that of u, on the side of increasing rows.
+    /// The axis of v, in rows and columns: at a right angle to the axis of u, on the side of increasing rows.
     pub v: [f64; 2],
     /// The two axes in space; `None` if the surface is given by its metric.
     pub in_space: Option<[[f64; 3]; 2]>,
@@ -60,7 +60,7 @@ pub struct Basis {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LogMapError {
-    /// The maps that it needs cannot be computed.
+    /// The maps that the log map needs cannot be computed.
     #[error(transparent)]
     Map(#[from] Error),
     /// A source is a curve.
@@ -88,14 +88,15 @@ impl LogMap {
     /// nearest source ([`Self::labels`]), initial values considered. Over a slowness, the distance is the
     /// travel time.
     ///
-    /// It takes nine maps in double precision on the CPU, whatever the number of sources, and about 90 bytes a
-    /// point.
+    /// The computation takes nine maps in double precision on the CPU, whatever the number of sources, and about 90
+    /// bytes a point.
     ///
-    /// Where several shortest paths lead to a point (at the cut locus), the coordinates jump. A point beside
-    /// it has the coordinates of one of its paths.
+    /// Where several shortest paths lead to a point (at the cut locus), the coordinates jump. A point beside the cut
+    /// locus has the coordinates of one of the paths to it.
     ///
     /// # Errors
-    /// If a source is a curve, lies off the surface or at a pole, there is none, or the maps cannot be computed.
+    /// If a source is a curve, lies off the surface or at a pole, if there is no source, or if the maps cannot be
+    /// computed.
     pub fn new(surface: &Surface, sources: &Sources) -> Result<Self, LogMapError> {
         Self::watched(surface, sources, &Monitor::default())
     }
@@ -103,7 +104,7 @@ impl LogMap {
     /// Computes the log map like [`LogMap::new`], until `monitor` cancels it.
     ///
     /// # Errors
-    /// [`Error::Cancelled`] within [`LogMapError::Map`] if it was cancelled, and those of [`LogMap::new`].
+    /// [`Error::Cancelled`] within [`LogMapError::Map`] if it was cancelled, and the errors of [`LogMap::new`].
     pub fn watched(
         surface: &Surface,
         sources: &Sources,
@@ -130,8 +131,8 @@ impl LogMap {
         })
     }
 
-    /// Returns the part of the log map where a map of the same grid is reached: elsewhere there are no
-    /// coordinates. With a map within a radius ([`crate::Options::radius`]) it is the log map of that disc.
+    /// Returns the log map without the coordinates of the points that a map of the same grid, `distances`, does not
+    /// reach. With a map within a radius ([`crate::Options::radius`]) the result is the log map of that disc.
     ///
     /// # Panics
     /// If there are not as many distances as grid points.

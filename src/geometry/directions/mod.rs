@@ -101,8 +101,8 @@ impl<'a> BackDirections<'a> {
     /// Returns the way back in the chart, row-major: the change of row and column of a step of length 1 in
     /// grid steps. It is 0, 0 at the sources and NaN where no source reaches.
     ///
-    /// A step of this direction is not a unit of length on the surface. For the direction on the surface, take
-    /// [`Self::in_space`] or the bearings.
+    /// Such a step does not have the length 1 on the surface. For the direction on the surface, take [`Self::in_space`]
+    /// or the bearings.
     pub fn in_chart(&self) -> Vec<[f32; 2]> {
         self.each([f32::NAN; 2], [0.0; 2], |_, step| step.normalize().as_vec2().to_array())
     }
@@ -125,8 +125,8 @@ impl<'a> BackDirections<'a> {
     /// south, 270 west and 360 north. It is 0 at the sources and [`NO_BEARING`] where no source reaches. These
     /// are the values of back directions in ArcGIS.
     ///
-    /// Over heights, columns run to the east and rows to the south, and bearings are those of the map seen from
-    /// above. Over positions and metrics, east is the direction of the columns on the surface, and north is at a
+    /// Over heights, columns increase to the east and rows to the south, and bearings are those of the map seen from
+    /// above. Over positions and metrics, east is the direction of increasing columns on the surface, and north is at a
     /// right angle to it, on the side of decreasing rows.
     pub fn compass(&self) -> Vec<f32> {
         self.bearings(compass)
@@ -153,8 +153,8 @@ impl<'a> BackDirections<'a> {
     ///
     /// Each link leads to an earlier neighbour, the one closest to the direction of the way back. So a walk
     /// along links arrives at a source from every point, on a longer way than the shortest path. The points of
-    /// a pole, which coincide, are the exception: walks leave them over equally early ones. A source between
-    /// grid points ends walks at the grid points beside it that no neighbour precedes.
+    /// a pole, which coincide, are the exception: walks leave them over equally early points. Walks to a source between
+    /// grid points end at those grid points beside it that have no earlier neighbour.
     ///
     /// On closed surfaces the copies of a point have one link. It leads from the copy whose neighbour in this
     /// direction is the earliest; [`Self::walk`] follows it.
@@ -164,12 +164,12 @@ impl<'a> BackDirections<'a> {
     }
 
     /// Returns the grid points on the way from a grid point along the `links` of [`Self::links`]: their indices,
-    /// row-major, from the point `from` to the end. It is the point alone if it is a source or not reached.
+    /// row-major, from the point `from` to the end. The result is this point alone if it is a source or not reached.
     ///
     /// Where the way passes a seam of a closed surface, two copies of a point follow each other.
     ///
     /// # Panics
-    /// If there are not as many links as grid points, or `from` is none of them.
+    /// If there are not as many links as grid points, or `from` is not the index of a grid point.
     pub fn walk(&self, links: &[i8], from: usize) -> Vec<usize> {
         assert_eq!(links.len(), self.ways.len(), "one link for each grid point");
         self.grid().walk(links, from)
@@ -179,8 +179,8 @@ impl<'a> BackDirections<'a> {
         Links { surface: self.surface, copies: &self.copies, times: &self.times }
     }
 
-    /// Returns a value for each grid point: that of points that are not reached, that of points at sources, or
-    /// `of` the point's index and its way.
+    /// Returns a value for each grid point: `unreached` if no source reaches the point, `at_source` at a source, and
+    /// else `of` the point's index and its way.
     fn each<T: Copy + Send + Sync>(
         &self,
         unreached: T,

@@ -7,10 +7,10 @@ use crate::Surface;
 use crate::geometry::{MapError, NO_REGION, Voronoi};
 use crate::surface::{EdgeLengths, Source, Sources};
 
-/// The nearest source of points that no source reaches.
+/// The value in [`Nearest::sources`] at points that no source reaches.
 pub const NO_SOURCE: i32 = -1;
 
-/// The number of points whose paths are traced and forgotten together.
+/// The number of points whose paths are in memory at the same time.
 const TOGETHER: usize = 1 << 12;
 
 /// The nearest source of each grid point.
@@ -29,8 +29,8 @@ impl Nearest {
     /// Finds the nearest source of each point, initial values considered. `distances` is the converged map of
     /// these sources on this surface, row-major. `edges` are the edge lengths of `surface`.
     ///
-    /// The sources are the labels of [`Voronoi`]. For a point source, the place is the source itself. For
-    /// curves, the path of each point of their regions is traced, which takes time in proportion to its length.
+    /// The sources are the labels of [`Voronoi`]. For a point source, the place is the source itself. For a curve, the
+    /// path of each point of its region is traced, which takes time in proportion to the length of the path.
     ///
     /// # Errors
     /// If a source lies off the surface, or the number of distances differs from the number of grid points.
@@ -83,7 +83,8 @@ impl Nearest {
                 let starts: Vec<_> = part.iter().map(start).collect();
                 for (&index, path) in part.iter().zip(paths.trace_all(&starts)) {
                     let end = path.ok().and_then(|path| path.curve.vertices.last().copied());
-                    // Beside the border of a region, the path may have led to the other source.
+                    // Beside a border between regions, the path may have led to another source than the label's. So its
+                    // end is moved to the nearest place on the label's curve.
                     let source = all[regions[index] as usize];
                     if let (Some(end), Source::Curve { vertices, .. }) = (end, source) {
                         places[index] = on_curve(vertices, end.into()).to_array();
@@ -96,7 +97,7 @@ impl Nearest {
     }
 }
 
-/// Returns the place on a polyline that is nearest in grid steps.
+/// Returns the place on a polyline that is nearest to `at`, measured in rows and columns.
 fn on_curve(vertices: &[DVec2], at: DVec2) -> DVec2 {
     let on = |a: DVec2, b: DVec2| {
         let along = b - a;

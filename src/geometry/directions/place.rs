@@ -5,7 +5,7 @@ use glam::{DMat2, DVec2};
 use super::frame::cubic;
 use super::log_map::LogMap;
 
-/// The error of a place in the unit of coordinates, as a fraction of a cell, at which the search ends.
+/// The length of a step of Newton's method, in cells, below which the search ends.
 const EXACT: f64 = 1e-7;
 /// The largest number of steps of Newton's method for one place.
 const MOST: usize = 12;
@@ -14,10 +14,10 @@ impl LogMap {
     /// Returns the place (row and column, fractional) with the coordinates (u, v) in the plane of a source:
     /// the inverse of the log map, also called the exponential map. `source` is the index of the source.
     ///
-    /// The place is found by walking from the source along the straight line to (u, v), which is the shortest
-    /// path, one cell at a time. Coordinates are interpolated by cubics, and linearly beside holes, borders of
-    /// regions and the border of the grid. Returns `None` if the walk leaves the grid, also over a seam,
-    /// or the source's region, or meets a hole or the cut locus.
+    /// The place is found by walking along the shortest path from the source, one cell at a time. In the
+    /// plane this path is the straight line to (u, v). Coordinates are interpolated by cubics, and linearly
+    /// beside holes, borders of regions and the border of the grid. Returns `None` if the walk leaves the
+    /// source's region or the grid (even over a seam), or if it meets a hole or the cut locus.
     ///
     /// # Panics
     /// If there is no such source.
@@ -50,7 +50,7 @@ impl LogMap {
         None
     }
 
-    /// Returns the place with given coordinates near `at`.
+    /// Returns the place near `at` whose coordinates are `target`.
     fn near(&self, label: u32, target: DVec2, mut at: DVec2) -> Option<DVec2> {
         let (last_row, last_col) = self.chart.last();
         let last = DVec2::new(last_row as f64, last_col as f64);
@@ -101,7 +101,8 @@ impl LogMap {
         sum(0..4, rows, cols).or_else(|| sum(1..3, linear(v), linear(u)))
     }
 
-    /// Returns the coordinates of a grid point of a source's region. Rows and columns are one too large.
+    /// Returns the coordinates of a grid point of a source's region. `row` and `col` are 1 larger than the
+    /// row and the column of the point.
     fn value(&self, label: u32, [row, col]: [usize; 2]) -> Option<DVec2> {
         let (row, col) = (row.checked_sub(1)?, col.checked_sub(1)?);
         if row >= self.chart.rows || col >= self.chart.cols {

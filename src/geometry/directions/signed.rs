@@ -24,9 +24,9 @@ pub enum SignError {
     /// The number of distances or of entries of the mask differs from the number of grid points.
     #[error("{found} {what} do not fill a grid of {rows} x {cols} points")]
     Shape {
-        /// Distances, or entries of the mask.
+        /// The kind of the values: distances, or entries of the mask.
         what: &'static str,
-        /// Their number.
+        /// The number of the values.
         found: usize,
         /// Rows of the grid.
         rows: usize,
@@ -75,8 +75,8 @@ pub enum SignError {
 }
 
 /// Returns the distances from closed curves with a sign, row-major: positive outside, negative inside.
-/// `distances` is the map of these sources, as in [`crate::DistanceMap::distances`]; where no source reaches it
-/// is infinite, and the result is +infinity.
+/// `distances` is the map of these sources, as in [`crate::DistanceMap::distances`]. At points that no source reaches,
+/// the map and the result are +infinity.
 ///
 /// The inside lies to the left of a curve, as seen in a picture of the grid with rows downwards: a curve that
 /// runs counter-clockwise surrounds its inside. A clockwise curve within it is the border of a hole; a

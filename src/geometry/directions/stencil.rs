@@ -1,7 +1,7 @@
 //! Differentiates samples of a function that may have a kink nearby.
 //!
 //! The function is a squared arrival time, as it varies along a grid line or with the place of its source.
-//! Where the map is smooth, its second differences along the line change little: over a plane they are
+//! Where the map is smooth, the second differences of the function change little: over a plane they are
 //! constant. Where wavefronts meet, the map has a kink, and the second difference across it is far smaller
 //! than the others. So the derivative is taken from samples without such a jump.
 
@@ -11,7 +11,8 @@ pub(super) const SIDE: usize = 3;
 /// The samples at -3, -2, ..., 3; `None` where there is none.
 pub(super) type Samples = [Option<f64>; 2 * SIDE + 1];
 
-/// The largest change of second differences that counts as smooth, as a fraction of `scale`.
+/// The largest change of second differences that counts as smooth, as a fraction of the squared length of a
+/// step.
 const SMOOTH: f64 = 0.5;
 
 /// Differences of samples around 0.
@@ -21,8 +22,8 @@ struct Stencil {
 }
 
 /// Returns the derivative at 0. `scale` is the square of the length of a step, and `noise` the rounding of a
-/// sample. Where samples on one side only are used, those on the side of `toward` (its sign) are preferred.
-/// Returns `None` if no samples without a kink are found.
+/// sample. If only samples on one side are used, the side given by the sign of `toward` is preferred. Returns
+/// `None` if no samples without a kink are found.
 pub(super) fn derivative(samples: Samples, scale: f64, noise: f64, toward: f64) -> Option<f64> {
     let stencil = Stencil { samples, limit: SMOOTH * scale + 8.0 * noise };
     let side = if toward < 0.0 { -1 } else { 1 };
@@ -33,8 +34,9 @@ pub(super) fn derivative(samples: Samples, scale: f64, noise: f64, toward: f64) 
     })
 }
 
-/// Returns the derivative from the side on which the function continues without a kink, if there is a kink
-/// beside 0: where two functions replace one another, their minimum bends downwards.
+/// Returns the derivative at 0. If there is a kink beside 0, only samples on the side without the kink are
+/// used. At a kink the function is the minimum of two smooth functions and bends downwards, so the side
+/// without the kink is the side with the larger second difference.
 pub(super) fn derivative_beside_kink(samples: Samples, scale: f64, noise: f64) -> Option<f64> {
     let stencil = Stencil { samples, limit: SMOOTH * scale + 8.0 * noise };
     stencil.central().or_else(|| {
@@ -54,8 +56,9 @@ impl Stencil {
         Some(self.at(k - 1)? - 2.0 * self.at(k)? + self.at(k + 1)?)
     }
 
-    /// Returns whether some second differences agree. A single one has nothing to be compared with; squared
-    /// times of smooth maps rarely bend downwards.
+    /// Returns whether the given second differences agree. A single second difference cannot be compared with
+    /// others. It counts as smooth if it is not clearly negative, since squared times of smooth maps rarely
+    /// bend downwards.
     fn is_smooth(&self, bends: &[Option<f64>]) -> bool {
         let bends = || bends.iter().flatten();
         let low = bends().fold(f64::INFINITY, |a, b| a.min(*b));
@@ -71,8 +74,8 @@ impl Stencil {
             let near = self.slope(1);
             return Some(if is_whole { (4.0 * near - self.slope(2)) / 3.0 } else { near });
         }
-        // With a kink further away, the three samples in the middle are smooth. Then their second difference
-        // agrees with the larger of the other two, which the kink lowers.
+        // If the kink is further away, the three samples in the middle are smooth. The kink lowers one of the
+        // other two second differences, so the one in the middle is compared with the larger of these two.
         let larger = if before > after { before } else { after };
         (is_whole && self.is_smooth(&[larger, here])).then(|| self.slope(1))
     }

@@ -2,11 +2,12 @@
 //!
 //! The first line of a traced path gives the direction to first order in the cell's size, and is right
 //! wherever fronts meet and paths bend. Where the map is smooth, the gradient of the squared arrival time
-//! gives it to fourth order. So the gradient is taken if it has the length that the eikonal equation demands
-//! and agrees with the line, and the line otherwise.
+//! gives the direction to fourth order. So the gradient is taken if it has the length that the eikonal
+//! equation demands and agrees with the line, and the line otherwise.
 //!
-//! Squared times are counted from the time at which the front started: at the source, or behind the corner
-//! of a hole at that corner. They are smooth there, as they are around a source.
+//! Before times are squared, the time at which the front started is subtracted: the start at the source or,
+//! for points behind the corner of a hole, the arrival at that corner. So squared times are smooth around
+//! such a corner, as they are around a source.
 
 use std::collections::HashMap;
 
@@ -53,13 +54,13 @@ pub(super) struct Ways<'a> {
 }
 
 impl Ways<'_> {
-    /// Returns the way back at each grid point, row-major. Also returns it in space for the points of poles, by
-    /// their indices.
+    /// Returns the way back at each grid point, row-major. For points of poles, it also returns the way as a direction
+    /// in space, by the row-major index of the point.
     pub(super) fn find(&self) -> (Vec<Way>, HashMap<usize, DVec3>) {
         let chart = self.surface.chart();
         let start = self.sources.start();
         let lines: Vec<Option<FirstLine>> = self.at_points(|point| {
-            // The first of copies stands for all of them.
+            // The first copy of a point stands for all its copies.
             let counts = self.is_reached(point) && self.copies.first(point) == point;
             counts.then(|| self.paths.first_line(point, start))?
         });
@@ -90,7 +91,8 @@ impl Ways<'_> {
                 at_poles.extend(in_space.map(|way| (self.index(copy), way)));
             }
         }
-        // The middle of a folded side is its own only copy, and the side has no direction there.
+        // The point in the middle of a folded side has no copy but itself, so no group contains it. The side has no
+        // direction there.
         if self.surface.is_glued() {
             let (row, col) = chart.last();
             let middles = [(0, col / 2), (row, col / 2), (row / 2, 0), (row / 2, col)];
@@ -107,8 +109,8 @@ impl Ways<'_> {
     }
 
     /// Returns the way back in space at a pole, where rows and columns have no common plane. It is the direction of
-    /// steepest descent that fits the squared times since `zero_time` on the lines that meet there, or that of the
-    /// path's first line. Returns `None` at other points, and where it is not known.
+    /// steepest descent that fits the squared times since `zero_time` on the lines that meet there, or the direction of
+    /// the path's first line if the two disagree. Returns `None` at other points, and where the way is not known.
     fn at_pole(&self, group: &[u32], from: usize, way: Way, zero_time: f64) -> Option<DVec3> {
         let Way::Along { step, .. } = way else { return None };
         if self.frame(from).basis().is_some() {
@@ -137,8 +139,8 @@ impl Ways<'_> {
         Some(if descent.dot(line) > ALIKE { descent } else { line })
     }
 
-    /// Returns the tangent vectors of the grid lines at a point where they have a length, each with the derivative of
-    /// the squared time since `zero_time` along it.
+    /// Returns the tangent vectors of the grid lines at a point, except those of length zero. Each comes with the
+    /// derivative of the squared time since `zero_time` along it.
     fn lines(&self, point: usize, zero_time: f64) -> impl Iterator<Item = (DVec3, Option<f64>)> {
         let tangents = self.frame(point).tangents.unwrap_or_default();
         let slowness = self.slowness(point);
@@ -162,10 +164,11 @@ impl Ways<'_> {
         2.0 * (time - zero_time) * time.abs() * f64::from(f32::EPSILON)
     }
 
-    /// Returns the way back at a copy of the point `from`, which has the way `way`.
+    /// Returns the way back at a copy of the point `from`. The way at `from` is `way`.
     ///
-    /// Where the grid goes on over a seam, its rows and columns do. Elsewhere the way is the same in space. At a pole
-    /// the copies from which the way does not leave lead along the pole to the one from which it does.
+    /// Where the grid goes on over a seam, the step is converted to the rows and columns at the copy. Elsewhere the way
+    /// has the same direction in space at both copies. At a pole the way leaves from one copy only, and the other
+    /// copies lead along the pole to that copy.
     fn at_copy(&self, from: usize, copy: usize, way: Way) -> Way {
         let Way::Along { step, to_source } = way else { return way };
         if from == copy {
@@ -246,7 +249,8 @@ impl Ways<'_> {
     /// Returns whether the path from a point to a corner turns at the corner.
     fn bends(&self, point: usize, corner: usize, lines: &[Option<FirstLine>]) -> bool {
         let chart = self.surface.chart();
-        // Beyond a seam rows and columns may run in other directions.
+        // Beyond a seam, rows and columns may run in other directions. So a line that leaves from another copy of the
+        // corner is not compared.
         let next = lines[self.index(corner)].filter(|next| next.from == corner);
         let Some(next) = next else { return false };
         let at = chart.bordered_place(corner);
@@ -254,11 +258,11 @@ impl Ways<'_> {
         after != DVec2::ZERO && self.frame(corner).cosine(before, after) < BENT
     }
 
-    /// Returns the way back from a point, and the copy of the point from which it leaves.
+    /// Returns the way back from a point, and the copy of the point from which the way leaves.
     fn way(&self, point: usize, line: Option<FirstLine>, zero_time: f64) -> (usize, Way) {
         let chart = self.surface.chart();
         let Some(FirstLine { from, to, end }) = line else {
-            // Points that coincide, and minima by rounding.
+            // No line descends where points coincide, or from a minimum that rounding makes.
             let Some([from, next]) = self.paths.first_of_detour(point) else {
                 return (point, Way::AtSource);
             };
@@ -283,8 +287,8 @@ impl Ways<'_> {
         (from, way)
     }
 
-    /// Returns the step at a point of the shortest path to a place of a cell, on closed surfaces in space. Beside a
-    /// pole such a path is far from straight in rows and columns.
+    /// Returns the step with which the straight line in space to the place `to` leaves a point. Returns `None` unless
+    /// the surface is glued and lies in space. Beside a pole such a line is far from straight in rows and columns.
     fn tangent_of_line(&self, point: usize, to: DVec2) -> Option<DVec2> {
         if !self.surface.is_glued() || !self.surface.geometry().is_in_space() {
             return None;

@@ -1,4 +1,5 @@
-//! Measures on which side of a source curve the grid points beside it lie, and at which angle those around its ends.
+//! Measures the angles at which grid points lie near a source curve: a quarter turn to the left or to the right beside
+//! the curve, and any angle between these two around an open end.
 
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
@@ -8,25 +9,28 @@ use glam::{DMat2, DVec2};
 use crate::geometry::MapError;
 use crate::surface::{Source, Sources, Surface};
 
-/// The number of rows and columns around an open end in which angles are measured instead of propagated. The
-/// curvature of the wavefront jumps there, and the error of the map turns the rays nearby.
+/// The number of rows and columns around each end of a curve in which angles are measured instead of propagated. The
+/// curvature of the wavefront jumps at an open end, and the error of the map changes the directions of the rays
+/// nearby. Angles are measured in the same way where a closed curve begins and ends.
 const AROUND_END: usize = 8;
-/// The number of rows and columns beyond a segment in which its distance from points is measured.
+/// The number of rows and columns by which a point may lie outside the bounding box of a segment for its distance from
+/// the segment to be measured.
 const REACH: f64 = 2.0 + AROUND_END as f64;
 
 /// A source curve.
 pub(super) struct Line<'a> {
     surface: &'a Surface,
     vertices: &'a [DVec2],
-    /// For each segment, whether its ends are one place on both sides of a seam.
+    /// For each segment, whether its ends are copies of one place, one on each side of a seam.
     jumps: Vec<bool>,
-    /// For each segment, 1, or -1 if the left side of the first segment is its right one.
+    /// For each segment, 1, or -1 if seams have turned the grid over, so that the left side of the first segment goes
+    /// on as the right side of this segment.
     signs: Vec<f64>,
     /// Whether the curve ends where it begins.
     closed: bool,
 }
 
-/// The place on a curve nearest to a point, as the distance and the angle there.
+/// The place on a curve nearest to a point, given by its distance from the point and the point's angle there.
 pub(super) struct Foot {
     pub(super) distance: f64,
     pub(super) angle: f64,
@@ -64,7 +68,7 @@ impl<'a> Line<'a> {
         &self,
         source: &Source,
     ) -> Result<BTreeMap<(usize, usize), bool>, MapError> {
-        // This comes first, since it finds vertices off the grid.
+        // Seeds come first, since their computation refuses vertices off the grid.
         let seeds = Sources::from_iter([source.clone()]).seeds(self.surface)?;
         let mut points = BTreeMap::new();
         for end in [self.vertices.first(), self.vertices.last()].into_iter().flatten() {
@@ -81,8 +85,8 @@ impl<'a> Line<'a> {
         Ok(points)
     }
 
-    /// Returns the place nearest to a point, as if the surface were flat around the point. `metric` is that in rows and
-    /// columns at the point. The curve may pass on the other side of a seam where the grid goes on.
+    /// Returns the place nearest to a point, as if the surface were flat around the point. `metric` is the metric at
+    /// the point, in rows and columns. The place may lie beyond a seam over which the grid goes on.
     pub(super) fn nearest(&self, at: DVec2, metric: DMat2) -> Option<Foot> {
         let images = self.surface.turned_images(at, REACH);
         let all = [(at, DVec2::ONE)].into_iter().chain(images);
@@ -145,8 +149,8 @@ impl<'a> Line<'a> {
         Foot { distance, angle: self.signs[index] * angle }
     }
 
-    /// Returns the segment before another one, or `None` at an open end. Where the curve comes over a seam, the segment
-    /// itself stands for the one before.
+    /// Returns the segment before the segment `index`, or `None` at an open end. If the curve comes over a seam there,
+    /// returns `index` itself.
     fn before(&self, index: usize) -> Option<usize> {
         let last = self.vertices.len() - 2;
         match index.checked_sub(1) {
@@ -157,7 +161,8 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// Returns the segment after another one, or `None` at an open end, in the same way.
+    /// Returns the segment after the segment `index`, or `None` at an open end. If the curve leaves over a seam there,
+    /// returns `index` itself.
     fn after(&self, index: usize) -> Option<usize> {
         match index + 1 {
             after if after + 1 < self.vertices.len() => {

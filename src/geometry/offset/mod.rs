@@ -61,7 +61,7 @@ pub enum OffsetError {
 /// than a cell away from the curve have gaps.
 ///
 /// On a glued surface, offset curves go on over seams ([`join_over_seams`]). Where a seam turns the grid over, as on a
-/// Moebius strip, the left side is that at the curve's first vertex, followed along the curve.
+/// Moebius strip, the left side is defined at the curve's first vertex and followed along the curve.
 ///
 /// # Errors
 /// If a source is a point or lies off the surface, or the map has another size than

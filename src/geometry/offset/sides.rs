@@ -2,10 +2,10 @@
 //!
 //! The computation propagates an angle along the wavefront's rays. The angle lies between the prolongation of
 //! the curve at its end and the ray that leaves that end towards the point, positive to the left. It is a
-//! quarter turn beside the curve and takes every value in between around an open end. Unlike a side, the
-//! angle changes smoothly where no wavefronts meet; so the prolongation does not drift along the grid's
-//! directions. Between two points the angle is interpolated with the times as weights, which is exact in the
-//! plane.
+//! quarter turn to the left or to the right beside the curve, and takes every value between these two around
+//! an open end. Unlike a side, the angle changes smoothly where no wavefronts meet. So the line on which it
+//! is zero stays on the prolongation and does not drift along the grid's directions. Between two points the
+//! angle is interpolated with the times as weights, which is exact in the plane.
 //!
 //! All copies of a point of a glued surface have one angle. It comes from the copy at which the first ray arrives.
 
@@ -92,7 +92,7 @@ impl<'a> Sides<'a> {
                 };
                 // If several curves are near, the curve whose wavefront reaches this point first is taken.
                 let late = f64::from(self.times[point]) - initial - nearest.distance;
-                // Here the map's wavefront came from another curve or around an obstacle.
+                // Whether the map's wavefront came here from another curve or around an obstacle.
                 let other =
                     !(-0.1..0.3).contains(&(late / nearest.distance.max(f64::MIN_POSITIVE)));
                 if !is_seed && other {
@@ -109,8 +109,8 @@ impl<'a> Sides<'a> {
         Ok(())
     }
 
-    /// Returns the metric at a point, in rows and columns there. It is the mean over all copies to which the grid goes
-    /// on.
+    /// Returns the metric at a point, in the rows and columns at that point. It is the mean over all copies of the
+    /// point at which the grid goes on over the seam.
     fn metric(&self, surface: &Surface, at: DVec2, point: usize) -> DMat2 {
         let chart = self.neighbourhood.chart();
         let of_copy = |copy: usize| {
@@ -225,7 +225,8 @@ impl<'a> Sides<'a> {
         let [a, b] = points.map(|point| self.angles[point].as_dvec2().to_angle());
         let [since_a, since_b] = points.map(|point| f64::from(self.times[point]) - self.start);
         let length = self.neighbourhood.length_between(points[0], points[1]);
-        // The curve itself lies between the two points. The map decreases towards it from the later point.
+        // The curve passes between the two points. Times between those of the two points occur only on the later
+        // point's side of the curve.
         if since_a + since_b <= 1.01 * length {
             return if since_a > since_b { a } else { b };
         }

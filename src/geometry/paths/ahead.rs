@@ -15,8 +15,8 @@ use crate::surface::Chart;
 /// precision, so that one half computes while the other waits for square roots.
 pub(super) const LANES: usize = 16;
 
-/// A path that would leave a cell within less than this fraction of its heading leaves it over the edge by
-/// which it entered.
+/// A path whose way across a cell is shorter than this fraction of its heading leaves the cell over the edge
+/// by which it entered.
 const LEAVES_AT_ONCE: f64 = 1e-9;
 
 /// A straight line across a cell.
@@ -121,10 +121,11 @@ struct Headings {
     inside: [Lanes; 2],
     /// The direction, by rows and by columns.
     heading: [Lanes; 2],
-    /// The side of the cell by which the line leaves, one of [`SIDES`]. `near` is the fraction of that side.
+    /// The side of the cell by which the line leaves, as an index of [`SIDES`]. `near` is the place on that side, as a
+    /// fraction from its first corner.
     side: [u64; LANES],
     near: Lanes,
-    /// Whether the line leaves at another place than it entered.
+    /// Whether the line leaves the cell at another place than the one at which it entered.
     leaves: [bool; LANES],
 }
 
@@ -158,9 +159,9 @@ struct Cells {
     zero_time: Lanes,
     /// The arrival times at the starts of the lines.
     below: Lanes,
-    /// The fractions of the sides on which the lines start.
+    /// The places at which the lines start, as fractions of the sides on which they start.
     share: Lanes,
-    /// Estimates of the fractions of the opposite sides at which the lines end.
+    /// Estimates of the places at which the lines end, as fractions of the sides ahead.
     share_ahead: Lanes,
     /// The lengths of the sides on which the lines start.
     own_length: Lanes,
@@ -170,7 +171,8 @@ struct Cells {
     length: Lanes,
     /// The arrival times at four points in a row. The middle two are the ends of the side ahead.
     times: [Lanes; 4],
-    /// The fractions at which the lines end, the arrival times there, and the lengths of the lines.
+    /// The places at which the lines end, as fractions of the sides ahead, the arrival times there, and the lengths of
+    /// the lines.
     found: [Lanes; 3],
     is_good: [bool; LANES],
 }

@@ -32,9 +32,9 @@ const TOO_LONG: f64 = 5e-4;
 const REACH: usize = 16;
 /// The number of places on the map's rim from which the rest of the path is traced.
 const TRIED: usize = 12;
-/// The offsets, in cells, of further places that are tried beside the best of these.
+/// The offsets, in cells, of further places that are tried beside the best of these places.
 const BESIDE: [f64; 6] = [-0.75, -0.5, -0.25, 0.25, 0.5, 0.75];
-/// The solver converges to the rounding of single precision.
+/// The condition on which the solver stops: convergence to about the rounding of single precision.
 const STOP: Stop = Stop::within(1e-6).or_after(100);
 
 /// Returns places on the outermost lines of a block beside the point `at`, which lies on such a line. All
@@ -112,7 +112,7 @@ impl Tracer<'_> {
             Some(way) if way.time() < by_point.time() => way,
             _ => by_point,
         };
-        // The start itself is skipped and taken from the caller, since that is exact.
+        // The start within the window is skipped, since the caller's start is exact.
         let back = first.vertices.iter().rev().skip(1).map(|&vertex| vertex + window.origin());
         Some(Trace {
             vertices: once(start).chain(back).chain(rest.vertices.into_iter().skip(1)).collect(),

@@ -16,7 +16,8 @@ pub(super) const ALONG: [Direction; 4] =
 /// corner to itself, which is zero.
 const BETWEEN: [[usize; 4]; 4] = [[6, 0, 1, 2], [0, 6, 3, 4], [1, 3, 6, 5], [2, 4, 5, 6]];
 
-/// The location of these lengths: the plane of the edges and the corner at which each is stored.
+/// The location of each of a cell's lengths: the plane of the edge lengths, and the corner at which the
+/// length is stored.
 const STORED_AT: [(usize, usize); 6] = [(0, 0), (1, 2), (3, 3), (2, 2), (1, 3), (0, 2)];
 
 /// The limit of squared edge lengths. A larger value means that the edge does not exist.

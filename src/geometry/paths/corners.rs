@@ -78,7 +78,7 @@ mod tests {
     fn corners_surround_holes() {
         let (whole, none) = corners_without(&[]);
         assert!(whole.is_none() && none.is_empty());
-        // Points of the border are not corners, nor are points beside a hole that reaches it.
+        // Points on the border of the grid are not corners, even beside a hole that reaches the border.
         assert_eq!(corners_without(&[(2, 3)]).1, [(1, 3), (2, 2), (2, 4), (3, 3)]);
         assert_eq!(corners_without(&[(0, 3), (1, 3)]).1, [(1, 2), (1, 4), (2, 3)]);
         assert_eq!(corners_without(&[(0, 0)]).1, []);

@@ -6,7 +6,7 @@
 /// distance from a point is smooth even at that point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EdgeTimes {
-    /// The time from which squared times are counted: the smallest initial value.
+    /// The time that is subtracted before times are squared.
     start: f64,
     /// The squared time at the first end.
     first: f64,
@@ -41,9 +41,9 @@ impl EdgeTimes {
     /// Interpolates between the second and the third of four points in a row, which are the ends of an edge
     /// of the length `length`. The times at the outer two points are infinite if there is no such point.
     ///
-    /// Where the surface is smooth, the interpolation is a cubic. Where wavefronts meet, one of the two
-    /// second differences contains the kink; the other, which is the smaller one, is used for both ends. If
-    /// both outer points are missing, the wavefront is taken for a circle around a point of the plane.
+    /// Where the map is smooth, the interpolation is a cubic. Where wavefronts meet, one of the two second
+    /// differences contains the kink; the other, which is the smaller one, is used for both ends. If both
+    /// outer points are missing, the wavefront is taken for a circle around a point of the plane.
     #[inline(always)]
     pub(super) fn new(start: f64, times: [f64; 4], length: f64) -> Self {
         let since = times.map(|time| (time - start).max(0.0));
@@ -94,20 +94,20 @@ impl EdgeTimes {
         self.start + time.max(self.earliest(share))
     }
 
-    /// Returns a lower bound of the time since the start: the distance to either end limits how much earlier
-    /// it can be.
+    /// Returns a lower bound of the time since the start, at the place `share` of the edge. The wavefront
+    /// arrives there earlier than at an end of the edge by at most the distance to that end.
     #[inline(always)]
     fn earliest(&self, share: f64) -> f64 {
         let [first, last] = self.since;
         (first - share * self.length).max(last - (1.0 - share) * self.length)
     }
 
-    /// Returns where the straight line to a place crosses the edge so that it arrives there first, which
-    /// minimises the sum of arrival time and distance. `ends` are the squared distances of the edge's ends
+    /// Returns the crossing from which the wavefront arrives first at a given place, along a straight line:
+    /// it minimises the sum of arrival time and distance. `ends` are the squared distances of the edge's ends
     /// from the place.
     ///
-    /// The method is Newton's between brackets. The sum is convex except where wavefronts meet; there the
-    /// better end of the edge is good enough.
+    /// The method is Newton's, kept between brackets. The sum is convex except where wavefronts meet, and
+    /// there the better end of the edge is good enough.
     pub(super) fn crossing(&self, ends: [f64; 2]) -> Crossing {
         let (low, high) = (self.sum(0.0, ends), self.sum(1.0, ends));
         let share = if low.slope() < 0.0 && high.slope() > 0.0 {

@@ -12,7 +12,8 @@ pub(super) struct Entry {
     pub north_west: usize,
     /// The row and column of the north-western corner.
     pub corner: DVec2,
-    /// The side of the cell that the path crosses, one of [`SIDES`]. `share` is the fraction of that side.
+    /// The side of the cell that the path crosses, as an index of [`SIDES`]. `share` is the place on that
+    /// side, as a fraction from its first corner.
     pub side: usize,
     pub share: f64,
 }
@@ -33,7 +34,7 @@ impl Entry {
         Some(Self { north_west, corner: chart.bordered_place(north_west), side, share })
     }
 
-    /// Converts the place by which a path leaves a cell into the entry into the next cell.
+    /// Converts the place at which a path leaves a cell into the entry into the next cell.
     #[inline(always)]
     pub(super) fn across(
         chart: Chart,

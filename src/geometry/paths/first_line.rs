@@ -9,14 +9,15 @@ use super::search::End;
 /// The first straight line of a path, across one of the cells beside its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::geometry) struct FirstLine {
-    /// The point where the line starts. Of copies, it is the one in whose cells the line lies.
+    /// The point where the line starts. If the point has copies, it is the copy that is a corner of the cell that the
+    /// line crosses.
     pub from: usize,
     /// The row and column of the end.
     pub to: DVec2,
     pub end: LineEnd,
 }
 
-/// The place at which a line ends. Points are those of bordered arrays.
+/// The place at which a line ends. Points are given by their indices in bordered arrays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::geometry) enum LineEnd {
     /// The source of this index.
@@ -52,8 +53,8 @@ impl PathTracer<'_> {
         Some(FirstLine { from, to, end })
     }
 
-    /// Returns the first edge of a path along edges to an earlier point, from a point from which no line descends. It
-    /// starts at a copy of the point. Returns `None` if there is no such way.
+    /// Returns the first edge of a path along edges to an earlier point. The path starts at a point from which no line
+    /// descends, and the edge starts at that point or at one of its copies. Returns `None` if there is no such path.
     pub(in crate::geometry) fn first_of_detour(&self, point: usize) -> Option<[usize; 2]> {
         let detour = self.tracer.detour(point, self.tracer.time(point))?;
         let is_jump =

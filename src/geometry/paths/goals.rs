@@ -25,7 +25,8 @@ pub(super) struct NearestSource {
     pub source: usize,
     /// The row and column of the place.
     pub at: DVec2,
-    /// The place in the source as it was given. It differs from `at` on a seam of a closed surface.
+    /// The row and column of this place on the source that the caller gave. On a seam of a closed surface,
+    /// `at` may be a copy of it.
     pub own: DVec2,
     /// The arrival time at the source, which is its initial value.
     pub time: f64,

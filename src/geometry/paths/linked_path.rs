@@ -33,7 +33,8 @@ pub(super) struct LinkedPath {
     pub rest: Option<Arc<LinkedPath>>,
 }
 
-/// The key of a shared part: the place and time from which it starts.
+/// The key of a shared part: the corner at which the part starts, and the time that is subtracted before
+/// times are squared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Key {
     /// The corner of a hole, a point of the bordered array.

@@ -53,7 +53,7 @@ use tracer::Tracer;
 pub struct Path {
     /// The path from the start to the source; both ends are exact. The vertices lie on the grid's edges, and
     /// the path is straight between them. If the start is at the source, there is a single vertex. Where the
-    /// path passes a seam of a closed surface, two vertices in turn are the same place of the surface at
+    /// path passes a seam of a closed surface, two consecutive vertices are the same place of the surface at
     /// different rows and columns.
     pub curve: Curve,
     /// The map's value at the start. Between grid points it is the earliest arrival along a straight line
@@ -134,7 +134,8 @@ pub enum PathError {
     },
 }
 
-/// The number of paths that a thread traces together. Many paths advance while one waits for the longest.
+/// The number of paths that a thread traces together. There are more paths than lanes, so that a lane whose
+/// path ends takes another path and does not wait for the longest one.
 const TOGETHER: usize = 64;
 
 /// A distance map, prepared for tracing paths.

@@ -30,10 +30,10 @@ impl Copies {
         }
     }
 
-    /// Returns the edges between copies of the ends of an edge, itself included.
+    /// Returns the edges between copies of the ends of an edge, including the edge itself.
     fn edges(&self, chart: Chart, [first, last]: [usize; 2]) -> impl Iterator<Item = [usize; 2]> {
         let is_edge = move |ends: &[usize; 2]| direction(chart, *ends).is_some();
-        // The middle of a folded side is its own only copy.
+        // The point in the middle of a folded side has no copies, and stands for itself.
         let lasts = self.all(last);
         self.all(first)
             .flat_map(move |first| lasts.clone().map(move |last| [first, last]))
@@ -60,17 +60,18 @@ fn place_between(chart: Chart, [from, to]: [usize; 2], share: f64) -> Option<Pla
     }
 }
 
-/// A segment in one cell, and the part of a source that it is.
+/// A segment in one cell, and the part of a source that it represents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SourcePart {
     /// The rows and columns of both ends in the cell.
     pub ends: [DVec2; 2],
-    /// The places of both ends in the source as it was given. They differ from `ends` if the cell holds copies.
+    /// The rows and columns of both ends on the source that the caller gave. They differ from `ends` if the segment is
+    /// a copy.
     pub own: [DVec2; 2],
 }
 
 /// Returns a segment of a source and its copies. A segment along a seam has copies between the copies of its
-/// ends. Otherwise an end on a seam has copies.
+/// ends. Each copy of an end on a seam is also returned, as a segment of length zero.
 pub(super) fn parts_of_source(surface: &Surface, own: [DVec2; 2]) -> Vec<SourcePart> {
     let mut parts = vec![SourcePart { ends: own, own }];
     if !surface.is_glued() {

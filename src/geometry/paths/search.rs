@@ -16,13 +16,14 @@ use crate::surface::{Chart, Direction, EdgeSlot, FAR};
 /// A straight line of a path across a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CellLine {
-    /// The copy of the place from which the line starts, if it is not the place itself.
+    /// The copy of the path's place at which the line starts. It is `None` if the line starts at the place
+    /// itself.
     pub copy: Option<Place>,
     pub end: End,
     /// The arrival time at the end of the line.
     pub time: f64,
     pub length: f64,
-    /// The cell that the line crosses.
+    /// The cell that the line crosses, or `usize::MAX` if the line ends at a source.
     pub cell: usize,
 }
 
@@ -32,7 +33,8 @@ pub(super) enum End {
     Source {
         source: usize,
         at: DVec2,
-        /// The place in the source as it was given, of which `at` may be a copy.
+        /// The row and column of this place on the source that the caller gave. On a seam, `at` may be a copy
+        /// of it.
         own: DVec2,
     },
 }
@@ -45,9 +47,10 @@ impl CellLine {
     /// Returns whether this line is better than `other`, both starting at a place with the arrival time
     /// `time`.
     ///
-    /// The earlier line is better if both descend or neither does. Otherwise the descending line is better. A
-    /// line that does not descend, to the other side of a point that is later than its surroundings, may be
-    /// so short that it is hardly late, and the path would go back and forth.
+    /// The earlier line is better if both descend or neither does. Otherwise the descending line is better.
+    /// Near a point that is later than its surroundings, a line to the other side of that point does not
+    /// descend. It can be so short that its arrival is earlier than that of a descending line. If such lines
+    /// were taken, the path would go back and forth.
     fn is_better(&self, other: &Self, time: f64) -> bool {
         let falls =
             |line: &Self| time - line.time >= LEAST_FALL * line.length - ROUNDING * time.abs();
@@ -76,18 +79,19 @@ pub(super) fn fits(end: f64, length: f64, time: f64) -> bool {
     end + length <= time + FITS * length + ROUNDING * time.abs()
 }
 
-/// The distance, as a fraction of the edge, within which a line that ends near a grid point is moved to the
-/// point.
+/// The largest distance from a grid point, as a fraction of the edge's length, at which the end of a line is
+/// moved to that grid point.
 pub(super) const AT_POINT: f64 = crate::constants::AT_POINT;
-/// The fraction of its length by which a straight line to a visible source is preferred to other lines. A
-/// line that fits the arrival time within this fraction is not compared with others.
+/// The fraction of its length by which a straight line to a visible source is preferred to other lines. If a
+/// line fits the arrival time within this fraction, the cell on the other side of the edge is not searched.
 const FITS: f64 = crate::constants::FITS;
-/// The rounding of a map to single precision, as a fraction of the arrival time. Over short lines it exceeds
-/// the fractions of the length.
+/// The rounding of a map to single precision, as a fraction of the arrival time. For short lines the rounding
+/// is larger than the tolerances that are fractions of the line's length ([`FITS`] and [`LEAST_FALL`]).
 const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
 /// The fraction of its length by which a line must decrease the time to count as descending.
 const LEAST_FALL: f64 = crate::constants::LEAST_FALL;
-/// The smallest squared area of a triangle, as a fraction of the fourth power of a side.
+/// The smallest value of 16 times the squared area of a triangle, as a fraction of the fourth power of its
+/// base.
 const FLAT: f64 = 1e-14;
 
 impl Tracer<'_> {
@@ -112,7 +116,7 @@ impl Tracer<'_> {
             Some(CellLine { copy: Some(copy), ..line })
         });
         own.into_iter().chain(copies).reduce(|best, line| match (best.end, line.end) {
-            // A source in sight is preferred, as within one chart.
+            // A source in sight is preferred here too, as among the lines from a single place in `line_from`.
             (End::Source { .. }, End::Place(_)) if !line.beats_sight_of(&best) => best,
             (End::Place(_), End::Source { .. }) if !best.beats_sight_of(&line) => line,
             _ if line.is_better(&best, below) => line,
@@ -120,7 +124,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the line from a place, across one of the cells that contain it.
+    /// Returns the best line from a place across one of the cells that contain the place.
     fn line_from(&self, zero_time: f64, place: Place, below: f64, from: usize) -> Option<CellLine> {
         let (mut cells, count) = place.cells(self.chart());
         if cells[0].0 == from {
@@ -198,7 +202,8 @@ impl Tracer<'_> {
                 let crossing = if is_beside { times.foot(ends) } else { times.crossing(ends) };
                 let end = usize::from(crossing.share > 0.5);
                 let away = (crossing.share - end as f64).abs();
-                // A line past a point that is later than its own start does not end at that point.
+                // The end of a line is not moved to a nearby grid point that is later than the start of the
+                // line.
                 let at_point = away == 0.0 || away < AT_POINT && self.time(points[end]) < below;
                 if at_point {
                     let length = ends[end].max(0.0).sqrt();
@@ -222,8 +227,8 @@ impl Tracer<'_> {
 
     /// Returns a path along edges from a point to a point whose arrival time is below `below`.
     ///
-    /// The path avoids late points as far as possible. It crosses points that coincide, as at a pole, and
-    /// leaves local minima that rounding produces between long triangles.
+    /// The path avoids late points as far as possible. Such a path is needed to cross points that coincide,
+    /// as at a pole, and to leave local minima that rounding produces between long triangles.
     pub(super) fn detour(&self, from: usize, below: f64) -> Option<Vec<usize>> {
         let Chart { rows, cols } = self.chart();
         let mut back = HashMap::from([(from, from)]);
@@ -261,7 +266,8 @@ impl Tracer<'_> {
     }
 }
 
-/// Returns whether a place and an edge span a triangle. Both are given by squared lengths.
+/// Returns whether a place and an edge span a triangle. `ends` are the squared distances from the place to
+/// the ends of the edge, and `base` is the squared length of the edge.
 #[inline(always)]
 pub(super) fn is_triangle(ends: [f64; 2], base: f64) -> bool {
     let skew = ends[1] - ends[0] - base;

@@ -30,9 +30,9 @@ impl Tracer<'_> {
     pub(super) fn traces(&self, starts: &[DVec2]) -> Vec<Result<Trace, Stuck>> {
         let walks: Vec<_> = starts.iter().map(|&start| (start, self.start)).collect();
         let mut linked_paths = self.linked_paths(&walks);
-        // Squared times are smooth at a source if they are counted from its own initial value. At first they are
-        // counted from the smallest initial value of all sources. Paths to a source with another value are traced
-        // again. The second trace counts if it leads to the same source.
+        // Squared times are smooth at a source if the source's own initial value is subtracted before squaring. The
+        // first trace subtracts the smallest initial value of all sources. Paths to a source with another initial value
+        // are traced again. The second trace counts if it leads to the same source.
         let later = |(number, linked): (usize, &Result<LinkedPath, Stuck>)| {
             let LinkedPath { source, initial, .. } = linked.as_ref().ok()?;
             (*initial != self.start).then_some((number, *source, (starts[number], *initial)))
@@ -47,7 +47,8 @@ impl Tracer<'_> {
         linked_paths.into_iter().map(|linked| linked.map(LinkedPath::trace)).collect()
     }
 
-    /// Traces the paths from some places. Each walk has the time from which its squared times are counted.
+    /// Traces the paths from some places. Each walk is given by its start and the time that is subtracted before times
+    /// are squared.
     fn linked_paths(&self, walks: &[(DVec2, f64)]) -> Vec<Result<LinkedPath, Stuck>> {
         let heads = self.heads(walks);
         let zero_times = walks.iter().map(|&(_, zero_time)| zero_time);

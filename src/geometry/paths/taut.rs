@@ -1,15 +1,17 @@
 //! Pulls paths taut around the corners of holes.
 //!
 //! Behind a corner around which shortest paths bend, arrival times grow with the distance from the corner as
-//! from a source. But their squares are counted from elsewhere, and cubics do not reproduce the tip of a
-//! cone. In the last cells before the corner a traced path deviates by some hundredths of a cell. At each
-//! corner it is therefore too long by a fraction of a cell, which is an error of first order.
+//! from a source. But the time that is subtracted before squaring is not the time at the corner, and cubics
+//! do not reproduce the tip of a cone. In the last cells before the corner a traced path deviates by some
+//! hundredths of a cell. At each corner the path is therefore too long by a fraction of a cell, which is an
+//! error of first order.
 //!
 //! So a path that passes a corner is led through the corner, on lines that are straight in rows and columns,
 //! if that makes it shorter as measured in the cells' own lengths. These lines are lengthened while that
 //! saves more. On a flat floor they reach from corner to corner and are exact. On a curved surface a line is
-//! longer than the shortest path by the third power of its length, so it replaces only the cells near the
-//! corner. Further away the interpolation by cubics is more accurate, by the sixth power of the distance.
+//! longer than the shortest path by an amount that grows with the third power of the line's length, so it
+//! replaces only the cells near the corner. Further away the interpolation by cubics is more accurate: its
+//! error falls with the sixth power of the distance from the corner.
 
 use std::sync::Arc;
 
@@ -34,8 +36,8 @@ struct CornerLine {
     /// The index of the vertex.
     end: usize,
     length: f64,
-    /// The length of the part of the path that the line replaces, from the vertex nearest to the corner on
-    /// that side.
+    /// The length of the part of the path that the line replaces: from the vertex nearest to the corner on
+    /// that side to the vertex `end`.
     way: f64,
 }
 
@@ -57,7 +59,7 @@ struct Shortcut {
 /// A shared path that has been appended to another path.
 struct Shared {
     rest: Arc<LinkedPath>,
-    /// The number of vertices at the end that still belong to the shared path.
+    /// The number of vertices at the end of the path that still belong to the shared path.
     left: usize,
 }
 
@@ -97,7 +99,8 @@ impl BesideCorner<'_> {
             }
         }
         let (replaced, over) = (way + before.way + after.way, before.length + after.length);
-        // Maps that are late beside the border of a shadow lead paths to corners that they need not touch.
+        // Maps that are late beside the border of a shadow lead paths to corners that the paths need not
+        // touch.
         let past = tracer.straight(vertices[before.end], vertices[after.end]);
         let past = past.filter(|past| *past < (1.0 - LEAST) * over);
         let length = past.unwrap_or(over);
@@ -121,11 +124,11 @@ impl BesideCorner<'_> {
         Some(CornerLine { end, length, way: 0.0 })
     }
 
-    /// Lengthens a line by moving its end from the vertex `nearest` to the corner towards the vertex `last`
-    /// on that side.
+    /// Lengthens a line on one side of the corner. Its end moves from the vertex `nearest`, the one nearest
+    /// to the corner on that side, towards the vertex `last`.
     ///
-    /// The line is extended by the first number of `counts` of vertices, which then doubles up to the second
-    /// number. It stops when the line would leave the surface or save less.
+    /// The end first moves to the vertex that is `counts[0]` vertices away from `nearest`. This number then
+    /// doubles, up to `counts[1]`. The lengthening stops when the line would leave the surface or save less.
     fn lengthen(
         &self,
         mut line: CornerLine,
@@ -247,8 +250,8 @@ impl Tracer<'_> {
         (bend, end)
     }
 
-    /// Appends the shared rest of a path if that begins at a corner beside the vertex `at`, so that the path
-    /// can be pulled taut there.
+    /// Appends the shared rest of a path if the rest begins at a corner beside the vertex `at`, so that the
+    /// path can be pulled taut there.
     fn join(&self, linked: &mut LinkedPath, at: usize) -> Option<Shared> {
         let end = *linked.vertices.last()?;
         if self.corners_beside(linked.vertices[at]).all(|corner| corner != end) {
@@ -278,13 +281,14 @@ impl Tracer<'_> {
         cuts
     }
 
-    /// Returns the length of such a line, if a wavefront reaches all of it.
+    /// Returns the length of the line from `a` to `b` that is straight in rows and columns, if a wavefront
+    /// reaches all of it.
     fn straight(&self, a: DVec2, b: DVec2) -> Option<f64> {
         let cuts = grid_crossings(a, b);
         cuts.windows(2).map(|ends| self.across(a.lerp(b, ends[0]), a.lerp(b, ends[1]))).sum()
     }
 
-    /// Returns the length of a part of such a line that lies in one cell.
+    /// Returns the length of a line from `a` to `b` that lies in one cell, if a wavefront reaches it.
     fn across(&self, a: DVec2, b: DVec2) -> Option<f64> {
         let corner = (0.5 * (a + b)).floor();
         let north_west = self.chart().bordered_at(corner);

@@ -37,14 +37,15 @@ pub(super) enum HeadEnd {
 
 /// A path that is being traced.
 struct Walk {
-    /// The time from which squared times are counted.
+    /// The time that is subtracted before times are squared.
     zero_time: f64,
     place: Place,
     /// The arrival time at the place.
     time: f64,
     /// The cell through which the path has come.
     from: usize,
-    /// The entry into the next cell and the direction there, if there is one.
+    /// The entry into the next cell and the path's direction there. It is `None` unless the path has come to
+    /// a place on an edge.
     entry: Option<(Entry, DVec2)>,
     /// The earliest time of the grid points that the path has passed. The path does not go back to a later
     /// point.
@@ -193,11 +194,11 @@ impl Walk {
 
 impl Tracer<'_> {
     /// Traces the paths from some places to the first corner of a hole that they reach, or to their sources.
-    /// Each start has the time from which its squared times are counted. Each result is the same as if the
-    /// path were traced alone.
+    /// Each start comes with the time that is subtracted before times are squared. Each result is the same as
+    /// if the path were traced alone.
     ///
     /// The paths descend together, the latest first, one band of times after another. Data read for one path
-    /// is then in the cache for those beside it.
+    /// is then in the cache for the paths beside it.
     pub(super) fn heads(&self, starts: &[(DVec2, f64)]) -> Vec<Result<Head, Stuck>> {
         let mut heads: Vec<_> = starts.iter().map(|&(start, _)| Err(Stuck(start))).collect();
         let walk = |&(start, zero_time): &_| Walk::new(self, start, zero_time).ok();
@@ -206,7 +207,7 @@ impl Tracer<'_> {
         let time = |walk: &Walk| walk.time;
         while let Some(latest) = walks.iter().flatten().map(time).max_by(f64::total_cmp) {
             let until = if latest < f64::INFINITY {
-                // At its source, a map can be earlier than the initial value by rounding.
+                // At a source, the map can be earlier than the initial value by rounding.
                 latest - *band.get_or_insert(((latest - self.start) / BANDS).max(0.0))
             } else {
                 latest
@@ -216,7 +217,7 @@ impl Tracer<'_> {
         heads
     }
 
-    /// Traces all paths whose time is at least `until`, until they are below `until` or end.
+    /// Traces all paths whose time is `until` or later, to times before `until` or to their ends.
     fn descend(
         &self,
         walks: &mut [Option<Walk>],

@@ -33,7 +33,7 @@ struct Sector {
 struct Fan {
     /// The first copy of each neighbour, and its angle. Angles grow in one direction around the point.
     spokes: Vec<(u32, f32)>,
-    /// The sum of all angles, if the fan goes round.
+    /// The sum of all angles, if the fan goes all the way round the point.
     round: Option<f64>,
 }
 
@@ -81,8 +81,8 @@ impl Fans {
 }
 
 impl Fan {
-    /// Puts the sectors around a point in order. The first ray comes from a share of the way from the first to the last
-    /// of two `spokes`.
+    /// Puts the sectors around a point in order. The first ray crosses the base between the two `spokes`, at the
+    /// fraction `share` of the way from the first to the second.
     fn around(sectors: &[Sector], spokes: [usize; 2], share: f64) -> Self {
         let along = match share {
             0.0 => Some(spokes[0]),
@@ -117,8 +117,8 @@ impl Fan {
         Self { spokes: spokes.collect(), round }
     }
 
-    /// Returns the angle from one neighbour to where the first ray comes from. It is positive on the side of another
-    /// neighbour.
+    /// Returns the angle from the direction of `neighbour` to the direction from which the first ray comes. It is
+    /// positive on the side of the neighbour `other`.
     fn bearing(&self, neighbour: u32, other: u32) -> Option<f64> {
         let [there, other] = [neighbour, other].map(|neighbour| {
             let of = |(_, angle): &(u32, f32)| f64::from(*angle);
@@ -128,7 +128,8 @@ impl Fan {
         Some(self.turn(-there) * self.turn(other - there).signum())
     }
 
-    /// Returns an angle around the point as one in a plane, the shorter way round.
+    /// Converts an angle around the point into an angle in a plane. If the fan goes all the way round, the angle is
+    /// scaled so that a full turn is 2 pi, and the shorter way round is taken.
     fn turn(&self, angle: f64) -> f64 {
         let Some(round) = self.round else { return angle };
         let angle = angle * TAU / round;
@@ -149,8 +150,8 @@ impl Sector {
     }
 }
 
-/// Returns the triangles around a point and all its copies. Triangles that several copies have, as at a pole, are listed
-/// once, and those without an area not at all.
+/// Returns the triangles around a point and its copies. Triangles that several copies have, as at a pole, are listed
+/// once, and triangles without an area not at all.
 fn sectors(neighbourhood: &Neighbourhood, copies: &Copies, point: usize) -> Vec<Sector> {
     let mut sectors: Vec<Sector> = Vec::with_capacity(8);
     for copy in copies.all(point) {
@@ -176,8 +177,8 @@ fn spokes(neighbourhood: &Neighbourhood, copies: &Copies, point: usize, to: usiz
     [to, ring::next(to)].map(|to| copies.first(neighbourhood.neighbour(point, to)))
 }
 
-/// Follows sectors that lie beside each other from a spoke on, takes them away from those that are left, and adds the
-/// spokes between them. Angles grow with `sign`. Returns the last spoke and its angle.
+/// Follows adjacent sectors from `spoke` on. Removes them from `left` and appends their spokes, except the last, with
+/// their angles to `found`. Angles grow if `sign` is 1 and fall if it is -1. Returns the last spoke and its angle.
 fn follow(
     left: &mut Vec<Sector>,
     mut spoke: usize,

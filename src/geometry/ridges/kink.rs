@@ -1,4 +1,4 @@
-//! The kinks of a map on edges of the grid, and what decides whether there is one.
+//! Defines the kinks of a map on edges of the grid, and the data that decide whether an edge has a kink.
 
 use glam::{DMat2, DVec2};
 

@@ -27,8 +27,8 @@ pub struct Ridge {
     pub angles: Vec<f64>,
 }
 
-/// The factor by which the angle may be below the least angle where a ridge continues. On the grid, angles
-/// that are nearly constant along a ridge vary, and the ridge would otherwise fall into pieces. Canny's edge
+/// The smallest angle at which a ridge continues, as a fraction of the least angle. The angles found on the
+/// grid scatter, so a ridge whose angle is nearly constant would otherwise fall into pieces. Canny's edge
 /// detector uses two thresholds in the same way.
 const WEAK: f64 = 0.6;
 /// The length, in cells, below which a line that stands alone or branches off is an artefact of the grid.
@@ -42,20 +42,21 @@ const SHORT: f64 = 4.0;
 ///
 /// The criterion is as follows. The direction at a grid point is that of the ray that arrives first across
 /// the base of one of its triangles. Such a ray never crosses a kink. An edge has a kink if two conditions
-/// hold for the directions at its ends, in the metric between them. They include at least the least angle,
-/// and they converge. If the ridge runs along the edge, it suffices that they do not diverge. The kink lies
-/// where both wavefronts, continued straight from either end, arrive at once.
+/// hold for the directions at its two ends, in the metric between them: the angle between the directions is
+/// at least the least angle, and the directions converge. If the ridge runs along the edge, it suffices that
+/// the directions do not diverge. The kink lies where both wavefronts, continued straight from either end,
+/// arrive at once.
 ///
 /// Ridges run through triangles from one edge with a kink to another. If all three edges have a kink, the
 /// ridges meet at the mean of the three places. Between places with the least angle, a ridge continues where
 /// the angle is at least three fifths of it. Lines of less than four cells are left out.
 ///
-/// Rays are those of circular wavefronts. At a distance of some cells beside a source curve, they are off by
-/// up to half a cell over that distance.
+/// Rays are those of circular wavefronts. At a distance of d cells beside a source curve, their directions
+/// are off by up to 0.5 / d radians.
 ///
-/// On a glued surface ridges pass seams. Such a ridge has two vertices in turn that are the same place of the surface
-/// ([`Curve::jumps`]). Directions are then compared in the triangles around the points, across seams and poles, and not
-/// in the metric.
+/// On a glued surface ridges pass seams. Such a ridge has two consecutive vertices that are the same place of the
+/// surface ([`Curve::jumps`]). Directions are then compared in the triangles around the points, across seams and poles,
+/// and not in the metric.
 ///
 /// Below some 20 degrees discretisation errors begin to look like kinks, near sources first. Wavefronts that
 /// meet at a single point, as in the middle of a circle, leave a star of a few cells.
@@ -110,7 +111,8 @@ pub fn ridges(
 type Places = BTreeMap<[u64; 2], [DVec2; 2]>;
 
 /// Returns the places of all segments. A segment between two grid points is found twice, since there is a triangle on
-/// either side. On a seam it takes the first of its places, so that a ridge along the seam stays on one side.
+/// either side. On a seam these are two different places, and the first is taken, so that a ridge along the seam stays
+/// on one side.
 fn places(found: &[Segment]) -> Places {
     let mut places = Places::new();
     for ([a, b], kinks) in found {

@@ -22,7 +22,8 @@ struct Ray {
 /// The distance from a grid point, as a fraction of the edge, up to which a kink lies at the point.
 const AT_POINT: f64 = 1e-4;
 /// Largest divergence of directions that still count as meeting, as a fraction of the largest possible
-/// divergence over the edge. There the ridge runs along the edge, and rounding decides on which side of it.
+/// divergence over the edge. With such a small divergence the ridge runs along the edge, and rounding decides
+/// on which side of the edge it lies.
 const ALONG: f64 = 0.1;
 
 /// A map and the directions in which its wavefronts arrive, in bordered arrays.
@@ -78,8 +79,8 @@ impl<'a> ArrivingRays<'a> {
         self.times[point] < f32::FAR
     }
 
-    /// Returns the first ray that arrives at a point, across bases that it has already passed: its time, its base, and
-    /// where it crosses the base.
+    /// Returns the first ray that arrives at a point from neighbours that are reached before the point: its time, its
+    /// base, and where it crosses the base.
     fn first_ray(&self, point: usize) -> Option<(f64, usize, f64)> {
         if !self.is_reached(point) {
             return None;
@@ -106,7 +107,7 @@ impl<'a> ArrivingRays<'a> {
     }
 
     /// Returns the directions of first arrivals at both ends of an edge. `third` is the third corner of a triangle with
-    /// that edge. Returns `None` if one is not known.
+    /// that edge. Returns `None` if one of the directions is not known.
     fn at_ends(&self, [from, to]: [Point; 2], third: Point) -> Option<AtEnds> {
         let rays = match &self.arrivals {
             Arrivals::InMetric(rays) => rays,

@@ -89,7 +89,7 @@ pub(super) fn march(fronts: &SourceFronts, labels: &[u32]) -> (Vec<Border>, Vec<
         chart.cells_between(a, b).flat_map(of_cell).find(is_across)
     };
     // Returns the edges between a triangle and the place where its regions meet. Returns `None` if that place
-    // is not on the course of the border between two of them.
+    // is not on the course of the border between two of the regions.
     let passed = |triangle: &Mixed, Junction { place, beyond }: Junction| {
         let (mut points, mut edge, mut passed) = (triangle.points, beyond?, Vec::new());
         for _ in 0..FARTHEST {

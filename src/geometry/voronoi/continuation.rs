@@ -76,8 +76,8 @@ impl<'a> Continuation<'a> {
     /// Returns when a wavefront arrives at a point through the two triangles on either side of one of its
     /// edges. Returns `None` if a cheap bound shows that it does not arrive before `now`.
     ///
-    /// Only three entries of `since`, the times since its start at the neighbours, are used: at the end of
-    /// the edge and on either side of it.
+    /// `since` holds the times since the wavefront's start at the neighbours. Only three of them are used: at
+    /// the end of the edge and on either side of it.
     pub(super) fn arrival_beside(
         &self,
         point: usize,

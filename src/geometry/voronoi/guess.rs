@@ -137,7 +137,7 @@ fn resolve(labels: &[AtomicU32], offsets: &[Offset; 8], point: usize) {
     }
 }
 
-/// A pass that links each point of a row to its earliest neighbour, if that is reached before the point.
+/// A pass that links each point of a row to its earliest neighbour, if that neighbour is reached before the point.
 struct Earliest<'a> {
     /// The times of the row and of the rows above and below it.
     around: [&'a [f32]; 3],

@@ -26,7 +26,7 @@ pub struct Voronoi {
     /// The label of each grid point, row-major: the index of its nearest source, or [`NO_REGION`]. Sources
     /// are numbered from 0 in the order in which they were given.
     pub labels: Vec<u32>,
-    /// The borders. Each runs from junction to junction, on glued surfaces over seams
+    /// The borders. Each runs from junction to junction. On glued surfaces, borders go on over seams
     /// ([`crate::geometry::join_over_seams`]).
     pub borders: Vec<Border>,
     /// The triangles on borders, with the fraction of each region.
@@ -43,11 +43,11 @@ impl Voronoi {
     ///
     /// Near borders the wavefronts of both sources are propagated across the border: circular ones from
     /// points, and straight ones from curves. The border is where they arrive at once, by linear
-    /// interpolation between grid points. So it is as accurate for sources side by side as for distant ones.
-    /// On plane, cylinder and sphere of 129 x 129 points it lies within 0.07 of a cell of the exact bisector
-    /// of two points, whether they are one cell apart or many. A junction of three regions lies where three
-    /// wavefronts arrive at once. It is in a triangle with a corner in each region, or in a triangle a few
-    /// away from it.
+    /// interpolation between grid points. So the border is as accurate for sources side by side as for
+    /// distant ones. On the plane, the cylinder and the sphere of 129 x 129 points, the border lies within
+    /// 0.07 of a cell of the exact bisector of two points, whether they are one cell apart or many. A
+    /// junction of three regions lies where three wavefronts arrive at once. It is in a triangle with a
+    /// corner in each region, or at most a few triangles away from such a triangle.
     ///
     /// # Errors
     /// If a source lies off the surface, or the number of distances differs from the number of grid points.

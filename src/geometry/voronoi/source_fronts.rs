@@ -3,12 +3,12 @@
 //! Labels copied from neighbour to neighbour drift along the grid's directions where a border runs almost
 //! parallel to the characteristics, as behind a close pair of sources. The converged map itself mixes both
 //! wavefronts there, since updates at the border use points on either side. So near borders each source's
-//! wavefront is propagated separately, across the border and beyond it, until it is late by two edges. Both
-//! ends of an edge that crosses the border then know both wavefronts. Elsewhere a point has the label of all
-//! its earlier neighbours, and the time of the map.
+//! wavefront is propagated separately, across the border and beyond it, until it arrives later than the first
+//! wavefront by the length of two edges. Both ends of an edge that crosses the border then know both
+//! wavefronts. Elsewhere a point has the label of all its earlier neighbours, and the time of the map.
 //!
-//! Points are visited in the order of their arrival times. Points whose guessed label agrees with all points
-//! before them need no visit.
+//! Points are visited in the order of their arrival times. Points whose guessed label agrees with the labels
+//! of all their earlier neighbours need no visit.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -29,7 +29,7 @@ use crate::surface::{Chart, EdgeLengths, Real, Sources, Surface, max, min, ring}
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     label: u32,
-    /// The arrival time at the point, as far as it is known.
+    /// The arrival time at the point, or [`Real::FAR`] as long as it is not known.
     time: f64,
     /// The times since the wavefront's start, at the point's neighbours.
     since: [f64; 8],
@@ -180,7 +180,7 @@ impl<'a> SourceFronts<'a> {
         self.tell_all();
     }
 
-    /// Labels a point of a seam. Fronts come to it on the sides of all its copies.
+    /// Labels a point of a seam. Fronts come to the point at any of its copies.
     fn visit_copies(&mut self, point: usize) {
         let (mut all, mut copies): (Vec<Candidate>, usize) = (Vec::new(), 0);
         while let Some(copy) = self.known.copies().nth(point, copies) {
@@ -249,7 +249,8 @@ impl<'a> SourceFronts<'a> {
     }
 
     /// Returns all wavefronts that reach a point's neighbours or start beside it. Also returns which
-    /// neighbours have any, and whether each of these has a single one.
+    /// neighbours have any, and whether each of these neighbours has a single wavefront and none starts at
+    /// the point.
     fn candidates(&mut self, point: usize, lengths: &[f64; 8]) -> (Vec<Candidate>, u8, bool) {
         let mut found = std::mem::take(&mut self.room);
         found.clear();
@@ -375,8 +376,9 @@ impl<'a> SourceFronts<'a> {
 /// Returns the time up to which wavefronts count at a point, from the first arrival and the length of the
 /// longest edge.
 ///
-/// Over an edge from one region to another, each wavefront arrives later than the other by at most the length
-/// of the edge. The other end of the edge therefore gets to know it that much later.
+/// The wavefronts of two regions must be known at both ends of an edge between the regions. At the end in the
+/// other region, a wavefront arrives later than that region's own wavefront by at most twice the length of
+/// the edge.
 fn latest(first: f64, longest: f64) -> f64 {
     first + 2.0 * longest * (1.0 + 1e-6)
 }

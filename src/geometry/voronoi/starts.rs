@@ -36,8 +36,8 @@ pub(super) fn starts(
     Ok(starts)
 }
 
-/// Returns the points that have a start, each once, with the label of the earliest one; of equal ones with the smallest
-/// label.
+/// Returns the points that have a start, each once, with the label of its earliest start. If several starts are equally
+/// early, the smallest label counts.
 pub(super) fn first_labels(starts: &[Start]) -> Vec<(usize, u32)> {
     let mut order: Vec<&Start> = starts.iter().collect();
     order.sort_by(|a, b| {

@@ -71,7 +71,7 @@ fn push(parts: &mut [Vec<Place>], vertex: Place) {
 mod tests {
     use super::*;
 
-    /// Divides a line of longitudes and latitudes. Each height is its latitude.
+    /// Divides a line of longitudes and latitudes. The height of each vertex equals its latitude.
     fn parts_of(line: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
         let line: Vec<_> = line.iter().map(|&[east, north]| [east, north, north]).collect();
         let place = |[east, north, height]: Place| {
@@ -114,7 +114,7 @@ mod tests {
         let line = [[20.0, 80.0], [20.0, 90.0], [200.0, 90.0], [200.0, 80.0]];
         let parts = [vec![[20.0, 80.0], [20.0, 90.0]], vec![[-160.0, 90.0], [-160.0, 80.0]]];
         assert_eq!(parts_of(&line), parts);
-        // Latitudes of a pole as sums of steps round them.
+        // The latitude of a pole has a rounding error if it is a sum of steps.
         for pole in [-90.00000000000001, -89.99999999999997, -90.0] {
             let line = [[-170.5, -80.0], [-170.5, pole], [9.5, pole], [9.5, -80.0]];
             let parts = [vec![[-170.5, -80.0], [-170.5, -90.0]], vec![[9.5, -90.0], [9.5, -80.0]]];

@@ -8,7 +8,8 @@ use ::svg::node::element::{Group, Path, Rectangle, Style, Title};
 
 use super::drawing::{Drawing, Polyline};
 
-/// Lines have the same width at any scale: it is in pixels, not in grid steps.
+/// The style of the drawing. Lines have the same width at any scale: the width is in pixels, not in grid
+/// steps.
 const STYLE: &str = "\
 path { fill: none; stroke-width: 1.5; stroke-linecap: round; stroke-linejoin: round; \
 vector-effect: non-scaling-stroke }

@@ -86,7 +86,7 @@ impl Checkpoint {
         let wanted = Self::new(made_from.clone(), layout);
         let refuse = |what: &str, found: &str, wanted: &str| {
             let reason = format!(
-                "was begun with {what} {found}, not {wanted}; go on with the same, or remove it to \
+                "was begun with {what} {found}, not {wanted}; resume with the same value, or remove it to \
                  begin anew"
             );
             Err(IoError::content(part, reason))

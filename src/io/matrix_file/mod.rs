@@ -156,13 +156,13 @@ impl MatrixFile {
     ///
     /// # Errors
     /// If the disk is full or fails; the matrix can then be resumed. If a distance is too large for the
-    /// elements, no row is written, and nothing is left behind.
+    /// element type, no row is written, and nothing is left behind.
     ///
     /// # Panics
     /// If `distances` are not whole rows, or more rows than are missing.
     pub fn append(&mut self, distances: &[f32]) -> Result<(), IoError> {
         let count = distances.len() / self.layout.cols;
-        assert_eq!(distances.len(), count * self.layout.cols, "whole rows");
+        assert_eq!(distances.len(), count * self.layout.cols, "`distances` must be whole rows");
         assert!(self.rows + count <= self.layout.rows, "no more rows than the matrix has");
         let bytes = match self.part_layout.encode(self.rows, distances, &mut self.buffer) {
             Ok(bytes) => bytes,
@@ -195,7 +195,7 @@ impl MatrixFile {
     ///
     /// # Errors
     /// If the disk is full or fails, or the folder has changed in the meantime; if a mean is too large for
-    /// the elements.
+    /// the element type.
     ///
     /// # Panics
     /// If rows are missing.

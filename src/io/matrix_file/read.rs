@@ -84,7 +84,7 @@ pub fn is_distance_matrix(path: &Path) -> bool {
     extension(path) == "npy" && is().unwrap_or(false)
 }
 
-/// The positions in the matrix of the numbers of a file.
+/// The positions of a file's numbers in the matrix.
 enum Place {
     Square {
         points: usize,
@@ -170,7 +170,7 @@ mod tests {
             assert!(!is_distance_matrix(&path), "{side}");
             read_matrix(&path).unwrap_err();
         }
-        // The header has more bytes than the missing number.
+        // The header is longer than the missing number, so this fails if the bytes of the header count as data.
         let path = file(folder.path(), &[3, 3], 8);
         let message = read_matrix(&path).unwrap_err().to_string();
         assert!(message.contains("needs 36 bytes, 32 are there"), "{message}");

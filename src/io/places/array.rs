@@ -27,7 +27,8 @@ pub(super) fn read(path: &Path) -> Result<Content, IoError> {
         }
     };
     for (index, row) in array.values.chunks_exact(width).enumerate() {
-        // Other values are not read: a curve on a surface given by its metric has no positions.
+        // Other columns are not read. They are NaN for a curve on a surface given by its metric, which has no
+        // positions.
         let read = &row[..if has_starts { 3 } else { 2 }];
         if read.iter().all(|value| value.is_nan()) {
             end(&mut vertices);
@@ -35,8 +36,8 @@ pub(super) fn read(path: &Path) -> Result<Content, IoError> {
         }
         if let Some(value) = read.iter().find(|value| !value.is_finite()) {
             let reason = format!(
-                "row {index} of the array holds {}, which is no finite number; only a row of NaN alone \
-                 divides curves",
+                "row {index} of the array holds {}, which is not a finite number; only a row with nothing \
+                 but NaN separates curves",
                 exact(*value)
             );
             return Err(IoError::content(path, reason));

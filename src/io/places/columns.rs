@@ -143,7 +143,8 @@ impl Columns {
         Self { names, place: [0, 1], coordinates, start, curve: None, closed: None }
     }
 
-    /// Returns the names of columns that are not used. An index column has no name, or a generic one.
+    /// Returns the names of columns that are not used. An index column, which has no name or a generic one, is left
+    /// out.
     pub fn unused(&self) -> Result<Vec<String>, String> {
         let used = |index: usize| {
             self.place.contains(&index)

@@ -28,7 +28,7 @@ pub struct GridFrame {
     pub chart: Chart,
     /// The grid's map coordinates, or the reason why there are none.
     pub georeference: Result<Georeference, String>,
-    /// Numbers of rows by which the surface extends beyond the grid's first and last row, and the same of columns.
+    /// Numbers of rows by which the surface extends beyond the grid's first and last row, and the same for columns.
     margins: [[f64; 2]; 2],
 }
 
@@ -64,7 +64,7 @@ impl GridFrame {
     }
 
     /// Lets places lie beyond the grid's points. `margins` are numbers of rows before the first and after the last row,
-    /// and the same of columns. A surface extends beyond its grid's points if these are the middles of cells
+    /// and the same for columns. A surface extends beyond its grid's points if these are the middles of cells
     /// ([`crate::surface::GeodeticGrid::margins`]).
     pub fn with_margins(self, margins: [[f64; 2]; 2]) -> Self {
         Self { margins, ..self }
@@ -139,7 +139,7 @@ impl GridFrame {
         [on_axis(0, last_row as f64), on_axis(1, last_col as f64)]
     }
 
-    /// Returns the first and the last row of the surface, and the same of columns.
+    /// Returns the first and the last row of the surface, and the same for columns.
     fn ends(&self) -> [[f64; 2]; 2] {
         let (last_row, last_col) = self.chart.last();
         let ends = |last: usize, [before, after]: [f64; 2]| [0.0 - before, last as f64 + after];
@@ -165,7 +165,7 @@ impl GridFrame {
         );
         let is_geographic = matches!(georeference.system, Some(CoordinateSystem::Geographic(_)));
         if swapped {
-            said += "; it lies inside the other way round: x runs eastwards and comes first";
+            said += "; with x and y swapped it lies inside; give x (eastwards) first";
         } else if !is_geographic && x.abs() <= TURN && y.abs() <= 90.0 {
             said += "; if these are longitude and latitude, convert them first";
             if let Some(system) = georeference.system {
@@ -285,7 +285,7 @@ mod tests {
         let far = utm.place([6e5, 4e6]).unwrap_err();
         assert!(!far.contains("longitude"), "{far}");
         let swapped = utm.place([3_999_900.0, 500_100.0]).unwrap_err();
-        assert!(swapped.contains("other way round"), "{swapped}");
+        assert!(swapped.contains("with x and y swapped"), "{swapped}");
         assert!(MapCoordinates::Geographic.check(&utm).unwrap_err().contains("EPSG:32616"));
         assert!(MapCoordinates::Epsg(4326).check(&utm).unwrap_err().contains("EPSG:4326"));
         assert_eq!(MapCoordinates::Epsg(32616).check(&utm), Ok(()));

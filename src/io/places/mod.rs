@@ -147,8 +147,8 @@ impl PlaceFile {
     /// Returns the places as points: every vertex once, in the order of the file.
     ///
     /// # Errors
-    /// If a place lies outside the grid; if places are in map coordinates and the surface has none, or other
-    /// ones; if the file holds indices.
+    /// If a place lies outside the grid; if places are in map coordinates and the surface has none, or is in
+    /// another coordinate system; if the file holds indices.
     pub fn points(&self, frame: &GridFrame) -> Result<Vec<PlacedPoint>, IoError> {
         if let Content::Raster(raster) = &self.content {
             let cells = self.cells(raster, frame)?.into_iter();

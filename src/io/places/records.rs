@@ -14,18 +14,18 @@ enum Source<'a> {
     Blanks(std::iter::Enumerate<std::str::Lines<'a>>),
 }
 
-/// The fields of one line.
+/// The fields of one record.
 #[derive(Default)]
 pub(super) struct Record {
     pub fields: Vec<String>,
-    /// Number of the line, from 1.
+    /// Number of the record's first line, from 1.
     pub line: usize,
     /// Whether the first field is quoted, as R quotes the names of rows.
     pub is_named: bool,
 }
 
 impl<'a> Records<'a> {
-    /// Makes a reader. `separator` divides the fields of the first line of content; `None` stands for blanks.
+    /// Makes a reader of records whose fields are divided by `separator`, or by blanks if it is `None`.
     pub fn new(text: &'a str, separator: Option<u8>) -> Self {
         let source = match separator {
             Some(separator) => Source::Separated(Box::new(
@@ -63,13 +63,14 @@ impl<'a> Records<'a> {
             Source::Separated(reader) => reader,
         };
         let mut record = StringRecord::new();
-        // An error cannot occur here: the bytes of a text are valid.
+        // An error cannot occur here, since the text is valid UTF-8.
         if !reader.read_record(&mut record).map_err(|error| error.to_string())? {
             return Ok(None);
         }
         let (start, first_line) = record.position().map_or((0, 1), |at| (at.byte(), at.line()));
         let raw = &self.text[start as usize..reader.position().byte() as usize];
-        // The position is the one after the previous record. Empty lines after it are skipped.
+        // The position is the end of the previous record. The reader skips empty lines between that place and
+        // this record.
         let begin = raw.trim_start_matches(['\r', '\n']);
         let passed = raw[..raw.len() - begin.len()].matches('\n').count();
         let line = first_line as usize + passed;

@@ -97,14 +97,16 @@ fn without_comment(mut record: Record) -> Record {
     record
 }
 
-/// Returns whether the first line names columns: it holds no number, or names of places among numbers.
+/// Returns whether the first line names columns: it holds no number, or its fields include names of
+/// coordinates.
 fn is_header(record: &Record) -> bool {
     let mut fields = record.fields.iter().filter(|field| !field.is_empty());
     fields.all(|field| number(field).is_none())
         || matches!(Columns::new(record.fields.clone()), Ok(Some(_)) | Err(_))
 }
 
-/// Returns the columns that a comment names, if their number is right and they include a place.
+/// Returns the columns that a comment names, if it names `count` columns and the coordinates of a place are
+/// among them.
 fn named_by_comment(comment: &str, count: usize) -> Option<Result<Columns, String>> {
     let names = Records::new(comment.trim(), separator_of(comment)).next().ok()??.fields;
     (names.len() == count).then(|| Columns::new(names).transpose()).flatten()
@@ -139,7 +141,8 @@ fn unnamed(first: &Record) -> Result<Columns, String> {
     }
 }
 
-/// Returns an error for three columns without names of which the first may be an index, as programs write it.
+/// Returns an error if the first of three columns without names may be an index, which some programs write
+/// before the other columns.
 fn check_no_index(rows: &[Row]) -> Result<(), String> {
     let counts_from = |start: usize| {
         let mut counted = rows.iter().zip(start..);
@@ -285,7 +288,8 @@ mod tests {
         decimal_comma: bool,
         quoted_names: bool,
         quoted_values: bool,
-        /// Name, in the header, of a column of numbers before all others.
+        /// The header's name of a column of running numbers before all other columns, if there is such a
+        /// column.
         index: Option<&'static str>,
         line_end: &'static str,
         last_end: bool,
@@ -348,7 +352,7 @@ mod tests {
     }
 
     proptest! {
-        /// Places and start values are found by the names of columns, in tables of all these programs.
+        /// Places and start values are found by the names of columns, in tables of all dialects.
         #[test]
         fn tables_of_any_program_are_read(
             dialect in dialects(),

@@ -1,7 +1,7 @@
 //! Decodes bytes to text, in the encodings that spreadsheets write.
 
 /// Decodes UTF-8, UTF-16 with a byte order mark, or otherwise an 8-bit code page. Only names of columns and places
-/// contain characters beyond ASCII. These may be decoded wrongly, but different ones stay different.
+/// contain characters beyond ASCII. Such characters may be decoded wrongly, but different characters stay different.
 pub(super) fn decode(bytes: Vec<u8>) -> Result<String, String> {
     let utf16 = |bytes: &[u8], from: fn([u8; 2]) -> u16| {
         let units = bytes.as_chunks().0.iter().map(|unit| from(*unit));

@@ -19,7 +19,7 @@ pub enum Compression {
 }
 
 impl Compression {
-    /// Returns the compression with a number, or an error with a command that converts the file.
+    /// Returns the compression with this number, or an error with a command that converts the file.
     pub fn of(number: u64, cure: &Cure) -> Result<Self, String> {
         let name = match number {
             1 => return Ok(Self::None),
@@ -59,8 +59,8 @@ impl Compression {
         }
     }
 
-    /// Decompresses the first `size` bytes. The result may be longer, and callers ignore the rest. Data after these
-    /// bytes are not read, as in libtiff.
+    /// Decompresses the first `size` bytes. The result may be longer, and callers ignore its rest. As in libtiff, data
+    /// after the first `size` bytes are not decoded.
     pub fn decode(self, data: Cow<[u8]>, size: usize) -> Result<Cow<[u8]>, String> {
         check_decoded(data.len(), self.ratio(), size)?;
         let decoded: Cow<[u8]> = match self {
@@ -84,7 +84,7 @@ fn inflated(data: &[u8], size: usize) -> Result<Vec<u8>, String> {
 }
 
 fn lzw(data: &[u8], size: usize) -> Result<Vec<u8>, String> {
-    // Before TIFF 6 codes were stored in reverse bit order, beginning with the code "clear", 256.
+    // Before TIFF 6, codes were stored in reverse bit order. The first code is "clear", 256.
     if let [0, second, ..] = data
         && second & 1 == 1
     {

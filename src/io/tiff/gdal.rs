@@ -29,7 +29,7 @@ pub enum NoData {
 }
 
 impl Metadata {
-    /// Reads the fields 42112 and 42113 of a picture with one band beside its opacity.
+    /// Reads the fields 42112 and 42113 of a picture with one band and perhaps an opacity channel.
     pub fn read(directory: &Directory, sample: Sample) -> Result<Self, String> {
         let mut metadata = Self::default();
         if let Some(text) = directory.text(tag::GDAL_NODATA)? {
@@ -120,7 +120,8 @@ impl Metadata {
         self.no_data.contains(&NoData::Float(f64::INFINITY))
     }
 
-    /// Returns whether values that are not stored, in sparse chunks, are "no data".
+    /// Returns whether there is a no-data value. Points of sparse chunks, which are not stored, then have no
+    /// data.
     pub fn has_no_data(&self) -> bool {
         !self.no_data.is_empty()
     }
@@ -131,7 +132,7 @@ impl Sample {
         u64::MAX >> (64 - self.bits)
     }
 
-    /// Returns the least and the greatest integer.
+    /// Returns the least and the greatest integer that a sample can hold.
     fn range(self) -> (i128, i128) {
         match self.kind {
             Kind::Signed => (-(1 << (self.bits - 1)), (1 << (self.bits - 1)) - 1),

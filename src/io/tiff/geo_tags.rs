@@ -82,7 +82,7 @@ impl GeoTags {
     /// Returns the fields for a transformation alone, without a coordinate reference system.
     pub(in crate::io) fn of_transform(georeference: &Georeference) -> Self {
         let &Georeference { origin, down, right, .. } = georeference;
-        // The fields count from the first pixel's corner.
+        // In the fields, row 0 and column 0 lie at the first pixel's corner.
         let corner = [0, 1].map(|k| origin[k] - 0.5 * (down[k] + right[k]));
         if right[1] == 0.0 && down[0] == 0.0 && right[0] > 0.0 && down[1] < 0.0 {
             return Self {
@@ -229,8 +229,8 @@ impl GeoTags {
         }
     }
 
-    /// Returns scale and offset of the values, if a vertical system makes them part of the transformation: in
-    /// GeoTIFF 1.1, as in GDAL.
+    /// Returns the scale and the offset of the values, if the transformation contains them. As in GDAL, this
+    /// is so in GeoTIFF 1.1 for files with a vertical system.
     pub(super) fn vertical(&self) -> Result<Option<[f64; 2]>, String> {
         let is_1_1 = self.keys.get(2).is_some_and(|minor| *minor >= 1);
         // Geographic systems with heights are not vertical systems.
@@ -262,7 +262,7 @@ impl GeoTags {
         if !numbers.as_flattened().iter().all(|number| number.is_finite()) || determinant == 0.0 {
             return Err("is not georeferenced: its transformation has no inverse".into());
         }
-        // The fields count from the first pixel's corner, unless pixels stand for points.
+        // In the fields, row 0 and column 0 lie at the first pixel's corner, unless pixels stand for points.
         let point = self.key(geo_key::RASTER_TYPE) == Some(geo_key::PIXEL_IS_POINT);
         let half = if point { 0.0 } else { 0.5 };
         let origin = std::array::from_fn(|k| origin[k] + half * (down[k] + right[k]));

@@ -13,8 +13,8 @@ pub struct Layout {
     pub sample: Sample,
     /// Number of values per pixel, including the alpha channel.
     pub samples: usize,
-    /// Whether each of these values has separate chunks. Those of the first value come before those of the
-    /// second.
+    /// Whether each of these values has chunks of its own. The chunks of the first value come before those of
+    /// the second.
     pub planar: bool,
     /// Index of the opacity channel, if there is one.
     pub alpha: Option<usize>,
@@ -69,7 +69,7 @@ pub enum Predictor {
     None,
     /// Differences of neighbours in a row.
     Horizontal,
-    /// Differences of bytes, with the most significant ones first.
+    /// Differences of bytes. The most significant bytes of all numbers of a row come first.
     FloatingPoint,
 }
 
@@ -230,7 +230,8 @@ impl Layout {
         if self.planar { 1 } else { self.samples }
     }
 
-    /// Returns the number of bytes of a row of a chunk, or `usize::MAX` if it is larger.
+    /// Returns the number of bytes of a row of a chunk. If the number of bits is too large for a `usize`, it
+    /// counts as `usize::MAX`.
     pub fn row_bytes(&self) -> usize {
         let numbers = self.chunk[1].saturating_mul(self.interleaved());
         numbers.saturating_mul(self.sample.bits).div_ceil(8)
@@ -273,7 +274,8 @@ impl Sample {
             }
         };
         let known = match kind {
-            // GDAL stores 24 bits in an order of its own in either byte order.
+            // GDAL stores the bytes of 24-bit numbers in an order of its own, whatever the byte order of the
+            // file.
             Kind::Unsigned => matches!(bits, 1..=23 | 25..=32 | 64),
             Kind::Signed => matches!(bits, 8 | 16 | 32 | 64),
             Kind::Float => matches!(bits, 16 | 32 | 64),

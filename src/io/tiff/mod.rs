@@ -1,7 +1,7 @@
 //! Reads TIFF rasters with the information of GeoTIFF and GDAL, and writes maps and fields of vectors.
 //!
-//! Files are read as GDAL reads them. A feature that changes values or locations and is not supported is an
-//! error, which contains the command that converts the file.
+//! Files are read as GDAL reads them. An unsupported feature that changes values or locations is an error,
+//! which contains the command that converts the file.
 
 mod band;
 mod compression;
@@ -40,7 +40,7 @@ pub(super) struct Raster {
     /// The length of the unit of the values in metres, if they are heights, or a message that says why it is not
     /// known.
     pub metres: Result<f64, String>,
-    /// Whether +infinity is the no-data value, as in our maps.
+    /// Whether +infinity is the no-data value, as in maps that this crate writes.
     pub unreached: bool,
 }
 
@@ -53,7 +53,7 @@ pub(super) enum Role {
     Mask,
 }
 
-/// Bits of NewSubfileType: a smaller version of another picture, and a mask of one.
+/// Bits of NewSubfileType: a smaller version of another picture, and a mask of another picture.
 const REDUCED: u64 = 1;
 const MASK: u64 = 4;
 

@@ -29,13 +29,13 @@ pub enum Closed {
     /// A whole truncated cone, of which [`Builtin::Cone`](super::Builtin::Cone) is three quarters. Unrolled, it is
     /// half of an annulus.
     Cone,
-    /// A whole torus: its centre line has radius 1, its tube 0.4. Distances are those of shot geodesics.
+    /// A whole torus: its centre line has radius 1, its tube 0.4. Distances are computed by shooting geodesics.
     Torus,
     /// A strip 0.8 wide that makes half a turn on its way round a circle of radius 1. Rows run along the strip, columns
     /// across it. Distances are not known.
     MoebiusStrip,
-    /// The unit sphere by latitudes (rows) and longitudes (columns), with a row at each pole. Distances on this
-    /// surface and those below are great circles.
+    /// The unit sphere by latitudes (rows) and longitudes (columns), with a row at each pole. Distances on this surface
+    /// and the following ones are lengths of great circles.
     Globe,
     /// An octahedral map of the unit sphere: an octahedron unfolded to a square and blown up. The square needs an
     /// odd number of points a side.
@@ -185,7 +185,7 @@ fn sign(x: f64) -> f64 {
     if x < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// Returns the position of a place of the square from -1 to 1. Its corners are the lower pole.
+/// Returns the position of a place in the square from -1 to 1. The square's corners are the lower pole.
 fn octahedral(at: DVec2) -> DVec3 {
     let DVec2 { x, y } = at;
     let z = 1.0 - x.abs() - y.abs();
@@ -193,7 +193,7 @@ fn octahedral(at: DVec2) -> DVec3 {
     (if z < 0.0 { folded } else { at }).extend(z).normalize()
 }
 
-/// Returns the position of a place of the square from -1 to 1. Its corners are the lower pole.
+/// Returns the position of a place in the square from -1 to 1. The square's corners are the lower pole.
 fn equal_area(at: DVec2) -> DVec3 {
     let DVec2 { x, y } = at.abs();
     let height = 1.0 - (x + y);
@@ -232,7 +232,7 @@ fn cube(rows: usize, cols: usize, [row, col]: [f64; 2]) -> DVec3 {
 mod tests {
     use super::*;
 
-    /// A grid of 47 x 71 points for all surfaces; the faces of the cube have 23 x 23.
+    /// Size of the grids of all surfaces. The faces of the cube then have 23 x 23 points.
     const SIZE: (usize, usize) = (47, 71);
 
     #[test]
@@ -257,7 +257,8 @@ mod tests {
         }
     }
 
-    /// The distance between neighbours is that of their chord, on either side of a seam.
+    /// Checks, beside seams too, that the distances of neighbours differ by no more than the arc over their chord, and
+    /// that the distances of the source's neighbours are about their chords.
     #[test]
     fn distances_grow_by_the_lengths_of_edges() {
         for closed in Closed::ALL.into_iter().filter(|&closed| closed != Closed::MoebiusStrip) {

@@ -1,7 +1,7 @@
 //! Computes shortest paths over a flat grid with holes, by a visibility graph.
 //!
-//! It is independent of the solvers. A shortest path between obstacles with straight sides is a chain of
-//! straight lines that bends only at the obstacles' corners.
+//! This computation is independent of the solvers. A shortest path between obstacles with straight sides is a
+//! chain of straight lines that bends only at the obstacles' corners.
 
 use std::iter::Peekable;
 use std::ops::Range;
@@ -224,7 +224,7 @@ mod tests {
         let paths = paths(&["...", "##.", "##.", "##."], [0.0, 0.0]);
         approx::assert_relative_eq!(paths.distance_to([3.0, 2.0]), 3.0 + 2f64.sqrt());
         let turn = self::paths(&["..##", "#.##", "#...", "####"], [0.0, 0.0]);
-        // The half cells beside them cut off both bends.
+        // The half cells beside the corridor allow the path to cut off both bends.
         approx::assert_relative_eq!(turn.distance_to([2.0, 3.0]), 1.0 + 2.0 * 2f64.sqrt());
     }
 

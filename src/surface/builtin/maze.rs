@@ -12,7 +12,7 @@ const NARROWEST: usize = 5;
 /// Returns for each point, row-major, whether it is floor (true) or wall.
 ///
 /// The corridor starts in the north-west corner and runs inwards clockwise. The thickness of the wall is a
-/// sixteenth of that of corridor and wall together, at least one point.
+/// sixteenth of the width of corridor and wall together, but at least one point.
 pub(super) fn floor(rows: usize, cols: usize) -> Vec<bool> {
     let mut floor = vec![true; rows * cols];
     if rows == 0 || cols == 0 {

@@ -27,7 +27,8 @@ pub(crate) use flat_paths::FloorPlan;
 use jet::{Jet, Smooth};
 use unit_square::unit_square;
 
-/// A surface known by name, which can be sampled at any size. [`Closed`] has those without a border.
+/// A surface known by name, which can be sampled at any size. [`Closed`] has surfaces that are glued at their
+/// sides.
 ///
 /// ```
 /// use geosweep::surface::builtin::Builtin;
@@ -51,8 +52,8 @@ pub enum Builtin {
     },
     /// One face of a cube, blown up to the unit sphere: x = (tan a, tan b, 1) divided by its length. The
     /// angles a and b run from -45 to 45 degrees, proportional to u and v. Exact distances are along great
-    /// circles, atan2(|p x q|, p . q). The central projection to the cube's face makes these straight lines,
-    /// so they stay inside the patch.
+    /// circles, atan2(|p x q|, p . q). The central projection to the cube's face turns great circles into
+    /// straight lines, so they stay inside the patch.
     Sphere,
     /// Three quarters of a cylinder: x = (cos a, sin a, 3 v), a = 270 u degrees. Exact distances are straight
     /// lines in the unrolled rectangle: the hypotenuse of angle and height.
@@ -75,8 +76,8 @@ pub enum Builtin {
     Maze,
     /// A face as a range scanner sees it, in millimetres. Brow, eyes, nose, lips and chin are bumps on a
     /// rounded head 160 wide and 200 high, cut out along an oval, with x rightwards, y downwards and z
-    /// towards the scanner. A grid of 183 x 155 points leaves about 21 775, as many as the surface of the
-    /// paper's figure 7 has. Distances are not known.
+    /// towards the scanner. On a grid of 183 x 155 points, about 21 775 points are left, as many as the
+    /// surface of the paper's figure 7 has. Distances are not known.
     Face,
 }
 

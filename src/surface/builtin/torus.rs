@@ -43,15 +43,15 @@ impl Unrolled {
         (fraction * (self.lines - 1) as f64 + self.first) * (self.round as f64).recip()
     }
 
-    /// Returns the line of the grid that an unrolled one is.
+    /// Returns the line of the grid to which an unrolled line belongs.
     fn line(&self, unrolled: usize) -> usize {
         (self.first as isize + unrolled as isize).rem_euclid(self.round as isize) as usize
     }
 }
 
-/// Returns distances on the whole torus, see `Closed::distances`, by shooting geodesics on the unrolled one. Shortest
-/// paths go half a turn along the columns at most, since the torus is its own mirror image, and less than a turn along
-/// the rows.
+/// Returns distances on the whole torus (see `Closed::distances`), by shooting geodesics on the unrolled torus. Across
+/// the columns, a shortest path makes at most half a turn, since the torus is its own mirror image. Across the rows, it
+/// makes less than a turn.
 pub(super) fn whole_distances(rows: usize, cols: usize, from: [f64; 2]) -> Vec<f64> {
     let mut distances = vec![f64::NAN; rows * cols];
     if rows < 2 || cols < 2 {

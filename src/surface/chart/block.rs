@@ -73,14 +73,15 @@ impl Chart {
         self.around_span([row, row], [col, col], reach)
     }
 
-    /// Returns the points at most `reach` rows and columns away from those beside a place. If the place lies
-    /// beyond the chart's border, the block may be empty.
+    /// Returns the points at most `reach` rows and columns away from the points beside a place. If the place
+    /// lies beyond the chart's border, the block may be empty.
     pub(crate) fn around_place(self, at: DVec2, reach: usize) -> Block {
         let span = |at: f64| [at.floor() as usize, at.ceil() as usize];
         self.around_span(span(at.x), span(at.y), reach)
     }
 
-    /// Returns the points at most `reach` rows and columns away from those between two rows and two columns.
+    /// Returns the points at most `reach` rows and columns away from the block between two rows and two
+    /// columns.
     pub(crate) fn around_span(self, rows: [usize; 2], cols: [usize; 2], reach: usize) -> Block {
         let range = |[first, last]: [usize; 2], points: usize| {
             first.saturating_sub(reach)..points.min(last.saturating_add(reach + 1))

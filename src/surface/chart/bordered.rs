@@ -119,8 +119,9 @@ impl Chart {
         &mut array[self.bordered(row, 0)..][..self.cols]
     }
 
-    /// Returns a row of the grid in a bordered array, with the rows before and after it. Each has an
-    /// additional point at either end: the neighbours of the row's point c are at c, c + 1 and c + 2.
+    /// Returns a row of the grid in a bordered array, with the rows before and after it. Each of the three
+    /// has an additional point at either end, so the neighbours of the row's point c are at c, c + 1
+    /// and c + 2.
     #[inline(always)]
     pub(crate) fn rows_around<T>(self, array: &[T], row: usize) -> [&[T]; 3] {
         let first = row * self.stride();
@@ -135,7 +136,7 @@ impl Chart {
     }
 
     /// Returns the indices in a bordered array of the points of a block and its halo, the points around it.
-    /// They may belong to the border.
+    /// Points of the halo may belong to the border.
     #[cfg(any(test, feature = "twins"))]
     pub(crate) fn with_halo(self, block: &Block) -> impl Iterator<Item = usize> + use<> {
         let Block { rows, cols } = block.clone();

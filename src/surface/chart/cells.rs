@@ -38,8 +38,8 @@ impl Chart {
             .flat_map(move |row| cols.clone().map(move |col| Cell::of((row, col))))
     }
 
-    /// Returns the first corners of the cells at most `reach` rows and columns around a point, and of the
-    /// edges and points in which such cells end at the border.
+    /// Returns the first corners of the cells at most `reach` rows and columns around a point. In the grid's
+    /// last row and column, the first points of edges and the last point count as such corners too.
     pub(crate) fn cells_near(
         self,
         (row, col): (usize, usize),
@@ -141,8 +141,8 @@ pub(crate) fn corner_weights(there: [bool; 4], inside: DVec2) -> Option<[f64; 4]
     let mut weights = bilinear(v, u);
     let mut missing = (0..4).filter(|&corner| !there[corner]);
     if let (Some(hole), None) = (missing.next(), missing.next()) {
-        // Weights over the triangle of the other three corners. The affine function with value one at a
-        // corner beside the hole is one minus that corner's opposite coordinate.
+        // Weights over the triangle of the other three corners. Here v and u count from the row and the
+        // column of the missing corner.
         let (v, u) = (if hole < 2 { v } else { 1.0 - v }, if hole % 2 == 0 { u } else { 1.0 - u });
         weights[hole ^ 1] = 1.0 - v;
         weights[hole ^ 2] = 1.0 - u;

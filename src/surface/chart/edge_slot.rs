@@ -25,8 +25,8 @@ impl EdgeSlot {
         Self::new(chart, Offset::NONE, to)
     }
 
-    /// Returns the slot of the edge in the direction `to` from the point that lies `at` from the one for which
-    /// the slot is used.
+    /// Returns the slot of an edge near a point. The edge leads in the direction `to` from the point that lies
+    /// at the offset `at`.
     pub(crate) fn new(chart: Chart, at: Offset, to: Direction) -> Self {
         match STORED.iter().position(|&direction| direction == to) {
             Some(stored) => Self { offset: at, stored },

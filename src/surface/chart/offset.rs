@@ -2,7 +2,7 @@
 
 use super::{Chart, Direction};
 
-/// The way in a bordered array from any point to the one that lies some rows and columns away.
+/// The way in a bordered array from any point to the point some rows and columns away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Offset(isize);
 
@@ -21,7 +21,7 @@ impl Offset {
         self.0.unsigned_abs()
     }
 
-    /// Returns the way that leads this way first, and then another.
+    /// Returns the way that consists of this one and then `other`.
     #[inline(always)]
     pub(crate) const fn and(self, other: Self) -> Self {
         Self(self.0 + other.0)

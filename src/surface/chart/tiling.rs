@@ -36,8 +36,8 @@ impl Tiling {
         ((row / side, col / side), (row % side, col % side))
     }
 
-    /// Returns the other tiles that have a point up to `reach` rows and columns away. A tile may occur more
-    /// than once.
+    /// Returns the tiles, other than the tile of `point`, that have a point at most `reach` rows and columns
+    /// away from it. A tile may occur more than once.
     #[cfg(any(test, feature = "twins"))]
     pub(crate) fn beside(
         self,

@@ -18,7 +18,7 @@ impl Edge {
     /// Returns the edge between two neighbours, given in any order.
     pub(crate) fn between(chart: Chart, a: usize, b: usize) -> Self {
         let (first, second) = (a.min(b), a.max(b));
-        // On rows of two columns, the steps to the east and to the south-west have the same difference of
+        // On grids of two columns, the steps to the east and to the south-west have the same difference of
         // indices.
         let same_row = first / chart.cols == second / chart.cols;
         let slot = if same_row { 0 } else { second + 2 - first - chart.cols };
@@ -37,7 +37,7 @@ impl Edge {
         [chart.index(row, col), chart.index(last.0, last.1)]
     }
 
-    /// Returns a number that identifies the edge. Larger numbers than those of the grid's edges are unused.
+    /// Returns a number that identifies the edge. Numbers larger than those of the grid's edges are unused.
     pub(crate) fn number(self) -> u64 {
         self.0
     }

@@ -1,19 +1,21 @@
-//! Makes the points that a grid lacks of those that it has.
+//! Computes the points that a grid lacks from the points that it has.
 
 use glam::DVec3;
 
-/// A point of the surface that is made of given ones. Points are named by their row-major indices.
+/// A point of the surface that is computed from given points. Points are named by their row-major indices.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Added {
     /// The copies of the point on the completed grid.
     pub at: Vec<usize>,
-    /// The given points around it: those of a ring next to it, and of a ring beyond. Opposite points are half a ring
-    /// apart. A point of a single one is its copy.
+    /// The given points around the point: a ring next to it (`near`), and a ring beyond that (`far`). Opposite points
+    /// are half a ring apart. With a single given point in `near` and none in `far`, the point is a copy of that given
+    /// point.
     pub near: Vec<usize>,
     pub far: Vec<usize>,
 }
 
-/// Least ratio of the radii of two rings from which their middle is computed. Other rings do not surround a point.
+/// Smallest ratio of the radii, `far` to `near`, with which the middle is computed from both rings. At smaller ratios
+/// the rings do not surround a point.
 const LEAST_RATIO: f64 = 1.2;
 
 impl Added {
@@ -22,7 +24,7 @@ impl Added {
         Self { at: vec![at], near: vec![of], far: Vec::new() }
     }
 
-    /// Returns the given point that this one is a copy of, if it is one.
+    /// Returns the given point of which this point is a copy, or `None` if it is not a copy.
     pub(super) fn copied(&self) -> Option<usize> {
         (self.near.len() == 1 && self.far.is_empty()).then(|| self.near[0])
     }
@@ -35,9 +37,10 @@ impl Added {
 
     /// Returns the position of the point, or `None` if it is a hole.
     ///
-    /// Along a line through the middle of the rings, a position is a constant and a square of the distance from the middle,
-    /// apart from odd parts that opposite points cancel. So the means of both rings give the middle to third order. Where
-    /// points of a ring are missing, the opposite ones are left out.
+    /// Along a line through the middle of the rings, the position is a constant plus a term with the square of the
+    /// distance from the middle, plus odd terms, which cancel between opposite points. So the means of both rings give
+    /// the middle to third order. Where points of a ring are missing, the opposite points are left out too. A ring with
+    /// an odd number of points has no opposite points, so all of its points are needed.
     pub(super) fn position(&self, position: impl Fn(usize) -> Option<DVec3>) -> Option<DVec3> {
         let mean = |points: &[DVec3]| points.iter().sum::<DVec3>() / points.len() as f64;
         if self.far.is_empty() {
@@ -80,7 +83,7 @@ mod tests {
 
     use super::*;
 
-    /// A pole of the unit sphere, of rings at half a step and one and a half steps from it.
+    /// Computes a pole of the unit sphere from rings at half a step and one and a half steps from it.
     #[test]
     fn a_pole_is_found_from_the_rings_around_it() {
         let at = |ring: f64, k: usize, count: usize| {

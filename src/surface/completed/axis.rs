@@ -8,14 +8,14 @@ pub(super) struct Axis {
     pub blocks: usize,
     /// Number of given lines of a block.
     pub lines: usize,
-    /// Number of given lines between two blocks. Between completed blocks there is one.
+    /// Number of given lines between two blocks. Between completed blocks there is one line.
     pub gap: usize,
-    /// Distances of the lines that are added before and after a block, in steps between given lines. It is 0 where none
-    /// is added.
+    /// Distances of the lines that are added before and after a block, in steps between given lines. A distance is 0
+    /// where no line is added.
     pub margins: [f64; 2],
 }
 
-/// Part of a step by which a row or column may be rounded.
+/// Part of a step by which a row or column may be wrong because of rounding.
 const ROUNDING: f64 = 1e-9;
 
 impl Axis {
@@ -49,7 +49,7 @@ impl Axis {
         self.margins != [0.0; 2]
     }
 
-    /// Returns the given line that a line of the completed grid is, if it is one.
+    /// Returns the number on the given grid of a line of the completed grid, or `None` if that line is not a given one.
     pub(super) fn given_of(self, line: usize) -> Option<usize> {
         let (block, local) = (line / (self.length() + 1), line % (self.length() + 1));
         let local = local.checked_sub(self.before()).filter(|&local| local < self.lines)?;
@@ -61,7 +61,8 @@ impl Axis {
         ((block * (self.length() + 1) + self.before()) as isize + local) as usize
     }
 
-    /// Returns the line of the completed grid for each given line. Lines between blocks have that between completed ones.
+    /// Returns the line of the completed grid for each given line. Given lines between two blocks have the line between
+    /// the two completed blocks.
     pub(super) fn lines_of_given(self) -> Vec<usize> {
         let pitch = self.lines + self.gap;
         let line = |given: usize| match given % pitch {
@@ -83,7 +84,7 @@ impl Axis {
     pub(super) fn to_completed(self, at: f64) -> f64 {
         let (block, local) = self.in_block(at);
         let local = self.stretched(local, self.margins.map(f64::recip)) + self.before() as f64;
-        // A line is on the surface, whatever is rounded.
+        // A place on a line stays exactly on it in spite of rounding.
         let is_line = (local - local.round()).abs() <= ROUNDING;
         let local = if is_line { local.round() } else { local };
         (block * (self.length() + 1)) as f64 + local.clamp(0.0, (self.length() - 1) as f64)
@@ -96,7 +97,7 @@ impl Axis {
         (block * (self.lines + self.gap)) as f64 + self.stretched(local, self.margins)
     }
 
-    /// Returns the block of a given place, and the place after the block's first line.
+    /// Returns the block of a place on the given grid, and the place as counted from the block's first line.
     fn in_block(self, at: f64) -> (usize, f64) {
         let pitch = self.lines + self.gap;
         let block = block_of(at + 0.5, pitch, self.blocks);
@@ -107,7 +108,7 @@ impl Axis {
         (self.lines - 1) as f64
     }
 
-    /// Multiplies the part of a place beyond the first or the last given line by a factor of that end.
+    /// Multiplies the part of a place that lies beyond the first or the last given line by the factor for that end.
     fn stretched(self, at: f64, factors: [f64; 2]) -> f64 {
         match at {
             ..0.0 => at * factors[0],
@@ -117,7 +118,7 @@ impl Axis {
     }
 }
 
-/// Returns the number of the block, of this many lines, that holds a place.
+/// Returns which of `blocks` blocks of `lines` lines holds a place.
 fn block_of(at: f64, lines: usize, blocks: usize) -> usize {
     // A negative number is converted to 0.
     ((at / lines as f64) as usize).min(blocks - 1)

@@ -24,7 +24,7 @@ struct Faces {
     cols: Axis,
     given: Chart,
     completed: Chart,
-    /// Rows and columns of the faces that are there, in steps of faces.
+    /// Row and column of each face that has points, counted in faces.
     blocks: Vec<[usize; 2]>,
 }
 
@@ -89,8 +89,8 @@ impl Faces {
         block.map(|at| at * pitch)
     }
 
-    /// Returns row and column in a face of the k-th texel along a side, this many lines inwards. Beyond the face they are
-    /// those of added points.
+    /// Returns row and column in a face of the k-th texel along a side, `inwards` lines away from the side. Outside of
+    /// the face, these are the row and column of an added point.
     fn along(&self, side: GridSide, k: isize, inwards: isize) -> [isize; 2] {
         let last = self.rows.lines as isize - 1;
         match side {
@@ -108,14 +108,14 @@ impl Faces {
         self.given.index((row as isize + down) as usize, (col as isize + right) as usize)
     }
 
-    /// Returns row and column on the completed grid of the point on a side beside its k-th texel. Those before the first
-    /// and after the last one are corners.
+    /// Returns row and column on the completed grid of the point on a side beside its k-th texel. The points before the
+    /// first and after the last texel are corners.
     fn on_side(&self, FaceSide { face, side }: FaceSide, k: isize) -> (usize, usize) {
         let ([down, right], [row, col]) = (self.blocks[face], self.along(side, k, -1));
         (self.rows.line(down, row), self.cols.line(right, col))
     }
 
-    /// Returns the numbers of the texels along two sides of which each is beside the other.
+    /// Returns pairs of texels that face each other across an edge, by their numbers along its two sides.
     fn facing(&self, reversed: bool) -> impl Iterator<Item = [isize; 2]> {
         let count = self.rows.lines as isize;
         (0..count).map(move |k| [k, if reversed { count - 1 - k } else { k }])
@@ -193,8 +193,8 @@ impl Faces {
         })
     }
 
-    /// Returns the index on the given grid of the texel next to a corner of the completed grid, or of the one `by` texels
-    /// farther on along the diagonal.
+    /// Returns the index on the given grid of a texel on the diagonal from a corner of the completed grid. The texel
+    /// lies `by` texels farther than the one next to the corner.
     fn diagonal(&self, corner: usize, by: usize) -> usize {
         let (row, col) = self.completed.position(corner);
         // A corner is the first or the last line of its block, and the texels follow on the inner side.
@@ -206,7 +206,7 @@ impl Faces {
         self.given.index(inner(self.rows, row), inner(self.cols, col))
     }
 
-    /// Returns the runs of points that an edge makes one, corners included.
+    /// Returns the two runs of points that coincide along an edge, corners included.
     fn runs(&self, &Edge { sides: [a, b], reversed }: &Edge) -> [Run; 2] {
         let last = self.rows.lines as isize;
         let run = |side: FaceSide, backwards: bool| {

@@ -1,4 +1,5 @@
-//! Holds a given grid and the completed one that has more lines, and converts surfaces, values and places.
+//! Holds a given grid and the completed grid, which has more lines, and converts surfaces, values and places between
+//! them.
 
 use std::sync::OnceLock;
 
@@ -7,18 +8,20 @@ use super::super::{Chart, Geometry, Gluing, GluingError, Surface, SurfaceError};
 use super::added::Added;
 use super::axis::Axis;
 
-/// A grid of a closed surface without the lines that gluing needs twice, and the completed grid that has them.
+/// A grid of a closed surface that lacks lines which gluing needs, and the completed grid that has these lines.
 ///
-/// A surface of the given grid, with its holes and slowness, becomes one of the completed grid by [`Self::complete`].
-/// Distances are then computed on that, and [`Self::crop`] returns those of the given points.
+/// [`Self::complete`] turns a surface on the given grid, with its holes and slowness, into a surface on the completed
+/// grid. Distances are then computed on the completed grid, and [`Self::crop`] returns the distances at the given
+/// points.
 ///
-/// - A column is added after the last one, or a row, as a copy of the first: [`Seam::Neighbours`].
-/// - A row is added at a pole: [`Seam::Ring`]. The pole has the position to which both rows beside it lead, to third
-///   order of their distance, and the mean of the slowness of the row beside it.
-/// - The faces of a cube at the middles of texels get the lines between them, points of which lie between the two texels,
-///   or at corners the three, that are next to them. They are found from these and the texels behind as poles are.
+/// - A column or a row is added after the last one, as a copy of the first: [`Seam::Neighbours`].
+/// - A row is added at a pole: [`Seam::Ring`]. The position of the pole is extrapolated from the next two rows, to
+///   third order in their distance. Its slowness is the mean over the next row.
+/// - The faces of a cube with values at the middles of texels get the lines between the faces. A point of these lines
+///   lies between two texels, or at a corner between three. It is computed from these texels and the texels behind them
+///   as a pole is from two rows.
 ///
-/// Added points are holes where the points beside them are.
+/// An added point is a hole where the points beside it are holes.
 ///
 /// [`Seam::Neighbours`]: crate::surface::Seam::Neighbours
 /// [`Seam::Ring`]: crate::surface::Seam::Ring
@@ -52,7 +55,7 @@ pub struct CompletedGrid {
     pub(super) gluing: Gluing,
 }
 
-/// Difference of a distance from a whole number of steps that is no mere rounding.
+/// Largest difference between a distance and a whole number of steps that counts as rounding.
 const PART: f64 = 1e-6;
 
 impl CompletedGrid {
@@ -91,9 +94,10 @@ impl CompletedGrid {
         }
         let is_in_space = surface.geometry().is_in_space();
         if !is_in_space && self.added.iter().any(|added| added.copied().is_none()) {
-            return Err(
-                GluingError::NoPositions { what: "a line that is no copy of another one" }.into()
-            );
+            return Err(GluingError::NoPositions {
+                what: "an added line that is not a copy of another line",
+            }
+            .into());
         }
         let chart = self.chart();
         let mut points: Vec<_> =
@@ -134,14 +138,15 @@ impl CompletedGrid {
         inputs.geometry = Geometry::Positions(positions.into());
     }
 
-    /// Returns the row-major index of the given point that a point of the completed grid is, if it is one.
+    /// Returns the row-major index on the given grid of a point of the completed grid, or `None` if that point is not a
+    /// given one.
     fn given_point(&self, row: usize, col: usize) -> Option<usize> {
         Some(self.given().index(self.rows.given_of(row)?, self.cols.given_of(col)?))
     }
 
-    /// Returns values at all points of the completed grid, of values at the given points, both row-major. A copy has the
-    /// value of its point. Other added points, and given poles, have the mean of the finite values next to them. Lines
-    /// between the faces of a cube have NaN.
+    /// Returns values at all points of the completed grid, from values at the given points, both row-major. A copy has
+    /// the value of its point. Other added points, and given poles, have the mean of the finite values next to them.
+    /// Lines of holes between the completed faces of a cube have NaN.
     ///
     /// # Panics
     /// If there is not one value for each given point.
@@ -160,8 +165,8 @@ impl CompletedGrid {
         all
     }
 
-    /// Returns the values at the given points, of values at all points of the completed grid, row-major. Given points
-    /// between the faces of a cube have the value of a point between completed faces, which is a hole.
+    /// Returns the values at the given points, from values at all points of the completed grid, both row-major. Given
+    /// points between the faces of a cube have the value of a point between completed faces, which is a hole.
     ///
     /// # Panics
     /// If there is not one value for each point of the completed grid.
@@ -170,16 +175,17 @@ impl CompletedGrid {
         self.given_points().into_iter().map(|index| values[index]).collect()
     }
 
-    /// Returns the row-major index on the completed grid of each given point. Those between the faces of a cube have that
-    /// of a point between completed faces.
+    /// Returns the row-major index on the completed grid of each given point. A given point between the faces of a cube
+    /// has the index of a point between completed faces.
     pub fn given_points(&self) -> Vec<usize> {
         let [rows, cols] = [self.rows, self.cols].map(Axis::lines_of_given);
         let chart = self.chart();
         rows.iter().flat_map(|&row| cols.iter().map(move |&col| chart.index(row, col))).collect()
     }
 
-    /// Returns by how many rows the surface goes on before the first given row and after the last one, and the same
-    /// of columns. They are counted in steps between given lines: at the middles of cells, a pole lies at row -0.5.
+    /// Returns how far the surface goes on before the first given row and after the last one, and then the same for
+    /// columns. The distances are in steps between given lines: with values at the middles of cells, a pole lies
+    /// at row -0.5.
     pub fn margins(&self) -> [[f64; 2]; 2] {
         [self.rows.margins, self.cols.margins]
     }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::super::seams::Rim;
 use super::super::{Geometry, GluingError, GridSide, MetricTensor, Seam, Surface};
 
-/// Sides of a grid that continue at one another.
+/// The way in which a closed surface continues across the sides of its grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Layout {
     /// The last column continues in the first one: a tube.
@@ -35,7 +35,7 @@ const RATIOS: std::ops::Range<f64> = 1.5..4.5;
 
 impl Layout {
     /// Returns the seams of a surface: `Sides` and `Pole` where the grid has the line of the seam, `Neighbours` and
-    /// `Ring` where it lacks it. Returns `None` for the faces of a cube.
+    /// `Ring` where the grid lacks this line. Returns `None` for the faces of a cube.
     pub(super) fn seams(self, surface: &Surface) -> Result<Option<Vec<Seam>>, GluingError> {
         let continued = |sides, reversed| continued(surface, sides, reversed);
         Ok(Some(match self {
@@ -127,7 +127,7 @@ pub(super) fn mean(lengths: impl Iterator<Item = f64>) -> f64 {
     sum / f64::from(count)
 }
 
-/// Returns the seam of the first or last row: `Pole` if it is one, `Ring` if it surrounds one.
+/// Returns the seam of the first or last row: `Pole` if the row is a pole, `Ring` if the row surrounds a pole.
 fn pole(surface: &Surface, side: GridSide) -> Result<Seam, GluingError> {
     if !surface.geometry().is_in_space() {
         return Err(GluingError::NoPositions { what: "a pole" });

@@ -6,7 +6,7 @@ use super::added::Added;
 use super::axis::Axis;
 use super::grid::CompletedGrid;
 
-/// Smallest number of given lines across a seam.
+/// Smallest number of rows, and of columns, of a given grid.
 const LEAST_LINES: usize = 4;
 
 /// Lines that a grid has or lacks.
@@ -17,12 +17,13 @@ struct Lines {
     /// Whether a column or a row that continues the grid is lacking.
     has_column_added: bool,
     has_row_added: bool,
-    /// Whether the first and the last row are poles, and whether their rows are lacking.
+    /// For the first and the last row: `None` if no pole is there, else whether the row of the pole is lacking.
     poles: [Option<bool>; 2],
 }
 
-/// Completes a grid with seams, as [`CompletedGrid::with_seams`] does. Poles that are added lie `beyond` the first and the
-/// last row, and an added column lies a `step` beyond the last one.
+/// Completes a grid with seams, as [`CompletedGrid::with_seams`] does. `beyond` holds the distances of added poles from
+/// the first and the last row, and `step` is the distance of an added column from the last one. Both count in steps
+/// between given lines.
 pub(in super::super) fn completed(
     chart: Chart,
     seams: &[Seam],
@@ -92,12 +93,16 @@ impl Lines {
             );
         }
         if rows.is_some() && lines.poles != [None; 2] {
-            return unsupported("a seam between rows that are poles", "name one of the two");
+            return unsupported(
+                "a seam between rows that are poles",
+                "name either the seam or the poles",
+            );
         }
         Ok(lines)
     }
 
-    /// Adds the points of the lines that are lacking. Poles come last, since they hold the ends of an added column.
+    /// Adds the points of the lines that are lacking. Poles come last, since the row of a pole includes the end of an
+    /// added column.
     fn add_to(&self, grid: &mut CompletedGrid) {
         let (given, chart) = (grid.given(), grid.chart());
         let Lattice { cols, rows, .. } = self.lattice;
@@ -117,7 +122,7 @@ impl Lines {
             grid.added.extend((0..chart.cols).map(copy));
         }
         let ends = [[0, 0, 1], [chart.rows - 1, given.rows - 1, given.rows - 2]];
-        // A column that is repeated counts once.
+        // A column that the grid repeats at both sides counts once in a ring.
         let repeated = usize::from(cols.is_some() && !self.has_column_added);
         for ([line, near, far], is_added) in ends.into_iter().zip(self.poles) {
             let Some(is_added) = is_added else { continue };

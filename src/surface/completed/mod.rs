@@ -19,8 +19,8 @@ pub(super) use lines::completed;
 use super::{Chart, GluingError, Seam, Surface, SurfaceError};
 
 impl CompletedGrid {
-    /// Finds the lines that the grid of an open surface lacks. A line that it has is not added: positions tell which
-    /// lines coincide. Opposite sides of heights or a metric are one line if all their values are equal.
+    /// Finds the lines that the grid of an open surface lacks. A line that the grid has is not added: positions tell
+    /// which lines coincide. Opposite sides of heights or a metric are one line if all their values are equal.
     ///
     /// # Errors
     /// [`GluingError`], in [`SurfaceError::Gluing`], if sides are neither the same line nor neighbours, the first or last
@@ -34,12 +34,13 @@ impl CompletedGrid {
         })
     }
 
-    /// Completes a grid with named seams: [`Seam::Neighbours`] and [`Seam::Ring`] add a line, [`Seam::Sides`] between
-    /// opposite sides and [`Seam::Pole`] have theirs. Whether positions agree is not checked.
+    /// Completes a grid with named seams: [`Seam::Neighbours`] and [`Seam::Ring`] add a line, at [`Seam::Sides`]
+    /// between opposite sides and at [`Seam::Pole`] the grid has all lines. Whether positions agree is not checked.
     ///
     /// # Errors
-    /// If the grid has fewer than four lines across a seam, or seams cannot be combined: a reversed one with lines that
-    /// are added at the other sides, folds, and seams between a row and a column.
+    /// If the grid has fewer than four rows or columns, or if the seams are not supported: a reversed seam beside lines
+    /// that are added at the other sides, a fold, a seam between a row and a column, a pole at a column, or a seam
+    /// between rows that are poles.
     pub fn with_seams(chart: Chart, seams: &[Seam]) -> Result<Self, GluingError> {
         lines::completed(chart, seams, [0.5, 0.5], 1.0)
     }

@@ -30,14 +30,14 @@ impl MetricTensor {
     }
 }
 
-/// Returns whether a metric jumps between neighbours along a row or a column whose tensors differ by a factor
-/// but hardly in shape.
+/// Returns whether a metric jumps in scale: whether the tensors of two neighbours along a row or a column
+/// differ by a large factor but hardly in shape.
 pub(super) fn jumps_in_scale(chart: Chart, metric: &[MetricTensor], present: &[bool]) -> bool {
     let jumps = |a: usize, b: usize| {
         let (a, b) = (&metric[a], &metric[b]);
         let (least, most) =
             (a.determinant().min(b.determinant()), a.determinant().max(b.determinant()));
-        // Most pairs end here, without a root.
+        // Most pairs fail this first test, so that no root is computed.
         most > EVEN_SLOWNESS.powi(4) * least && is_alike(&a.shape(), &b.shape())
     };
     let row_jumps = |row: usize| {
@@ -51,7 +51,8 @@ pub(super) fn jumps_in_scale(chart: Chart, metric: &[MetricTensor], present: &[b
     (0..chart.rows).into_par_iter().any(row_jumps)
 }
 
-/// Returns whether no length differs between two tensors of determinant 1 by more than an even slowness may.
+/// Returns whether two tensors of determinant 1 give lengths that differ by at most the factor
+/// `EVEN_SLOWNESS` to a step in any direction.
 fn is_alike(a: &MetricTensor, b: &MetricTensor) -> bool {
     // The eigenvalues of one tensor relative to the other are reciprocals of each other. This is their sum.
     let sum = a.rr * b.cc + a.cc * b.rr - 2.0 * a.rc * b.rc;
@@ -95,7 +96,8 @@ mod tests {
         assert!(!has_slowness(&metric(|_, col| [if col == 4 { 1e4 } else { 1.0 }, 0.0, 1.0])));
     }
 
-    /// Over a square grid, a metric and a slowness that make the same lengths are the same to the updates.
+    /// A metric times a squared slowness makes the same edges as the metric with that slowness. The two
+    /// stored slownesses differ by the constant scale of the metric.
     #[test]
     fn a_factor_makes_the_edges_and_shapes_that_a_slowness_makes() {
         let slowness = |row: usize, col: usize| if row * col % 5 == 2 { 40.0_f64 } else { 0.5 };

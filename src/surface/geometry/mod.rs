@@ -130,8 +130,8 @@ impl Geometry {
         !matches!(self, Self::Metric(_))
     }
 
-    /// Returns whether points that coincide on the surface have one position. Copies of a point of heights do
-    /// not.
+    /// Returns whether all copies of a point of the surface have the same position. Copies on a height field
+    /// do not.
     pub(crate) fn is_in_space(&self) -> bool {
         matches!(self, Self::Positions(_))
     }
@@ -154,7 +154,8 @@ impl Geometry {
     pub(crate) fn row_bounds(&self, chart: Chart, row: usize, present: &[bool]) -> (DVec3, DVec3) {
         let there = |index: &usize| present[*index];
         match self {
-            // Positions are read in memory order, since this reads the whole surface once more.
+            // Positions are read in memory order for speed, since this function reads the whole surface once
+            // more.
             Self::Positions(positions) => {
                 let (positions, present) = (&positions[chart.row(row)], &present[chart.row(row)]);
                 let positions = positions.iter().zip(present);
@@ -188,7 +189,7 @@ impl Geometry {
         }
     }
 
-    /// Returns the geometry after the second point of each pair has taken that of the first.
+    /// Returns the geometry in which the second point of each pair has the values of the first.
     pub(crate) fn with_copies(&self, pairs: impl Iterator<Item = [usize; 2]>) -> Self {
         fn all<T: Copy + Send + Sync + 'static>(
             values: &[T],
@@ -207,7 +208,7 @@ impl Geometry {
         }
     }
 
-    /// Returns the geometry of some points. That of missing points is any.
+    /// Returns the geometry of some points. The values of missing points are arbitrary.
     pub(crate) fn gathered(&self, points: &[Option<usize>]) -> Self {
         fn all<T: Copy + Default + Send + Sync + 'static>(
             values: &[T],
@@ -229,8 +230,8 @@ impl Geometry {
     }
 
     /// Returns the geometry of some rows and columns, given by the indices of their points. The steps between
-    /// them may differ only if points have positions. A metric is given per step; here a step is `dr` rows or
-    /// `dc` columns.
+    /// them may differ only if points have positions. A metric applies to single steps; a step of the
+    /// coarsened grid is `dr` rows or `dc` columns.
     pub(crate) fn coarsened(&self, chart: Chart, kept: &[usize], [dr, dc]: [f64; 2]) -> Self {
         let position = |&index: &usize| {
             let (row, col) = chart.position(index);
@@ -248,8 +249,8 @@ impl Geometry {
         }
     }
 
-    /// Returns the area of the triangle between three grid points. It is flat between positions. With a
-    /// metric it follows from the mean of the three tensors' unit areas.
+    /// Returns the area of the triangle between three grid points. Between positions the triangle is flat.
+    /// With a metric its area follows from the mean of the three tensors' unit areas.
     pub(crate) fn triangle_area(&self, chart: Chart, points: [usize; 3]) -> f64 {
         let places = points.map(|point| chart.position(point));
         if let Self::Metric(metric) = self {

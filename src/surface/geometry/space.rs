@@ -54,8 +54,9 @@ impl<R: Real> Space<R> for Metric {
         [R::zero(); 3]
     }
 
-    /// Returns the length which, times the mean slowness of both points, equals the mean of the two products
-    /// of slowness and length: the input may consist of these products.
+    /// Returns the length that, times the mean slowness of both points, equals the mean of the products of
+    /// slowness and length at the two points. So a metric that is split into a slowness and a shape keeps its
+    /// edge lengths.
     #[inline(always)]
     fn separation(self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> R {
         let both = max(a[3] + b[3], R::min_positive_value());

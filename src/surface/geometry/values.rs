@@ -9,7 +9,7 @@ use std::sync::Arc;
 pub struct Values<T> {
     /// The values' memory.
     slice: *const [T],
-    /// Keeps the memory.
+    /// The owner of the memory, which keeps the memory alive.
     #[expect(dead_code, reason = "owns what `slice` points to")]
     owner: Arc<dyn AsRef<[T]> + Send + Sync>,
 }
@@ -22,7 +22,7 @@ unsafe impl<T: Sync> Sync for Values<T> {}
 impl<T> Values<T> {
     /// Takes values from memory that belongs to the program, without a copy.
     pub(crate) fn shared(owner: Arc<dyn AsRef<[T]> + Send + Sync>) -> Self {
-        // The owner is asked once, since each element is read on its own.
+        // The slice is taken from the owner once, rather than for each element that is read.
         let slice: *const [T] = (*owner).as_ref();
         Self { slice, owner }
     }
@@ -39,8 +39,8 @@ impl<T> Deref for Values<T> {
 
     #[inline(always)]
     fn deref(&self) -> &[T] {
-        // SAFETY: the slice was borrowed from the owner. The owner neither moves nor is it borrowed mutably
-        // while an `Arc` to it is here, so that the borrow may last as long.
+        // SAFETY: the slice was borrowed from the owner. While `self` has an `Arc` to the owner, the owner is
+        // neither moved nor mutably borrowed. So the borrow may last as long as `self`.
         unsafe { &*self.slice }
     }
 }

@@ -1,4 +1,4 @@
-//! Glues coarser grids as a finer one is.
+//! Glues coarser grids like the finer grid from which they are taken.
 
 use std::collections::HashMap;
 
@@ -6,8 +6,8 @@ use super::super::{Chart, Direction, Surface, SurfaceError};
 use super::{Glued, Groups};
 
 impl Surface {
-    /// Returns whether the seams of the surface are those of the grid of some rows and columns: each seam is there, both
-    /// points of a pair are there or none, and no two neighbours are one point unless they were before.
+    /// Returns whether the grid of some rows and columns keeps the seams of the surface: points of each seam stay, both
+    /// points of a pair stay or neither does, and no seam collapses ([`Self::has_collapsed`]).
     pub(in super::super) fn seams_meet(&self, lines: &[Vec<usize>; 2]) -> bool {
         let Some(glued) = &self.glued else { return true };
         let chart = self.chart();
@@ -29,8 +29,8 @@ impl Surface {
         glued.groups.iter().all(meets) && !self.has_collapsed(glued, lines)
     }
 
-    /// Returns whether two neighbours on the grid of some rows and columns are one point, and the point between them is
-    /// another one, as the middle of a folded side.
+    /// Returns whether two neighbours on the grid of some rows and columns are copies of one point although the point
+    /// between them is no copy of it, like the middle of a folded side.
     fn has_collapsed(&self, glued: &Glued, [rows, cols]: &[Vec<usize>; 2]) -> bool {
         let chart = self.chart();
         let group = |row, col| glued.numbers.get(&(chart.index(row, col) as u32));
@@ -50,7 +50,7 @@ impl Surface {
         along_rows() || along_cols()
     }
 
-    /// Glues the surface of some points of a finer one, given by their indices there, as that one is.
+    /// Glues this surface as `fine` is glued. This surface consists of the points of `fine` with the indices `kept`.
     pub(in super::super) fn glued_like(
         self,
         fine: &Surface,
@@ -69,7 +69,7 @@ impl Surface {
 }
 
 impl Glued {
-    /// Returns whether a neighbour of a point along a row or column is a point of a seam that stays.
+    /// Returns whether a neighbour of a point along a row or column stays and lies on a seam.
     fn is_between(&self, chart: Chart, index: usize, stays: impl Fn(usize) -> bool) -> bool {
         let (row, col) = chart.position(index);
         let ways = [Direction::North, Direction::South, Direction::East, Direction::West];

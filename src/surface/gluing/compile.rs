@@ -1,4 +1,4 @@
-//! Finds which grid points a gluing makes one, and checks that they coincide.
+//! Finds which grid points a gluing joins, and checks that they coincide.
 
 use std::collections::HashMap;
 
@@ -10,16 +10,16 @@ use super::super::{Chart, Direction, GridSide, MetricTensor, Seam, Surface, Surf
 use super::lattice::Lattice;
 use super::{Gluing, GluingError, Run};
 
-/// Smallest number of lines across a seam.
+/// Smallest number of lines that a grid may have across a seam.
 const LEAST_LINES: usize = 4;
 
-/// The pairs of points that a gluing makes one, by their row-major indices.
+/// The pairs of points that a gluing joins, by their row-major indices.
 pub(super) struct Compiled {
     pub pairs: Vec<[usize; 2]>,
     pub lattice: Lattice,
 }
 
-/// Returns the pairs of points that a seam makes one, holes included.
+/// Returns the pairs of points that a seam joins, holes included.
 pub(in super::super) fn pairs_of(
     chart: Chart,
     seam: &Seam,
@@ -54,7 +54,8 @@ pub(in super::super) fn pairs_of(
 }
 
 impl Compiled {
-    /// Compiles a gluing that the grid determines, or returns `None` for charts, which positions determine.
+    /// Compiles a gluing whose pairs follow from the grid's size. Returns `None` for [`Gluing::Charts`], whose pairs
+    /// follow from positions.
     pub(super) fn on_grid(chart: Chart, gluing: &Gluing) -> Result<Option<Self>, GluingError> {
         use GridSide::{FirstColumn, FirstRow, LastColumn, LastRow};
         let compiled = match gluing {
@@ -137,8 +138,8 @@ fn pairs_of_runs(chart: Chart, runs: &[[Run; 2]]) -> Result<Vec<[usize; 2]>, Glu
 }
 
 impl Gluing {
-    /// Checks that a geometry allows the gluing: whether it has a position or a height at each point, and whether
-    /// points that coincide have one position.
+    /// Checks that a geometry allows the gluing. `has_positions` says whether it has a position or a height at each
+    /// point, and `is_in_space` whether all copies of a point have the same position.
     pub(crate) fn check_geometry(
         &self,
         has_positions: bool,
@@ -179,7 +180,7 @@ impl Surface {
         Ok(compiled)
     }
 
-    /// Returns the pairs of points beside holes or the border that coincide.
+    /// Returns pairs of coinciding points beside holes or the border.
     fn coinciding(&self) -> Result<Vec<[usize; 2]>, GluingError> {
         let is_rim = |&(row, col): &(usize, usize)| {
             self.has(row, col)
@@ -191,7 +192,7 @@ impl Surface {
         let edge = |&(row, col): &(usize, usize)| self.longest_edge((row, col));
         let shortest =
             rim.iter().map(edge).filter(|&edge| edge > 0.0).fold(f64::INFINITY, f64::min);
-        // Points are sorted into cubes of the tolerance, and compared with those of the cubes around.
+        // Points are sorted into cubes whose side is the tolerance, and compared with the points of the cubes around.
         let near = COINCIDENT * shortest;
         let cube = |at: DVec3| (at / near).floor().to_array().map(|k| k as i64);
         let mut found: HashMap<[i64; 3], Vec<(usize, DVec3)>> = HashMap::new();
@@ -232,7 +233,7 @@ impl Surface {
             let edge = places.map(|place| self.longest_edge(place)).into_iter().fold(0.0, f64::max);
             let (apart, edge) = self.apart(pair, edge);
             let excess = apart / edge;
-            // Not a number if both are zero: the point has no edge to compare with.
+            // The excess is not a number if both are zero. The point then has no edge to compare with, and passes.
             if excess > COINCIDENT && worst.as_ref().is_none_or(|(most, _)| excess > *most) {
                 worst = Some((excess, GluingError::Apart { places, apart, edge }));
             }
@@ -240,7 +241,7 @@ impl Surface {
         worst.map_or(Ok(()), |(_, error)| Err(error))
     }
 
-    /// Returns the distance between two points, and the size that it is compared with.
+    /// Returns the distance between two points, and the size with which the distance is compared.
     fn apart(&self, [a, b]: [usize; 2], edge: f64) -> (f64, f64) {
         match self.geometry() {
             Geometry::Positions(positions) => (positions[a].distance(positions[b]), edge),
@@ -253,8 +254,8 @@ impl Surface {
         }
     }
 
-    /// Gives all copies of a point the geometry of the first, and checks that their slowness agrees. A point
-    /// of which a copy is a hole becomes one.
+    /// Gives all copies of a point the geometry of the first, and checks that their slowness agrees. A point becomes a
+    /// hole if any of its copies is one.
     pub(in super::super) fn agree(&mut self) -> Result<(), SurfaceError> {
         let Some(glued) = self.glued.clone() else { return Ok(()) };
         for group in glued.groups.iter() {

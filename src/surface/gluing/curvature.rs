@@ -8,9 +8,9 @@ use super::super::{Chart, DIFFRACTS, EdgeLengths, LACKING, Real};
 use crate::constants::COPIES_TOGETHER;
 
 impl<R: Real> EdgeLengths<R> {
-    /// Gives the copies of each point the mean of their curvatures. A point that lies inside the glued surface
-    /// lacks no triangle, although each of its copies does: fronts that come from beyond the seam do not turn
-    /// there. `curvature` is a bordered array.
+    /// Gives the copies of each point the mean of their curvatures. A point inside the glued surface lacks no triangle,
+    /// although each of its copies lacks some. Its copies lose their tags, since fronts that come from beyond the seam
+    /// do not turn there. `curvature` is a bordered array.
     pub(in super::super) fn share_curvature(&self, curvature: &mut [R]) {
         self.complete_beside_poles(curvature);
         let Some(groups) = self.copies() else { return };
@@ -18,7 +18,7 @@ impl<R: Real> EdgeLengths<R> {
         let name =
             |point: u32| numbers.get(&point).map_or((1, point as usize), |&number| (0, number));
         for group in groups.iter() {
-            // The shader has an invocation for each part of a group.
+            // The sum is taken part by part as in the shader, which has an invocation for each part of a group.
             let of_part = |part: &[u32]| {
                 part.iter().fold(R::zero(), |sum, &point| sum + curvature[point as usize])
             };
@@ -32,7 +32,7 @@ impl<R: Real> EdgeLengths<R> {
                 curvature[point as usize] = mean.with_tag(tag);
             }
         }
-        // The middle of a folded side is its own only copy.
+        // The middle of a folded side has no copy but itself.
         let chart = self.chart();
         for point in chart.places().map(|(row, col)| chart.bordered(row, col)) {
             let is_beside_copies = || {
@@ -50,8 +50,8 @@ impl<R: Real> EdgeLengths<R> {
         }
     }
 
-    /// Removes the tags of points whose fan has all its edges. At a pole some triangles have no area; they
-    /// count as missing elsewhere, but a front that passes the pole does not turn there.
+    /// Removes the tags of points whose fan has all its edges. At a pole some triangles have no area. The fan counts
+    /// them as missing, but a front that passes the pole does not turn there.
     fn complete_beside_poles(&self, curvature: &mut [R]) {
         let chart = self.chart();
         for (row, col) in chart.places() {
@@ -70,9 +70,9 @@ impl<R: Real> EdgeLengths<R> {
         }
     }
 
-    /// Returns whether the cells around the copies of a point close to a ring. `name` is the same for all copies
-    /// of a point. Each cell contributes the two sides that do not meet the point; the ring is closed if every
-    /// point on it lies on two sides.
+    /// Returns whether the cells around the copies of a point form a closed ring. `name` is the same for all copies of
+    /// a point. Each cell contributes the two sides that do not meet the point; the ring is closed if every point on it
+    /// lies on two sides.
     fn goes_round(&self, group: &[u32], name: impl Fn(u32) -> (u8, usize)) -> bool {
         let own = name(group[0]);
         let mut sides = BTreeSet::new();

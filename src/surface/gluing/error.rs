@@ -6,19 +6,19 @@ use super::super::GridSide;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GluingError {
-    /// Two points that are to be one lie apart.
+    /// Two points that should be joined lie apart.
     #[error(
-        "row {}, column {} and row {}, column {} are to be one point of the surface, and differ by {apart:e}; \
-         the edges there are {edge:e} long. Check which sides continue each other, and in which order",
+        "row {}, column {} and row {}, column {} should be the same point of the surface, but differ by \
+         {apart:e}; at most 5 % of {edge:e} is allowed there. Check which sides continue each other, and in which order",
         .places[0].0, .places[0].1, .places[1].0, .places[1].1
     )]
     Apart {
         /// Rows and columns of both points.
         places: [(usize, usize); 2],
-        /// Distance between them, or the difference of their heights, tensors or slowness.
+        /// Distance between the points, or the difference of their heights, tensors or slowness.
         apart: f64,
-        /// The size that a difference is compared with, of which it may be 5 %: an edge's length, or the size of a
-        /// tensor or slowness.
+        /// The size with which the difference is compared: an edge's length, or the size of a tensor or slowness. The
+        /// difference may be up to 5 % of this size.
         edge: f64,
     },
     /// Two sides have different numbers of points.
@@ -65,9 +65,9 @@ pub enum GluingError {
         /// Number of columns of the grid.
         cols: usize,
     },
-    /// Two sides that are to continue each other are neither the same line nor neighbours.
+    /// Two sides that should continue each other are neither the same line nor neighbours.
     #[error(
-        "the {} and the {} are to continue each other, and are {apart:e} apart on average, where the lines beside them \
+        "the {} and the {} should continue each other, but are {apart:e} apart on average, where the lines beside them \
          are {step:e} apart. Check which sides continue each other, and in which order",
         .sides[0], .sides[1]
     )]
@@ -79,20 +79,20 @@ pub enum GluingError {
         /// Mean distance to the lines beside them.
         step: f64,
     },
-    /// A row is to surround a pole, and does not.
+    /// A row should surround a pole, but does not.
     #[error(
-        "the {side} is to be at a pole or to surround one, and its points lie {inner:e} from their mean, those of the \
+        "the {side} should be at a pole or surround one, but its points lie {inner:e} from their mean, those of the \
          row beside it {outer:e}. A pole lies half a row or a row beyond; leave poles out if the grid has none"
     )]
     NoRing {
         /// The row.
         side: GridSide,
-        /// Mean distance of its points from their mean position.
+        /// Mean distance of the row's points from their mean position.
         inner: f64,
         /// Mean distance of the points of the row beside it from their mean position.
         outer: f64,
     },
-    /// A grid is not that of the six faces of a cube.
+    /// A grid does not hold the six faces of a cube.
     #[error(
         "a grid of {rows} x {cols} points does not hold the six square faces of a cube in 2 x 3, 3 x 2, 1 x 6, 6 x 1, or \
          as a cross in 3 x 4 or 4 x 3, side by side or with a line of holes between them. Mark the rest as holes, and \
@@ -104,7 +104,7 @@ pub enum GluingError {
         /// Number of columns of the grid.
         cols: usize,
     },
-    /// A side of a face of a cube has no side of another one beside it.
+    /// A side of a cube's face has no side of another face beside it.
     #[error(
         "the {side} of the face whose first texel is at row {row}, column {col} has no other face beside it: the nearest \
          side is {apart:e} away, where texels are {step:e} apart. Check the positions and the order of the faces"
@@ -121,7 +121,7 @@ pub enum GluingError {
         /// Mean distance to the line of texels beside the side.
         step: f64,
     },
-    /// Nothing of the surface coincides.
+    /// No two points of the surface coincide.
     #[error(
         "no two points of the surface coincide beside its holes and borders, so there is nothing to glue"
     )]
@@ -137,7 +137,7 @@ pub enum GluingError {
     /// A metric is glued in reverse order.
     #[error("a metric cannot be glued in reverse order; give positions")]
     ReversedMetric,
-    /// A coarser grid, on every second row and column, would not be glued as the surface is.
+    /// A coarser grid of every second row and column would not be glued as the surface is.
     #[error(
         "the seams of the surface do not meet on every second row and column, which the comparison with a coarser \
          grid needs; a grid of {rows} x {cols} points has such a coarser one, and so have charts with an odd number of \

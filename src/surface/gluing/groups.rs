@@ -32,7 +32,7 @@ impl Groups {
         Self { starts, members }
     }
 
-    /// Returns these groups with other indices. The order of the indices must stay.
+    /// Returns these groups with indices converted by `to`, which must keep the order of the indices.
     pub(crate) fn mapped(&self, to: impl Fn(usize) -> usize) -> Self {
         let members = self.members.iter().map(|&index| to(index as usize) as u32).collect();
         Self { starts: self.starts.clone(), members }
@@ -48,7 +48,7 @@ impl Groups {
         &self.members[self.starts[number] as usize..self.starts[number + 1] as usize]
     }
 
-    /// Returns the start of each group in [`Self::members`], and their number at the end.
+    /// Returns the start of each group in [`Self::members`], followed by the number of members.
     pub fn starts(&self) -> &[u32] {
         &self.starts
     }
@@ -58,7 +58,7 @@ impl Groups {
         &self.members
     }
 
-    /// Returns the pairs of the first member of each group with each of the others.
+    /// Returns, for each group, the pairs of its first member with each other member.
     pub(super) fn pairs(&self) -> impl Iterator<Item = [usize; 2]> {
         self.iter().flat_map(|group| {
             let first = group[0] as usize;
@@ -80,7 +80,7 @@ impl Groups {
     }
 }
 
-/// Returns the root of an index, and shortens the way to it.
+/// Returns the root of an index, and compresses the path to it.
 fn root(parents: &mut HashMap<u32, u32>, index: u32) -> u32 {
     let mut top = index;
     while let Some(&parent) = parents.get(&top).filter(|&&parent| parent != top) {

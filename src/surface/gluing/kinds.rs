@@ -11,7 +11,7 @@ use crate::surface::{Direction, GridSide, Seam};
 /// use geosweep::glam::DVec3;
 /// use geosweep::surface::Gluing;
 /// use geosweep::{Options, Sources, Surface, distance_map};
-/// // A tube whose last column is its first again.
+/// // A tube whose last column repeats its first.
 /// let angle = |index: usize| TAU * (index % 65) as f64 / 64.0;
 /// let point = |index| DVec3::new(angle(index).cos(), angle(index).sin(), (index / 65) as f64 / 10.0);
 /// let tube = Surface::from_positions(33, 65, (0..33 * 65).map(point).collect())?
@@ -28,11 +28,11 @@ pub enum Gluing {
     /// ([`Seam::Sides`]), the halves of a side ([`Seam::Fold`]), and sides that are one point
     /// ([`Seam::Pole`]).
     Seams(Vec<Seam>),
-    /// An octahedral map, also one with cells of equal areas: each side of the square is folded in its middle. The
-    /// middle of the grid is one pole and its four corners are the other.
+    /// An octahedral map, with cells of equal areas or not: each side of the square is folded in its middle. The middle
+    /// of the grid is one pole and its four corners are the other.
     Octahedral,
-    /// Charts that holes keep apart in one grid, such as the six faces of a cube: all points beside a hole or
-    /// the border that coincide.
+    /// Charts that holes keep apart in one grid, such as the six faces of a cube. All coinciding points beside a hole
+    /// or the border are glued.
     Charts,
     /// Runs of points that coincide pair by pair.
     Runs(Vec<[Run; 2]>),

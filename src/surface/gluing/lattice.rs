@@ -8,7 +8,8 @@ use super::super::{Chart, GridSide, Seam};
 pub(crate) struct Lattice {
     pub cols: Option<bool>,
     pub rows: Option<bool>,
-    /// Numbers of rows and columns that the grid has beyond each seam. They repeat lines of the opposite side.
+    /// Numbers of rows and of columns by which the grid extends beyond each seam. These lines repeat lines of the
+    /// opposite side.
     pub overlap: [usize; 2],
 }
 
@@ -36,13 +37,14 @@ impl Lattice {
         }
     }
 
-    /// Returns the grid point at a row and column, which may lie beyond the sides.
+    /// Returns the grid point at a row and column, which may lie beyond the sides, or `None` where the grid does not
+    /// continue.
     pub(super) fn at(self, chart: Chart, row: isize, col: isize) -> Option<(usize, usize)> {
         let (last_row, last_col) = (chart.rows as isize - 1, chart.cols as isize - 1);
         let (mut row, mut col) = (row, col);
         let [turn_of_rows, turn_of_cols] = [(last_row, 0), (last_col, 1)]
             .map(|(last, axis)| last - 2 * self.overlap[axis] as isize);
-        // Each turn brings one of the two nearer to the grid.
+        // Each turn of the loop brings the row or the column nearer to the grid.
         loop {
             if let Some(at) = chart.at(row, col) {
                 return Some(at);

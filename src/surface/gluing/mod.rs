@@ -1,15 +1,16 @@
 //! Glues sides of the grid where the surface is closed, so that fronts pass from one to the other.
 //!
 //! Both sides of a seam hold its samples. Several grid points then are one point of the surface: *copies* of
-//! each other. Solvers update each copy from its own side of the seam, and let all copies of a point take the
-//! earliest front of theirs. So the grid needs no points beyond its sides, and nothing is interpolated.
+//! each other. Solvers update each copy from its own side of the seam, and then give all copies of a point the earliest
+//! of their fronts. So the grid needs no points beyond its sides, and nothing is interpolated.
 //!
-//! [`kinds`] defines what a caller may glue, [`compile`] which points coincide, and [`groups`] how that is
-//! kept. [`lattice`] knows where the grid goes on as a grid, so that edges and curvatures are measured there
-//! as inside ([`strips`]). Elsewhere, at poles, folds and where charts meet at an angle, each side measures
-//! its own edges, and copies share the mean of their Gaussian curvatures ([`curvature`]). [`places`] finds the
-//! copies of sources, [`rings`] the cells around copies, for shaders, [`sheet`] cuts out parts that go on over seams, and
-//! [`solver_grid`] repeats lines beyond seams for solvers, where obtuse triangles need them.
+//! [`kinds`] defines what a caller may glue, [`compile`] finds which points coincide, and [`groups`] stores them.
+//! [`lattice`] describes over which sides the grid goes on as a grid. Edges and curvatures are measured there as inside
+//! the grid ([`strips`]). Elsewhere, at poles, folds and where charts meet at an angle, edges are measured on each side
+//! by itself, and copies share the mean of their Gaussian curvatures ([`curvature`]). [`places`] finds the copies of
+//! sources. [`rings`] lists the cells around copies for shaders. [`sheet`] cuts out parts that go on over seams.
+//! [`solver_grid`] repeats lines beyond seams for solvers, where obtuse triangles need them. [`coarse`] glues coarser
+//! grids.
 
 mod coarse;
 mod compile;
@@ -53,7 +54,7 @@ pub(crate) struct Glued {
 pub(crate) const UNGLUED: &str = "leave the gluing out, and the surface is cut open there";
 
 impl Glued {
-    /// Compiles the gluing of a grid whose points are not known.
+    /// Compiles the gluing of a grid whose positions are not known.
     ///
     /// # Errors
     /// If the grid does not have the points, or the gluing depends on positions.
@@ -85,7 +86,7 @@ impl Glued {
         self.lattice
     }
 
-    /// Returns whether the two points of each pair are one. The result is false without pairs.
+    /// Returns whether the two points of each pair are glued. The result is false if there are no pairs.
     fn has_glued(&self, pairs: &[[usize; 2]]) -> bool {
         let is_one = |pair: &[usize; 2]| {
             let [a, b] = pair.map(|index| self.numbers.get(&(index as u32)));
@@ -96,11 +97,11 @@ impl Glued {
 }
 
 impl Surface {
-    /// Glues sides of the grid, so that distances pass from one to the other. Gluing again adds to what is glued.
+    /// Glues sides of the grid, so that fronts pass from one side to the other. A second gluing adds to the first.
     ///
     /// Points that are glued must coincide up to a twentieth of an edge; each takes the position of its first
-    /// copy. Heights and metrics must be equal in the same way. A point of which any copy is a hole becomes a
-    /// hole. If the surface has a slowness, copies must have the same.
+    /// copy. Heights, metrics and slownesses of copies must agree in the same way, and each point takes those of its
+    /// first copy. A point becomes a hole if any of its copies is one.
     ///
     /// # Errors
     /// [`GluingError`], in [`SurfaceError::Gluing`], if the points do not coincide or the grid does not have

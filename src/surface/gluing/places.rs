@@ -10,8 +10,8 @@ use super::{Glued, GluingError, UNGLUED};
 const SAME: f64 = 1e-6;
 
 impl Surface {
-    /// Returns the places that are the same place of a glued surface, in ascending order of rows and columns,
-    /// this one included. A place between two points of a seam has copies between their copies.
+    /// Returns all copies of a place of a glued surface, the place itself included, in ascending order of rows and
+    /// columns. A place between two neighbouring points of a seam has its copies between copies of these points.
     pub(crate) fn copies_of(&self, at: DVec2) -> Vec<DVec2> {
         let mut all = vec![at];
         if !self.is_glued() || !self.chart.holds(at) {
@@ -22,7 +22,7 @@ impl Surface {
             all.extend(self.copies_of_point(at));
         } else if (low - high).abs().element_sum() == 1.0 {
             let share = (at - low).element_sum();
-            // The middle of a folded side is its own only copy, and an end of edges to both halves.
+            // The middle of a folded side has no copy but itself, and edges of both halves end there.
             let of_end = |end| self.copies_of_point(end).chain([end]).collect::<Vec<_>>();
             let ends = of_end(high);
             for from in of_end(low) {
@@ -37,7 +37,7 @@ impl Surface {
         all
     }
 
-    /// Returns all copies of a grid point, itself included, or none if it has no other.
+    /// Returns all copies of a grid point, the point itself included. The result is empty if it has no other copy.
     fn copies_of_point(&self, at: DVec2) -> impl Iterator<Item = DVec2> {
         let index = self.chart.index(at.x as usize, at.y as usize) as u32;
         let group = self.glued.iter().filter_map(move |glued| {
@@ -58,7 +58,8 @@ impl Surface {
         }
     }
 
-    /// Returns the place of a row and column, fractional, which may lie beyond a side where the grid goes on.
+    /// Returns the place on the grid of a fractional row and column, which may lie beyond a side where the grid goes
+    /// on.
     pub(crate) fn continued_place(&self, at: DVec2) -> Option<DVec2> {
         if self.chart.holds(at) {
             return Some(at);
@@ -90,8 +91,8 @@ impl Surface {
         self.turn_at_copy(from, copy).map(|turn| turn * step)
     }
 
-    /// Returns the factors of rows and columns, 1 or -1, with which steps at a place are the same as those at its
-    /// copy. Returns `None` if the grid does not go on from one to the other.
+    /// Returns the factors for rows and columns, 1 or -1, that convert a step at a place to the same step at its copy.
+    /// Returns `None` if the grid does not go on from one to the other.
     pub(crate) fn turn_at_copy(&self, from: DVec2, copy: DVec2) -> Option<DVec2> {
         let Lattice { cols, rows, .. } = self.glued.as_ref()?.lattice;
         let (last_row, last_col) = self.chart.last();
@@ -112,8 +113,8 @@ impl Surface {
         ways.into_iter().flatten().find(|(at, _)| at.distance(copy) <= SAME).map(|(_, turn)| turn)
     }
 
-    /// Returns an error if directions cannot be carried from each point to its copies: where the grid does not go
-    /// on, positions are needed.
+    /// Returns an error if directions cannot be carried from each point to its copies. Where the grid does not go on
+    /// over the seam, this needs positions.
     pub(crate) fn check_directions(&self, what: &'static str) -> Result<(), GluingError> {
         let Some(groups) = self.copies().filter(|_| !self.geometry().is_in_space()) else {
             return Ok(());
@@ -135,7 +136,7 @@ impl Surface {
         self.copies_of_point(at).any(|copy| copy != at && self.turn_at_copy(at, copy).is_none())
     }
 
-    /// Returns the first copy of a grid point, itself included.
+    /// Returns the first of the copies of a grid point, the point itself included.
     pub(crate) fn first_copy(&self, (row, col): (usize, usize)) -> (usize, usize) {
         let index = self.chart.index(row, col) as u32;
         let group = |glued: &Glued| Some(glued.groups.get(*glued.numbers.get(&index)?)[0]);
@@ -143,14 +144,14 @@ impl Surface {
         self.chart.position(first as usize)
     }
 
-    /// Returns the places at most `reach` rows and columns beyond the grid's sides that are this place, where the grid
-    /// goes on.
+    /// Returns the images of a place over the sides where the grid goes on, at most `reach` rows and columns beyond
+    /// these sides.
     pub(crate) fn images_beyond(&self, at: DVec2, reach: f64) -> Vec<DVec2> {
         self.turned_images(at, reach).into_iter().map(|(image, _)| image).collect()
     }
 
-    /// Returns the places of [`Self::images_beyond`], each with the factors of rows and columns, 1 or -1, with which
-    /// steps there are those at the place itself.
+    /// Returns the places of [`Self::images_beyond`], each with the factors for rows and columns, 1 or -1, that convert
+    /// a step at the place to the same step at the image.
     pub(crate) fn turned_images(&self, at: DVec2, reach: f64) -> Vec<(DVec2, DVec2)> {
         let Some(Lattice { cols, rows, .. }) = self.glued.as_ref().map(|glued| glued.lattice)
         else {

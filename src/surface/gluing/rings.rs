@@ -1,4 +1,4 @@
-//! Lists the cells around the copies of each point, so that a shader sees whether they close to a ring.
+//! Lists the cells around the copies of each point, so that a shader can tell whether they form a closed ring.
 //!
 //! [`super::curvature`] collects the sides of these cells that do not meet the point: the ring is closed if every
 //! point on it lies on two sides. Which cells exist is known on the device only. So each cell has a number that is
@@ -14,7 +14,7 @@ use super::Glued;
 pub(crate) struct Ring {
     /// The copies, by their row-major indices.
     pub(crate) members: Vec<u32>,
-    /// For each of the members, cells beside it that are not beside an earlier one.
+    /// For each member, the cells beside it that are not beside an earlier member.
     pub(crate) cells: Vec<Vec<RingCell>>,
 }
 
@@ -31,9 +31,9 @@ pub(crate) struct RingCell {
 type Name = (u8, u32);
 
 impl Glued {
-    /// Returns a ring for each group, in their order, then one for each point without copies that may lie inside
-    /// the glued surface and at the border of the grid: between two copies of another point, in the middle of a
-    /// folded side.
+    /// Returns a ring for each group, in the order of the groups. A ring follows for each point without copies that
+    /// lies between two copies of another point, as in the middle of a folded side. Such a point may lie inside the
+    /// glued surface, although it lies at the border of the grid.
     pub(crate) fn rings(&self, chart: Chart) -> Vec<Ring> {
         let groups = self.groups.iter().map(<[u32]>::to_vec);
         groups.chain(self.middles(chart)).map(|members| self.ring(chart, members)).collect()
@@ -98,7 +98,8 @@ const DIAGONALS: [Direction; 4] =
 /// Row and column.
 type Place = (usize, usize);
 
-/// Returns the first point of a point's cell and the other three corners, in order around it, if the grid has it.
+/// Returns the first point of the cell that lies in the direction `to` from a point, and the three corners other than
+/// this point in order around it, if the grid has the cell.
 fn corners(chart: Chart, (row, col): Place, to: Direction) -> Option<(Place, [Place; 3])> {
     let (far_row, far_col) = chart.neighbour(row, col, to)?;
     let beside = |way| chart.neighbour(row, col, way);
@@ -120,7 +121,7 @@ mod tests {
     use super::super::Gluing;
     use super::*;
 
-    /// Returns for each ring whether it is closed if `exists` for each of its cells.
+    /// Returns the members of each ring, and whether the ring is closed. `exists` says which cells are there.
     fn closed(
         chart: Chart,
         gluing: &Gluing,

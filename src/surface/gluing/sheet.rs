@@ -14,7 +14,7 @@ use super::lattice::Lattice;
 pub(crate) struct Sheet<'a> {
     whole: &'a Surface,
     part: Cow<'a, Surface>,
-    /// Row and column of the part's first point on the whole grid, negative if it lies beyond the first ones.
+    /// Row and column of the part's first point on the whole grid, negative before the first row or column.
     first: (isize, isize),
 }
 
@@ -94,8 +94,8 @@ impl Sheet<'_> {
             .expect("a sheet's points lie on the grid or where it goes on")
     }
 
-    /// Returns, for each point of the part that is one of `points` of the whole grid or a copy of it, the number of that
-    /// one and the point's row and column in the part.
+    /// Finds the points of the part that are copies of one of `points`, which are points of the whole grid. Returns for
+    /// each the number in `points`, and the row and column in the part.
     pub(crate) fn points_at(&self, points: &[(usize, usize)]) -> Vec<(usize, (usize, usize))> {
         let all = points.iter().enumerate();
         if !self.whole.is_glued() {
@@ -140,7 +140,7 @@ mod tests {
                 .into_iter()
                 .fold(plane.clone(), |surface, gluing| surface.with_gluing(gluing).unwrap());
             let sheet = surface.sheet([1, 1], [0, 1], 2);
-            // Rows from -1 or 0 to 3, columns from -2 or 0 to 3.
+            // The sheet has rows from -1 or 0 to 3, and columns from -2 or 0 to 3.
             assert_eq!(sheet.chart(), chart);
             for local in sheet.chart().places() {
                 let point = sheet.point(local);

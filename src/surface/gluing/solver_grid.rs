@@ -1,8 +1,8 @@
 //! Repeats lines of the grid beyond seams, where obtuse triangles need them.
 //!
 //! An obtuse triangle is split by grid points some steps away, which solvers look for on the grid
-//! (`unfold.rs`). Beside a seam these points lie on the other side. So solvers get a wider grid, on which at least
-//! one copy of each point has all its neighbours.
+//! (`unfold.rs`). Beside a seam these points lie on the other side. So solvers get a wider grid, on which at least one
+//! copy of each point is surrounded by all points that may split its triangles.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -19,12 +19,12 @@ pub(crate) struct SolverGrid<'a> {
     surface: Cow<'a, Surface>,
     /// The surface's own grid.
     chart: Chart,
-    /// Row and column of its first point on the solver's grid.
+    /// Row and column, on the solver's grid, of the first point of the surface's own grid.
     first: (usize, usize),
 }
 
 impl Surface {
-    /// Returns the grid for solvers. It is the surface's own, unless there are obtuse triangles beside a seam over
+    /// Returns the grid for solvers. It is the surface's own grid, unless there are obtuse triangles beside a seam over
     /// which the grid goes on.
     pub(crate) fn solver_grid(&self) -> SolverGrid<'_> {
         let lattice = self.lattice();
@@ -83,7 +83,7 @@ impl SolverGrid<'_> {
         &self.surface
     }
 
-    /// Returns whether the grid has more lines than the surface's own.
+    /// Returns whether the grid has more lines than the surface's own grid.
     pub(crate) fn is_wider(&self) -> bool {
         matches!(self.surface, Cow::Owned(_))
     }
@@ -109,8 +109,8 @@ impl SolverGrid<'_> {
         self.chart
     }
 
-    /// Returns points of the surface, given by their indices, as indices on the solver's grid, and `None` in place of
-    /// holes.
+    /// Returns the indices on the solver's grid of points that are given by their indices on the surface's own grid,
+    /// with `None` for holes.
     pub(crate) fn points(&self, points: &[usize]) -> Vec<Option<usize>> {
         let present = self.surface.present();
         let index = |&point: &usize| Some(self.index(point)).filter(|&index| present[index]);
@@ -131,7 +131,7 @@ impl SolverGrid<'_> {
         (row < self.chart.rows && col < self.chart.cols).then(|| self.chart.index(row, col))
     }
 
-    /// Returns the values at the surface's own points, given those at the points of the solver's grid.
+    /// Returns the values at the surface's own points, given the values at the points of the solver's grid.
     pub(crate) fn crop<T: Copy>(&self, values: Vec<T>) -> Vec<T> {
         if !self.is_wider() {
             return values;
@@ -140,7 +140,7 @@ impl SolverGrid<'_> {
         lines.flat_map(|first| &values[first..][..self.chart.cols]).copied().collect()
     }
 
-    /// Writes the values at the surface's own points, given those at the points of the solver's grid.
+    /// Writes the values at the surface's own points, given the values at the points of the solver's grid.
     pub(crate) fn crop_into<T: Copy>(&self, values: &[T], into: &mut [T]) {
         for (row, own) in into.chunks_exact_mut(self.chart.cols).enumerate() {
             let first = self.index(row * self.chart.cols);

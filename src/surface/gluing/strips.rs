@@ -1,7 +1,8 @@
 //! Measures edges and curvatures beside seams where the grid goes on.
 //!
-//! Near a side, arcs and curvatures depend on points beyond it. A strip of the grid across the seam has them
-//! all. It is measured like any surface, and its values beside the seam take the place of those of the grid.
+//! Near a side, arcs and curvatures depend on points beyond it. A strip of the grid across the seam contains
+//! all these points. The strip is measured like any surface, and its values replace the grid's own values
+//! beside the seam.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,7 +14,7 @@ use super::lattice::Lattice;
 
 /// Number of lines beside a seam whose edges and curvatures depend on points beyond it.
 const DEPTH: usize = 3;
-/// Number of further lines on which these depend.
+/// Number of further lines on which these edges and curvatures depend.
 const MARGIN: usize = 5;
 
 impl<R: Real> Strip<R> {
@@ -93,8 +94,8 @@ impl<R: Real> EdgeLengths<R> {
 }
 
 impl Surface {
-    /// Returns some rows and columns of the grid as an open surface. They may lie beyond the sides; where the
-    /// grid does not go on there, the surface has holes.
+    /// Returns some rows and columns of the grid as an open surface. These lines may lie beyond the sides;
+    /// where the grid does not go on there, the surface has holes.
     pub(super) fn beyond(&self, lattice: &Lattice, rows: Range<isize>, cols: Range<isize>) -> Self {
         let chart = Chart { rows: rows.len(), cols: cols.len() };
         let points: Vec<_> = rows

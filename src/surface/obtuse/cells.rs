@@ -12,8 +12,8 @@ use crate::surface::real::Real;
 /// Number of adjacent cells of a row that are marked together.
 pub(super) const CELLS: usize = 32;
 
-/// Marks of groups of [`CELLS`] adjacent cells of a row, in which a triangle may be obtuse. They are set while edges
-/// are measured, which costs less than to read all edges again.
+/// Marks of groups of [`CELLS`] adjacent cells of a row. A mark says whether a triangle of the group may be obtuse.
+/// Marks are set while edges are measured, which costs less than to read all edges again.
 #[derive(Clone, Debug)]
 pub(in crate::surface) struct MarkedCells {
     /// Number of marks in a row of cells. Row r of cells lies between the points of rows r - 1 and r, unlike in
@@ -39,14 +39,14 @@ impl MarkedCells {
         self.marks.contains(&true)
     }
 
-    /// Returns the ranges of a row's `points` points that are corners of marked cells.
+    /// Returns the ranges, within a row of `points` points, of the corners of marked cells.
     pub(super) fn ranges(&self, row: usize, points: usize) -> Vec<Range<usize>> {
         let of_cells = |row: usize| self.marks.get(row * self.in_row..(row + 1) * self.in_row);
         let rows = [of_cells(row), of_cells(row + 1)];
         let is_marked = |at: usize| rows.iter().flatten().any(|marks| marks[at]);
         let mut ranges: Vec<Range<usize>> = Vec::new();
         for at in (0..self.in_row).filter(|&at| is_marked(at)) {
-            // The last of these cells has a corner beyond them.
+            // The last of these cells has its right corners at the next point.
             let range = at * CELLS..((at + 1) * CELLS + 1).min(points);
             match ranges.last_mut() {
                 Some(last) if last.end >= range.start => last.end = range.end,
@@ -59,7 +59,7 @@ impl MarkedCells {
 
 /// A search for obtuse triangles while rows are measured one after another.
 pub(in crate::surface) struct RowAbove<R> {
-    /// Edges along the row above.
+    /// Lengths of the edges along the row above.
     east: Vec<R>,
     /// Marks of the cells between the last two rows, as in [`MarkedCells`].
     pub(in crate::surface) marks: Vec<bool>,
@@ -71,7 +71,8 @@ impl<R: Real> RowAbove<R> {
         Self { east: vec![R::FAR; cols], marks: vec![false; cols.div_ceil(CELLS)] }
     }
 
-    /// Checks the triangles above the next row, given the edges stored at its points.
+    /// Checks the triangles between the row above and the next row, given the edges stored at the points of the next
+    /// row.
     pub(in crate::surface) fn next(&mut self, [east, north, north_east, north_west]: &[Vec<R>; 4]) {
         let Self { east: above, marks } = self;
         Instructions::best().run(Cells { above, east, north, north_east, north_west, marks });

@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 
 use super::cells::MarkedCells;
 
-/// The obtuse triangles of a surface. They are computed on first use; `None` inside means that there are
-/// none.
+/// The obtuse triangles of a surface. They are computed on first use; `None` in the lock means that the
+/// surface has no such triangle.
 #[derive(Clone, Debug, Default)]
 pub(in crate::surface) struct ObtuseTriangles {
     pub(super) found: OnceLock<Option<Found>>,
@@ -19,7 +19,7 @@ impl ObtuseTriangles {
         Self { found: OnceLock::from(None), marked: None }
     }
 
-    /// Returns obtuse triangles that lie in marked cells only.
+    /// Returns the list, not yet computed, of obtuse triangles that lie in marked cells only.
     pub(in crate::surface) fn within(marked: MarkedCells) -> Self {
         Self { found: OnceLock::new(), marked: Some(marked) }
     }
@@ -56,8 +56,8 @@ pub(super) struct Lines {
 }
 
 impl Lines {
-    /// Returns the lists of `lines`, in their order, and empty ones for two border lines before and after
-    /// them.
+    /// Returns the lists of `lines`, in their order, with an empty list for the border line before them and
+    /// for the one after them.
     pub(super) fn of(lines: &[Vec<u32>]) -> Self {
         let (mut starts, mut places) = (vec![0, 0], Vec::new());
         for line in lines {
@@ -68,7 +68,7 @@ impl Lines {
         Self { starts, places }
     }
 
-    /// Returns these points by the lines across, of which there are `lines`.
+    /// Returns the same points listed by the lines across, of which there are `lines`.
     pub(super) fn turned(&self, lines: usize) -> Self {
         let mut starts = vec![0; lines + 1];
         for &place in &self.places {

@@ -35,7 +35,7 @@ impl<R: Real> Band<R> {
         if band.clone().all(|line| points(line).is_empty()) {
             return found;
         }
-        // Sorted along the line, by the first of their directions.
+        // The first directions of a point's two triangles, in the order in which the triangles lie along the line.
         let in_order = match side {
             Direction::North | Direction::East => [side, side.previous()],
             _ => [side.previous(), side],
@@ -67,7 +67,7 @@ impl<R: Real> Band<R> {
 }
 
 /// Parts are stored for a single map if at most one point in `FEW` has obtuse triangles. If all points have some,
-/// storing takes half as long again as the map.
+/// storing adds about half of the map's time.
 const FEW: usize = 4;
 
 impl<R: Real> EdgeLengths<R> {
@@ -90,8 +90,8 @@ impl<R: Real> EdgeLengths<R> {
     /// result is `None` if the surface has no such triangle, or more than can be stored.
     pub(crate) fn parts_on_side(&self, side: Direction) -> Option<&SideParts<R>> {
         if self.shared.parts.0.get().is_none() {
-            // Computed outside the lock: a thread that waits for others here may take up work that needs the
-            // parts too.
+            // The parts are computed outside the lock: a thread that waits for others here may take up work that needs
+            // the parts too.
             let sides = self.find_parts();
             self.shared.parts.0.get_or_init(|| sides);
         }

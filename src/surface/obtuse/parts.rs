@@ -8,8 +8,8 @@ use crate::surface::real::Real;
 
 /// The parts of all obtuse triangles, by the side of their point on which they lie. They are computed for calls that
 /// solve several maps. For a single map they are computed if at most a quarter of the points have obtuse triangles, or
-/// once the map has taken more than a few iterations. `None` in the lock: there are no such triangles, or too many to
-/// store.
+/// once the map has taken more than a few iterations. `None` in the lock means that there are no such triangles, or too
+/// many to store.
 #[derive(Clone, Debug)]
 pub(in crate::surface) struct Parts<R>(pub(super) OnceLock<Option<[SideParts<R>; 4]>>);
 
@@ -44,13 +44,13 @@ pub(super) const LINES: usize = 16;
 /// The obtuse triangles of adjacent lines.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Band<R> {
-    /// Index of the first triangle of each line of the band, then the number of all its triangles. Empty if no point of
-    /// the band has an obtuse triangle.
+    /// Index of the first triangle of each line of the band, followed by the number of all triangles of the band. Empty
+    /// if no point of the band has an obtuse triangle.
     pub(super) starts: Vec<u32>,
     pub(super) triangles: Vec<Triangle>,
     pub(super) parts: Vec<Stored<R>>,
-    /// For each part, the slowness that counts at x0, x1 and x2. Its lengths are distances times the mean slowness of
-    /// their ends. Empty on surfaces without a slowness.
+    /// For each part, the slowness that counts at x0, x1 and x2. The part's lengths are distances times the mean
+    /// slowness of their ends. Empty on surfaces without a slowness.
     pub(super) slowness: Vec<[R; 3]>,
 }
 
@@ -59,7 +59,8 @@ pub(super) struct Band<R> {
 pub(super) struct Triangle {
     /// Place of the point in its line.
     pub(super) place: u32,
-    /// Index after its last part. Its first part follows those of the triangle before. A triangle may have no part.
+    /// Index after the triangle's last part. Its first part follows the parts of the triangle before. A triangle may
+    /// have no part.
     pub(super) end: u32,
 }
 
@@ -77,7 +78,7 @@ pub(crate) struct Part<R> {
     pub corners: [usize; 2],
     /// Lengths of x0 x1, x0 x2 and x1 x2.
     pub lengths: [R; 3],
-    /// Slowness that counts at x0, x1 and x2, which the lengths include; 1 on surfaces without a slowness.
+    /// Slowness that counts at x0, x1 and x2. The lengths include it. It is 1 on surfaces without a slowness.
     pub slowness: [R; 3],
 }
 
@@ -117,7 +118,7 @@ impl<R: Real> SideParts<R> {
     #[inline]
     pub(crate) fn within(&self, line: usize, range: Range<usize>) -> SplitTriangles<'_, R> {
         let band = &self.bands[line / LINES];
-        // Most bands and most lines have none.
+        // Most bands and most lines have no obtuse triangle.
         let of_line = match band.starts.get(line % LINES..line % LINES + 2) {
             Some(&[start, end]) if start < end => start as usize..end as usize,
             _ => return SplitTriangles { band, triangles: 0..0 },

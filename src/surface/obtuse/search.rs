@@ -1,5 +1,5 @@
-//! Finds the triangles that are obtuse at the point that is updated from them, on first use. It searches the
-//! marked cells only, if they are known.
+//! Finds the triangles that are obtuse at the point that is updated from them, on first use. The search covers only the
+//! marked cells, if these are known.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use crate::surface::edges::EdgeLengths;
 use crate::surface::real::Real;
 
 /// Returns whether a triangle with an area is obtuse at x0, given the squares of its sides at x0 divided by
-/// the square of the base. A margin excludes triangles that are right-angled but for rounding.
+/// the square of the base. A margin excludes triangles whose angle exceeds a right angle only by rounding.
 #[inline(always)]
 pub(crate) fn is_obtuse<R: Real>(side_squared: R, other_squared: R) -> bool {
     side_squared + other_squared < R::of(OBTUSE)
@@ -31,14 +31,14 @@ impl<R: Real> EdgeLengths<R> {
         if let Some(found) = self.shared.obtuse.found.get() {
             return found.as_ref();
         }
-        // Computed outside the lock: a thread that waits for others here may take up work that needs the
+        // The result is computed outside the lock: a thread that waits for others here may take up work that needs the
         // result too.
         let found = obtuse_triangles(self);
         self.shared.obtuse.found.get_or_init(|| found).as_ref()
     }
 
-    /// Returns the points with obtuse triangles in part of a row or column of the bordered array, by their
-    /// places in it.
+    /// Returns the points with obtuse triangles in part of a row or column of the bordered array, by their places in
+    /// this row or column.
     pub(crate) fn obtuse_points(&self, by_rows: bool, line: usize, range: Range<usize>) -> &[u32] {
         self.found().map_or(&[], |found| found.lines[usize::from(!by_rows)].within(line, range))
     }
@@ -102,8 +102,8 @@ fn obtuse_triangles<R: Real>(edges: &EdgeLengths<R>) -> Option<Found> {
 }
 
 impl<R: Real> EdgeLengths<R> {
-    /// Clears the marks of triangles of some points of a row that are not obtuse by the computation that
-    /// updates use.
+    /// Clears, for some points of a row, the marks of triangles that are not obtuse by the computation that updates
+    /// use.
     fn leave_obtuse(&self, (row, first): (usize, usize), line: &mut [u8]) {
         let [fan, bases] = self.fans(row, first..first + line.len());
         for col in marked(line).collect::<Vec<_>>() {
@@ -158,7 +158,7 @@ impl<R: Real> Loop for Plain<'_, R> {
         let [fan, bases] = edges.fans(row, first..first + points);
         let limit = R::of(1.001 * OBTUSE);
         line.fill(0);
-        // One direction after another, so that points become SIMD lanes.
+        // Directions are taken one after another, so that points become SIMD lanes.
         for to in 0..8 {
             let [a, b, c] = [fan[to], fan[ring::next(to)], bases[to]].map(|of| &of[..points]);
             for (col, bits) in line.iter_mut().enumerate() {
@@ -188,7 +188,7 @@ impl<R: Real> Loop for Slowed<'_, R> {
             for to in 0..8 {
                 let next = ring::next(to);
                 let (own, first, second) = (own[col], around[to][col], around[next][col]);
-                // Half of each length on the surface.
+                // These are halves of the lengths on the surface.
                 let (a, b) = (fan[to][col] / (own + first), fan[next][col] / (own + second));
                 let c = bases[to][col] / (first + second);
                 let is_there = bases[to][col] < R::FAR;
@@ -230,19 +230,19 @@ mod tests {
             let told =
                 surface.write_edges(0..surface.rows(), surface.origin(), &mut texels).unwrap();
             assert_eq!((edges.has_obtuse_triangles(), told), (expected, expected));
-            // The full search agrees with the one during measurement.
+            // The full search agrees with the search during measurement.
             assert_eq!(obtuse_triangles(&edges).is_some(), expected);
         }
     }
 
     #[test]
     fn marked_cells_have_all_obtuse_triangles() {
-        // Steps that cross the border between cells that are marked together, and steps at the border.
+        // Steps across the border between two groups of cells that are marked together, and steps at the grid's border.
         for places in [[(5, CELLS), (20, 2 * CELLS - 1)], [(0, 0), (39, 2 * CELLS + 6)]] {
             let (rows, cols) = (40, 2 * CELLS + 7);
             let mut heights = vec![0.0; rows * cols];
             for (row, col) in places {
-                // The base between both is longer than a right angle beside them allows.
+                // The edge between both points is so long that the angles opposite to it are obtuse.
                 let beside = if row == 0 { 1 } else { row - 1 };
                 heights[row * cols + col] = 2.0;
                 heights[beside * cols + col] = -2.0;

@@ -14,17 +14,17 @@ pub(super) enum Vertex {
     Smooth(DVec3),
 }
 
-/// Cosine of the largest turn at a smooth vertex, 30 degrees. One of both segments there must also be shorter
-/// than [`SMOOTH_SEGMENT`].
+/// Cosine of the largest turn at a smooth vertex, 30 degrees. At least one of the two segments there must also be
+/// shorter than [`SMOOTH_SEGMENT`].
 const SMOOTH_TURN_COSINE: f64 = 0.866;
-/// Length in cells below which a segment counts as a sample of a smooth curve. A curve of longer segments is
-/// the polygon that is given.
+/// Length in cells below which a segment counts as a sample of a smooth curve. A curve of longer segments is taken as a
+/// polygon.
 const SMOOTH_SEGMENT: f64 = 2.0;
 
 /// A straight segment of a source, or a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Segment {
-    /// The places of both ends.
+    /// The places of both ends, and the course of the curve there.
     pub ends: [(DVec2, Vertex); 2],
     /// The straight source of which the segment is a part, if there is one.
     pub origin: Option<Origin>,
@@ -36,7 +36,7 @@ impl Segment {
         Self { ends: [(at, Vertex::Corner); 2], origin: Some(origin) }
     }
 
-    /// Returns the segment between other places.
+    /// Returns this segment with its ends at other places.
     pub(super) fn between(self, places: [DVec2; 2]) -> Self {
         let [(_, from), (_, to)] = self.ends;
         Self { ends: [(places[0], from), (places[1], to)], ..self }
@@ -49,8 +49,8 @@ impl Segment {
 struct Joint {
     into: DVec2,
     out: DVec2,
-    /// The factors with which steps of rows and columns after the vertex continue those before it. There are none if
-    /// the grid does not go on there.
+    /// The factors for rows and columns that convert a step after the vertex to the same step at the place of arrival.
+    /// `None` if the grid does not go on there.
     turn: Option<DVec2>,
 }
 
@@ -65,7 +65,7 @@ impl Joint {
     }
 }
 
-/// Returns the parts of a curve between its jumps over seams, each as its segments.
+/// Returns the parts of a curve between its jumps over seams, each as a list of segments.
 pub(super) fn parts(surface: &Surface, vertices: &[DVec2], start: f64) -> Vec<Vec<Segment>> {
     let joints = joints(surface, vertices);
     let [Some(first), Some(last)] = [joints.first(), joints.last()] else { return Vec::new() };
@@ -86,7 +86,7 @@ pub(super) fn parts(surface: &Surface, vertices: &[DVec2], start: f64) -> Vec<Ve
     if parts.is_empty() {
         parts.push(Vec::new());
     }
-    // An end on a side of a cell also touches the cell beyond it.
+    // An end of the curve that lies on a side of a cell also touches the cell beyond this side.
     if !is_closed(&joints) {
         let end = |at: DVec2, origin: Option<&Option<Origin>>| Segment {
             ends: [(at, Vertex::Corner); 2],
@@ -99,8 +99,8 @@ pub(super) fn parts(surface: &Surface, vertices: &[DVec2], start: f64) -> Vec<Ve
     parts
 }
 
-/// Returns the vertices of a curve. Places in turn that are copies of one place are one vertex, and so are the ends of
-/// a closed curve.
+/// Returns the vertices of a curve. Successive places that are copies of one place are one vertex, and so are the ends
+/// of a closed curve.
 fn joints(surface: &Surface, vertices: &[DVec2]) -> Vec<Joint> {
     let runs = vertices.chunk_by(|&a, &b| surface.are_copies(a, b));
     let mut joints: Vec<_> =
@@ -124,8 +124,8 @@ fn is_closed(joints: &[Joint]) -> bool {
 }
 
 /// Determines the course of a curve through its vertices, as seen from the segment before and from the one after.
-/// Only positions give the size of a bend. On a surface given by its metric, smooth vertices have a bend of zero, as
-/// straight as their segments.
+/// Only positions give the size of a bend. On a surface given by its metric, smooth vertices have a bend of zero, as if
+/// the curve were straight there.
 fn courses(surface: &Surface, joints: &[Joint]) -> Vec<[Vertex; 2]> {
     let closed = joints.len() > 2 && is_closed(joints);
     let last = joints.len().saturating_sub(1);
@@ -144,7 +144,7 @@ fn courses(surface: &Surface, joints: &[Joint]) -> Vec<[Vertex; 2]> {
 /// Returns the course through the second of three vertices.
 fn course(surface: &Surface, [before, here, after]: [Joint; 3]) -> [Vertex; 2] {
     let [into, out] = [here.into - before.out, after.into - here.out];
-    // The step out in rows and columns of the place at which the curve arrives.
+    // The step out, converted to the rows and columns at the place at which the curve arrives.
     let onwards = here.turn.map(|turn| turn * out);
     let is_short = |step: DVec2| step.abs().max_element() < SMOOTH_SEGMENT;
     let is_straight = onwards.is_some_and(|onwards| is_straight(into, onwards));
@@ -175,8 +175,9 @@ fn step(surface: &Surface, ends: [DVec2; 2]) -> Option<DVec3> {
     }
 }
 
-/// Returns the factors with which ways through space after a vertex continue those before it. Heights are measured
-/// along rows and columns, which may be reversed beyond a seam. The result is `None` where it is not known how.
+/// Returns the factors that convert a vector in space after a vertex to the axes before the vertex. The x and y axes of
+/// heights follow rows and columns, which may be reversed beyond a seam. The result is `None` where the factors are not
+/// known.
 fn mirror(surface: &Surface, turn: Option<DVec2>) -> Option<DVec3> {
     match surface.geometry() {
         Geometry::Heights { .. } => turn.map(|turn| DVec3::new(turn.y, turn.x, 1.0)),
@@ -198,8 +199,8 @@ fn turn_cosine(surface: &Surface, at: DVec2, into: DVec2, out: DVec2) -> f64 {
     if lengths > 0.0 { dot(into, out) / lengths } else { 1.0 }
 }
 
-/// Returns, for each segment of a curve, the ends of the straight line of which it is a part. The result is
-/// `None` unless the curve turns sharply or ends at both ends of that line.
+/// Returns, for each segment of a curve, the ends of the straight line of which it is a part. The result is `None`
+/// unless the curve ends or turns sharply at each end of that line.
 fn straight_runs(joints: &[Joint], courses: &[[Vertex; 2]]) -> Vec<Option<[DVec2; 2]>> {
     let step = |segment: usize| joints[segment + 1].into - joints[segment].out;
     let segments = joints.len().saturating_sub(1);

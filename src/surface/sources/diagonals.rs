@@ -1,9 +1,9 @@
 //! Adds seeds along the grid's diagonals for sources inside cells of a floor plan.
 //!
-//! A scan follows rays up to 45 degrees from its direction. The rays of a source at a grid point stay between
-//! grid points of one scan. The rays of a source inside a cell that run close to a diagonal pass between two
-//! points, each of which is reached by another scan. Point after point, each scan would wait for the other's
-//! next iteration. Therefore the points beside the diagonals are seeds as well.
+//! A scan follows rays up to 45 degrees from its direction. A ray from a source at a grid point always passes
+//! between two points that the same scan reaches. A ray from a source inside a cell that runs close to a
+//! diagonal passes between two points that different scans reach. At each next point, one scan would have to
+//! wait for the other's next iteration. Therefore the points beside the diagonals are seeds as well.
 
 use glam::DVec2;
 
@@ -11,8 +11,8 @@ use super::seed::Seed;
 use crate::surface::Surface;
 
 /// Returns the seeds of a floor plan, each followed by the points beside the diagonal through its source, if
-/// that lies inside a cell. The points end at the first hole. In total there are at most as many additional
-/// seeds as the surface has points. On other surfaces the seeds are returned unchanged.
+/// the source lies inside a cell. The points end at the first hole. In total there are at most as many
+/// additional seeds as the surface has points. On other surfaces the seeds are returned unchanged.
 pub(crate) fn with_diagonals(surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
     let Some(grid) = surface.floor() else { return seeds };
     let most = surface.points() / seeds.len().max(1);
@@ -38,8 +38,8 @@ pub(crate) fn with_diagonals(surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
     all
 }
 
-/// Two lines of points on either side of a diagonal. Each point is reached between the two points before it,
-/// one on each line.
+/// Two lines of points on either side of a diagonal. The front reaches each point from between the two points
+/// before it, one on each line.
 struct Diagonal {
     /// The first point on each line.
     first: [[isize; 2]; 2],
@@ -49,8 +49,8 @@ struct Diagonal {
 
 impl Diagonal {
     /// Returns the diagonal from the source at `from` past the corner of its cell at which `seed` lies. The
-    /// result is `None` if the corner is behind a side of the cell on which the source lies, or if the
-    /// diagonal runs through grid points.
+    /// result is `None` if the seed lies on the row or column of the source, or more than one row or column
+    /// away from it, or if the diagonal runs through grid points.
     fn through(seed: &Seed, from: DVec2) -> Option<Self> {
         let way = seed.place() - from;
         let [rows, cols] = way.abs().to_array();
@@ -62,7 +62,7 @@ impl Diagonal {
         is_beside.then_some(Self { first: [other, corner], step })
     }
 
-    /// Returns row and column of the points after the first, as far as the surface is present.
+    /// Returns the row and column of each point after the first ones, up to the first hole or the border.
     fn points(self, surface: &Surface) -> impl Iterator<Item = (usize, usize)> {
         let there = |[row, col]: [isize; 2]| {
             surface.chart().at(row, col).filter(|&(row, col)| surface.has(row, col))
@@ -110,7 +110,7 @@ mod tests {
                 approx::assert_relative_eq!(seed.time, rows.hypot(cols), max_relative = 1e-14);
                 assert_eq!(seed.from, Some(DVec2::new(row, col)));
             }
-            // All grid points, except those of the source's own cells.
+            // All grid points within a cell of a diagonal, except the corners of the source's own cells.
             let all = (0..600)
                 .map(|index| Seed::at_source(index / 30, index % 30, 0.0))
                 .filter(|seed| {

@@ -41,7 +41,7 @@ pub enum SourceError {
     },
     /// The grid of every second row and column has no point beside the source.
     #[error(
-        "every second row and column has no point beside the source at row {row}, column {col}, only holes, so that its error cannot be estimated"
+        "the grid of every second row and column has only holes around the source near row {row}, column {col}, so the error of its distances cannot be estimated"
     )]
     NotOnCoarseGrid {
         /// Row of a point beside the source.
@@ -51,7 +51,7 @@ pub enum SourceError {
     },
     /// The curvature of a front at its source is not usable.
     #[error(
-        "the curvature {curvature} of source {row},{col} is negative, infinite or no number: give 0 for a point"
+        "the curvature {curvature} of source {row},{col} is negative, infinite or NaN; give 0 for a point"
     )]
     Curvature {
         /// Row of the source.

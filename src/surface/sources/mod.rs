@@ -60,8 +60,8 @@ impl Sources {
 
     /// Adds a curve with an initial value.
     ///
-    /// On a closed surface, two vertices in turn that are the same place at different rows and columns are a jump over
-    /// a seam, as in [`Curve`](crate::geometry::Curve), and the curve goes on from the second one.
+    /// On a closed surface, two successive vertices that are the same place at different rows and columns are a jump
+    /// over a seam, as in [`Curve`](crate::geometry::Curve), and the curve goes on from the second one.
     pub fn and_curve(mut self, vertices: impl IntoIterator<Item = [f64; 2]>, initial: f64) -> Self {
         let vertices = vertices.into_iter().map(DVec2::from_array).collect();
         self.0.push(Source::Curve { vertices, initial });
@@ -81,7 +81,8 @@ impl Sources {
         })
     }
 
-    /// Returns the number of point sources that lie inside cells or on their sides, and not at grid points.
+    /// Returns the number of sources that lie inside cells or on their sides, rather than at grid points. A curve
+    /// counts by its first vertex.
     pub(crate) fn inside_cells(&self) -> usize {
         let is_inside = |source: &&Source| match source {
             Source::Point { at, .. } => at.fract() != DVec2::ZERO,
@@ -97,13 +98,13 @@ impl Sources {
         self.iter().map(Source::initial).fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns the initial values at grid points, in row-major order. Where several meet, the smallest
+    /// Returns the initial values at grid points, in row-major order. Where several meet at a point, the smallest
     /// counts.
     ///
     /// A source at a grid point seeds that point. A source elsewhere seeds the corners of the cells that it
-    /// touches with their distances to it. These are exact where the cell is flat; from points they follow
-    /// the surface as its edges do. A curve seeds the corners of every cell through which it runs, so it has
-    /// no gaps.
+    /// touches with the distances of these corners from the source. These distances are exact where the cell is flat.
+    /// From point sources they follow the surface as its edges do. A curve seeds the corners of every cell through
+    /// which it runs, so it has no gaps.
     pub fn seeds(&self, surface: &Surface) -> Result<Vec<Seed>, SourceError> {
         let mut seeds = self.seeds_with_origins(surface)?;
         seeds.iter_mut().for_each(|seed| seed.origin = None);
@@ -113,10 +114,10 @@ impl Sources {
     /// Returns the seeds of [`Self::seeds`], with the straight source from which each seed's front comes
     /// ([`Seed::origin`]).
     ///
-    /// With them, curved fronts of several sources are exact over even grids, whatever the shape of their
-    /// cells: where two fronts meet, each one continues separately. Over grids whose cells change from point
-    /// to point, the fronts follow straight lines of the chart near the sources, and maps may be less
-    /// accurate than from [`Self::seeds`].
+    /// With these origins, curved fronts of several sources are exact over even grids, whatever the shape of their
+    /// cells: where two fronts meet, each one continues separately. Over grids whose cells change from point to point,
+    /// the fronts follow straight lines of the chart near the sources, and maps may be less accurate than from
+    /// [`Self::seeds`].
     ///
     /// ```
     /// use geosweep::cpu::RotatedScan;
@@ -245,7 +246,7 @@ mod tests {
                 assert!(seeds.iter().any(|s| (s.row, s.col) == (row, col)), "{row},{col}");
             }
         }
-        // The exact distance to the line, for every seeded point whose foot lies in its own cells.
+        // No seed is earlier than the exact distance to the line.
         let normal = DVec2::new(11.9, -7.3).normalize();
         for seed in &seeds {
             let exact = normal.dot(DVec2::new(seed.row as f64, seed.col as f64)).abs();
@@ -270,7 +271,7 @@ mod tests {
         }
     }
 
-    /// Places between vertices are off the grid points by rounding.
+    /// Between vertices, places of the curve are off the grid points by rounding.
     #[test]
     fn a_front_goes_to_both_sides_of_a_curve_through_grid_points() {
         let sphere = crate::surface::builtin::Builtin::Sphere.surface(65, 65).unwrap();

@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-/// A source that is a point or a straight segment of the chart. All fronts around it, including those around
-/// its ends, come from this source at the same time.
+/// A source that is a point or a straight segment of the chart. All fronts around it, including the circular
+/// ones around its ends, have this source as their origin and start at the same time.
 ///
 /// Over an even grid the arrival time of its front is the start plus the distance to the segment. The curved
 /// update needs origins where fronts of several sources meet: two fronts that arrive together with equal
@@ -32,7 +32,7 @@ impl Origin {
         Self { start: self.start - by, ..self }
     }
 
-    /// Returns this origin on a grid whose rows and columns are larger by `by`.
+    /// Returns this origin with rows and columns that are larger by `by`.
     pub(crate) fn moved(self, by: DVec2) -> Self {
         Self { ends: self.ends.map(|end| end + by), ..self }
     }

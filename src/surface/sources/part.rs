@@ -1,4 +1,4 @@
-//! Finds the seeds of a source part by part, each of which runs over no seam.
+//! Finds the seeds of a source part by part. No part runs over a seam.
 
 use std::collections::BTreeSet;
 
@@ -15,23 +15,24 @@ use crate::surface::{Sheet, Surface};
 /// Number of rows and columns around a part on which its seeds depend.
 const AROUND: usize = 4;
 
-/// Segments of a source between which it jumps over no seam.
+/// Segments of a source without a jump over a seam between them.
 pub(super) struct Part {
     segments: Vec<Segment>,
-    /// The place by which all parts of a point source are known.
+    /// The place that stands for the source in the seeds of all parts of a point source.
     name: Option<DVec2>,
 }
 
 impl Part {
     /// Returns the parts of a source.
     ///
-    /// A source along a seam has a part on each of its sides. Where the grid goes on beyond the seam, the part on one
-    /// side holds the other side too.
+    /// A point source on an edge of a seam has a part at each of its copies. A curve along a seam has a part on each
+    /// side of the seam, except where the grid goes on over the seam: there the sheet around the part on one side holds
+    /// the other side too.
     pub(super) fn all(surface: &Surface, source: &Source) -> Vec<Self> {
         match source {
             Source::Point { at, initial } => {
                 let copies = surface.copies_of(*at);
-                // At a grid point one copy is enough: solvers let all copies of a point have the same front.
+                // At a grid point one copy is enough: solvers give all copies of a point the same front.
                 let is_grid_point = at.fract() == DVec2::ZERO;
                 let seen = if is_grid_point { 1 } else { copies.len() };
                 let name = (copies.len() > 1).then_some(copies[0]);
@@ -71,7 +72,8 @@ impl Part {
     }
 }
 
-/// Returns the initial values at the corners of the cells that the parts of a source touch. A point may have several.
+/// Returns the initial values at the corners of the cells that the parts of a source touch. A corner may have several
+/// initial values.
 pub(super) fn seeds(
     surface: &Surface,
     parts: &[Part],
@@ -82,7 +84,7 @@ pub(super) fn seeds(
         let corners = part.pieces.corners(part.sheet.part()).into_iter();
         return Ok(corners.filter_map(|local| part.seed(local, initial)).collect());
     }
-    // Another part may be nearer to a corner, without touching its cells.
+    // A corner of the cells that one part touches may be nearer to another part, which does not touch these cells.
     let name = |part: &Placed<'_>, local| surface.first_copy(part.sheet.point(local));
     let corners: BTreeSet<_> = parts
         .iter()
@@ -116,7 +118,7 @@ impl Placed<'_> {
     }
 }
 
-/// Lets an error name a place of the whole grid.
+/// Converts the place that an error names from the sheet to the whole grid.
 fn on_grid(sheet: &Sheet<'_>, error: SourceError) -> SourceError {
     match error {
         SourceError::Hole { row, col } => {
@@ -127,7 +129,7 @@ fn on_grid(sheet: &Sheet<'_>, error: SourceError) -> SourceError {
     }
 }
 
-/// Returns a segment with other places.
+/// Returns a segment with its places converted by `to`.
 fn moved(segment: Segment, to: impl Fn(DVec2) -> DVec2) -> Segment {
     let origin = segment.origin.map(|origin| Origin { ends: origin.ends.map(&to), ..origin });
     Segment { origin, ..segment.between(segment.ends.map(|(at, _)| to(at))) }

@@ -1,4 +1,4 @@
-//! Cuts sources into pieces, one per cell, and computes the front that starts from them at grid points.
+//! Cuts sources into pieces, one per cell, and computes, at grid points, the front that starts from these pieces.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -24,7 +24,7 @@ struct Piece {
     ends: [(DVec2, Vertex); 2],
     /// The straight source of which the piece is a part, if there is one.
     origin: Option<Origin>,
-    /// Present for points only.
+    /// The growth of distances along the surface. Present for points only.
     rise: Option<Rise>,
 }
 
@@ -53,7 +53,7 @@ impl Pieces {
         let cuts = grid_crossings(from, to);
         for cut in cuts.windows(2) {
             let (a, b) = (from.lerp(to, cut[0]), from.lerp(to, cut[1]));
-            // Both ends of a piece lie on the border of the cell that contains its middle.
+            // A piece lies in the cell that contains its middle.
             let middle = on_grid(0.5 * (a + b));
             let mut found = false;
             for cell in surface.chart().cells_around(middle) {
@@ -86,8 +86,8 @@ impl Pieces {
         cells.flat_map(around).filter(|&(row, col)| surface.has(row, col)).collect()
     }
 
-    /// Returns the initial value at a point, from the nearest piece of the cells around it. Cells one step
-    /// further count too, if there cannot be a hole between. The result is `None` if no piece is so near.
+    /// Returns the initial value at a point, from the nearest piece of the cells around it. For pieces of curves, cells
+    /// one step further count too, if there cannot be a hole between. The result is `None` if no piece is so near.
     pub(super) fn seed(
         &self,
         surface: &Surface,
@@ -110,11 +110,11 @@ impl Pieces {
     }
 }
 
-/// Distance from a line of the grid, in rows or columns, below which a place counts as on it.
+/// Distance from a line of the grid, in rows or columns, below which a place counts as on the line.
 const ON_LINE: f64 = 1e-9;
 
-/// Returns a place, on the lines of the grid beside it. Otherwise rounding would decide which cells a curve touches
-/// that leads along a line or through a grid point.
+/// Moves a place to the grid lines from which it differs only by rounding. Otherwise rounding would decide which cells
+/// are touched by a curve that runs along a grid line or through a grid point.
 fn on_grid(at: DVec2) -> DVec2 {
     let lines = at.round();
     let is_on = (at - lines).abs().cmple(DVec2::splat(ON_LINE));
@@ -146,7 +146,7 @@ impl Surface {
         let distance = weight
             * rise.map_or(chord, |rise| (chord * chord + rise.from((row, col))).max(0.0).sqrt());
         let place = cut.0 + foot * (cut.1 - cut.0);
-        // Straight across from an end, the front is that of the line, not the one around the end.
+        // Straight across from an end, the front is that of the line, not the circular one around the end.
         let is_beside = distance > 0.0 && (beyond - foot).abs() <= AT_END;
         let curvature = self.seed_curvature((row, col), distance, (place, is_beside), ends);
         let is_point = ends[0].0 == ends[1].0;
@@ -156,7 +156,7 @@ impl Surface {
     }
 
     /// Returns the straight source whose front a piece emits at the place `foot` of its segment. The result
-    /// is `None` if that place is a cut between pieces: the nearest place of the source then lies beyond it.
+    /// is `None` if that place is a cut between pieces: the nearest place of the source then lies beyond the cut.
     fn origin_of(&self, piece: &Piece, foot: f64, initial: f64) -> Option<Origin> {
         let [start, end] = piece.ends;
         let at = start.0.lerp(end.0, foot);
@@ -165,7 +165,7 @@ impl Surface {
         if let Some(origin) = piece.origin {
             return (!is_cut || origin.ends.into_iter().any(is_same)).then_some(origin);
         }
-        // The front around the end of a curve that is bent before it.
+        // This is the front around the end of a curve that bends before this end.
         let is_end =
             |(place, vertex): (DVec2, Vertex)| matches!(vertex, Vertex::Corner) && is_same(place);
         piece
@@ -196,8 +196,8 @@ impl Surface {
         let (Some(Sample::Position(place)), Some(point)) = (place, self.position(row, col)) else {
             return 0.0;
         };
-        // The front spreads on the outer side of the bend. From the curve itself it goes to both sides. Rounding may
-        // move a point of the curve off it.
+        // The front spreads on the outer side of the bend. At points of the curve itself it goes to both sides.
+        // Rounding may move such a point off the curve.
         let away = point - place;
         let is_on_curve = away.length() * bend.length() <= AT_END;
         let side = if is_on_curve { 0.0 } else { away.normalize_or_zero().dot(bend) };
@@ -232,7 +232,8 @@ impl Surface {
 mod tests {
     use crate::surface::{Sources, Spacing, Surface};
 
-    /// Curves along lines of the grid and through its points, which rounding moves off them in some places.
+    /// The curves run along lines of the grid and through its points. Rounding moves the curves off these in some
+    /// places.
     #[test]
     fn seeds_do_not_depend_on_where_a_curve_lies() {
         let plane = Surface::from_heights(60, 260, vec![0.0; 60 * 260], Spacing::square(1.0));

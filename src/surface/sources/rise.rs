@@ -11,13 +11,13 @@ use crate::surface::{
 ///
 /// Let p = sum of w_i p_i over the corners, with one corner at the origin. Then |p|^2 is the sum of w_i w_j
 /// <p_i, p_j>, and 2 <p_i, p_j> = |p_i|^2 + |p_j|^2 - |p_i - p_j|^2. Both are linear in the squared lengths
-/// of the edges. The shader `sources.comp` sums up these terms. Here only their growth is summed up, since
-/// positions give chords more accurately.
+/// of the edges. The shader `glsl/update/source_arrival.glsl` sums up these terms. Here only their growth is
+/// summed up, since positions give chords more accurately.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rise {
     corners: [(usize, usize); 4],
     weights: [f64; 4],
-    /// The growth of the squared length between each two corners.
+    /// The growth of the squared length between any two corners.
     squares: [[f64; 4]; 4],
 }
 

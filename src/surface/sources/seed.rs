@@ -17,39 +17,40 @@ pub struct Seed {
     /// Curvature of the front at the point, for the curved wavefront: 1 over the distance from a point
     /// source, [`Seed::AT_SOURCE`] at the source itself, 0 beside a straight curve.
     pub curvature: f64,
-    /// Row and column of the point source from which the front comes, if it is not this point itself. It is
-    /// the anchor of the points that follow ([`crate::Wavefront::Anchored`]).
+    /// Row and column of the point source from which the front comes, if the source is not this point itself. The
+    /// source is the anchor of the points that the front reaches next ([`crate::Wavefront::Anchored`]).
     pub from: Option<DVec2>,
     /// The straight source from which the front comes, where that is known; see
     /// [`Sources::seeds_with_origins`](super::Sources::seeds_with_origins).
     pub origin: Option<Origin>,
     /// Whether the time is as exact as the edges allow (from a map of the source alone), and no front of
-    /// another source can arrive here first. Curved fronts then do not replace the seed, except for those of
-    /// sources that are added later.
+    /// another source can arrive here first. Curved fronts then do not replace the seed, except for fronts of sources
+    /// that are added later.
     pub exact: bool,
 }
 
 /// Relative tolerance of the difference between a seed's time and the length of the line to its origin.
 const OFF_LINE: f64 = 1e-3;
 
-/// Error of a curved update in units in the last place of the arrival time: a height over a base, and a sum.
+/// Error of a curved update in units in the last place of the arrival time: the rounding of a height over a base, and
+/// of a sum.
 const SURELY_FIRST: f64 = 8.0;
 
 impl Seed {
     /// Curvature of a front at its point source. It stands for infinity.
     pub const AT_SOURCE: f64 = crate::constants::SOURCE_CURVATURE;
 
-    /// Returns a point source at a grid point.
+    /// Returns the seed of a point source at a grid point.
     pub fn at_source(row: usize, col: usize, time: f64) -> Self {
         Self { row, col, time, curvature: Self::AT_SOURCE, from: None, origin: None, exact: false }
     }
 
-    /// Returns the time at which a curved front starts here. Beside a curve it is earlier by some units in
-    /// the last place.
+    /// Returns the time at which a curved front starts here. Beside a curve this is earlier than the seed's time by
+    /// some units in the last place.
     ///
     /// A front that leaves the curve passes this point at the same time up to rounding, with a curvature that
     /// includes that of the surface. Without the shift, rounding would decide which of the two fronts
-    /// stays, and two maps of a rough surface would differ by hundredths. There is no shift at the ends of a curve,
+    /// stays, and two maps of a rough surface would differ by some per cent. There is no shift at the ends of a curve,
     /// where the front from beside the end is flatter and should stay.
     pub(crate) fn start_of_curved<R: Real>(&self) -> R {
         let is_beside =
@@ -79,9 +80,8 @@ impl Seed {
 /// depend on neighbours that arrive later.
 ///
 /// Without causal updates, fronts of several sources that meet would settle in more than one way, or never.
-/// A single front that meets itself, because a slowness or a steep surface bends it, needs them too.
-/// Otherwise a single point source does not need causal updates; without them it is more accurate in
-/// stretched cells.
+/// A single front that meets itself, because a slowness or a steep surface bends it, needs causal updates too.
+/// Otherwise a single point source does not need causal updates; without them it is more accurate in stretched cells.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Origins {
     /// Whether the front of one origin may meet itself.

@@ -16,21 +16,24 @@ const MOST_SOURCE_BYTES: usize = 1 << 20;
 pub(crate) const POINT_BYTES: usize = 16;
 
 /// Returns the largest number of bytes of a band that is transferred between the program's memory and the device. It is
-/// 4 times the number of the grid's points, so that the buffers take a sixth of the memory of a map. On small grids it
-/// is at least 256 KiB, since another submission would cost more time than the memory is worth.
+/// 4 times the number of the grid's points, so that the buffers take a sixth of the memory of a map, but at most
+/// `BAND_BYTES`. On small grids it is at least 256 KiB, since another submission would cost more time than the memory
+/// is worth.
 pub(in crate::vulkan) fn transfer_bytes(chart: Chart) -> usize {
     (4 * chart.points()).clamp(256 << 10, BAND_BYTES)
 }
 
 /// Returns the largest number of bytes of a band of distances if one band is copied while the host reads another. It
-/// divides a map into two bands, unless a band is so small that a second submission would cost more time than it saves.
+/// divides a map into two bands, or into more on grids of more than 2048 x 2048 points. Small maps stay in one band,
+/// since a second submission would cost more time than it saves.
 pub(in crate::vulkan) fn staged_bytes(chart: Chart) -> usize {
     (transfer_bytes(chart) / 2).max(256 << 10)
 }
 
 /// Returns the largest number of bytes of a band of a host's points: 6 times the number of the grid's points, which
-/// gives three bands. Points are measured band by band in each frame in which they change. Grids of up to 512 x 512
-/// points are measured at once: two more passes would cost too much time for the memory that they save.
+/// gives three bands, but at least 4 MiB and at most `BAND_BYTES`. Points are measured band by band in each frame in
+/// which they change. Grids of up to 512 x 512 points are measured at once: two more passes would cost too much time
+/// for the memory that they save.
 pub(crate) fn frame_bytes(chart: Chart) -> usize {
     (6 * chart.points()).clamp(4 << 20, BAND_BYTES)
 }
@@ -52,10 +55,10 @@ pub(crate) fn bands(
     (0..chart.rows).step_by(step).map(move |row| row..(row + step).min(chart.rows))
 }
 
-/// Returns the rows whose points are needed to measure the edges of a band. The grid has `beyond` rows of points beyond
-/// its first and last row; rows beyond the first one have negative numbers. The length of an edge to the north also
-/// depends on how the surface bends at both of its ends. Where a grid line ends, the bend is taken from the next two
-/// points inwards.
+/// Returns the rows whose points are needed to measure the edges of a band. The grid has `beyond` rows of points before
+/// its first row and after its last row; the rows before the first row have negative numbers. The length of an edge to
+/// the north also depends on how the surface bends at both of its ends. Where a grid line ends, the bend is taken from
+/// the next two points inwards.
 pub(crate) fn rows_around(band: &Range<usize>, chart: Chart, beyond: usize) -> Range<isize> {
     let [start, end, rows, beyond] =
         [band.start, band.end, chart.rows, beyond].map(|count| count as isize);

@@ -122,7 +122,7 @@ impl ImageBarrier {
     }
 }
 
-/// Records several barriers as one: the stages of all, the accesses over all memory, and the images.
+/// Records several barriers as one, with the stages of all barriers, their accesses to memory, and their images.
 pub(crate) fn merged(
     device: &ash::Device,
     commands: vk::CommandBuffer,

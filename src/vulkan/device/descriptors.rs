@@ -1,8 +1,8 @@
 //! Creates the descriptor sets of a surface and of the resources in which its maps are solved.
 //!
 //! Every device can bind four storage images and four storage buffers to a pass. Each pass therefore uses two
-//! sets. The surface's set contains the fronts that the pass reads and the progress of the map. The other is
-//! either that of a map, with the fronts that the pass writes, or one of the host.
+//! sets. The surface's set contains the fronts that the pass reads and the progress of the map. The other set is either
+//! the set of a map, with the fronts that the pass writes, or a set of the host.
 
 use ash::vk;
 
@@ -11,11 +11,11 @@ use super::pipelines::Pipelines;
 use super::shaders::{count_of, set_0, set_1, set_2};
 use crate::vulkan::VulkanError;
 
-/// Number of the host's sets. `MAP` is the number of the sets of maps.
+/// Index at which the host's sets are bound. `MAP` is the index of the sets of maps.
 const HOST: u32 = 1;
 const MAP: u32 = 2;
 
-/// Number of sets of a pass, with those that it does not use.
+/// Number of sets in the layout of a pass, including the sets that the pass does not use.
 pub(crate) const SETS: u32 = MAP + 1;
 
 /// Returns the largest number of storage images, or of storage buffers, that a pass uses.
@@ -34,7 +34,7 @@ const _: () = assert!(
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sets {
     surface: vk::DescriptorSet,
-    /// Number of the other set, and the set.
+    /// Index of the other set, and the set itself.
     other: (u32, vk::DescriptorSet),
 }
 
@@ -65,7 +65,7 @@ impl Sets {
     }
 }
 
-/// Resources of the sets of a grid, or of a batch. Those that no pass uses are `None`.
+/// Resources of the sets of a grid, or of a batch. Resources that no pass uses are `None`.
 #[derive(Clone, Copy)]
 pub(crate) struct Contents<'a> {
     pub(crate) edges: &'a Image,
@@ -146,8 +146,8 @@ pub(crate) struct GridContents<'a> {
 /// list of copies takes the place of points and seeds, since devices need offer no more than four buffers.
 #[derive(Debug, Default)]
 pub(crate) struct CopySets {
-    /// Returns the sets as [`GridSets::writing`] does, for a pass that also reads and writes tiles in the other
-    /// image.
+    /// The sets of [`GridSets::writing`], with the list of copies. Their pass may also read and write the other image,
+    /// where the fronts of some tiles lie after a round.
     pub(crate) writing: [Sets; 2],
     /// Surface's set of passes over a finished map, with the list by rows; null if there is none.
     by_rows: vk::DescriptorSet,
@@ -291,7 +291,7 @@ fn write_part(
     let info = vk::DescriptorBufferInfo { buffer: buffer.buffer, offset, range };
     let info = [info];
     let write = blank(set, index, vk::DescriptorType::STORAGE_BUFFER).buffer_info(&info);
-    // SAFETY: as for images.
+    // SAFETY: set and buffer are alive, and no submitted work uses the set, which is new.
     unsafe { device.update_descriptor_sets(&[write], &[]) };
 }
 

@@ -10,10 +10,11 @@ use crate::vulkan::VulkanError;
 /// Kind of a device that computes on the processor's cores.
 const CPU: &str = "CPU";
 
-/// Choice of a Vulkan device. Indices are those of [`devices`].
+/// Choice of a Vulkan device. An index is a position in the list that [`devices`] returns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum DeviceChoice {
-    /// The best usable device: a discrete GPU before an integrated one, and that before others.
+    /// The best usable device. Discrete GPUs come first, then integrated GPUs, virtual GPUs, CPUs and other
+    /// devices.
     #[default]
     Any,
     /// The best usable device that is not a CPU.
@@ -194,7 +195,7 @@ mod tests {
     fn devices_are_named_by_a_part_of_the_name_or_an_index() {
         let machine = devices(&[("other", true), (CPU, false)]);
         let position = |text: &str| position(&machine, &text.parse().unwrap());
-        // The choice finds a device that is not usable too. The caller finds out whether it is.
+        // `position` also returns devices that are not usable. Its caller checks whether a device is usable.
         assert_eq!((position("DEVICE 1").unwrap(), position("1").unwrap()), (1, 1));
         for wanted in ["2", "card"] {
             let error = position(wanted).unwrap_err().to_string();

@@ -24,7 +24,7 @@ impl Instance {
         Self::open(validate, false)
     }
 
-    /// Creates an instance. If `labels` is set, it enables labels and names for tools, where the loader
+    /// Creates an instance. If `labels` is set, labels and names for tools are enabled where the loader
     /// offers them.
     pub(crate) fn open(validate: bool, labels: bool) -> Result<Self, VulkanError> {
         // SAFETY: the loader's library is the system's own and is kept loaded by the entry.
@@ -34,7 +34,7 @@ impl Instance {
             .application_name(c"geosweep")
             .engine_name(c"geosweep")
             .api_version(API_VERSION);
-        // SAFETY: no layer's name is passed, so that no pointer needs to stay valid.
+        // SAFETY: no layer's name is passed, so no pointer needs to stay valid.
         let offered = unsafe { entry.enumerate_instance_extension_properties(None) };
         let offered = offered.unwrap_or_default();
         let offers = |name: &CStr| {
@@ -46,8 +46,8 @@ impl Instance {
         if validate || debug_utils {
             extensions.push(ext::debug_utils::NAME.as_ptr());
         }
-        // Without this flag loaders hide devices that implement only the portable subset of Vulkan, as those
-        // of MoltenVK do.
+        // Without this flag loaders hide devices that implement only the portable subset of Vulkan, such as
+        // the devices of MoltenVK.
         if offers(khr::portability_enumeration::NAME) {
             extensions.push(khr::portability_enumeration::NAME.as_ptr());
             info.flags |= vk::InstanceCreateFlags::ENUMERATE_PORTABILITY_KHR;

@@ -5,7 +5,7 @@ use std::fmt;
 
 use ash::{ext, vk};
 
-/// Functions of `VK_EXT_debug_utils`. Exists only if the instance has enabled it.
+/// Functions of `VK_EXT_debug_utils`. A value exists only if the instance has enabled that extension.
 #[derive(Clone)]
 pub(crate) struct Labels(ext::debug_utils::Device);
 

@@ -7,8 +7,8 @@ use crate::constants::{BORDER, LAYERS, MOST_GROUPS};
 use crate::surface::Chart;
 use crate::vulkan::{TexelChart, VulkanError};
 
-/// Returns how many of `count` workgroups form a column, so that there are no more columns than every device
-/// accepts.
+/// Returns the number of workgroups in a column if `count` workgroups are arranged in columns. There are at
+/// most `MOST_GROUPS` columns, which every device accepts.
 pub(crate) fn column_of(count: u32) -> u32 {
     count.div_ceil(MOST_GROUPS).max(1)
 }
@@ -68,7 +68,7 @@ impl Limits {
         let fronts = u64::from(LAYERS) * bytes(texels.fronts_extent());
         let gaussian = bytes(texels.fronts_extent());
         let needed = edges + gaussian + 2 * fronts;
-        // Some drivers do not refuse what does not fit: there the system ends the process instead.
+        // Some drivers do not refuse allocations that do not fit. The system then ends the process.
         if needed > self.heap || edges > self.largest_image {
             let image = if edges > self.largest_image { self.largest_image } else { self.heap };
             let available = self.heap.min(image) >> 20;

@@ -121,7 +121,7 @@ impl Image {
 }
 
 /// Returns the usage of images of a format. Not all devices let shaders write images of two components, so
-/// that these receive copies of buffers.
+/// such images are filled by copies from buffers.
 fn usage(format: vk::Format) -> vk::ImageUsageFlags {
     match format {
         FORMAT | RESULT_FORMAT => IMAGE_USAGE,

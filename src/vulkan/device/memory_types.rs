@@ -1,12 +1,13 @@
-//! Tells devices with memory of their own by their memory types.
+//! Recognizes devices that have memory of their own, by their memory types.
 
 use ash::vk;
 
 /// Returns whether shaders should access the device's memory in place of the host's, with copies between the
 /// two.
 ///
-/// On a device with memory of its own, what the program reads lies beyond a bus: the host's cached memory is
-/// not local to the device. Devices that share the host's memory have cached memory that is local to both.
+/// A device with memory of its own reaches the host's memory over a bus. The cached memory from which the
+/// program reads is the host's, and not local to the device. Devices that share the host's memory have cached
+/// memory that is local to both.
 pub(in crate::vulkan) fn need_staging(memory: &vk::PhysicalDeviceMemoryProperties) -> bool {
     use vk::MemoryPropertyFlags as Flags;
     let types = memory.memory_types_as_slice();
@@ -43,11 +44,12 @@ mod tests {
         // Discrete GPUs, without and with all of their memory visible to the host.
         assert!(need_staging(&[Flags::empty(), own, written, cached]));
         assert!(need_staging(&[Flags::empty(), own, written, cached, own | written]));
-        // lavapipe; an integrated GPU; one that sets memory aside; Apple's.
+        // Devices that share the host's memory: lavapipe, integrated GPUs (some set memory aside), and
+        // Apple's GPUs.
         assert!(!need_staging(&[own | cached]));
         assert!(!need_staging(&[own, own | written, own | cached]));
         assert!(!need_staging(&[own, own | cached]));
-        // Nothing but the host's memory.
+        // A device that has only the host's memory.
         assert!(!need_staging(&[cached]));
     }
 }

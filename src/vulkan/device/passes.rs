@@ -22,8 +22,8 @@ pub(crate) struct Row {
     width: Option<Width>,
     /// Scan that the pass runs, if it is one.
     scan: Option<Scan>,
-    /// Shaders in its place with [`TileLanes::Points`] and [`TileLanes::Shuffled`]. Their interfaces are the
-    /// same.
+    /// Shaders that replace `shader` with [`TileLanes::Points`] and with [`TileLanes::Shuffled`]. All three
+    /// have the same interface.
     pub(crate) of_points: Option<[&'static Shader; 2]>,
 }
 
@@ -109,7 +109,7 @@ impl<P> Clone for CommonPass<P> {
 impl<P> Copy for CommonPass<P> {}
 
 impl<P: Pod> CommonPass<P> {
-    /// Returns the pass as one among all.
+    /// Returns the pass as a [`Pass`], as for passes that are not common.
     pub(crate) const fn pass(self) -> Pass<P> {
         self.0
     }
@@ -159,8 +159,8 @@ macro_rules! passes {
     };
 }
 
-// The columns are the name of a pass, its shader (and those of [`Row::of_points`]), and the width of its
-// workgroups if a constant sets it, with the direction of a scan.
+// The columns are the name of a pass, its shader (and the shaders of [`Row::of_points`]), and the width of
+// its workgroups if a constant sets it, with the direction of a scan.
 passes! {
     common {
         POINTS_FROM_BUFFER: points_from_buffer;
@@ -259,13 +259,13 @@ pub(crate) struct Specialization {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Variant {
     pub(crate) wavefront: Wavefront,
-    /// Whether obtuse triangles are split. They are on every surface that is not known to have none.
+    /// Whether obtuse triangles are split. This is false only for surfaces that are known to have none.
     pub(crate) splits: bool,
     /// Whether the slowness of the surface is not the same everywhere.
     pub(crate) slowed: bool,
     /// Whether fronts may carry the numbers of their origins.
     pub(crate) named: bool,
-    /// Whether tiles are those of a small grid.
+    /// Whether tiles have the size for small grids.
     pub(crate) small_tiles: bool,
     /// Whether passes over a finished map look for copies of points.
     pub(crate) glued: bool,
@@ -281,7 +281,7 @@ impl From<Wavefront> for Variant {
 impl Variant {
     pub(crate) const COUNT: usize = 32 * Wavefront::ALL.len();
 
-    /// Returns all variants, by their places among a pass's pipelines.
+    /// Returns all variants, in the order of their places among a pass's pipelines.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         (0..32).flat_map(|bits| {
             let [splits, slowed, named, small_tiles, glued] =
@@ -314,7 +314,7 @@ pub(crate) struct KnownSize {
 }
 
 impl Row {
-    /// Returns the place of the pipeline for a variant among all that the pass may have.
+    /// Returns the place of the pipeline for a variant among all pipelines that the pass may have.
     pub(crate) fn place_of(&self, variant: Variant) -> usize {
         let splits = self.shader.depends_on(Constant::Splits) && variant.splits;
         let wavefront = if self.depends_on_wavefront { variant.wavefront as usize } else { 0 };

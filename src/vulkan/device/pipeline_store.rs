@@ -23,10 +23,10 @@ pub struct PipelineStore {
     digest: Option<u64>,
 }
 
-/// Environment variable that names a folder in place of the program's.
+/// Environment variable that names a folder in place of the folder that the program has set.
 const VARIABLE: &str = "GEOSWEEP_PIPELINES";
 
-/// Folder in which the program has headless solvers keep their pipelines.
+/// Folder that the program has set for the pipelines of headless solvers.
 static FOLDER: RwLock<Option<PathBuf>> = RwLock::new(None);
 
 /// Sets the folder in which headless solvers of this process keep their pipelines. It applies to every solver
@@ -133,7 +133,8 @@ impl PipelineStore {
 
     /// Destroys the pipeline cache. Pipelines created with it do not need it any more.
     pub fn destroy(&mut self, device: &ash::Device) {
-        // SAFETY: no pipeline is being created with it, since the caller has it alone; null is allowed.
+        // SAFETY: no pipeline is being created with it, since the caller has exclusive access to the store;
+        // null is allowed.
         unsafe { device.destroy_pipeline_cache(std::mem::take(&mut self.cache), None) };
     }
 }
@@ -166,7 +167,7 @@ fn read(file: &Path) -> Option<Vec<u8>> {
 }
 
 /// Returns whether `data` begin with the header of this device's driver (`VkPipelineCacheHeaderVersionOne`).
-/// Not every driver checks that.
+/// Not every driver checks the header.
 fn is_of(data: &[u8], properties: &vk::PhysicalDeviceProperties) -> bool {
     let words = [32, 1, properties.vendor_id, properties.device_id];
     let header = words.iter().flat_map(|word: &u32| word.to_le_bytes());
@@ -180,8 +181,8 @@ fn digest(data: &[u8]) -> u64 {
     digest.finish()
 }
 
-/// Removes all files of a device but the newest, so that there is room for `file`. Files that cannot be
-/// removed stay.
+/// Removes the oldest files of a device, so that at most [`FILES_KEPT`] remain, including `file`. Files that
+/// cannot be removed stay.
 fn remove_old(folder: &Path, file: &Path) {
     let name = file.file_name().and_then(OsStr::to_str).unwrap_or_default();
     // The first two parts of the name are the vendor and the device.

@@ -31,13 +31,14 @@ pub(crate) struct Pipeline<P> {
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     pub(crate) tuning: Tuning,
-    /// Whether a barrier separates scans that go in a pair. It is not needed, but the validation layers report
-    /// it as missing: they track images and buffers as a whole, not the texels that a scan accesses.
+    /// Whether a barrier separates scans that go in a pair. The barrier is not needed, but the validation
+    /// layers report it as missing: they track images and buffers as a whole, not the texels that a scan
+    /// accesses.
     pub(crate) separates_pairs: bool,
     /// Whether the device computes on a processor's cores.
     on_processor: bool,
-    /// Order in which workgroups take their numbers, in pipelines made from now on: 0, the device's own. Tests
-    /// set others, see `glsl/shared/groups.glsl`.
+    /// Order in which workgroups take their numbers, in pipelines made from now on. 0 is the device's own
+    /// order. Tests set other orders, see `glsl/shared/groups.glsl`.
     pub(crate) group_order: i32,
     /// Labels and names for tools, if the host enables them.
     pub(crate) labels: Option<Labels>,
@@ -58,7 +59,7 @@ pub(crate) struct Pipelines {
     layouts: [[vk::PipelineLayout; SIZES_PUSHED]; 2],
     /// Pipelines made, by pass and variant ([`Row::place_of`]).
     made: Vec<[OnceLock<vk::Pipeline>; Variant::COUNT]>,
-    /// Pipelines of passes that also depend on the size of maps. The one used last is at the end.
+    /// Pipelines of passes that also depend on the size of maps. The pipeline used last is at the end.
     sized: Mutex<Vec<Sized>>,
 }
 
@@ -71,8 +72,8 @@ pub(crate) struct Cache {
 }
 
 impl Cache {
-    /// Wraps the host's cache, or none if `handle` is null. The host may have promised the driver that one
-    /// thread at a time uses the cache.
+    /// Wraps the host's cache, or none if `handle` is null. The host may have promised the driver that only
+    /// one thread at a time uses the cache.
     pub(crate) fn of_host(handle: vk::PipelineCache) -> Self {
         Self { handle, is_shared: handle == vk::PipelineCache::null() }
     }
@@ -99,8 +100,8 @@ const SIZES_PUSHED: usize = 1 + PUSH_CONSTANT_BYTES as usize / size_of::<u32>();
 /// Guard that is kept as long as a pipeline for maps of one size is used.
 pub(crate) type InUse = Arc<()>;
 
-/// Number of pipelines for maps of one size beyond which unused ones are destroyed. A host may thus compute
-/// maps of ever new sizes.
+/// Number of pipelines for maps of one size beyond which unused pipelines are destroyed. So their number
+/// stays limited if a host computes maps of ever new sizes.
 const SIZES_KEPT: usize = 16;
 
 impl Pipelines {
@@ -213,7 +214,7 @@ impl Pipelines {
             {
                 let new = self.create_one(device, number, variant, *cache)?;
                 // No other thread creates this pipeline: this thread has locked the cache, and its helpers
-                // create other passes.
+                // create other pipelines.
                 self.place(number, variant).get_or_init(|| new);
             }
             Ok(())
@@ -272,7 +273,7 @@ impl Pipelines {
     }
 
     /// Returns the pipeline of a pass for maps of the size `map`, and makes it unless it exists. The pipeline
-    /// may be destroyed once nothing holds the returned guard. No submitted work may use it then.
+    /// may be destroyed once nothing holds the returned guard. No submitted work may use the pipeline then.
     pub(crate) fn make_sized<P: Pod>(
         &self,
         device: &ash::Device,
@@ -297,7 +298,7 @@ impl Pipelines {
         while sized.len() > SIZES_KEPT {
             let idle = sized.iter().position(|of| Arc::strong_count(&of.users) == 1);
             let Some(place) = idle else { break };
-            // SAFETY: nothing holds the pipeline's guard, so that no submitted work uses the pipeline.
+            // SAFETY: nothing holds the pipeline's guard, so no submitted work uses the pipeline.
             unsafe { device.destroy_pipeline(sized.remove(place).handle, None) };
         }
         Ok(made)
@@ -361,7 +362,7 @@ impl Pipelines {
     /// Names an object for tools, if names are enabled.
     pub(crate) fn name(&self, name: &str, object: impl vk::Handle) {
         if let Some(labels) = &self.labels {
-            // In captures these names stand among the host's.
+            // The prefix distinguishes these names from the host's names in captures.
             labels.name(object, &format!("geosweep: {name}"));
         }
     }

@@ -4,9 +4,9 @@
 //! extension and no feature has to be enabled, and no limit has to exceed the minimum that Vulkan guarantees.
 //! [`unmet`] lists the requirements that a physical device does not meet. [`API_VERSION`],
 //! [`DEVICE_EXTENSIONS`] and [`features`] let a program merge the requirements with its own. Such a program
-//! stays correct if the requirements ever grow. A device that offers `VK_KHR_portability_subset`, as those of
-//! MoltenVK do, requires every program to enable that extension. This crate uses nothing that such a device
-//! leaves out.
+//! stays correct if the requirements ever grow. A device that offers `VK_KHR_portability_subset`, such as a
+//! device of MoltenVK, requires every program to enable that extension. This crate uses nothing that such a
+//! device leaves out.
 //!
 //! ```no_run
 //! # use geosweep::ash::{self, vk};
@@ -41,7 +41,7 @@ pub fn features() -> vk::PhysicalDeviceFeatures {
     vk::PhysicalDeviceFeatures::default()
 }
 
-/// Shared memory of a workgroup in bytes, as every device offers. The pass over the surroundings of sources
+/// Shared memory of a workgroup that every device offers, in bytes. The pass over the surroundings of sources
 /// needs most of it.
 const SHARED_MEMORY_BYTES: u32 = 16 << 10;
 
@@ -52,7 +52,7 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
     let mut unmet = Vec::new();
     if properties.api_version < API_VERSION {
         let version = version_text(properties.api_version);
-        unmet.push(format!("it supports Vulkan {version}, and 1.1 is needed"));
+        unmet.push(format!("it supports Vulkan {version}, but 1.1 is needed"));
     }
     let limits = properties.limits;
     for (what, offered, needed) in [
@@ -96,7 +96,7 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
     ] {
         if offered < needed {
             let what = what.replace('#', &offered.to_string());
-            unmet.push(format!("{what}, and {needed} are needed"));
+            unmet.push(format!("{what}, but {needed} are needed"));
         }
     }
     if compute_queue_family(instance, physical_device).is_none() {
@@ -112,7 +112,7 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
 }
 
 /// Message about an instance that was created for Vulkan 1.0.
-pub(crate) const FOR_VULKAN_1_0: &str = "its instance was created for Vulkan 1.0, and 1.1 is needed: say so in \
+pub(crate) const FOR_VULKAN_1_0: &str = "its instance was created for Vulkan 1.0, but 1.1 is needed: request it in \
                                          VkApplicationInfo::apiVersion";
 
 /// Returns whether a device lacks the functions of Vulkan 1.1. That is so if its instance was created for
@@ -145,8 +145,8 @@ fn compute_family(families: &[vk::QueueFamilyProperties]) -> Option<u32> {
         .map(|index| index as u32)
 }
 
-/// Returns whether a device offers the extension `VK_KHR_portability_subset`: it implements Vulkan except for
-/// some corners, and requires programs to enable that extension.
+/// Returns whether a device offers the extension `VK_KHR_portability_subset`. Such a device implements Vulkan
+/// except for some features, and requires programs to enable that extension.
 pub(crate) fn is_portable_subset(
     instance: &ash::Instance,
     physical_device: vk::PhysicalDevice,

@@ -1,6 +1,6 @@
-//! Contains the shaders, as the build finds them in their SPIR-V. Each shader has a module with its bindings,
-//! its specialization constants, and its blocks as structures. A Rust side that does not match a shader does
-//! not compile.
+//! Contains the shaders with their interfaces, which the build reads from the SPIR-V. Each shader has a
+//! module with its bindings, its specialization constants, and its blocks as structures. A Rust side that
+//! does not match a shader does not compile.
 
 #![allow(dead_code, reason = "the build writes all that shaders have, and not all is for Rust")]
 
@@ -17,7 +17,7 @@ pub(crate) struct Shader {
     pub(crate) modules: &'static [&'static [u8]],
     /// Set and number of each descriptor that the shader uses.
     pub(crate) bindings: &'static [(u32, u32)],
-    /// Whether the host's own images and buffers are among them. The shader then uses no set of maps.
+    /// Whether the shader uses the set of the host's own images and buffers. It then uses no set of maps.
     pub(crate) sees_host: bool,
     /// Specialization constants, by their numbers.
     pub(crate) constants: &'static [(u32, Constant)],
@@ -54,7 +54,7 @@ impl Shader {
     }
 }
 
-/// Returns how many of these descriptors are of a kind.
+/// Returns the number of descriptors of a kind among `kinds`.
 pub(crate) const fn count_of(kind: vk::DescriptorType, kinds: &[vk::DescriptorType]) -> u32 {
     let (mut count, mut place) = (0, 0);
     while place < kinds.len() {

@@ -1,4 +1,4 @@
-//! Passes data between the program's memory and that of a device which has its own.
+//! Transfers data between the program's memory and a device that has memory of its own.
 
 use ash::vk;
 use gpu_allocator::MemoryLocation::GpuToCpu;
@@ -12,11 +12,11 @@ use crate::vulkan::VulkanError;
 /// Number of parts of a staging buffer. The program works on one part while the device copies the other.
 pub(crate) const HALVES: usize = 2;
 
-/// Buffer in the host's memory with a part for each of two bands, which copies fill or empty.
+/// Buffer in the host's memory with a part for each of two bands. Copies fill or empty the parts.
 #[derive(Debug)]
 pub(crate) struct Staging {
     buffer: Buffer,
-    /// Bytes of a half.
+    /// Size of a half in bytes.
     half: usize,
 }
 
@@ -29,7 +29,7 @@ impl Staging {
         name: &'static str,
         (half, further): (usize, usize),
     ) -> Result<Self, VulkanError> {
-        // The processor writes through its cache too: memory without one may lie beyond the bus.
+        // Uploads use cached memory too, since uncached memory may be the device's, beyond the bus.
         let size = (HALVES * half + further) as u64;
         let info = BufferInfo { name, size, location: GpuToCpu };
         let buffer = Buffer::new(device, allocator, info)?;
@@ -42,7 +42,7 @@ impl Staging {
         (self.buffer.buffer, (half * self.half) as u64)
     }
 
-    /// Returns what lies after the halves as the source of a copy.
+    /// Returns the place of the bytes after the halves, as the source of a copy.
     pub(crate) fn further_at(&self) -> (vk::Buffer, u64) {
         self.at(HALVES)
     }
@@ -69,11 +69,11 @@ impl Staging {
     }
 }
 
-/// Number of bytes that a thread copies at a time. It takes a thread some 50 microseconds.
+/// Number of bytes that a thread copies at a time. Copying them takes some 50 microseconds.
 const COPIED_TOGETHER: usize = 512 << 10;
 
-/// Copies bytes, on several threads where there are many of them: one thread alone does not reach the rate of
-/// the memory, and new memory is first touched here.
+/// Copies bytes, on several threads if there are many bytes. One thread alone does not reach the bandwidth of
+/// the memory, and the first access to new memory, which takes longer, happens here.
 pub(crate) fn copy_in_parallel(from: &[u8], to: &mut [u8]) {
     let parts = to.par_chunks_mut(COPIED_TOGETHER).zip(from.par_chunks(COPIED_TOGETHER));
     parts.for_each(|(to, from)| to.copy_from_slice(from));

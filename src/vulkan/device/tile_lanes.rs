@@ -2,8 +2,8 @@
 
 use ash::vk;
 
-/// Number of points of a tile's line that each invocation of a workgroup updates. The map is the same, up to the
-/// device's rounding.
+/// Number of points of a tile's line that each invocation of a workgroup updates. The map is the same for each
+/// choice, up to the device's rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TileLanes {
     /// Two neighbouring points for each invocation. Best on CPUs, where a barrier costs time for each invocation.

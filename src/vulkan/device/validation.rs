@@ -25,8 +25,8 @@ pub(crate) fn features() -> &'static [vk::ValidationFeatureEnableEXT] {
     }
 }
 
-/// Returns settings of the layer. Since 1.3.290 it reports hazards between accesses of shaders only if
-/// requested.
+/// Returns settings of the layer. Since version 1.3.290 the layer reports hazards between accesses of shaders
+/// only if this is requested.
 pub(crate) fn settings() -> [vk::LayerSettingEXT<'static>; 1] {
     let setting = vk::LayerSettingEXT::default()
         .layer_name(LAYER)
@@ -66,8 +66,8 @@ impl ValidationLog {
 }
 
 /// Returns the description of a messenger that writes to `log`. If an instance is created with it, the log
-/// also receives the messages of the instance's creation and destruction. Otherwise the layers print those
-/// among the program's output. The log must not move, and must outlive the instance.
+/// also receives the messages of the instance's creation and destruction. Otherwise the layers print these
+/// messages among the program's output. The log must not move, and must outlive the instance.
 pub(crate) fn messages_to(log: &ValidationLog) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
     vk::DebugUtilsMessengerCreateInfoEXT::default()
         .message_severity(
@@ -125,14 +125,15 @@ unsafe extern "system" fn collect(
         (id, text, &*log.cast::<ValidationLog>())
     };
     if !is_about_the_layer_itself(severity, &id) {
-        // Older layers name the message in its text, newer ones only beside it.
+        // In older layers the text contains the message's identifier. In newer ones the identifier is only a
+        // separate field.
         let message = match text.contains(&*id) {
             true => text.into_owned(),
             false => format!("[ {id} ] {text}"),
         };
-        // Messages are also printed as they come, since a crashing driver takes the log with it. While the
-        // thread panics they are not: failing code leaves objects behind, and messages about them would hide
-        // the reason.
+        // Messages are also printed as they come, since a crashing driver takes the log with it. They are not
+        // printed while the thread panics: failing code leaves objects behind, and messages about these would
+        // hide the reason.
         if !std::thread::panicking() {
             eprintln!("validation: {message}");
         }

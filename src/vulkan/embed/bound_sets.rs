@@ -14,15 +14,15 @@ use super::surface::FrameSurface;
 use crate::vulkan::VulkanError;
 use crate::vulkan::device::pipelines::Pipelines;
 
-/// Descriptor sets in several versions, as many as a replaceable input of the surface has. Each rebinding
-/// takes the next free version.
+/// Descriptor sets in several versions. There are as many versions as for a replaceable input of the surface.
+/// Each rebinding takes the next free version.
 #[derive(Debug)]
 pub(super) struct BoundSets {
     pool: vk::DescriptorPool,
     versions: Vec<Version>,
     current: usize,
     /// Number of replacements of each of the surface's points at the last binding. `sources` holds the same
-    /// for its source buffers.
+    /// for the surface's source buffers.
     points: Vec<u32>,
     sources: Vec<u32>,
     flight: Arc<Flight>,
@@ -74,9 +74,7 @@ impl BoundSets {
         let count = self.versions.len();
         let mut others = (1..=count).map(|next| (self.current + next) % count);
         let waits = |at: &usize| self.flight.waits_for(self.versions[*at].used.load(Relaxed));
-        let free = others.find(|at| !waits(at));
-        let what = "inputs of contours, paths, regions, directions or log maps";
-        let free = free.ok_or(VulkanError::InputInFlight { what, number: 0 })?;
+        let free = others.find(|at| !waits(at)).ok_or(VulkanError::RebindInFlight)?;
         let of = &mut self.versions[free];
         for (set, content) in of.sets.iter_mut().zip(contents) {
             *set = host_sets::fill(device, set.set, *content);

@@ -81,7 +81,7 @@ pub struct ContourFrame<'a> {
     /// Levels of the contours.
     pub levels: LevelInput<'a>,
     /// Smallest initial value of the map's sources, which is usually 0. The position of a contour between
-    /// grid points is interpolated from the squares of the times since then.
+    /// grid points is interpolated from the squares of the times since this start.
     pub start: f32,
     /// Number of the surface's points to which the contours are lifted.
     pub points: usize,
@@ -317,7 +317,10 @@ impl LevelInput<'_> {
                     return refuse(format!("level {level} is not finite"));
                 }
                 if let Some(pair) = levels.windows(2).find(|pair| pair[0] >= pair[1]) {
-                    return refuse(format!("level {} stands before {}", pair[0], pair[1]));
+                    return refuse(format!(
+                        "levels must ascend, but {} comes before {}",
+                        pair[0], pair[1]
+                    ));
                 }
                 read[..count].copy_from_slice(levels);
             }
@@ -339,7 +342,7 @@ impl Recording<'_> {
     /// that receives them for the host to draw. The segments are ordered by their cells: from north to south,
     /// and within a row from west to east. The same map always gives the same order.
     ///
-    /// Record it after the map: in the same command buffer, or after [`Recording::begin`] in another. The
+    /// Record them after the map: in the same command buffer, or after [`Recording::begin`] in another. The
     /// commands wait for earlier reads by the frame's `reader`, and later reads by that reader wait for the
     /// commands. `contours` must stay alive until the commands have run.
     ///
@@ -349,9 +352,9 @@ impl Recording<'_> {
     /// holds the number of vertices that are needed.
     ///
     /// # Errors
-    /// If the contours were destroyed or made for another surface, there is no map, there are no such points,
-    /// they are a metric or were replaced since the last [`Contours::rebind`], or the levels are not finite,
-    /// not ascending or too many.
+    /// If the contours were destroyed or made for another surface, there is no map, the frame's points do not
+    /// exist, are a metric or were replaced since the last [`Contours::rebind`], or the levels are not
+    /// finite, not ascending or too many.
     pub fn contours(
         &self,
         contours: &Contours,
@@ -419,7 +422,7 @@ mod tests {
         let many = [0.0; MOST_LEVELS + 1];
         for (levels, reason) in [
             (LevelInput::List(&[f32::NAN]), "NaN"),
-            (LevelInput::List(&[1.0, 1.0]), "level 1 stands before 1"),
+            (LevelInput::List(&[1.0, 1.0]), "must ascend, but 1 comes before 1"),
             (LevelInput::List(&many), "1025 levels"),
             (LevelInput::Spacing { step: 0.0, count: 2 }, "0 apart"),
             (LevelInput::Spacing { step: f32::INFINITY, count: 0 }, "inf apart"),

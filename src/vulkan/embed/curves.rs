@@ -66,8 +66,8 @@ impl CurveVertex {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct CurveRecord {
-    /// Number of vertices that are drawn. For contours it is the number that there was room for, and for a
-    /// path the number of all vertices or 0.
+    /// Number of vertices that are drawn. For contours it is the number of vertices that fit the buffer. For
+    /// a path it is the number of all its vertices, or 0 if the path is not complete.
     pub vertex_count: u32,
     /// Number of instances: 1.
     pub instance_count: u32,
@@ -75,8 +75,8 @@ pub struct CurveRecord {
     pub first_vertex: u32,
     /// First instance: 0.
     pub first_instance: u32,
-    /// For contours, the number of vertices that there would be with enough room. For a path, the number of
-    /// vertices as far as it was traced.
+    /// For contours, the number of vertices that they need, whether or not the buffer has room for them. For
+    /// a path, the number of vertices as far as it was traced.
     pub vertices: u32,
     status: u32,
     source: u32,
@@ -196,10 +196,10 @@ pub(super) struct Curves {
     reads: Reads,
     /// Host's buffer for the curves; `None` if they have one of their own.
     hosts: Option<vk::Buffer>,
-    /// Own buffers. The first holds the curves, unless the host provides that buffer. The last is the one
-    /// that passes count in.
+    /// Own buffers. The first holds the curves, unless the host provides that buffer. The last is the buffer
+    /// in which passes count.
     buffers: Vec<Buffer>,
-    /// Pass that lifts curves to each of the surface's points.
+    /// For each of the surface's points, the pass that lifts curves to them.
     lifting: Vec<Pipeline<Lift>>,
     /// Descriptor sets of the passes that trace the curves, followed by those of the passes that lift them.
     sets: Option<BoundSets>,
@@ -318,8 +318,8 @@ impl Curves {
     }
 
     /// Binds the surface's current points and sources, and the buffer `output` for the curves, by a version of the
-    /// descriptor sets that no tracked recording in flight uses. Also takes the pass that lifts to each of the points
-    /// again, since they may have moved from a buffer to an image.
+    /// descriptor sets that no tracked recording in flight uses. Also chooses the passes that lift curves to the
+    /// points again, since the points may have moved from a buffer to an image.
     fn bind(
         &mut self,
         device: &ash::Device,
@@ -368,8 +368,8 @@ impl Curves {
         CurveBuffer { buffer: self.output(), curves, vertices_offset, capacity }
     }
 
-    /// Returns an error if the recording is for another surface, if its surface has no such points, if these
-    /// were replaced or have no positions, or if there is no map.
+    /// Returns an error if the recording is for another surface, if the surface has no points with this
+    /// number, if these points were replaced or have no positions, or if there is no map.
     pub(super) fn check(&self, recording: &Recording, points: usize) -> Result<(), VulkanError> {
         let sets = self.sets()?;
         sets.check_surface(recording.surface)?;
@@ -424,7 +424,7 @@ pub(super) fn own_buffer(what: &'static str) -> VulkanError {
     VulkanError::HostBuffer { what, reason }
 }
 
-/// Returns the pass that reads each of the surface's points.
+/// Returns, for each of the surface's points, the pass that reads them.
 fn lifting(
     device: &ash::Device,
     solver: &Solver,

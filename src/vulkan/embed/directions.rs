@@ -20,7 +20,8 @@ use crate::vulkan::device::shaders::way_starts::Push;
 use crate::vulkan::profile::PassKind;
 
 /// Image of the directions in which ways lead back to the sources, and the passes that find them:
-/// [`Recording::directions`]. It is for agents, flow fields and the like, which step along it.
+/// [`Recording::directions`]. The image is for agents, flow fields and the like, which step along these
+/// directions.
 ///
 /// The image has the format R16G16_SFLOAT, N x M texels (width x height), one for each grid point. A texel is
 /// a unit vector in the chart: columns to the right, rows downwards. It is 0, 0 at sources, at points that
@@ -28,11 +29,11 @@ use crate::vulkan::profile::PassKind;
 /// filter the format bilinearly. Where ways lead apart, as beside holes and where fronts meet, filtered
 /// vectors are shorter than 1.
 ///
-/// A step of this direction is not a unit of length on the surface.
+/// A step by this vector does not have the length 1 on the surface.
 ///
-/// On a glued surface copies of a point have the same direction, each in the rows and columns of its own side. It may lead
-/// beyond that side. Rows and columns of copies have no common plane at poles and at the corners of an octahedral map: there,
-/// copies may have 0, 0.
+/// On a glued surface all copies of a point have the same direction, each in the rows and columns of its own side.
+/// The direction may lead beyond that side. At poles and at the corners of an octahedral map, the rows and columns of
+/// the copies have no common plane. There, copies may have 0, 0.
 ///
 /// ```no_run
 /// # use geosweep::ash::{self, vk};
@@ -163,8 +164,8 @@ impl Solver {
 
     /// Creates directions as [`Solver::directions`] does, but in an image of the host. The image is 2D, of
     /// format R16G16_SFLOAT, with at least N x M texels (width x height), one sample and one mip level. Its
-    /// usage is `TRANSFER_DST` and whatever its readers need. [`HostImage`] says how long it must live; each
-    /// frame may use another one ([`Directions::set_image`]).
+    /// usage is `TRANSFER_DST` and whatever its readers need. [`HostImage`] says how long the image must
+    /// live. Each frame may use another image ([`Directions::set_image`]).
     ///
     /// # Errors
     /// As for [`Solver::directions`], or if a handle is null.
@@ -183,14 +184,14 @@ impl Recording<'_> {
     /// Records the passes that find the direction in which the way back leaves each grid point, and returns
     /// the image that receives them.
     ///
-    /// Record it after the map: in the same command buffer, or after [`Recording::begin`] in another. The
+    /// Record them after the map: in the same command buffer, or after [`Recording::begin`] in another. The
     /// commands wait for the frame's `before` and for earlier reads of the image by its `reader`. Later reads
     /// by that reader wait for the commands. `directions` and the buffer of sources must stay alive until the
     /// commands have run.
     ///
-    /// The direction is that of the continuous way, as [`Recording::paths`] follows it and
-    /// [`crate::geometry::BackDirections`] gives it on the CPU. Where several fronts meet, it is that of one
-    /// of the shortest paths. The same map always gives the same directions.
+    /// The direction is the direction of the continuous way back, which [`Recording::paths`] follows.
+    /// [`crate::geometry::BackDirections`] finds the same direction on the CPU. Where several fronts meet, it
+    /// is the direction of one of the shortest paths. The same map always gives the same directions.
     ///
     /// # Errors
     /// If the directions were destroyed or made for another surface, there is no map, the sources are too

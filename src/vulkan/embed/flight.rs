@@ -60,8 +60,8 @@ impl Flight {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns the serial of the next recording, which the device must write after it. Any earlier recording
-    /// into the same command buffer has run, is part of this recording, or will never run.
+    /// Returns the serial of the next recording. The device must write the serial after that recording. Any
+    /// earlier recording into the same command buffer has run, is part of this recording, or will never run.
     pub(super) fn next(&self, commands: vk::CommandBuffer, slot: Option<usize>) -> u32 {
         // 0 is not a serial, even after 2^32 - 1 recordings.
         let serial = self.serial.fetch_add(1, Relaxed).wrapping_add(1).max(1);
@@ -149,8 +149,8 @@ impl Kept {
     }
 
     /// Returns the place for a recording into a command buffer. It is the place of the previous recording
-    /// into the same buffer, an empty place, that of a recording that has run, or else that of the oldest
-    /// recording.
+    /// into the same buffer, an empty place, the place of a recording that has run, or else the place of the
+    /// oldest recording.
     fn place_for(&self, commands: u32) -> usize {
         let all = &self.recordings;
         let find = |is: &dyn Fn(&Recorded) -> bool| all.iter().position(is);

@@ -79,8 +79,9 @@ impl<'a> Frame<'a> {
 
 impl Recording<'_> {
     /// Records a usual frame: [`Recording::begin`], [`Recording::measure`] if there are new points,
-    /// [`Recording::solve`], [`Recording::outcome`] and [`Recording::result`]. All barriers between these,
-    /// and before the reads of `frame.reader`, are part of it. Returns the image that receives the distances.
+    /// [`Recording::solve`], [`Recording::outcome`] and [`Recording::result`]. The frame includes all
+    /// barriers between these, and before the reads of `frame.reader`. Returns the image that receives the
+    /// distances.
     ///
     /// # Errors
     /// As for these methods. Nothing is recorded then.
@@ -120,8 +121,8 @@ impl Recording<'_> {
 
 impl Solver {
     /// Returns the largest number of profile records that [`Recording::frame`] makes for a surface, or
-    /// [`Recording::resume`] with the same plan. A [`crate::vulkan::profile::Profile`] needs room for that
-    /// many. Other calls add to it: [`super::Contours::passes`], [`super::Paths::passes`],
+    /// [`Recording::resume`] with the same plan. A [`crate::vulkan::profile::Profile`] needs room for all of them.
+    /// Other calls add further records: [`super::Contours::passes`], [`super::Paths::passes`],
     /// [`super::Regions::passes`], [`super::Directions::passes`], [`super::LogMapImage::passes`], and one record for
     /// each lookup.
     pub fn passes_of_frame(&self, surface: &FrameSurface, plan: &Plan, grain: Grain) -> u32 {

@@ -27,7 +27,7 @@ pub(super) struct Part {
     start: u64,
     range: u64,
     first_word: i32,
-    /// Number of bytes after the part that its descriptor also covers.
+    /// Number of bytes after the part that the part's descriptor also covers.
     room: u64,
 }
 
@@ -41,7 +41,7 @@ impl Part {
     ) -> Result<Self, VulkanError> {
         let refuse = |reason: String| VulkanError::HostBuffer { what, reason };
         if bytes == 0 {
-            return Err(refuse("it holds nothing".into()));
+            return Err(refuse("its count is 0".into()));
         }
         let start = offset / ALIGNMENT * ALIGNMENT;
         let range = offset - start + bytes;
@@ -72,7 +72,7 @@ impl Part {
 }
 
 /// Returns an error if a part extends beyond its buffer. Vulkan does not report the size of a buffer. The
-/// size in its memory requirements takes its place, which some drivers round up.
+/// check uses the size in the buffer's memory requirements instead, which some drivers round up.
 pub(super) fn check_extent(
     device: &ash::Device,
     what: &'static str,
@@ -84,7 +84,7 @@ pub(super) fn check_extent(
     let holds = unsafe { device.get_buffer_memory_requirements(buffer) }.size;
     let end = offset.saturating_add(bytes);
     if end > holds {
-        let reason = format!("it is read up to byte {end}, and holds {holds} at most");
+        let reason = format!("it must have {end} bytes, but has {holds} at most");
         return Err(VulkanError::HostBuffer { what, reason });
     }
     Ok(())
@@ -224,7 +224,8 @@ pub(super) fn sources_content(
 
 pub(super) fn check_count(what: &'static str, count: u32) -> Result<(), VulkanError> {
     if count > MOST_ENTRIES {
-        let reason = format!("{count} are more than the {MOST_ENTRIES} that are taken");
+        let reason =
+            format!("{count} entries are more than the {MOST_ENTRIES} that a buffer may hold");
         return Err(VulkanError::HostBuffer { what, reason });
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! Manages the descriptor sets of an input that the host may replace with another buffer or image. An input
-//! has one set more than the surface has slots. The sets take turns, so that frames in flight keep theirs.
+//! has one set more than the surface has slots. The sets take turns, so that frames in flight keep their
+//! sets.
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -56,8 +57,8 @@ impl InputSet {
     }
 
     /// Notes that a recording writes the host's image. With `has_note` the serial of the recording is the
-    /// next one that is given out. Otherwise the recording is covered by the last serial, which is that of
-    /// the slot's outcome if the outcome was recorded before.
+    /// next one that is given out. Otherwise the last serial covers the recording. If the slot's outcome was
+    /// recorded before, this is the serial of the outcome.
     pub(super) fn is_written(&self, flight: &Flight, has_note: bool) {
         let serial = if has_note { flight.coming() } else { flight.last() };
         self.versions[self.current].used.store(serial, Relaxed);

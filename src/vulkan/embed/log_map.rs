@@ -22,15 +22,15 @@ use crate::vulkan::device::pipelines::Pipeline;
 use crate::vulkan::device::shaders::way_starts::Push;
 use crate::vulkan::profile::PassKind;
 
-/// Image of the log map of point sources, and the passes that compute it: [`Recording::log_map`]. It is for
-/// decals and brushes, which read their texture at these coordinates.
+/// Image of the log map of point sources, and the passes that compute it: [`Recording::log_map`]. The image
+/// is for decals and brushes, which read their texture at these coordinates.
 ///
 /// The image has the format R32G32_SFLOAT, N x M texels (width x height), one for each grid point. A texel is
 /// (u, v): the direction in which the point's shortest path leaves its source, times its distance from the
 /// source. Both are in the unit of distances, u along the direction of the columns at the source, v at a
-/// right angle to it on the surface, on the side of increasing rows ([`crate::geometry::Basis`]). With
-/// several sources each point lies in the plane of its nearest one. Devices need not filter this format: ask
-/// for `SAMPLED_IMAGE_FILTER_LINEAR`, or load four texels.
+/// right angle to u on the surface, on the side of increasing rows ([`crate::geometry::Basis`]). With several
+/// sources each point lies in the plane of its nearest one. Devices need not filter this format: ask for
+/// `SAMPLED_IMAGE_FILTER_LINEAR`, or load four texels.
 ///
 /// ```no_run
 /// # use geosweep::ash::{self, vk};
@@ -78,7 +78,7 @@ pub struct LogMapFrame<'a> {
     /// [`Reader::OTHER_QUEUE`], each frame in flight needs a log map of its own.
     pub reader: Reader,
     /// Largest distance of points that get coordinates, in the unit of distances. Other points cost next to
-    /// nothing. Of several initial values, the distance counts from the latest.
+    /// nothing. If the sources have several initial values, the distance counts from the latest one.
     pub radius: f32,
     /// Value of u and v at points that are not reached or beyond the radius. A bilinear filter turns
     /// +infinity into NaN beside such points.
@@ -146,7 +146,8 @@ impl LogMapImage {
     /// Returns the largest number of records that [`Recording::log_map`] makes in a
     /// [`crate::vulkan::profile::Profile`], in addition to those of [`Solver::passes_of_frame`].
     pub fn passes(&self) -> u32 {
-        // The passes clear, write the sources, examine these twice, begin the ways, step once, and copy.
+        // The passes clear, write the sources, examine these twice, begin the ways, step once, follow the
+        // ways in rounds, and copy.
         1 + 1 + 2 + 1 + 1 + rounds(self.chart) + 1
     }
 }
@@ -185,8 +186,8 @@ impl Solver {
 
     /// Creates a log map as [`Solver::log_map`] does, but in an image of the host. The image is 2D, of format
     /// R32G32_SFLOAT, with at least N x M texels (width x height), one sample and one mip level. Its usage is
-    /// `TRANSFER_DST` and whatever its readers need. [`HostImage`] says how long it must live, but its format and
-    /// usage are those above. Each frame may use another image ([`LogMapImage::set_image`]).
+    /// `TRANSFER_DST` and whatever its readers need. [`HostImage`] says how long the image must live. The format
+    /// and usage given there do not apply. Each frame may use another image ([`LogMapImage::set_image`]).
     ///
     /// # Errors
     /// As for [`Solver::log_map`], or if a handle is null.
@@ -202,7 +203,7 @@ impl Solver {
 }
 
 /// Returns the number of rounds after which the coordinates of all points are known, if no way is longer than
-/// the grid has points. Ways of the first round are one cell long, and twice as long in each further one.
+/// the grid has points. A way is one cell long in the first round, and twice as long in each further round.
 fn rounds(chart: Chart) -> u32 {
     let known =
         |rounds: &u32| LOG_MAP_DISC as u64 + u64::from(LOG_MAP_STEPS) * ((1u64 << rounds) - 1);
@@ -213,7 +214,7 @@ impl Recording<'_> {
     /// Records the passes that compute the log map of the map's sources, and returns the image that receives
     /// it.
     ///
-    /// Record it after the map: in the same command buffer, or after [`Recording::begin`] in another. The
+    /// Record them after the map: in the same command buffer, or after [`Recording::begin`] in another. The
     /// commands wait for the frame's `before` and for earlier reads of the image by its `reader`. Later reads
     /// by that reader wait for the commands. `log_map` and the buffer of sources must stay alive until the
     /// commands have run.
@@ -221,8 +222,8 @@ impl Recording<'_> {
     /// The coordinates are those of [`crate::geometry::LogMap`], in single precision and from the map alone:
     /// the ways back of all points are followed to their sources. The number of passes depends on the
     /// logarithm of the number of grid points, whatever the map is. The same map always gives the same
-    /// coordinates. Where several shortest paths lead to a point, the coordinates jump, and are those of one
-    /// of its paths.
+    /// coordinates. The coordinates jump where several shortest paths lead to a point. The coordinates of the
+    /// point itself belong to one of these paths.
     ///
     /// # Errors
     /// If the radius is not positive, the log map was destroyed or made for another surface, there is no map,

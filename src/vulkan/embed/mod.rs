@@ -7,7 +7,8 @@
 //! has converged. `docs/embedding.md` describes the barriers, frames in flight, deforming surfaces and costs.
 //!
 //! [`crate::Wavefront::Anchored`] is for surfaces that are known to be floor plans. This is not known of
-//! surfaces whose points are on the device, so it is solved as [`crate::Wavefront::Curved`] here.
+//! surfaces whose points are on the device, so maps with this wavefront are solved as
+//! [`crate::Wavefront::Curved`] here.
 //!
 //! ```no_run
 //! # use geosweep::ash::{self, vk};

@@ -9,8 +9,8 @@ use crate::vulkan::VulkanError;
 ///
 /// The image is 2D, of format R32_SFLOAT, with at least N x M texels (width x height), one sample and one mip
 /// level. Its usage is `STORAGE` and whatever its readers need. If the image is smaller than the surface, the
-/// distances outside it are not written. For directions and log maps, format and usage are those that the function
-/// which takes the image names.
+/// distances outside it are not written. For directions and log maps, the function that takes the image states its
+/// format and usage.
 ///
 /// [`super::Recording::result`] discards the previous contents. The previous layout does not matter, nor does
 /// it matter whether the memory belonged to another resource. Earlier readers and writers of the memory must
@@ -21,7 +21,7 @@ use crate::vulkan::VulkanError;
 pub struct HostImage {
     /// Image handle.
     pub image: vk::Image,
-    /// View of the image's mip level, as R32_SFLOAT.
+    /// View of the image's mip level, in the format of the image.
     pub view: vk::ImageView,
 }
 

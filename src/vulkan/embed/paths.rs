@@ -71,7 +71,7 @@ pub struct PathsInfo {
     /// Largest number of paths at once, at most 65 535.
     pub paths: u32,
     /// Largest number of vertices of each path. A straight path has one vertex at each grid line that it
-    /// crosses, so that M + N + 8 are enough on a surface without obstacles.
+    /// crosses, so M + N + 8 are enough on a surface without obstacles.
     pub vertices: u32,
 }
 
@@ -104,7 +104,7 @@ pub enum StartInput<'a> {
 pub struct PathFrame<'a> {
     /// Access by which the host has written starts and sources.
     pub before: Access,
-    /// Starts of the paths, no more than there is room for. The remaining records have the status
+    /// Starts of the paths, no more than there is room for. Records without a start have the status
     /// [`super::CurveStatus::Outside`] and draw nothing.
     pub starts: StartInput<'a>,
     /// All sources of the map, including those that were added to it.
@@ -317,7 +317,9 @@ fn parts(limits: &Limits, info: PathsInfo) -> Result<(CurveLayout, [BufferInfo; 
     let PathsInfo { paths, vertices } = info;
     let refuse = |reason| Err(VulkanError::Curves { what: "paths", reason });
     if paths == 0 || paths > MOST_PATHS {
-        return refuse(format!("{paths} at once are not between 1 and {MOST_PATHS}"));
+        return refuse(format!(
+            "the number of paths is {paths}, but must be from 1 to {MOST_PATHS}"
+        ));
     }
     if vertices < 2 {
         return refuse(format!("{vertices} vertices are too few for a line"));
@@ -331,23 +333,23 @@ impl Recording<'_> {
     /// Records the passes that trace paths from the frame's starts back to the sources, and lift them to the
     /// surface. Returns the buffer that receives them for the host to draw.
     ///
-    /// Record it after the map: in the same command buffer, or after [`Recording::begin`] in another. The
+    /// Record them after the map: in the same command buffer, or after [`Recording::begin`] in another. The
     /// commands wait for the frame's `before` and for earlier reads by its `reader`. Later reads by that
     /// reader wait for the commands. `paths`, and the buffers of starts and sources, must stay alive until
     /// the commands have run.
     ///
     /// The paths are those of [`crate::geometry::PathTracer`], in single precision. A path has at least one
     /// vertex at each grid line that it crosses, and ends at a source exactly. If there is no path to draw,
-    /// its record says why ([`super::CurveRecord::status`]). Each path examines every source once, and again
-    /// in cells where one may lie.
+    /// its record says why ([`super::CurveRecord::status`]). For each path, every source is examined once,
+    /// and again in each cell in which a source may lie.
     ///
-    /// On a glued surface paths go on over seams. Where one does, two vertices follow each other that are the same place
-    /// of the surface, at the rows and columns of both sides.
+    /// On a glued surface paths go on over seams. Where a path crosses a seam, two consecutive vertices are the same
+    /// place of the surface: the first at its row and column on one side of the seam, the second on the other side.
     ///
     /// # Errors
-    /// If the paths were destroyed or made for another surface, there is no map, there are no such points or
-    /// they are a metric, points or sources were replaced since the last [`Paths::rebind`], or there are too
-    /// many starts or sources or they lie beyond their buffer.
+    /// If the paths were destroyed or made for another surface, there is no map, the frame's points do not
+    /// exist or are a metric, points or sources were replaced since the last [`Paths::rebind`], or starts or
+    /// sources are too many or lie beyond their buffer.
     pub fn paths(&self, paths: &Paths, frame: &PathFrame) -> Result<CurveBuffer, VulkanError> {
         let (curves, layout) = (&paths.curves, paths.curves.layout);
         curves.check(self, frame.points)?;
@@ -407,8 +409,9 @@ impl Recording<'_> {
     }
 }
 
-/// Returns the bytes moved to begin the paths. Each start needs itself, the times around it, and a vertex.
-/// The sources are read once. Each record writes itself and its path's state.
+/// Returns the bytes moved to begin the paths. For each start, the pass reads the start and the times around
+/// it, and writes a vertex. It reads the sources once. For each path, it writes the record and the state of
+/// the path.
 fn work_of_starts(records: u32, starts: u64, sources: u64) -> Work {
     let number = size_of::<f32>() as u64;
     let sources = if starts > 0 { size_of::<PointSource>() as u64 * sources } else { 0 };
@@ -420,8 +423,8 @@ fn work_of_starts(records: u32, starts: u64, sources: u64) -> Work {
     )
 }
 
-/// Returns how often a path may be traced at most. Sources with different initial values may take more than
-/// one trace.
+/// Returns the largest number of times that a path is traced. Sources with different initial values may take
+/// more than one trace.
 fn traces(sources: SourceInput) -> u32 {
     match sources {
         SourceInput::Inline(sources) if sources.windows(2).all(|s| s[0].time == s[1].time) => 1,

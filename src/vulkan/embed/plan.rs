@@ -37,8 +37,8 @@ impl Plan {
             let more = schedule.plan(texels, portions, None, iterations - planned);
             planned += plan::iterations(&more);
             steps.extend(more);
-            // A recording holds one batch of rounds: the list of tiles that a batch leaves has one place in
-            // it.
+            // A recording holds only one batch of rounds, since there is room for only one list of the tiles
+            // that a batch leaves over.
             if planned >= iterations || schedule.has_rounds() {
                 break;
             }
@@ -56,8 +56,8 @@ impl Plan {
         Self { steps: plan::with_exchanges(self.steps), is_over_seams: true, ..self }
     }
 
-    /// Returns the largest number of profile records that a recording of the steps makes. It includes the
-    /// copies of values that the device decides, and looks at targets.
+    /// Returns the largest number of profile records that a recording of the steps makes. The number includes
+    /// copies of the device's decisions, and checks of targets.
     pub(super) fn records(&self, grain: Grain) -> u32 {
         schedules::records(&self.steps, grain) + self.iterations + 2
     }
@@ -78,14 +78,15 @@ impl Plan {
         self.schedule
     }
 
-    /// Returns the requested number of iterations, or of rounds of tiles, limited to what a map may take.
+    /// Returns the requested number of iterations, or of rounds of tiles, limited to the largest number that
+    /// [`Method::stop`] allows.
     pub fn asked(&self) -> u32 {
         self.asked
     }
 
     /// Returns the number of iterations, or of rounds of tiles, in a recording. Iterations after convergence
-    /// visit nothing. A recording may hold fewer rounds of tiles than were [asked](Plan::asked) for, and a
-    /// few more raster iterations.
+    /// visit nothing. A recording may hold fewer rounds of tiles than were [asked](Plan::asked) for, or a few
+    /// more raster iterations.
     pub fn iterations(&self) -> u32 {
         self.iterations
     }

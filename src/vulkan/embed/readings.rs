@@ -1,4 +1,5 @@
-//! Records what the host reads of a map: how it has gone, the image of distances, and distances at places.
+//! Records what the host reads of a map: the outcome of its iterations, the image of distances, and distances
+//! at places.
 
 use ash::vk;
 
@@ -21,7 +22,7 @@ impl Recording<'_> {
     /// reads it after the fence of the submission.
     ///
     /// # Errors
-    /// If there is no such slot or no map. With [`super::Tools::checks`] also if the last recording for the
+    /// If there is no such slot or no map. With [`super::Tools::checks`], also if the last recording for the
     /// slot has not run.
     pub fn outcome(&self, slot: usize) -> Result<(), VulkanError> {
         self.surface.check_slot(slot)?;

@@ -1,5 +1,5 @@
-//! Replaces the host's memory of a surface: other buffers or images take the place of those that it was made
-//! with.
+//! Replaces the host's memory of a surface: other buffers or images take the place of those with which the
+//! surface was made.
 
 use super::host_sets::{Content, measured_content, sources_content};
 use super::inputs::{Points, SourceBuffer};

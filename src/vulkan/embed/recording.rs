@@ -55,7 +55,8 @@ pub struct Recording<'a> {
 
 /// Minimum number of grid points per source for solving the sources' surroundings first, if there are more
 /// than [`FEW_SOURCES`]. Solving a source's surroundings updates 400 points from all sides about sixteen
-/// times. That takes as long as two to four iterations over 1,500 to 3,000 points, which is what it saves.
+/// times. That takes as long as two to four iterations over 1,500 to 3,000 points, and two to four iterations
+/// are saved.
 const POINTS_FOR_SURROUNDINGS: usize = 4000;
 /// Number of sources whose surroundings are solved on a grid of any size.
 const FEW_SOURCES: usize = 8;
@@ -82,22 +83,22 @@ impl<'a> Recording<'a> {
     }
 
     /// Returns this recording with the points read `offset` bytes after the place where the surface has them,
-    /// as in a ring of which each frame uses another part. The offset applies in [`Recording::measure`] and
-    /// where contours and paths are lifted. It must be a multiple of 4, and 0 for points in an image. The
-    /// methods that read the points check it.
+    /// as in a ring buffer of which each frame uses another part. The offset applies in
+    /// [`Recording::measure`] and where contours and paths are lifted. It must be a multiple of 4, and 0 for
+    /// points in an image. The methods that read the points check it.
     pub fn points_at(self, offset: u64) -> Self {
         Self { points_at: offset, ..self }
     }
 
-    /// Returns this recording with maps that end at a radius or at targets, in [`Recording::solve`]
-    /// and [`Recording::add`], which check the limit. A frame has its own: [`super::Frame::limit`]. The map of
-    /// [`Recording::add`] should have the limit of the map to which sources are added.
+    /// Returns this recording with maps that end at a radius or at targets, in [`Recording::solve`] and
+    /// [`Recording::add`], which check the limit. A frame has its own limit: [`super::Frame::limit`]. The map
+    /// of [`Recording::add`] should have the limit of the map to which sources are added.
     pub fn limited(self, limit: MapLimit<'a>) -> Self {
         Self { limit, ..self }
     }
 
     /// Records the layout transitions and clears of a new surface's images. They must be recorded once,
-    /// before anything else for the surface. Recording them again discards the edge lengths, so that
+    /// before anything else for the surface. Recording them again discards the edge lengths, so
     /// [`Recording::measure`] must follow. If the commands never run, outcomes report it
     /// ([`VulkanError::PreparationLost`]).
     pub fn prepare(&self) {
@@ -109,8 +110,8 @@ impl<'a> Recording<'a> {
         self.note();
     }
 
-    /// With checks, records that the device writes a serial after the commands so far, which shows that they
-    /// have run. Returns the serial, or `None` without checks.
+    /// With checks, records a write of a serial after the commands so far. The serial shows that these
+    /// commands have run. Returns the serial, or `None` without checks.
     pub(super) fn note(&self) -> Option<u32> {
         let serial = self.next_note();
         if let Some(serial) = serial {
@@ -327,7 +328,8 @@ impl<'a> Recording<'a> {
     }
 
     /// Returns the set from which a pass reads the sources, and their number. The set is `inline` for inline
-    /// sources, and `of_buffer` with the number of the buffer otherwise. The sources were checked before.
+    /// sources. Otherwise it is the result of `of_buffer` for the number of the buffer. The sources were
+    /// checked before.
     pub(super) fn sources_in(
         &self,
         sources: SourceInput,
@@ -352,14 +354,15 @@ impl<'a> Recording<'a> {
         self.trim();
     }
 
-    /// Takes back what lies beyond the limit of the map, if it has one.
+    /// Resets points beyond the limit of the map to unreached, if the map has a limit.
     pub(super) fn trim(&self) {
         if self.surface.state.is_limited() {
             self.recorder.trim();
         }
     }
 
-    /// Starts a map from `sources`, on the current fronts. The plan's steps must follow.
+    /// Starts a map from `sources`, whose fronts are added to the current fronts. The plan's steps must
+    /// follow.
     pub(super) fn start(&self, sources: SourceInput, plan: &Plan, is_added: bool) {
         let Self { recorder, surface, .. } = self;
         let sets = &surface.sets;
@@ -372,7 +375,7 @@ impl<'a> Recording<'a> {
             recorder.write_sources(bytemuck::cast_slice(sources));
         }
         let lattice = surface.grid.lattice;
-        // A source at a grid point passes to its copies with the other seeds.
+        // The seed of a source at a grid point passes to the copies of that point with the other seeds.
         let has_copies = sources.may_lie_inside_cells();
         let copies = lattice.copies().filter(|&copy| has_copies || copy == 0);
         let portions = (0..count).step_by(SOURCES_TOGETHER as usize);
@@ -387,8 +390,8 @@ impl<'a> Recording<'a> {
             };
             let pipeline = recorder.pipelines.of(SOURCES);
             let size = [4 * together, 1];
-            // Four invocations share a source. How many edges around it they read depends on its place, and
-            // is not counted.
+            // Four invocations share a source. How many edges around the source they read depends on its
+            // place, and is not counted.
             let each = [size_of::<PointSource>() as u64 / 4, SEED_BYTES];
             let pass = recorder.pass_of_each(PassKind::Sources, size, each);
             recorder.host_pass(pipeline, set.set, &portion, size);
@@ -465,8 +468,8 @@ impl Solver {
 }
 
 /// Returns the largest number of sources of a recording whose surroundings are solved on a grid of this size.
-/// The surroundings of a few sources are always worth solving. Those of many sources are so only if they are
-/// a small part of the grid.
+/// The surroundings of a few sources are always worth solving. The surroundings of many sources are worth
+/// solving only if they are a small part of the grid.
 fn most_surrounded(chart: Chart) -> u32 {
     let share = chart.points() / POINTS_FOR_SURROUNDINGS;
     share.clamp(FEW_SOURCES, SOURCES_TOGETHER as usize) as u32

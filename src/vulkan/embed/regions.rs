@@ -331,9 +331,10 @@ impl Solver {
         Regions::new(device, allocator, (self, surface), over_any(wavefront), None)
     }
 
-    /// Creates regions as [`Solver::regions`] does, but in a buffer of the host, from its first byte. It
-    /// holds the labels and the intermediate values of the passes. [`Regions::buffer_bytes`] returns the size
-    /// that the buffer needs. Its usages are `STORAGE_BUFFER`, `TRANSFER_DST` and those of its readers.
+    /// Creates regions as [`Solver::regions`] does, but in a buffer of the host, from its first byte. The
+    /// buffer holds the labels and the intermediate values of the passes. [`Regions::buffer_bytes`] returns
+    /// the size that the buffer needs. Its usages are `STORAGE_BUFFER`, `TRANSFER_DST` and those of its
+    /// readers.
     ///
     /// The host keeps the buffer alive until the recordings that write it have run, and destroys it. Each
     /// frame may use another buffer ([`Regions::set_buffer`]).
@@ -359,9 +360,9 @@ fn info(limits: &Limits, chart: Chart) -> Result<BufferInfo, VulkanError> {
     Ok(BufferInfo { name: "regions", size, location: MemoryLocation::GpuOnly })
 }
 
-/// Returns the number of passes that make ways longer, and of those that go from parent to parent. The passes
-/// of each kind suffice for a way over as many points as the grid has. The sum of both numbers is even, so
-/// that the labels end up in their place.
+/// Returns the number of passes that make ways longer, and the number of passes that go from parent to
+/// parent. The passes of each kind suffice for a way over as many points as the grid has. The sum of both
+/// numbers is even, so that the labels end up in their place.
 fn rounds(chart: Chart) -> [u32; 2] {
     let [flowing, jumping] = [FLOW_JUMPS, PARENT_JUMPS].map(|jumps| {
         let reaches =
@@ -377,7 +378,7 @@ impl Recording<'_> {
     /// is the source's place in the list, counted from 0, or [`crate::geometry::NO_REGION`] in holes and
     /// where no front arrives.
     ///
-    /// Record it after the map: in the same command buffer, or after [`Recording::begin`] in another. The
+    /// Record them after the map: in the same command buffer, or after [`Recording::begin`] in another. The
     /// commands wait for the frame's `before` and for earlier reads by its `reader`. Later reads by that
     /// reader wait for the commands. `regions` and the buffer of sources must stay alive until the commands
     /// have run.
@@ -387,9 +388,9 @@ impl Recording<'_> {
     /// map always gives the same labels.
     ///
     /// If sources are at least four cells apart, labels are those of [`crate::geometry::Voronoi`], except at
-    /// points within one or two cells of a border (three with planar fronts). Behind a closer pair the border
-    /// may turn about the pair. If both sources lie in the same cell, it turns by up to 18 degrees on the
-    /// plane.
+    /// points within one or two cells of a border (three with planar fronts). If two sources are closer, the
+    /// border between their regions may be rotated about the pair. On the plane it is rotated by up to 18
+    /// degrees if both sources lie in the same cell.
     ///
     /// A point at the same distance from two sources gets one of their labels, always the same one. Of
     /// several sources at the same place, the first gets the region. A curve that is many sources in the list

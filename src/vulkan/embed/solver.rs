@@ -20,8 +20,8 @@ use crate::vulkan::device::tile_lanes;
 use crate::vulkan::profile;
 use crate::vulkan::{Method, Schedule, Tuning, VulkanError};
 
-/// Pipelines of a device of the host. Each is created once and serves all surfaces. Those of contours, paths,
-/// regions, directions and log maps are created with the first of these.
+/// Pipelines of a device of the host. Each pipeline is created once and serves all surfaces. The pipelines of
+/// contours, paths, regions, directions and log maps are created with the first object of each kind.
 ///
 /// A solver holds no reference to the device: the host passes the device to each method. The host keeps the
 /// device alive until it has called [`Solver::destroy`].
@@ -35,19 +35,19 @@ pub struct Solver {
     sorts: AtomicU8,
 }
 
-/// Sort of a surface, which has pipelines of its own.
+/// Sort of a surface. Each sort has pipelines of its own.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sort {
     /// Whether the surface has a slowness.
     pub(super) slowed: bool,
-    /// Whether its grid has smaller tiles than others.
+    /// Whether its grid is small, and has smaller tiles than other grids.
     pub(super) small_tiles: bool,
     /// Whether sides of its grid are glued.
     pub(super) glued: bool,
 }
 
 impl Sort {
-    /// Returns all sorts, by their numbers.
+    /// Returns all sorts, in the order of their numbers.
     fn all() -> impl Iterator<Item = Self> {
         (0..8).map(|number| {
             let [slowed, small_tiles, glued] = [1, 2, 4].map(|bit| number & bit != 0);
@@ -85,13 +85,13 @@ pub struct Tools {
     /// Use `VK_KHR_pipeline_executable_properties` with the feature `pipelineExecutableInfo`:
     /// [`Solver::executables`] returns the driver's statistics of the pipelines.
     pub executables: bool,
-    /// Check recordings for mistakes that cost a read of mapped memory to find; for use during development.
+    /// Check recordings for mistakes that can only be found by reading mapped memory. This is for development.
     /// With several slots, it is then an error to record a slot whose last recording has not run. A recording
     /// that was discarded also counts as not run, unless its command buffer is recorded anew or
     /// [`super::FrameSurface::discard`] is called. Recordings without an outcome are tracked too
     /// ([`super::FrameSurface::is_in_flight`]), at the cost of one fill and two barriers each. A barrier then
-    /// separates raster scans that go in a pair ([`crate::vulkan::Tuning::scan_pairs`]), which synchronization
-    /// validation may report otherwise.
+    /// separates raster scans that go in a pair ([`crate::vulkan::Tuning::scan_pairs`]). Without it,
+    /// synchronization validation may report a hazard between the two.
     pub checks: bool,
 }
 
@@ -203,9 +203,9 @@ impl Solver {
         self.pipelines.tuning
     }
 
-    /// Sets other sizes of portions than [`Tuning::of`] the device, and makes the pipelines of the solver's
-    /// schedules and wavefronts anew. Call it before the solver makes a surface: surfaces and plans that were
-    /// made before can no longer be used.
+    /// Sets other sizes of portions than those that [`Tuning::of`] returns for the device, and makes the
+    /// pipelines of the solver's schedules and wavefronts anew. Call it before the solver makes a surface:
+    /// surfaces and plans that were made before can no longer be used.
     ///
     /// # Errors
     /// [`VulkanError::Tuning`] if the device has no room for these sizes, or the error of a Vulkan call that
@@ -243,12 +243,12 @@ impl Solver {
     /// no cache.
     ///
     /// The cache belongs to the host, which fills it from a file, merges it, saves it and destroys it. It must
-    /// be alive whenever this solver creates pipelines: in [`Solver::with_cache`] and [`Solver::add_passes`],
-    /// with the first surface that has a slowness or a small grid ([`Tuning::small_grid`]), and with the first
-    /// [`super::Contours`], [`super::Paths`], [`super::Regions`] (of each wavefront), [`super::Directions`] and
-    /// [`super::LogMapImage`]. Pipelines do not
-    /// need it once they are created. This solver uses the cache from one thread at a time. For other uses at
-    /// the same time, the rules of `vkCreateComputePipelines` apply.
+    /// be alive whenever this solver creates pipelines: in [`Solver::with_cache`], [`Solver::set_tuning`] and
+    /// [`Solver::add_passes`], with the first surface that has a slowness, a small grid
+    /// ([`Tuning::small_grid`]) or glued sides, and with the first [`super::Contours`], [`super::Paths`],
+    /// [`super::Regions`] (of each wavefront), [`super::Directions`] and [`super::LogMapImage`]. Pipelines do
+    /// not need it once they are created. This solver uses the cache from one thread at a time. For other uses
+    /// at the same time, the rules of `vkCreateComputePipelines` apply.
     pub fn set_pipeline_cache(&self, cache: vk::PipelineCache) {
         self.pipelines.set_cache(Cache::of_host(cache));
     }
@@ -290,8 +290,8 @@ impl Solver {
         self.pipelines.have(schedule.passes(), variant.into())
     }
 
-    /// Returns the pass that solves a source's surroundings, if maps gain by it. They do with sources inside
-    /// cells, or with several sources.
+    /// Returns the pass that solves a source's surroundings, if maps gain by it. Maps can gain if sources lie
+    /// inside cells, or if there are several sources.
     pub(super) fn surroundings(
         &self,
         schedule: Schedule,
@@ -337,11 +337,11 @@ impl Solver {
     ///
     /// With tiles, a recording holds at most four rounds more than there are tiles along both sides of the grid
     /// together, limited to between 8 and 128: 10 at 48 x 48 points, 20 at 120 x 120, 36 at 256 x 256.
-    /// [`Plan::iterations`] returns the number that it holds, and [`Plan::asked`] the number that was asked
-    /// for.
+    /// [`Plan::iterations`] returns the number that the recording holds, and [`Plan::asked`] the number that
+    /// was asked for.
     ///
-    /// If the method names no schedule, the plan uses [`Schedule::best_on`] the device if the solver was made
-    /// for it, and another schedule of the solver otherwise.
+    /// If the method names no schedule, the plan uses the schedule that [`Schedule::best_on`] returns for the
+    /// device, if the solver was made for that schedule. Otherwise it uses another schedule of the solver.
     ///
     /// # Errors
     /// If the solver was not made for the method's schedule and wavefront, or the grid is too large.
@@ -369,16 +369,16 @@ impl Solver {
 const OF_GLUED: [usize; 3] =
     [GLUED_POINTS_FROM_BUFFER.number(), GLUED_POINTS_FROM_IMAGE.number(), SHARE_CURVATURE.number()];
 
-/// Returns the passes of a schedule and wavefront, and the one that solves the surroundings of sources.
-/// Headless solvers do without that one, and start from `Wavefront::seeds`.
+/// Returns the passes of a schedule and wavefront. If maps gain by it, the pass that solves the surroundings
+/// of sources is among them. Headless solvers do without that pass, and start from `Wavefront::seeds`.
 fn passes_of(schedule: Schedule, wavefront: Wavefront) -> impl Iterator<Item = (usize, Variant)> {
     let around = have_surroundings(schedule, wavefront).then_some(SURROUNDINGS.number());
     let all = schedule.passes().iter().copied().chain(around);
     all.map(move |pass| (pass, wavefront.into()))
 }
 
-/// Returns whether maps gain if the surroundings of sources are solved first. Either maps from between grid
-/// points take fewer iterations, or fronts of several sources are more accurate.
+/// Returns whether maps gain if the surroundings of sources are solved first. Either maps of sources between
+/// grid points then take fewer iterations, or fronts of several sources are more accurate.
 fn have_surroundings(schedule: Schedule, wavefront: Wavefront) -> bool {
     wavefront.is_curved() || schedule.gains_by_surroundings() && wavefront != Wavefront::Planar
 }

@@ -22,7 +22,7 @@ pub(super) struct State {
     destroyed: AtomicBool,
     /// Schedule and wavefront of the map, see [`number_of`]; 0 without a map.
     map: AtomicU32,
-    /// Number of maps that were started. It identifies the last one.
+    /// Number of maps that were started. It identifies the last map.
     maps: AtomicU32,
     /// Whether the map has a limit, and whether it has targets.
     is_limited: AtomicBool,
@@ -147,17 +147,17 @@ impl State {
     }
 
     /// Returns whether the device has seen the preparation that the slot's last recording follows. `number`
-    /// is the one in the slot's record.
+    /// is the number in the slot's record.
     pub(super) fn was_prepared_by(&self, slot: usize, number: u32) -> bool {
         self.slots[slot].prepared.load(Relaxed) == number
     }
 
-    /// Returns whether the slot's last recording has run. `serial` is the one in the slot's record.
+    /// Returns whether the slot's last recording has run. `serial` is the serial in the slot's record.
     pub(super) fn has_run(&self, slot: usize, serial: u32) -> bool {
         serial != 0 && serial == self.slots[slot].serial.load(Relaxed)
     }
 
-    /// Returns whether the slot waits for the device. `serial` is the one in the slot's record.
+    /// Returns whether the slot waits for the device. `serial` is the serial in the slot's record.
     pub(super) fn is_in_flight(&self, slot: usize, serial: u32) -> bool {
         let last = self.slots[slot].serial.load(Relaxed);
         last != 0 && last != serial
@@ -197,8 +197,8 @@ impl State {
     }
 }
 
-/// State of the measurements: edge lengths alone, or with the curvature, which is not computed for solvers
-/// without curved fronts.
+/// State of the measurements: edge lengths alone, or edge lengths and curvature. Solvers without curved
+/// fronts do not compute the curvature.
 const EDGES: u32 = 1;
 const CURVATURE: u32 = 2;
 

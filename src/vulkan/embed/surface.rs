@@ -38,23 +38,24 @@ pub struct SurfaceInfo<'a> {
     /// Number of frames in flight, at least 1. The surface has as many images of distances and records of
     /// outcomes, which frames write in turn.
     pub slots: usize,
-    /// Queue families that use the images of distances and the packed times: the recording one and those of
-    /// the readers, which may be the same. If this lists different families, their queues share the images
-    /// without ownership transfers. If it is empty, other families need ownership transfers.
+    /// Queue families that use the images of distances and the packed times: the family of the queue to which
+    /// recordings are submitted and the families of the readers, which may be the same. If this lists
+    /// different families, their queues share the images without ownership transfers. If it is empty, other
+    /// families need ownership transfers.
     pub queue_families: &'a [u32],
     /// Sides of the grid that coincide, so that distances pass from one to the other; see
-    /// [`crate::Surface::with_gluing`]. Both sides hold the points of the seam. Copies of a point take the
-    /// values of the first, and are a hole if any of them is. It is not checked that they coincide. Plans for the
-    /// surface are made with [`super::Plan::over_seams`]. It cannot be [`Gluing::Charts`], which
+    /// [`crate::Surface::with_gluing`]. Both sides hold the points of the seam. Copies of a point take the values
+    /// of the first copy, and are holes if any copy is a hole. Whether the copies coincide is not checked. Plans
+    /// for the surface are made with [`super::Plan::over_seams`]. The gluing cannot be [`Gluing::Charts`], which
     /// depends on positions.
     pub gluing: Option<&'a Gluing>,
     /// Images of the host for the distances, one per slot. If this is empty, the surface allocates them. See
     /// [`HostImage`].
     pub results: &'a [HostImage],
     /// Points that recordings select by number, for instance one entry for each frame in flight. If any of
-    /// them has a slowness, the surface takes 4 more bytes per point. Creating it then also creates pipelines
-    /// with slowness for all schedules and wavefronts that the solver has at that time. Planar fronts take
-    /// the place of circular ones.
+    /// them has a slowness, the surface takes 4 more bytes per point. Creating the surface then also creates
+    /// pipelines with slowness for all schedules and wavefronts that the solver has at that time. Planar
+    /// fronts take the place of circular ones.
     pub points: &'a [Points],
     /// Source buffers that recordings select by number.
     pub sources: &'a [SourceBuffer],
@@ -220,7 +221,7 @@ pub struct Outcome {
     /// Largest relative change of a front in the last iteration.
     pub residual: f64,
     /// Number of visits since the start of the map, each by one workgroup: to a tile, or to the part of a block
-    /// of lines that a workgroup updates. A smaller radius takes fewer.
+    /// of lines that a workgroup updates. A smaller radius takes fewer visits.
     pub visits: u32,
     /// Whether the map has converged, over edges that were measured. If it has not,
     /// [`super::Recording::resume`] continues it.
@@ -231,9 +232,9 @@ pub struct Outcome {
     /// Number of grid points that are holes. A point is a hole if one of its values is not finite or too
     /// large, if it lies outside an image that is too small, or if its slowness is negative.
     pub holes: u32,
-    /// Number of edges without a length between points that are not holes. Their length is 0, as between
-    /// points at the same place, or too large for a number. A pole or a seam has such edges, as the host
-    /// knows. More of them mean that vertices were zeroed or not written yet.
+    /// Number of edges without a length between points that are not holes. The measured length of such an
+    /// edge is 0, as between points at the same place, or too large. A pole or a seam has a number of such
+    /// edges, which the host knows. A larger number means that vertices were zeroed or not written yet.
     pub edges_without_length: u32,
     /// Number of the map's sources that reach no point: those off the grid, in holes, or with a time that is
     /// NaN or not below 1e30. Unused entries of a buffer count.
@@ -408,7 +409,7 @@ impl FrameSurface {
     }
 
     /// Returns a slot whose last recording has not run, if there is one. Nothing that the recording uses may
-    /// be destroyed yet, unless it was never submitted.
+    /// be destroyed yet, unless the recording was never submitted.
     pub fn in_flight(&self) -> Option<usize> {
         (0..self.slots()).find(|&slot| self.state.is_in_flight(slot, self.grid.record(slot).serial))
     }
@@ -456,9 +457,10 @@ impl FrameSurface {
         let inline = INLINE_SOURCES as u32;
         let sources = self.sources.iter().map(|sources| sources.count).max();
         let sources = sources.unwrap_or(0).max(inline);
-        // Sources are taken, and their seeds set, in portions. Their surroundings are solved, merged and set.
-        // The other five passes forget the map, start it, take back what lies beyond its limit, copy the outcome,
-        // and unpack the distances. On a glued surface, copies share their curvatures and exchange their seeds.
+        // Sources are read, and their seeds set, in portions. The surroundings of sources are solved, merged and
+        // set. The other five passes forget the map, start it, reset the points beyond its limit, copy the
+        // outcome, and unpack the distances. On a glued surface, copies share their curvatures and exchange their
+        // seeds.
         2 * is_glued + measured + 1 + 2 * copies * sources.div_ceil(SOURCES_TOGETHER) + 3 + 5
     }
 
@@ -469,7 +471,7 @@ impl FrameSurface {
 
     /// Frees everything. `device` and `allocator` are those that the surface was made with. No submitted work
     /// may still use the surface: the host waits for the fences of the frames in flight, or frees the surface
-    /// that many frames later. A second call does nothing.
+    /// after the same number of further frames. A second call does nothing.
     pub fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
         self.state.destroy();
         self.flight.land();

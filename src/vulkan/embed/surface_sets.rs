@@ -1,4 +1,5 @@
-//! The descriptor sets of a surface: those of its images of distances, and of the host's images and buffers.
+//! Creates the descriptor sets of a surface: for its images of distances, and for the host's images and
+//! buffers.
 
 use ash::vk;
 

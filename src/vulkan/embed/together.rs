@@ -58,12 +58,13 @@ impl Solver {
     /// groups of 64.
     ///
     /// The command buffer must be in the state that [`Solver::record`] requires. Profiles do not record these
-    /// frames, and all of them have one debug label. [`FrameSurface::result`] returns the image of distances
-    /// of each surface. Surfaces, sources and slots are checked as for single frames.
+    /// frames. All frames together have one debug label. [`FrameSurface::result`] returns the image of
+    /// distances of each surface. Surfaces, sources and slots are checked as for single frames.
     ///
     /// # Errors
     /// [`VulkanError::OfFrame`] with the number of the frame and the error of [`Recording::frame`], or with
-    /// [`VulkanError::TwiceTogether`] if its surface has another frame among them. Nothing is recorded then.
+    /// [`VulkanError::TwiceTogether`] if an earlier frame of the list has the same surface. Nothing is
+    /// recorded then.
     pub fn record_frames(
         &self,
         device: &ash::Device,
@@ -131,7 +132,8 @@ impl Solver {
             Some((recording.recorder, variant, of.frame.plan.steps(), has_targets))
         });
         Recorder::steps_together(&steps);
-        // Serials are taken once for each frame, since the recordings below are traversed once for each part.
+        // Serials are taken here, once for each frame, since the closure below is called once for each part
+        // of a recording.
         let serials: [_; MOST_TOGETHER] = array::from_fn(|number| {
             let of = frames.get(number)?;
             let recording = self.recording_of(device, commands, of);

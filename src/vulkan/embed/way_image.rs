@@ -38,7 +38,7 @@ pub(crate) struct WayImage {
     chart: Chart,
     buffer: Option<Buffer>,
     image: Option<Image>,
-    /// Host's image; `None` if there is one of its own.
+    /// Host's image; `None` if `image` is used.
     hosts: Option<HostImage>,
     /// Descriptor sets of the inline sources, followed by those of the surface's source buffers.
     sets: Option<BoundSets>,
@@ -71,7 +71,8 @@ impl WayKind {
         ImageInfo { name: self.what, format: self.format, extent, layers: 1, families: &[] }
     }
 
-    /// Returns the number of bytes that the buffer and an image of its own take from the allocator.
+    /// Returns the number of bytes that the buffer, and an image that does not belong to the host, take from
+    /// the allocator.
     pub(super) fn bytes_for(
         self,
         device: &ash::Device,
@@ -186,7 +187,9 @@ impl WayImage {
         self.sets.as_ref().ok_or(VulkanError::Destroyed)?;
         let what = self.kind.what;
         if self.hosts.is_none() {
-            let reason = "the image belongs to the library: begin with an image of yours".into();
+            let reason = format!(
+                "the image belongs to the library: create the {what} with an image of yours"
+            );
             return Err(VulkanError::HostBuffer { what, reason });
         }
         image.check(what)?;
@@ -211,8 +214,8 @@ impl WayImage {
         self.hosts = None;
     }
 
-    /// Records the passes that find the sources beside each grid point, after which others may be recorded.
-    /// `starts` is the pipeline of these passes. Returns what records others.
+    /// Records the passes that find the sources beside each grid point. `starts` is the pipeline of these
+    /// passes. Returns a recorder for the passes that follow.
     pub(super) fn start<'a>(
         &'a self,
         recording: &'a Recording<'a>,
@@ -255,7 +258,8 @@ impl WayImage {
         let passes = WayPasses { recording, of: self, set, push };
         for turn in [0, 1] {
             let bytes = size_of::<PointSource>() as u64 * u64::from(count);
-            // The number of points accessed around them depends on their places, and is not counted.
+            // The number of points accessed around the sources depends on the sources' places, and is not
+            // counted.
             let work = Work { bytes_read: Some(bytes), ..Work::default() };
             passes.run(starts, [count, 1], Push { turn, ..push }, work);
             passes.share_starts(1 - turn as u64);
@@ -273,7 +277,8 @@ pub(super) struct WayPasses<'a> {
 }
 
 impl WayPasses<'_> {
-    /// Records the pass that gives copies of points the starts of all, in one of the two arrays of words.
+    /// Records the pass that gives all copies of a point the largest of their words in one of the two arrays
+    /// of words: the earliest time, or the first source.
     fn share_starts(&self, array: u64) {
         let Self { recording, of, set, push } = self;
         let (Some(pipeline), Some(copies)) = (of.share, &recording.surface.grid.copies) else {
@@ -330,8 +335,8 @@ impl WayPasses<'_> {
 macro_rules! on_way_image {
     ($kind:ident) => {
         impl $kind {
-            /// Returns the image. `layout` is that of the [`Reader`] for which it was last recorded. The view is
-            /// valid from the start, for descriptor sets that are written early.
+            /// Returns the image. `layout` is the layout of the [`Reader`] for which the image was last
+            /// recorded. The view is valid from the start, for descriptor sets that are written early.
             pub fn image(&self, layout: vk::ImageLayout) -> ResultImage {
                 self.image.image(layout)
             }

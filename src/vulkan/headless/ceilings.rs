@@ -1,5 +1,5 @@
-//! Measures the best performance of a device. Compared with these ceilings, a map's time shows what bounds
-//! it. Solvers do not use them.
+//! Measures the best performance of a device. A comparison of a map's time with these ceilings shows what
+//! bounds the time. Solvers do not use the ceilings.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -28,8 +28,8 @@ pub struct DeviceCeilings {
     /// Bytes a second, read plus written, of a pass that copies one image to another. It moves 64 MiB, which
     /// may fit a large cache.
     pub copy: f64,
-    /// Updates from one triangle a second, by wavefront ([`Wavefront::FOR_ANY_SURFACE`]), with all data in
-    /// registers.
+    /// Number of updates per second, each from one triangle, by wavefront ([`Wavefront::FOR_ANY_SURFACE`]),
+    /// with all data in registers.
     pub triangles: [f64; Wavefront::FOR_ANY_SURFACE.len()],
     /// Time of an empty dispatch of one workgroup with the barrier after it.
     pub dispatch: Duration,
@@ -49,7 +49,8 @@ pub struct DeviceCeilings {
     pub read_back: f64,
 }
 
-/// Points on a side of the grid whose fronts are copied. Each image takes half of the bytes.
+/// Points on a side of the grid whose fronts are copied. Each image takes half of the bytes that the copy
+/// moves.
 const SIDE: usize = 2048;
 /// Texels on a side of the grid on which updates are computed.
 const COMPUTED: u32 = 512;
@@ -61,9 +62,9 @@ const LONG_ENOUGH: Duration = Duration::from_millis(20);
 const MOST: u32 = 1 << 14;
 /// Number of timestamps in a recording.
 const TIMESTAMPS: u32 = 128;
-/// Offset in the buffer of workgroup counts from which on it holds zeros.
+/// Offset from which on the buffer of workgroup counts holds zeros.
 const NO_GROUP: u64 = 0;
-/// Offset in this buffer from which on it holds ones.
+/// Offset from which on this buffer holds ones.
 const ONE_GROUP: u64 = 64;
 /// Number of times each recording is submitted. The shortest time counts, since other work can only add to
 /// it.
@@ -81,7 +82,7 @@ impl DeviceCeilings {
     }
 }
 
-/// Resources for the measurements. Dropping it frees them.
+/// Resources for the measurements. Dropping the value frees them.
 struct Probe<'a> {
     context: &'a Arc<Context>,
     solver: embed::Solver,
@@ -96,7 +97,7 @@ struct Probe<'a> {
     timestamps: vk::QueryPool,
 }
 
-/// Texels of a pass, and its repeated updates from four triangles.
+/// Texels of a pass, and the number of times that it repeats its updates from four triangles.
 #[derive(Clone, Copy)]
 struct Load {
     texels: [u32; 2],
@@ -221,7 +222,7 @@ impl<'a> Probe<'a> {
         self.images.as_ref().expect("they are there from the start")
     }
 
-    /// Returns the time of one of many.
+    /// Returns the time of one of many equal parts of a recording.
     fn each(&self, one: impl Fn(&Self, vk::CommandBuffer)) -> Result<Duration, VulkanError> {
         self.repeated(|probe, commands, count| (0..count).for_each(|_| one(probe, commands)))
     }
@@ -239,7 +240,8 @@ impl<'a> Probe<'a> {
             count *= 2;
             all = time(count)?;
         }
-        // Other work on the machine may have come between, so at least half of the time counts.
+        // Other work on the machine may have delayed the recording without repetitions, so at most half of
+        // the time is subtracted.
         Ok((all - nothing.min(all / 2)).max(Duration::from_nanos(1)) / count)
     }
 
@@ -279,7 +281,7 @@ impl<'a> Probe<'a> {
         self.recording(commands).barrier(PASS, PASS);
     }
 
-    /// Returns the time that a timestamp after each of many dispatches adds to one.
+    /// Returns the time that a timestamp after each of many dispatches adds to one dispatch.
     fn timestamp(
         &self,
         one: impl Fn(&Self, vk::CommandBuffer),
@@ -288,7 +290,7 @@ impl<'a> Probe<'a> {
             return Ok(None);
         }
         let [mut without, mut with] = [Duration::MAX; 2];
-        // Both are measured in turns: the difference is small, and other work comes and goes.
+        // Both are measured in turn: the difference is small, and other work comes and goes.
         for _ in 0..TRIES {
             without = without.min(self.time(|probe, commands| {
                 (0..TIMESTAMPS).for_each(|_| one(probe, commands));
@@ -322,7 +324,7 @@ impl<'a> Probe<'a> {
         unsafe { self.context.device.cmd_dispatch(commands, width.div_ceil(WORKGROUP), height, 1) };
     }
 
-    /// Records an indirect dispatch of as many workgroups as the buffer says at an offset.
+    /// Records an indirect dispatch, whose numbers of workgroups lie at `offset` in the buffer.
     fn dispatch_indirect(&self, commands: vk::CommandBuffer, load: Load, offset: u64) {
         self.bind(commands, self.copy, load);
         let groups = self.buffers[0].buffer;
@@ -332,7 +334,8 @@ impl<'a> Probe<'a> {
 
     fn bind(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, load: Load) {
         let (device, pipelines) = (&self.context.device, &self.solver.pipelines);
-        // Both passes use the same set, and the push constants of the copy are the first part of the other's.
+        // Both passes use the same set, and the push constants of the copy are the first part of the push
+        // constants of the updates.
         let is_copy = pipeline == self.copy;
         let shader = if is_copy { &ceiling_copy::SHADER } else { &ceiling_updates::SHADER };
         let layout = pipelines.layout(shader);

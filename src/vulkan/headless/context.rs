@@ -146,7 +146,7 @@ pub(crate) trait Submitter {
         self.submit(&flight.commands)
     }
 
-    /// Sets the time from which a profile counts to now: a map begins.
+    /// Notes that a map begins. A profile counts its time from now on.
     fn restart(&mut self) {}
 
     /// Returns whether the submitter records passes for a profile.
@@ -181,11 +181,11 @@ impl Submitter for Unwatched {
     }
 }
 
-/// Command buffer that can be recorded again. A recording of one made by `new` is submitted once, of one made by `kept`
-/// any number of times, each after the last has ended.
+/// Command buffer that can be recorded again. If `new` has made it, a recording is submitted once. If `kept` has made
+/// it, a recording is submitted any number of times, each after the last submission has ended.
 ///
-/// It has a pool and a fence of its own: Vulkan lets one thread use a pool at a time, and command buffers of one device
-/// may be recorded and dropped on several.
+/// It has a pool and a fence of its own: Vulkan lets one thread use a pool at a time, and command buffers of one
+/// device may be recorded and dropped on several threads.
 pub(crate) struct CommandBuffer {
     context: Arc<Context>,
     pool: vk::CommandPool,

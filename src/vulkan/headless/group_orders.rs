@@ -1,5 +1,6 @@
 //! Tests that no map depends on the order in which a device runs the workgroups of a dispatch, or dispatches
-//! that no barrier separates. The validation layers are off, since they would have a barrier between these.
+//! that no barrier separates. The validation layers are off: with them, solvers would record a barrier
+//! between such dispatches.
 
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -20,10 +21,10 @@ use crate::vulkan::schedules::raster;
 use crate::vulkan::{DeviceChoice, Method, Schedule, TileLanes, Tuning};
 use crate::{Stop, Wavefront};
 
-/// The order of numbers, the opposite one, and a random one; see `glsl/shared/groups.glsl`.
+/// The device's own order, the opposite order, and a random order; see `glsl/shared/groups.glsl`.
 const ORDERS: [i32; 3] = [0, -1, 1];
 
-/// Returns a solver whose workgroups take their numbers in an order.
+/// Returns a solver whose workgroups take their numbers in the order `group_order`.
 fn solver(group_order: i32, change: impl Fn(Tuning) -> Tuning) -> HeadlessSolver {
     let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
     let context = Context::new(&DeviceChoice::Name(device), false).unwrap();
@@ -40,7 +41,7 @@ struct Problem {
     wavefronts: &'static [Wavefront],
 }
 
-/// The surfaces have holes and obtuse triangles, anchors, and several fronts that meet.
+/// Returns problems with holes, obtuse triangles, anchors, and several fronts that meet.
 fn problems() -> [Problem; 3] {
     use Wavefront::{Anchored, Curved, Planar};
     let is_hole = |i: u32| i % 83 != 40 && (i + 1).wrapping_mul(0x9e37_79b1) >> 29 == 0;
@@ -96,8 +97,8 @@ fn assert_same(wanted: &[HeadlessSolution], found: &[HeadlessSolution], what: &s
     }
 }
 
-/// Lines of a block have three workgroups and more: of 16 texels, the outermost ones belong to the neighbours
-/// too.
+/// A line of a block has three or more workgroups of 16 texels. Neighbouring workgroups share their outermost
+/// texels.
 #[test]
 fn raster_scans_do_not_depend_on_the_order_of_workgroups() {
     let problems = problems();
@@ -135,8 +136,8 @@ fn scans_of_a_pair_can_run_in_any_order() {
     }
 }
 
-/// Nor do they depend on the run, or on how recordings divide the rounds: nine rounds are in three recordings.
-/// On processors they do not depend on how invocations share a tile's points either.
+/// The maps do not depend on the run either, nor on how recordings divide the rounds: nine rounds take three
+/// recordings. On CPUs they do not depend on how invocations share a tile's points.
 #[test]
 fn rounds_of_tiles_do_not_depend_on_the_order_of_workgroups() {
     let problems = problems();
@@ -163,7 +164,7 @@ fn rounds_of_tiles_do_not_depend_on_the_order_of_workgroups() {
     }
 }
 
-/// Copies of the points of a renderer's frame are listed in any order too: their curvatures, seeds and fronts are
+/// The copies of points in a renderer's frame can be listed in any order too: curvatures, seeds and fronts are
 /// the same.
 #[test]
 fn copies_in_frames_can_be_listed_in_any_order() {

@@ -1,4 +1,4 @@
-//! Devices that stay open between the calls that compute one map, such as [`crate::distance_map`].
+//! Keeps devices open between the calls that compute one map, such as [`crate::distance_map`].
 
 use std::process;
 use std::sync::{Mutex, PoisonError};
@@ -10,7 +10,7 @@ use crate::vulkan::{DeviceChoice, VulkanError};
 /// A device that no call uses at present.
 struct Idle {
     choice: DeviceChoice,
-    /// The process that opened the device. A copy of the process by `fork` must not use it.
+    /// The process that opened the device. A child that the process makes by `fork` must not use the device.
     process: u32,
     solver: HeadlessSolver,
 }
@@ -19,9 +19,9 @@ struct Idle {
 static IDLE: Mutex<Option<Vec<Idle>>> = Mutex::new(None);
 
 /// Sets whether the calls of this process that compute one map on a Vulkan device, such as
-/// [`crate::distance_map`], leave the device open for the next call with the same [`DeviceChoice`]. To open one
-/// takes 0.3 s or more, and then its pipelines are compiled. At the start, devices are closed after each call.
-/// With `false`, the idle ones are closed now.
+/// [`crate::distance_map`], leave the device open for the next call with the same [`DeviceChoice`]. Opening a
+/// device takes 0.3 s or more, and then its pipelines are compiled. At the start, devices are closed after each
+/// call. With `false`, idle devices are closed now.
 ///
 /// Each of several calls at the same time has a device of its own. A call that fails closes its device.
 /// [`HeadlessSolver`] keeps one device open for as long as it lives, and surfaces on it too.

@@ -52,8 +52,8 @@ impl HeadlessSolver {
 
     /// Opens a device under the Khronos validation layers, with synchronization and GPU-assisted validation.
     /// Every call that leaves a message in the log then fails. The checks of shaders take most of the time. The
-    /// layers' own variable `VK_LAYER_DISABLES=VK_VALIDATION_FEATURE_DISABLE_SHADERS_EXT` turns them off, and
-    /// GPU-assisted validation with them.
+    /// layers' own variable `VK_LAYER_DISABLES=VK_VALIDATION_FEATURE_DISABLE_SHADERS_EXT` turns the checks of
+    /// shaders off, and GPU-assisted validation with them.
     pub fn with_validation(choice: &DeviceChoice) -> Result<Self, VulkanError> {
         Self::open(choice, true)
     }
@@ -121,8 +121,9 @@ impl HeadlessSolver {
         self.for_device.pipelines.tuning
     }
 
-    /// Returns this solver with other sizes of portions than [`Tuning::of`] the device, to find out which are
-    /// best. Surfaces that were uploaded before can no longer be used with it.
+    /// Returns this solver with other sizes of portions than those that [`Tuning::of`] returns for the
+    /// device, to find out which sizes are best. Surfaces that were uploaded before can no longer be used
+    /// with it.
     ///
     /// # Errors
     /// [`VulkanError::Tuning`] if the device has no room for these sizes, or the error of a Vulkan call that
@@ -134,8 +135,8 @@ impl HeadlessSolver {
         Ok(self)
     }
 
-    /// Returns a tuning with [`Tuning::tile_edges`] as it is best on this device: set if shared memory has
-    /// room for the edges of tiles of this size.
+    /// Returns `tuning` with the best value of [`Tuning::tile_edges`] on this device: set if shared memory
+    /// has room for the edges of tiles of this size.
     pub fn with_edges_placed(&self, tuning: Tuning) -> Tuning {
         let instance = &self.context.instance.handle;
         // SAFETY: the physical device is from this instance.
@@ -280,7 +281,8 @@ mod tests {
         solver.with_tuning(sizes).unwrap()
     }
 
-    /// Under the layers a barrier separates the scans of a pair. All others are those of other runs.
+    /// Under the layers a barrier separates the scans of a pair. All other barriers are the same as without
+    /// the layers.
     #[test]
     fn all_barriers_of_pairs_in_place_leave_no_message() {
         let surface = hill();
@@ -336,8 +338,8 @@ mod tests {
     #[test]
     fn a_missing_barrier_of_a_copy_is_reported() {
         let surface = hill();
-        // After distances are unpacked, and after sources are copied: the barrier that follows clears comes
-        // first.
+        // The missing barrier follows the unpacking of distances, or the copy of sources. The latter is the
+        // second of its kind: the barrier after clears comes first.
         for (missing, number) in [((SHADER_WRITE, TRANSFER_READ), 0), ((TRANSFER_WRITE, SHADER), 1)]
         {
             let solver = solver();

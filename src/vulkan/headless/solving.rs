@@ -21,10 +21,12 @@ use crate::vulkan::{
     HeadlessSolver, MOST_TARGETS, MapLimit, Schedule, TargetPoint, TexelChart, VulkanError,
 };
 
-/// Margin up to which fronts go beyond the radius, as a part of it, so that rounding leaves out no point within it.
+/// Margin by which fronts may go beyond the radius, as a fraction of the radius, so that rounding leaves out no
+/// point within the radius.
 const ROUNDING: f64 = 1e-6;
 
-/// Factors of an estimated time up to which a map is solved, one after another, while targets are not reached.
+/// Factors of an estimated time. A map is solved up to each of these times in turn, until the targets are
+/// reached.
 const MARGINS: [f64; 2] = [1.05, 1.3];
 
 /// Distance map computed by the Vulkan engine.
@@ -33,7 +35,8 @@ const MARGINS: [f64; 2] = [1.05, 1.3];
 pub struct HeadlessSolution {
     /// Distances in row-major order; +infinity where no source reaches, and beyond [`Method::radius`].
     pub distances: Vec<f32>,
-    /// Front assumed. It is [`Wavefront::Anchored`] only where that was possible, see [`Method::wavefront`].
+    /// Front assumed. It is [`Wavefront::Anchored`] only where anchored fronts were possible, see
+    /// [`Method::wavefront`].
     pub wavefront: Wavefront,
     /// Order of updates that was used.
     pub schedule: Schedule,
@@ -45,7 +48,7 @@ pub struct HeadlessSolution {
     /// Number of visits, each by one workgroup: to a tile, or to the part of a block of lines, or of the grid,
     /// that a workgroup updates.
     pub visits: u64,
-    /// Time from the first submission, which forgets the previous map, to the end of the last.
+    /// Time from the first submission, which forgets the previous map, to the end of the last submission.
     pub time: Duration,
 }
 
@@ -61,10 +64,10 @@ impl HeadlessSolver {
     }
 
     /// Computes a map from `seeds`, which must lie on the surface, for `targets`. The map ends when no front can
-    /// reach the needed targets earlier. Distances of farther points are +infinity.
+    /// reach the needed targets any earlier. Points that are farther than the last needed target have +infinity.
     ///
     /// With more than [`MOST_TARGETS`] targets, the map is solved up to the radius, and cut at the end. Raster scans
-    /// solve the whole map too, unless they have an estimate ([`HeadlessSolver::solve_to_about`]).
+    /// also solve the map up to the radius, unless they have an estimate ([`HeadlessSolver::solve_to_about`]).
     pub fn solve_to(
         &mut self,
         surface: &mut SurfaceOnDevice,
@@ -76,11 +79,11 @@ impl HeadlessSolver {
     }
 
     /// Computes a map for `targets` as [`HeadlessSolver::solve_to`] does, given an estimate of the time at which
-    /// fronts come to those that are needed.
+    /// fronts reach the needed targets.
     ///
-    /// Iterations of raster scans bring early and late fronts in any order, and would go far beyond the targets.
-    /// So they are limited to 1.05 times the estimate. If the targets need more time, the map is solved again up to
-    /// 1.3 times the estimate, and at last without it. Other schedules ignore the estimate.
+    /// Iterations of raster scans bring early and late fronts in any order, and would go far beyond the targets. So
+    /// they are limited to 1.05 times the estimate. If the targets need more time, the map is solved again up to
+    /// 1.3 times the estimate, and at last without the estimate. Other schedules ignore the estimate.
     pub fn solve_to_about(
         &mut self,
         surface: &mut SurfaceOnDevice,
@@ -141,7 +144,8 @@ impl HeadlessSolver {
         self.restore(surface, seeds, method, None, solution)
     }
 
-    /// Solves again from the seeds that are lost ([`Seed::is_lost`]), until no seed is lost.
+    /// Solves again from the seeds and the last map, until no seed is lost ([`Seed::is_lost`]) or no
+    /// iterations are left.
     fn restore(
         &mut self,
         surface: &mut SurfaceOnDevice,
@@ -255,7 +259,8 @@ impl HeadlessSolver {
             }
             recorder.start((stop, limit), schedule, causal, start == Start::FromLast);
         };
-        // The upload buffer holds `most` seeds. All but the last part are seeded by submissions of their own.
+        // The upload buffer holds `most` seeds. Submissions of their own set the seeds of all parts but the
+        // last.
         let most = images.source_room() / size_of::<SeedTexel>();
         let (ahead, last) = seeds.split_at(seeds.len().saturating_sub(1) / most * most);
         if !ahead.is_empty() {
@@ -267,8 +272,8 @@ impl HeadlessSolver {
         }
         let count = write_seeds(last, images);
         let places = seeds.iter().map(|seed| (seed.texel[1] as u32, seed.texel[0] as u32));
-        // With bounds, the first iteration would visit everything between them, even beyond the radius. Fronts
-        // that pass a seam leave the box around their sources.
+        // With bounds on the reached points, the first iteration would visit everything within the bounds,
+        // even beyond the radius. Fronts that pass a seam leave the box around their sources.
         let is_glued = images.copies.is_some();
         let has_bounds = start == Start::Fresh && !limit.is_there() && !is_glued;
         let reached = Reached::around(places).filter(|_| has_bounds);
@@ -300,7 +305,7 @@ impl HeadlessSolver {
             let left = stop.iterations - outcome.iterations;
             let wanted = (variant, plan(None, left));
             let parts = plan::parts(&wanted.1, texels, portions.visits);
-            // A submitter that watches passes knows only those of the last recording.
+            // A submitter that watches passes knows only the passes of the last recording.
             let is_kept = parts.len() == 1 || !submitter.is_watching();
             let is_recorded = is_kept && goes_on.as_ref() == Some(&wanted);
             while further.len() < parts.len() {
@@ -382,7 +387,7 @@ impl HeadlessSolver {
         submitter.submit(&commands)
     }
 
-    /// Returns a command buffer for each band that may be on its way at a time.
+    /// Returns a command buffer for each band that may be transferred at the same time.
     pub(super) fn flights(&self, grid: &GridImages) -> Result<Vec<Flight>, VulkanError> {
         (0..grid.halves()).map(|_| Flight::new(&self.context)).collect()
     }
@@ -408,7 +413,7 @@ impl HeadlessSolver {
         let mut distances = vec![0.0f32; chart.points()];
         let mut flights = self.flights(images)?;
         let bands = images.read_back_bands();
-        // With two halves, the device copies a band while the host reads the one before.
+        // With two halves, the device copies a band while the host reads the previous band.
         let before = flights.len() - 1;
         for next in 0..bands.len() + before {
             if let Some(rows) = bands.get(next) {
@@ -442,7 +447,7 @@ fn end_of(targets: Option<&Targets>, distances: &[f32], chart: Chart) -> f64 {
     })
 }
 
-/// Makes points unreached that are farther than `end`.
+/// Makes all points unreached that are farther than `end`.
 fn cut(distances: &mut [f32], end: f64) {
     if end < f64::INFINITY {
         let farther = |distance: &&mut f32| f64::from(**distance) > end;

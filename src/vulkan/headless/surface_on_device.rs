@@ -16,7 +16,7 @@ use crate::vulkan::{TexelChart, VulkanError};
 
 /// Edge lengths of a surface on a device, ready for any number of maps.
 ///
-/// Dropping it frees its memory. It must not outlive its solver's last use of it.
+/// Dropping it frees its memory. It keeps its device open.
 pub struct SurfaceOnDevice {
     pub(in crate::vulkan) images: GridImages,
     /// Anchors, if the surface is a floor plan.
@@ -33,8 +33,8 @@ pub struct SurfaceOnDevice {
     numbered: NumberedOrigins,
     /// Command buffer that starts a map.
     pub(in crate::vulkan) first: CommandBuffer,
-    /// Command buffers that continue a map, one for each part of the steps in `goes_on`. These are for a variant,
-    /// and for maps with targets or without.
+    /// Command buffers that continue a map, one for each part of the steps in `goes_on`. `goes_on` also holds
+    /// their variant, and whether they are for maps with targets.
     pub(in crate::vulkan) further: Vec<CommandBuffer>,
     pub(in crate::vulkan) goes_on: Option<((Variant, bool), Vec<Step>)>,
     pub(in crate::vulkan) context: Arc<Context>,
@@ -125,7 +125,7 @@ impl SurfaceOnDevice {
             }
         }
         self.is_anchored = false;
-        // There was no room for the sources' numbers.
+        // A wavefront that is still anchored here has no room for the numbers of its sources.
         let wavefront = wavefront.or_curved(Setting::of_engine(false));
         let has_origins = seeds.iter().any(|seed| seed.origin.is_some());
         // Lines of the chart end at seams.

@@ -11,8 +11,8 @@ use crate::vulkan::grid_images::GridImages;
 use crate::vulkan::{HeadlessSolver, SurfaceOnDevice, VulkanError};
 
 impl HeadlessSolver {
-    /// Measures the edges of a surface and uploads them. The processor checks them in any case, and measures
-    /// them in SIMD lanes.
+    /// Measures the edges of a surface and uploads them. The CPU has to check the edges in any case, so it
+    /// also measures them, in SIMD lanes.
     ///
     /// # Errors
     /// If an edge is too long or too short for single precision, or the grid is too large for the device's images

@@ -100,17 +100,19 @@ impl Workgroup {
     }
 }
 
-/// Returns the room for an area. It is at most a quarter too large, so that few pipelines serve all sizes.
+/// Returns the number of points for which a pipeline has room, for maps that take `area` points. It exceeds
+/// `area` by less than a quarter or by less than 64 points, so few pipelines serve all sizes.
 fn room(area: u32) -> u32 {
     area.next_multiple_of((area.next_power_of_two() / 8).max(64))
 }
 
-/// Returns the numbers stored for a point of a map: the arrival time, and a curvature if fronts carry one.
+/// Returns how many numbers are stored for a point of a map: the arrival time, and a curvature if fronts
+/// carry one.
 pub(super) fn numbers(wavefront: Wavefront) -> u32 {
     if wavefront.is_curved() { LAYERS } else { 1 }
 }
 
-/// Returns the numbers in the fan of a pair of points, as in `glsl/passes/pairwise_fans.glsl`.
+/// Returns how many numbers the fan of a pair of points has, as in `glsl/passes/pairwise_fans.glsl`.
 pub(super) fn fan_numbers(wavefront: Wavefront) -> u64 {
     if wavefront.is_curved() { 15 } else { 9 }
 }
@@ -134,8 +136,8 @@ pub(super) struct BatchLayout {
 /// maps of 64 x 64 points fill any GPU, and so do the lines of texels of some dozens of larger maps.
 const ON_GPU: [u64; 2] = [16 << 20, 256 << 20];
 /// Limits for CPUs, in the same order. Measured on lavapipe (Mesa 22.3, two cores), maps in images, circular
-/// fronts, one iteration: 1 and 4 MiB take the same time, 256 KiB half as long again, and 16 MiB up to three
-/// times as long.
+/// fronts, one iteration: 1 and 4 MiB take the same time, 256 KiB take 1.5 times as long, and 16 MiB up to
+/// three times as long.
 const ON_CPU: [u64; 2] = [4 << 20, 4 << 20];
 
 /// Largest number of maps in a batch, however small they are.

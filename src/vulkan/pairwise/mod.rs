@@ -165,8 +165,8 @@ impl PairwiseOnDevice {
         self.layout.maps as usize
     }
 
-    /// Returns the front of the maps: the requested one, or the curved one in place of the anchored one, and
-    /// over an uneven slowness in place of the circular one.
+    /// Returns the wavefront of the maps. It is the requested one, except that curved fronts replace anchored
+    /// ones, and over an uneven slowness also circular ones.
     pub fn wavefront(&self) -> Wavefront {
         self.wavefront
     }
@@ -190,8 +190,8 @@ impl PairwiseOnDevice {
     /// what the fronts of the batch can have reached.
     ///
     /// # Panics
-    /// If the solver or the surface is not the one that this was made for, if `into` does not have as many
-    /// rows as sources and as many values a row as points, or if a source is not a grid point.
+    /// If this was made for another solver or another surface, if `into` does not have as many rows as
+    /// sources and as many values a row as points, or if a source is not a grid point.
     pub fn solve(
         &mut self,
         solver: &HeadlessSolver,
@@ -205,8 +205,8 @@ impl PairwiseOnDevice {
     }
 
     /// Computes distances as [`PairwiseOnDevice::solve`] does and returns a record of every pass of every
-    /// batch. The work of a pass is counted over all maps of its batch: an iteration visits those that have not
-    /// converged. Maps in shared memory are processed by pairs of points, so that no texels are counted.
+    /// batch. The work of a pass is counted over all maps of its batch: an iteration visits the maps that have
+    /// not converged. Maps in shared memory are processed by pairs of points, so that no texels are counted.
     ///
     /// # Errors
     /// As [`PairwiseOnDevice::solve`], and [`VulkanError::NotForProfiling`] unless the solver was made by
@@ -255,14 +255,14 @@ impl PairwiseOnDevice {
         submitter: &mut impl Submitter,
     ) -> Result<Convergence, VulkanError> {
         let points = self.layout.chart.points();
-        assert_eq!(into.len(), sources.len() * points, "a row for each source");
+        assert_eq!(into.len(), sources.len() * points, "there must be one row for each source");
         assert!(sources.iter().flatten().all(|&source| source < points), "sources are grid points");
         let batch = self.batch();
         let mut convergence = Convergence::NONE;
         let mut before: Option<Rows> = None;
         for (sources, into) in sources.chunks(batch).zip(into.chunks_mut(batch * points)) {
-            // The host still reads the half of the batch before, which need not be the last one: a batch
-            // without sources takes no half.
+            // The host still reads the half of the last batch that had sources. A batch without sources takes
+            // no half.
             let half = before.as_ref().map_or(0, |rows| (rows.half + 1) % HALVES);
             let rows = Rows { sources, into, half };
             let of_batch = self.solve_batch(solver, rows, stop, &mut before, submitter)?;
@@ -285,8 +285,8 @@ impl PairwiseOnDevice {
         });
     }
 
-    /// Computes a batch. Where distances are copied, the host writes the rows of the batch `before` while the
-    /// device computes this one, and leaves those of this one to the next.
+    /// Computes a batch. If distances are copied, the host writes the rows of the batch `before` while the
+    /// device computes this batch. The rows of this batch are left to the next call.
     fn solve_batch<'a>(
         &mut self,
         solver: &HeadlessSolver,
@@ -355,8 +355,8 @@ impl PairwiseOnDevice {
         if self.schedule() == PairwiseSchedule::SharedMemory {
             return Vec::new();
         }
-        // Each map has workgroups of its own, so that there are enough without blocks in turn.
-        // They also keep a device at work without pairs of scans.
+        // Each map has workgroups of its own. They are enough to keep a device busy without blocks in turn
+        // and without pairs of scans.
         let portions = tuning.portions(self.wavefront, self.texels);
         let portions = Portions { across: 0, pairs: false, ..portions };
         if self.is_glued() {
@@ -433,12 +433,12 @@ mod tests {
         heights(|i| i)
     }
 
-    /// Returns the hill with its first column again in place of the last one, glued there.
+    /// Returns the hill with a copy of its first column in place of the last one. Both columns are glued.
     fn closed_hill() -> Surface {
         heights(|i| i / 30 * 30 + i % 30 % 29).with_gluing(Gluing::columns()).unwrap()
     }
 
-    /// Returns a surface whose points have the heights of the points `of` on the hill.
+    /// Returns a surface whose point `i` has the height of the point `of(i)` on the hill.
     fn heights(of: fn(u32) -> u32) -> Surface {
         let heights = (0..20 * 30).map(of).map(|i| f64::from(i % 7 + i / 90).sin()).collect();
         Surface::from_heights(20, 30, heights, Spacing::square(1.0)).unwrap()

@@ -19,7 +19,8 @@ pub(super) enum BatchPipelines {
         /// Pipeline that arranges the surface's fans.
         fans: Pipeline<pairwise_fans::Push>,
         maps: Pipeline<pairwise_shared::Push>,
-        /// Guard of the pipeline `maps`, which depends on the size of maps, or on the room for them.
+        /// Guard that keeps the pipeline `maps` alive. That pipeline is made for one size of maps, or for the
+        /// room that maps take in shared memory.
         _in_use: InUse,
     },
     Images {
@@ -33,7 +34,8 @@ pub(super) enum BatchPipelines {
 }
 
 impl BatchPipelines {
-    /// Makes the pipelines that do not exist yet, with that of exchanges if the surface `is_glued`.
+    /// Makes the pipelines that do not exist yet. The pipeline of exchanges is among them if the surface
+    /// `is_glued`.
     pub(super) fn new(
         device: &ash::Device,
         pipelines: &Pipelines,
@@ -110,7 +112,8 @@ mod tests {
             if name == c"vkCreateComputePipelines" {
                 return create_and_count as *const c_void;
             }
-            // SAFETY: the device is alive, and a function is called with the type of its name.
+            // SAFETY: the device is alive, and each function is called with the type that belongs to its
+            // name.
             unsafe {
                 std::mem::transmute::<vk::PFN_vkVoidFunction, *const c_void>(get(
                     handle,
@@ -118,14 +121,14 @@ mod tests {
                 ))
             }
         };
-        // SAFETY: all functions are the device's, or do what these do.
+        // SAFETY: each function is the device's own or behaves like it.
         context.device = unsafe { ash::Device::load_with(load, handle) };
         HeadlessSolver::with(context).unwrap()
     }
 
     /// Checks that a second matrix of the same size creates no pipelines, and that one of another size
-    /// creates at most the one for maps in shared memory. A limited number of these is kept, besides those in
-    /// use.
+    /// creates at most the one for maps in shared memory. Of the pipelines for maps in shared memory a
+    /// limited number is kept, and those in use are always kept.
     #[test]
     fn matrices_share_the_pipelines_of_the_device() {
         let solver = counted();

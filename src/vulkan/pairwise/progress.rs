@@ -8,7 +8,7 @@ use crate::surface::{Chart, relative_change};
 use crate::vulkan::device::shaders::pairwise_count::{Map, Progress};
 use crate::{Convergence, Stop};
 
-/// Offsets of the parts, in bytes.
+/// Offsets of parts of the progress, in bytes.
 pub(super) mod offset {
     use super::*;
 

@@ -66,7 +66,8 @@ impl BatchRecorder<'_> {
         for scan in 0..Scan::ALL.len() as u32 {
             let (points, lines) = if scan < 2 { (cols, rows) } else { (rows, cols) };
             let groups = [points.div_ceil(2).div_ceil(WORKGROUP), lines, 1];
-            // Each fan of a pair is read from the images and written to its place.
+            // The fan of each pair of points is read from the images and written to its place in the buffer
+            // of fans.
             let pairs = u64::from(points.div_ceil(2)) * u64::from(lines);
             let bytes = 4 * fan_numbers(self.layout.wavefront) * pairs;
             let record = PassRecord {
@@ -81,7 +82,7 @@ impl BatchRecorder<'_> {
         self.barrier(SHADER_WRITE, SHADER);
     }
 
-    /// Records steps. The profile's records of passes over maps in images are those of one map.
+    /// Records steps. For passes over maps in images, the profile's records hold the work of one map.
     pub(super) fn steps(&self, steps: &[Step]) {
         let mut open = None;
         let has_two_layers = self.layout.wavefront.has_two_layers();

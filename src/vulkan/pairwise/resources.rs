@@ -14,7 +14,7 @@ use crate::vulkan::device::pipelines::Pipelines;
 use crate::vulkan::device::staging::Staging;
 use crate::vulkan::grid_images::GridImages;
 
-/// Images and buffers of a batch, with those that the host writes and reads.
+/// Images and buffers of a batch, including the buffers that the host writes and reads.
 #[derive(Debug, Default)]
 pub(super) struct Resources {
     /// Two images of fronts; none if maps lie in shared memory.
@@ -27,7 +27,7 @@ pub(super) struct Resources {
     pub(super) copies: Option<Copies>,
 }
 
-/// Buffers, in their order.
+/// Buffers, in their order in [`Resources`].
 enum Kind {
     Staging,
     Progress,
@@ -157,12 +157,14 @@ impl Resources {
         self.staging.is_some()
     }
 
-    /// Returns where distances are copied. There is staging.
+    /// Returns the buffer and the offset to which distances are copied, for a half of the staging buffer. The
+    /// batch must have a staging buffer.
     pub(super) fn staged_at(&self, half: usize) -> (vk::Buffer, u64) {
         self.staging.as_ref().expect("distances are copied only to staging").at(half)
     }
 
-    /// Returns the distances of a batch, map after map. `half` says where they were copied, if they were.
+    /// Returns the distances of a batch, map after map. If distances are copied to the staging buffer, `half`
+    /// is the half that holds them.
     pub(super) fn read_distances(&self, half: usize) -> &[u8] {
         match &self.staging {
             Some(staging) => staging.read(half),

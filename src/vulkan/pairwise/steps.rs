@@ -9,7 +9,7 @@ use crate::vulkan::schedules::plan;
 /// Step of a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Step {
-    /// Copies what the host has written about the maps to where shaders read it.
+    /// Copies the progress of the maps, as the host has initialized it, to the buffer that shaders read.
     Begin,
     /// Fills both images, so that no point but the sources is reached.
     Start,
@@ -23,7 +23,7 @@ pub(super) enum Step {
     Unpack,
     /// Copies the distances to a half of the staging buffer, where the host reads them.
     Bring(usize),
-    /// Copies the progress of the maps to where the host reads it.
+    /// Copies the progress of the maps to the buffer that the host reads.
     Report,
 }
 
@@ -48,8 +48,10 @@ impl Step {
     }
 }
 
-/// Returns the steps that start a batch and iterate it. `scans` are those of the raster schedule, for maps in
-/// images. `bring` is the half to which distances are copied, if they are. On a glued surface, `exchanges` is set.
+/// Returns the steps that start a batch and iterate it. For maps in images, `scans` are the steps of the raster
+/// schedule. `bring` is the half of the staging buffer to which the distances of maps in shared memory are copied, or
+/// `None` if the host reads them in place. For maps in images, [`last`] copies the distances. On a glued surface,
+/// `exchanges` is set.
 pub(super) fn first(
     schedule: PairwiseSchedule,
     scans: Vec<plan::Step>,
@@ -62,8 +64,8 @@ pub(super) fn first(
     before.chain(further(schedule, scans, bring)).collect()
 }
 
-/// Returns the steps that continue maps that are not done. Maps in shared memory write their distances at the
-/// end of each dispatch.
+/// Returns the steps that continue maps that are not done. A map in shared memory writes its distances at the end of
+/// the dispatch in which it is done.
 pub(super) fn further(
     schedule: PairwiseSchedule,
     scans: Vec<plan::Step>,

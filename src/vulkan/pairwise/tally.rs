@@ -88,10 +88,10 @@ impl Tally<'_> {
     }
 }
 
-/// Returns what the count of an iteration moves in addition to what each map that was not done takes
-/// (`glsl/passes/pairwise_count.comp`). For a map that was done before, it reads that it is done. For a map
-/// that is done now, it writes that, and reads and writes the number of pending maps. If no map is pending
-/// any more, it writes that rows and columns have no workgroups.
+/// Returns the data that the count of an iteration (`glsl/passes/pairwise_count.comp`) moves in addition to
+/// the data of each map that was not done before. For a map that was done before, the count reads `done`. For
+/// a map that is done now, it writes `done`, and reads and writes the number of pending maps. If no map is
+/// pending any more, it also writes that rows and columns have no workgroups.
 fn of_ends(number: u32, after: &[MapProgress]) -> Work {
     let count = |is: fn(u32, u32) -> bool| {
         let maps = after.iter().filter(|map| map.is_done && is(map.iterations, number + 1));

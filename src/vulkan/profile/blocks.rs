@@ -18,8 +18,8 @@ pub(crate) struct Blocks {
     /// Scan of the first block. `block` is that block's number from the start of the grid.
     pub(crate) scan: Scan,
     pub(crate) block: u32,
-    /// Whether each of the four scans takes its blocks in turn: by one workgroup per dispatch, which runs
-    /// even if no block is due.
+    /// Whether each of the four scans takes several blocks in a dispatch. The dispatch then has a single
+    /// workgroup, which runs even if no block is due.
     pub(crate) in_turn: [bool; 4],
     /// Number of the first block in the recording.
     pub(crate) first: u32,
@@ -35,7 +35,7 @@ impl Blocks {
         }
     }
 
-    /// Returns the number of workgroups of a scan that lies beyond convergence.
+    /// Returns the number of workgroups of a scan that runs after the map has converged.
     pub(super) fn beyond(&self, record: &PassRecord) -> u32 {
         match record.kind {
             PassKind::Scan(scan) if self.in_turn[scan as usize] => record.dispatches,
@@ -44,8 +44,8 @@ impl Blocks {
         }
     }
 
-    /// Returns the record of these blocks without those that the device has not visited. `record` counts all
-    /// of them as visited. Returns `None` if the device cannot note this many blocks.
+    /// Returns the record of these blocks without the work of blocks that the device has not visited.
+    /// `record` counts all blocks as visited. Returns `None` if the device cannot note this many blocks.
     pub(super) fn visited(&self, record: PassRecord, visits: &[u32]) -> Option<PassRecord> {
         let numbers = self.first..self.first + self.count;
         if numbers.end > VISITS {
@@ -67,8 +67,8 @@ impl Blocks {
         Some(PassRecord { groups, work, ..record })
     }
 
-    /// Returns the texels and workgroups of a block of a scan. Workgroups that are dispatched in any case do
-    /// not count.
+    /// Returns the texels and workgroups of a block of a scan. Workgroups that are dispatched even if the
+    /// block is not due do not count.
     fn block(&self, (scan, number): (Scan, u32)) -> (u64, u32) {
         let [cols, rows] = self.texels.inner();
         let by_rows = ScanPair::of(scan) == ScanPair::DownUp;

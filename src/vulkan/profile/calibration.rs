@@ -18,7 +18,7 @@ pub(crate) struct Calibration {
 
 impl Calibration {
     /// Reads the device's clock between two readings of the host's clock. The device must have `extension`
-    /// enabled. The result is the shortest of several tries.
+    /// enabled. Of several tries, the result is the one that took the shortest time.
     pub(crate) fn new(
         instance: &ash::Instance,
         device: &ash::Device,
@@ -27,7 +27,7 @@ impl Calibration {
     ) -> Result<Self, VulkanError> {
         let info =
             [vk::CalibratedTimestampInfoKHR::default().time_domain(vk::TimeDomainKHR::DEVICE)];
-        // Both extensions share the function except for the end of its name.
+        // Both extensions have the same function under names with different endings.
         let read = || {
             // SAFETY: the extension is enabled on the device, which offers its own time domain.
             unsafe {

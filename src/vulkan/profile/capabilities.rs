@@ -50,7 +50,7 @@ impl fmt::Display for Capability {
 pub struct Unavailable(&'static str);
 
 impl Unavailable {
-    /// Reason of a capability that was left out on purpose.
+    /// Reason why a capability is missing that the caller left out on purpose.
     pub const LEFT_OUT: Self = Self("left out as asked");
 }
 
@@ -69,7 +69,8 @@ pub struct Capabilities {
     pub statistics: Result<(), Unavailable>,
     /// Whether the driver reports the registers of pipelines.
     pub executables: Result<(), Unavailable>,
-    /// Extension for calibrated timestamps: the Khronos one or, before it, the vendors'.
+    /// Extension for calibrated timestamps: `VK_KHR_calibrated_timestamps` if the device has it, otherwise
+    /// its predecessor `VK_EXT_calibrated_timestamps`.
     pub calibration: Result<&'static CStr, Unavailable>,
     /// Whether tools receive labels and names.
     pub labels: Result<(), Unavailable>,
@@ -105,11 +106,13 @@ impl Capabilities {
                 features.pipeline_statistics_query != 0,
                 "it counts no invocations: pipelineStatisticsQuery is missing",
             ),
-            executables: or(executables, "VK_KHR_pipeline_executable_properties is missing"),
-            calibration: calibration
-                .into_iter()
-                .find(|name| has(name))
-                .ok_or(Unavailable("VK_KHR_calibrated_timestamps is missing")),
+            executables: or(
+                executables,
+                "VK_KHR_pipeline_executable_properties or its feature pipelineExecutableInfo is missing",
+            ),
+            calibration: calibration.into_iter().find(|name| has(name)).ok_or(Unavailable(
+                "VK_KHR_calibrated_timestamps and VK_EXT_calibrated_timestamps are missing",
+            )),
             labels: or(debug_utils, "VK_EXT_debug_utils is missing or not enabled"),
         }
     }
@@ -150,7 +153,7 @@ impl Capabilities {
 fn executable_info(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> bool {
     let mut executables = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default();
     let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut executables);
-    // SAFETY: the physical device is from this instance, supports Vulkan 1.1 and the extension.
+    // SAFETY: the physical device is from this instance, and it supports Vulkan 1.1 and the extension.
     unsafe { instance.get_physical_device_features2(physical_device, &mut features) };
     executables.pipeline_executable_info != 0
 }

@@ -35,8 +35,8 @@ impl Clock {
         to.wrapping_sub(from) & self.mask()
     }
 
-    /// Returns the ticks from one timestamp to another, which may be earlier. Of both directions around the
-    /// counter the shorter one counts.
+    /// Returns the ticks from one timestamp to another, which may be earlier. The counter wraps, so the ticks
+    /// are counted in the direction in which there are fewer.
     pub fn signed_ticks(&self, from: u64, to: u64) -> i64 {
         let unused = u64::BITS - self.valid_bits;
         (to.wrapping_sub(from) << unused) as i64 >> unused

@@ -30,8 +30,8 @@ pub struct Statistic {
     pub value: f64,
 }
 
-/// Reads the executables of `pipelines`, which are given with their names. They must have been created with
-/// `CAPTURE_STATISTICS`, on a device with the feature `pipelineExecutableInfo`.
+/// Reads the executables of `pipelines`, which are given with their names. The pipelines must have been
+/// created with `CAPTURE_STATISTICS`, on a device with the feature `pipelineExecutableInfo`.
 pub(crate) fn executables(
     loader: &khr::pipeline_executable_properties::Device,
     pipelines: &[(String, vk::Pipeline)],
@@ -62,7 +62,8 @@ pub(crate) fn executables(
 impl Statistic {
     fn of(raw: &vk::PipelineExecutableStatisticKHR) -> Self {
         use vk::PipelineExecutableStatisticFormatKHR as Format;
-        // SAFETY: the driver has set the field that the format names; all bits are valid in each.
+        // SAFETY: the driver has set the field that the format names, and every bit pattern is valid in each
+        // of the fields.
         let value = unsafe {
             match raw.format {
                 Format::BOOL32 => f64::from(raw.value.b32),
@@ -86,8 +87,8 @@ fn text(chars: &[c_char]) -> String {
 mod tests {
     use super::*;
 
-    /// No available device has the extension, so the test checks how its structures are read against the
-    /// specification.
+    /// Lavapipe, on which the tests usually run, lacks the extension. So the test fills the extension's
+    /// structures as the specification says, and checks that they are read correctly.
     #[test]
     fn every_format_of_a_statistic_is_a_number() {
         use vk::PipelineExecutableStatisticFormatKHR as Format;

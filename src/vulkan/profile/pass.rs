@@ -191,8 +191,8 @@ pub enum Grain {
     /// A record for each iteration: its scans, or its updates of all points, with the count that ends it.
     /// With tiles, a record for each round.
     Iterations,
-    /// A record for each scan, or for each pair of scans that go at the same time, with all its blocks of
-    /// lines, of which there may be a hundred or more, and the barriers between them.
+    /// A record for each scan, or for each pair of scans that run at the same time. It includes all blocks of lines of
+    /// the scan, which may be a hundred or more, and the barriers between them.
     #[default]
     Scans,
     /// A record for each dispatch.
@@ -280,8 +280,8 @@ pub struct PassRecord {
     pub area: Option<Area>,
     /// Number of dispatches in this record; 0 for copies and clears.
     pub dispatches: u32,
-    /// Number of workgroups in all dispatches together. It is zero if the map converged before the pass,
-    /// except for scans that take blocks of lines in turn. It is also `None` for copies and clears.
+    /// Number of workgroups in all dispatches together. It is zero if the map converged before the pass, except for
+    /// scans in which one workgroup takes several blocks of lines. It is also `None` for copies and clears.
     pub groups: Option<[u32; 3]>,
     /// Data that the pass moved, and updates that it computed.
     pub work: Work,

@@ -28,7 +28,7 @@ pub(crate) enum Presence {
     Always,
     /// Visits the blocks of lines that are due.
     Scans(Blocks),
-    /// Visits nothing if the map converged before the iteration of the portion.
+    /// Visits nothing if the map converged before the iteration to which the pass belongs.
     Iteration,
     /// An exchange between copies of points, which moves nothing if the map converged before.
     Exchange,
@@ -61,12 +61,12 @@ pub(crate) struct Decisions<'a> {
     pub after: u32,
     /// Whether the map is done after the portion.
     pub is_done: bool,
-    /// Numbers of each round of the portion: tiles on its list, and tiles of these that waited for the next
-    /// round.
+    /// For each round of the portion, the number of tiles on its list, and the number of those tiles that
+    /// waited for the next round.
     pub rounds: &'a [[u32; 2]],
     /// Number of texels that were brought back to one image after the rounds.
     pub settled: u32,
-    /// A bit for each dispatch of a scan in the portion, which says whether it visited its block.
+    /// A bit for each block of lines in the scans of the portion. It says whether the scan visited the block.
     pub visits: &'a [u32],
 }
 
@@ -86,7 +86,8 @@ pub(crate) fn decided(
         };
     };
     let number = record.iteration.unwrap_or(0);
-    // A part of an iteration has no count, and the map goes on.
+    // If the portion is only a part of an iteration, it has no count, so `after` equals `before` although the
+    // map goes on. Then `is_done` is not set.
     let is_beyond = is_done && number >= after - before;
     let record = PassRecord { iteration: record.iteration.map(|_| before + number), ..record };
     let record = match presence {
@@ -144,7 +145,7 @@ pub(crate) struct StepCounter {
     pub(crate) tuning: Tuning,
     pub(crate) curved: bool,
     pub(crate) iteration: u32,
-    /// Number of dispatches of scans so far.
+    /// Number of blocks of lines in the scans so far.
     pub(crate) scans: u32,
     /// Bytes that an exchange between copies of points reads and writes.
     exchanged: [u64; 2],
@@ -156,7 +157,8 @@ impl StepCounter {
         Self { texels, tuning, curved, iteration: 0, scans: 0, exchanged: [0; 2] }
     }
 
-    /// Returns the counter for a glued surface, of which an exchange reads and writes these bytes.
+    /// Returns the counter for a surface on which each exchange reads and writes these numbers of bytes. They
+    /// are `None` if the surface is not glued.
     pub(crate) fn exchanging(self, bytes: Option<[u64; 2]>) -> Self {
         Self { exchanged: bytes.unwrap_or(self.exchanged), ..self }
     }

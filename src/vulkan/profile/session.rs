@@ -25,8 +25,8 @@ pub struct Detail {
     pub invocations: bool,
     /// Whether the tiles that each round visits are recorded. They are unknown for records of whole portions.
     pub tiles: bool,
-    /// Whether whole submissions are timed by a pair of timestamps of their own, around those of the passes,
-    /// which take time as well.
+    /// Whether each submission is also timed as a whole, by two timestamps around those of the passes. The
+    /// time between the two includes the time that the timestamps of the passes take.
     pub whole: bool,
 }
 
@@ -35,8 +35,8 @@ pub struct Detail {
 pub struct SolveProfile {
     /// Submissions in their order.
     pub submissions: Vec<SubmissionRecord>,
-    /// Time by the host's clock from the first submission to the end of the last before the map is read back.
-    /// For many maps at once it lasts to the end of all.
+    /// Time by the host's clock from the first submission to the end of the last submission before the map is
+    /// read back. For many maps at once, it lasts until all distances have been read back.
     pub time: Duration,
 }
 
@@ -47,13 +47,13 @@ pub struct SubmissionRecord {
     pub submitted: Duration,
     /// Time since the start of the map at which the host knew that the submission had ended.
     pub ended: Duration,
-    /// Start of the submission on the device, in nanoseconds on the same clock. It requires calibrated
-    /// timestamps.
+    /// Start of the submission on the device, in nanoseconds since the start of the map by the host's clock.
+    /// It requires calibrated timestamps.
     pub begin: Option<f64>,
-    /// Nanoseconds from its first command to its last. Without [`Detail::whole`] they last from the first
-    /// pass to the end of the last.
+    /// Nanoseconds from the submission's first command to its last. Without [`Detail::whole`], the
+    /// nanoseconds from the start of the first pass to the end of the last one.
     pub nanoseconds: Option<u64>,
-    /// Nanoseconds from its first command to the first pass; 0 without [`Detail::whole`].
+    /// Nanoseconds from the submission's first command to the first pass; 0 without [`Detail::whole`].
     pub lead: Option<u64>,
     /// Records of the passes.
     pub passes: Vec<PassRecord>,
@@ -85,7 +85,7 @@ pub(crate) struct Session {
     capabilities: Capabilities,
     pools: Vec<vk::QueryPool>,
     profile: Profile,
-    /// Range whose first and last query are the timestamps around everything, if requested.
+    /// Range whose first and last query are the timestamps around the whole submission, if requested.
     around: Option<QueryRange>,
     buffer: Option<Buffer>,
     /// Number of tiles of the grid.
@@ -170,7 +170,7 @@ impl Session {
     /// Writes the beginning of a command buffer.
     fn open(&self, device: &ash::Device, commands: vk::CommandBuffer) {
         if let Some(QueryRange { pool, first, count }) = self.around {
-            // SAFETY: the pool is ours, and its last results have been read.
+            // SAFETY: the session owns the pool, and the pool's last results have been read.
             unsafe { device.cmd_reset_query_pool(commands, pool, first, count) };
             self.write(device, commands, first);
         }
@@ -188,7 +188,7 @@ impl Session {
     fn write(&self, device: &ash::Device, commands: vk::CommandBuffer, query: u32) {
         let Some(QueryRange { pool, .. }) = self.around else { return };
         let stage = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
-        // SAFETY: the pool is ours, and the query was reset at the beginning.
+        // SAFETY: the session owns the pool, and the query was reset at the beginning.
         unsafe { device.cmd_write_timestamp(commands, stage, pool, query) };
     }
 
@@ -316,7 +316,7 @@ mod tests {
     use crate::vulkan::profile::Capability;
     use crate::vulkan::{HeadlessSolver, Method, Schedule};
 
-    /// Checks that queries, copies of decisions and lists, labels and names leave no message under the
+    /// Checks that queries, copies of decisions and lists, labels and names cause no message of the
     /// validation layers, with synchronization validation. Whatever is left out, the map is the same to the
     /// last bit.
     #[test]
@@ -353,7 +353,7 @@ mod tests {
                     let recordings = profile.passes().filter(|pass| pass.kind == ends).count();
                     assert!(recordings >= 1 && profile.submissions.len() == recordings + 1);
                 }
-                // A recording with queries is not submitted again without them.
+                // A solve without a profile does not submit a recording with queries again.
                 let again = solver.solve(&mut on_device, &seeds, method).unwrap();
                 assert_eq!(again.distances, plain.distances);
             }

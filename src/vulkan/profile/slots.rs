@@ -177,7 +177,7 @@ impl Profile {
         (taken.portions, taken.left_out) = (0, 0);
         drop(taken);
         for range in [self.slots.timestamps, self.slots.statistics].into_iter().flatten() {
-            // SAFETY: the host has given us this range of a pool of this device.
+            // SAFETY: the host has given the profile this range of a pool of this device.
             unsafe {
                 device.cmd_reset_query_pool(commands, range.pool, range.first, range.count);
             }
@@ -223,7 +223,8 @@ impl Profile {
             // SAFETY: the query was begun by `open`.
             unsafe { device.cmd_end_query(commands, pool, first + number as u32) };
         }
-        // The steps of a portion are recorded before the copy of what was decided in it.
+        // The steps of a portion are recorded before the portion ends, so `portions` is still the number of
+        // their portion.
         let mut taken = self.taken();
         let (portion, timestamp) = (taken.portions, taken.timestamps + 1);
         taken.entries.push(Entry { record, presence, portion, timestamp });

@@ -46,12 +46,12 @@ use crate::vulkan::upload::SEED_BYTES;
 /// | regions: beginnings of ways | two numbers, the time, 4 lengths and *curvatures* | three numbers a point |
 /// | regions: ways, then labels | `None`: depends on how many points the ways lead past | `None` |
 ///
-/// With curved fronts, *curvatures* are those of the fronts and of the surface; with others there are none.
-/// Paths count for all the paths that there is room for.
+/// With curved fronts, *curvatures* are those of the fronts and of the surface; with others there are none. The entries
+/// for paths count all paths for which there is room.
 ///
-/// In a batch, the count that ends the last iteration of a map differs. In place of the two further numbers
-/// it reads and writes the number of pending maps, and writes that this map is not pending. With the last map
-/// of the batch it writes two numbers more.
+/// In a batch, the count that ends the last iteration of a map differs. In place of the two further numbers it reads
+/// and writes the number of pending maps, and writes that this map is done. With the last map of the batch it writes
+/// two numbers more.
 ///
 /// Places that may be invalid count as valid ones. Sources count as lying inside cells. The four or 100
 /// texels around a source count as lying on the grid and as belonging to no other source. Looked-up places
@@ -65,9 +65,9 @@ pub struct Work {
     /// Number of visited texels, of 2 x 2 points each. A tile counts as a whole even where it reaches beyond
     /// the grid.
     pub texels: Option<u64>,
-    /// Number of texels that a pass without bounds would have visited as well. It is the gain of the paper's
-    /// scissor test, of lists of tiles, and of passes beyond convergence. Lines that a scan skips before its
-    /// first block count to that block.
+    /// Number of texels that the pass skipped, and that a pass without bounds would have visited. They are skipped by
+    /// the paper's scissor test, by lists of tiles, or because the map has converged. Lines that a scan skips before
+    /// its first block count to that block.
     pub skipped: Option<u64>,
     /// Number of bytes read.
     pub bytes_read: Option<u64>,
@@ -88,8 +88,8 @@ impl Work {
         Some(self.bytes_read? + self.bytes_written?)
     }
 
-    /// Returns the work of both. `other` is of the same kind, or the count of an iteration, which visits no
-    /// texels.
+    /// Returns the sum of the work of two passes. `other` is the work of a pass of the same kind, or of the count of an
+    /// iteration, which visits no texels.
     pub(crate) fn and(self, other: Self) -> Self {
         let sum = |a: Option<u64>, b: Option<u64>| Some(a? + b?);
         let visits = |a: Option<u64>, b: Option<u64>| Some(a? + b.unwrap_or(0));

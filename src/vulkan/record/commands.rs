@@ -70,8 +70,8 @@ impl<'a> Commands<'a> {
         Self { device, buffer, pipelines, profile: None, turn: None }
     }
 
-    /// Opens a pass that ends when the returned value is dropped. It has a label, and a place in the profile
-    /// with the known values in `record`.
+    /// Opens a pass that ends when the returned value is dropped. It has a label, and a record in the profile that
+    /// begins with the values of `record`.
     pub(crate) fn pass_with(&self, record: PassRecord) -> Option<Scope<'a>> {
         if self.turn.is_some() {
             return None;
@@ -225,7 +225,8 @@ impl<'a> Commands<'a> {
         unsafe { self.device.cmd_update_buffer(self.buffer, buffer, offset, bytes) };
     }
 
-    /// Copies part of a buffer to one that has room for it there. The two parts must not overlap.
+    /// Copies `size` bytes between two places, each given by a buffer and an offset. Both buffers must hold this many
+    /// bytes there, and the two parts must not overlap.
     pub(crate) fn copy(&self, from: (vk::Buffer, u64), to: (vk::Buffer, u64), size: u64) {
         let part = vk::BufferCopy::default().src_offset(from.1).dst_offset(to.1).size(size);
         self.copy_parts(from.0, to.0, &[part]);
@@ -236,7 +237,7 @@ impl<'a> Commands<'a> {
         if self.is_skipped() {
             return;
         }
-        // SAFETY: both buffers hold this many bytes there. For the host's buffers the host has promised it.
+        // SAFETY: both buffers hold this many bytes there. For the host's buffers, the host has promised this.
         unsafe { self.device.cmd_copy_buffer(self.buffer, from, to, parts) };
     }
 

@@ -13,7 +13,7 @@ use crate::vulkan::profile::{PassKind, PassRecord, Work};
 const MOST_BYTES: usize = 65_536;
 
 impl Commands<'_> {
-    /// Writes a list of copies. A barrier after clears must follow.
+    /// Writes a list of copies to its buffer. A barrier after transfer writes must follow.
     pub(in crate::vulkan) fn write_copies(&self, copies: &Copies) {
         let (buffer, bytes) = copies.contents();
         self.barrier(SHADER, TRANSFER_WRITE);

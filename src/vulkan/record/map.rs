@@ -61,7 +61,7 @@ impl Recorder<'_> {
     }
 
     /// Copies `count` texels with seeds, and the anchors, to the buffers that shaders read, unless the program has
-    /// written them there directly. The device must have finished reading those of the last map.
+    /// written them there directly. The device must have finished reading the texels and anchors of the last map.
     fn bring_inputs(&self, count: u32) {
         let bytes = u64::from(count) * size_of::<SeedTexel>() as u64;
         let Some(parts) = self.grid.inputs(bytes) else { return };
@@ -151,7 +151,7 @@ impl Recorder<'_> {
         };
         let staging = self.grid.read_back_at(half);
         if staging.is_some() {
-            // The last band may still be copied.
+            // The copy of the previous band may still be running.
             self.barrier(TRANSFER_READ, SHADER_WRITE);
         }
         self.host_pass(self.pipelines.of(UNPACK), self.grid.sets.read_back, &band, size);

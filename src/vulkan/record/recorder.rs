@@ -60,8 +60,8 @@ impl<'a> Recorder<'a> {
         self.bind(pipeline, self.grid.sets.writing[writes]);
     }
 
-    /// Records a pass that is this many invocations wide and high. With `writes` 0 it writes image 0. With 1
-    /// it reads image 0 and writes neither.
+    /// Records a pass that is this many invocations wide and high. The pass may write the image of fronts `writes` and
+    /// read the other one.
     pub(crate) fn run<P: Pod>(
         &self,
         pipeline: Pipeline<P>,
@@ -99,7 +99,7 @@ impl<'a> Recorder<'a> {
         self.dispatch(pipeline, constants, Groups::of(invocations));
     }
 
-    /// Records a pass with one invocation for each group of copies. It is counted as one of `kind`.
+    /// Records a pass with one invocation for each group of copies. The profile counts it as a pass of `kind`.
     pub(crate) fn pass_over_groups<P: Pod>(
         &self,
         kind: PassKind,
@@ -113,15 +113,15 @@ impl<'a> Recorder<'a> {
         self.map_pass(pipeline, set, constants, [groups, 1]);
     }
 
-    /// Returns the sets of a pass that also uses a set of the host. They are those of a pass that writes
-    /// image 1, which reads image 0.
+    /// Returns the sets of a pass that also uses a set of the host. The first set is that of a pass that writes
+    /// image 1, so the pass reads the fronts of image 0.
     pub(crate) fn with_host(&self, set: vk::DescriptorSet) -> Sets {
         self.grid.sets.writing[1].with_host(set)
     }
 }
 
-/// Returns the record of a dispatch that is this many invocations wide and high. Workgroups lie along the
-/// width.
+/// Returns the record of a dispatch that is this many invocations wide and high. Each workgroup is a part of a row of
+/// invocations.
 pub(crate) fn dispatched(kind: PassKind, [width, height]: [u32; 2]) -> PassRecord {
     let groups = Some([width.div_ceil(WORKGROUP), height, 1]);
     PassRecord { groups, ..PassRecord::new(kind) }

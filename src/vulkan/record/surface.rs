@@ -30,8 +30,8 @@ impl Recorder<'_> {
             self.image_barrier(image.image, SHADER, TRANSFER_WRITE, layouts);
         }
         self.clear(grid.edges.image, 0, FAR);
-        // The image of curvatures also holds the slownesses, if the surface has them. They are cleared to 1, and so are
-        // the curvatures of texels without points, which no edge leads to.
+        // The image of curvatures also holds the slownesses, if the surface has them. The whole image is then cleared
+        // to 1. At texels without points, a curvature of 1 has no effect, since no edge leads to them.
         self.clear(grid.gaussian.image, 0, if grid.is_slowed() { 1.0 } else { 0.0 });
         self.clear_fronts();
         if let Some(copies) = &self.grid.copies {

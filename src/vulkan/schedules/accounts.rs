@@ -19,7 +19,7 @@ pub(in crate::vulkan) fn account(counter: &mut StepCounter, step: &Step) -> (Pas
 
 /// Returns the number of records that the steps make.
 pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
-    // A count ends each iteration, so two adjacent scans never have the same direction.
+    // A count ends each iteration, so adjacent steps with the same scan are always blocks of one scan.
     let merged = steps.windows(2).filter(|pair| match &pair[0] {
         Step::Scan(before) => match grain {
             // Whether an iteration comes after convergence is known only later. So a portion reserves a record for
@@ -119,8 +119,8 @@ mod tests {
         }
     }
 
-    /// The grid has ten rows of texels and seventeen columns, in blocks of four. The device has visited the
-    /// last two rows in both scans, and the last column in the scan left.
+    /// The grid has ten rows of texels and seventeen columns, in blocks of four. The device has visited the last two
+    /// rows in the scans down and up, and the last column in the scan left.
     #[test]
     fn blocks_that_were_not_due_are_skipped() {
         let mut visits = [0; VISIT_WORDS as usize];
@@ -160,8 +160,8 @@ mod tests {
         }
     }
 
-    /// Repeats the previous check on the same grid with scans in pairs. The device has visited the last block
-    /// of rows in both scans, and the last column in the scan left.
+    /// Repeats the previous check on the same grid with scans in pairs. The device has visited the last block of rows
+    /// in the scans down and up, and the last column in the scan left.
     #[test]
     fn blocks_of_pairs_that_were_not_due_are_skipped() {
         let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();

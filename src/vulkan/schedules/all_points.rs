@@ -12,7 +12,8 @@ use crate::vulkan::record::Groups;
 
 pub(super) struct AllPoints;
 
-/// Largest number of iterations of two updates of all points in a recording. Large grids have fewer.
+/// Largest number of iterations in a recording. An iteration is two updates of all points. Recordings on
+/// large grids have fewer iterations.
 const ITERATIONS: u32 = 32;
 
 /// Points of a texel times the triangles of a point.

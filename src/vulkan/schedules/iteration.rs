@@ -6,9 +6,9 @@ use super::plan::{Reached, Scan, ScanPair, ScanPass};
 use crate::constants::BORDER;
 use crate::vulkan::TexelChart;
 
-/// Largest number of lines of a dispatch that takes several blocks in turn. A single block may have more. Mesa 22.3's
-/// lavapipe ends the loops of a shader after 65,535 iterations, counted over all loops of an invocation. The parts of
-/// obtuse triangles may take 784 of them for each line.
+/// Largest number of lines of a dispatch that takes several blocks, one after another. A single block may have more.
+/// Mesa 22.3's lavapipe ends the loops of a shader after 65,535 iterations, counted over all loops of an invocation.
+/// The parts of obtuse triangles may take 784 of them for each line.
 const LINES_IN_TURN: u32 = 64;
 
 /// Order of the passes of an iteration.
@@ -16,7 +16,7 @@ pub(crate) struct Iteration {
     pub(crate) texels: TexelChart,
     /// Number of lines in a block.
     pub(crate) lines: u32,
-    /// Whether each of the four scans takes its blocks in turn.
+    /// Whether each of the four scans takes several blocks in a dispatch, one after another.
     pub(crate) in_turn: [bool; 4],
     /// Whether opposite scans go in pairs.
     pub(crate) pairs: bool,
@@ -121,7 +121,7 @@ impl Iteration {
         while passed < visited.len() as u32 {
             let left = visited.len() as u32 - passed;
             let line = if forward { visited.start + passed } else { visited.end - 1 - passed };
-            // Bounds do not move blocks: they begin at the same lines as if all lines were visited.
+            // Bounds do not move blocks: blocks begin at the same lines as if all lines were visited.
             let in_block = (line - half.start) % block;
             let count = if forward { block - in_block } else { in_block + 1 }.min(left);
             along.start = along.start.saturating_sub(count).max(inner_along.start);

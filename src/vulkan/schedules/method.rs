@@ -10,15 +10,16 @@ use crate::update::Wavefront;
 pub struct Method {
     /// Front assumed inside a triangle. [`Wavefront::Anchored`] requires a floor plan
     /// ([`crate::Surface::is_floor_plan`]) of at most 33 million points, and at most 4096 sources inside
-    /// cells. All other maps are solved with [`Wavefront::Curved`] in its place.
+    /// cells. If these conditions are not met, the map is solved with [`Wavefront::Curved`] instead.
     pub wavefront: Wavefront,
     /// Order of updates. `None` selects [`Schedule::best_on`] the device.
     pub schedule: Option<Schedule>,
     /// Stopping criterion. It counts the iterations of the schedule.
     pub stop: Stop,
     /// Largest arrival time of the map. Points that fronts reach later are unreached, and their distance is
-    /// +infinity. Except for [`Schedule::AllPoints`], the work is that of the area within the radius. With
-    /// +infinity there is no limit. Frames have a limit of their own: [`crate::vulkan::embed::Frame::limit`].
+    /// +infinity. Except with [`Schedule::AllPoints`], the work is about proportional to the area within the
+    /// radius. With +infinity there is no limit. Frames have a limit of their own:
+    /// [`crate::vulkan::embed::Frame::limit`].
     pub radius: f64,
 }
 

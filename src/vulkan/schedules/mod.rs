@@ -89,7 +89,7 @@ impl Schedule {
     }
 }
 
-/// Returns the schedule to which a step belongs; `None` for those that several schedules use.
+/// Returns the schedule to which a step belongs; `None` for a step that several schedules use.
 fn order_of(step: &Step) -> Option<&'static dyn Order> {
     match step {
         Step::Scan(_) => Some(&raster::Raster),

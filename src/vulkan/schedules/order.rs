@@ -70,9 +70,9 @@ pub(super) struct Steps<'r, 'a> {
     pub(super) recorder: &'r Recorder<'a>,
     pub(super) variant: Variant,
     pub(super) bound: Option<(vk::Pipeline, usize)>,
-    /// Number of dispatches of scans that note whether they visited anything. The first ones do.
+    /// Number of blocks of scans, counted from the first, for which the device notes whether it visited them.
     pub(super) notes: u32,
-    /// Number of dispatches of scans so far.
+    /// Number of blocks of scans so far.
     pub(super) scans: u32,
 }
 

@@ -1,8 +1,8 @@
 //! Lists the passes of a recording as plain values that need no device: [`crate::vulkan::Schedule::plan`].
 //!
 //! An iteration of the raster schedule consists of four rotated scans. A scan consists of dispatches, one for each
-//! block of lines (rows or columns) of texels, each followed by a barrier. Scans run in turn, or two opposite scans
-//! run as a pair, each in one half of the grid: then a barrier follows one dispatch of each scan.
+//! block of lines (rows or columns) of texels, each followed by a barrier. Scans run one after another, or two opposite
+//! scans run as a pair, each in one half of the grid. In a pair, a barrier follows after one dispatch of each scan.
 //!
 //! In the first iteration from sources that the host knows, bounds replace the paper's scissor test. Outside the
 //! rectangle that the fronts can have reached, all points stay unreached, and are not visited. In further iterations
@@ -10,9 +10,9 @@
 //! it, or on the line behind it, has changed since the last visit (`glsl/passes/blocks.glsl`). It visits nothing once
 //! the map has converged. The host needs no readback for this.
 //!
-//! A pair of scans has two phases. In the first one, both move from the ends of the grid to its middle. In the second
-//! one, each continues into the other half. Both write the same image of fronts, at different texels. Neither reads
-//! what the other one writes in the phase: across the middle, they read the image from before the phase.
+//! A pair of scans has two phases. In the first one, both scans move from the ends of the grid to its middle. In the
+//! second one, each continues into the other half. Both write the same image of fronts, at different texels. Neither
+//! reads what the other one writes in the phase: beyond the middle, each reads the fronts from before the phase.
 //!
 //! If a line fits a workgroup, one dispatch takes many blocks in turn, since dispatches that wait for one another are
 //! the main cost on small grids. The workgroup checks for each block whether it is due, and barriers inside the
@@ -91,9 +91,9 @@ impl ScanPair {
     }
 }
 
-/// Pass of a scan over a block of lines of texels, over the block's lines within bounds, or over several blocks in
-/// turn. Blocks are counted from the grid's first row or column, for scans in either direction. Rows and columns of
-/// texels include the border of the images.
+/// Pass of a scan over a block of lines of texels, over those of the block's lines that lie within bounds, or over
+/// several blocks in turn. Blocks are counted from the grid's first row or column, for scans in either direction. Rows
+/// and columns of texels include the border of the images.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ScanPass {
     /// Scan to which the pass belongs.
@@ -116,8 +116,8 @@ pub struct ScanPass {
     pub left_out: u32,
     /// First row or column of texels of the grid's last half, if the scan runs in a pair with the opposite one.
     pub middle: Option<u32>,
-    /// Whether the next pass is that of the opposite scan at the same time. Neither depends on the other, and there
-    /// is no barrier between them.
+    /// Whether the next pass belongs to the opposite scan and runs at the same time as this one. Neither pass depends
+    /// on the other, and there is no barrier between them.
     pub beside_next: bool,
 }
 
@@ -169,7 +169,7 @@ pub enum Step {
     Exchange {
         /// Number of the image of fronts that was written last. After a round of tiles it is 0.
         image: usize,
-        /// Number of the round of tiles that follows in the recording, after a round.
+        /// Number of the next round of tiles in the recording, if the exchange follows a round of tiles.
         next_round: Option<u32>,
     },
     /// Decides whether another iteration follows.
@@ -269,8 +269,8 @@ pub struct Portions {
     pub tile: u32,
     /// Largest number of rounds of tiles in a recording. `None` selects it by the number of tiles.
     pub rounds: Option<u32>,
-    /// Largest number of texels that a submission visits. A recording has fewer iterations if they would visit more,
-    /// but at least one, which [`parts`] cuts. A single step may still visit more.
+    /// Largest number of texels that a submission visits. The iterations of a recording visit no more texels than this,
+    /// but a recording has at least one iteration, which [`parts`] cuts. A single step may still visit more.
     pub visits: u64,
 }
 
@@ -288,9 +288,9 @@ impl Portions {
 }
 
 /// Cuts the steps of a recording into several parts if they visit more than `visits` texels. Each part visits at most
-/// half of `visits`, unless it is a single step, so that a submission is a small share of an iteration too. Rounds of
-/// tiles are not cut, since only the device knows which tiles they visit. [`Portions::visits`] limits their number in a
-/// recording instead.
+/// half of `visits`, unless it is a single step, so that a submission is also a small share of an iteration. Rounds of
+/// tiles are not cut, since only the device knows which tiles they visit. [`Portions::visits`] limits the number of
+/// rounds in a recording instead.
 ///
 /// ```
 /// use geosweep::surface::Chart;
@@ -378,7 +378,8 @@ mod tests {
         }
     }
 
-    /// A texel is visited by both scans of a pair, so that a step of a pair has two blocks.
+    /// The two scans of a pair run at the same time, so they are cut only between groups of two blocks, one of each
+    /// scan.
     #[test]
     fn steps_of_a_pair_are_not_cut_apart() {
         let texels = texels(64);
@@ -432,7 +433,8 @@ mod tests {
             let parts: Vec<_> = parts(&steps, texels, 1).iter().map(|part| part.len()).collect();
             parts
         };
-        // There are eight blocks in each of four scans, the last with the count, and two updates.
+        // Raster scans have four times eight blocks, and the last part also has the count. The schedule of all points
+        // has two updates, and the count follows the second one.
         let blocks = [vec![1; 31], vec![2]].concat();
         assert_eq!(cut(Schedule::Raster), blocks);
         assert_eq!(cut(Schedule::AllPoints), [1, 2]);

@@ -79,12 +79,12 @@ pub(crate) struct Record {
     pub(crate) serial: u32,
 }
 
-/// Number of dispatches of scans in a recording for which profiles learn whether they visited anything.
+/// Number of blocks of scans in a recording for which profiles learn whether the scan visited the block.
 pub(crate) const VISITS: u32 = 32 * VISIT_WORDS;
 /// Bytes of the whole progress.
 pub(crate) const BYTES: u64 = size_of::<Progress>() as u64;
 
-/// Offsets of the parts, in bytes.
+/// Offsets of parts of the progress, in bytes.
 pub(crate) mod offset {
     use super::*;
 
@@ -101,29 +101,30 @@ pub(crate) mod offset {
         round(of) + size_of::<[u32; 3]>() as u64
     }
 
-    /// Returns the offset of the number of these tiles that waited.
+    /// Returns the offset of the number of tiles on a round's list that waited for the next round.
     pub(crate) const fn waited(of: u32) -> u64 {
         listed(of) + size_of::<u32>() as u64
     }
 
-    /// Number of texels that were brought back to one image.
+    /// Offset of the number of texels that were brought back to one image.
     pub(crate) const SETTLED: u64 = offset_of!(Progress, settled) as u64;
 
-    /// A bit for each dispatch of a scan. Only profiles use it.
+    /// Offset of the bits that say which blocks the scans have visited. Only profiles use them.
     pub(crate) const VISITS: u64 = offset_of!(Progress, visits) as u64;
 
-    /// Number of the map's targets, then the number of those that are needed.
+    /// Offset of the number of the map's targets. The number of targets that are needed follows it.
     pub(crate) const TARGET_COUNT: u64 = offset_of!(Progress, target_count) as u64;
-    /// The targets, after both numbers.
+    /// Offset of the targets, which follow both numbers.
     pub(crate) const TARGETS: u64 = offset_of!(Progress, targets) as u64;
 
-    /// State of a renderer's input, from here to the end. When a map starts, only [`PASSED_OVER`] of it is set to zero.
+    /// Offset of the state of a renderer's input, which extends to the end of the progress. When a map starts, only the
+    /// part [`PASSED_OVER`] of this state is set to zero.
     pub(crate) const INPUT: u64 = PREPARED.start;
     pub(crate) const PREPARED: Range<u64> =
         offset_of!(Progress, prepared) as u64..PASSED_OVER.start;
     pub(crate) const PASSED_OVER: Range<u64> =
         offset_of!(Progress, passed_over) as u64..POINTS.start;
-    /// State of the input's points.
+    /// Bytes with the state of the input's points.
     pub(crate) const POINTS: Range<u64> = offset_of!(Progress, holes) as u64..BYTES;
     pub(crate) const INPUT_BYTES: u64 = BYTES - INPUT;
     pub(crate) const INPUT_IN_RECORD: u64 = offset_of!(Record, prepared) as u64;
@@ -132,7 +133,7 @@ pub(crate) mod offset {
 }
 
 /// Rectangle of texels in which fronts may have changed, as the progress of a map with a limit stores it: the first and
-/// the last column and row, here equal in both directions.
+/// the last column and row. Here the numbers are the same for columns and rows.
 #[derive(Clone, Copy)]
 pub(crate) struct Changed {
     first: i32,

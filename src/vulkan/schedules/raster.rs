@@ -59,7 +59,7 @@ impl Order for Raster {
         steps
     }
 
-    /// Returns the numbers of the dispatch arguments of all blocks of lines in all scans, with the blocks
+    /// Returns the number of words of the dispatch arguments of all blocks of lines in all scans, including the blocks
     /// beyond the grid.
     fn start_words(&self, recorder: &Recorder) -> u64 {
         let pitch = recorder.grid.texels.block_pitch(recorder.pipelines.tuning.scan_lines);
@@ -73,7 +73,7 @@ impl Order for Raster {
         let (tuning, texels) = (recorder.pipelines.tuning, recorder.grid.texels);
         let groups = texels.inner().map(|length| length.div_ceil(tuning.scan_texels()));
         let both = 2 * u64::from(texels.block_pitch(tuning.scan_lines));
-        // The first element is the number of workgroups of a row, for scans down and up.
+        // The first element of `groups` is the number of workgroups for a row, for the scans down and up.
         for (first, groups) in [0, both].into_iter().zip(groups) {
             let blocks = [[groups, is_added.into(), 1]; BLOCKS_TOGETHER];
             for from in (0..both).step_by(BLOCKS_TOGETHER) {
@@ -169,7 +169,7 @@ pub(super) fn halves_of(texels: TexelChart, tuning: Tuning) -> Halves {
     Halves { middle, pitch: texels.block_pitch(lines) as i32 }
 }
 
-/// Returns the push constants of the pass over a block that notes no visit.
+/// Returns the push constants of a pass over a block. The pass does not note its visit.
 pub(crate) fn block_of(pass: &ScanPass, texels: TexelChart, lines: u32) -> Push {
     let last = along(texels, pass.scan).end - 1;
     Push {
@@ -185,8 +185,9 @@ pub(crate) fn block_of(pass: &ScanPass, texels: TexelChart, lines: u32) -> Push 
     }
 }
 
-/// Returns the steps of a plan that run at the same time, in the order in which they are recorded. Tests
-/// reverse it, since some devices run them one after another anyway.
+/// Returns the steps of a plan that run at the same time, in the order in which they are recorded. Tests also reverse
+/// this order, since on a device that runs the steps one after another they would not notice that a step depends on an
+/// earlier one.
 pub(super) fn in_order(together: &[Step]) -> impl Iterator<Item = &Step> {
     #[cfg(test)]
     let is_reversed = tests::PAIRS_ARE_REVERSED.get();
@@ -300,9 +301,9 @@ pub(in crate::vulkan) mod tests {
         }
     }
 
-    /// Marks the points that a front can reach, one by one, by the neighbourhoods of the scans. Of two scans
-    /// that go at the same time, neither sees what the other one reaches. The image that a scan, or a phase of
-    /// two scans, writes has all points that the other image has.
+    /// Marks the points that a front can reach, one by one, by the neighbourhoods of the scans. Of two scans that run
+    /// at the same time, neither sees the points that the other one reaches. The image that a scan, or a phase of two
+    /// scans, writes must have all points that had been reached before.
     #[test]
     fn nothing_outside_the_bounds_can_be_reached_and_nothing_reached_is_left_out() {
         let (rows, cols) = (13usize, 18usize);
@@ -332,8 +333,8 @@ pub(in crate::vulkan) mod tests {
         }
     }
 
-    /// Marks what a pass reaches, and which points of the grid it writes. Asserts that it writes what it
-    /// reaches.
+    /// Marks the points that a pass reaches and the points that it writes. Asserts that the pass writes every point
+    /// that it reaches.
     fn reach(
         pass: &ScanPass,
         points: &mut [Vec<bool>],
@@ -375,8 +376,7 @@ pub(in crate::vulkan) mod tests {
         }
     }
 
-    /// Lines of 60 texels, of which there are 70, fit a workgroup. Lines of 70 texels, of which there are 60,
-    /// do not.
+    /// The 70 columns of 60 texels fit a workgroup. The 60 rows of 70 texels do not.
     #[test]
     fn a_dispatch_takes_blocks_in_turn_where_lines_fit_a_workgroup() {
         let texels = texels(120, 140);
@@ -392,7 +392,7 @@ pub(in crate::vulkan) mod tests {
         assert!(
             of(Scan::Up).all(|(in_turn, _, lines, blocks)| !in_turn && lines == 6 && blocks == 1)
         );
-        // Seventy lines are ten blocks, then one and a part of one.
+        // Seventy lines are ten blocks in one dispatch, and a whole and a partial block in another.
         assert!(of(Scan::Right).eq([(true, 1, 60, 10), (true, 61, 10, 2)]));
         assert!(of(Scan::Left).eq([(true, 70, 10, 2), (true, 60, 60, 10)]));
         assert_eq!(texels_scanned(&steps), 4 * 60 * 70);

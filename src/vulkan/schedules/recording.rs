@@ -48,9 +48,9 @@ impl Steps<'_, '_> {
 type Planned<'a, R> = (R, Variant, &'a [Step], bool);
 
 impl Recorder<'_> {
-    /// Records the start of a map, before its seeds or before sources that are added to it. No iteration is done yet.
-    /// The map ends at `limit`. `causal` says whether the map's fronts are causal
-    /// ([`crate::surface::Origins`]).
+    /// Records the start of a map, or, if `is_added`, the addition of sources to a map. The seeds must be recorded
+    /// after it. The number of iterations is set to 0. The map ends at `limit`. `causal` says whether the map's fronts
+    /// are causal ([`crate::surface::Origins`]).
     pub(crate) fn start(
         &self,
         (stop, limit): (Stop, MapLimit),
@@ -195,8 +195,8 @@ impl Recorder<'_> {
         }
     }
 
-    /// Returns how many dispatches of scans note their visits: as many as there is room for, if a profile
-    /// requests it.
+    /// Returns the number of blocks of scans for which the device notes its visits. It is 0 unless a profile requests
+    /// the device's decisions, and is limited by the room for these notes.
     fn visits_noted(&self, steps: &[Step]) -> u32 {
         if self.profile.and_then(Profile::decisions).is_none() {
             return 0;

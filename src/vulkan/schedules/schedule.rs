@@ -82,9 +82,10 @@ const CHOICES: [Choice; 3] = [
     // than the work of a tile. Updates of all points at once came closest at 9 points, where they took twice as long.
     Choice { on_cpu: true, side: 32, schedule: Schedule::Tiles },
     // Measured as above. From 49 points a side on, tiles take 2 to 20 times as long as raster scans on a sphere, since
-    // barriers inside shaders are expensive on lavapipe. In a maze each round visits few tiles. At 129 to 257 points a
-    // side tiles took 0.4 to 0.9 of the time there as long as scans visited all blocks of lines. Now scans skip blocks
-    // that are not due, and tiles take 1.3 to 2.2 times as long (medians of 5 pairs beside other work).
+    // barriers inside shaders are expensive on lavapipe. In a maze each round visits few tiles. When scans still
+    // visited all blocks of lines, tiles took 0.4 to 0.9 of their time in mazes of 129 to 257 points a side. Now scans
+    // skip blocks that are not due, and tiles take 1.3 to 2.2 times as long as scans there (medians of 5 pairs beside
+    // other work).
     Choice { on_cpu: true, side: usize::MAX, schedule: Schedule::Raster },
     // Measured on an NVIDIA H200 (docs/devices), planar and curved fronts on a sphere: tiles take 0.2 to 0.8
     // of the time of raster scans from 64 to 4096 points a side.

@@ -24,7 +24,7 @@ impl Recorder<'_> {
     }
 
     /// Records the pass that lowers the limit of a map to the time that its targets need, if a round or an
-    /// iteration ends with the step. Returns whether it does.
+    /// iteration ends with the step `after`. Returns whether the pass has been recorded.
     pub(super) fn lower_limit(&self, after: Option<&Step>) -> bool {
         let follows = match after {
             Some(Step::Tiles { .. }) => TILES_FOLLOW,

@@ -73,7 +73,7 @@ impl Order for Tiles {
         let _pass = recorder.pass_with(record);
         let progress = recorder.grid.progress.buffer;
         recorder.barrier(PASS, TRANSFER);
-        // `settle.comp` puts the list there, whatever the number of rounds in that recording.
+        // `settle.comp` has put the list into the last entry, `ROUNDS`, whatever the number of rounds in its recording.
         let (from, to) = (offset::round(ROUNDS), offset::round(0));
         recorder.copy((progress, from), (progress, to), list);
         recorder.barrier(TRANSFER_READ, TRANSFER_WRITE);

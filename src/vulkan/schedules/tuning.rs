@@ -10,12 +10,12 @@ use crate::vulkan::{TexelChart, TileLanes, VulkanError};
 /// Sizes of portions. Shaders receive them as specialization constants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Tuning {
-    /// Invocations of a workgroup of a raster scan, one for each texel of a line. If a whole line fits a
-    /// workgroup, with one less than [`scan_lines`](Tuning::scan_lines) texels to spare at each end, a
-    /// dispatch takes many blocks of lines in turn.
+    /// Invocations of a workgroup of a raster scan, one for each texel of a line. If a whole line fits a workgroup,
+    /// with [`scan_lines`](Tuning::scan_lines) - 1 texels to spare at each end, a dispatch takes many blocks of lines
+    /// in turn.
     pub scan_width: u32,
-    /// Lines of texels in a block, which one dispatch of a raster scan takes. At each end of a workgroup
-    /// `scan_lines - 1` texels are computed by its neighbour too.
+    /// Lines of texels in a block, which one dispatch of a raster scan takes. At each end of a workgroup,
+    /// `scan_lines - 1` texels are computed by the neighbouring workgroup too.
     pub scan_lines: u32,
     /// Whether opposite raster scans run in pairs, each in one half of the grid at a time. An iteration then has half
     /// as many barriers, and a device may work on both scans at once. Otherwise the four scans run in turn. The map
@@ -82,8 +82,8 @@ impl Tuning {
     /// Sizes for devices that are CPUs. Measured on lavapipe (Mesa 22.3, two cores, 1200 x 1200 points):
     /// blocks of four lines take 0.8 of the time of single lines with planar fronts, and 0.65 with curved ones. Blocks
     /// of eight lines take 0.8 and 0.75. With workgroups of 128 invocations instead of 64, a dispatch takes blocks in
-    /// turn up to 244 points a side instead of 116. On grids between these sizes they take 0.4 to 1.1 of the time, and
-    /// at 320 points a side 0.9 to 2.1.
+    /// turn up to 244 points a side instead of 116. On grids between these sizes, the larger workgroups take 0.4 to 1.1
+    /// of the time, and at 320 points a side 0.9 to 2.1.
     pub const ON_CPU: Self = Self {
         scan_width: 64,
         scan_lines: 4,
@@ -99,10 +99,10 @@ impl Tuning {
     };
     /// Sizes for GPUs, measured on an NVIDIA H200 (docs/devices). Pairs of scans take 0.6 to 0.8 of the time of
     /// scans in turn from 64 to 1200 points a side. Blocks of 16 lines in place of 8 take 0.9 of the time at 1200
-    /// points. At that size tiles of 32 points take 0.9 of the time of tiles of 16 or 24 points, and one
-    /// iteration in a tile 0.7 of that of two. On small grids a round has few tiles, which run at the same time, and
-    /// takes as long as the consecutive lines of a single tile. Up to 128 points a side, tiles of 16 points need 1.0 to
-    /// 1.9 times as many rounds as tiles of 32 points, but only 0.5 to 0.95 as many consecutive lines in all
+    /// points. At that size tiles of 32 points take 0.9 of the time of tiles of 16 or 24 points, and one iteration in a
+    /// tile takes 0.7 of the time of two. On small grids a round has few tiles, which run at the same time, and takes
+    /// as long as the consecutive lines of a single tile. Up to 128 points a side, tiles of 16 points need 1.0 to 1.9
+    /// times as many rounds as tiles of 32 points, but only 0.5 to 0.95 as many consecutive lines in all
     /// (`tests/maps/tile_order.rs`).
     const ON_GPU: Self = Self {
         scan_width: 128,
@@ -161,7 +161,9 @@ impl Tuning {
             limits.max_compute_work_group_invocations.min(limits.max_compute_work_group_size[0]);
         let bytes = limits.max_compute_shared_memory_size;
         if scan_lines == 0 || scan_lines > MOST_LINES {
-            return refuse(format!("{scan_lines} lines are not between 1 and {MOST_LINES}"));
+            return refuse(format!(
+                "a block of a scan has {scan_lines} lines, but must have from 1 to {MOST_LINES}"
+            ));
         }
         if scan_width > most || 32 * scan_width > bytes {
             return refuse(format!("a workgroup of {scan_width} invocations is too large"));
@@ -170,7 +172,10 @@ impl Tuning {
             return refuse(format!("{scan_width} invocations are too few for {scan_lines} lines"));
         }
         if !(8..=64).contains(&tile) || tile % 2 != 0 || tile_lanes.invocations() * tile > most {
-            return refuse(format!("a tile cannot have {tile} points a side"));
+            return refuse(format!(
+                "a tile cannot have {tile} points a side; it must have an even number from 8 to 64 for which the \
+                 device's workgroups are large enough"
+            ));
         }
         if Self::tile_bytes(tile, tile_edges) > bytes {
             return refuse(format!("a tile of {tile} points a side does not fit {bytes} bytes"));
@@ -283,7 +288,7 @@ mod tests {
         assert_eq!(of(Tuning::ON_CPU, 20, 20), (16, true));
     }
 
-    /// Sizes that are compared with the untuned ones are measured as a device would use them.
+    /// Checks that tile sizes are measured with the edges placed as on a device that uses these sizes.
     #[test]
     fn edges_lie_in_shared_memory_where_they_fit() {
         let placed = |tile, kilobytes: u32| {

@@ -24,7 +24,8 @@ impl Anchors {
         Some(Self { points_in_row, inside: InsideSources::new(surface.floor()?) })
     }
 
-    /// Returns the first fundamental form: of rows, of both, and of columns.
+    /// Returns the first fundamental form of a step to the next row and a step to the next column: the squared length
+    /// of the first, the scalar product of both, and the squared length of the second.
     pub(crate) fn metric(&self) -> [f32; 3] {
         self.inside.grid().metric().map(|part| part as f32)
     }

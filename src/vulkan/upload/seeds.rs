@@ -9,7 +9,7 @@ pub(crate) use crate::vulkan::device::shaders::seed::SeedTexel;
 /// Bytes of a source as `glsl/passes/sources.comp` reads it.
 pub(crate) const SOURCE_BYTES: usize = 16;
 
-/// Bytes of a texel with sources that shaders read and write.
+/// Number of bytes that profiles count for a texel with seeds: all members of [`SeedTexel`] but `window`.
 pub(crate) const SEED_BYTES: u64 = (size_of::<SeedTexel>() - size_of::<[i32; 2]>()) as u64;
 
 /// Returns the curvatures of the fronts at seeds as fronts carry them, tagged like curvatures that come
@@ -53,7 +53,8 @@ mod tests {
     use super::*;
     use crate::update::{Front, SEED};
 
-    /// If they differed, a front that arrives together with a seed would replace it on a device alone.
+    /// If the fronts differed, a front that arrives at the same time as a seed would replace the seed on a
+    /// device, but not on the CPU.
     #[test]
     fn fronts_at_seeds_are_those_of_the_cpu() {
         for curvature in [0.0, -0.0, 0.5, Seed::AT_SOURCE] {

@@ -83,7 +83,8 @@ impl Host {
             vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION,
             vk::ValidationFeatureEnableEXT::GPU_ASSISTED,
         ];
-        // Layers from 1.3.275 add code to shaders that reads a missing descriptor, on lavapipe of Mesa 25.2.
+        // Layers 1.3.275 add code to shaders that reads a missing descriptor on lavapipe of Mesa 25.2. The tests
+        // trust no version from 1.3.240 until before 1.4.0.
         let is_sound = !(vk::make_api_version(0, 1, 3, 240)..vk::make_api_version(0, 1, 4, 0))
             .contains(&layers_version());
         let disabled = std::env::var("VK_LAYER_DISABLES").unwrap_or_default();
@@ -287,7 +288,7 @@ impl Host {
     ) -> ash::Device {
         let handle = self.device.handle();
         let load = |name: &CStr| match replace(name) {
-            // The function takes no arguments, which this calling convention allows.
+            // The function has no parameters. The calling convention allows arguments in a call of such a function.
             Some(function) => function as *const c_void,
             None => unsafe {
                 std::mem::transmute::<vk::PFN_vkVoidFunction, *const c_void>((self

@@ -1,6 +1,6 @@
 //! Bodies that are fuzzed: they accept any bytes and panic if something is wrong.
 //!
-//! cargo-fuzz (`fuzz/`) and the test on stable Rust call the same ones.
+//! cargo-fuzz (`fuzz/`) and the test on stable Rust call the same bodies.
 
 #![allow(dead_code, unused_imports, reason = "each target of cargo-fuzz calls one body")]
 

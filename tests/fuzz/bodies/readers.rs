@@ -82,7 +82,7 @@ pub fn matrix(data: &[u8]) {
     });
 }
 
-/// Reads a checkpoint, a zero byte, and the unfinished matrix. Resumes the matrix unless that is refused.
+/// Takes `data` as a checkpoint, a zero byte and an unfinished matrix, and resumes the matrix unless this is refused.
 pub fn checkpoint(data: &[u8]) {
     let Some(end) = data.iter().position(|&byte| byte == 0) else { return };
     let (checkpoint, part) = (&data[..end], &data[end + 1..]);
@@ -187,8 +187,8 @@ fn named(path: &Path, error: &IoError) {
     assert!(error.to_string().starts_with(&path.display().to_string()), "{error}");
 }
 
-/// Writes a new file. Some file systems write a file that replaces an old one to the disk at once, which
-/// takes longer than everything else.
+/// Writes a new file. If a file replaces an old one, some file systems flush it to the disk at once, which takes
+/// longer than everything else.
 fn write(path: &Path, data: &[u8]) {
     let _ = fs::remove_file(path);
     fs::write(path, data).unwrap();

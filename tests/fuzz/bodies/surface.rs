@@ -31,7 +31,7 @@ struct Solved {
     reached: usize,
 }
 
-/// Properties of every map. A further property is a further line.
+/// Properties of every map. A new property needs only an entry here.
 const CHECKS: [fn(&Case, &Solved); 3] = [is_of_numbers, reaches_what_is_connected, ends];
 
 pub fn surface(data: &[u8]) {
@@ -45,7 +45,7 @@ pub fn surface(data: &[u8]) {
     }
 }
 
-/// Asserts that no distance is NaN, and that no distance that counts as reached is infinite.
+/// Asserts that no distance is NaN, and that the number of finite distances is the reported number of reached points.
 fn is_of_numbers(_: &Case, solved: &Solved) {
     assert!(solved.distances.iter().all(|distance| *distance > f64::NEG_INFINITY), "NaN or less");
     let finite = solved.distances.iter().filter(|distance| distance.is_finite()).count();
@@ -71,7 +71,7 @@ fn reaches_what_is_connected(case: &Case, solved: &Solved) {
     }
 }
 
-/// Asserts that a map without convergence ends after a number of iterations that depends on the size.
+/// Asserts that a map ends within a number of iterations that depends on its size, even if it does not converge.
 fn ends(case: &Case, solved: &Solved) {
     let enough = 10 * (case.surface.rows() + case.surface.cols());
     assert!(solved.iterations as usize <= enough, "{} iterations", solved.iterations);
@@ -118,8 +118,8 @@ impl Solved {
     }
 }
 
-/// Returns a surface of any kind, from flat to a relief of 100 and a shear of 3, with cells of any
-/// proportion. It may have holes and a slowness.
+/// Returns a surface of any kind. Its relief is from 0 to 100 row spacings, its shear up to 3 row spacings from row
+/// to row, and its cells are up to ten times as long as wide or as wide as long. It may have holes and a slowness.
 fn any_surface(dice: &mut Dice) -> Surface {
     let (rows, cols) = (1 + dice.below(LARGEST_SIDE), 1 + dice.below(LARGEST_SIDE));
     let unit = if dice.once_in(4) { dice.magnitude(1e-6..1e6) } else { 1.0 };

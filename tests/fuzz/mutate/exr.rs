@@ -30,7 +30,7 @@ pub fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
     }
     match kind {
         "compression" => bytes[value.start] = random.below(12) as u8,
-        // One channel is repeated once or many times.
+        // The channels of the list are repeated once or many times.
         "chlist" if random.once_in(2) && value.len() > 1 => {
             let channel = bytes[value.start..value.end - 1].to_vec();
             let times = random.one_of(&[1, 2, 16, 200]);

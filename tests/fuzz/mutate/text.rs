@@ -34,7 +34,7 @@ pub fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
     let word = random.one_of(&WORDS).bytes();
     match random.below(6) {
         0 | 1 => {
-            // A number starts here.
+            // Replaces the next number.
             let is_digit = |byte: &u8| byte.is_ascii_digit() || b".-+eE".contains(byte);
             let Some(start) = bytes[place..].iter().position(u8::is_ascii_digit) else { return };
             let start = place + start;

@@ -11,7 +11,7 @@ const TAGS: [u16; 30] = [
 const COMPRESSIONS: [u16; 12] = [1, 2, 3, 4, 5, 6, 7, 8, 32773, 32946, 50000, 50001];
 
 pub fn mutate(bytes: &mut [u8], random: &mut Random) {
-    // Our encoders write little-endian files with one directory of entries of 12 bytes, or 20 in BigTIFF.
+    // The seeds are little-endian files with one directory, whose entries have 12 bytes, or 20 in BigTIFF.
     let Some(&[b'I', b'I', version, _, a, b, c, d]) = bytes.first_chunk::<8>() else { return };
     let big = version == 43;
     let directory = if big {

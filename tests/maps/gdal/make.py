@@ -1,12 +1,13 @@
-"""Writes GeoTIFFs by GDAL, with what GDAL reads from them. Needs rasterio and numpy.
+"""Writes GeoTIFFs with GDAL, and the values that GDAL reads from them. Needs rasterio and numpy.
 
-    make.py fixtures FOLDER     the files of this folder
-    make.py random FOLDER SEED  as many others, for a test that has rasterio
-    make.py describe FILE       where a file lies, and what it says of its values
+    make.py fixtures FOLDER     writes the files of this folder
+    make.py random FOLDER SEED  writes 300 random files, for a test that runs if there is rasterio
+    make.py describe FILE       prints a file's georeference, scales, offsets and no-data value, and how many
+                                pixels are masked
 
-Of each NAME.tif, NAME.npy holds the values: scaled and shifted, NaN where GDAL masks them.
-places.csv has a line for each file of which the place counts: its name, the EPSG code (0 where there is
-none), and x and y at the middles of the pixels at row 0, column 0, at row 1 and at column 1.
+NAME.npy holds the values of NAME.tif: scaled and shifted, NaN where GDAL masks them.
+places.csv has a line for each file whose place is tested: its name, its EPSG code (0 if there is none), and
+x and y at the middles of three pixels: row 0, column 0; row 1, column 0; row 0, column 1.
 """
 
 import csv
@@ -41,7 +42,7 @@ def numbers(rng, shape, dtype, bits):
 
 
 def variant(rng, path):
-    """Writes a file of some form and returns the values that it holds."""
+    """Writes a file of a random form. Returns the values that GDAL reads from it, and a description of its form."""
     shape = tuple(int(n) for n in rng.integers(1, 24, 2))
     dtype = one_of(rng, *INTEGERS, "float32", "float64", "float32", "int16", "uint8")
     options = {"BIGTIFF": one_of(rng, "YES", "NO"), "ENDIANNESS": one_of(rng, "LITTLE", "BIG")}
@@ -107,14 +108,14 @@ def variant(rng, path):
 
 
 def values_of(path):
-    """What GDAL reads."""
+    """Returns the values that GDAL reads."""
     with rasterio.open(path) as file:
         stored, visible = file.read(1).astype(float), file.read_masks(1) != 0
         values = stored * file.scales[0] + file.offsets[0]
         if (file.scales[0], file.offsets[0]) == (1.0, 0.0):
             values = stored
         if file.nodata is not None:
-            # A mask may show what was never written.
+            # A mask may mark pixels as visible that were never written.
             visible &= file.read(1, masked=True).data != np.array(file.nodata, file.dtypes[0])
     return np.where(visible, values, np.nan)
 
@@ -158,7 +159,7 @@ def grid(folder, name, **options):
 
 
 def places(folder):
-    """Files that lie in every way, with where."""
+    """Writes files with georeferences of every kind, and their places to places.csv."""
     turned = Affine.translation(5e5, 4e6) @ Affine.rotation(30) @ Affine.scale(30, -20)
     forms = {
         "north-up": {},
@@ -189,14 +190,14 @@ def place(name, path):
         at = file.transform
         code = None
         if file.crs is not None:
-            # Of a compound system the horizontal one, which the keys name.
+            # The code of a compound system is that of its horizontal system, which the file's keys name.
             horizontal = file.crs.to_wkt().startswith("COMPD_CS")
             code = {"us-feet-both": 2263, "metres-and-feet": 26918}[name] if horizontal else file.crs.to_epsg()
         return [name, code or 0] + [number for col, row in [(0.5, 0.5), (0.5, 1.5), (1.5, 0.5)] for number in at @ (col, row)]
 
 
 def refused(folder):
-    """Files that GDAL reads and that are refused by name."""
+    """Writes files that GDAL reads and that the library refuses with a reason."""
     small = {"height": 16, "width": 16}
     grid(folder, "zstd", compress="ZSTD")
     grid(folder, "lerc", compress="LERC")

@@ -18,7 +18,7 @@ use crate::host::Host;
 /// Path of the guide from the package's root, where tests run.
 const GUIDE: &str = "docs/frame-costs.md";
 
-/// A label, and the commands from there to the next label.
+/// A label, and the numbers of commands between this label and the next one.
 #[derive(Default)]
 struct Pass {
     label: String,

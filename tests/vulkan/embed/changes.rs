@@ -166,7 +166,7 @@ fn points_are_replaced_while_frames_are_in_flight() {
     }
     fences.into_iter().for_each(|fence| unsafe { device.destroy_fence(fence, None) });
 
-    // Recordings that are not submitted: as many as there are slots, and one more.
+    // The next recordings are not submitted. They are one more than there are slots.
     for (turn, points) in all.iter().enumerate() {
         stage.surface.set_points(&device, &stage.solver, 0, points).unwrap();
         let commands = stage.host.commands();
@@ -196,15 +196,15 @@ fn points_are_replaced_while_frames_are_in_flight() {
     assert!(matches!(refused, VulkanError::NoSuch { number: 1, count: 1, .. }), "{refused}");
     let wide = Points::positions(buffers[0].handle, 1 << 16);
     let refused = stage.surface.set_points(&device, &stage.solver, 0, &wide).unwrap_err();
-    assert!(refused.to_string().contains("and holds"), "{refused}");
+    assert!(refused.to_string().contains("but has"), "{refused}");
     let again = stage.map(0, SourceInput::Inline(&place), &plan);
     assert!(again == expected[0], "what is refused changes nothing");
     stage.host.free_image(image);
     stage.end(buffers.into_iter().chain(to));
 }
 
-/// Contours and paths are lifted to the measured part of a ring, and to replaced points once they are
-/// rebound. Paths and regions find sources in the same way.
+/// Contours and paths are lifted to the measured part of a ring. Once they are rebound, they are lifted to
+/// points that have replaced the ring. Paths and regions find sources in the same way.
 #[test]
 fn curves_and_regions_follow_points_and_sources() {
     let mut host = Kept::watched();
@@ -338,7 +338,7 @@ fn edges_without_length_are_counted() {
         }
     }
     let mut holed = patch.clone();
-    // Eight of its neighbours inside the patch have an edge to it.
+    // Eight points inside the patch have an edge to this hole.
     holed[8 * CHART.index(2, 32)] = f32::NAN;
     for (points, without) in [
         (vertices(CHART, 0.4), 0),

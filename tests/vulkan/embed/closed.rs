@@ -21,8 +21,8 @@ use crate::host::HostBuffer;
 /// Largest difference between maps from the same points: rounding.
 const SAME: f64 = 1e-5;
 
-/// Largest difference between copies of a point, in largest distances. Those that come together within rounding keep
-/// their own.
+/// Largest difference between copies of a point, relative to the largest distance. Copies at which fronts arrive
+/// together within rounding keep their own fronts.
 const ROUNDING: f64 = 1e-6;
 
 const WAVEFRONTS: [Wavefront; 3] = Wavefront::FOR_ANY_SURFACE;
@@ -134,7 +134,8 @@ fn maps_of_frames_pass_seams() {
     }
 }
 
-/// The edges and curvatures of one iteration are those of the host's seams, across bands of rows too.
+/// Edges and curvatures measured over seams, also across bands of rows, are those that the headless solver uploads. The
+/// comparison uses the maps after one iteration.
 #[test]
 fn large_grids_are_measured_over_seams_in_bands() {
     let (rows, cols) = (90, 4001);
@@ -251,7 +252,7 @@ fn slow_points_in_an_image_pass_seams() {
     stage.end([]);
 }
 
-/// Maps end at a radius and at targets beyond the seam, and sources are added and resumed there.
+/// Maps end at a radius and at targets beyond the seam. Fronts of a source that is added to a map pass seams too.
 #[test]
 fn parts_of_maps_and_added_sources_pass_seams() {
     let surface = torus(25, 38);
@@ -298,7 +299,7 @@ fn parts_of_maps_and_added_sources_pass_seams() {
     stage.end([buffer]);
 }
 
-/// Frames of a glued and an open surface share barriers, and have the maps that each has alone.
+/// Frames of a glued and an open surface share barriers, and the glued surface has the map that it has alone.
 #[test]
 fn glued_and_open_surfaces_are_recorded_together() {
     let glued = tube(33, 49);

@@ -170,7 +170,7 @@ fn frames_cost_what_the_guide_says() {
     assert_eq!(host.allocations(), 0);
 }
 
-/// Surfaces of one size need the barriers of one surface, and 65 surfaces those of two.
+/// Up to 64 surfaces of one size together need as many barriers as one surface, and 65 surfaces need twice as many.
 #[test]
 fn frames_recorded_together_share_their_barriers() {
     let mut host = Host::without_validation();

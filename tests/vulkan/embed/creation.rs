@@ -126,9 +126,9 @@ unsafe extern "system" fn pipelines(
     }
 }
 
-/// A second solver with the same cache, and all objects that it creates, make exactly the pipelines that the
-/// first has put into the cache. A driver that keeps its cache thus compiles nothing. Drivers need not report
-/// whether they do, and lavapipe keeps none.
+/// A second solver with the same cache makes, with all objects that it creates, exactly the pipelines that the
+/// first solver has put into the cache. So a driver that keeps pipelines in its cache compiles nothing. Drivers
+/// need not report whether they compile, and lavapipe keeps no pipelines.
 #[test]
 fn a_second_solver_makes_nothing_that_the_cache_does_not_hold() {
     let mut host = Host::without_validation();
@@ -185,8 +185,8 @@ fn a_second_solver_makes_nothing_that_the_cache_does_not_hold() {
     host.free(points);
 }
 
-/// A solver that is created on another thread gives the same maps as the one that is in use, with the same
-/// cache, which both fill at the same time. The validation layers check the use of threads too.
+/// A solver that is created on another thread gives the same maps as the solver that is in use. Both fill the
+/// same cache at the same time. The validation layers check the use of threads too.
 #[test]
 fn a_solver_is_made_on_another_thread_while_frames_go_on() {
     let mut host = Host::new();

@@ -68,7 +68,7 @@ fn both_rules_for_edges_are_those_of_the_twin() {
     }
 }
 
-/// The surface has more rows than are measured at once, from heights. Every point has its own edges.
+/// The surface is given by heights, and has more rows than are measured at once. Every point has its own edges.
 #[test]
 fn all_rows_of_a_large_surface_are_measured() {
     let chart = Chart { rows: 141, cols: 8001 };

@@ -52,7 +52,7 @@ extern "system" fn no_format() -> vk::Result {
     vk::Result::ERROR_FORMAT_NOT_SUPPORTED
 }
 
-/// The error comes before a device is created, and again when a solver is created for it anyway.
+/// What is missing can be asked for before a device is created. The error of a solver for such a device names it too.
 #[test]
 fn all_that_a_device_lacks_is_named() {
     let host = Host::without_validation();
@@ -93,7 +93,7 @@ fn all_that_a_device_lacks_is_named() {
     assert!(unmet.iter().all(|entry| error.to_string().contains(entry)), "{error}");
 }
 
-/// Each call that creates something fails once. The error names it, and nothing is left behind.
+/// Each call that creates something fails once. The error names the call, and nothing is left behind.
 #[test]
 fn calls_that_fail_are_errors_and_leave_nothing_behind() {
     let mut host = Host::without_validation();
@@ -228,7 +228,7 @@ fn memory_is_as_stated_and_shows_until_it_is_freed() {
         surface.destroy(&device, host.allocator());
         assert_eq!(host.allocations(), 0);
     }
-    // This includes the map that the host reads. GPUs pad images, and small ones the most.
+    // The bytes include the map that the host reads. GPUs pad images, and small images the most.
     let most = if host.is_processor() { 48 } else { 66 };
     // The last size is the largest that every device accepts.
     for side in [900, 1200, 4092] {
@@ -349,8 +349,8 @@ fn bad_input_is_an_error_before_anything_is_recorded() {
     }];
     let many = [SourceBuffer { buffer: handle, offset: 0, count: u32::MAX }];
     for (info, reason) in [
-        (SurfaceInfo::new(CHART).with_sources(&sources), "holds nothing"),
-        (SurfaceInfo::new(CHART).with_sources(&many), "4294967295 are more"),
+        (SurfaceInfo::new(CHART).with_sources(&sources), "its count is 0"),
+        (SurfaceInfo::new(CHART).with_sources(&many), "4294967295 entries are more"),
         (SurfaceInfo::new(CHART).with_lookups(&lookups), "offset 3"),
         (SurfaceInfo::new(Chart { rows: 0, cols: 3 }), "empty"),
         (SurfaceInfo::new(Chart { rows: 1, cols: 1 << 20 }), "too large"),

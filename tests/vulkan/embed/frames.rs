@@ -195,8 +195,8 @@ fn a_deforming_surface_is_drawn_for_200_frames_without_a_message() {
     assert_eq!(renderer.end(), Vec::<String>::new());
 }
 
-/// Asserts that the map is the same within 1e-5 of the largest distance, from grid points and from places
-/// between them.
+/// Asserts that the picture equals the headless solver's map of the same vertices, within 1e-5 of the largest
+/// distance. The sources are grid points and places between them.
 pub fn assert_same(
     headless: &mut HeadlessSolver,
     vertices: &[f32],

@@ -1,4 +1,4 @@
-//! Reports about recordings that have not run: outcomes, slots, preparations, and with checks all of them.
+//! Reports about recordings that have not run: outcomes, slots and preparations, and with checks every recording.
 
 use geosweep::Wavefront;
 use geosweep::ash::vk;
@@ -23,7 +23,7 @@ fn an_outcome_before_the_fence_is_absent() {
     };
     not_run(0);
     for _ in 0..2 {
-        // This recording is not submitted yet. The frame before it does not report on it.
+        // This recording is not submitted yet, so its outcome is absent, even after an earlier frame has run.
         let commands = stage.host.commands();
         stage.host.begin(commands);
         let recording = stage.solver.record(&stage.host.device, commands, &stage.surface);
@@ -103,8 +103,8 @@ fn a_slot_in_flight_is_not_recorded_again() {
     assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
 }
 
-/// The test uses no layers, which would report images that were never given a layout. Data that an earlier surface has
-/// left in the memory do not count as a preparation of this one.
+/// The test uses no layers, since they would report images that were never given a layout. Data that an earlier surface
+/// has left in the memory do not count as a preparation of the new surface.
 #[test]
 fn a_preparation_that_never_ran_shows() {
     let (mut stage, points) = {

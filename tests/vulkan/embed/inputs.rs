@@ -114,7 +114,7 @@ fn heights_with_slowness(unit: f32) {
     let slowness = |index: usize| match index {
         600 => -1.0,
         601 => f32::NAN,
-        // A millionth of a small unit makes edges too short.
+        // With the small unit there is no patch of 0: a millionth of the least slowness would make edges too short.
         _ if unit == 1.0 && (20..25).contains(&(index / CHART.cols)) && index % CHART.cols < 12 => {
             0.0
         }
@@ -145,7 +145,8 @@ fn heights_with_slowness(unit: f32) {
     let mut stage = Stage::new(host, &RASTER, &info);
     for wavefront in Wavefront::FOR_ANY_SURFACE {
         let plan = stage.plan(Schedule::Raster, wavefront, 6);
-        // A plan is created before it is known that circular fronts are not suitable.
+        // A plan is created without the surface, so it may have circular fronts. Over a slowness, these are updated as
+        // planar fronts.
         let solved = if wavefront == Wavefront::Curved { wavefront } else { Wavefront::Planar };
         let map = headless(&mut solver, &surface, &Sources::point(3.0, 40.0), solved);
         // Fronts that leave a patch of 0 have the same time everywhere and differ only in curvature. Rounding
@@ -277,8 +278,8 @@ fn sources_from_the_program_or_a_buffer_give_the_headless_map() {
     stage.end(buffers.into_iter().map(|(buffer, _)| buffer).chain([points]));
 }
 
-/// A plan of one iteration or a few rounds is resumed over several command buffers, and in one; sources are
-/// added to the map.
+/// A plan of one iteration, or of a few rounds, is resumed in several command buffers, and several times in one.
+/// Sources are added to the map.
 #[test]
 fn every_schedule_can_be_split_and_added_to() {
     let mut solver = vulkan_solver();
@@ -343,7 +344,7 @@ fn every_schedule_can_be_split_and_added_to() {
             assert_eq!(by_others.iterations, done.iterations);
         }
 
-        // In one command buffer, the map is the same to the bit.
+        // The map is the same if one command buffer has all iterations.
         stage.run(|recording| {
             recording.begin(Access::NONE);
             recording.solve(SourceInput::Inline(&source(5.0, 7.0)), &plan).unwrap();
@@ -433,7 +434,7 @@ fn iterations_run_out_without_convergence() {
     stage.end([points]);
 }
 
-/// Several readings are compared with the image: distances at some places, the packed times, the record in a
+/// Several readings are compared with the image: distances at some places, the packed times, the outcome in a
 /// buffer of the host, and the value of points that are not reached.
 #[test]
 fn the_map_can_be_read_in_other_ways() {

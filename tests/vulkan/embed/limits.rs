@@ -57,7 +57,7 @@ fn a_radius_and_targets_change_from_frame_to_frame() {
             times.sort_by(f32::total_cmp);
             let end = f64::from(times[needed as usize - 1]);
             assert_is_part(&near, &whole, end, &format!("{schedule}, {needed} targets"));
-            // Only the order of tiles saves work for targets.
+            // Only the schedule of tiles visits less if a map ends at targets.
             assert!(visits < all || schedule != Schedule::Tiles, "{schedule}: {visits} of {all}");
         }
         let (again, _) = limited(&stage, &plan, MapLimit::NONE);

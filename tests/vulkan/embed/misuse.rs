@@ -16,12 +16,12 @@ use crate::host::{Host, HostBuffer};
 
 pub const CHART: Chart = Chart { rows: 17, cols: 21 };
 
-/// Returns a frame of this plan for slot 0, from points 0.
+/// Returns a frame of `plan` for slot 0, which measures the first input of points.
 pub fn frame<'a>(plan: &'a embed::Plan, sources: &'a [PointSource]) -> Frame<'a> {
     Frame::new(plan, SourceInput::Inline(sources), Reader::COPY).with_points(0)
 }
 
-/// Returns a stage with a surface of vertices and `slots` slots.
+/// Returns a stage with a surface of `slots` slots, and the buffer of the surface's vertices.
 pub fn stage(slots: usize) -> (Stage, HostBuffer) {
     let mut host = Kept::watched();
     let points = host.buffer_of(&vertices(CHART, 0.3));
@@ -87,8 +87,8 @@ fn an_unprepared_surface_takes_nothing() {
     stage.end([points]);
 }
 
-/// The points have not changed but were never measured, and a solver without curved fronts has measured no
-/// curvatures.
+/// A frame that measures no points is refused if the points were never measured. With curved fronts the frame is also
+/// refused if the solver had no curved fronts when it measured the points, since it then measured no curvatures.
 #[test]
 fn maps_need_measured_edges() {
     let mut host = Host::new();
@@ -206,7 +206,7 @@ fn ranges_beyond_a_buffer_are_refused() {
     let beyond = |result: Result<(), VulkanError>, what: &str| {
         let error = result.unwrap_err();
         let VulkanError::HostBuffer { what: of, ref reason } = error else { panic!("{error}") };
-        assert!(of == what && reason.contains("and holds"), "{error}");
+        assert!(of == what && reason.contains("but has"), "{error}");
     };
     let stride = 64 * 1024;
     let positions = [Points::positions(points.handle, stride)];
@@ -280,7 +280,7 @@ fn an_instance_for_vulkan_1_0_is_refused() {
         }
         Err(error) => {
             let said = error.to_string();
-            assert!(said.contains("was created for Vulkan 1.0, and 1.1 is needed"), "{error}");
+            assert!(said.contains("was created for Vulkan 1.0, but 1.1 is needed"), "{error}");
         }
     }
     unsafe {

@@ -33,8 +33,9 @@ mod pipeline_store;
 mod pipelines;
 mod queues;
 mod readme;
+// `main` of this example is not called here, and the example includes the same tests/common/host/mod.rs as these tests.
 #[cfg(feature = "formats")]
-#[allow(dead_code, clippy::duplicate_mod)] // its main is not called here, and its host is ours
+#[allow(dead_code, clippy::duplicate_mod)]
 #[path = "../../../examples/render.rs"]
 mod render;
 mod resolution;
@@ -78,7 +79,8 @@ fn the_renderer_draws_the_requested_frame() {
     assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
 }
 
-/// The picture is the same from either copy of a source on the seam, and moves with the source and with the tube.
+/// A source on the seam gives the same picture from either of its copies. The picture changes if the source or the tube
+/// moves.
 #[test]
 #[cfg(feature = "formats")]
 fn the_closed_tube_is_drawn() {
@@ -103,14 +105,15 @@ fn the_horde_walks() {
     let [ways, links] = [false, true].map(|links| horde::march(&mut host, links, 4));
     for march in [&ways, &links] {
         assert_eq!(march.arrived, 0);
-        // Eight steps of a quarter of a cell in each frame, over slopes.
+        // In each of the four frames an agent takes eight steps of a quarter of a cell, which makes 8 cells on level
+        // ground and more over slopes.
         assert!((8.0..9.5).contains(&march.walked), "{}", march.walked);
     }
     assert!(ways.pixels != links.pixels);
     assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
 }
 
-/// Both decals and the stroke are in the picture.
+/// Each half of the picture contains its decal.
 #[test]
 #[cfg(feature = "formats")]
 fn decals_are_drawn() {

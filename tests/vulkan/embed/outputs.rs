@@ -115,8 +115,9 @@ fn copy(host: &Host, commands: vk::CommandBuffer, from: embed::ResultImage, to: 
     host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
 }
 
-/// Two characters have their vertices in rings, with two frames in flight. One writes an image of the host,
-/// whose memory belongs to another image for the rest of the frame, and to a third one in every second frame.
+/// The vertices of two characters lie in a ring buffer, and two frames are in flight. The distances of one character
+/// are written to an image of the host, whose memory belongs to another image for the rest of the frame. From frame 10
+/// on, the image itself changes every second frame.
 #[test]
 fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
     const FRAMES: usize = 50;
@@ -218,7 +219,7 @@ fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
     let few = alone.with_results(&given[..1]);
     let refused = stage.solver.surface(&device, stage.host.allocator(), &few).unwrap_err();
     assert!(refused.to_string().contains("1 results are given for 2 slots"), "{refused}");
-    // Recordings that are not submitted: each of the slot's descriptor sets waits.
+    // These recordings are not submitted, so each keeps one of the slot's descriptor sets in use.
     for image in [given[0], given[1], given[0]] {
         second.set_result(&device, 0, image).unwrap();
         let commands = stage.host.commands();
@@ -235,8 +236,8 @@ fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
     stage.end(to.into_iter().flatten().chain([ring]));
 }
 
-/// Curves and labels in buffers of the host equal those in the library's own buffers, and go to another
-/// buffer after it is set.
+/// Curves and labels in buffers of the host equal those in the library's own buffers. Once another buffer is set, they
+/// are written to that buffer.
 #[test]
 fn curves_and_labels_go_to_buffers_of_the_hosts() {
     let mut host = Kept::watched_but_for_shaders();
@@ -276,7 +277,7 @@ fn curves_and_labels_go_to_buffers_of_the_hosts() {
         solver.regions_into(&device, memory, surface, curved, vk::Buffer::null()).map(drop),
     ] {
         let error = refused.unwrap_err().to_string();
-        let words = ["and holds", "null handle", "spans"];
+        let words = ["but has", "null handle", "spans"];
         assert!(words.iter().any(|words| error.contains(words)), "{error}");
     }
     let place = source(7.25, 20.5);

@@ -41,8 +41,8 @@ fn made() -> [u32; 2] {
     [&MADE, &MADE_BY_CACHE].map(|count| count.swap(0, Ordering::Relaxed))
 }
 
-/// Contours, paths and regions of a second surface, and of the same one, create no pipeline, with or without
-/// a cache. All others are created with the cache that the solver has at that time.
+/// Contours, paths and regions of further surfaces create no pipeline, with or without a cache. All pipelines are
+/// created with the cache that the solver has at that time.
 #[test]
 fn pipelines_are_made_once_and_by_the_hosts_cache() {
     let mut host = Host::new();
@@ -80,7 +80,7 @@ fn pipelines_are_made_once_and_by_the_hosts_cache() {
     let allocator = host.allocator();
     let mut all = Vec::new();
     for number in 0..3 {
-        // The third solver no longer has a cache.
+        // From the third surface on, the solver no longer has a cache.
         if number == 2 {
             solver.set_pipeline_cache(vk::PipelineCache::null());
         }
@@ -88,7 +88,7 @@ fn pipelines_are_made_once_and_by_the_hosts_cache() {
         assert_eq!(made(), [0; 2]);
         let first = |count: u32| [if number == 0 { count } else { 0 }; 2];
         let contours = solver.contours(&device, allocator, &surface, 100).unwrap();
-        // The count includes the pipeline that lifts them.
+        // The count includes the pipeline that lifts contours.
         assert_eq!(made(), first(3 + 1));
         let info = PathsInfo::new(1, 10);
         let paths = solver.paths(&device, allocator, &surface, info).unwrap();
@@ -115,8 +115,8 @@ fn pipelines_are_made_once_and_by_the_hosts_cache() {
     assert_eq!(host.messages(), Vec::<String>::new());
 }
 
-/// A plan returns the wavefront of its maps. It cannot be known whether fronts on a device's surface can have
-/// anchors.
+/// A plan returns the wavefront of its maps. It is curved if anchored fronts are requested, since it cannot be known
+/// whether fronts on a surface whose points are on the device can have anchors.
 #[test]
 fn plans_name_the_wavefront_of_their_maps() {
     let host = Host::without_validation();

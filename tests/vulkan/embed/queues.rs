@@ -1,7 +1,7 @@
-//! Maps from a queue for compute beside the main queue, which moves vertices and draws maps. Semaphores order
-//! them. The queue families share the resources of both queues, or transfer their ownership.
+//! Maps from a queue for compute beside the main queue, which moves vertices and draws maps. Semaphores order the work
+//! of the queues. The queue families share the resources of both queues, or transfer their ownership.
 //!
-//! On a device with a single family, the same runs on two queues of it, or on one. Semaphores are needed
+//! On a device with a single family, the tests use two queues of that family, or a single queue. Semaphores are needed
 //! between two queues there too, and barriers between equal families transfer nothing.
 
 use geosweep::ash::vk;
@@ -51,7 +51,7 @@ pub struct Renderer {
     frames: Vec<InFlight>,
 }
 
-/// Resources of one frame in flight, so that fences alone keep frames apart.
+/// Resources of one frame in flight. Frames in flight share none, so that fences alone keep frames apart.
 struct InFlight {
     phase: HostBuffer,
     vertices: HostBuffer,
@@ -72,7 +72,7 @@ impl Renderer {
     pub fn new(mut host: Host, way: Way, families: [u32; 2]) -> Self {
         let device = host.device.clone();
         let shared = if way == Way::Shared { &families[..] } else { &[] };
-        // This library accepts equal families, Vulkan does not.
+        // This library accepts equal families; Vulkan does not.
         let apart = if families[0] == families[1] { &[] } else { shared };
         let bytes = 4 * (STRIDE * CHART.points()) as u64;
         let vertices: [_; IN_FLIGHT] =
@@ -314,8 +314,9 @@ fn maps_of_another_queue_are_drawn_when_images_are_handed_over() {
 }
 
 /// Returns the messages for two frames in one command buffer, since older layers do not check across
-/// submissions. Barriers replace the semaphores: from all earlier commands to the stages that wait. Unless
-/// `waits` is set, contours are left out too, since their own barriers would suffice.
+/// submissions. Barriers replace the semaphores: the stages that wait for a semaphore wait for all earlier commands.
+/// Unless `waits` is set, the wait before drawing is left out. Contours are then left out too, since their own barriers
+/// would suffice.
 fn messages_of_one_queue(way: Way, waits: bool) -> Vec<String> {
     let host = Host::new();
     let main = host::family(&host.instance, host.physical_device);

@@ -12,7 +12,7 @@ use geosweep::{Spacing, Surface, Wavefront};
 use crate::common::rough;
 use crate::embed::stage::{Kept, RASTER, Stage, source};
 
-/// Returns heights that turn at random by up to `relief`, in units of the spacing.
+/// Returns random heights from 0 to `relief`, in units of the spacing.
 fn noise(rows: usize, cols: usize, relief: f64) -> Surface {
     let heights = (0..rows * cols).map(|index| {
         let mixed = (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -66,7 +66,7 @@ fn outcomes_tell_whether_the_grid_resolves_the_surface() {
         }
         let found = stage.surface.outcome(0).unwrap().resolution.expect("something was looked at");
         let expected = surface.resolution().unwrap();
-        // Rounding may decide on one edge that turns by 30 degrees.
+        // Rounding may decide whether an edge that turns by 30 degrees is sharp.
         let (found_share, share) = (found.sharp_edges, expected.sharp_edges);
         assert!((found_share - share).abs() < 1e-3, "{chart:?}: {found_share} {share}");
         assert_eq!(found.is_rough(), expected.is_rough(), "{chart:?}: {found:?} {expected:?}");

@@ -42,8 +42,8 @@ const FROM: [f64; 2] = [12.0, 45.0];
 const RASTER: [(Schedule, Wavefront); 1] = [(Schedule::Raster, Wavefront::Curved)];
 const UNREACHED: f32 = -1.0;
 
-/// Returns rows and columns on both sides of the seam and on it, by steps of an eighth of a cell. Columns do not exceed
-/// the last one: those beyond it begin again after the first.
+/// Returns rows and columns on both sides of the seam and on it, by steps of an eighth of a cell. Beyond the last
+/// column, columns count from 0 again.
 fn places() -> Vec<[f64; 2]> {
     let eighths = |first: usize, last: usize| (8 * first..=8 * last).map(|k| k as f64 / 8.0);
     let cols: Vec<_> = eighths(ROUND - 9, ROUND).chain(eighths(0, 9)).collect();
@@ -93,7 +93,8 @@ fn filters_distances(stage: &Stage) -> bool {
     known.optimal_tiling_features.contains(linear)
 }
 
-/// Between grid points, bilinear values are late by up to an eighth of the squared sides over the radius of the front.
+/// Between grid points, bilinear values are late by up to the square of a cell's side divided by eight times the radius
+/// of the front.
 #[test]
 fn values_between_points_are_right_up_to_the_seam() {
     let (mut stage, buffer) =
@@ -126,7 +127,8 @@ fn values_between_points_are_right_up_to_the_seam() {
     stage.end([buffer]);
 }
 
-/// A part of the map ends on both sides of the seam. By four texels, no value is one that `unreached` has a part in.
+/// The map ends at a radius on both sides of the seam. Values that are read from four texels do not depend on the value
+/// of unreached points.
 #[test]
 fn unreached_points_have_no_part_in_values_beside_the_seam() {
     let (mut stage, buffer) =
@@ -157,7 +159,7 @@ fn unreached_points_have_no_part_in_values_beside_the_seam() {
     }
     println!("{beyond} beyond, {at_border} at the border, of which the sampler mixes {mixed}");
     assert!(beyond > 500 && at_border > 500);
-    // The reason for four texels.
+    // This is the reason for reading four texels.
     assert!(!filters_distances(&stage) || mixed > at_border / 2);
     stage.end([buffer]);
 }

@@ -10,13 +10,14 @@ use crate::common::difference;
 use crate::embed::stage::{Kept, RASTER, Stage, source, vertices};
 use crate::host::Host;
 
-/// Its rows fit a workgroup of 64 texels, which takes blocks in turn. They do not fit one of 16.
+/// Rows and columns of the grid. Its rows fit a workgroup of 64 texels, which takes blocks in turn. They do not fit a
+/// workgroup of 16 texels.
 const CHART: Chart = Chart { rows: 47, cols: 62 };
 
 /// Largest difference of converged maps, relative to the largest distance.
 const AGREEMENT: f64 = 1e-6;
 
-/// Number of frames, for which the surface moves.
+/// Number of frames. The surface moves from frame to frame.
 const FRAMES: usize = 3;
 
 /// Returns a host and a solver whose scans go in pairs or in turn.
@@ -26,8 +27,8 @@ fn solver(host: Host, sizes: (u32, u32), scan_pairs: bool, checks: bool) -> Kept
     Kept::tuned(host, tools, |old| Tuning { scan_width, scan_lines, scan_pairs, ..old })
 }
 
-/// Returns the map of each frame and wavefront and its number of iterations, then the map to which a source was
-/// added. A recording has two iterations, so that most maps take several.
+/// Returns the map of each frame and wavefront with its number of iterations, and after each of them the map to which a
+/// source was added. A recording has two iterations, so that most maps take several recordings.
 fn maps(mut host: Kept) -> Vec<(Vec<f32>, u32)> {
     let phases = (0..FRAMES).map(|frame| host.buffer_of(&vertices(CHART, 0.7 * frame as f32)));
     let buffers: Vec<_> = phases.collect();
@@ -57,8 +58,8 @@ fn maps(mut host: Kept) -> Vec<(Vec<f32>, u32)> {
     maps
 }
 
-/// Maps are compared with the layers and without them, where no barrier separates the scans of a pair. The layers
-/// report nothing.
+/// Maps are compared with the layers and without them. Without the layers, no barrier separates the scans of a pair.
+/// The layers report nothing.
 #[test]
 fn frames_in_pairs_have_the_maps_of_frames_in_turn() {
     for sizes in [(64, 4), (16, 2)] {

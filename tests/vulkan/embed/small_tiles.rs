@@ -10,8 +10,8 @@ use crate::host::Host;
 
 const CHART: Chart = Chart { rows: 40, cols: 48 };
 
-/// Returns maps by tiles with curved and planar fronts, and of each the rounds that a recording holds and the visits of
-/// tiles.
+/// Returns the maps by the schedule of tiles with curved and with planar fronts: for each, the number of rounds in a
+/// recording, the distances, and the number of visits to tiles.
 fn maps(change: impl FnOnce(Tuning) -> Tuning) -> Vec<(u32, Vec<f32>, u32)> {
     let mut host = Kept::tuned(Host::new(), Tools::default(), change);
     let points = host.buffer_of(&vertices(CHART, 0.4));
@@ -30,8 +30,8 @@ fn maps(change: impl FnOnce(Tuning) -> Tuning) -> Vec<(u32, Vec<f32>, u32)> {
     maps.into()
 }
 
-/// The surface is small to one solver, and not to another one. Each map is the one that tiles of that side have
-/// on any grid.
+/// The grid is small to one solver, and not to another. Each map is the same as that of a solver with tiles of that
+/// size on all grids.
 #[test]
 fn frames_on_small_grids_have_small_tiles() {
     let tiles = |tile, tile_edges, small_grid| {

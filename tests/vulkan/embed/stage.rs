@@ -15,7 +15,7 @@ use geosweep::vulkan::{Method, Schedule, Tuning};
 use crate::common::{Lent, Pool};
 use crate::host::{Host, HostBuffer};
 
-/// A host and, unless a stage has it, a solver with the passes that were used so far.
+/// A host, and a solver with the passes that were used so far. While a stage has the solver, `solver` is `None`.
 pub struct Kept {
     host: Host,
     solver: Option<embed::Solver>,
@@ -42,7 +42,7 @@ impl Kept {
         UNWATCHED.lend(|| Host::without_validation().into(), Self::check)
     }
 
-    /// Returns a host with a solver of its own, which has tools and changed sizes of portions.
+    /// Returns a host with a solver of its own, which has these `tools` and the tuning that `change` returns.
     pub fn tuned(host: Host, tools: Tools, change: impl FnOnce(Tuning) -> Tuning) -> Self {
         let (instance, device) = (&host.instance, &host.device);
         let physical_device = host.physical_device;
@@ -98,7 +98,7 @@ impl Drop for Kept {
 
 pub const STOP: Stop = Stop::within(1e-6).or_after(400);
 
-/// All wavefronts with raster scans.
+/// Raster scans with each wavefront that suits any surface.
 pub const RASTER: [(Schedule, Wavefront); 3] = [
     (Schedule::Raster, Wavefront::Planar),
     (Schedule::Raster, Wavefront::Circular),

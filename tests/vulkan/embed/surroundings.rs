@@ -32,7 +32,7 @@ fn bumps(chart: Chart, is_hole: impl Fn(usize, usize) -> bool) -> Surface {
     surface.with_mask(&mask).unwrap()
 }
 
-/// Returns a stage with the surface, measured.
+/// Returns a stage with the surface, and the buffer of the surface's points.
 fn stage_of(
     mut host: Lent<Kept>,
     surface: &Surface,
@@ -74,7 +74,7 @@ fn raster(wavefront: Wavefront, stop: Stop) -> Method {
 #[test]
 fn surroundings_are_those_of_the_twin() {
     // The cases are a wall with fronts around both ends, a grid smaller than the surroundings, and two
-    // sources on an island in a grid that is large enough for two.
+    // sources on an island in a grid that is large enough for the surroundings of two.
     let wall = |row: usize, col: usize| row == 12 && (5..14).contains(&col);
     let sea = |row: usize, col: usize| !((30..50).contains(&row) && (40..60).contains(&col));
     let square = |points| Chart { rows: points, cols: points };
@@ -90,7 +90,7 @@ fn surroundings_are_those_of_the_twin() {
             let source = |&[row, col]: &[f64; 2]| PointSource::at(row as f32, col as f32);
             let sources: Vec<_> = places.iter().map(source).collect();
             let (found, outcome) = map(&stage, &sources, raster(wavefront, Stop::after(1)));
-            // Sources that are solved alone are so within some cells.
+            // Sources that are solved alone are solved only within some cells, so the iteration may change the map.
             let are_alone = wavefront.is_curved() && places.len() > 1;
             let residual = if are_alone { outcome.residual } else { 0.0 };
             assert_eq!((outcome.iterations, outcome.residual), (1, residual), "{places:?}");
@@ -133,10 +133,11 @@ fn frames_from_inside_cells_take_about_as_many_iterations_as_from_grid_points() 
         let mut saved = 0;
         for (row, col) in [(50.0, 60.25), (50.3, 60.9), (51.75, 60.625)] {
             let with = iterations(row, col, 1);
-            // Two iterations, where from a grid point one is enough and one more confirms it.
+            // One more iteration is allowed, or two if the map from a grid point takes one iteration and a second that
+            // confirms it.
             assert!(with <= at_point.max(3) + 1, "{wavefront} {row} {col}: {with}, {at_point}");
-            // A crowd has no surroundings, even if all its sources are at one place. Here six sources are a
-            // crowd.
+            // A crowd has no surroundings, even if all its sources are at one place. On this grid, more than eight
+            // sources are a crowd.
             saved += iterations(row, col, 9) - with;
         }
         assert!(saved >= 3, "{wavefront}: {saved} of three maps");
@@ -144,7 +145,7 @@ fn frames_from_inside_cells_take_about_as_many_iterations_as_from_grid_points() 
     stage.end([buffer]);
 }
 
-/// The cases are sources whose surroundings meet, beside the grid's corner and behind a wall, and others that
+/// The cases are sources whose surroundings meet, sources beside the grid's corner and behind a wall, and sources that
 /// start later. The maps are compared with the headless solver's, which computes its own surroundings.
 #[test]
 fn maps_with_surroundings_are_the_headless_solvers() {
@@ -193,8 +194,9 @@ fn maps_with_surroundings_are_the_headless_solvers() {
     stage.end([buffer]);
 }
 
-/// With every schedule, sources are at grid points and inside cells, beside a single one. The maps are close
-/// to the minimum of each source's own map. Without surroundings, they are early by up to a third of a cell.
+/// Sources lie side by side at grid points and inside cells, in one case with another source far away. With every
+/// schedule, the map is close to the minimum of the sources' own maps. Without surroundings, the maps would be early by
+/// up to a third of a cell.
 #[test]
 fn sources_side_by_side_are_solved_alone_at_first() {
     let surface = bumps(Chart { rows: 60, cols: 64 }, |_, _| false);

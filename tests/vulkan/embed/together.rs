@@ -57,7 +57,7 @@ impl Part {
     }
 }
 
-/// The surfaces have two schedules and wavefronts, four sizes (one measured in several bands), crowds and
+/// The surfaces have two schedules and two wavefronts, three sizes (one measured in several bands), crowds and
 /// single sources, inline and in a buffer, and several readers.
 #[test]
 fn maps_recorded_together_are_those_recorded_alone() {

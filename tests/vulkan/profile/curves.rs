@@ -10,8 +10,8 @@ use geosweep::vulkan::profile::{PassKind, PassRecord};
 use crate::host::Host;
 use crate::profile::renderer::{CHART, Renderer};
 
-/// A host that makes room for the reported number of passes has room for all of them. The number is exact if
-/// sources have different start values, so that paths are traced again.
+/// A host that makes room for the reported number of passes has room for all of them. For paths the number
+/// is exact if sources have different start values, since paths are then traced several times.
 #[test]
 fn a_host_can_size_its_queries_for_contours_and_paths() {
     let tools = Tools { labels: true, ..Tools::default() };
@@ -65,8 +65,8 @@ fn a_host_can_size_its_queries_for_contours_and_paths() {
                 (None, None),
             ]
         );
-        // Three starts with four times around each are read, and all sources; nine numbers of a record and
-        // fifteen of a state for each path, and three of its first vertex.
+        // Three starts, four times around each, and all sources are read. For each path, nine numbers of a record,
+        // fifteen of a state and three of the first vertex are written.
         let all = 16 * sources.len() as u64;
         let of_paths: Vec<_> = found.passes[lift + 1..].iter().map(moved).collect();
         assert_eq!(of_paths[0], (Some(0), Some(all)));

@@ -55,8 +55,9 @@ fn a_frame_is_profiled_pass_by_pass() {
             let points = CHART.points() as u64;
             assert_eq!(of(PassKind::Points), Some((4 * points, 8 * points)));
             assert_eq!(of(PassKind::Edges), Some((8 * points, 16 * points)));
-            // One source of four numbers comes with the commands, and has four texels around it: their place,
-            // times and curvatures; and both layers of their fronts.
+            // One source of four numbers comes with the commands. For each of the four texels around it, ten numbers
+            // are written: place, times and curvatures. The seed reads them and both layers of the texels' fronts, and
+            // writes these layers.
             assert_eq!(of(PassKind::Sources), Some((0, 16)));
             let find = |pass: &&PassRecord| pass.kind == PassKind::Sources && pass.dispatches > 0;
             let work = passes.iter().find(find).unwrap().work;
@@ -77,7 +78,7 @@ fn a_frame_is_profiled_pass_by_pass() {
     }
 }
 
-/// The source is between grid points; the wavefront may have surroundings.
+/// The source is between grid points, where circular and curved fronts have surroundings.
 #[test]
 fn surroundings_are_solved_once_a_source_and_set() {
     for (wavefront, carried) in [(Wavefront::Circular, 1), (Wavefront::Curved, 3)] {
@@ -89,8 +90,8 @@ fn surroundings_are_solved_once_a_source_and_set() {
         assert_eq!(kinds, [PassKind::Seed, PassKind::Surroundings, PassKind::Seed]);
         let count = passes.iter().filter(|pass| pass.kind == PassKind::Surroundings).count();
         assert_eq!((count, passes[first].groups), (1, Some([1; 3])));
-        // A source is read; of each texel its times and 16 lengths, and with curved fronts their curvature
-        // and the surface's. Its place, times and curvatures are written.
+        // The source is read, and of each texel the times and 16 lengths, with curved fronts also the curvatures of
+        // the fronts and of the surface. The place, times and curvatures of each texel are written.
         let Work { bytes_read, bytes_written, .. } = passes[first].work;
         let texels = 100;
         let read = 16 + texels * 16 * (carried + 4);
@@ -107,7 +108,7 @@ fn results_without_a_readback_are_unknown() {
         renderer.timed_frame();
         let device = &renderer.host.device;
         let resolved = renderer.profile.resolve(device, None, None).unwrap().unwrap();
-        // The same holds for a host that has not said that it has room for them.
+        // The same holds for a profile without room for queries and decisions.
         renderer.profile = Profile::new(1000, Grain::Blocks, Slots::default());
         renderer.host.run(|commands| renderer.frame(device, commands, true));
         let bytes = renderer.decisions.bytes();

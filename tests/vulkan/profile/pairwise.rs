@@ -10,7 +10,7 @@ use geosweep::vulkan::{Schedule, TexelChart};
 use crate::common::CONVERGED;
 use crate::profile::bench::{Bench, of_kind, sum};
 
-/// Returns the texels of a plan's iterations. No step follows the last count.
+/// Returns the number of texels that each iteration of a plan scans. No step follows the last count.
 fn of_iterations(steps: &[Step]) -> Vec<u64> {
     let iterations = steps.split(|step| *step == Step::Count);
     iterations.filter(|steps| !steps.is_empty()).map(plan::texels_scanned).collect()
@@ -39,7 +39,7 @@ fn each_iteration_visits_the_maps_that_have_not_converged() {
         let mut plain = vec![0.0; sources.len() * chart.points()];
         pairwise.solve(solver, on_device, &sources, CONVERGED, &mut plain).unwrap();
 
-        // The first recording is bounded by the surroundings of all sources.
+        // In the first recording, scans are bounded by what the fronts of all sources can have reached.
         let sizes = Portions { across: 0, pairs: false, ..tuning.portions(wavefront, texels) };
         let places = sources.iter().flatten().map(|&source| {
             let (row, col) = chart.position(source);
@@ -78,10 +78,10 @@ fn each_iteration_visits_the_maps_that_have_not_converged() {
                 assert_eq!(idle, going == 0, "{number}");
                 let curved = u64::from(wavefront == Wavefront::Curved);
                 let bytes = going * texels * (32 + 64 + curved * (32 + 16));
-                // For a map that continues, the count reads seven numbers and writes five. For a map that has
-                // just converged, it writes that, and decrements the number of pending maps; for the last of
-                // these, it sets the groups of rows and columns to zero. For a map that had converged
-                // earlier, it reads that.
+                // For each map that was not done before, the count reads seven numbers and writes five. If the map
+                // has now converged, the count also writes that the map is done, and reads and writes the number of
+                // pending maps. With the last pending map, it sets the groups of rows and columns to zero. For a
+                // map that was done before, the count only reads that it is.
                 let now = alone.iter().filter(|&&count| count == number as u32 + 1).count() as u64;
                 let groups = if now > 0 && now == going { 2 } else { 0 };
                 let over = sources.len() as u64 - going;
@@ -106,9 +106,9 @@ fn each_iteration_visits_the_maps_that_have_not_converged() {
     }
 }
 
-/// A grid of seven by four points. The first iteration leads away from (2, 1): down four lines of four
-/// points, in two pairs, up two, and right two lines of seven points, in four pairs, left one. A point has
-/// two triangles, and a pair has nine lengths.
+/// The grid has seven by four points. The scans of the first iteration lead away from (2, 1): four lines down and two
+/// lines up, of four points in two pairs each, then two lines to the right and one to the left, of seven points in four
+/// pairs each. A scan updates a point from two triangles, and reads nine lengths for a pair.
 #[test]
 fn maps_in_shared_memory_agree_with_a_count_by_hand() {
     let bench = Bench::new(7, 4, &[]);
@@ -144,7 +144,7 @@ fn maps_in_shared_memory_agree_with_a_count_by_hand() {
     assert_eq!(all.work.triangles, one.work.triangles.map(|first| first + later));
 }
 
-/// This also holds on a device that lacks all capabilities.
+/// The rows are the same with and without a profile, also on a device that lacks all capabilities.
 #[test]
 fn the_rows_are_the_same_with_and_without() {
     for left_out in [vec![], Capability::ALL.to_vec()] {

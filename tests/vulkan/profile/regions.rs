@@ -39,8 +39,8 @@ fn a_host_can_size_its_queries_for_regions() {
     let kinds: Vec<_> = own.iter().map(|pass| pass.kind).collect();
     let others: Vec<_> = (0..kinds.len()).filter(|&k| kinds[k] != PassKind::Regions).collect();
     assert_eq!((others, kinds[1]), (vec![1], PassKind::Sources));
-    // Two numbers of each point are cleared. Sources are four numbers. A way reads the two, its time and four
-    // lengths, and has three numbers.
+    // Two numbers of each point are cleared. A source has four numbers. For the beginning of a point's way, these two
+    // numbers, the point's time and four lengths are read, and three numbers are written.
     let points = 4 * CHART.points() as u64;
     let moved = |pass: &PassRecord| (pass.work.bytes_read, pass.work.bytes_written);
     let bytes: Vec<_> = own[..5].iter().map(moved).collect();
@@ -54,8 +54,8 @@ fn a_host_can_size_its_queries_for_regions() {
             (Some(7 * points), Some(3 * points)),
         ]
     );
-    // Six passes by a factor of eight are enough for 78 000 points, and three by 64 for the rest; a fourth
-    // makes their number even.
+    // For 78 000 points, six passes that make ways eight times as long are enough, then three that follow 63 parents
+    // each. A fourth one makes the number of all these passes even.
     assert_eq!(own[5..].len(), 6 + 4);
     assert!(own[5..].iter().all(|pass| moved(pass) == (None, None)));
     for pass in own {

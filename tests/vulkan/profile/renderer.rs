@@ -102,7 +102,8 @@ impl Renderer {
             .unwrap();
     }
 
-    /// Records a frame between two timestamps of the host. Returns the time between them, and the records.
+    /// Runs a frame between two timestamps of the host. Returns the nanoseconds between them, and the records of the
+    /// passes.
     pub fn timed_frame(&self) -> (u64, Vec<PassRecord>) {
         let device = &self.host.device;
         let stage = vk::PipelineStageFlags::BOTTOM_OF_PIPE;

@@ -1,4 +1,4 @@
-//! Parts of a map in one submission, limited by the number of visited texels.
+//! Maps whose iterations are cut into several submissions, since a submission may visit a limited number of texels.
 
 use geosweep::vulkan::profile::{Detail, Grain, PassKind, SolveProfile, SubmissionRecord};
 use geosweep::vulkan::{
@@ -9,10 +9,10 @@ use geosweep::{Stop, Wavefront};
 use crate::common::{device_choice, rough, seeds_at, some_point, vulkan_solver};
 use crate::profile::bench::{Bench, method};
 
-/// Texels that a submission may visit. These are a third of the texels of a scan over the grid of these
-/// tests, so that iterations are cut into parts of half that number.
+/// Largest number of texels that a submission may visit. It is a third of the number of texels of these tests' grid, so
+/// that iterations are cut into parts, each of which visits at most half of it.
 const VISITS: u64 = 1600;
-/// Size of 65 x 75 texels, so that no line fits a workgroup.
+/// Rows and columns of the grid. It has 65 x 75 texels, so that no line fits a workgroup.
 const SIZE: (usize, usize) = (130, 150);
 
 fn in_parts(solver: HeadlessSolver) -> HeadlessSolver {
@@ -29,8 +29,8 @@ fn texels(submission: &SubmissionRecord) -> u64 {
     submission.passes.iter().map(|pass| pass.work.texels.unwrap_or(0)).sum()
 }
 
-/// Returns the texels that each scan has visited and skipped, over all submissions, and all bytes of the
-/// scans.
+/// Returns, for each scan, the texels that it has visited and skipped and the bytes that it has moved, over all
+/// submissions.
 fn scans(profile: &SolveProfile) -> Vec<(u32, PassKind, u64, u64, u64)> {
     let mut scans: Vec<(u32, PassKind, u64, u64, u64)> = Vec::new();
     for pass in profile.passes().filter(|pass| matches!(pass.kind, PassKind::Scan(_))) {
@@ -51,7 +51,7 @@ fn profiled(bench: &mut Bench, method: Method, grain: Grain) -> (HeadlessSolutio
     solver.profile(on_device, seeds, method, Detail { grain, ..Detail::default() }).unwrap()
 }
 
-/// An iteration of raster scans in two dozen submissions is the same iteration, block by block.
+/// An iteration of raster scans does the same in two dozen submissions as in one, block by block.
 #[test]
 fn iterations_are_cut_where_a_submission_would_visit_more_than_it_may() {
     let Bench { surface, seeds, solver, .. } = Bench::new(SIZE.0, SIZE.1, &[]);
@@ -84,7 +84,7 @@ fn iterations_are_cut_where_a_submission_would_visit_more_than_it_may() {
                 let in_one = scans(&expected).into_iter().filter(|scan| scan.0 < iterations);
                 assert_eq!(scans(&found), in_one.collect::<Vec<_>>());
             }
-            // The first iteration has bounds. Then the map is read back.
+            // The first iteration is bounded. One more submission reads the map back.
             let (_, steps) = cut.steps(method, in_one.iterations as usize);
             let parts = steps.iter().map(|steps| plan::parts(steps, chart, VISITS).len());
             assert_eq!(found.submissions.len(), parts.sum::<usize>() + 1);

@@ -6,8 +6,8 @@ use geosweep::vulkan::profile::{Detail, Grain};
 
 use crate::profile::bench::{Bench, method};
 
-/// The device starts a submission after the host has submitted it, and ends it before the host knows.
-/// Calibrated timestamps bring both times to one clock.
+/// The device starts a submission after the host has submitted it, and ends it before the host notices. Calibrated
+/// timestamps bring both times to one clock.
 #[test]
 fn calibrated_times_lie_between_submission_and_its_end() {
     let mut bench = Bench::new(80, 80, &[]);
@@ -16,7 +16,7 @@ fn calibrated_times_lie_between_submission_and_its_end() {
         assert!(profile.submissions.iter().all(|found| found.begin.is_none()));
         return;
     }
-    // Error of reading both clocks. It is larger for a host that is interrupted in all attempts.
+    // Error of reading both clocks, in nanoseconds. It is larger for a host that is interrupted in all attempts.
     let slack = 2e6;
     for found in &profile.submissions {
         let (begin, taken) = (found.begin.unwrap(), found.nanoseconds.unwrap() as f64);

@@ -13,8 +13,8 @@ use crate::profile::bench::{Bench, method, of_kind, sum};
 
 #[test]
 fn texels_visited_and_skipped_are_those_of_the_plan() {
-    // Lines of the first two fit a workgroup, which takes blocks in turn. Of the third, lines in one
-    // direction fit.
+    // The lines of the first two grids fit a workgroup, which takes blocks in turn. Of the third grid, only the lines
+    // in one direction fit.
     for (rows, cols) in [(61, 90), (90, 61), (3, 180), (121, 130)] {
         for grain in [Grain::Blocks, Grain::Scans] {
             // A recording has this many iterations.
@@ -50,7 +50,7 @@ fn hold_against_the_plan(bench: &mut Bench, grain: Grain, wavefront: Wavefront, 
     let order = if scan_pairs { ScanOrder::InPairs } else { ScanOrder::InTurn };
     let by_blocks = (order, lines as usize);
     let (_, due) = scan_due(&edges, &bench.seeds, wavefront, method.stop, by_blocks, f64::INFINITY);
-    // The scans of which records tell, together or each by itself.
+    // The scans that a record covers: both scans of a pair, or a single one.
     let told: Vec<(PassKind, Vec<Scan>)> = match scan_pairs {
         true => ScanPair::ALL.map(|pair| (PassKind::Pair(pair), pair.scans().into())).into(),
         false => Scan::ALL.map(|scan| (PassKind::Scan(scan), vec![scan])).into(),
@@ -231,11 +231,12 @@ fn bytes_agree_with_a_count_by_hand() {
     }
 }
 
-/// The progress has 927 numbers: 16 of the state of a map, three by which the grid is dispatched, one of each
-/// scan for blocks past the middle, six of each of 128 rounds and of the next, the largest change of 128 rounds,
-/// whether a point was reached, and how many texels have converged. A tile has six. For scans, blocks of four
-/// lines have three in each, and one on each side of the longer side of the grid. A count reads seven numbers and
-/// writes five, in the last iteration two more; beyond, it reads one.
+/// The progress has 927 numbers: 16 for the state of a map, three for dispatches of the grid, one for each scan's
+/// blocks past the middle, six for each of 128 rounds and for the next one, the largest change of each of 128 rounds,
+/// whether a point was reached, and how many texels were settled. A tile has six numbers. For raster scans, each
+/// block has three numbers for each scan; a scan has the blocks of the grid's longer side, and one more at each end.
+/// A count reads seven numbers and writes five, in the last iteration two more; after the last iteration, it reads
+/// one.
 #[test]
 fn counts_and_starts_agree_with_a_count_by_hand() {
     let mut bench = Bench::new(61, 90, &[]);
@@ -261,14 +262,14 @@ fn counts_and_starts_agree_with_a_count_by_hand() {
     assert_eq!(seen, [true; 3], "before the last iteration, at it, and beyond");
 }
 
-/// A tile is in the other image if it was visited an odd number of times, by the lists of rounds. After a
-/// read of the state of every tile, its texels on the grid are copied back, eight numbers each. Before
-/// further rounds, the six numbers of the next list are copied; those of the other 128 lists, all numbers
-/// after them, and the times for which tiles wait are written.
+/// A tile is in the other image if the lists of rounds have it an odd number of times. The settling pass reads the
+/// state of every tile, and copies back the texels of each such tile that lie on the grid, eight numbers each. Before
+/// further rounds, the six numbers of the next list are copied. The numbers of the other 128 lists, all numbers after
+/// them, and the round for which each tile is listed are written.
 #[test]
 fn settled_texels_are_those_in_the_other_image() {
     let mut bench = Bench::new(100, 131, &[]);
-    // In its corridors, fronts need more rounds than a recording has.
+    // In the corridors of a maze, fronts need more rounds than a recording has.
     bench.surface = Builtin::Maze.surface(100, 131).unwrap();
     bench.on_device = bench.solver.upload(&bench.surface).unwrap();
     bench.seeds = seeds_at(&bench.surface, (0, 0));
@@ -345,7 +346,7 @@ fn the_device_counts_the_invocations_of_the_groups_in_the_records() {
     }
 }
 
-/// The lists of tiles have as many tiles as the records, each once, and the first are those around the
+/// Each list of tiles has as many tiles as its record, each tile once, and the first list contains the tile of the
 /// source.
 #[test]
 fn tiles_are_listed_as_they_were_visited() {
@@ -360,7 +361,7 @@ fn tiles_are_listed_as_they_were_visited() {
     assert_eq!(lists.len(), rounds.len());
     let mut seen = vec![false; tiles];
     for (list, round) in lists.iter().zip(&rounds) {
-        // The other tiles on the list have waited.
+        // A dispatch may have more groups, since tiles on the list may have waited for the next round.
         assert!(round.groups.unwrap()[0] as usize >= list.len());
         let texels = (tile * tile / 4 * list.len()) as u64;
         assert_eq!(round.work.texels, Some(texels));

@@ -30,7 +30,7 @@ pub struct Shares {
     pub data: Option<f64>,
     /// The share of computing the updates.
     pub arithmetic: Option<f64>,
-    /// The share of empty dispatches and submissions.
+    /// The share of the dispatches and submissions, if they were empty.
     pub dispatches: Option<f64>,
 }
 
@@ -133,7 +133,7 @@ mod tests {
         };
         let first = submission(None);
         let mut second = submission(Some(PassKind::Outcome));
-        // A block of lines for which nothing was due.
+        // A block of lines in which nothing was due.
         second.passes[0].groups = Some([0, 1, 1]);
         let empty = SubmissionRecord { passes: Vec::new(), ..first.clone() };
         let submissions = vec![first, second, empty];

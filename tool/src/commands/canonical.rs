@@ -104,8 +104,8 @@ pub fn run(args: &Args) -> Outcome {
     let (distances, kept) = match Distances::of_largest_piece(points, matrix) {
         Err(CanonicalError::Asymmetric { there, back, .. }) if chart.is_some() => {
             return Err(format!(
-                "the surface is too rough for its grid: the distance between two of its points came \
-                 out as {there} there and as {back} back; smooth it, or take a finer grid"
+                "the surface is too rough for its grid: the distance between two of its points is \
+                 {there} in one direction and {back} in the other; smooth it, or take a finer grid"
             )
             .into());
         }
@@ -235,8 +235,8 @@ impl Pairs {
     }
 }
 
-/// Returns the grid of every k-th row and column of the whole one, and the rows and columns of its points there. `k` is
-/// the smallest step that leaves at most `most` points.
+/// Returns the grid of every k-th row and column of `whole`, and the rows and columns of its points in `whole`. The
+/// step k is the smallest one that leaves at most `most` points.
 fn every_few(whole: Chart, most: usize) -> (Chart, Vec<[f64; 2]>) {
     let count = |points: usize, step: usize| (points - 1) / step + 1;
     let grid = |step| Chart { rows: count(whole.rows, step), cols: count(whole.cols, step) };
@@ -249,7 +249,7 @@ fn every_few(whole: Chart, most: usize) -> (Chart, Vec<[f64; 2]>) {
     (chart, (0..chart.points()).map(place).collect())
 }
 
-/// The form's points among all points.
+/// The coordinates of all points, with those of the form's points in their places.
 struct Placed {
     chart: Option<Chart>,
     points: usize,

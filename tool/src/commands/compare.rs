@@ -57,7 +57,7 @@ struct Comparison {
     mean_difference: f64,
     /// The row and column of the largest difference.
     at: Option<(usize, usize)>,
-    /// The largest finite magnitude of B. If there is none, differences are absolute.
+    /// The largest finite magnitude of B, or `None` if it is 0. Differences are then absolute.
     scale: Option<f64>,
     /// The number of points that are finite in both maps.
     compared: usize,

@@ -41,12 +41,12 @@ pub struct DirectionArgs {
     /// -1 (no-data) where no source reaches
     #[arg(long, value_name = "FILE", group = "directions", help_heading = "Directions")]
     nearest: Option<PathBuf>,
-    /// Output file for the direction in which the way of each point leaves its source, which must be a point:
-    /// as --back-direction
+    /// Output file for the direction in which the way of each point leaves its source, which must be a point,
+    /// in the format of --back-direction
     #[arg(long, value_name = "FILE", group = "directions", help_heading = "Directions")]
     source_direction: Option<PathBuf>,
-    /// Output file for the log map of point sources: .npy (M, N, 2) or .tif of two bands, float32. It has u and v, the direction in
-    /// which the way of each point leaves its source times the distance; u runs along the columns at the
+    /// Output file for the log map of point sources: .npy (M, N, 2) or .tif of two bands, float32. It has u and v, the
+    /// direction in which the way of each point leaves its source times the distance; u runs to larger columns at the
     /// source, v at a right angle to it, to larger rows. NaN where no source reaches. Takes nine maps in double
     /// precision on the CPU
     #[arg(long, value_name = "FILE", group = "directions", help_heading = "Directions")]
@@ -130,14 +130,14 @@ impl DirectionArgs {
         first.map_or(Ok(()), |(what, _)| scene.refuse_directions(what))
     }
 
-    /// Returns the file that is read.
+    /// Returns the input file of these arguments, the mask of the inside.
     pub fn input(&self) -> Option<&Path> {
         self.sign.inside.as_deref()
     }
 }
 
 impl SignArgs {
-    /// Returns whether the sign is that of the sides of curves.
+    /// Returns whether the sign depends on the sides of curves.
     fn needs_curves(&self) -> bool {
         self.signed && self.inside.is_none()
     }
@@ -162,7 +162,7 @@ impl SignArgs {
     }
 }
 
-/// Returns the file for one number per point.
+/// Returns the output file for numbers at each point.
 fn grid_output(path: &Path, what: &str) -> Result<OutputFile, Box<dyn Error>> {
     if !has_extension(path, &["npy", "tif", "tiff"]) {
         let name = path.display();
@@ -243,7 +243,7 @@ impl DirectionOutputs {
     }
 }
 
-/// Writes values at the given points, of values at all points of a map.
+/// A writer of values at the given points. Its methods take values at all points of a map.
 struct Write<'a> {
     scene: &'a Scene,
 }

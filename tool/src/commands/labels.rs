@@ -23,8 +23,8 @@ pub fn labels_output(path: Option<&PathBuf>) -> Result<Option<OutputFile>, Box<d
     path.map(output).transpose()
 }
 
-/// Writes labels of the given points as int32 (M, N), with -1 where there is none. The file does not have its final name
-/// yet.
+/// Writes labels of the given points as int32 (M, N), with -1 where a point has no region. The file does not have its
+/// final name yet.
 pub fn stage_labels(
     output: OutputFile,
     scene: &Scene,

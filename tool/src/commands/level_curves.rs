@@ -128,7 +128,7 @@ impl Level {
     }
 }
 
-/// Prints notes about the levels that have no curve, or perhaps only a part of it.
+/// Prints notes about the levels that have no curve, or whose curves may lack parts.
 pub fn comment(found: &[Contour], problem: &Problem) -> Result<(), SourceError> {
     let Problem { scene, sources, map, .. } = problem;
     let levels = |which: &dyn Fn(&Contour) -> bool| {

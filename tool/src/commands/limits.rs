@@ -9,8 +9,8 @@ use geosweep::vulkan::requirements;
 pub fn of_devices() -> Result<Vec<String>, Box<dyn Error>> {
     let application = vk::ApplicationInfo::default().api_version(requirements::API_VERSION);
     let info = vk::InstanceCreateInfo::default().application_info(&application);
-    // SAFETY: the loader is Vulkan's. The instance is destroyed before its entry is dropped, and after its
-    // last use.
+    // SAFETY: the loader is Vulkan's. The instance is destroyed after its last use, and before `entry` is
+    // dropped.
     unsafe {
         let entry = ash::Entry::load()?;
         let instance = entry.create_instance(&info, None)?;

@@ -32,7 +32,7 @@ pub struct Args {
     #[arg(allow_hyphen_values = true)]
     #[arg(required_unless_present_any = ["from_file", "from_xy"])]
     from: Vec<[f64; 2]>,
-    /// Start in map coordinates, if SURFACE is georeferenced; repeatable. These follow the starts of --from
+    /// Start in map coordinates, if SURFACE is georeferenced; repeatable. Such starts follow those of --from
     #[arg(long, visible_alias = "to-xy", value_name = "X,Y", value_parser = coordinates)]
     #[arg(allow_hyphen_values = true)]
     from_xy: Vec<[f64; 2]>,
@@ -187,7 +187,7 @@ struct Row {
 }
 
 impl Row {
-    /// Describes a path from a given place, which is also known on the surface's grid.
+    /// Describes a path that starts at `from` on the given grid, which is `place` on the surface's grid.
     fn new(
         (from, place): ([f64; 2], [f64; 2]),
         path: &Path,

@@ -24,7 +24,7 @@ pub struct Args {
     #[arg(short, long, value_name = "CURVES", required_unless_present_any = ["picture", "json"])]
     output: Vec<PathBuf>,
     /// Leave out lines on which the directions of the fronts differ by less than this angle. Below about 20
-    /// degrees, the grid itself looks like kinks
+    /// degrees, some lines are artefacts of the grid
     #[arg(long, value_name = "DEGREES", default_value_t = 30.0, value_parser = angle)]
     #[arg(allow_hyphen_values = true)]
     least_angle: f64,

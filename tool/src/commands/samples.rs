@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use crate::terminal::{progress, say};
 
-/// Computes `count` samples, or as many as there are points, and the map from them. All samples but the first one are
-/// taken from `candidates`, if these are given.
+/// Computes `count` samples, or fewer if the surface has fewer points, and the map from them. All samples but the first
+/// are taken from `candidates`, if these are given.
 pub fn farthest_points<'a>(
     surface: &'a Surface,
     edges: &'a EdgeLengths<f32>,
@@ -28,10 +28,7 @@ pub fn farthest_points<'a>(
     bar.finish_and_clear();
     let found = samples.len();
     if found < count {
-        say(
-            "note",
-            format_args!("{found} samples in place of {count}: every point is one of them"),
-        );
+        say("note", format_args!("only {found} samples, not {count}: every point is a sample"));
     }
     Ok((points, samples))
 }

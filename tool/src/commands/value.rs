@@ -21,8 +21,8 @@ pub struct Args {
     #[arg(long, value_name = "R,C", value_parser = place, allow_hyphen_values = true)]
     #[arg(required_unless_present = "at_xy")]
     at: Vec<[f64; 2]>,
-    /// Place in map coordinates, if SURFACE is georeferenced, or longitude and latitude; repeatable. These follow the
-    /// places of --at
+    /// Place in map coordinates, if SURFACE is georeferenced, or longitude and latitude; repeatable. In the output
+    /// they come after the places of --at
     #[arg(long, value_name = "X,Y", value_parser = coordinates, allow_hyphen_values = true)]
     at_xy: Vec<[f64; 2]>,
 
@@ -54,7 +54,8 @@ struct Value {
     distance: Distance,
 }
 
-/// A distance with as many digits as are known: all of a map in double precision at grid points.
+/// A distance: in double precision at the grid points of a map in double precision, and otherwise in single
+/// precision.
 #[derive(Clone, Copy, Serialize)]
 #[serde(untagged)]
 enum Distance {
@@ -101,7 +102,7 @@ pub fn run(args: &Args) -> Outcome {
     let precision = problem::default_precision(&args.surface, &args.solver);
     let (map, double) = problem::solve_in(precision, &scene, &sources, &options)?;
     let edges = EdgeLengths::new(&scene.surface)?;
-    // A distance does not depend on how the path is pulled taut.
+    // The distance at a place is the map's value, whether its path is shortened or not.
     let paths = PathTracer::new(&scene.surface, &edges, &sources, &map.distances)?.along_the_map();
     let found = paths.trace_all(&places).into_iter().collect::<Result<Vec<_>, PathError>>();
     let found = found.map_err(|error| scene.explain_path(error))?;

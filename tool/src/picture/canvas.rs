@@ -39,7 +39,7 @@ impl Canvas {
         }
     }
 
-    /// Draws a straight line with round ends, or a disc, antialiased.
+    /// Draws a straight line with round ends, antialiased. It is a disc if both ends are the same.
     pub fn stroke(&mut self, from: Vec2, to: Vec2, radius: f32, color: Color) {
         self.polyline(&[from, to], radius, color);
     }
@@ -107,7 +107,7 @@ impl Canvas {
         let size = |n: usize| u32::try_from(n).map_err(io::Error::other);
         let mut encoder = png::Encoder::new(writer, size(self.width)?, size(self.height)?);
         encoder.set_color(png::ColorType::Rgb);
-        // The highest level takes ten times as long for a tenth less.
+        // The highest level takes ten times as long for a file that is a tenth smaller.
         encoder.set_compression(png::Compression::Balanced);
         let mut writer = encoder.write_header()?;
         writer.write_image_data(&self.bytes())?;

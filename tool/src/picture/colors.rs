@@ -75,8 +75,9 @@ pub fn region_colors(regions: usize, neighbours: &[[u32; 2]]) -> Vec<Color> {
     chosen.into_iter().flatten().map(|color| palette[color]).collect()
 }
 
-/// Returns regions in an order in which each has few neighbours among those after it: at most five on a map.
-/// If regions are coloured from last to first, each finds a colour that its neighbours do not have.
+/// Returns the regions in an order in which each has few neighbours among the regions after it: at most five
+/// if the graph of neighbours is planar. If regions are coloured from last to first, each finds a colour
+/// that its neighbours do not have.
 fn fewest_first(beside: &[Vec<usize>]) -> Vec<usize> {
     let mut degree: Vec<_> = beside.iter().map(Vec::len).collect();
     let mut left: BTreeSet<_> = degree.iter().copied().zip(0..).collect();
@@ -115,7 +116,7 @@ mod tests {
         }
     }
 
-    /// A region beside more others than there are colours, at each position in the order.
+    /// The hub has more neighbours than there are colours. It is the first, a middle or the last region.
     #[test]
     fn neighbours_differ_around_a_hub() {
         let ring = 24;

@@ -30,8 +30,8 @@ const LINE: f32 = 0.8;
 const POINT: f32 = 4.0;
 
 impl<'a> FormPicture<'a> {
-    /// Chooses the view of a form. A grid is shown with its rows and columns upright. Other points are shown
-    /// along the form's principal axes: from above the widest one, or straight on if the form is flat.
+    /// Chooses the view of a form. A grid is shown upright. Other points are shown with the form's widest
+    /// axis (x) across the picture, obliquely from above or, if the form is flat, straight on.
     pub fn new(positions: &'a [DVec3], chart: Option<Chart>) -> Self {
         if let Some(picture) = chart.and_then(|chart| Self::upright(positions, chart)) {
             return picture;
@@ -43,8 +43,9 @@ impl<'a> FormPicture<'a> {
         Self { positions: positions.into(), chart, toward, up, size: SIZE }
     }
 
-    /// Returns the view with rows downwards and columns to the right, unless these have no overall direction.
-    /// A form and its mirror image have the same distances; the one that bulges towards the viewer is shown.
+    /// Returns the view with rows downwards and columns to the right, or `None` if rows and columns have no
+    /// overall direction. A form and its mirror image have the same distances; the one that bulges towards
+    /// the viewer is shown.
     fn upright(positions: &'a [DVec3], chart: Chart) -> Option<Self> {
         let right = mean_step(positions, chart, [0, 1]);
         let up = -mean_step(positions, chart, [1, 0]);
@@ -117,7 +118,7 @@ fn is_flat(positions: &[DVec3]) -> bool {
     positions.iter().all(|at| !at.is_finite() || at.z == 0.0)
 }
 
-/// Returns the mean vector from a point to the one `down` rows and `right` columns further on.
+/// Returns the mean vector from a point to the point `down` rows and `right` columns further on.
 fn mean_step(positions: &[DVec3], chart: Chart, [down, right]: [usize; 2]) -> DVec3 {
     let step = |index: usize| {
         let (row, col) = chart.position(index);
@@ -167,7 +168,7 @@ fn grid_lines(chart: Chart, positions: &[DVec3]) -> Vec<Stroke> {
 mod tests {
     use super::*;
 
-    /// Returns a shell over a grid, in any pose.
+    /// Returns a shell over a grid, placed in space by `pose`.
     fn shell(chart: Chart, pose: impl Fn(DVec3) -> DVec3) -> Vec<DVec3> {
         let place = |index| {
             let (row, col) = chart.position(index);

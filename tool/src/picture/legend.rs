@@ -102,8 +102,8 @@ impl Legend<'_> {
     }
 
     /// Returns the labels in ascending order. They are at strong lines, or at as many of the given lines as
-    /// fit; each takes the fraction `room` of the bar. If there is no such line, the label is at the smallest
-    /// value.
+    /// have room for a label, which takes the fraction `room` of the bar. If there is no such line, a single
+    /// label is at the smallest value.
     fn labels(&self, room: f64) -> Vec<(f64, String)> {
         let (low, high) = (f64::from(self.scale.low), f64::from(self.scale.high));
         let within = |value: &f64| (low..=high).contains(value);
@@ -129,7 +129,7 @@ impl Legend<'_> {
     }
 }
 
-/// Returns ascending values without those closer than `least` to the previous one.
+/// Returns ascending values without those that are closer than `least` to the last value kept before them.
 fn apart(values: impl Iterator<Item = f64>, least: f64) -> Vec<f64> {
     let mut kept: Vec<f64> = Vec::new();
     for value in values {
@@ -167,7 +167,7 @@ impl NumberFormat {
         }
     }
 
-    /// Returns the format with as many digits as distinguish the values, which are not multiples of a round
+    /// Returns a format with enough digits to distinguish the values, which need not be multiples of a round
     /// step.
     fn telling_apart(values: &[f64], largest: f64) -> Self {
         let gaps = values.windows(2).map(|pair| pair[1] - pair[0]);

@@ -87,8 +87,8 @@ fn start(sources: &Sources) -> f32 {
     sources.start() as f32
 }
 
-/// Returns the mean distance between columns divided by the mean distance between rows. Heights are seen from
-/// above.
+/// Returns the mean distance between columns divided by the mean distance between rows. For heights, these
+/// are the horizontal distances, as seen from above.
 fn aspect(shape: &Surface) -> f64 {
     if let Geometry::Heights { spacing, .. } = shape.geometry() {
         return spacing.dx / spacing.dy;

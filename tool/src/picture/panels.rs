@@ -37,7 +37,7 @@ const GAP: usize = TEXT;
 const TITLES: usize = 5 * TEXT / 2;
 /// The relative width of lines. They are wider, since pictures are scaled down on a page.
 const THICKNESS: f32 = 1.5;
-/// The largest number of lines. A winding corridor has room for more lines than a plain.
+/// The largest number of lines. A winding corridor has room for more lines than an open surface.
 const MOST_LINES: f64 = 60.0;
 
 impl Panels<'_> {

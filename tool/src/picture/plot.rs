@@ -104,8 +104,8 @@ const LEADER: f32 = 26.0;
 const MARGIN: f32 = 28.0;
 
 impl Axis {
-    /// Returns an axis with ticks at powers of ten over the positive values. If there are fewer than two,
-    /// further ticks are added between them.
+    /// Returns an axis with ticks at powers of ten over the positive values. If there are fewer than two, ticks at 2
+    /// and 5 times powers of ten are added.
     pub fn decades(title: &str, values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = values
             .filter(|&value| value > 0.0)

@@ -15,7 +15,7 @@ const LONG_SIDE: std::ops::RangeInclusive<f64> = 900.0..=2000.0;
 /// The smallest length of a side, in pixels. A narrow strip stays visible, although not in proportion.
 const SHORT_SIDE: f64 = 60.0;
 
-/// The position of the grid in the picture. Its outermost points lie in the middle of the outermost pixels.
+/// The position of the grid in the picture. The grid's outermost points lie in the middle of the outermost pixels.
 #[derive(Clone, Copy)]
 pub struct View {
     pub chart: Chart,
@@ -156,7 +156,7 @@ impl Raster<'_> {
         }
     }
 
-    /// Interpolates the colour between those grid points that have one.
+    /// Interpolates the colour between the grid points that have a value.
     fn blended(&self, colors: &[Color], around: &Around) -> Color {
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
         for &(row, col, weight) in &around.corners {
@@ -222,7 +222,8 @@ impl Raster<'_> {
         })
     }
 
-    /// Returns the size of the change of the value per pixel, from the larger change on either side of each corner.
+    /// Returns the magnitude of the value's change per pixel. At each corner of the cell, the side with the larger
+    /// change counts.
     fn slope(&self, around: &Around, slopes: &Slopes) -> f64 {
         let (mut slope, mut weights) = (DVec2::ZERO, 0.0);
         for &(row, col, weight) in &around.corners {

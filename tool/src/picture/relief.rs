@@ -7,7 +7,8 @@ use rayon::prelude::*;
 
 use super::canvas::{Color, mix};
 
-/// The brightness of each grid point, relative to level ground (1). Empty if it is not known.
+/// The brightness of each grid point, relative to level ground (1). It is empty if all points are as bright
+/// as level ground.
 pub struct Relief(Vec<f32>);
 
 /// The slope that terrain is exaggerated to, as the root mean square of its slopes.
@@ -119,8 +120,8 @@ impl Light {
     fn north_west(tangents: &Tangents) -> Self {
         let up = tangents.mean(|row, col| tangents.normal(row, col));
         let east = tangents.mean(|row, col| tangents.along(row, col, Direction::East));
-        // A closed surface has no mean plane. It is lit from beside the z axis, and softly, since parts of it
-        // face away from the light.
+        // A closed surface has no mean plane. It is lit at 45 degrees to the z axis, and softly, since parts
+        // of it face away from the light.
         let closed = up.length() < 0.3;
         let up = if closed { DVec3::Z } else { up.normalize() };
         let east = east.reject_from_normalized(up);

@@ -65,7 +65,7 @@ fn grid(place: fn(DVec2) -> Vec2) -> Canvas {
     }
     let [x0, x1, x2] = corners;
     canvas.polyline(&[x1, x2, x0], 1.8, INK);
-    // Each direction has the length of two steps of the tangent.
+    // Each arrow is as long as two grid steps along the tangent.
     let pen = Pen::bold(28.0);
     let (east, south) = (at(row, col + 0.01) - x0, at(row + 0.01, col) - x0);
     for (way, name) in [(east, "ξ₁"), (south, "ξ₂")] {
@@ -90,7 +90,7 @@ fn triangle() -> Canvas {
     let mut canvas = Canvas::new(WIDTH, HEIGHT, PAPER);
     let [x0, x1, x2] = [[400.0, 80.0], [250.0, 315.0], [480.0, 310.0]].map(Vec2::from);
     canvas.triangle([x0, x1, x2], FILL);
-    // The direction of the wavefront, and a point at which its distance from the source is zero.
+    // The direction of the wavefront, and a point on the line from which it starts at time 0.
     let n = Vec2::new(0.24, -0.97).normalize();
     let source = Vec2::new(330.0, 440.0);
     let time = |point: Vec2| (point - source).dot(n);
@@ -108,7 +108,7 @@ fn triangle() -> Canvas {
         (x2, "t₂", Vec2::new(20.0, 6.0)),
         (x0, "t₀", Vec2::new(-22.0, 4.0)),
     ] {
-        // The arrow runs from the source's line at a right angle up to the wavefront.
+        // The arrow runs from this line at a right angle up to the wavefront.
         let foot = point - time(point) * n;
         arrow(&mut canvas, foot, point - 11.0 * n, FRONT);
         write_around(&mut canvas, &plain, foot.lerp(point, 0.45) + aside, name, FRONT);

@@ -1,4 +1,5 @@
-//! Draws scans: the points from which each point is updated, and which updates depend on which.
+//! Draws scans: the points from which a scan updates each point, and the order and dependences of the
+//! updates.
 
 use geosweep::glam::Vec2;
 use geosweep::surface::Direction::{self, *};
@@ -9,7 +10,8 @@ use super::gallery::{Tile, tiled};
 use super::text::Pen;
 
 /// A scan: its name, the neighbours from which it updates a point (counter-clockwise), and its directions,
-/// the fast one last. In a scan of one direction, all points across it are updated at once.
+/// the fast one last. In a scan with one direction, all points of a line across this direction are updated
+/// at once.
 struct Scan {
     name: &'static str,
     from: [Direction; 3],

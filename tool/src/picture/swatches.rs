@@ -13,9 +13,9 @@ pub struct Swatches<'a> {
 }
 
 impl Swatches<'_> {
-    /// Draws the picture on a white background with as many of these to its right as fit. Also returns the
-    /// position of the picture's first pixel. All sizes are proportional to `size`, the size of the text in
-    /// pixels.
+    /// Draws the picture on a white background with the swatches to its right, as many as fit. Also returns
+    /// the position of the picture's first pixel. All sizes are proportional to `size`, the size of the
+    /// text in pixels.
     pub fn beside(&self, picture: &Canvas, size: usize) -> (Canvas, Vec2) {
         let pen = Pen::new(size as f32);
         let line = 3 * size / 2;

@@ -23,15 +23,15 @@ pub struct ProblemArgs {
     surface: SurfaceArgs,
     #[command(flatten)]
     solver: SolverArgs,
-    /// Precision of the map. Results from it are computed on the map rounded to single precision (default: single;
-    /// double with --geodetic, unless a Vulkan device is asked for)
+    /// Precision of the map. Results are computed from the map rounded to single precision (default: single; double
+    /// with --geodetic, unless a Vulkan device is asked for)
     #[arg(long, value_enum, help_heading = "Accuracy")]
     precision: Option<Precision>,
     #[command(flatten)]
     picture: PictureArgs,
 }
 
-/// A map, and the output of a picture of what is computed from it.
+/// A map, and the picture to write of the results that are computed from it.
 pub struct Problem {
     pub scene: Scene,
     pub sources: Sources,

@@ -57,7 +57,7 @@ impl CurveFiles {
         let drawing = Drawing {
             chart: scene.chart(),
             georeference: scene.georeference.as_ref().ok().copied(),
-            // On the Earth, positions count from its middle.
+            // On the Earth, positions are relative to its centre, so z is not a height.
             has_heights: !scene.is_on_earth(),
             attributes: attributes.to_vec(),
             polylines,

@@ -1,5 +1,5 @@
-//! Makes a surface on the Earth of the grid of a file. It may have a row more at each pole and a column more where the
-//! grid goes round.
+//! Makes a surface on the Earth from the grid of a file. The surface may have one more row at each pole, and one more
+//! column where the grid goes round the Earth.
 
 use geosweep::io::Georeference;
 use geosweep::surface::{Chart, GeodeticGrid, SurfaceError};
@@ -18,7 +18,7 @@ pub struct Earth {
 }
 
 impl Earth {
-    /// Makes the grid of points at these longitudes and latitudes. NaN marks holes.
+    /// Makes the grid of points at the longitudes and latitudes of a georeference. NaN in `heights` marks holes.
     pub fn new(georeference: &Georeference, chart: Chart, heights: &[f64]) -> Result<Self, String> {
         let at = |row: usize, col: usize| georeference.coordinates([row as f64, col as f64]);
         let latitudes: Vec<_> = (0..chart.rows).map(|row| at(row, 0)[1]).collect();
@@ -28,22 +28,22 @@ impl Earth {
         Ok(Self { grid, chart, georeference: *georeference, present })
     }
 
-    /// Returns the given grid, up to the ends of the surface.
+    /// Returns the given grid. Its frame has margins that reach to the ends of the surface.
     pub fn given(&self) -> GivenGrid {
         let lines = self.grid.lines().clone();
         GivenGrid::new(lines, Ok(self.georeference), self.grid.goes_round())
     }
 
-    /// Makes holes of given points, and returns a mask of all points of the surface. A pole is present if a point of
-    /// its row is.
+    /// Makes holes of the given points that `mask` leaves out, and returns a mask of all points of the surface. A
+    /// pole is present if any point of the row beside it is.
     pub fn mask(&mut self, mask: &[bool]) -> Vec<bool> {
         self.present.iter_mut().zip(mask).for_each(|(present, &keep)| *present &= keep);
         let values = self.without_holes(&vec![1.0; mask.len()]);
         self.grid.extend(&values).into_iter().map(|value| !value.is_nan()).collect()
     }
 
-    /// Returns the slowness of all points of the surface. A pole has the mean of its row, so that values are checked
-    /// before.
+    /// Returns the slowness of all points of the surface. A pole has the mean of the row beside it, so negative
+    /// values are refused before they enter a mean.
     pub fn slowness(&self, given: &[f64]) -> Result<Vec<f64>, SurfaceError> {
         let given = self.without_holes(given);
         match given.iter().position(|&value| value < 0.0) {

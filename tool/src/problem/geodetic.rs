@@ -13,8 +13,8 @@ use crate::terminal::say;
 
 #[derive(clap::Args)]
 pub struct GeodeticArgs {
-    /// Take SURFACE as heights in metres on WGS 84, in a grid of longitudes and latitudes. Distances are in metres,
-    /// and pass the date line and the poles where the grid goes round the Earth. A GeoTIFF or an ESRI ASCII grid in
+    /// Take SURFACE as heights in metres on WGS 84, in a grid of longitudes and latitudes. Distances are in metres.
+    /// Paths pass the date line and the poles where the grid goes round the Earth. A GeoTIFF or an ESRI ASCII grid in
     /// degrees says where it lies; other files need --extent
     #[arg(long, help_heading = "Earth", conflicts_with_all = ["spacing", "metric", "glue", "wrap", "layout"])]
     geodetic: bool,
@@ -32,9 +32,10 @@ pub struct GeodeticArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Registration {
-    /// Values at the middles of cells, of which the extent is the outer edge: 180 x 360 values for the Earth at one degree
+    /// Values at the middles of cells. The extent is the outer edge of the cells: 180 x 360 values for the Earth at one
+    /// degree
     Pixel,
-    /// Values on lines, of which the outermost are the extent: 181 x 361 values
+    /// Values on lines. The outermost lines are the extent: 181 x 361 values
     Gridline,
 }
 
@@ -55,7 +56,8 @@ pub struct Location {
 
 /// Largest longitude, and the angle of a full turn, in degrees.
 const TURN: f64 = 360.0;
-/// Least span of an extent in degrees, a tenth of a millimetre. Smaller ones are rounding errors of none.
+/// Least span of an extent in degrees, a tenth of a millimetre. Smaller spans come from rounding errors and count as
+/// empty.
 const LEAST_SPAN: f64 = 1e-9;
 /// The systems whose longitudes and latitudes are those of WGS 84, without and with heights.
 const WGS_84: [CoordinateSystem; 2] =
@@ -116,7 +118,7 @@ impl GeodeticArgs {
         self.geodetic
     }
 
-    /// Returns the location of the points of a file, which has this size.
+    /// Returns the location of the points of a file. `chart` is the size of its grid.
     pub fn location(
         &self,
         path: &Path,
@@ -126,7 +128,7 @@ impl GeodeticArgs {
         let name = path.display();
         match (file.georeference(), self.extent.zip(self.registration)) {
             (Ok(_), Some(_)) => {
-                Err(format!("{name}: gives its own place on the Earth; leave --extent out").into())
+                Err(format!("{name} says where it lies on the Earth; leave --extent out").into())
             }
             (Err(why), None) => Err(format!(
                 "{why}. Give --extent WEST,SOUTH,EAST,NORTH and --registration pixel or gridline"
@@ -156,7 +158,7 @@ impl Extent {
         south_up: bool,
     ) -> Georeference {
         let Self { west, south, east, north } = self;
-        // Values on lines are one more than the steps between them. A grid of one line is refused later.
+        // There is one step fewer than there are gridlines. A grid of one line is refused later.
         let (fewer, half) = match registration {
             Registration::Pixel => (0, 0.5),
             Registration::Gridline => (1, 0.0),
@@ -192,7 +194,7 @@ fn in_degrees(
             .into());
     }
     if !file.may_be_in_degrees() {
-        return Err("its points lie lengths apart on a map, not degrees; leave --geodetic out, or gdalwarp \
+        return Err("the spacing of its points is a length on a map, not degrees; leave --geodetic out, or gdalwarp \
                     -t_srs EPSG:4326 makes a grid of degrees"
             .into());
     }
@@ -217,7 +219,7 @@ fn remark(path: &Path, system: Option<CoordinateSystem>) {
         ),
         None => say(
             "note",
-            format_args!("{name}: names no coordinate system; it is taken as WGS 84, in degrees"),
+            format_args!("{name} names no coordinate system; it is taken as WGS 84, in degrees"),
         ),
     }
 }

@@ -1,5 +1,5 @@
-//! Converts between the grid of a file and that of a surface which may have more lines: those that closed surfaces need
-//! twice, and poles.
+//! Converts between the grid of a file and the grid of a surface. The surface may have more lines: copies of lines that
+//! a closed surface needs at both ends of its grid, and poles.
 
 use geosweep::Surface;
 use geosweep::geometry::{Curve, PathError};
@@ -12,7 +12,7 @@ pub struct GivenGrid {
     pub lines: CompletedGrid,
     /// The size of the given grid.
     pub chart: Chart,
-    /// The given grid in map coordinates, up to the ends of the surface.
+    /// The map coordinates of the given grid, with margins that reach to the ends of the surface.
     pub frame: GridFrame,
     /// Whether the last column continues in the first one.
     pub goes_round: bool,
@@ -22,7 +22,7 @@ pub struct GivenGrid {
 const ON_SEAM: f64 = 1e-6;
 
 impl GivenGrid {
-    /// Makes the grid of a file, of which the lines of the surface are known.
+    /// Makes the grid of a file. `lines` are the lines that the surface's grid has.
     pub fn new(
         lines: CompletedGrid,
         georeference: Result<Georeference, String>,
@@ -33,7 +33,7 @@ impl GivenGrid {
         Self { lines, chart, frame, goes_round }
     }
 
-    /// Returns the place on the surface's grid.
+    /// Converts a given place to a place on the surface's grid.
     pub fn place(&self, place: [f64; 2]) -> Result<[f64; 2], String> {
         let within = self.frame.within(place).and_then(|place| self.lines.to_completed(place));
         within.ok_or_else(|| {
@@ -44,8 +44,8 @@ impl GivenGrid {
         })
     }
 
-    /// Returns the vertices of a curve on the surface's grid, which jumps where it passes a pole or the line where the
-    /// grid begins and ends. A vertex on that line is taken on the side of its neighbours.
+    /// Returns the vertices of a given curve on the surface's grid. They jump where the curve passes a pole or the line
+    /// where the grid begins and ends. A vertex on that line is put on the side of its neighbours.
     pub fn curve(&self, given: &[[f64; 2]], surface: &Surface) -> Result<Vec<[f64; 2]>, String> {
         let given = if self.goes_round { self.on_sides(given) } else { given.to_vec() };
         let vertices =
@@ -66,8 +66,8 @@ impl GivenGrid {
         }
     }
 
-    /// Moves each vertex on the seam to the side of the nearest vertex off the seam: of the one before, or else of
-    /// the one after. Where the curve crosses the seam, the vertex is repeated on the other side.
+    /// Moves each vertex on the seam to the side of the last vertex before it that is off the seam, or, if there is
+    /// none, of the next one. Where the curve crosses the seam, the vertex is repeated on the other side.
     fn on_sides(&self, given: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let end = self.last()[1] as f64 + self.lines.margins()[1][1];
         let is_on =
@@ -96,7 +96,7 @@ impl GivenGrid {
         self.lines.crop(surface.present()).into_iter().filter(|&present| present).count()
     }
 
-    /// Converts places in an error on sources to given ones.
+    /// Converts the places in an error on sources to given places.
     pub fn of_sources(&self, mut error: SourceError) -> SourceError {
         match &mut error {
             SourceError::Outside { row, col, .. }
@@ -108,7 +108,7 @@ impl GivenGrid {
         error
     }
 
-    /// Converts places in an error on paths to given ones.
+    /// Converts the places in an error on paths to given places.
     pub fn of_paths(&self, mut error: PathError) -> PathError {
         match &mut error {
             PathError::Source(_) => {}

@@ -11,14 +11,15 @@ use crate::terminal::say;
 #[derive(clap::Args)]
 pub struct GlueArgs {
     /// Sides of the grid that continue each other on a closed surface, so that distances pass from one to the other.
-    /// Where they are not the same line, a line is added inside, which outputs leave out: positions tell, and
-    /// heights and metrics are the same line if all their values are equal
+    /// Where two such sides are not the same line of the surface, the tool adds a line, which outputs leave out.
+    /// Positions show whether they are the same line; sides of heights or metrics count as the same line if all their
+    /// values are equal
     #[arg(long, value_name = "SIDES", help_heading = "Surface", conflicts_with_all = ["wrap", "layout"])]
     glue: Option<Glue>,
-    /// The grid goes on from its last column, row or both to the first: other names of --glue columns, rows and both
+    /// The grid goes on from its last column, row or both to the first: the same as --glue columns, rows or both
     #[arg(long, value_name = "SIDES", help_heading = "Surface", conflicts_with = "layout")]
     wrap: Option<Wrap>,
-    /// With --wrap columns or rows, in reverse order: --glue flipped-columns or flipped-rows
+    /// With --wrap columns or rows, glue in reverse order: the same as --glue flipped-columns or flipped-rows
     #[arg(long, help_heading = "Surface", requires = "wrap", conflicts_with = "poles")]
     flip: bool,
     /// With --wrap columns, the first and the last row are poles or surround them: --glue globe
@@ -44,15 +45,15 @@ pub enum Glue {
     FlippedColumns,
     /// The last row continues in the first one in reverse order
     FlippedRows,
-    /// Rows are latitudes from pole to pole, with rows at the poles or beside them, and the last column continues in the
-    /// first one
+    /// Rows are latitudes from pole to pole, with rows at the poles or beside them, and the last column continues in
+    /// the first one
     Globe,
     /// An octahedral map: the halves of each side coincide
     Octahedral,
     /// Charts that holes keep apart, such as the six faces of a cube with points on their edges
     Charts,
-    /// Six faces of a cube at the middles of texels: 2 x 3, 3 x 2, 1 x 6, 6 x 1 or a cross, with or without a line of holes
-    /// between them
+    /// Six faces of a cube with points at the middles of texels: 2 x 3, 3 x 2, 1 x 6, 6 x 1 or a cross, with or without
+    /// a line of holes between them
     Cube,
 }
 
@@ -67,7 +68,7 @@ enum Wrap {
 enum MapLayout {
     /// An octahedral map with points on its sides
     Octahedral,
-    /// Six faces of a cube at the middles of texels
+    /// Six faces of a cube with points at the middles of texels
     Cube,
 }
 
@@ -91,7 +92,7 @@ impl GlueArgs {
             }
             (Wrap::Both, true, false) => {
                 return Err(
-                    "--flip is for --wrap columns or rows; both at once are not glued".into()
+                    "--flip is for --wrap columns or rows; with --wrap both, sides cannot be flipped".into()
                 );
             }
         }))
@@ -101,7 +102,7 @@ impl GlueArgs {
 /// A surface whose sides are glued.
 pub struct Whole {
     pub surface: Surface,
-    /// The surface that has positions, if it has got more lines.
+    /// The surface with the positions, if it is separate and lines have been added to it.
     pub shape: Option<Surface>,
     /// The lines of the grid, if some have been added.
     pub lines: Option<CompletedGrid>,
@@ -110,8 +111,8 @@ pub struct Whole {
 }
 
 impl Glue {
-    /// Glues a surface, whose grid gets the lines that it lacks. `shape` has its positions, if they are separate, and
-    /// `seams` are its sides that coincide or are neighbours.
+    /// Glues a surface, and adds the lines that its grid lacks. `shape` is the surface with the positions, if it is
+    /// separate. `seams` are the sides that coincide or are neighbours.
     pub fn apply(
         self,
         surface: Surface,
@@ -136,7 +137,7 @@ impl Glue {
                 Self::Charts => Gluing::Charts,
                 _ => Gluing::Seams(found(seams)?),
             },
-            // It cannot be glued once more, which an error says.
+            // A glued surface cannot be glued again, and `with_gluing` below returns an error that says so.
             Some(_) if surface.is_glued() => Gluing::columns(),
             Some(layout) => {
                 let lines = CompletedGrid::new(shape.unwrap_or(&surface), layout)?;
@@ -159,7 +160,7 @@ impl Glue {
         }
     }
 
-    /// Glues a surface after its lines have been added.
+    /// Adds the lines that a surface's grid lacks, and glues the surface.
     fn completed(
         self,
         surface: Surface,
@@ -188,7 +189,7 @@ impl Glue {
         Ok(Whole { surface: whole, shape, lines: Some(lines), goes_round })
     }
 
-    /// Returns the layout of grids that may lack lines.
+    /// Returns the layout by which [`CompletedGrid`] finds the missing lines, if this gluing has one.
     fn layout(self) -> Option<Layout> {
         Some(match self {
             Self::Columns => Layout::Columns,
@@ -203,11 +204,11 @@ impl Glue {
     }
 }
 
-/// The seam over which columns go round.
+/// The seam that joins the last column to the first one.
 const COLUMNS: Seam =
     Seam::Sides { sides: [GridSide::FirstColumn, GridSide::LastColumn], reversed: false };
 
-/// Returns the seams of a surface that has some.
+/// Returns the seams as a list, or an error if there are none.
 fn found(seams: &[Seam]) -> Result<Vec<Seam>, Box<dyn Error>> {
     match seams {
         [] => Err("no sides of the grid coincide or are neighbours; leave --glue out, or name the sides to see how \

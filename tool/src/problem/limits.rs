@@ -15,8 +15,8 @@ use crate::terminal::say;
 
 #[derive(clap::Args)]
 pub struct LimitArgs {
-    /// Largest distance of the map, in its unit. Points that are farther are not reached. The work on the CPU
-    /// is that of the area within the radius
+    /// Largest distance of the map, in its unit. Points that are farther are not reached. The CPU does only
+    /// the work of the area within the radius
     #[arg(long, value_name = "R", allow_hyphen_values = true, help_heading = "Part of the map")]
     radius: Option<f64>,
     /// Target, a grid point: row and column; repeatable. The map ends when the targets have their distances,
@@ -27,7 +27,7 @@ pub struct LimitArgs {
     /// File of targets, as for --source-points of `geosweep distance`; repeatable
     #[arg(long, value_name = "FILE", help_heading = "Part of the map")]
     targets: Vec<PathBuf>,
-    /// The targets that the map needs
+    /// Targets that the map must reach before it ends
     #[arg(long, value_enum, default_value_t, help_heading = "Part of the map")]
     target_mode: TargetMode,
 }

@@ -165,7 +165,7 @@ pub fn convergence(iterations: u32, converged: bool) -> String {
     format!("{state} after {}", counted(iterations, "iteration"))
 }
 
-/// Formats a time with two or three digits.
+/// Formats a time in seconds, or in milliseconds below 0.1 s.
 pub fn seconds(time: Duration) -> String {
     let seconds = time.as_secs_f64();
     match seconds {
@@ -222,7 +222,7 @@ const DIAGONALS: [Direction; 4] =
 /// Prints a note on unreached points that touch reached points only at a corner, as on a line of a mask that
 /// looks connected.
 pub fn comment_on_corners<R: Real>(surface: &Surface, map: &DistanceMap<R>) {
-    // At the end of a part of a map, all neighbours are unreached.
+    // If only a part of the map is computed, points beyond its edge are unreached for that reason.
     if map.report.ends_at.is_some() {
         return;
     }

@@ -24,9 +24,9 @@ pub struct PictureArgs {
     /// View of the surface
     #[arg(long, value_enum, default_value_t, help_heading = "Picture")]
     view: ViewArg,
-    /// Direction from which the surface is seen, in its coordinates with z up; implies --view shaded. Heights
-    /// have x along the columns and y along the rows, southwards (default: terrain from the south, other
-    /// surfaces from the side to which they bulge)
+    /// Direction from which the surface is seen, in its coordinates with z up; implies --view shaded. For
+    /// heights, x increases with the column and y with the row, southwards (default: terrain from the south,
+    /// other surfaces from the side to which they bulge)
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
     #[arg(help_heading = "Picture")]
     toward: Option<DVec3>,
@@ -37,7 +37,7 @@ pub struct PictureArgs {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum ViewArg {
-    /// A map for heights, a shaded view for positions; of `geosweep distance` only where they are closed
+    /// A map for heights, and a shaded view for positions; `geosweep distance` shades only closed surfaces
     #[default]
     Auto,
     /// The parameter domain as a map, with relief
@@ -63,7 +63,7 @@ impl PictureArgs {
         self.look_with(scene, true)
     }
 
-    /// Returns the view of a surface. Closed ones are shaded by default.
+    /// Returns the view of a surface. Closed surfaces with positions are shaded by default.
     pub fn look_at_map(&self, scene: &Scene) -> Result<Look, String> {
         self.look_with(scene, scene.surface.is_glued())
     }

@@ -1,5 +1,5 @@
-//! Holds the surface of a command and its place on the Earth. Commands take places of the given grid, that of the
-//! file, and convert them to the surface's.
+//! Holds the surface of a command and its place on the Earth. Commands take places on the given grid, which is the grid
+//! of the file, and convert them to places on the surface's grid.
 
 use std::borrow::Cow;
 
@@ -24,7 +24,7 @@ pub struct Scene {
     pub geo_tags: Option<GeoTags>,
     /// The unit of lengths, if the file has one.
     pub unit: Option<&'static str>,
-    /// The grid of the file, if the surface lies on the Earth or has more lines.
+    /// The grid of the file, if the surface lies on the Earth or has more lines than the file.
     pub(super) grid: Option<GivenGrid>,
     /// Whether the surface lies on the Earth.
     pub(super) is_on_earth: bool,
@@ -44,11 +44,11 @@ impl Scene {
         self.grid.as_ref().map_or(self.surface.chart(), |grid| grid.chart)
     }
 
-    /// Returns the place on the surface's grid of a given place.
+    /// Converts a given place to a place on the surface's grid.
     ///
     /// # Errors
-    /// If the surface has more lines than the file or lies on the Earth, and not this place. Elsewhere the library checks
-    /// it.
+    /// If the place is not on the surface. This is checked only if the surface has more lines than the file or lies on
+    /// the Earth. Otherwise the library checks the place later.
     pub fn place(&self, given: [f64; 2]) -> Result<[f64; 2], String> {
         self.grid.as_ref().map_or(Ok(given), |grid| grid.place(given))
     }
@@ -73,17 +73,17 @@ impl Scene {
         }
     }
 
-    /// Returns the given place of a place on the surface's grid. Poles may lie beyond the first and the last row.
+    /// Converts a place on the surface's grid to the given grid, where poles may lie beyond the first and the last row.
     pub fn given(&self, place: [f64; 2]) -> [f64; 2] {
         self.grid.as_ref().map_or(place, |grid| grid.lines.to_given(place))
     }
 
-    /// Returns the values at the given points, of values at all points of the surface.
+    /// Returns the values at the given points. `values` has one value for each point of the surface.
     pub fn crop<'a, T: Copy>(&self, values: &'a [T]) -> Cow<'a, [T]> {
         self.extended().map_or(values.into(), |grid| grid.lines.crop(values).into())
     }
 
-    /// Returns the largest distance and counts of a map as those of the given points.
+    /// Sets the largest distance and the numbers of points in a map's report to those of the given points.
     pub fn count<R: Real>(&self, map: &mut DistanceMap<R>) {
         let Some(grid) = self.extended() else { return };
         let given = grid.lines.crop(&map.distances);
@@ -97,7 +97,7 @@ impl Scene {
         self.extended().map_or(self.surface.points(), |grid| grid.points(&self.surface))
     }
 
-    /// Returns the index of each given point on the surface's grid, if that has more points.
+    /// Returns the index of each given point on the surface's grid, or `None` if that grid has no added points.
     pub fn given_points(&self) -> Option<Vec<usize>> {
         self.extended().map(|grid| grid.lines.given_points())
     }
@@ -110,19 +110,20 @@ impl Scene {
         Some(is_given)
     }
 
-    /// Refuses what needs all points of the surface, if the given grid lacks some of them.
+    /// Refuses `what`, which needs all points of the surface, if the given grid lacks some of them.
     pub fn refuse_added_lines(&self, what: &str) -> Result<(), String> {
         match self.extended() {
             None => Ok(()),
             Some(_) => Err(format!(
                 "{what}: the surface has lines that the grid lacks, at a pole or at a seam, which cannot be left out \
-                 here; give a grid that has these lines, or one clear of them"
+                 here; give a grid that has these lines, or one without poles and seams"
             )),
         }
     }
 
-    /// Refuses directions in the grid, if its rows do not run southwards or its columns eastwards on the Earth, or added
-    /// lines lie a part of a step away from given ones, so that rows and columns of a direction differ on both grids.
+    /// Refuses `what`, which gives directions in rows and columns, if on the Earth the rows do not run southwards or
+    /// the columns eastwards. Also refuses it if added lines lie a part of a step away from given ones, since the rows
+    /// and columns of a direction then differ between the two grids.
     pub fn refuse_directions(&self, what: &str) -> Result<(), String> {
         if self.extended().is_some_and(|grid| grid.lines.has_part_steps()) {
             self.refuse_added_lines(what)?;
@@ -137,7 +138,7 @@ impl Scene {
         }
     }
 
-    /// Lets an error name given places.
+    /// Converts the places in an error to given places.
     pub fn explain(&self, error: geosweep::Error) -> geosweep::Error {
         match (error, &self.grid) {
             (geosweep::Error::Source(error), Some(grid)) => grid.of_sources(error).into(),
@@ -145,7 +146,7 @@ impl Scene {
         }
     }
 
-    /// Lets an error on a path name given places.
+    /// Converts the places in an error on a path to given places.
     pub fn explain_path(&self, error: PathError) -> PathError {
         match &self.grid {
             Some(grid) => grid.of_paths(error),
@@ -158,7 +159,7 @@ impl Scene {
         self.is_on_earth
     }
 
-    /// Returns whether given places are converted.
+    /// Returns whether the surface has a grid of its own, to which given places are converted.
     pub fn has_own_grid(&self) -> bool {
         self.grid.is_some()
     }

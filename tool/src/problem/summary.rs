@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::Scene;
 use crate::precision::{Number, Precision};
 
-/// The part of the JSON output on the map, which every command on a map prints.
+/// The part of the JSON output that describes the map. Every command on a map prints it.
 #[derive(Serialize)]
 pub struct MapSummary<'a, R = f32> {
     precision: Precision,

@@ -124,7 +124,7 @@ impl SurfaceArgs {
             seams = if shape.is_none() { surface.seams() } else { Vec::new() };
             grid = lines.map(|lines| GivenGrid::new(lines, georeference.clone(), goes_round));
         }
-        // On the Earth, seams are glued, and a pole at the end of a sector is not closed.
+        // On the Earth, seams are glued already, and a sector that ends at a pole is not a closed surface.
         if earth.is_none() {
             warn_of_seams(&seams);
         }
@@ -143,7 +143,8 @@ impl SurfaceArgs {
         Ok(Scene { surface, shape, georeference, system, geo_tags, unit, grid, is_on_earth })
     }
 
-    /// Returns the surface that has the lengths of the metric, if one is given, and that with the positions then.
+    /// Returns the surface with the lengths of the metric, and the given surface, which has the positions.
+    /// Without a metric, returns the given surface alone.
     fn measured(&self, given: Surface) -> Result<(Surface, Option<Surface>), Box<dyn Error>> {
         let Some(path) = &self.metric else { return Ok((given, None)) };
         let (rows, cols) = (given.rows(), given.cols());
@@ -275,7 +276,8 @@ fn warn_of_resolution(surface: &Surface, args: &SurfaceArgs) {
     say("warning", said);
 }
 
-/// The largest fraction of sharp edges of a resolved surface. Creases of built-in surfaces have less.
+/// The largest fraction of sharp edges of a resolved surface. Built-in surfaces with creases have a smaller
+/// fraction.
 const MOST_SHARP: f64 = 0.1;
 
 /// Prints a warning that paths end at seams, and what helps.

@@ -125,7 +125,7 @@ fn a_bench_counts_right_and_its_numbers_fit() {
                 match schedule {
                     // The first iteration is bounded around the source.
                     "raster" => assert!(triangles.unwrap() < all, "{map}"),
-                    // Two updates from eight triangles.
+                    // An iteration updates each point twice, from eight triangles.
                     _ => assert_eq!(triangles.unwrap(), 2.0 * all, "{map}"),
                 }
                 assert!(work["dispatches"].as_f64().unwrap() > number("iterations"), "{map}");

@@ -126,6 +126,6 @@ fn the_figures_bendings_share_a_form() {
     let deviations: Vec<_> =
         rows["surfaces"].as_array().unwrap().iter().map(|row| row["deviation"].as_f64()).collect();
     let [None, None, Some(between), Some(catenoid)] = deviations[..] else { panic!("{rows}") };
-    // This is due to the errors of the distances on such a coarse grid.
+    // The deviations are due to the errors of the distances on such a coarse grid.
     assert!(between.max(catenoid) < 2e-3, "{rows}");
 }

@@ -70,7 +70,7 @@ fn directions_and_regions_pass_glued_sides() {
     assert!(output.status.success(), "{}", stderr(&output));
     let outputs = ["link.tif", "log.npy", "map.npy", "nearest.tif", "way.npy", "ways.png"];
     assert_eq!(bench.outputs(), outputs);
-    // Beyond the seam the way leads on to the east, from both copies of its points too.
+    // The ways back lead east on both sides of the seam, and on both copies of the points on the seam.
     let way = map(&bench.output("way.npy"));
     for col in [28, 32, 0, 1] {
         assert!((way[4 * 33 + col] - 90.0).abs() < 1e-3, "{col}: {}", way[4 * 33 + col]);
@@ -84,7 +84,7 @@ fn directions_and_regions_pass_glued_sides() {
         .map(|bytes| f32::from_le_bytes(*bytes).into())
         .collect();
     let [link, nearest] = ["link.tif", "nearest.tif"].map(|name| map(&bench.output(name)));
-    // The link to the east is 1, that to the west 5.
+    // The link to the east is 1, the link to the west is 5.
     for (col, steps, to) in [(28, -6.0, 1.0), (32, -2.0, 1.0), (0, -2.0, 1.0), (5, 3.0, 5.0)] {
         let point = 4 * 33 + col;
         assert_eq!([link[point], nearest[point]], [to, 0.0], "{col}");
@@ -96,7 +96,7 @@ fn directions_and_regions_pass_glued_sides() {
     assert_eq!(report["neighbours"], serde_json::json!([[0, 1]]));
     let area = |region: usize| report["regions"][region]["area"].as_f64().unwrap();
     assert!((area(0) - area(1)).abs() < 1e-3 * area(0), "{} {}", area(0), area(1));
-    // Each border is half-way round on one side.
+    // The two borders lie midway between the sources, one on each side of the tube.
     let borders = curves(&read(&bench, "b.npy"));
     let cols = |border: &Vec<[f64; 5]>| {
         let cols = border.iter().map(|vertex| vertex[1]);
@@ -111,7 +111,7 @@ fn directions_and_regions_pass_glued_sides() {
     assert!(borders.iter().all(|border| (border[0][0] - border[border.len() - 1][0]).abs() == 8.0));
 }
 
-/// The tube has rows of a cell's width. Fronts from one source meet on the line opposite it.
+/// Fronts from one source meet on the line opposite the source.
 #[test]
 fn ridges_offsets_errors_and_matrices_pass_glued_sides() {
     let bench = Workbench::new();
@@ -122,7 +122,7 @@ fn ridges_offsets_errors_and_matrices_pass_glued_sides() {
     assert!(ridge["least_angle"].as_f64().unwrap() > 120.0, "{report}");
     let [ridge] = &curves(&read(&bench, "ridges.npy"))[..] else { panic!("one ridge") };
     assert!(ridge.iter().all(|at| at[1].min(32.0 - at[1]) < 0.5), "{ridge:?}");
-    // A circle around the tube has one on each side.
+    // A circle around the tube has one offset curve on each side.
     let around = bench.input("around.csv", "row,col\n4,0\n4,16\n4,32\n");
     let words = format!("--source-curve {around} --glue columns --distances 0.5 --side left");
     let report = json(&run(&bench, &format!("offset {tube} {words} -o left.npy --json")));

@@ -18,7 +18,7 @@ fn surface(
     bench.array(name, &[rows, cols, 3], &values)
 }
 
-/// Writes a tube of 9 x 32 points without its last column.
+/// Writes a tube of 9 x 32 points, without a last column that repeats the first.
 fn tube(bench: &Workbench) -> String {
     surface(bench, "open.npy", [9, 32], |row, col| {
         let (sin, cos) = (TAU * col / 32.0).sin_cos();
@@ -91,7 +91,7 @@ fn outputs_have_the_places_of_the_file() {
     let bench = Workbench::new();
     let given = tube(&bench);
     let step = TAU / 32.0;
-    // Places between the last column and the first one lie beyond the last one.
+    // Places between the last column and the first one have columns beyond the last one.
     let line =
         format!("value {given} -s 4,1 --wrap columns --at 4,31 --at 4,31.5 --at 4,32 --json");
     let said = json(&done(&bench, &line));
@@ -254,7 +254,7 @@ fn a_globe_of_cells_is_whole() {
     let bench = Workbench::new();
     let refused = bench.distance(&globe(&bench), "-s 8,88 --glue globe --back-link link.npy");
     bench.refuses(&refused, &["--back-link", "lines that the grid lacks"]);
-    // The poles of a tube are not there.
+    // A tube has no poles.
     let refused = bench.distance(&tube(&bench), "-s 1,1 --wrap columns --poles -o map.npy");
     bench.refuses(&refused, &["--glue globe", "surround one", "first row"]);
 }

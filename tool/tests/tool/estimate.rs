@@ -77,7 +77,8 @@ fn floor_plans_of_two_rows_have_estimates() {
     let (map, errors) = (map(&bench.output("map.npy")), map(&bench.output("error.npy")));
     for (index, (distance, error)) in map.iter().zip(&errors).enumerate() {
         let exact = f64::hypot((index / 9) as f64, (index % 9) as f64);
-        // The bound is twice the estimate, which is an estimate of rounding here, known up to a factor.
+        // The estimate is one of rounding here, which is known only up to a factor. So the bound is twice the
+        // estimate.
         assert!((distance - exact).abs() <= 2.0 * error, "{index}: {distance} {error}");
         assert!(*error <= 1e-6 * exact, "{index}: {error}");
     }

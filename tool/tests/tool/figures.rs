@@ -131,8 +131,8 @@ fn the_maze_is_shown_iteration_by_iteration() {
     assert!(stages["stages"].as_array().unwrap().len() < 4, "{stages}");
 }
 
-/// Table 2 comes from the code with which `geosweep bench` measures. It has only the requested one of the
-/// paper's rows.
+/// Table 2 comes from the code with which `geosweep bench` measures. Of the paper's rows, it has only the row of a
+/// requested size.
 #[test]
 fn table_2_has_an_iteration_and_a_converged_map_beside_the_papers() {
     let bench = Workbench::new();

@@ -6,7 +6,7 @@ use serde_json::Value;
 use crate::vincenty::vincenty;
 use crate::workbench::{Workbench, done, json, map, notes, run, stderr, text};
 
-/// Distance, in metres, beyond which Vincenty's formula may fail: that of nearly opposite points.
+/// Distance, in metres, beyond which Vincenty's formula may fail, since the points are nearly opposite.
 const OPPOSITE: f64 = 1.9e7;
 /// Degrees between the lines of grids of the whole Earth.
 pub const STEP: f64 = 2.0;
@@ -43,7 +43,7 @@ impl Grid {
         self.places().map(height).collect()
     }
 
-    /// Writes a file of these heights, or of the ellipsoid.
+    /// Writes a file of these heights, or of heights of 0, which are those of the ellipsoid.
     pub fn file(&self, bench: &Workbench, name: &str, is_hilly: bool) -> String {
         let heights = if is_hilly { self.heights() } else { vec![0.0; self.places().count()] };
         bench.array(name, &self.shape(), &heights)
@@ -65,7 +65,8 @@ impl Grid {
     }
 }
 
-/// Measured at 2 degrees: mean 8e-8 from a pole to 4.2e-5, largest 4.7e-3, beside a source inside a cell.
+/// Errors measured at 2 degrees: the mean is 8e-8 from a pole, and up to 4.2e-5 from other sources; the largest error
+/// is 4.7e-3, beside a source inside a cell.
 #[test]
 fn maps_of_the_ellipsoid_are_those_of_geodesics() {
     let bench = Workbench::new();
@@ -111,7 +112,7 @@ fn a_part_of_the_earth_has_known_distances() {
     println!("JFK to LHR: {found}");
     assert!((found - 5_551_759.4).abs() < 60.0, "{found}");
     assert_eq!((said["rows"].as_u64(), said["cols"].as_u64()), (Some(151), Some(421)));
-    // By longitudes of other turns.
+    // The same places, with longitudes of other turns.
     let other = line.replace("-73.8,", "286.2,").replace("--at 67,397.5", "--at-xy 359.5,51.6");
     let mut same = json(&done(&bench, &other));
     for place in same["values"].as_array_mut().unwrap() {
@@ -122,7 +123,8 @@ fn a_part_of_the_earth_has_known_distances() {
     assert_eq!(same["values"], said["values"]);
 }
 
-/// Returns the map of a grid from a place, by place.
+/// Returns the distances from 53 degrees north, 13 degrees east on a grid with hills, sorted by place. Each place
+/// occurs once.
 fn placed(bench: &Workbench, grid: &Grid, words: &str) -> Vec<([i64; 2], f64)> {
     let file = grid.file(bench, "hills.npy", true);
     done(bench, &format!("distance {file} --geodetic {words} --source-lonlat 13,53 -o map.npy"));
@@ -158,7 +160,7 @@ fn the_order_of_rows_and_columns_changes_nothing() {
     }
 }
 
-/// Returns the parts of the lines of GeoJSON, with a property of each.
+/// Returns a property of each line of GeoJSON, and the parts of the line.
 pub fn parts(geojson: &str, property: &str) -> Vec<(f64, Vec<Vec<[f64; 2]>>)> {
     let collection: Value = serde_json::from_str(geojson).unwrap();
     assert!(collection.get("crs").is_none());
@@ -180,7 +182,7 @@ pub fn parts(geojson: &str, property: &str) -> Vec<(f64, Vec<Vec<[f64; 2]>>)> {
     collection["features"].as_array().unwrap().iter().map(feature).collect()
 }
 
-/// RFC 7946, section 3.1.9.
+/// Asserts that a line is divided at the antimeridian, as RFC 7946, section 3.1.9, demands.
 pub fn assert_divided(parts: &[Vec<[f64; 2]>]) {
     for part in parts {
         assert!(part.iter().all(|[lon, lat]| lon.abs() <= 180.0 && lat.abs() <= 90.0), "{part:?}");
@@ -232,10 +234,11 @@ fn paths_cross_the_date_line_and_the_pole() {
         let exact = vincenty(start, [170.0, 30.0]).unwrap();
         assert!((length - exact).abs() < 1e-3 * exact, "{start:?}: {length} {exact}");
     }
-    // Both ends of the part over the pole lie on it, at opposite meridians.
+    // The path over the pole is divided there: one part ends at the pole and the other begins at it, on opposite
+    // meridians.
     let [before, after] = &found[1].1[..] else { panic!("{found:?}") };
     assert_eq!([before.last().unwrap()[1], after[0][1]], [90.0, 90.0]);
-    // The place is told as given: between the last column and the first.
+    // The report has the place as a row and column of the file's grid.
     assert_eq!(said["paths"][0]["from"], serde_json::json!([39.5, 14.5]));
 }
 
@@ -279,7 +282,7 @@ fn masks_slowness_and_targets_have_the_size_of_the_file() {
     assert!(!hole.status.success());
     let said = stderr(&hole);
     assert!(said.contains("--source-lonlat 100,40") && said.contains("hole"), "{said}");
-    // A source that is no longitude has the row of the file, not of the surface.
+    // A source that is given by row and column is reported with the row of the file, not of the completed surface.
     let hole = run(&bench, &format!("{line} hole.npy --mask {africa} -s 13,7"));
     assert!(stderr(&hole).contains("source 13,7 lies in a hole"), "{}", stderr(&hole));
 }
@@ -340,8 +343,7 @@ fn what_the_commands_cannot_do_on_the_earth_is_refused() {
     bench.refuses(&output, &["--back-direction: the surface has lines that the grid lacks"]);
 }
 
-/// The regions, their areas and the pairs of a grid of cells, which lacks the poles and a column.
-
+/// The profile is of the completed surface, with rows at the poles and a column that the file lacks.
 #[test]
 fn maps_of_the_whole_earth_are_profiled() {
     let bench = Workbench::new();

@@ -7,7 +7,8 @@ use geosweep::io::SurfaceFile;
 use crate::geodetic::{Grid, STEP};
 use crate::workbench::{Workbench, done, map, notes};
 
-/// Writes a GeoTIFF of heights in degrees, whose first pixel lies at `corner` and whose pixels are areas or points.
+/// Returns a GeoTIFF of the grid's heights with coordinates in degrees. Its first pixel lies at `corner`. Its pixels
+/// are points if `is_point`, otherwise areas.
 pub fn geotiff(grid: &Grid, corner: [f64; 2], is_point: bool) -> Vec<u8> {
     use tiff::encoder::{TiffEncoder, colortype::Gray32Float};
     use tiff::tags::Tag;
@@ -27,7 +28,7 @@ pub fn geotiff(grid: &Grid, corner: [f64; 2], is_point: bool) -> Vec<u8> {
     file.into_inner()
 }
 
-/// Writes a GeoTIFF in metres on a map.
+/// Writes a GeoTIFF whose coordinates are metres of a map projection.
 pub fn geotiff_of_a_map(bench: &Workbench) -> String {
     let grid = Grid::new([0.0, 30.0], [20.0, 20.0, -1.0]);
     let keys = [1024, 0, 1, 1, 1025, 0, 1, 1, 3072, 0, 1, 32616];
@@ -123,7 +124,7 @@ fn an_ascii_grid_in_degrees_is_a_part_of_the_earth() {
     bench.refuses(&bench.distance(&asc, "-s 3,3 -o map.npy"), &["degrees", "--geodetic"]);
     let line = format!("distance {asc} --geodetic --source-lonlat -178.75,60.25 -o map.npy");
     let said = notes(&done(&bench, &line));
-    assert!(said.contains("part.asc: names no coordinate system; it is taken as WGS 84"), "{said}");
+    assert!(said.contains("part.asc names no coordinate system; it is taken as WGS 84"), "{said}");
     let grid = Grid {
         longitudes: (0..40).map(|col| 170.25 + 0.5 * f64::from(col)).collect(),
         latitudes: (0..30).map(|row| 64.75 - 0.5 * f64::from(row)).collect(),

@@ -56,10 +56,11 @@ fn ridges_and_offsets_go_round_the_earth() {
         .iter()
         .map(|ridge| ridge["length"].as_f64().unwrap())
         .sum();
-    // A meridian and its opposite are 40,008 km long. On some of it fronts include less than 30 degrees.
+    // A meridian and its opposite are 40,008 km long. On a part of them, the fronts meet at less than 30
+    // degrees.
     assert!(length > 2e7 && length < 4.05e7, "{said}");
-    // A line of latitude across the seam, with an offset on its north. It has a vertex at the grid's first column, which
-    // the surface has again after its last one.
+    // A line of latitude across the seam, with an offset on its north. The line has a vertex at the grid's first
+    // column, which the surface repeats after the grid's last column.
     let curve = r#"{"type":"LineString","coordinates":[[170,0],[-178.5,0],[-170,0]]}"#;
     let curve = bench.input("curve.geojson", curve);
     let line =
@@ -167,7 +168,8 @@ fn regions_and_directions_pass_the_date_line() {
     }
 }
 
-/// Lines at the poles and on both sides of the seam need no more lines, so that matrices and samples have a place.
+/// A grid that has lines at the poles and on both sides of the seam needs no added lines, so that matrices and samples
+/// are possible on it.
 #[test]
 fn grids_with_all_lines_have_matrices() {
     let bench = Workbench::new();

@@ -1,4 +1,4 @@
-//! Places on the Earth: targets, curves and points of files at the seam and at the poles, and what is told of them.
+//! Places on the Earth: targets, curves and points of files at the seam and at the poles, and how they are reported.
 
 use geosweep::io::{CoordinateSystem, SurfaceFile};
 
@@ -67,7 +67,7 @@ fn targets_between_points_are_refused_with_the_nearest_one() {
     }
 }
 
-/// Sums of steps round the latitude of the south pole.
+/// The latitude of the south pole is a sum of steps, and rounding makes it inexact.
 #[test]
 fn paths_over_the_south_pole_have_two_parts() {
     let bench = Workbench::new();
@@ -120,13 +120,16 @@ fn lengths_on_a_map_are_no_degrees() {
     let header = "ncols 36\nnrows 18\nxllcorner 10\nyllcorner 20\ncellsize 2\n";
     let asc = bench.input("map.asc", format!("{header}{}", "0 ".repeat(648)));
     let line = format!("distance {asc} --geodetic --source-lonlat 20,30 -o map.npy");
-    // The file may lie at longitudes and latitudes.
+    // The file's coordinates could be longitudes and latitudes.
     assert!(notes(&done(&bench, &line)).contains("names no coordinate system"));
     std::fs::remove_file(bench.output("map.npy")).unwrap();
     for unit in [r#"UNIT["Metre",1]"#, r#"UNIT["Foot_US",0.3048006096]"#] {
         let system = r#"PROJCS["own",GEOGCS["WGS 84",UNIT["Degree",0.0174532925199433]]"#;
         bench.input("map.prj", format!("{system},{unit}]"));
-        bench.refuses(&run(&bench, &line), &["map.asc", "lengths", "not degrees", "gdalwarp"]);
+        bench.refuses(
+            &run(&bench, &line),
+            &["map.asc", "a length on a map", "not degrees", "gdalwarp"],
+        );
     }
     let grid = Grid::new([0.0, 30.0], [20.0, 20.0, -1.0]);
     // A user-defined system in metres, in feet, or without a unit.
@@ -137,7 +140,7 @@ fn lengths_on_a_map_are_no_degrees() {
     ] {
         let file = bench.input(name, with_keys(geotiff(&grid, [10.0, 60.0], false), keys));
         let line = format!("distance {file} --geodetic --source-lonlat 20,50 -o map.npy");
-        bench.refuses(&run(&bench, &line), &[name, "lengths", "not degrees"]);
+        bench.refuses(&run(&bench, &line), &[name, "a length on a map", "not degrees"]);
     }
 }
 
@@ -271,7 +274,7 @@ fn curves_along_the_seam_are_on_the_side_of_their_neighbours() {
                 let expected = inside[row * 180 + (col + 90) % 180];
                 largest = largest.max((found - expected).abs());
             }
-            // In metres. Where fronts focus, they make more of rounding.
+            // The differences are in metres. Where fronts focus, rounding errors grow.
             println!("{name} at {seam}: differs by {largest:.1e}");
             assert!(largest < 1e-3, "{name} at {seam}: {largest:e}");
         }

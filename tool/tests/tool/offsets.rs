@@ -6,7 +6,7 @@ use crate::workbench::{Workbench, curves, done, json, read, run, text};
 fn offsets_keep_to_their_side() {
     let bench = Workbench::new();
     let flat = bench.flat(41, 61);
-    // From west to east, so that north is on its left.
+    // The line runs from west to east, so that north is on its left.
     let line = bench.input("line.csv", "20,15\n20,45\n");
     let offset = |rest: &str| {
         let line = format!(
@@ -20,7 +20,7 @@ fn offsets_keep_to_their_side() {
     let half = 30.0 + std::f64::consts::PI * 8.0;
     let (all, level) = offset("");
     assert_eq!(level["closed"], 1);
-    // Corners of fronts are cut within a cell.
+    // Within a cell an offset curve is straight and cuts off bends of the front, so its length is approximate.
     assert!((level["length"].as_f64().unwrap() - 2.0 * half).abs() < 0.02 * half, "{level}");
     assert_eq!(all.first(), all.last());
     for (side, sign) in [("left", 1.0), ("right", -1.0)] {
@@ -48,7 +48,8 @@ fn offsets_keep_to_their_side() {
          --engine cpu --json -o two.svg --picture two.png"
     );
     let report = json(&done(&bench, &line));
-    // Around the line, and outside and inside of the square, whose middle is 3 away.
+    // At distance 2 there is a closed curve around the line, one outside the square and one inside it. At distance 3.5
+    // the one inside is missing, since the middle of the square is only 3 away from its sides.
     assert_eq!(report["levels"][0]["closed"], 3);
     assert_eq!(report["levels"][1]["closed"], 2);
 

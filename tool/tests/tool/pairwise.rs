@@ -139,7 +139,8 @@ fn an_interrupted_matrix_is_resumed_to_the_same_bytes() {
     assert!(stderr(&output).contains("--resume continues"), "{}", stderr(&output));
     assert_eq!(bench.outputs(), ["at-once.npy", "d.npy.part", "d.npy.part.json"]);
 
-    // It does not start anew by mistake, nor continue as another matrix.
+    // Without --resume, the command does not start anew by mistake. With --resume, it does not continue with other
+    // options.
     let output = run(&mut start("d.npy"));
     assert!(stderr(&output).contains("unfinished matrix"), "{}", stderr(&output));
     let output = run(start("d.npy").args(["--resume", "--numbers", "float16"]));
@@ -186,7 +187,7 @@ fn an_interrupted_matrix_from_symmetry_leaves_nothing() {
     assert_eq!(bench.outputs(), [""; 0]);
 }
 
-/// A matrix of 340 MB within 250 MB of address space for the whole process.
+/// The matrix has 340 MB, and the whole process has only 250 MB of address space.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_matrix_larger_than_memory_is_written() {

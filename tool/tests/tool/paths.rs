@@ -27,7 +27,7 @@ fn paths_run_from_their_starts_to_the_source() {
         let exact = Builtin::Sphere.exact_distance(65, 65, start, [30.0, 20.0]).unwrap();
         let (length, distance) =
             (row["length"].as_f64().unwrap(), row["distance"].as_f64().unwrap());
-        // Paths bend in steps as long as cells: a few 1e-4 at 65 points.
+        // Paths consist of straight steps as long as cells, which makes errors of a few 1e-4 at 65 points.
         assert!((length - exact).abs() <= 2e-3 * exact, "{length} {exact}");
         assert!((distance - exact).abs() <= 2e-3 * exact, "{distance} {exact}");
     }

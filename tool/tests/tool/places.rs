@@ -53,7 +53,7 @@ fn start_values_of_files_are_those_of_options() {
         let found = json(&done(&bench, &format!("path {flat} {given} --from 9,9 --json")));
         assert_eq!(found["paths"], path, "{file}");
 
-        // Rows of a matrix start with it too.
+        // Rows of a matrix start with the start value too.
         let line = format!("pairwise {flat} --spacing 1 --engine cpu --sources {file} -o rows.npy");
         done(&bench, &line);
         let rows = read_map(&bench.output("rows.npy")).unwrap();
@@ -94,7 +94,7 @@ fn curves_start_with_one_value() {
     bench.refuses(&run(&bench, &line), &["differing.csv", "line 4", "--source-points"]);
 }
 
-/// The places are the same by row and column, in map coordinates, in tables of them and in GeoJSON.
+/// The places are the same by row and column, in map coordinates, in tables of map coordinates and in GeoJSON.
 #[test]
 fn map_coordinates_are_places_on_the_grid() {
     let bench = Workbench::new();

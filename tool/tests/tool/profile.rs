@@ -63,7 +63,7 @@ fn a_profile_counts_what_the_schedules_do() {
             });
             assert_eq!(scans.len(), if matches!(grain, "scans" | "blocks") { 4 } else { 1 });
             // An iteration ends with a count: seven numbers are read and five are written, two more in the
-            // last one, apart from blocks that are cleared.
+            // last iteration. Blocks that are cleared do not count.
             let [read, written] = match grain {
                 "iterations" | "portions" => [4 * 7 * iterations, 4 * 5 * iterations + 4 * 2],
                 _ => [0, 0],
@@ -237,8 +237,8 @@ fn tracks(text: &str) -> BTreeMap<String, Vec<Event>> {
     tracks
 }
 
-/// Returns the depth of each event of a track. Asserts that events begin in their order, and that each is
-/// inside or after those before it, to the nanosecond.
+/// Returns the depth of each event of a track. Asserts that events are in the order of their beginnings, and
+/// that each lies inside or after those before it, to the nanosecond.
 fn depths(events: &[Event]) -> Vec<usize> {
     let mut open: Vec<&Event> = Vec::new();
     let mut last = i64::MIN;
@@ -312,7 +312,7 @@ fn csv_lines(text: &str) -> Vec<BTreeMap<String, String>> {
     lines.map(|cells| heads.iter().cloned().zip(cells).collect()).collect()
 }
 
-/// A trace whose events do not nest, or that goes back in time, is refused.
+/// [`depths`] refuses a trace whose events do not nest.
 #[test]
 #[should_panic(expected = "leaves")]
 fn a_trace_that_does_not_nest_is_refused() {
@@ -359,7 +359,7 @@ fn a_picture_shows_what_is_visited() {
     assert_eq!(bench.outputs(), ["visits.png"]);
 }
 
-/// Returns a profile in which all runs were faster, or slower, by a factor.
+/// Returns the report of a profile with the times of all runs multiplied by `by`.
 fn scaled(report: &Value, by: f64) -> String {
     let mut report = report.clone();
     let scale = |seconds: &mut Value| {
@@ -400,7 +400,10 @@ fn slower_passes_are_distinguished_from_noise() {
     let other = "profile builtin:sphere:30x40 --source 5,5 --repeat 1";
     let output = run(&bench, &format!("{other} --against {earlier}"));
     let text = String::from_utf8_lossy(&output.stdout);
-    assert!(text.contains("Not of the same: 40 x 40 points before, 30 x 40 points now"), "{text}");
+    assert!(
+        text.contains("The profiles differ: 40 x 40 points before, 30 x 40 points now"),
+        "{text}"
+    );
     assert!(text.contains("one run: noise unknown"), "{text}");
 }
 
@@ -426,7 +429,7 @@ fn unsupported_profiles_are_refused() {
     let same = "profile builtin:plane:9x9 --source 1,1 --against a.json --trace a.json";
     std::fs::write(bench.output("a.json"), "{}").unwrap();
     let output = run(&bench, same);
-    assert!(stderr(&output).contains("a.json: is also an input"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("a.json is also an input"), "{}", stderr(&output));
 }
 
 /// A library takes RenderDoc's place, loaded into the tool before it starts.

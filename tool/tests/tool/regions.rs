@@ -43,8 +43,8 @@ fn regions_contain_the_nearest_points() {
             let source = sources[row[k].parse::<usize>().unwrap()];
             far(number(6), number(7), source)
         });
-        // Half a cell in either direction changes the difference by at most a cell, and junctions are within
-        // a cell.
+        // Moving a vertex by half a cell changes the difference of its distances by at most a cell. Junctions are
+        // within a cell.
         assert!((left - right).abs() < 1.0, "{row:?}");
     }
 }

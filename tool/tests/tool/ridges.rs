@@ -18,8 +18,8 @@ fn places(bench: &Workbench, name: &str) -> Vec<[f64; 2]> {
     places.collect()
 }
 
-/// Between two sources in a column, 25 rows apart, the ridge is the line half-way: where the fronts' angle is
-/// at least the default or the requested one.
+/// Between two sources in a column, 25 rows apart, the ridge is the line half-way between them, as far as the angle
+/// between the fronts is at least the default or the requested one.
 #[test]
 fn ridges_are_the_bisector_as_far_as_the_angle_is_wide() {
     let bench = Workbench::new();
@@ -33,7 +33,7 @@ fn ridges_are_the_bisector_as_far_as_the_angle_is_wide() {
         assert_eq!(ridge["closed"], false);
         let cols = || places.iter().map(|at| at[1]);
         let (low, high) = (cols().fold(64.0, f64::min), cols().fold(0.0, f64::max));
-        // The ray's direction is that of a triangle of the grid, off by some degrees.
+        // The direction of a ray is computed in a triangle of the grid, and is off by some degrees.
         let slack = if angle.is_empty() { 1e-9 } else { 2.0 };
         assert!((low - 32.0 + half).abs() <= slack && (high - 32.0 - half).abs() <= slack);
         for [row, col] in places {
@@ -66,7 +66,7 @@ fn ridges_come_in_every_format_and_as_a_picture() {
     assert!(!text("n.svg").contains("<path"));
 }
 
-/// The report of every command on a map has the eccentricity of a source and its place.
+/// The report of every command on a map has the largest distance (a source's eccentricity) and the place of that point.
 #[test]
 fn reports_have_the_farthest_point() {
     let bench = Workbench::new();

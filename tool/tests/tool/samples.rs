@@ -27,7 +27,7 @@ fn samples_are_far_from_one_another() {
         200f64.sqrt(),
         max_relative = 1e-5
     );
-    // From the middle of a side to the middle or to a corner.
+    // The radius is the distance from the middle of a side to the middle of the grid or to a corner.
     approx::assert_relative_eq!(report["radius"].as_f64().unwrap(), 10.0, max_relative = 1e-5);
     let labels = read_map(&bench.output("l.npy")).unwrap();
     assert_eq!(labels.values[10 * 21 + 10], 0.0);
@@ -35,7 +35,7 @@ fn samples_are_far_from_one_another() {
 
     let line = "sample builtin:plane:2x2 -k 9 --first 0,0 -o few.npy --json";
     let output = done(&bench, line);
-    assert!(stderr(&output).contains("4 samples in place of 9"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("only 4 samples, not 9"), "{}", stderr(&output));
     assert_eq!(json(&output)["samples"].as_array().unwrap().len(), 4);
 
     let bench = Workbench::new();

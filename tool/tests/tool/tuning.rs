@@ -66,8 +66,8 @@ fn a_sweep_without_time_says_what_it_leaves_out() {
     }
 }
 
-/// With fewer lines in each, there are more dispatches if no line fits a workgroup. With fewer iterations in
-/// each, there are more submissions.
+/// With fewer lines in each dispatch, there are more dispatches if no line fits a workgroup. With fewer iterations in
+/// each submission, there are more submissions.
 #[test]
 fn a_bench_with_other_portions_counts_other_dispatches() {
     let bench = Workbench::new();

@@ -1,11 +1,11 @@
 //! Solves by patches of the grid, in the order in which fronts reach them. Any thread may visit any patch.
 //!
-//! A patch is *due* once a front has changed along its border, and its time is that of the earliest such front. A round
-//! visits the patches that no neighbour is about to change ([`order`]). These visits run in parallel. Each visit starts
-//! from the fronts before the round, runs scans until the patch has settled ([`visit`]), and reports its changes to the
-//! neighbours. Then the round's results are written to the grid's arrays. So the map is the same for any number of
-//! threads. The order by time is that of heap-cell methods (Chacon and Vladimirsky, "Fast two-scale methods for eikonal
-//! equations", 2012), where cells wait in a heap.
+//! A patch is *due* once a front has changed along its border. Its due time is the time of the earliest such front. A
+//! round visits the patches that no neighbour is about to change ([`order`]). These visits run in parallel. Each visit
+//! starts from the fronts before the round, runs scans until the patch has settled ([`visit`]), and reports its changes
+//! to the neighbours. Then the round's results are written to the grid's arrays. So the map is the same for any number
+//! of threads. The order by time is that of heap-cell methods (Chacon and Vladimirsky, "Fast two-scale methods for
+//! eikonal equations", 2012), where cells wait in a heap.
 
 mod order;
 mod patch;
@@ -181,7 +181,7 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
         self.wake();
     }
 
-    /// Tells all patches that see a point that its front has changed to `time`.
+    /// Notifies all patches that see a point: the front there has changed to `time`.
     fn touch(&mut self, (row, col): (usize, usize), time: R) {
         for patch in self.seeing((row, col)) {
             self.patches[patch].tiles.touch(row, col);
@@ -316,7 +316,7 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
         self.wake();
     }
 
-    /// Tells a patch of a change that it sees.
+    /// Reports a change to a patch that sees it.
     fn tell(&mut self, News { to, at, time, change }: News<R>, tolerance: R::Bits) {
         let Patch { tiles, progress, .. } = &mut self.patches[to];
         tiles.touch(at.0, at.1);

@@ -21,7 +21,7 @@ pub(super) struct Patch {
 pub(super) struct Woken<'p, R: Real> {
     pub number: usize,
     pub patch: &'p mut Patch,
-    /// The time of the earliest front that has changed by more than the tolerance.
+    /// The time of the earliest front whose change has been passed on to the patch.
     pub time: R,
     /// Number of points that were examined, and whether a scan has work.
     pub looked: u64,
@@ -33,9 +33,9 @@ pub(super) struct Woken<'p, R: Real> {
 pub(super) struct News<R: Real> {
     /// Number of the patch that sees the change.
     pub to: usize,
-    /// A point of the tile.
+    /// A point of the tile, or the point that has copies.
     pub at: (usize, usize),
-    /// The earliest time that has changed by more than rounding, and the largest change.
+    /// The earliest time of a front that has changed, and the largest change.
     pub time: R,
     pub change: R::Bits,
 }

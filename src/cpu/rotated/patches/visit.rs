@@ -30,8 +30,8 @@ pub(super) struct Visits<'v, R: Real, K: LaneKind<R>> {
 }
 
 impl<R: Real, K: LaneKind<R>> Visits<'_, R, K> {
-    /// Determines whether a scan has work in a patch, after changes around it. If no scan has, the changes count as
-    /// seen by all scans.
+    /// Determines whether a scan has work in a patch, after changes around it. If no scan has work, the changes count
+    /// as seen by all scans.
     pub(super) fn look(&self, Woken { patch, looked, is_due, .. }: &mut Woken<R>) {
         let renews = patch.progress.renews();
         let options = |scan| self.options(scan, renews);
@@ -244,7 +244,6 @@ mod tests {
         assert_eq!(within(&changed, &block(0..64, 64..128), 2).places().count(), 0);
     }
 
-    /// Fronts that come from one side, and their order: first the scan that goes with them.
     #[test]
     fn the_scan_that_goes_with_the_fronts_is_first() {
         let grid = Chart { rows: 40, cols: 40 };

@@ -73,7 +73,8 @@ impl Arrivals {
 
     /// Returns the distances. They are NaN where no geodesic arrives, or the shortest one leaves the domain.
     pub(super) fn distances(self) -> Vec<f64> {
-        /// Relative tolerance of lengths: one geodesic that is found in two patches may differ by this much.
+        /// Relative tolerance of lengths: the lengths of one geodesic that is found in two patches may differ
+        /// by this much.
         const SAME: f64 = 1e-9;
         let pairs = self.shortest.into_iter().zip(self.inside);
         pairs

@@ -18,7 +18,7 @@ pub(super) struct Bounds {
 
 /// Number of cells along each side.
 const CELLS: usize = 80;
-/// Factor that covers the error of the lengths of rays here, which take long steps.
+/// Factor that covers the error in the lengths of the rays followed here, which take long steps.
 const SLACK: f64 = 1.01;
 
 impl Bounds {
@@ -70,7 +70,7 @@ fn cell(at: DVec2) -> usize {
     y * CELLS + x
 }
 
-/// Returns a bound on distances in a cell: twice its size at its middle.
+/// Returns a bound on distances in a cell: twice the cell's size as measured at its middle.
 fn diameter(position: &impl Position, cell: usize) -> f64 {
     let index = DVec2::new((cell % CELLS) as f64, (cell / CELLS) as f64);
     let middle = WIDTH * (index + 0.5) - MARGIN;

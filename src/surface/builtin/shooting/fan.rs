@@ -1,4 +1,4 @@
-//! All geodesics from a place, which rays with even steps follow.
+//! All geodesics from a place, represented by rays that are followed in steps of one length.
 
 use std::f64::consts::TAU;
 
@@ -85,8 +85,8 @@ impl<P: Position> Fan<P> {
     }
 }
 
-/// Returns a bound on all distances: the longest of the paths that are straight in the unit square. These are
-/// longest to its border.
+/// Returns a bound on all distances: the length of the longest path that is straight in the unit square. The
+/// longest path ends at the square's border.
 fn longest(position: &impl Position, from: DVec2) -> f64 {
     const SAMPLES: usize = 64;
     let fraction = |k: usize| k as f64 / SAMPLES as f64;

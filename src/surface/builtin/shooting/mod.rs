@@ -1,15 +1,16 @@
 //! Computes distances by shooting geodesics, for surfaces that have no closed form.
 //!
-//! This is independent of the solvers, and of the grid except for the places that are asked for. Geodesics leave the
-//! source in all directions. They are solutions of their differential equation, whose coefficients are exact
-//! derivatives of the parametrisation. Over an arc of directions and a step of length, (u, v) is a polynomial in angle
-//! and length. Steps and arcs are halved until it is accurate. For each grid point Newton's method finds the angle and
-//! the length at which geodesics arrive. The distance is the length of the shortest one.
+//! This computation is independent of the solvers, and it depends on the grid only through the points whose distances
+//! are wanted. Geodesics leave the source in all directions. They are solutions of their differential equation, whose
+//! coefficients are exact derivatives of the parametrisation. Over an arc of directions and a step of length, (u, v) is
+//! a polynomial in angle and length. Steps and arcs are halved until the polynomial is accurate. For each grid point
+//! Newton's method finds the angle and the length at which geodesics arrive. The distance is the length of the shortest
+//! one.
 //!
 //! The result is the distance within the patch: geodesics that leave it do not count. Where the patch's border is bent
 //! inwards, the shortest path may run along the border, which is not a geodesic. A geodesic that crosses the border
-//! there is shorter than that path. So geodesics are followed a little beyond the border. Where the shortest one found
-//! has been outside, the distance is not known.
+//! there is shorter than that path. So geodesics are followed a little beyond the border. Where the shortest geodesic
+//! found has been outside the patch, the distance is not known.
 
 mod arrivals;
 mod bounds;
@@ -174,7 +175,7 @@ mod tests {
         for _ in 0..20 {
             ray = ray.advance(ray.derivative(&position), 0.02, &position);
         }
-        // J = sin s, and unit speed. The error of both is of the sixth order in the step.
+        // On the unit sphere J = sin s, and rays have unit speed. The error of both is of the sixth order in the step.
         approx::assert_relative_eq!(ray.spread, 0.4f64.sin(), max_relative = 1e-11);
         let there = Frame::new(position(Jet::variables(ray.at)));
         approx::assert_relative_eq!(there.length(ray.heading), 1.0, max_relative = 1e-10);

@@ -135,8 +135,9 @@ impl Panel {
     }
 }
 
-/// Returns the number of quadrangles along the rays. With it, the straight sides deviate from the rays by
-/// only a small part of the distance between rays; otherwise a guess would belong to the wrong rays.
+/// Returns the number of quadrangles along the rays. It is large enough that the quadrangles' straight sides
+/// deviate from the rays by only a small part of the distance between rays. With fewer, a guess would belong
+/// to the wrong rays.
 fn parts_along(patch: &Patch, from_source: bool) -> usize {
     const SMALL: f64 = 0.02;
     const MOST: f64 = 64.0;

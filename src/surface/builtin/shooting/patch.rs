@@ -8,7 +8,7 @@ use glam::{DMat2, DVec2};
 pub(super) const RAYS: usize = 11;
 const DEGREE: usize = RAYS - 1;
 
-/// Returns the position of a ray between -1 and 1: the Chebyshev points, ends included.
+/// Returns the position of a ray between -1 and 1. The positions are the Chebyshev points, ends included.
 pub(super) fn chebyshev_point(index: usize) -> f64 {
     (PI * (DEGREE - index) as f64 / DEGREE as f64).cos()
 }
@@ -56,8 +56,8 @@ pub(super) fn quintic(start: Knot, end: Knot) -> [DVec2; 6] {
     ]
 }
 
-/// (u, v) as a function of the angle, from -1 to 1 across the rays, and of the length, from 0 to 1 along a
-/// step.
+/// The place (u, v) as a function of the angle, from -1 to 1 across the rays, and of the length, from 0 to 1
+/// along a step.
 pub(super) struct Patch {
     /// Coefficients of Chebyshev polynomials in the angle and of powers of the length.
     pub(super) coefficients: [[DVec2; 6]; RAYS],
@@ -78,7 +78,7 @@ impl Patch {
 
     /// Returns the value, and the matrix of its derivatives with respect to angle and length.
     fn linearized(&self, at: DVec2) -> (DVec2, DMat2) {
-        // T(k) and its derivative, each with the one before.
+        // The Chebyshev polynomials of degrees k - 1 and k, and their derivatives.
         let ((mut before, mut now), (mut slope_before, mut slope)) = ((at.x, 1.0), (1.0, 0.0));
         let (mut value, mut derivatives) = (DVec2::ZERO, DMat2::ZERO);
         for powers in &self.coefficients {

@@ -146,7 +146,7 @@ impl Ray {
             }
             now
         };
-        // Aitken-Neville extrapolation to parts of length 0. The error is even in the length.
+        // Aitken-Neville extrapolation to parts of length 0. The error is an even function of the length.
         let mut row = [self; PARTS.len()];
         for (index, parts) in PARTS.into_iter().enumerate() {
             let mut better = midpoint(parts);

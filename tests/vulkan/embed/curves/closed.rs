@@ -96,7 +96,7 @@ fn paths_pass_seams() {
         let exact = PathTracer::new(&surface, &edges, &on_cpu(&sources), &scene.map.distances);
         let on_cpu = exact.unwrap().along_the_map();
         let least = 0.05 * scene.map.report.max_distance;
-        // Paths over coarse grids are shorter than arcs by as much on the CPU.
+        // Over coarse grids, paths are shorter than arcs, on the CPU by as much as on the device.
         let (mut from_cpu, mut seams, mut from_map) = (Vec::new(), 0, [0.0f64; 2]);
         for (number, (record, start)) in records.iter().zip(&starts).enumerate() {
             let Ok(expected) = on_cpu.trace(start.map(f64::from)) else {
@@ -137,7 +137,8 @@ fn paths_pass_seams() {
     }
 }
 
-/// Labels differ from those of the CPU only at points that are within two cells of a border.
+/// Labels differ from those of the CPU only at points that are within two cells of a border, or within four cells with
+/// planar fronts.
 #[test]
 fn regions_pass_seams() {
     for (name, surface, gluing, sources) in surfaces() {
@@ -173,7 +174,7 @@ fn regions_pass_seams() {
     }
 }
 
-/// Directions are those of the CPU, but at poles, where shaders look at a copy's own cells alone.
+/// Directions are those of the CPU except at poles, where shaders look only at the cells around the copy itself.
 #[test]
 fn directions_pass_seams() {
     for (name, surface, gluing, sources) in surfaces() {
@@ -184,7 +185,7 @@ fn directions_pass_seams() {
         let exact = BackDirections::new(&surface, &edges, &on_cpu(&sources), &scene.map.distances);
         let exact = exact.unwrap().in_chart();
         let groups: Vec<&[u32]> = surface.copies().unwrap().iter().collect();
-        // Means and largest angles at points of seams, and of the others.
+        // Sum, number and largest of the angles, at points of seams and at other points.
         let mut found = [[0.0f64; 3]; 2];
         for (index, (way, exact)) in field.ways.iter().zip(&exact).enumerate() {
             let group = groups.iter().find(|group| group.contains(&(index as u32)));
@@ -200,7 +201,8 @@ fn directions_pass_seams() {
         }
         let [seams, others] = found.map(|[sum, count, most]| (sum / count.max(1.0), most));
         println!("{name}: {seams:.4?} on seams, {others:.4?} elsewhere");
-        // At folds and edges of a cube, directions are those of lines, to first order in the size of the cells.
+        // At folds and at edges of a cube, a direction is that of the path's first line, which is accurate to first
+        // order in the size of the cells.
         assert!(seams.0 < 3.0 * others.0 + 0.04, "{name}: {seams:?} {others:?}");
         scene.end_with(directions);
     }

@@ -227,7 +227,7 @@ fn contours_that_make_no_sense_are_errors_before_anything_is_recorded() {
     let absent = frame.with_points(1);
     assert!(matches!(attempt(&scene, &absent), VulkanError::NoSuch { .. }));
     let unordered = frame.with_levels(LevelInput::List(&[2.0, 1.0]));
-    assert!(attempt(&scene, &unordered).to_string().contains("level 2 stands before 1"));
+    assert!(attempt(&scene, &unordered).to_string().contains("must ascend, but 2 comes before 1"));
     let stage = &mut scene.stage;
     let device = stage.host.device.clone();
     for (room, reason) in [(1, "too few"), (u32::MAX, "bytes")] {

@@ -166,7 +166,7 @@ fn directions_are_those_of_the_cpu() {
     }
 }
 
-/// Where the grid does not resolve the surface, few directions are others.
+/// Even where the grid does not resolve the surface, few directions differ from those of the CPU.
 #[test]
 fn directions_on_rough_surfaces_are_those_of_the_cpu() {
     for one_hole_in in [0, 11] {
@@ -176,7 +176,7 @@ fn directions_on_rough_surfaces_are_those_of_the_cpu() {
     }
 }
 
-/// The images of a render graph may be others in each frame.
+/// A render graph may provide another image in each frame.
 #[test]
 fn directions_go_to_the_image_of_the_host() {
     let flat = Surface::from_heights(33, 41, vec![0.0; 33 * 41], Spacing::square(1.0)).unwrap();

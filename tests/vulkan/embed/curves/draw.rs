@@ -43,7 +43,8 @@ const DRAW: &str = "
     @fragment
     fn fragment() -> @location(0) vec4<f32> { return vec4<f32>(1.0); }";
 
-/// A frame with all passes, drawn twice, and the pixels of contours and of paths in grid steps.
+/// The results of a frame with all passes that is drawn twice: the places of the pixels of contours and of paths, in
+/// grid steps, and the messages of the validation layers.
 struct Drawn {
     contours: Vec<[f64; 2]>,
     paths: Vec<[f64; 2]>,
@@ -90,7 +91,8 @@ fn draw(reader: Access) -> Drawn {
     let record = |commands| {
         let recording = solver.record(&device, commands, surface);
         for _ in 0..2 {
-            // The recordings no longer use any of them: COMPUTE_READ, and the copy of the starts.
+            // After this barrier, the recordings no longer read the three inputs. They have read them in compute
+            // passes, and in the copy of the starts.
             host.barrier(
                 commands,
                 Access::COMPUTE_READ.and(Access::TRANSFER_READ),
@@ -148,7 +150,8 @@ fn curves_are_drawn_where_they_are_without_a_message() {
         let radius = away(pixel, centre);
         assert!((radius - 10.0).abs().min((radius - 30.0).abs()) < 0.4, "{pixel:?}");
     }
-    // Both circles have a pixel for a quarter of a step along an axis, and some more where pieces meet.
+    // Both circles have a pixel for each quarter of a step along the axis along which they advance more, and some
+    // more pixels where pieces meet.
     let around = 8.0 * f64::sqrt(0.5) * (10.0 + 30.0) * 4.0;
     let count = drawn.contours.len() as f64;
     assert!((0.95..1.3).contains(&(count / around)), "{count} {around}");
@@ -178,8 +181,8 @@ fn a_reader_of_curves_that_is_not_named_is_reported() {
     let vertices = vk::AccessFlags::VERTEX_ATTRIBUTE_READ;
     let indirect = vk::AccessFlags::INDIRECT_COMMAND_READ;
     let stages = vk::PipelineStageFlags::VERTEX_INPUT | vk::PipelineStageFlags::DRAW_INDIRECT;
-    // Layers 1.3.239 check the vertices of an indirect draw. Layers 1.4.309 do not, since they do not know
-    // their number. Layers 1.3.275 (Ubuntu 24.04), which lie between, report neither.
+    // Layers 1.3.239 check the vertices of an indirect draw. Layers 1.4.309 do not, since they do not know the
+    // number of vertices. Layers 1.3.275 (Ubuntu 24.04), whose version lies between, report neither hazard.
     let version = layers_version();
     let tells_of_vertices = version < vk::make_api_version(0, 1, 3, 240);
     let tells_of_indirect = tells_of_vertices || version >= vk::make_api_version(0, 1, 4, 0);

@@ -39,8 +39,8 @@ fn at(places: &[[f32; 2]]) -> Vec<PointSource> {
     places.iter().map(|&[row, col]| PointSource::at(row, col)).collect()
 }
 
-/// Compares a log map with the CPU's. Returns the mean and the median error over the farthest distance, and
-/// the share of points off by more than a tenth of it.
+/// Compares a log map with the CPU's. Returns the mean and the median error relative to the farthest distance,
+/// and the share of points off by more than a tenth of this distance.
 fn compare(name: &str, surface: &Surface, sources: &[PointSource]) -> [f64; 3] {
     let mut scene = Scene::new(Kept::watched_but_for_shaders(), surface, sources);
     let log_map = new_log_map(&mut scene);
@@ -75,8 +75,8 @@ fn compare(name: &str, surface: &Surface, sources: &[PointSource]) -> [f64; 3] {
     [mean, median, off]
 }
 
-/// Errors are of the farthest distance. Rounding gives 1e-5. On curved surfaces the metric at the source is
-/// of second order, and ways between grid points are means of those around.
+/// Errors are relative to the farthest distance. Rounding gives 1e-5. On curved surfaces the metric at the source is
+/// accurate to second order, and ways between grid points are means of the ways at the points around.
 #[test]
 fn coordinates_are_those_of_the_cpu() {
     let mut later = at(&[[10.5, 12.25], [40.0, 50.75]]);

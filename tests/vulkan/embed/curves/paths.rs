@@ -57,8 +57,8 @@ fn end(mut scene: Scene, mut paths: embed::Paths) {
 
 /// Compares paths. Returns three relative differences of lengths: from the CPU's paths on the same map, for
 /// 99 in 100 paths; the largest from the exact ones, for paths from grid points; and the largest from the
-/// map. Lengths below a twentieth of the largest distance are taken as that: beside a grid line, single
-/// precision rounds by up to 3e-4 of a cell.
+/// map. Differences are relative to at least a twentieth of the largest distance, since beside a grid line
+/// single precision rounds by up to 3e-4 of a cell.
 fn compare(
     name: &str,
     surface: &Surface,
@@ -140,10 +140,10 @@ fn lengths_are_the_distances() {
     }
 }
 
-/// Surfaces have holes, and sources are between grid points and have different start values. The bound is
-/// half of that for lengths; measured: 5e-4 with holes, 1e-5 without. At ridges of the map, the two may
-/// choose different sides, and the map's distances differ by up to 5 % from the lengths of the CPU's paths
-/// too.
+/// One of the surfaces has holes, and some sources are between grid points and have different start values. The
+/// bound is half of the bound for lengths. Measured: 5e-4 with holes, 1e-5 without. At ridges of the map, the
+/// device and the CPU may choose different sides, and the map's distances differ by up to 5 % from the lengths
+/// of the CPU's paths too.
 #[test]
 fn paths_on_rough_surfaces_are_those_of_the_cpu() {
     for (name, one_hole_in) in [("rough, with holes", 11), ("rough", 0)] {
@@ -161,7 +161,7 @@ fn paths_on_rough_surfaces_are_those_of_the_cpu() {
     }
 }
 
-/// Paths are within a tenth of a cell of great circles, as the CPU's.
+/// Paths are within a tenth of a cell of great circles, as the CPU's paths are.
 #[test]
 fn paths_on_the_sphere_are_great_circles() {
     let surface = Builtin::Sphere.surface(129, 129).unwrap();
@@ -222,7 +222,7 @@ fn impossible_paths_give_a_reason() {
     // Two paths have no start.
     assert!(records[10..].iter().all(|record| record.status() == Outside));
     assert_eq!((records[1].vertices, records[1].length, records[1].source()), (1, 0.0, Some(0)));
-    // The path up to where it ends, towards the source.
+    // The path that is out of room is there up to its last vertex, and leads towards the source.
     let way = vertices(&records[2], 2, paths.curves(), &all);
     assert_eq!((records[2].vertices, way.len()), (9, 9));
     assert!(way.windows(2).all(|pair| pair[1].time < pair[0].time), "{way:?}");
@@ -334,7 +334,7 @@ fn every_path_falls_to_a_source() {
 }
 
 /// All points of the first row coincide, so that no time falls along it. The CPU's path is 10 % too long.
-/// This one tests all of the pole's points to find the one from which to leave.
+/// The device's path tests all of the pole's points to find the one from which to leave.
 #[test]
 fn paths_cross_a_pole() {
     let (rows, cols) = (9, 24);

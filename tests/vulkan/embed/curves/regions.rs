@@ -37,8 +37,8 @@ impl Atlas {
         Self::with(host, surface, wavefront, None, 0)
     }
 
-    /// Creates an atlas. If there is a metric, the surface has only that. The buffer has room for `room`
-    /// sources.
+    /// Creates an atlas. If there is a metric, the surface on the device has only the metric. The buffer of sources
+    /// has room for `sources` of them.
     fn with(
         host: impl Into<Lent<Kept>>,
         surface: &Surface,
@@ -124,8 +124,8 @@ fn on_cpu(sources: &[PointSource]) -> Sources {
     sources.iter().fold(Sources::default(), add)
 }
 
-/// Returns how many labels differ from the others, and how many points away at most one of the others' labels
-/// is equal: a border of the others' lies within this distance.
+/// Returns the number of labels in `found` that differ from `others`. Also returns the largest distance, in points,
+/// from such a label to the nearest equal label in `others`. A border in `others` lies within this distance.
 fn off(chart: Chart, found: &[u32], others: &[u32]) -> (usize, usize) {
     let far = |index: usize| {
         let (row, col) = chart.position(index);
@@ -141,8 +141,9 @@ fn off(chart: Chart, found: &[u32], others: &[u32]) -> (usize, usize) {
     (differ.len(), differ.into_iter().map(far).max().unwrap_or(0))
 }
 
-/// Returns how many labels differ from the others on a glued surface, and how far away, in steps from point to
-/// neighbour and between copies, at most one of the others' labels is equal.
+/// Returns the number of labels in `found` that differ from `others` on a glued surface. Also returns the largest
+/// distance from such a label to the nearest equal label in `others`, in steps from point to neighbour. Copies of a
+/// point are no step apart.
 pub fn off_places(surface: &Surface, found: &[u32], others: &[u32]) -> (usize, usize) {
     let chart = surface.chart();
     let groups: Vec<&[u32]> = surface.copies().unwrap().iter().collect();
@@ -210,8 +211,8 @@ fn compare(
     found
 }
 
-/// Number of points of which one label may differ from the twin's. It lies beside a border, where rounding
-/// decides.
+/// Number of points among which one label may differ from the twin's. The point of such a label lies beside a
+/// border, where rounding decides.
 const TWIN_MAY_DIFFER: usize = 500;
 
 #[test]
@@ -282,7 +283,7 @@ fn walls_holes_and_narrow_grids_have_regions() {
     }
 }
 
-/// The surface has no positions, and is longer along the diagonals of one direction.
+/// The surface has no positions, and lengths are longer along the diagonals of one direction.
 #[test]
 fn a_metric_has_regions() {
     let chart = Chart { rows: 41, cols: 53 };
@@ -382,9 +383,9 @@ fn curves_of_many_sources_have_the_regions_of_curves() {
     }
 }
 
-/// A few points around a close pair decide everything behind it. A border there turns about the pair, and all
-/// wrong labels are between the border and its exact place. Measured: 17.5 and 4.8 degrees, and nothing
-/// beyond a cell from the border if both are grid points.
+/// A few points around a close pair of sources decide all labels behind it. A border there is turned about the
+/// pair, and all wrong labels are between the border and its exact place. Measured: angles of 17.5 and 4.8
+/// degrees, and no wrong label more than a cell from the border if both sources are grid points.
 #[test]
 fn borders_behind_close_pairs_turn_by_a_bounded_angle() {
     let chart = Chart { rows: 97, cols: 97 };

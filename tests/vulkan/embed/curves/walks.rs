@@ -13,7 +13,8 @@ use crate::embed::stage::Kept;
 
 /// The length of a step in the grid. Where a way turns at a corner, an agent goes up to a step too far.
 const STEP: f64 = 0.1;
-/// Agents that are not farther from the source have arrived: beside the source, texels do not show the way.
+/// The distance from the source, in cells, at which agents have arrived. Nearer to the source, texels do not show the
+/// way.
 const ARRIVED: f64 = 1.0;
 
 /// A surface, its directions, and the source of the map; places are rows and columns.
@@ -36,7 +37,7 @@ impl Ground<'_> {
         let mut holes = corners.into_iter().filter(|&corner| !has(corner));
         let weighed: [_; 4] = match (holes.next(), holes.next()) {
             (Some([i, j]), None) => {
-                // The steps from the hole, of which the two neighbours of the hole lack one each.
+                // Coordinates that count from the hole. At each of the hole's two neighbours, one of them is 0.
                 let [u, v] = [along(1 - i, part.x), along(1 - j, part.y)];
                 [
                     ([1 - i, j], 1.0 - v),
@@ -124,8 +125,8 @@ impl Ground<'_> {
     }
 }
 
-/// Returns the largest ratio of an agent's way to the distance, of agents at every seventh point that is
-/// farther than ten cells from the source.
+/// Returns the largest ratio of an agent's way to the distance. An agent starts at every seventh point, unless that is
+/// nearer to the source than ten cells.
 fn longest_way(name: &str, builtin: Builtin, [rows, cols]: [usize; 2], at: [f32; 2]) -> f64 {
     let surface = builtin.surface(rows, cols).unwrap();
     let sources = [PointSource::at(at[0], at[1])];
@@ -168,8 +169,8 @@ fn agents_arrive_on_ways_that_are_nearly_the_shortest() {
     for (name, builtin, size, source) in cases {
         let longest = longest_way(name, builtin, size, source);
         let most = match builtin {
-            // Ways meet at small angles. A direction interpolated between two of them is neither, which a few
-            // agents follow for some steps.
+            // Ways meet at small angles. A direction interpolated between two ways is neither of them, and a few
+            // agents follow such directions for some steps.
             Builtin::Peaks => 1e-2,
             // Agents go up to a step too far at a corner, which counts on short ways.
             Builtin::Maze => 4e-3,

@@ -376,7 +376,7 @@ impl Args {
     }
 }
 
-/// Given points that are far from one another, and the region nearest to each.
+/// Given points that are far from one another, and the region of the points nearest to each of them.
 struct Samples {
     points: Vec<usize>,
     regions: Voronoi,
@@ -405,7 +405,7 @@ impl Samples {
     }
 }
 
-/// Computes rows and writes their distances to the points that are kept, or to all.
+/// Computes rows and writes their distances to the points that are kept, or to all points.
 fn row_by_row(
     pairwise: &mut Pairwise,
     mut file: Option<&mut MatrixFile>,
@@ -429,7 +429,7 @@ fn row_by_row(
     })
 }
 
-/// Returns the distances to the points that are kept, of rows of distances to all points.
+/// Returns rows of distances to the points that are kept, from rows of distances to all points.
 fn cropped<'a>(distances: Cow<'a, [f32]>, points: usize, kept: Option<&[usize]>) -> Cow<'a, [f32]> {
     let Some(kept) = kept else { return distances };
     let rows = distances.chunks_exact(points);
@@ -449,7 +449,8 @@ fn go_on() -> Result<(), Stopped> {
     if is_interrupted() { Err(Stopped::Interrupted) } else { Ok(()) }
 }
 
-/// Computes the matrix in memory, and writes it. Glued surfaces are refused, so that all points are given.
+/// Computes the matrix in memory, and writes it. Glued surfaces are refused, so all points of the surface are
+/// points of the given grid.
 fn by_symmetry(
     pairwise: &mut Pairwise,
     file: Option<&mut MatrixFile>,

@@ -50,7 +50,7 @@ impl RowsOf {
         }
     }
 
-    /// Returns the given places of the rows, which are points of the surface, and the start values of their distances.
+    /// Returns the places of the rows' points on the given grid, and the start values of the rows' distances.
     pub fn places(&self, frame: &GridFrame) -> Result<Vec<([f64; 2], f64)>, String> {
         let points = frame.chart.points();
         match self {

@@ -77,7 +77,7 @@ pub fn run(
     Ok(ExitCode::SUCCESS)
 }
 
-/// Keeps the columns of some points, in ascending order of their indices.
+/// Keeps the columns of the points `kept`, whose indices are in ascending order.
 fn crop(rows: &mut SparseRows, kept: &[usize]) {
     let cropped: Vec<Vec<(u32, f32)>> = (0..rows.rows())
         .map(|row| {
@@ -95,7 +95,7 @@ fn crop(rows: &mut SparseRows, kept: &[usize]) {
     rows.cols = kept.len();
 }
 
-/// Returns the bytes of the matrix, in memory and about as many on disk.
+/// Returns the number of bytes of the matrix in memory. It takes about as many on disk.
 fn bytes(rows: &SparseRows) -> usize {
     std::mem::size_of_val(&rows.indices[..])
         + std::mem::size_of_val(&rows.data[..])

@@ -87,7 +87,7 @@ pub enum Verdict {
     Faster,
     /// The times of the runs overlap.
     WithinNoise,
-    /// One of the profiles has a single run, so the noise is not known.
+    /// At least one of the profiles has a single run, so the noise is not known.
     OneRun,
     /// The kind exists only in the new profile.
     New,
@@ -178,8 +178,8 @@ impl Change {
     }
 }
 
-/// Returns the largest deviation of a run from the median, relative to the median. Returns `None` for a
-/// single run.
+/// Returns the largest deviation of a run from the median, relative to the median. Returns `None` for
+/// fewer than two runs or a median of zero.
 fn noise(runs: &[f64]) -> Option<f64> {
     let middle = median(runs).filter(|&middle| middle > 0.0 && runs.len() > 1)?;
     Some(runs.iter().map(|run| (run - middle).abs()).fold(0.0, f64::max) / middle)
@@ -208,7 +208,7 @@ fn differences(before: &Setting, now: &Setting) -> Vec<String> {
 impl Display for Comparison {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         for difference in &self.differences {
-            writeln!(f, "Not of the same: {difference}.\n")?;
+            writeln!(f, "The profiles differ: {difference}.\n")?;
         }
         let milliseconds =
             |seconds: Option<f64>| seconds.map_or(String::new(), |s| digits(1e3 * s));

@@ -38,19 +38,20 @@ pub struct Measured {
     pub solved: Solved,
     pub wavefront: Wavefront,
     pub grain: Grain,
-    /// The time that timestamps of each scan would have added, relative to a map's time, if this was too
-    /// much.
+    /// The time that timestamps of each scan would have added, relative to a map's time. It is set only
+    /// if this was too much, so that a coarser grain was chosen.
     pub by_scans: Option<f64>,
     pub iterations: u32,
     pub residual: f64,
     pub converged: bool,
     /// The timed runs, in order.
     pub runs: Vec<SolveProfile>,
-    /// The times on the host's clock without profiling, one next to each run.
+    /// The times of maps without profiling, on the host's clock. One is measured before each timed run.
     pub plain: Vec<Duration>,
-    /// A run with invocation counts and the time of whole command buffers. Its other times are not used.
+    /// A run with invocation counts and the time of whole command buffers. Its times serve only for the
+    /// passes' share of the command buffers' time.
     pub counted: SolveProfile,
-    /// A run with visits block by block and lists of tiles, if requested. Its times are not used either.
+    /// A run with visits block by block and lists of tiles, if requested. Its times are not used.
     pub visits: Option<SolveProfile>,
     pub executables: Vec<Executable>,
 }
@@ -134,8 +135,8 @@ pub fn measure(wanted: &Wanted, capture: Option<Capture>) -> Result<Measured, Bo
     })
 }
 
-/// Returns the finest grain, scans at most, whose timestamps add little to a map's time. If it is coarser
-/// than scans, also returns what timestamps of scans would add.
+/// Returns the finest grain whose timestamps add little to a map's time, but none finer than scans. If
+/// the grain is coarser than scans, also returns the relative time that timestamps of scans would add.
 fn grain_for(
     subject: &mut Subject,
     solver: &mut HeadlessSolver,
@@ -175,7 +176,7 @@ fn device(engine: &Engine) -> Result<&DeviceChoice, String> {
         Engine::Auto => Ok(&DeviceChoice::Any),
         Engine::Vulkan(choice) => Ok(choice),
         Engine::Cpu | Engine::FastMarching => {
-            Err("profiles are of Vulkan devices; leave --engine \
+            Err("only Vulkan devices can be profiled; leave --engine \
                                                    out (`geosweep bench` times the CPU engine)"
                 .into())
         }

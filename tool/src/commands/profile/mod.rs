@@ -58,7 +58,7 @@ pub struct Args {
     #[arg(long, value_name = "GRAIN", default_value = "auto")]
     #[arg(value_parser = auto_or(BEST_GRAIN, &GRAINS), help_heading = "Profile")]
     grain: Choice<Grain>,
-    /// Profile as on a device without these
+    /// Profile as on a device without these capabilities
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     #[arg(value_parser = one_of(&CAPABILITIES), help_heading = "Profile")]
     without: Vec<Capability>,

@@ -50,7 +50,7 @@ fn spread(count: usize, wanted: usize) -> Vec<usize> {
 }
 
 /// Returns the title of a picture: what the passes are, the share of the texels that they visited, and their
-/// time. The time is from a run without other counts.
+/// time. The time is from `run`, in which visits were not recorded.
 fn title(what: String, passes: &[PassRecord], run: &SolveProfile) -> String {
     let sum = |of: fn(&PassRecord) -> Option<u64>| passes.iter().map(of).sum::<Option<u64>>();
     let counts = sum(|pass| pass.work.texels).zip(sum(|pass| pass.work.skipped));

@@ -71,8 +71,8 @@ pub struct Ended {
 }
 
 impl Subject {
-    /// Prepares the subject with the method that the options select. A batch uses the method for a map from
-    /// one of its sources.
+    /// Prepares the subject with the method that the options select. For a batch, this is the method for a
+    /// map from a single point.
     pub fn new(
         solver: &HeadlessSolver,
         surface: &Surface,
@@ -87,7 +87,7 @@ impl Subject {
         let maps = match *of {
             Of::Map(sources) => {
                 let mut seeds = sources.seeds(surface)?;
-                // As for a map, seeds start from zero; the smallest start value is added at the end.
+                // As in `distance_map`, the times of seeds are relative to the smallest one.
                 let start = seeds.iter().map(|seed| seed.time).fold(f64::INFINITY, f64::min);
                 seeds.iter_mut().for_each(|seed| seed.time -= start);
                 Maps::One(method.wavefront.seeds(surface, seeds))
@@ -95,7 +95,7 @@ impl Subject {
             Of::Pairwise(schedule) => {
                 let pairwise = solver.pairwise(&on_device, method.wavefront, schedule)?;
                 let (present, points) = (surface.present(), surface.chart().points());
-                // The sources are consecutive points, as for rows of a matrix in their order.
+                // The sources are consecutive points, as for consecutive rows of a matrix.
                 let count = pairwise.batch().min(points);
                 let first = (points - count) / 2;
                 let source = |point: usize| present[point].then_some(point);

@@ -64,8 +64,8 @@ pub fn write(writer: &mut impl Write, measured: &Measured, run: &SolveProfile) -
     writer.write_all(b"\n")
 }
 
-/// Adds the events of a submission on the device, which starts no earlier than `last`, the end of the
-/// previous one. Returns its end.
+/// Adds the events of a submission on the device. They start no earlier than `last`, the end of the previous
+/// submission. Returns the end of this submission.
 fn device_events(
     events: &mut Vec<Value>,
     number: usize,
@@ -140,7 +140,7 @@ fn span(thread: u32, category: &str, name: &str, [begin, end]: [i64; 2], args: V
 }
 
 /// Converts nanoseconds to microseconds. A hundredth of a nanosecond is added, so that readers that round and
-/// then truncate get the right nanosecond. Exact for two hours.
+/// then truncate get the right nanosecond. The result is exact to the nanosecond for times up to two hours.
 fn microseconds(nanoseconds: i64) -> f64 {
     (nanoseconds as f64 + 0.01) / 1e3
 }
@@ -149,8 +149,8 @@ fn microseconds(nanoseconds: i64) -> f64 {
 mod tests {
     use super::*;
 
-    /// A reader may replace a number by the next one above or below, or keep it. Cut off, each must give the
-    /// same nanosecond.
+    /// A reader may keep a number or replace it by the next floating-point number above or below. Truncated,
+    /// each of the three must give the same nanosecond.
     #[test]
     fn nanoseconds_survive_being_cut_off() {
         // The floating-point number nearest to 1.001 is smaller than 1.001.

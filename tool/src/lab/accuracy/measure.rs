@@ -70,8 +70,9 @@ pub fn all(
     Ok(measured)
 }
 
-/// Returns the place of the source, as fractions of rows and columns. It lies off every line of symmetry, and
-/// on a point of every grid of 32 k + 1 points.
+/// Returns the place of the source, as fractions of rows and columns. In the maze it is the corner where the
+/// corridor begins. Elsewhere it lies off every line of symmetry, and on a point of every grid with 32 k + 1
+/// points per side.
 fn source(builtin: Builtin) -> [f64; 2] {
     match builtin {
         Builtin::Maze => [0.0, 0.0],

@@ -92,7 +92,9 @@ const ENGINES: [(Engine, &str); 2] = [
 fn measurable(text: &str) -> Result<Builtin, String> {
     let builtin = Builtin::parse(text)?;
     if Builtin::measurable().all(|known| known.name() != builtin.name()) {
-        return Err(format!("no distances are known on {builtin} to hold a solver against"));
+        return Err(format!(
+            "no exact distances are known on {builtin}, so a solver cannot be measured on it"
+        ));
     }
     Ok(builtin)
 }

@@ -172,7 +172,7 @@ fn table(f: &mut Formatter<'_>, of_surface: &[Measurement], rounding: f64) -> fm
     Ok(())
 }
 
-/// Formats a time in milliseconds with two or more significant digits.
+/// Formats a time in milliseconds with up to two decimals.
 fn milliseconds(seconds: f64) -> String {
     let milliseconds = 1e3 * seconds;
     let decimals = if milliseconds < 1.0 { 2 } else { usize::from(milliseconds < 10.0) };

@@ -74,7 +74,7 @@ pub struct Timing {
     pub points: usize,
     pub wavefront: Wavefront,
     pub method: Method,
-    /// The time of edge lengths and of memory for the solver, or of the upload.
+    /// The time to compute edge lengths and allocate the solver's memory, or to upload the surface.
     pub set_up: Duration,
     /// The times of all runs, ascending.
     pub times: Vec<Duration>,
@@ -261,7 +261,7 @@ impl Bench<'_> {
         }
     }
 
-    /// Returns whether a method is to be timed. It is not if it has been too slow before.
+    /// Returns whether a method is to be timed. A method that has been too slow before is not.
     fn is_wanted(&self, wavefront: Wavefront, method: Method) -> bool {
         let is_planned = self.plan.methods.contains(&method);
         let too_slow = self.too_slow.contains(&(wavefront, method));

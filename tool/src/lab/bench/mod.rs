@@ -49,9 +49,9 @@ pub struct Args {
     /// Vulkan device: its index in `geosweep devices`, or a part of its name
     #[arg(long, value_name = "NAME|INDEX")]
     device: Option<DeviceChoice>,
-    /// Portions of the Vulkan device, in place of those for its kind: invocations and lines of a block of a
-    /// scan, points per side of a tile, iterations inside a tile, and iterations or rounds per submission;
-    /// `geosweep tune` finds the best
+    /// Portions of work on the Vulkan device, in place of the defaults for its kind: invocations and lines
+    /// of a block of a scan, points per side of a tile, iterations inside a tile, and iterations or rounds
+    /// per submission; `geosweep tune` finds the best
     #[arg(long, value_name = "WIDTH,LINES,TILE,INNER[,TOGETHER]", value_parser = tuning)]
     tuning: Option<Tuning>,
     /// Stop a map that takes more than this, and leave out its engine or schedule at this size and larger

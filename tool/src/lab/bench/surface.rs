@@ -14,7 +14,8 @@ use geosweep::{Spacing, Surface};
 pub enum BenchSurface {
     Builtin(Builtin),
     /// The elevation model in examples/data. Its roughness from point to point is the same at every size: a
-    /// small size takes its north-western corner, and a size beyond its own mirrors it at its borders.
+    /// small surface is the north-western corner of the model, and a surface larger than the model mirrors
+    /// the model at its borders.
     Terrain,
     File(PathBuf),
 }

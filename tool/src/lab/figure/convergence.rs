@@ -131,8 +131,8 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Returns the lines of each plot. The first plot has the paper's, from a point and from a disc. One plot
-/// follows for each of [`CONVERGED`].
+/// Returns the lines of each plot. The first plot has the lines of the paper's figure, from a point and
+/// from a disc. One plot follows for each wavefront of [`CONVERGED`].
 fn studies() -> Vec<Vec<Study>> {
     let surfaces = || SURFACES.into_iter().zip(COLORS);
     let starts = [(Start::Point, Line::Solid), (Start::Disc, Line::Dashed)];

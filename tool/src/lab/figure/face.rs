@@ -115,7 +115,7 @@ impl Face {
         })
     }
 
-    /// Draws the distances with their contours, what lies over them, and the sources.
+    /// Draws the distances with their contours, the lines and marks that `over` returns, and the sources.
     fn with_levels(
         &self,
         sources: &Sources,

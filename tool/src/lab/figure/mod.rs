@@ -44,7 +44,7 @@ enum Figure {
     Update(update::Args),
     /// Figures 3 and 4: the triangles from which each scan updates a point, and the order of updates
     Scans(scans::Args),
-    /// Figure 8: surfaces, bendings of one, and their canonical forms
+    /// Figure 8: a face, three bendings of one surface, and their canonical forms
     Canonical(canonical::Args),
     /// Figure 5: how the error falls as the grid gets finer
     Convergence(convergence::Args),
@@ -84,7 +84,7 @@ const ALL: [(&str, &str); 8] = [
     ("table-2", "md"),
 ];
 
-/// A figure as on a command line, for its defaults.
+/// The command line of one figure. Parsing it supplies the default options.
 #[derive(Parser)]
 struct Line {
     #[command(subcommand)]

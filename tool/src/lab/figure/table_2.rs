@@ -86,7 +86,7 @@ pub fn run(args: &Args) -> Outcome {
     match HeadlessSolver::new(&device) {
         Ok(_) => methods.push(Method::Vulkan(Schedule::Raster)),
         Err(error) if args.device.is_some() => return Err(error.into()),
-        Err(error) => say("note", format_args!("the table has the CPU alone: {error}")),
+        Err(error) => say("note", format_args!("the table shows only the CPU: {error}")),
     }
     let measure = |wavefront, iterations| {
         bench::measure(&Plan {

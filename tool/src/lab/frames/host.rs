@@ -63,7 +63,7 @@ impl Host {
     /// Opens the device with the index `index` of an instance.
     ///
     /// # Safety
-    /// `instance` was created from `entry`. On an error the caller must destroy it.
+    /// `instance` was created from `entry`. On an error the caller must destroy `instance`.
     unsafe fn of_instance(
         entry: ash::Entry,
         instance: ash::Instance,

@@ -127,7 +127,8 @@ fn of_schedule(
     let stop = Stop::within(1e-4).or_after(10_000);
     let method = Method::new(plan.wavefront, stop).with_schedule(schedule);
     let iterations = match schedule {
-        // In a round, a wavefront crosses one tile or one point.
+        // In a round of tiles or an update of all points, a wavefront crosses only one tile or one point, so
+        // more iterations are planned.
         Schedule::Tiles => u32::MAX,
         Schedule::AllPoints => (2 * chart.rows) as u32,
         Schedule::Raster => plan.iterations,
@@ -137,7 +138,7 @@ fn of_schedule(
     let begin = Instant::now();
     let mut number = 0;
     while times.len() < plan.frames as usize {
-        // One frame is run before, and at least one is counted.
+        // At least one frame is counted, even if a warm-up frame before it takes longer than the limit.
         let is_late = begin.elapsed() > plan.limit;
         if is_late && !times.is_empty() {
             say(

@@ -42,7 +42,8 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 60)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
-    /// Largest number of iterations of scans in a frame. Rounds of tiles are as many as the size allows
+    /// Largest number of iterations of scans in a frame. The number of rounds of tiles follows from the
+    /// grid's size
     #[arg(long, value_name = "N", default_value_t = 8)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
     iterations: u32,

@@ -10,7 +10,7 @@ use super::suggest::{Choice, together};
 use super::sweep::SCHEDULES;
 use crate::columns::digits;
 
-/// Portions as JSON.
+/// The portions of work as JSON.
 #[derive(Serialize)]
 struct Portions {
     scan_width: u32,

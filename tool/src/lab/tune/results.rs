@@ -9,7 +9,7 @@ use geosweep::{Surface, Wavefront};
 /// A number of [`Tuning`] that is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Knob {
-    /// No number: the device's own portions.
+    /// No number: the device's default portions.
     Untuned,
     Lines,
     Width,
@@ -98,8 +98,8 @@ pub struct Swept {
     pub tasks: Vec<Task>,
     pub untuned: Tuning,
     pub suggested: Tuning,
-    /// The rows, sorted by schedule: untuned, each value of each knob, and the suggested values if they
-    /// differ from the untuned ones.
+    /// The rows: for each schedule the untuned one and each value of each knob, then for each schedule the suggested
+    /// values if they differ from the untuned ones.
     pub rows: Vec<Row>,
     pub left_out: Vec<String>,
 }

@@ -7,7 +7,8 @@ use super::results::{Knob, Row, Swept};
 /// The ratio of times below which a change of value is worthwhile.
 const WORTH: f64 = 0.97;
 
-/// Returns the best value of each knob, if it is worthwhile and the maps are the same.
+/// Returns `untuned` with each knob set to its best value, if this is worthwhile and leaves the maps the
+/// same.
 pub fn suggested(untuned: Tuning, rows: &[Row]) -> Tuning {
     let mut tuning = untuned;
     for knob in [Knob::Lines, Knob::Width, Knob::Tile, Knob::Inner] {
@@ -31,8 +32,9 @@ pub fn suggested(untuned: Tuning, rows: &[Row]) -> Tuning {
     tuning
 }
 
-/// Returns the best number per submission for a schedule, if it is worthwhile. The default depends on the
-/// grid size, and the number has a different meaning for each schedule.
+/// Returns the best number of iterations or rounds per submission for a schedule, and the ratio of its
+/// times, if the change is worthwhile. This number is not a part of the suggested tuning, since its
+/// default depends on the grid's size and its meaning on the schedule.
 pub fn together(rows: &[Row], schedule: Schedule) -> Option<(u32, f64)> {
     let of_knob = |row: &&Row| row.schedule == schedule && row.knob == Knob::Together;
     rows.iter()

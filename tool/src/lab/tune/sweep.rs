@@ -80,7 +80,8 @@ pub fn sweep(plan: &Plan) -> Result<Swept, Box<dyn Error>> {
         rows.push(tuner.untuned(&mut plain, schedule)?);
         for (knob, values) in knobs(schedule, plan.quick) {
             for &value in values {
-                // Tiles of each size as the device would use them, or edges would favour the untuned size.
+                // For each size of tiles, edges are placed as the device would place them. Otherwise the
+                // comparison would favour the untuned size.
                 let tuning = plain.with_edges_placed(knob.set(untuned, value));
                 if tuning == untuned {
                     tuner.bar.inc(1);
@@ -319,7 +320,7 @@ mod tests {
             let [best, untuned] = [best, untuned].map(Duration::from_millis);
             Map { task: 0, best, untuned, iterations: 1, difference: 0.0 }
         };
-        // Half and twice the time.
+        // Twice and half the time.
         let found = ratio(&[map(200, 100), map(5, 10)]).unwrap();
         approx::assert_relative_eq!(found, 1.0, max_relative = 1e-12);
         approx::assert_relative_eq!(ratio(&[map(14, 7)]).unwrap(), 2.0);

@@ -131,7 +131,7 @@ pub fn mark_all(sources: &Sources) -> (Vec<Line>, Vec<Mark>) {
     (lines, marks)
 }
 
-/// Returns the number of each source, next to it. For a curve it is next to the middle.
+/// Returns names that show the number of each source, next to the source or to the middle of a curve.
 pub fn number_all(sources: &Sources) -> Vec<Name> {
     let name = |(number, source): (usize, &Source)| {
         let at = match source {

@@ -10,22 +10,23 @@ use super::super::relief::{Tangents, exaggeration};
 pub struct Pose {
     /// The factor of heights.
     pub exaggeration: f64,
-    /// The normal of a mirror. It is set for heights, whose y axis runs along the rows, which gives a
-    /// left-handed space.
+    /// The normal of a mirror, if the picture would be reversed without one. This is so for heights, whose y
+    /// axis points in the direction of increasing rows. It is also so for other open surfaces if their
+    /// columns would run to the left in the default view.
     mirror: Option<DVec3>,
     pub toward: DVec3,
     pub up: DVec3,
 }
 
-/// The length of the mean normal below which a surface is closed, or nearly.
+/// The length of the mean normal below which a surface counts as closed.
 const CLOSED: f64 = 0.3;
-/// The length of the mean normal above which a surface is flat and seen straight on.
+/// The length of the mean normal above which a surface counts as flat and is seen straight on.
 const FLAT: f64 = 0.9999;
 
 impl Pose {
     /// Chooses the view of a surface. Terrain is seen obliquely from the south. Other open surfaces are seen
     /// from the side to which they bulge, with rows downwards and columns to the right. Closed surfaces are
-    /// seen from beside the z axis.
+    /// seen obliquely from above, with the z axis upwards.
     pub fn of(shape: &Surface, toward: Option<DVec3>) -> Self {
         let heights = matches!(shape.geometry(), Geometry::Heights { .. });
         let exaggeration = exaggeration(shape);

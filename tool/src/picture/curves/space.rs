@@ -16,7 +16,8 @@ use super::CurvePicture;
 use super::pose::Pose;
 
 const SHORTEST_SIDE: usize = 240;
-/// The largest number of mesh points per side, which is about one point per pixel.
+/// The number of mesh points along the longer side from which a grid is thinned out: about one point per pixel.
+/// The mesh of a larger grid has this number of points along its longer side, or up to twice as many.
 const FINEST: usize = 1200;
 
 impl CurvePicture<'_> {
@@ -44,7 +45,7 @@ impl CurvePicture<'_> {
         canvas
     }
 
-    /// Returns the mesh of the surface, or of every k-th point of it and the last row and column.
+    /// Returns the mesh of the surface. On large grids it has only every k-th row and column, and the last ones.
     fn mesh(&self, pose: &Pose) -> Mesh {
         let whole = self.surface.chart();
         let every = (whole.rows.max(whole.cols) / FINEST).max(1);
@@ -142,7 +143,7 @@ mod tests {
         picture.draw(Look::Space { toward: Some(toward), long_side: 300 })
     }
 
-    /// The seam of a globe is in front in one picture and behind in the other. From there, the globe is the same.
+    /// The seam of a globe is in front in one picture and behind in the other. Both pictures must look the same.
     #[test]
     fn a_closed_surface_has_no_edge_where_its_grid_begins_and_ends() {
         let globe = Closed::Globe.surface(61, 121).unwrap();
@@ -156,7 +157,7 @@ mod tests {
         assert!(mean < 1e-3 && different < 20, "{mean}, {different} pixels");
     }
 
-    /// A globe is a disc, and a torus has a hole, through which the background is seen.
+    /// The picture of a globe is a disc. The picture of a torus has a hole, in which the background is seen.
     #[test]
     fn closed_surfaces_are_seen_whole_from_outside() {
         let is_paper =

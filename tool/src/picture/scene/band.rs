@@ -11,8 +11,8 @@ const SIDE: usize = 4;
 /// The depth, in pixels, by which a stroke may lie behind the surface and still be visible. Its vertices are
 /// on the surface, and the straight segments between them slightly off it.
 const LIFT: f32 = 1.5;
-/// The largest slope that counts, in pixels of depth per pixel. A steeper surface hides half of a stroke's
-/// width.
+/// The largest slope that counts, in pixels of depth per pixel. A steeper surface hides a part of a stroke,
+/// up to half of its width.
 const STEEPEST: f32 = 4.0;
 
 /// The contents of the pixels of some rows.
@@ -44,7 +44,7 @@ impl Band {
         Self { top, width, rows, hits: vec![NOTHING; samples], colors: Vec::new() }
     }
 
-    /// Converts pixels to samples, counted from the band's first one.
+    /// Converts a position in pixels to a position in samples, counted from the band's first sample.
     fn sample(&self, pixel: Vec2) -> Vec2 {
         (pixel - Vec2::new(0.0, self.top as f32) + 0.5) * SIDE as f32 - 0.5
     }

@@ -34,7 +34,8 @@ impl Mesh {
         Self::new(positions, colors, triangles)
     }
 
-    /// Builds a mesh with one colour per position. Triangles are indices of positions, in any orientation.
+    /// Builds a mesh with one colour per position. Triangles are indices of positions. The triangles around a vertex
+    /// must all have the same orientation, which may be either.
     pub fn new(positions: Vec<DVec3>, colors: Vec<Color>, triangles: Vec<[u32; 3]>) -> Self {
         assert_eq!(positions.len(), colors.len(), "one colour per position");
         let mut normals = vec![DVec3::ZERO; positions.len()];
@@ -48,8 +49,9 @@ impl Mesh {
         Self { positions, colors, triangles, normals }
     }
 
-    /// Gives the vertices of each group, which are one point of a closed surface, the mean of their normals, so that no
-    /// edge is seen where its grid begins and ends. Each keeps its side.
+    /// Gives all vertices of each group the mean of their normals, so that no edge is seen where the grid of a closed
+    /// surface begins and ends. The vertices of a group are one point of the surface. Each normal stays on its own side
+    /// of the surface.
     pub fn share_normals<'a>(&mut self, groups: impl Iterator<Item = &'a [usize]>) {
         for group in groups {
             let first = self.normals[group[0]];
