@@ -6,6 +6,7 @@
 //     Point load(ivec2 at)                              a point of the band's buffer
 //     bool is_present(ivec2 at)                         whether the surface has that point (edges.glsl)
 //     vec3 difference(Point a, Point b, ivec2 step)     from a point to its neighbour
+//     bool HAS_EVEN_STEPS                               whether steps along a grid line are even as seen from above
 
 float dot3(vec3 a, vec3 b) {
     return (a.x * b.x + a.y * b.y) + a.z * b.z;
@@ -35,8 +36,9 @@ bool goes_on(ivec2 at, ivec2 step) {
 }
 
 // Returns the unit normal at an end of an edge in xyz, and the bend of the grid line there in w: the second difference
-// of the positions along the line, projected on the normal. Where the grid line ends, the bends at the next two points
-// inwards are used: the smaller of both, or 0 if their signs differ.
+// of the positions along the line, projected on the normal. Unless steps are even, it is divided by the mean of the
+// squared steps to both neighbours. Where the grid line ends, the bends at the next two points inwards are used: the
+// smaller of both, or 0 if their signs differ.
 vec4 bend(ivec2 at, ivec2 step) {
     bool inside = goes_on(at, step);
     ivec2 inwards = inside ? ivec2(0) : is_present(at + step) ? step : -step;
@@ -47,7 +49,13 @@ vec4 bend(ivec2 at, ivec2 step) {
     for (int i = 0; i < (inside || !known ? 1 : 3); i++) {
         ivec2 point = at + i * inwards;
         vec3 normal_there = normal(point);
-        float across = dot3(way(point, step) + way(point, -step), normal_there);
+        vec3 ahead = way(point, step);
+        vec3 back = way(point, -step);
+        float across = dot3(ahead + back, normal_there);
+        if (!HAS_EVEN_STEPS) {
+            float square = 0.5 * (dot3(ahead, ahead) + dot3(back, back));
+            across = square > 0.0 ? across / square : 0.0;
+        }
         if (i == 0) up = normal_there;
         if (i < 2) {
             smaller = across;
@@ -69,7 +77,7 @@ float separation(ivec2 at, ivec2 step) {
     vec3 apart = vec3(0.0);
     for (int end = 0; end < 2; end++) {
         vec4 found = bend(at + end * step, step);
-        float turn = clamp(found.w / chord, -1.0, 1.0);
+        float turn = clamp(HAS_EVEN_STEPS ? found.w / chord : found.w * chord, -1.0, 1.0);
         sum += turn;
         product *= turn;
         apart = found.xyz - apart;

@@ -6,6 +6,11 @@
 //! tangential part belongs to the grid line and is ignored: circles of latitude are longer than the shortest
 //! paths between their points, and a plane stays a plane whatever grid is drawn on it.
 //!
+//! Among positions in space, the steps to both neighbours may have different lengths, as where grid lines have a corner
+//! on a smooth surface. There the bend is divided by the mean of both squared steps, and is the normal curvature. Over
+//! heights, steps along the surface differ only by its slope, and the bend stays as it is: on rough terrain the error is
+//! 6.6e-4 then, and 6.7e-4 with the division.
+//!
 //! A cubic with the bends a and b at its ends, in units of the chord, is longer than its chord by the
 //! fraction m^2 / 24 + d^2 / 1440, where m is the mean of the bends and d their difference. The fraction used here
 //! is s / 24 with s = |m| sqrt(a b), which differs from the former only by terms of second order in d. It vanishes
@@ -27,6 +32,7 @@
 //! ([`end_bend`]). A line of three points has no such pair and keeps its chords.
 
 use super::chart::{Direction, STORED};
+use super::geometry::Space;
 use super::real::{Real, max, min};
 
 /// The rule by which the length of an edge between neighbouring grid points is measured.
@@ -88,8 +94,8 @@ impl EdgeRule {
 
 /// Returns the length of an edge from its chord and from the bends and unit normals at its ends.
 #[inline(always)]
-pub(super) fn arc<R: Real>(chord: R, [a, b]: [R; 2], [m, n]: [[R; 3]; 2]) -> R {
-    let (a, b) = (turn(a, chord), turn(b, chord));
+pub(super) fn arc<R: Real, S: Space<R>>(chord: R, [a, b]: [R; 2], [m, n]: [[R; 3]; 2]) -> R {
+    let (a, b) = (turn::<R, S>(a, chord), turn::<R, S>(b, chord));
     let square = R::of(0.5) * (a + b).abs() * max(a * b, R::zero()).sqrt();
     let apart = [n[0] - m[0], n[1] - m[1], n[2] - m[2]];
     let next = dot(apart, apart) * R::of(1.0 / 180.0) - square * R::of(1.0 / 1152.0);
@@ -100,8 +106,9 @@ pub(super) fn arc<R: Real>(chord: R, [a, b]: [R; 2], [m, n]: [[R; 3]; 2]) -> R {
 /// Returns the angle in radians by which a bend turns a chord, limited to one radian, since coarser samples do not
 /// show the curve.
 #[inline(always)]
-fn turn<R: Real>(bend: R, chord: R) -> R {
-    min(max(bend / chord, -R::one()), R::one())
+fn turn<R: Real, S: Space<R>>(bend: R, chord: R) -> R {
+    let turn = if S::HAS_EVEN_STEPS { bend / chord } else { bend * chord };
+    min(max(turn, -R::one()), R::one())
 }
 
 /// Returns the bend at the last point of a line from the bends at the next two points inwards, each
@@ -118,11 +125,19 @@ pub(super) fn end_bend<R: Real>(next: R, after: R) -> R {
 /// neighbours, `there` says which neighbours exist, and `normal` is the surface normal. A bend is
 /// [`Real::FAR`] where a neighbour on the line is missing.
 #[inline(always)]
-pub(super) fn bends<R: Real>(ways: [[R; 3]; 8], there: [bool; 8], normal: [R; 3]) -> [R; 4] {
+pub(super) fn bends<R: Real, S: Space<R>>(
+    ways: [[R; 3]; 8],
+    there: [bool; 8],
+    normal: [R; 3],
+) -> [R; 4] {
     let mut bends = [R::zero(); 4];
     for k in 0..4 {
         let (to, back) = (STORED[k] as usize, STORED[k].opposite() as usize);
-        let bend = dot(sum(ways[to], ways[back]), normal);
+        let mut bend = dot(sum(ways[to], ways[back]), normal);
+        if !S::HAS_EVEN_STEPS {
+            let square = R::of(0.5) * (dot(ways[to], ways[to]) + dot(ways[back], ways[back]));
+            bend = if square > R::zero() { bend / square } else { R::zero() };
+        }
         bends[k] = if there[to] & there[back] { bend } else { R::FAR };
     }
     bends

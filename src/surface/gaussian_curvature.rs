@@ -307,8 +307,11 @@ fn defect_density<R: Real>(edges: [R; 8], bases: [R; 8], share_of_fan: R) -> R {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::super::tag::TAG;
     use super::*;
+    use crate::surface::Surface;
     use crate::surface::builtin::Builtin;
 
     fn at_the_middle(builtin: Builtin, points: usize) -> (f64, f64) {
@@ -329,6 +332,38 @@ mod tests {
             let (double, single) = at_the_middle(builtin, 65);
             approx::assert_abs_diff_eq!(double, 0.0, epsilon = 1e-3);
             approx::assert_abs_diff_eq!(single, 0.0, epsilon = 2e-2);
+        }
+    }
+
+    /// Grid lines have a corner at a column, or steps that grow from column to column, on a unit sphere. If arcs were
+    /// measured as if steps had equal lengths, the curvature at the corner would be 0.8.
+    #[test]
+    fn corners_of_grid_lines_and_uneven_steps_bend_no_sphere() {
+        const SIZE: usize = 21;
+        type Place = fn(f64, f64) -> [f64; 2];
+        let grids: [Place; 4] = [
+            |y, x| [y + 0.5 * x.abs(), x],
+            |y, x| [y - x.abs(), x],
+            |y, x| [y + 0.5 * x.abs(), x + 0.5 * y.abs()],
+            |y, x| [y * (1.5 + y), x * (1.2 - x)],
+        ];
+        for (number, place) in grids.into_iter().enumerate() {
+            let point = |index: usize| {
+                let at = |k: usize| 0.02 * (k as f64 - 10.0);
+                let [y, x] = place(at(index / SIZE), at(index % SIZE));
+                DVec3::new(y.cos() * x.cos(), y.cos() * x.sin(), y.sin())
+            };
+            let points = (0..SIZE * SIZE).map(point).collect();
+            let surface = Surface::from_positions(SIZE, SIZE, points).unwrap();
+            let edges = EdgeLengths::<f64>::new(&surface).unwrap();
+            for index in 0..SIZE * SIZE {
+                let (row, col) = (index / SIZE, index % SIZE);
+                let inner = 3..SIZE - 3;
+                if inner.contains(&row) && inner.contains(&col) {
+                    let found = edges.gaussian_curvature()[edges.chart().bordered(row, col)];
+                    assert!((found - 1.0).abs() < 0.05, "{number} {row},{col}: {found}");
+                }
+            }
         }
     }
 

@@ -164,7 +164,7 @@ impl<R: Real, S: Space<R>> Bend<'_, R, S> {
                 }
             }
             let normal = normal(ways);
-            let bends = bends(ways, there, normal);
+            let bends = bends::<R, S>(ways, there, normal);
             for k in 0..4 {
                 found[k][i] = bends[k];
             }
@@ -241,8 +241,8 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
             let third = (beside[i] > R::zero()) | (above[i] > R::zero());
             let exists = (from[3] > R::zero()) & (to[3] > R::zero()) & (!diagonal | third);
             let ([bend_a, normal_a @ ..], [bend_b, normal_b @ ..]) = (at(of_a, i), at(of_b, i));
-            let length =
-                arc(self.space.separation(from, to, step), [bend_a, bend_b], [normal_a, normal_b]);
+            let chord = self.space.separation(from, to, step);
+            let length = arc::<R, S>(chord, [bend_a, bend_b], [normal_a, normal_b]);
             let length = R::of(0.5) * (from[3] + to[3]) * length;
             found[i] = if exists { length } else { R::FAR };
             suspicious |= u32::from(exists & !is_usual(length));
@@ -290,7 +290,8 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
                 normal
             };
             let normals = [normal(HERE, here), normal(HERE.wrapping_add_signed(down), there)];
-            let length = arc(self.space.separation(from, to, (down, right)), [a, b], normals);
+            let chord = self.space.separation(from, to, (down, right));
+            let length = arc::<R, S>(chord, [a, b], normals);
             *found = R::of(0.5) * (from[3] + to[3]) * length;
             suspicious |= !is_usual(*found);
         }

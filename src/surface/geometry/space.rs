@@ -10,6 +10,10 @@ pub(crate) type Point<R> = [R; 4];
 
 /// A space in which the distances of neighbouring points are measured.
 pub(in crate::surface) trait Space<R: Real>: Copy {
+    /// Whether the steps along a grid line are even as seen from above. Lengths of steps along the surface then differ
+    /// only by its slope.
+    const HAS_EVEN_STEPS: bool;
+
     /// Returns the vector from a point to its neighbour. A surface given only by its metric has no such
     /// vector.
     fn difference(self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> [R; 3];
@@ -35,6 +39,8 @@ struct Heights<R> {
 struct Metric;
 
 impl<R: Real> Space<R> for Positions {
+    const HAS_EVEN_STEPS: bool = false;
+
     #[inline(always)]
     fn difference(self, a: Point<R>, b: Point<R>, _: (isize, isize)) -> [R; 3] {
         [b[0] - a[0], b[1] - a[1], b[2] - a[2]]
@@ -42,6 +48,8 @@ impl<R: Real> Space<R> for Positions {
 }
 
 impl<R: Real> Space<R> for Heights<R> {
+    const HAS_EVEN_STEPS: bool = true;
+
     #[inline(always)]
     fn difference(self, a: Point<R>, b: Point<R>, (down, right): (isize, isize)) -> [R; 3] {
         [R::of(right as f64) * self.dx, R::of(down as f64) * self.dy, b[2] - a[2]]
@@ -49,6 +57,8 @@ impl<R: Real> Space<R> for Heights<R> {
 }
 
 impl<R: Real> Space<R> for Metric {
+    const HAS_EVEN_STEPS: bool = true;
+
     #[inline(always)]
     fn difference(self, _: Point<R>, _: Point<R>, _: (isize, isize)) -> [R; 3] {
         [R::zero(); 3]
