@@ -56,10 +56,11 @@
 // change that makes programs compile or run differently.
 #define GEOSWEEP_HEADER_VERSION 7
 
-// Flag for `GeosweepSolverInfo::flags` that adds checks during development, at a small cost. With it, these
-// are errors: to record for a slot, among several, whose last recording has not run; to destroy an object
-// that such a recording uses; to write points that it reads; and to use an object that was destroyed, of
-// which a few bytes are kept. Each recording gets one more fill and two more barriers.
+// Flag for `GeosweepSolverInfo::flags` that adds checks during development, at a small cost. With this flag,
+// it is an error to record for one of several slots while the slot's last recording has not run, to destroy
+// an object that such a recording uses, to write points that such a recording reads, and to use an object
+// that was destroyed. The library keeps a few bytes of each destroyed object for this. Each recording gets
+// one more fill and two more barriers.
 #define GEOSWEEP_SOLVER_CHECKS 1
 
 // Value of `GeosweepFrame::points` if the points have not changed since the last frame.
@@ -90,7 +91,7 @@ typedef enum GeosweepStatus {
     GEOSWEEP_STATUS_SUCCESS = 0,
     // An argument cannot be used. The message says which one, and why. Nothing was created or recorded.
     GEOSWEEP_STATUS_INVALID_ARGUMENT = 1,
-    // The device lacks something that is needed. The message lists all of it.
+    // The device lacks something that is needed. The message lists everything that is missing.
     GEOSWEEP_STATUS_UNSUPPORTED = 2,
     // The grid is too large for the device's images or its memory.
     GEOSWEEP_STATUS_TOO_LARGE = 3,
@@ -98,12 +99,12 @@ typedef enum GeosweepStatus {
     GEOSWEEP_STATUS_OUT_OF_MEMORY = 4,
     // The device is lost.
     GEOSWEEP_STATUS_DEVICE_LOST = 5,
-    // Another Vulkan call failed. The message names it and its result.
+    // Another Vulkan call failed. The message names the call and its result.
     GEOSWEEP_STATUS_VULKAN_ERROR = 6,
     // A defect in geosweep, which was kept from crossing into your program. The object of the call is in an
     // unknown state: destroy it.
     GEOSWEEP_STATUS_INTERNAL_ERROR = 7,
-    // The result is not available yet. Call again after the fence of its submission.
+    // The result is not available yet. Call again after the fence of the submission.
     GEOSWEEP_STATUS_NOT_READY = 8,
 } GeosweepStatus;
 
@@ -130,7 +131,7 @@ typedef enum GeosweepEdgeRule {
     GEOSWEEP_EDGE_RULE_CHORD = 1,
 } GeosweepEdgeRule;
 
-// Sides of the grid that coincide. Both hold the points of the seam.
+// Sides of the grid that coincide. Each of two coinciding sides holds the points of their seam.
 typedef enum GeosweepGluing {
     // None: the surface is open.
     GEOSWEEP_GLUING_NONE = 0,
@@ -138,7 +139,7 @@ typedef enum GeosweepGluing {
     GEOSWEEP_GLUING_COLUMNS = 1,
     // The last row is the first one.
     GEOSWEEP_GLUING_ROWS = 2,
-    // Both, as on a torus.
+    // Columns and rows, as on a torus.
     GEOSWEEP_GLUING_BOTH = 3,
     // The last column is the first one in reverse order, as on a Moebius strip.
     GEOSWEEP_GLUING_FLIPPED_COLUMNS = 4,
@@ -162,7 +163,7 @@ typedef enum GeosweepGrain {
     GEOSWEEP_GRAIN_BLOCKS = 1,
     // Iterations, and the passes around them.
     GEOSWEEP_GRAIN_ITERATIONS = 2,
-    // Portions: all of a map from its sources to its outcome, and the passes before and after.
+    // Portions: all of a map from its sources to its outcome, and the passes before and after it.
     GEOSWEEP_GRAIN_PORTIONS = 3,
 } GeosweepGrain;
 
@@ -200,39 +201,39 @@ typedef enum GeosweepWavefront {
     // around holes.
     GEOSWEEP_WAVEFRONT_CURVED = 2,
     // Front that stores the corner or source from which it comes in a straight line: exact over planes with
-    // holes. A surface must be known to be such a plane. Surfaces on a device are not, so that they get
-    // curved fronts.
+    // holes. This requires a surface that is known to be such a plane. Surfaces on a device are not known to
+    // be planes, so they get curved fronts.
     GEOSWEEP_WAVEFRONT_ANCHORED = 3,
 } GeosweepWavefront;
 
 // Buffer for the contours of a surface, and the passes that find them. Frames in flight on one queue share
-// it. If contours are read on other queues, create one for each of these queues.
+// one such object. If contours are read on other queues, create one object for each of these queues.
 typedef struct GeosweepContours GeosweepContours;
 
 // Image of the directions in which ways lead back to the sources, and the passes that find them. A texel of
 // `VK_FORMAT_R16G16_SFLOAT` is a unit vector in columns and rows. It is 0, 0 at sources and at points that
-// are not reached. Frames in flight on one queue share it.
+// are not reached. Frames in flight on one queue share the image.
 typedef struct GeosweepDirections GeosweepDirections;
 
 // Image of the log map of point sources, and the passes that compute it. A texel of
 // `VK_FORMAT_R32G32_SFLOAT` is (u, v): the direction in which the shortest path to the point leaves its
-// source, times the distance. u is along the columns at the source, v at a right angle to it, on the side of
-// increasing rows. Frames in flight on one queue share it.
+// source, times the distance. u is in the direction of increasing columns at the source, v at a right angle
+// to it, on the side of increasing rows. Frames in flight on one queue share the image.
 typedef struct GeosweepLogMap GeosweepLogMap;
 
-// Buffer for the paths on a surface, and the passes that trace them. Frames in flight on one queue share it.
-// If paths are read on other queues, create one for each of these queues.
+// Buffer for the paths on a surface, and the passes that trace them. Frames in flight on one queue share one
+// such object. If paths are read on other queues, create one object for each of these queues.
 typedef struct GeosweepPaths GeosweepPaths;
 
 // Passes of a recording, for any surface of one size. Many recordings may use a plan at the same time, on
 // any thread.
 typedef struct GeosweepPlan GeosweepPlan;
 
-// Profile of a frame, with its own queries and buffer. Each profiled frame in flight needs one.
+// Profile of a frame, with its own queries and buffer. Each profiled frame in flight needs its own profile.
 typedef struct GeosweepProfile GeosweepProfile;
 
 // Buffer for the regions of a surface's maps, and the passes that find them. Frames in flight on one queue
-// share it. If regions are read on other queues, create one for each of these queues.
+// share one such object. If regions are read on other queues, create one object for each of these queues.
 typedef struct GeosweepRegions GeosweepRegions;
 
 // Pipelines of a device, shared by all its surfaces. Any number of threads may use it at the same time.
@@ -284,15 +285,16 @@ typedef struct GeosweepMemory {
     VkDeviceMemory memory;
     // Offset of the block in `memory` in bytes; a multiple of the alignment.
     uint64_t offset;
-    // Address at which the block is mapped until it is freed, if it must be host-visible. Otherwise it may
-    // be null.
+    // Address at which the block is mapped until it is freed. It may be null if the block need not be
+    // host-visible.
     void *mapped;
     // Your own handle of the block, for instance a `VmaAllocation`.
     void *handle;
 } GeosweepMemory;
 
-// Your own allocator for surfaces, contours, paths and regions. Its functions are called by one thread at a
-// time, in calls that create and destroy these objects. They must not call functions of geosweep.
+// Your own allocator for surfaces, contours, paths, regions, directions and log maps. Its functions are
+// called by one thread at a time, in calls that create and destroy these objects. They must not call
+// functions of geosweep.
 typedef struct GeosweepAllocator {
     // Pointer that both functions receive.
     void *user;
@@ -305,7 +307,7 @@ typedef struct GeosweepAllocator {
     void (*free)(void *user, const struct GeosweepMemory *memory);
 } GeosweepAllocator;
 
-// Parameters of a solver. You keep all handles, which must outlive the solver.
+// Parameters of a solver. All handles remain yours and must outlive the solver.
 typedef struct GeosweepSolverInfo {
     // `GEOSWEEP_HEADER_VERSION`.
     uint32_t header_version;
@@ -316,7 +318,7 @@ typedef struct GeosweepSolverInfo {
     VkInstance instance;
     // A physical device that `geosweep_check_device` accepts.
     VkPhysicalDevice physical_device;
-    // A device created on it, with what `geosweep_requirements` returns.
+    // A device created on `physical_device`, with what `geosweep_requirements` returns.
     VkDevice device;
     // Schedules and wavefronts for which pipelines are created: those that plans will request. Compiling
     // them takes a while.
@@ -324,10 +326,11 @@ typedef struct GeosweepSolverInfo {
     // Number of entries in `passes`.
     uint32_t pass_count;
     // Cache for creating pipelines, or null. You fill, save and destroy it. It must be alive whenever the
-    // solver creates pipelines: now, with the first surface that has a slowness, and with the first
-    // contours, paths and regions. `geosweep_solver_set_pipeline_cache` takes it away again. Pipelines do
-    // not need it once they are created. The solver uses it on one thread at a time. If you use it at the
-    // same time, the rules of `vkCreateComputePipelines` apply.
+    // solver creates pipelines: now, with the first surface that has a slowness or a small grid, and with
+    // the first contours, paths, regions (of each wavefront), directions and log map.
+    // `geosweep_solver_set_pipeline_cache` replaces or removes it. Pipelines do not need it once they are
+    // created. The solver uses it on one thread at a time. If you use it at the same time, the rules of
+    // `vkCreateComputePipelines` apply.
     VkPipelineCache pipeline_cache;
     // `GEOSWEEP_SOLVER_CHECKS`, or 0.
     uint32_t flags;
@@ -338,9 +341,10 @@ typedef struct GeosweepSolverInfo {
 // Your own image for the distances of a slot, in place of one that the surface allocates. A render graph may
 // use its memory for other resources between frames. The image is 2D with `VK_FORMAT_R32_SFLOAT` and at
 // least cols x rows texels and one array layer; its usage contains `VK_IMAGE_USAGE_STORAGE_BIT` and what its
-// readers need. Its old content is discarded, whatever its layout. `GeosweepFrame::before`, or a barrier of
-// yours, must wait for earlier uses of the memory. Slots may share an image, and so may surfaces that are
-// recorded one after another.
+// readers need. The old content of the image is discarded, whatever its layout. `GeosweepFrame::before`, or
+// a barrier of yours, must wait for earlier uses of the memory. Slots may share an image, and so may
+// surfaces that are recorded one after another. For directions and log maps, `geosweep_directions_create`
+// and `geosweep_log_map_create` name the format and the usage.
 typedef struct GeosweepHostImage {
     // The image.
     VkImage image;
@@ -349,8 +353,8 @@ typedef struct GeosweepHostImage {
 } GeosweepHostImage;
 
 // Points of a surface, one for each grid point, row by row. They are in your own buffer or image on the
-// device, which recordings read when they measure, or in the program's memory, which is copied at once.
-// Exactly one of `buffer`, `view` and `data` is not null.
+// device, which recordings read when they measure edges, or in the program's memory, from which the call
+// copies them. Exactly one of `buffer`, `view` and `data` is not null.
 //
 // On the device, a point is a hole if one of its floats is NaN, infinite or beyond 1e12, or if its slowness
 // is negative. In the program's memory, NaN, an infinite slowness and the mask make holes; other invalid
@@ -359,8 +363,8 @@ typedef struct GeosweepHostImage {
 typedef struct GeosweepPoints {
     // Meaning of the first floats of a point.
     GeosweepPointKind kind;
-    // Index of the float of a point, counted from 0, that is its slowness: time per length, so that
-    // distances are travel times. 0 stands for a slowness of 1 everywhere.
+    // Index, counted from 0, of that float of a point which is its slowness: time per length. Distances are
+    // then travel times. An index of 0 stands for a slowness of 1 everywhere.
     uint32_t slowness;
     // Distance between columns, for heights.
     double dx;
@@ -394,7 +398,7 @@ typedef struct GeosweepSourceBuffer {
     uint32_t count;
 } GeosweepSourceBuffer;
 
-// Buffers for looking distances up: places are read, and distances are written. Both have usage
+// Buffers for looking up distances: places are read, and distances are written. Both have usage
 // `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
 typedef struct GeosweepLookup {
     // Buffer with two floats per place: row and column, with fractions between grid points.
@@ -417,7 +421,7 @@ typedef struct GeosweepRun {
     uint32_t col;
     // Rows from point to point: -1, 0 or 1.
     int32_t row_step;
-    // Columns from point to point: -1, 0 or 1, not 0 if `row_step` is.
+    // Columns from point to point: -1, 0 or 1. It is not 0 if `row_step` is 0.
     int32_t col_step;
 } GeosweepRun;
 
@@ -427,12 +431,12 @@ typedef struct GeosweepRunPair {
     struct GeosweepRun first;
     // The other run.
     struct GeosweepRun second;
-    // Number of points of each.
+    // Number of points of each run.
     uint32_t points;
 } GeosweepRunPair;
 
-// Parameters of a surface. You keep images and buffers, which must be alive whenever a recording that uses
-// them runs. The arrays are not needed after the call, and may be null where their count is 0.
+// Parameters of a surface. The images and buffers remain yours, and they must be alive whenever a recording
+// that uses them runs. The arrays are not needed after the call, and may be null where their count is 0.
 typedef struct GeosweepSurfaceInfo {
     // Number of rows of grid points.
     uint32_t rows;
@@ -443,15 +447,15 @@ typedef struct GeosweepSurfaceInfo {
     // Number of images of distances, which recordings write in turn: the number of frames in flight, from 1
     // to 64.
     uint32_t slots;
-    // Queue families that use the images of distances and the packed distances: the recording one and those
-    // of the readers. If this lists different families, no ownership transfers are needed. If it is empty,
-    // one family at a time uses them.
+    // Queue families that use the images of distances and the packed distances: the family of the queue to
+    // which you submit recordings, and the families of the readers. If this lists different families, no
+    // ownership transfers are needed. If it is empty, other families need ownership transfers.
     const uint32_t *queue_families;
     // Number of queue families.
     uint32_t queue_family_count;
     // Your own images for the distances, one per slot; null for images that the surface allocates.
     const struct GeosweepHostImage *results;
-    // Number of images: 0 or the number of slots.
+    // Number of entries in `results`: 0 or the number of slots.
     uint32_t result_count;
     // Points that recordings select by number, for instance one entry for each frame in flight.
     const struct GeosweepPoints *points;
@@ -466,8 +470,8 @@ typedef struct GeosweepSurfaceInfo {
     // Number of entries in `lookups`.
     uint32_t lookup_count;
     // Sides of the grid that coincide, so that distances pass from one to the other. Copies of a point take
-    // the values of the first, and are a hole if any of them is. It is not checked that they coincide. Plans
-    // for a glued surface have `GeosweepMethod::over_seams`.
+    // the values of the first copy, and are holes if any copy is a hole. Whether the copies coincide is not
+    // checked. Plans for a glued surface need `GeosweepMethod::over_seams`.
     GeosweepGluing gluing;
     // Points that coincide, for `GEOSWEEP_GLUING_RUNS`.
     const struct GeosweepRunPair *runs;
@@ -475,7 +479,8 @@ typedef struct GeosweepSurfaceInfo {
     uint32_t run_count;
 } GeosweepSurfaceInfo;
 
-// An image with usage `SAMPLED`, `STORAGE` and `TRANSFER_SRC`, which belongs to its surface.
+// An image of distances, directions or a log map. Unless it is your own, it belongs to the object that
+// returns it and has the usages `SAMPLED` and `TRANSFER_SRC`, for distances `STORAGE` too.
 typedef struct GeosweepImage {
     // The image.
     VkImage image;
@@ -509,31 +514,31 @@ typedef struct GeosweepOutcome {
     double residual;
     // Number of iterations, or of rounds of tiles, since the start of the map.
     uint32_t iterations;
-    // Number of visits since the start of the map, each by one workgroup: to a tile, or to the part of a block
-    // of lines that a workgroup updates. A smaller radius takes fewer.
+    // Number of visits since the start of the map, each by one workgroup: to a tile, or to the part of a block of
+    // lines that a workgroup updates. A smaller radius takes fewer visits.
     uint32_t visits;
     // Number of grid points that are holes. A point is a hole if one of its values is not finite or too
     // large, if it lies outside an image that is too small, or if its slowness is negative. Compare this
     // with the holes that you made.
     uint32_t holes;
     // Number of edges without a length between points that are not holes. Their points are at the same
-    // place, or so far apart that the length overflows single precision. A pole or a seam has such edges, as
-    // you know. More of them mean that vertices were zeroed or not written yet.
+    // place, or so far apart that the length overflows single precision. Expect such edges at a pole or a
+    // seam. More of them mean that vertices were zeroed or not written yet.
     uint32_t edges_without_length;
     // Number of the map's sources that reach no point: those off the grid, in holes, or with a time that is
-    // NaN or not below 1e30. Unused entries of a buffer count.
+    // NaN or not below 1e30. Unused entries of a buffer count too.
     uint32_t passed_over;
     // Fraction of edges at whose ends the surface's normals differ by more than 30 degrees, among about a
     // thousand edges. It is 0 for a metric. Above a tenth, the grid does not resolve the surface, and the
     // map is that of some polyhedron.
     float sharp_edges;
     // Whether the surface turns at random from point to point, as noise does. On such surfaces planar fronts
-    // have the smallest errors, and curved ones may arrive early by some hundredths.
+    // have the smallest errors, and curved ones may arrive early by some hundredths of the distance.
     bool is_rough;
     // Whether the map has converged, over edges that were measured. If not, `geosweep_record_resume`
     // continues it.
     bool converged;
-    // Whether edges have been measured on the device. They have not if the recording that measures them has
+    // Whether edges have been measured on the device. It is false if the recording that measures them has
     // never run.
     bool measured;
 } GeosweepOutcome;
@@ -554,12 +559,13 @@ typedef struct GeosweepMethod {
     // the grid's size limits their number in a recording: 10 at 48 x 48 points, 20 at 120 x 120, 36 at 256 x
     // 256, and never more than 128. `geosweep_plan_iterations` returns the number in the plan.
     uint32_t iterations;
-    // Anything but 0 for surfaces with a `GeosweepSurfaceInfo::gluing`: fronts pass seams after each scan, or each
-    // round of tiles.
+    // 0 for surfaces without a gluing. Any other number is for surfaces with a `GeosweepSurfaceInfo::gluing`: fronts
+    // then pass seams after each scan, or each round of tiles.
     uint32_t over_seams;
 } GeosweepMethod;
 
-// A source: a place at which the distance, or time, is given. `geosweep_source_at` returns the usual one.
+// A source: a place at which the distance, or time, is given. `geosweep_source_at` returns a source with the
+// usual values.
 typedef struct GeosweepSource {
     // Row, from 0 to rows - 1. It has a fraction between grid points.
     float row;
@@ -591,13 +597,13 @@ typedef struct GeosweepSources {
     uint32_t count;
     // Number of the surface's source buffer, if there is no array.
     uint32_t buffer;
-    // Offset in bytes from the first source that the surface has in that buffer; a multiple of 4. With a
-    // ring buffer, each frame has another offset.
+    // Offset in bytes, added to the offset of the first source in that buffer
+    // (`GeosweepSourceBuffer::offset`); a multiple of 4. With a ring buffer, each frame has another offset.
     uint64_t offset;
 } GeosweepSources;
 
-// Reader of an image of distances, in this frame and when that image was last read. If the access is all
-// zero, the image is read on another queue, after a semaphore.
+// Reader of an image of distances, for the reads in this frame and the earlier reads of the same image. If
+// the access is all zero, the image is read on another queue, after a semaphore.
 typedef struct GeosweepReader {
     // Stages and accesses of the reader.
     struct GeosweepAccess access;
@@ -623,8 +629,8 @@ typedef struct GeosweepFrame {
     uint32_t points;
     // Number of the image of distances that is written.
     uint32_t slot;
-    // Offset in bytes from where the surface has these points in their buffer; a multiple of 4. With a ring
-    // buffer, each frame has another offset.
+    // Offset in bytes, added to the offset of these points in their buffer (`GeosweepPoints::offset`); a
+    // multiple of 4. With a ring buffer, each frame has another offset.
     uint64_t points_offset;
     // Sources at which fronts start.
     struct GeosweepSources sources;
@@ -635,13 +641,14 @@ typedef struct GeosweepFrame {
     // Value in the image at points that no front reaches: `INFINITY` or a negative number. Filters turn
     // infinity to NaN beside such points. It must not be NaN, nor 0, which is the distance of sources.
     float unreached;
-    // Largest distance of the map, or 0 for no limit. Points that are farther are not reached. The work is that
-    // of the area within the radius, which may be another one in each frame.
+    // Largest distance of the map, or 0 for no limit. Points that are farther are not reached. The work is
+    // proportional to the area within the radius. Each frame may have another radius.
     float radius;
-    // Number of targets whose distances are needed, the nearest ones, or 0 for all.
+    // Number of nearest targets whose distances are needed, or 0 for all targets.
     uint32_t targets_needed;
-    // Targets, or null: the map ends once fronts cannot come to them earlier, and farther points are not
-    // reached. By raster scans, targets are looked at after each iteration only; a radius limits the first.
+    // Targets, or null. The map ends once no front can reach the needed targets earlier, and points farther
+    // than these are not reached. With raster scans, targets do not reduce the work, since an iteration brings
+    // early and late fronts in any order. Only a radius reduces it.
     const struct GeosweepTarget *targets;
     // Number of targets, at most 1024. It is 0 if `targets` is null.
     uint32_t target_count;
@@ -655,25 +662,25 @@ typedef struct GeosweepFrame {
 typedef struct GeosweepCurveRecord {
     // State of the curve.
     enum GeosweepCurveStatus status;
-    // Number of vertices that are drawn. Contours draw those that there was room for; a path draws all of
-    // them or none.
+    // Number of vertices that are drawn. Contours draw the vertices that there was room for; a path draws
+    // all its vertices or none.
     uint32_t vertex_count;
     // Index of the curve's first vertex, counted from the first vertex of the first curve.
     uint32_t first_vertex;
-    // Number of vertices. For contours, this is the number that all of them need; for a path, the number up
-    // to where it ends.
+    // Number of vertices. For contours, this is the number that all contours need; for a path, the number up
+    // to where the path ends.
     uint32_t vertices;
     // Index of the source at which a path has arrived, in the order in which sources were given. It is
     // `GEOSWEEP_NO_SOURCE` if there is none.
     uint32_t source;
     // Distance at the start of a path.
     float distance;
-    // Length of a path up to where it ends, measured as the map measures.
+    // Length of a path up to where it ends, measured in the same way as the map.
     float length;
 } GeosweepCurveRecord;
 
-// Buffer in which contours or paths are stored. It belongs to them and has the usages `VERTEX_BUFFER`,
-// `INDIRECT_BUFFER`, `STORAGE_BUFFER` and `TRANSFER_SRC`.
+// Buffer in which contours or paths are stored. Unless it is your own, it belongs to the contours or paths
+// and has the usages `VERTEX_BUFFER`, `INDIRECT_BUFFER`, `STORAGE_BUFFER` and `TRANSFER_SRC`.
 //
 // `vkCmdDrawIndirect` draws curve k with an offset of k x `GEOSWEEP_CURVE_RECORD_BYTES`. Contours are a list
 // of lines, and a path is a strip of lines. Bind the buffer as a vertex buffer with an offset of
@@ -702,7 +709,8 @@ typedef struct GeosweepContourFrame {
     float start;
     // Number of the surface's points to which contours are lifted.
     uint32_t points;
-    // Offset in bytes from where the surface has these points, as `GeosweepFrame::points_offset`.
+    // Offset in bytes, added to the offset of these points in the surface's buffer, as
+    // `GeosweepFrame::points_offset`.
     uint64_t points_offset;
     // Stages and accesses that read the contours, in this frame and in the frame before. Usually these are
     // the stages `VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT` and `VK_PIPELINE_STAGE_VERTEX_INPUT_BIT` with
@@ -727,18 +735,19 @@ typedef struct GeosweepPathFrame {
     uint32_t start_count;
     // Number of the surface's points to which paths are lifted.
     uint32_t points;
-    // Offset in bytes from where the surface has these points, as `GeosweepFrame::points_offset`.
+    // Offset in bytes, added to the offset of these points in the surface's buffer, as
+    // `GeosweepFrame::points_offset`.
     uint64_t points_offset;
-    // All sources of the map, with those that were added to it.
+    // All sources of the map, including those that were added to the map.
     struct GeosweepSources sources;
     // Access that reads the paths, in this frame and in the previous one, as in `GeosweepContourFrame`.
     struct GeosweepAccess reader;
 } GeosweepPathFrame;
 
-// Buffer of labels with the usages `STORAGE_BUFFER`, `VERTEX_BUFFER` and `TRANSFER_SRC`. From its first byte
-// it has an unsigned 32-bit number for each grid point, row by row.
+// Buffer of labels. Unless it is your own, it has the usages `STORAGE_BUFFER`, `VERTEX_BUFFER` and
+// `TRANSFER_SRC`. From its first byte it has an unsigned 32-bit number for each grid point, row by row.
 typedef struct GeosweepLabels {
-    // The buffer, which is longer than the labels and belongs to the regions.
+    // The buffer, which is longer than the labels. Unless it is your own, it belongs to the regions.
     VkBuffer buffer;
     // Bytes of all labels: 4 x rows x cols.
     uint64_t bytes;
@@ -748,7 +757,8 @@ typedef struct GeosweepLabels {
 typedef struct GeosweepRegionFrame {
     // Access that has written the sources.
     struct GeosweepAccess before;
-    // All sources of the map, with those that were added to it. A source's index in this list is its label.
+    // All sources of the map, including those that were added to the map. A source's index in this list is
+    // its label.
     struct GeosweepSources sources;
     // Access that reads the labels, in this frame and in the previous one.
     struct GeosweepAccess reader;
@@ -758,7 +768,7 @@ typedef struct GeosweepRegionFrame {
 typedef struct GeosweepDirectionFrame {
     // Access that has written the sources.
     struct GeosweepAccess before;
-    // All sources of the map, with those that were added to it.
+    // All sources of the map, including those that were added to the map.
     struct GeosweepSources sources;
     // Access that reads the image, in this frame and in the previous one, and its layout.
     struct GeosweepReader reader;
@@ -768,12 +778,12 @@ typedef struct GeosweepDirectionFrame {
 typedef struct GeosweepLogMapFrame {
     // Access that has written the sources.
     struct GeosweepAccess before;
-    // All sources of the map, with those that were added to it.
+    // All sources of the map, including those that were added to the map.
     struct GeosweepSources sources;
     // Access that reads the image, in this frame and in the previous one, and its layout.
     struct GeosweepReader reader;
-    // Largest distance of points that get coordinates; 0 for no limit. Of several initial values, the
-    // distance counts from the latest.
+    // Largest distance of points that get coordinates; 0 for no limit. If sources start at different times,
+    // the distance counts from the latest of these.
     float radius;
     // Value of u and v at points that are not reached or beyond the radius.
     float unreached;
@@ -798,7 +808,8 @@ typedef struct GeosweepMapInfo {
     // Number of targets, or 0 for no targets.
     uint32_t target_count;
     // Targets, two numbers each: row and column of a grid point. The map ends when the nearest
-    // `targets_needed` of them have their distances. Points that are farther are not reached.
+    // `targets_needed` of them have their distances. Points that are farther than these targets are not
+    // reached.
     const uint32_t *targets;
     // Number of targets whose distances are needed, or 0 for all of them.
     uint32_t targets_needed;
@@ -810,8 +821,8 @@ typedef struct GeosweepMapInfo {
 typedef struct GeosweepMapOutputs {
     // Distances: a float for each point, `INFINITY` where no source reaches.
     float *distances;
-    // The way back from each point: two floats, the rows and columns of a step of length 1 in the grid. It
-    // is 0 at sources and NaN where no source reaches.
+    // The way back from each point: two floats, the changes of row and column of a step of length 1 in grid
+    // steps. It is 0 at sources and NaN where no source reaches.
     float *back_directions;
     // The next grid point on the way back: 0 at sources, 1 to 8 for the neighbours clockwise from east, -1
     // where no source reaches.
@@ -819,8 +830,9 @@ typedef struct GeosweepMapOutputs {
     // The index of the nearest source, or -1.
     int32_t *nearest;
     // The log map: two floats for each point, the direction in which its shortest path leaves the source
-    // times the distance, along the columns and at a right angle to them. NaN where no source reaches. It
-    // takes nine maps in double precision.
+    // times the distance. The first is the component in the direction of increasing columns, the second the
+    // component at a right angle to it, on the side of increasing rows. NaN where no source reaches. The
+    // computation takes nine maps in double precision.
     float *log_map;
     // Distances that are negative where `inside` is not 0.
     float *signed_distances;
@@ -846,7 +858,7 @@ typedef struct GeosweepPass {
     // Number of texels of 2 x 2 points that the pass visited.
     uint64_t texels;
     // Whether the pass was dispatched and visited nothing, since the map had converged or nothing could
-    // change there.
+    // change where the pass works.
     bool is_idle;
 } GeosweepPass;
 
@@ -878,13 +890,14 @@ enum GeosweepStatus geosweep_requirements(struct GeosweepRequirements *requireme
 
 // Checks whether a physical device can be used, before a device is created on it. If not, the status is
 // `GEOSWEEP_STATUS_UNSUPPORTED`, and the message lists all that is missing. An instance that was created for
-// Vulkan 1.0 cannot be used either. Only a device shows that, so that this call creates one and destroys it.
+// Vulkan 1.0 cannot be used either. Only a device shows the version for which its instance was created, so
+// this call creates a device and destroys it.
 enum GeosweepStatus geosweep_check_device(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
                                           VkInstance instance,
                                           VkPhysicalDevice physical_device);
 
-// Finds a queue family for compute. Prefers one without graphics, which is the asynchronous one on large
-// GPUs. Any family with `VK_QUEUE_COMPUTE_BIT` can be used.
+// Finds a queue family for compute. Prefers a family without graphics, which is the one for asynchronous
+// compute on large GPUs. Any family with `VK_QUEUE_COMPUTE_BIT` can be used.
 enum GeosweepStatus geosweep_compute_queue_family(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
                                                   VkInstance instance,
                                                   VkPhysicalDevice physical_device,
@@ -908,19 +921,19 @@ enum GeosweepStatus geosweep_solver_create(const struct GeosweepSolverInfo *info
 enum GeosweepStatus geosweep_solver_set_pipeline_cache(const struct GeosweepSolver *solver,
                                                        VkPipelineCache cache);
 
-// Returns the bytes of device memory that the solver holds for its surfaces, contours, paths and regions.
-// Since it holds them in blocks, they are a little more than `geosweep_surface_bytes` and the similar calls
-// return for each.
+// Returns the bytes of device memory that the solver holds for its surfaces, contours, paths, regions,
+// directions and log maps. Since it allocates them in blocks, they are a little more than the sum of what
+// `geosweep_surface_bytes` and the similar calls return.
 enum GeosweepStatus geosweep_solver_bytes(const struct GeosweepSolver *solver,
                                           uint64_t *bytes);
 
-// Destroys a solver. Its surfaces, plans, contours, paths, regions and profiles must be destroyed first;
-// otherwise it is an error. Null is allowed.
+// Destroys a solver. Its surfaces, plans, contours, paths, regions, directions, log maps and profiles must
+// be destroyed first; otherwise the call fails. Null is allowed.
 enum GeosweepStatus geosweep_solver_destroy(struct GeosweepSolver *solver);
 
 // Computes the bytes of device memory that a surface will take, before it is created: 36 per grid point and
 // 4 more for each slot; a buffer of 16 per point up to 4 MiB, or on larger grids of 6 per point up to 16
-// MiB; and 16 per point (8 for heights) for points in the program's memory.
+// MiB; and, for points in the program's memory, 12 per point (4 for heights), with a slowness 4 more.
 enum GeosweepStatus geosweep_surface_bytes_for(const struct GeosweepSolver *solver,
                                                const struct GeosweepSurfaceInfo *info,
                                                uint64_t *bytes);
@@ -934,25 +947,28 @@ enum GeosweepStatus geosweep_surface_create(const struct GeosweepSolver *solver,
 enum GeosweepStatus geosweep_surface_bytes(const struct GeosweepSurface *surface, uint64_t *bytes);
 
 // Replaces points that were copied from the program's memory by others with the same offset and stride. No
-// submitted work may still read them; a solver with checks verifies that. So create the surface with one
-// entry of points for each frame in flight. Later recordings that measure them read the new ones.
+// submitted work may still read the old points; a solver with checks verifies that. So create the surface
+// with one entry of points for each frame in flight. Later recordings that measure these points read the new
+// values.
 enum GeosweepStatus geosweep_surface_write_points(struct GeosweepSurface *surface,
                                                   uint32_t number,
                                                   const float *data,
                                                   const uint8_t *mask);
 
-// Replaces points in your own buffer or image by others, which later recordings read. They may have a
-// slowness only if some points of the surface had one when it was created. Frames in flight continue to read
-// the points for which they were recorded, so keep these alive until the frames have run. It is an error if
-// more frames are in flight than the surface has slots. Edges keep the lengths of the old points until they
-// are measured. Contours and paths are lifted to the new points after `geosweep_contours_rebind` and
-// `geosweep_paths_rebind`. Record command buffers anew that are submitted repeatedly.
+// Replaces points in your own buffer or image by others, which later recordings read. The new points may
+// have a slowness only if some points of the surface had a slowness when the surface was created. Frames in
+// flight continue to read the points for which they were recorded, so keep these alive until the frames have
+// run. It is an error if more frames are in flight than the surface has slots. Edges keep the lengths of the
+// old points until they are measured. Contours and paths are lifted to the new points after
+// `geosweep_contours_rebind` and `geosweep_paths_rebind`. Command buffers that are submitted repeatedly must
+// be recorded anew.
 enum GeosweepStatus geosweep_surface_set_points(struct GeosweepSurface *surface,
                                                 uint32_t number,
                                                 const struct GeosweepPoints *points);
 
-// Replaces a buffer of sources, as `geosweep_surface_set_points` does for points. Paths and regions then
-// need `geosweep_paths_rebind` and `geosweep_regions_rebind`.
+// Replaces a buffer of sources, as `geosweep_surface_set_points` does for points. Paths, regions, directions
+// and log maps then need `geosweep_paths_rebind`, `geosweep_regions_rebind`, `geosweep_directions_rebind`
+// and `geosweep_log_map_rebind`.
 enum GeosweepStatus geosweep_surface_set_sources(struct GeosweepSurface *surface,
                                                  uint32_t number,
                                                  const struct GeosweepSourceBuffer *sources);
@@ -964,14 +980,15 @@ enum GeosweepStatus geosweep_surface_set_result(struct GeosweepSurface *surface,
                                                 uint32_t slot,
                                                 const struct GeosweepHostImage *image);
 
-// Returns the image of distances of a slot. `layout` is that of the reader for which it was recorded last.
+// Returns the image of distances of a slot. `layout` is the layout of the reader for which the image was
+// recorded last.
 enum GeosweepStatus geosweep_surface_result(const struct GeosweepSurface *surface,
                                             uint32_t slot,
                                             VkImageLayout layout,
                                             struct GeosweepImage *result);
 
-// Returns the packed distances that all slots share. They are those of the last recording until the next
-// one. Read them after `geosweep_record_end`.
+// Returns the packed distances that all slots share. Until the next recording, these are the distances of
+// the last one. Read them after `geosweep_record_end`.
 enum GeosweepStatus geosweep_surface_packed(const struct GeosweepSurface *surface,
                                             struct GeosweepPackedTimes *packed);
 
@@ -985,7 +1002,7 @@ enum GeosweepStatus geosweep_surface_outcome(const struct GeosweepSurface *surfa
 enum GeosweepStatus geosweep_surface_discard(const struct GeosweepSurface *surface, uint32_t slot);
 
 // Tells a solver with checks that the last recording for the surface into a command buffer was discarded and
-// will never run, whatever it was.
+// will never run, whatever its kind.
 enum GeosweepStatus geosweep_surface_discard_commands(const struct GeosweepSurface *surface,
                                                       VkCommandBuffer commands);
 
@@ -1001,7 +1018,8 @@ enum GeosweepStatus geosweep_plan_create(const struct GeosweepSolver *solver,
                                          struct GeosweepPlan **plan);
 
 // Returns the number of iterations, or rounds of tiles, in a recording of the plan. It is the number
-// requested, or with tiles a smaller one. Resume the map until it has converged.
+// requested, but at most `GeosweepMethod::most_iterations`, and with tiles it may be smaller. Resume the map
+// until it has converged.
 enum GeosweepStatus geosweep_plan_iterations(const struct GeosweepPlan *plan,
                                              uint32_t *iterations);
 
@@ -1033,10 +1051,10 @@ enum GeosweepStatus geosweep_record_frame(const struct GeosweepSurface *surface,
 
 // Records frames of several surfaces so that they run at the same time. Each is recorded as
 // `geosweep_record_frame` does, and the passes of all frames share barriers. `count` surfaces of one size
-// and plan thus need only the barriers of one; if recorded one after another, they would run one after
-// another. `surfaces` and `frames` have `count` entries, at most 64. All surfaces belong to one solver, none
-// is listed twice, and no frame has a profile. Your own images of distances differ too. Writes the images of
-// distances to `results`, which has room for `count`, unless that is null.
+// and plan thus need only the barriers of one surface. Frames that are recorded one after another also run
+// one after another. `surfaces` and `frames` have `count` entries, at most 64. All surfaces belong to one
+// solver, none is listed twice, and no frame has a profile. No two frames write the same image of yours.
+// Writes the images of distances to `results`, which has room for `count`, unless that is null.
 enum GeosweepStatus geosweep_record_frames(const struct GeosweepSurface *const *surfaces,
                                            const struct GeosweepFrame *frames,
                                            uint32_t count,
@@ -1049,8 +1067,8 @@ enum GeosweepStatus geosweep_record_begin(const struct GeosweepSurface *surface,
                                           VkCommandBuffer commands,
                                           struct GeosweepAccess before);
 
-// Measures the surface's edges from the points with this number. Invalidates the map, so that `solve` comes
-// next. `offset` is as `GeosweepFrame::points_offset`.
+// Measures the surface's edges from the points with this number. Invalidates the map, so
+// `geosweep_record_solve` comes next. `offset` is as `GeosweepFrame::points_offset`.
 enum GeosweepStatus geosweep_record_measure(const struct GeosweepSurface *surface,
                                             VkCommandBuffer commands,
                                             uint32_t points,
@@ -1062,7 +1080,7 @@ enum GeosweepStatus geosweep_record_solve(const struct GeosweepSurface *surface,
                                           const struct GeosweepSources *sources,
                                           const struct GeosweepPlan *plan);
 
-// Adds sources to the map. It must have converged with the same wavefront.
+// Adds sources to the map. The map must have converged, with the same wavefront.
 enum GeosweepStatus geosweep_record_add(const struct GeosweepSurface *surface,
                                         VkCommandBuffer commands,
                                         const struct GeosweepSources *sources,
@@ -1080,9 +1098,10 @@ enum GeosweepStatus geosweep_record_outcome(const struct GeosweepSurface *surfac
                                             VkCommandBuffer commands,
                                             uint32_t slot);
 
-// Copies the outcome of the iterations to your own buffer with usage `VK_BUFFER_USAGE_TRANSFER_DST_BIT`.
-// These are `GEOSWEEP_OUTCOME_BYTES` bytes for `geosweep_outcome_from_bytes`. The third 32-bit number is the
-// number of iterations, for shaders. `after` is how you read the bytes; `offset` is a multiple of 4.
+// Copies the outcome of the iterations to your own buffer with usage `VK_BUFFER_USAGE_TRANSFER_DST_BIT`. It
+// copies `GEOSWEEP_OUTCOME_BYTES` bytes, which `geosweep_outcome_from_bytes` reads. Shaders find the number
+// of iterations in the third 32-bit number. `after` is the access by which you read the bytes; `offset` is a
+// multiple of 4.
 enum GeosweepStatus geosweep_record_outcome_to(const struct GeosweepSurface *surface,
                                                VkCommandBuffer commands,
                                                VkBuffer buffer,
@@ -1095,8 +1114,8 @@ enum GeosweepStatus geosweep_outcome_from_bytes(const struct GeosweepSurface *su
                                                 const uint8_t *bytes,
                                                 struct GeosweepOutcome *outcome);
 
-// Writes the map to the slot's image of distances, for a reader. Waits for the reader of earlier commands;
-// the reader in later commands waits for this. Writes the image to `result` unless that is null.
+// Writes the map to the slot's image of distances, for a reader. Waits for the reads by `reader` in earlier
+// commands; the reads in later commands wait for this. Writes the image to `result` unless that is null.
 enum GeosweepStatus geosweep_record_result(const struct GeosweepSurface *surface,
                                            VkCommandBuffer commands,
                                            uint32_t slot,
@@ -1104,9 +1123,9 @@ enum GeosweepStatus geosweep_record_result(const struct GeosweepSurface *surface
                                            float unreached,
                                            struct GeosweepImage *result);
 
-// Looks distances up with the surface's lookup of this number. They are bilinear between grid points, and
-// `unreached` where no front arrives or off the grid. Waits for what you have written in `before`; `after`
-// is how you read the distances.
+// Looks up distances by the surface's lookup with this number. Between grid points, distances are
+// interpolated bilinearly. Where no front arrives and off the grid, they are `unreached`. Waits for your
+// writes by the access `before`; `after` is the access by which you read the distances.
 enum GeosweepStatus geosweep_record_lookup(const struct GeosweepSurface *surface,
                                            VkCommandBuffer commands,
                                            uint32_t number,
@@ -1133,8 +1152,8 @@ enum GeosweepStatus geosweep_contours_bytes_for(const struct GeosweepSolver *sol
                                                 uint64_t *bytes);
 
 // Creates contours of a surface with room for `vertices` vertices. Each piece of a contour between grid
-// lines has two. Allocates device memory and compiles passes. `geosweep_contours_destroy` destroys the
-// contours.
+// lines has two vertices. Allocates device memory and compiles passes. `geosweep_contours_destroy` destroys
+// the contours.
 enum GeosweepStatus geosweep_contours_create(const struct GeosweepSurface *surface,
                                              uint32_t vertices,
                                              struct GeosweepContours **contours);
@@ -1144,14 +1163,15 @@ enum GeosweepStatus geosweep_contours_buffer_bytes(uint32_t vertices, uint64_t *
 
 // Creates contours as `geosweep_contours_create` does, in your own buffer from its first byte. The buffer's
 // usage contains `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and what its readers need, device addresses included.
-// You keep the buffer. While no contours are in use, a render graph may use its memory for other resources.
+// The buffer remains yours. While no contours are in use, a render graph may use its memory for other
+// resources.
 enum GeosweepStatus geosweep_contours_create_into(const struct GeosweepSurface *surface,
                                                   uint32_t vertices,
                                                   VkBuffer buffer,
                                                   struct GeosweepContours **contours);
 
-// Makes contours write to another buffer of yours in later recordings. They must have been created with your
-// own buffer. Recordings in flight continue to use the buffer before.
+// Makes contours write to another buffer of yours in later recordings. The contours must have been created
+// with your own buffer. Recordings in flight continue to use the previous buffer.
 enum GeosweepStatus geosweep_contours_set_buffer(struct GeosweepContours *contours,
                                                  const struct GeosweepSurface *surface,
                                                  VkBuffer buffer);
@@ -1167,9 +1187,9 @@ enum GeosweepStatus geosweep_contours_curves(const struct GeosweepContours *cont
 
 // Records the search for the contours of the map. Lifts them to the surface and stores them for you to draw.
 // Equal maps give equal contours in equal order. Call this after the map was recorded, in the same command
-// buffer or after `geosweep_record_begin`. If there is not enough room for all, the southern ones are left
-// out, and their record has the number of vertices that they need. Writes where contours are stored to
-// `result` unless that is null.
+// buffer or after `geosweep_record_begin`. If there is not enough room for all vertices, the southern
+// contours are left out, and the record has the number of vertices that all contours need. Writes where
+// contours are stored to `result` unless that is null.
 enum GeosweepStatus geosweep_record_contours(const struct GeosweepSurface *surface,
                                              VkCommandBuffer commands,
                                              const struct GeosweepContours *contours,
@@ -1177,7 +1197,7 @@ enum GeosweepStatus geosweep_record_contours(const struct GeosweepSurface *surfa
                                              struct GeosweepCurves *result);
 
 // Makes contours read the surface's points that `geosweep_surface_set_points` has set since the contours
-// were created. Recordings in flight continue to read the points before.
+// were created. Recordings in flight continue to read the previous points.
 enum GeosweepStatus geosweep_contours_rebind(struct GeosweepContours *contours,
                                              const struct GeosweepSurface *surface);
 
@@ -1192,10 +1212,10 @@ enum GeosweepStatus geosweep_paths_bytes_for(const struct GeosweepSolver *solver
                                              uint32_t vertices,
                                              uint64_t *bytes);
 
-// Creates paths on a surface: `paths` of them at once, at most 65535, with room for `vertices` vertices
-// each. A straight path has one vertex at each grid line that it crosses, so that rows + cols + 8 are enough
-// on a surface without obstacles. Allocates device memory and compiles passes. `geosweep_paths_destroy`
-// destroys the paths.
+// Creates paths on a surface: `path_count` paths at once, at most 65535, with room for `vertices` vertices
+// each. A straight path has one vertex at each grid line that it crosses, so rows + cols + 8 vertices are
+// enough on a surface without obstacles. Allocates device memory and compiles passes.
+// `geosweep_paths_destroy` destroys the paths.
 enum GeosweepStatus geosweep_paths_create(const struct GeosweepSurface *surface,
                                           uint32_t path_count,
                                           uint32_t vertices,
@@ -1206,16 +1226,16 @@ enum GeosweepStatus geosweep_paths_buffer_bytes(uint32_t count, uint32_t vertice
 
 // Creates paths as `geosweep_paths_create` does, in your own buffer from its first byte. The buffer's usage
 // contains `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`, `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what its readers
-// need, device addresses included. You keep the buffer. While no paths are in use, a render graph may use
-// its memory for other resources.
+// need, device addresses included. The buffer remains yours. While no paths are in use, a render graph may
+// use its memory for other resources.
 enum GeosweepStatus geosweep_paths_create_into(const struct GeosweepSurface *surface,
                                                uint32_t count,
                                                uint32_t vertices,
                                                VkBuffer buffer,
                                                struct GeosweepPaths **paths);
 
-// Makes paths write to another buffer of yours in later recordings. They must have been created with your
-// own buffer. Recordings in flight continue to use the buffer before.
+// Makes paths write to another buffer of yours in later recordings. The paths must have been created with
+// your own buffer. Recordings in flight continue to use the previous buffer.
 enum GeosweepStatus geosweep_paths_set_buffer(struct GeosweepPaths *paths,
                                               const struct GeosweepSurface *surface,
                                               VkBuffer buffer);
@@ -1230,8 +1250,8 @@ enum GeosweepStatus geosweep_paths_curves(const struct GeosweepPaths *paths,
 
 // Records the tracing of paths from their starts back to the sources. Lifts them to the surface and stores
 // them for you to draw. Call this after the map was recorded, in the same command buffer or after
-// `geosweep_record_begin`. The record of a path that cannot be drawn has the reason. Writes where paths are
-// stored to `result` unless that is null.
+// `geosweep_record_begin`. The record of a path that cannot be drawn gives the reason. Writes where paths
+// are stored to `result` unless that is null.
 enum GeosweepStatus geosweep_record_paths(const struct GeosweepSurface *surface,
                                           VkCommandBuffer commands,
                                           const struct GeosweepPaths *paths,
@@ -1240,7 +1260,7 @@ enum GeosweepStatus geosweep_record_paths(const struct GeosweepSurface *surface,
 
 // Makes paths read the surface's points and sources that `geosweep_surface_set_points` and
 // `geosweep_surface_set_sources` have set since the paths were created. Recordings in flight continue to
-// read the inputs before.
+// read the previous inputs.
 enum GeosweepStatus geosweep_paths_rebind(struct GeosweepPaths *paths,
                                           const struct GeosweepSurface *surface);
 
@@ -1265,15 +1285,15 @@ enum GeosweepStatus geosweep_regions_buffer_bytes(uint32_t rows, uint32_t cols, 
 
 // Creates regions as `geosweep_regions_create` does, in your own buffer from its first byte. The buffer's
 // usage contains `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`, `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what its
-// readers need, device addresses included. You keep the buffer. While no regions are in use, a render graph
-// may use its memory for other resources.
+// readers need, device addresses included. The buffer remains yours. While no regions are in use, a render
+// graph may use its memory for other resources.
 enum GeosweepStatus geosweep_regions_create_into(const struct GeosweepSurface *surface,
                                                  GeosweepWavefront wavefront,
                                                  VkBuffer buffer,
                                                  struct GeosweepRegions **regions);
 
-// Makes regions write to another buffer of yours in later recordings. They must have been created with your
-// own buffer. Recordings in flight continue to use the buffer before.
+// Makes regions write to another buffer of yours in later recordings. The regions must have been created
+// with your own buffer. Recordings in flight continue to use the previous buffer.
 enum GeosweepStatus geosweep_regions_set_buffer(struct GeosweepRegions *regions,
                                                 const struct GeosweepSurface *surface,
                                                 VkBuffer buffer);
@@ -1295,7 +1315,7 @@ enum GeosweepStatus geosweep_record_regions(const struct GeosweepSurface *surfac
                                             struct GeosweepLabels *result);
 
 // Makes regions read the surface's sources that `geosweep_surface_set_sources` has set since the regions
-// were created. Recordings in flight continue to read the sources before.
+// were created. Recordings in flight continue to read the previous sources.
 enum GeosweepStatus geosweep_regions_rebind(struct GeosweepRegions *regions,
                                             const struct GeosweepSurface *surface);
 
@@ -1318,8 +1338,8 @@ enum GeosweepStatus geosweep_directions_create(const struct GeosweepSurface *sur
                                                const struct GeosweepHostImage *image,
                                                struct GeosweepDirections **directions);
 
-// Makes directions write to another image of yours in later recordings. They must have been created with an
-// image of yours. Recordings in flight continue to use the image before.
+// Makes directions write to another image of yours in later recordings. The directions must have been
+// created with an image of yours. Recordings in flight continue to use the previous image.
 enum GeosweepStatus geosweep_directions_set_image(struct GeosweepDirections *directions,
                                                   const struct GeosweepHostImage *image);
 
@@ -1327,7 +1347,8 @@ enum GeosweepStatus geosweep_directions_set_image(struct GeosweepDirections *dir
 enum GeosweepStatus geosweep_directions_bytes(const struct GeosweepDirections *directions,
                                               uint64_t *bytes);
 
-// Returns the image, also before it is recorded. `layout` is that of the reader for which it is recorded.
+// Returns the image, also before any recording writes it. `layout` is the layout of the reader for which the
+// image is recorded.
 enum GeosweepStatus geosweep_directions_image(const struct GeosweepDirections *directions,
                                               VkImageLayout layout,
                                               struct GeosweepImage *image);
@@ -1341,8 +1362,8 @@ enum GeosweepStatus geosweep_record_directions(const struct GeosweepSurface *sur
                                                const struct GeosweepDirectionFrame *frame,
                                                struct GeosweepImage *result);
 
-// Makes directions read the surface's sources that `geosweep_surface_set_sources` has set since they were
-// created. Recordings in flight continue to read the sources before.
+// Makes directions read the surface's sources that `geosweep_surface_set_sources` has set since the
+// directions were created. Recordings in flight continue to read the previous sources.
 enum GeosweepStatus geosweep_directions_rebind(struct GeosweepDirections *directions,
                                                const struct GeosweepSurface *surface);
 
@@ -1365,15 +1386,16 @@ enum GeosweepStatus geosweep_log_map_create(const struct GeosweepSurface *surfac
                                             const struct GeosweepHostImage *image,
                                             struct GeosweepLogMap **log_map);
 
-// Makes a log map write to another image of yours in later recordings. It must have been created with an
-// image of yours. Recordings in flight continue to use the image before.
+// Makes a log map write to another image of yours in later recordings. The log map must have been created
+// with an image of yours. Recordings in flight continue to use the previous image.
 enum GeosweepStatus geosweep_log_map_set_image(struct GeosweepLogMap *log_map,
                                                const struct GeosweepHostImage *image);
 
 // Returns the bytes of device memory that a log map takes.
 enum GeosweepStatus geosweep_log_map_bytes(const struct GeosweepLogMap *log_map, uint64_t *bytes);
 
-// Returns the image, also before it is recorded. `layout` is that of the reader for which it is recorded.
+// Returns the image, also before any recording writes it. `layout` is the layout of the reader for which the
+// image is recorded.
 enum GeosweepStatus geosweep_log_map_image(const struct GeosweepLogMap *log_map,
                                            VkImageLayout layout,
                                            struct GeosweepImage *image);
@@ -1386,8 +1408,8 @@ enum GeosweepStatus geosweep_record_log_map(const struct GeosweepSurface *surfac
                                             const struct GeosweepLogMapFrame *frame,
                                             struct GeosweepImage *result);
 
-// Makes a log map read the surface's sources that `geosweep_surface_set_sources` has set since it was
-// created. Recordings in flight continue to read the sources before.
+// Makes a log map read the surface's sources that `geosweep_surface_set_sources` has set since the log map
+// was created. Recordings in flight continue to read the previous sources.
 enum GeosweepStatus geosweep_log_map_rebind(struct GeosweepLogMap *log_map,
                                             const struct GeosweepSurface *surface);
 

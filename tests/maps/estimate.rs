@@ -319,7 +319,7 @@ fn sources_in_coarse_holes_start_beside_them() {
     let found = estimate_error(&masked, &in_corridor, &options(Wavefront::Planar));
     let error = found.map(drop).unwrap_err();
     assert!(matches!(&error, Error::Source(SourceError::NotOnCoarseGrid { .. })), "{error}");
-    assert!(error.to_string().contains("beside the source at row 13"), "{error}");
+    assert!(error.to_string().contains("around the source near row 13"), "{error}");
 
     // In a wider corridor, a point beside the source remains.
     let mask: Vec<_> =

@@ -125,7 +125,7 @@ fn unsuitable_tunings_are_refused() {
     let bench = Workbench::new();
     let vulkan = "bench --quick --sizes 9 --engines vulkan";
     for (line, parts) in [
-        (format!("{vulkan} --tuning 64,0,16,4"), ["0 lines", "between 1"]),
+        (format!("{vulkan} --tuning 64,0,16,4"), ["0 lines", "from 1 to 32"]),
         (format!("{vulkan} --tuning 64,4,16,4,0"), ["submission", "at least one iteration"]),
         (format!("{vulkan} --tuning 8,8,16,4"), ["8 invocations", "8 lines"]),
         (format!("{vulkan} --tuning 64,4,16"), ["--tuning", "128,8,16,4"]),

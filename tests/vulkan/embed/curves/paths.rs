@@ -280,8 +280,8 @@ fn paths_that_make_no_sense_are_errors_before_anything_is_recorded() {
     let stage = &mut scene.stage;
     let device = stage.host.device.clone();
     for (paths, vertices, reason) in [
-        (0, 9, "between 1"),
-        (70_000, 9, "between 1"),
+        (0, 9, "from 1 to"),
+        (70_000, 9, "from 1 to"),
         (9, 1, "too few"),
         (60_000, 60_000, "bytes"),
     ] {
