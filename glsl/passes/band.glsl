@@ -9,7 +9,7 @@ layout(push_constant) uniform Band {
     int buffer_row;  // the grid row with which the buffer starts
     float dx;        // spacing of a height field's columns
     float dy;        // spacing of a height field's rows
-    int arcs;        // 1 for lengths along the surface, 0 for chords
+    int arcs;        // 0 for chords, 1 for lengths along the surface, WITH_CORNERS if grid lines have corners too
     int slowed;      // 1 if the slowness is stored beside the Gaussian curvature; see surface_image.glsl
 };
 

@@ -30,7 +30,5 @@ vec3 difference(Point a, Point b, ivec2 step) {
     return vec3(step * vec2(dx, dy), b.height - a.height);
 }
 
-const bool HAS_EVEN_STEPS = true;
-
 #include "update/arc.glsl"
 #include "passes/turns.glsl"

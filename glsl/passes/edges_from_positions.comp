@@ -30,7 +30,5 @@ vec3 difference(Point a, Point b, ivec2 step) {
     return b.position - a.position;
 }
 
-const bool HAS_EVEN_STEPS = false;
-
 #include "update/arc.glsl"
 #include "passes/turns.glsl"

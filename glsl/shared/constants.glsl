@@ -73,6 +73,8 @@
 #define REVERSES 2
 // Number of lines beyond a side where the grid goes on, on which lengths of edges depend.
 #define SEAM_HALO 3
+// Rule for the lengths of edges: along the surface, where grid lines have corners, so that the lengths of steps jump.
+#define WITH_CORNERS 2
 // Largest number of copies of a point among which an invocation finds the earliest front.
 #define COPIES_TOGETHER 32
 // Number of invocations of the workgroup that exchanges fronts between copies. Every Vulkan device offers as many.

@@ -2,11 +2,10 @@
 // Twin: src/surface/arc.rs, where the formulas are explained.
 //
 // The including shader declares
-//     int arcs                                          1 for lengths along the surface, 0 for chords (band.glsl)
+//     int arcs                                          0 for chords, else for lengths along the surface (band.glsl)
 //     Point load(ivec2 at)                              a point of the band's buffer
 //     bool is_present(ivec2 at)                         whether the surface has that point (edges.glsl)
 //     vec3 difference(Point a, Point b, ivec2 step)     from a point to its neighbour
-//     bool HAS_EVEN_STEPS                               whether steps along a grid line are even as seen from above
 
 float dot3(vec3 a, vec3 b) {
     return (a.x * b.x + a.y * b.y) + a.z * b.z;
@@ -22,10 +21,26 @@ vec3 way(ivec2 at, ivec2 step) {
     return is_present(at + step) ? difference(load(at), load(at + step), step) : vec3(0.0);
 }
 
+// Returns the unit vector along a grid line, or zero. Of two steps of different lengths the shorter one counts more, as
+// in the derivative of a parabola.
+vec3 along(ivec2 at, ivec2 step) {
+    vec3 ahead = way(at, step);
+    vec3 behind = way(at, -step);
+    if (arcs == WITH_CORNERS) {
+        vec2 squares = vec2(dot3(ahead, ahead), dot3(behind, behind));
+        if (min(squares.x, squares.y) > 0.0) {
+            squares /= squares.x + squares.y;
+            ahead *= squares.y;
+            behind *= squares.x;
+        }
+    }
+    return unit(ahead - behind);
+}
+
 // Returns the surface's unit normal at a point, or zero where the neighbours do not determine one.
 vec3 normal(ivec2 at) {
-    vec3 u = unit(way(at, ivec2(1, 0)) - way(at, ivec2(-1, 0)));
-    vec3 v = unit(way(at, ivec2(0, -1)) - way(at, ivec2(0, 1)));
+    vec3 u = along(at, ivec2(1, 0));
+    vec3 v = along(at, ivec2(0, -1));
     vec3 across = vec3(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
     return dot3(across, across) > 1e-6 ? unit(across) : vec3(0.0);
 }
@@ -36,8 +51,8 @@ bool goes_on(ivec2 at, ivec2 step) {
 }
 
 // Returns the unit normal at an end of an edge in xyz, and the bend of the grid line there in w: the second difference
-// of the positions along the line, projected on the normal. Unless steps are even, it is divided by the mean of the
-// squared steps to both neighbours. Where the grid line ends, the bends at the next two points inwards are used: the
+// of the positions along the line, projected on the normal. Where grid lines have corners, it is divided by the mean of
+// the squared steps to both neighbours. Where the grid line ends, the bends at the next two points inwards are used: the
 // smaller of both, or 0 if their signs differ.
 vec4 bend(ivec2 at, ivec2 step) {
     bool inside = goes_on(at, step);
@@ -52,7 +67,7 @@ vec4 bend(ivec2 at, ivec2 step) {
         vec3 ahead = way(point, step);
         vec3 back = way(point, -step);
         float across = dot3(ahead + back, normal_there);
-        if (!HAS_EVEN_STEPS) {
+        if (arcs == WITH_CORNERS) {
             float square = 0.5 * (dot3(ahead, ahead) + dot3(back, back));
             across = square > 0.0 ? across / square : 0.0;
         }
@@ -77,7 +92,7 @@ float separation(ivec2 at, ivec2 step) {
     vec3 apart = vec3(0.0);
     for (int end = 0; end < 2; end++) {
         vec4 found = bend(at + end * step, step);
-        float turn = clamp(HAS_EVEN_STEPS ? found.w / chord : found.w * chord, -1.0, 1.0);
+        float turn = clamp(arcs == WITH_CORNERS ? found.w * chord : found.w / chord, -1.0, 1.0);
         sum += turn;
         product *= turn;
         apart = found.xyz - apart;

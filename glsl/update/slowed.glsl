@@ -184,7 +184,7 @@ Fronts curved_slowed(EndFronts end1, EndFronts end2, vec4 g0, vec4 s0, vec4 l1, 
     bvec4 bends_away = both(greaterThan(past, vec4(0.0)), either(is_from_far, is_known));
     bvec4 opens = both(both(is_front, both(from_border, to_border)), bends_away);
     bvec4 is_narrow = both(opens, lessThan(fan * edge, h));
-    bvec4 in_fan = both(is_narrow, greaterThan(fan * max(1.0 + edge_k * edge, FOCUS), edge_k * h));
+    bvec4 in_fan = both(is_narrow, greaterThan(fan * max(1.0 + edge_k * edge, FOCUS), abs(edge_k) * h));
     bvec4 is_source = both(either(both(turns, starts_anew), opens), not(is_narrow));
     edge_k = mix(edge_k, vec4(SOURCE_CURVATURE), is_source);
 

@@ -6,10 +6,10 @@
 //! tangential part belongs to the grid line and is ignored: circles of latitude are longer than the shortest
 //! paths between their points, and a plane stays a plane whatever grid is drawn on it.
 //!
-//! Among positions in space, the steps to both neighbours may have different lengths, as where grid lines have a corner
-//! on a smooth surface. There the bend is divided by the mean of both squared steps, and is the normal curvature. Over
-//! heights, steps along the surface differ only by its slope, and the bend stays as it is: on rough terrain the error is
-//! 6.6e-4 then, and 6.7e-4 with the division.
+//! On octahedral maps grid lines have corners on a smooth surface, and the steps to both neighbours have different
+//! lengths. There the bend is divided by the mean of both squared steps, and is the normal curvature. On other surfaces
+//! steps differ mostly by the roughness of the surface, and the bend stays as it is: on rough terrain the error is 6.6e-4
+//! then, and 6.7e-4 with the division.
 //!
 //! A cubic with the bends a and b at its ends, in units of the chord, is longer than its chord by the
 //! fraction m^2 / 24 + d^2 / 1440, where m is the mean of the bends and d their difference. The fraction used here
@@ -146,9 +146,9 @@ pub(super) fn bends<R: Real, S: Space<R>>(
 /// Returns the surface's unit normal from the vectors to the neighbours, which are zero for missing ones. The
 /// result is zero where the grid has no normal (at a pole, beside two holes).
 #[inline(always)]
-pub(super) fn normal<R: Real>(ways: [[R; 3]; 8]) -> [R; 3] {
-    let [ux, uy, uz] = along(ways, Direction::East);
-    let [vx, vy, vz] = along(ways, Direction::North);
+pub(super) fn normal<R: Real, S: Space<R>>(ways: [[R; 3]; 8]) -> [R; 3] {
+    let [ux, uy, uz] = along::<R, S>(ways, Direction::East);
+    let [vx, vy, vz] = along::<R, S>(ways, Direction::North);
     let cross = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
     // Where grid lines meet at less than a thousandth of a radian, rounding would turn the normal.
     let is_known = dot(cross, cross) > R::of(1e-6);
@@ -161,10 +161,20 @@ pub(super) fn normal<R: Real>(ways: [[R; 3]; 8]) -> [R; 3] {
     ]
 }
 
-/// Returns the unit vector along a grid line, or zero.
+/// Returns the unit vector along a grid line, or zero. Of two steps of different lengths the shorter one counts more, as
+/// in the derivative of a parabola.
 #[inline(always)]
-fn along<R: Real>(ways: [[R; 3]; 8], to: Direction) -> [R; 3] {
-    let (ahead, behind) = (ways[to as usize], ways[to.opposite() as usize]);
+fn along<R: Real, S: Space<R>>(ways: [[R; 3]; 8], to: Direction) -> [R; 3] {
+    let (mut ahead, mut behind) = (ways[to as usize], ways[to.opposite() as usize]);
+    if !S::HAS_EVEN_STEPS {
+        let squares = [dot(ahead, ahead), dot(behind, behind)];
+        let both = squares[0] + squares[1];
+        let there = min(squares[0], squares[1]) > R::zero();
+        for axis in 0..3 {
+            ahead[axis] = if there { ahead[axis] * (squares[1] / both) } else { ahead[axis] };
+            behind[axis] = if there { behind[axis] * (squares[0] / both) } else { behind[axis] };
+        }
+    }
     unit([ahead[0] - behind[0], ahead[1] - behind[1], ahead[2] - behind[2]])
 }
 

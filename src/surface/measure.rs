@@ -49,7 +49,7 @@ impl<R: Real> RowBends<R> {
 impl Surface {
     /// Computes the bends at the points of a row, from the row before, the row itself and the row after.
     pub(super) fn bend_row<R: Real>(&self, rows: [&Row<R>; 3], bends: &mut RowBends<R>) {
-        self.geometry().in_space(BendRow { rows, bends });
+        self.geometry().in_space(self.has_corners(), BendRow { rows, bends });
     }
 
     /// Computes the lengths of the edges stored at the points of a row. `rows` are the row before and the row
@@ -61,7 +61,7 @@ impl Surface {
         bends: [&RowBends<R>; 4],
         lengths: &mut [Vec<R>; 4],
     ) -> bool {
-        self.geometry().in_space(MeasureRow { rows, bends, lengths })
+        self.geometry().in_space(self.has_corners(), MeasureRow { rows, bends, lengths })
     }
 }
 
@@ -163,7 +163,7 @@ impl<R: Real, S: Space<R>> Bend<'_, R, S> {
                     ways[k][axis] = if there[k] { way[axis] } else { R::zero() };
                 }
             }
-            let normal = normal(ways);
+            let normal = normal::<R, S>(ways);
             let bends = bends::<R, S>(ways, there, normal);
             for k in 0..4 {
                 found[k][i] = bends[k];

@@ -169,7 +169,7 @@ pub fn curved<R: Real>(triangle: Triangle<R>, curvatures: Curvatures<R>) -> Fron
     let opens = is_front & along_border & (beyond > zero) & (from_far | is_known);
     let is_narrow = opens & (fan * edge < h);
     let goes_on = max(one + edge_k * edge, focus);
-    let in_fan = is_narrow & (fan * goes_on > edge_k * h);
+    let in_fan = is_narrow & (fan * goes_on > edge_k.abs() * h);
     let edge_k = if (diffracted | opens) & !is_narrow { at_source } else { edge_k };
 
     // One division serves the ray's place, its length and the curvature, both across the triangle and along

@@ -237,7 +237,7 @@ pub(crate) fn curved_slowed<R: Real>(
     let opens = is_front & along_border & (past > zero) & (is_from_far | is_known);
     let is_narrow = opens & (fan * edge < h);
     let goes_on = max(one + edge_k * edge, focus);
-    let in_fan = is_narrow & (fan * goes_on > edge_k * h);
+    let in_fan = is_narrow & (fan * goes_on > edge_k.abs() * h);
     let edge_k = if (diffracted | opens) & !is_narrow { at_source } else { edge_k };
 
     // Where the slowness jumps, a front spreads as it would at a constant slowness, the harmonic mean of the slownesses

@@ -10,8 +10,7 @@ pub(crate) type Point<R> = [R; 4];
 
 /// A space in which the distances of neighbouring points are measured.
 pub(in crate::surface) trait Space<R: Real>: Copy {
-    /// Whether the steps along a grid line are even as seen from above. Lengths of steps along the surface then differ
-    /// only by its slope.
+    /// Whether grid lines have no corners, so that the lengths of their steps do not jump.
     const HAS_EVEN_STEPS: bool;
 
     /// Returns the vector from a point to its neighbour. A surface given only by its metric has no such
@@ -27,7 +26,7 @@ pub(in crate::surface) trait Space<R: Real>: Copy {
 }
 
 #[derive(Clone, Copy)]
-struct Positions;
+struct Positions<const CORNERS: bool>;
 
 #[derive(Clone, Copy)]
 struct Heights<R> {
@@ -38,8 +37,8 @@ struct Heights<R> {
 #[derive(Clone, Copy)]
 struct Metric;
 
-impl<R: Real> Space<R> for Positions {
-    const HAS_EVEN_STEPS: bool = false;
+impl<R: Real, const CORNERS: bool> Space<R> for Positions<CORNERS> {
+    const HAS_EVEN_STEPS: bool = !CORNERS;
 
     #[inline(always)]
     fn difference(self, a: Point<R>, b: Point<R>, _: (isize, isize)) -> [R; 3] {
@@ -89,10 +88,15 @@ pub(in crate::surface) trait InSpace<R: Real> {
 }
 
 impl Geometry {
-    /// Runs `work` in the space in which a geometry's points lie.
-    pub(in crate::surface) fn in_space<R: Real, W: InSpace<R>>(&self, work: W) -> W::Output {
+    /// Runs `work` in the space in which a geometry's points lie. `corners` says whether grid lines have corners.
+    pub(in crate::surface) fn in_space<R: Real, W: InSpace<R>>(
+        &self,
+        corners: bool,
+        work: W,
+    ) -> W::Output {
         match self {
-            Self::Positions(_) => work.run(Positions),
+            Self::Positions(_) if corners => work.run(Positions::<true>),
+            Self::Positions(_) => work.run(Positions::<false>),
             Self::Heights { spacing, .. } => {
                 work.run(Heights { dx: R::of(spacing.dx), dy: R::of(spacing.dy) })
             }

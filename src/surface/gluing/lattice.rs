@@ -11,6 +11,9 @@ pub(crate) struct Lattice {
     /// Numbers of rows and of columns by which the grid extends beyond each seam. These lines repeat lines of the
     /// opposite side.
     pub overlap: [usize; 2],
+    /// Whether sides are folded, as on octahedral maps. Grid lines then have corners inside the grid, where the lengths of
+    /// their steps jump.
+    pub is_folded: bool,
 }
 
 impl Lattice {
@@ -25,6 +28,7 @@ impl Lattice {
             Seam::Sides { sides: [FirstRow, LastRow] | [LastRow, FirstRow], reversed } => {
                 Self { rows: Some(reversed), ..Self::default() }
             }
+            Seam::Fold(_) => Self { is_folded: true, ..Self::default() },
             _ => Self::default(),
         }
     }
@@ -34,6 +38,7 @@ impl Lattice {
             cols: self.cols.or(other.cols),
             rows: self.rows.or(other.rows),
             overlap: self.overlap,
+            is_folded: self.is_folded || other.is_folded,
         }
     }
 
@@ -69,7 +74,8 @@ mod tests {
     #[test]
     fn the_grid_goes_on_beyond_its_seams() {
         let chart = Chart { rows: 5, cols: 7 };
-        let at = |cols, rows, row, col| Lattice { cols, rows, overlap: [0; 2] }.at(chart, row, col);
+        let at =
+            |cols, rows, row, col| Lattice { cols, rows, ..Lattice::default() }.at(chart, row, col);
         assert_eq!(at(None, None, 2, -1), None);
         assert_eq!(at(Some(false), None, 2, -1), Some((2, 5)));
         assert_eq!(at(Some(false), None, 2, 7), Some((2, 1)));
@@ -80,7 +86,9 @@ mod tests {
         assert_eq!(at(Some(true), Some(false), 6, 7), Some((2, 1)));
         // One row and two columns are repeated at each side: there are two steps from row 1 to its copy in row 3.
         let overlapping = |reversed, row, col| {
-            Lattice { cols: Some(reversed), rows: Some(false), overlap: [1, 2] }.at(chart, row, col)
+            let rows = Some(false);
+            let lattice = Lattice { cols: Some(reversed), rows, overlap: [1, 2], is_folded: false };
+            lattice.at(chart, row, col)
         };
         assert_eq!(overlapping(false, -1, 3), Some((1, 3)));
         assert_eq!(overlapping(false, 6, -1), Some((4, 1)));

@@ -149,6 +149,11 @@ impl Surface {
         }
     }
 
+    /// Returns whether grid lines have corners inside the grid.
+    pub(super) fn has_corners(&self) -> bool {
+        self.glued.as_ref().is_some_and(|glued| glued.lattice.is_folded)
+    }
+
     /// Returns whether the points of a seam are glued.
     pub(super) fn has_glued(&self, seam: &Seam) -> bool {
         let Some(glued) = &self.glued else { return false };

@@ -5,7 +5,7 @@ use std::ops::Range;
 use ash::vk;
 
 use super::recorder::{Recorder, dispatched};
-use crate::constants::{FAR, LAYERS};
+use crate::constants::{FAR, LAYERS, WITH_CORNERS};
 use crate::surface::{Chart, EdgeRule, Spacing};
 use crate::vulkan::TexelChart;
 use crate::vulkan::device::bands::rows_around;
@@ -62,7 +62,11 @@ impl Recorder<'_> {
             buffer_row: around.start as i32,
             dx: spacing.dx as f32,
             dy: spacing.dy as f32,
-            arcs: arcs.into(),
+            arcs: if arcs && self.grid.lattice.is_folded {
+                WITH_CORNERS as i32
+            } else {
+                arcs.into()
+            },
             slowed: self.grid.is_slowed().into(),
         };
         let is_last = rows.end == chart.rows;
