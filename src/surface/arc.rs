@@ -47,7 +47,7 @@ use super::real::{Real, max, min};
 /// |---|---|---:|---:|
 /// | cylinder | circular | 3.5e-6 | 8.1e-8 |
 /// | cylinder | curved | 3.5e-6 | 1.4e-7 |
-/// | cone | curved | 3.4e-6 | 6.2e-7 |
+/// | cone | curved | 2.9e-6 | 3.0e-7 |
 /// | sphere | curved | 1.5e-6 | 2.0e-7 |
 /// | terrain | circular | 1.2e-3 | 8.6e-4 |
 /// | terrain | curved | 1.3e-3 | 9.4e-4 |
