@@ -1,11 +1,12 @@
 //! Measures errors and times on closed surfaces: `cargo bench --bench closed`. `GEOSWEEP_BENCH_DEVICE` names the
 //! Vulkan device. Words after `--` choose surfaces by parts of their names.
 //!
-//! The first table has the errors of curved fronts in single precision at about 160,000 points, of both engines.
-//! "Largest" is the largest relative error; on spheres it leaves out points within 0.1 radians of the place opposite
-//! to the source. The second table compares the time per iteration on a glued surface with that on the same grid cut
-//! open; both run alternately, and the medians are printed. The third table has the errors on the ellipsoid of the
-//! Earth in double precision (`-- Earth` prints it alone); measuring them takes 2 GB of memory.
+//! The first table has the errors of both engines with curved fronts in single precision, on grids of about 160,000
+//! points. "Largest" is the largest relative error; on spheres it leaves out points within 0.1 radians of the place
+//! opposite to the source. The second table compares the time per iteration on a glued surface with that on the same
+//! grid cut open; the two maps are computed in turn, and the medians of their times are printed. The third table has
+//! the errors on the ellipsoid of the Earth in double precision (`-- Earth` prints it alone); measuring them takes
+//! 2 GB of memory.
 
 #[path = "../tests/common/earth.rs"]
 mod earth;

@@ -1,17 +1,18 @@
-//! The errors of the one-call interface. Each message says what to do.
+//! The errors of the one-call interface. Messages give advice where the caller can mend the input.
 
 use crate::surface::{SourceError, SurfaceError};
 use crate::update::Unsuited;
 use crate::vulkan::VulkanError;
 
-/// Any failure of the crate's one-call interface, [`crate::distance_map`].
+/// Any failure of [`crate::distance_map`] and of the other functions that compute maps, such as those of
+/// [`crate::pairwise`].
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The surface cannot be used.
     #[error(transparent)]
     Surface(#[from] SurfaceError),
-    /// A source does not lie on the surface.
+    /// The sources cannot be used: there is none, one does not lie on the surface, or one has an unusable value.
     #[error(transparent)]
     Source(#[from] SourceError),
     /// The Vulkan engine was requested and cannot run.
@@ -44,7 +45,7 @@ pub enum Error {
     /// The computation was cancelled by its [`crate::Monitor`].
     #[error("the computation was cancelled")]
     Cancelled,
-    /// An option is out of its range.
+    /// An option is out of its range, or does not suit the surface, the sources, the engine or the precision.
     #[error("{0}")]
     Options(String),
 }

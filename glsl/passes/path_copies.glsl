@@ -1,12 +1,12 @@
-// Finds the places of the grid that are one place of a glued surface. Include after times.glsl, edge_image.glsl,
-// seams.glsl and path_places.glsl.
+// Finds the copies of a place: all places of the grid at which a glued surface has the same point. Include after
+// times.glsl, edge_image.glsl, seams.glsl and path_places.glsl.
 // Twin: src/geometry/paths/seams.rs.
 //
 // The including shader defines
 //     bool PASSES_POLES     whether paths leave a pole from another of its copies
 
-// Points with more copies are poles. Lavapipe ends all loops of an invocation after 65,535 turns in total, so the cells
-// around every copy of a pole cannot be searched.
+// Points with more copies than this are poles. Lavapipe ends all loops of an invocation after 65,535 turns in total, so
+// the cells around every copy of a pole cannot be searched.
 const int MOST_COPIES = 8;
 
 // Steps to the neighbours along rows and columns.
@@ -58,7 +58,8 @@ int most_copies(Place place) {
     }
     ivec2 others = copies_of(place.first + ivec2(greaterThan(place.share, vec2(0.0))));
     int rarer = min(copies, others.y - others.x);
-    // An edge between copies of one point has no length, and an edge from pole to pole is a whole meridian.
+    // An edge between copies of one point has no length, and an edge between two poles is a whole meridian. Copies of
+    // such edges are not searched.
     if (max(copies, others.y - others.x) == 0 || members == others || rarer > MOST_COPIES) return 1;
     return 1 + 4 * max(rarer, 1);
 }
@@ -88,7 +89,7 @@ bool copy_at(Place place, int number, out Place copy) {
     float share = max(place.share.x, place.share.y);
     if ((end == 1) != (step.x + step.y < 0)) share = 1.0 - share;
     ivec2 low = min(first, last);
-    // A share beside one end may be rounded to it.
+    // A share close to 1 may be rounded to 1.
     copy.first = share == 1.0 ? max(first, last) : low;
     copy.share = share == 1.0 ? vec2(0.0) : share * vec2(abs(step));
     return true;

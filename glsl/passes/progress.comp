@@ -13,7 +13,7 @@ layout(local_size_x = 1) in;
 
 layout(push_constant) uniform Halves {
     ivec2 middle; // first block of the last half of the rows, and of the columns
-    int pitch;    // number of blocks of a scan
+    int pitch;    // number of blocks stored for each scan; see pitch_of() in blocks.glsl
 };
 
 void main() {

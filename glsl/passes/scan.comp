@@ -33,6 +33,9 @@ bool passes(ivec2 point, ivec2 ahead) {
 
 #include "passes/scan.glsl"
 
+// Makes the blocks due that read the changed lines of a texel: in this scan and the opposite one the blocks before and
+// after the lines, and in the two scans across these the block of the texel and the blocks beside it that read it. The
+// opposite scan also has this block due, and this scan has it due again in the next iteration where `further` is set.
 void note_moved(uint moved, uint further, ivec2 texel) {
     bool by_rows = AHEAD_Y != 0;
     int forth = by_rows ? DOWN : RIGHT;

@@ -67,6 +67,7 @@ void main() {
         ivec2 first = first_texel_of(from_row_major(int(number), tile_grid.x));
         if (gl_LocalInvocationIndex == 0u) {
             ivec2 size = min(ivec2(TEXELS), texels - without_border(first));
+            // The number of copied texels, for profiles.
             atomicAdd(settled, uint(size.x * size.y));
         }
         for (uint i = gl_LocalInvocationIndex; i < TEXELS * TEXELS; i += WORKGROUP) {

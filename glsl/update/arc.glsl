@@ -21,8 +21,8 @@ vec3 way(ivec2 at, ivec2 step) {
     return is_present(at + step) ? difference(load(at), load(at + step), step) : vec3(0.0);
 }
 
-// Returns the unit vector along a grid line, or zero. Of two steps of different lengths the shorter one counts more, as
-// in the derivative of a parabola.
+// Returns the unit vector along a grid line, or zero. On surfaces whose grid lines have corners (WITH_CORNERS), the
+// shorter of two steps counts more, as in the derivative of a parabola.
 vec3 along(ivec2 at, ivec2 step) {
     vec3 ahead = way(at, step);
     vec3 behind = way(at, -step);
@@ -51,9 +51,10 @@ bool goes_on(ivec2 at, ivec2 step) {
 }
 
 // Returns the unit normal at an end of an edge in xyz, and the bend of the grid line there in w: the second difference
-// of the positions along the line, projected on the normal. Where grid lines have corners, it is divided by the mean of
-// the squared steps to both neighbours. Where the grid line ends, the bends at the next two points inwards are used: the
-// smaller of both, or 0 if their signs differ.
+// of the positions along the line, projected on the normal. On surfaces whose grid lines have corners (WITH_CORNERS),
+// the bend is divided by the mean of the squared steps to both neighbours. Where the grid line ends, the bends at the
+// next two points inwards are used: the one that is smaller in magnitude, or 0 if their signs differ or one of them is
+// unknown.
 vec4 bend(ivec2 at, ivec2 step) {
     bool inside = goes_on(at, step);
     ivec2 inwards = inside ? ivec2(0) : is_present(at + step) ? step : -step;

@@ -178,7 +178,10 @@ void take_where_first(inout Fronts arrival, bvec4 comes, vec4 time, vec4 carried
     arrival.whole = either(is_first, arrival.whole);
 }
 
-// Returns the fronts at x0 from fronts at x1 and x2 that may have different origins.
+// Returns the fronts at x0 from fronts at x1 and x2 that may have different origins. Where both ends have one origin
+// and their times agree with its straight line, so does the time at x0. Where the ends do not share an origin, the
+// front of each end that its origin explains continues separately, if its ray crosses the base and the other end does
+// not block it. The ordinary curved update gives the other fronts: through the face, or along the edges only.
 Fronts curved_from_origins(EndFronts end1, EndFronts end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone, Site site) {
     Sighted sighted1 = sighted_from(end1.carried, site);
     Sighted sighted2 = sighted_from(end2.carried, site);

@@ -1,8 +1,9 @@
 // Defines tags: the last binary digits of the value that a front carries, and of the surface value.
 //
-// The tag of a front is the number of the scan that has brought it, from 1 to 4. A source has the tag 0. An exact seed,
-// which no front replaces, has the tag EXACT. A front that comes from another copy of its point, on a glued surface, has
-// the tag EXCHANGED. NOT_EXACT marks fronts in the surroundings of a source, at points where
+// The tag of a front is the number of the scan that has brought it, from 1 to 4. A source's own front
+// has the number 0, to which WHOLE is added. An exact seed has the tag EXACT; no front replaces it unless sources are
+// added to the map. A front that comes from another copy of its point, on a glued surface, has the tag EXCHANGED.
+// NOT_EXACT marks fronts in the surroundings of a source, at points where
 // fronts of other sources may come first: merge_surroundings.comp drops the marked fronts. WHOLE is added if the front
 // came through a whole triangle or is a source's own front. The tag of a surface value is LACKING at points that lack
 // an edge, with DIFFRACTS added where fronts diffract.

@@ -9,7 +9,7 @@ from ._arrays import Floats
 
 @dataclass(frozen=True)
 class Place:
-    """Location of a grid whose rows run to the south and columns to the east."""
+    """Location of a grid: row numbers increase southwards, column numbers increase eastwards."""
 
     x0: float
     """x of column 0."""
@@ -24,7 +24,10 @@ class Place:
     """Coordinate reference system as WKT."""
 
     def to_grid(self, name: str, xy: Floats) -> Floats:
-        """Return rows and columns (n, 2) of coordinates (n, 2), or raise ValueError outside."""
+        """Return the rows and columns (n, 2) of coordinates (n, 2).
+
+        Raise ValueError if any of them lies outside the grid.
+        """
         places = np.column_stack([(self.y0 - xy[:, 1]) / self.dy, (xy[:, 0] - self.x0) / self.dx])
         last = np.subtract(self.shape, 1)
         # Coordinates at the border may be off by rounding.

@@ -265,7 +265,7 @@ fn run(given: GeosweepRun, points: u32, name: &str) -> Result<Run, Failure> {
     Ok(Run { from: (row as usize, col as usize), to, points: points as usize })
 }
 
-/// Returns the name of points in messages.
+/// Returns the name by which error messages refer to an entry of `GeosweepSurfaceInfo::points`.
 pub(super) fn name(index: usize) -> String {
     format!("info->points[{index}]")
 }

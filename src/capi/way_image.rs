@@ -151,7 +151,7 @@ pub(super) unsafe fn image<T: Ways>(
     })
 }
 
-/// Binds the current sources of the surface.
+/// Writes the surface's current sources into the object's descriptor sets, after some sources have been replaced.
 ///
 /// # Safety
 /// As for the functions of the header.

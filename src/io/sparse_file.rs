@@ -10,7 +10,8 @@ use crate::pairwise::SparseRows;
 /// Writes a sparse matrix, not compressed, for `scipy.sparse.load_npz`.
 ///
 /// The archive has the arrays `indices` (int32), `indptr` (int32, or int64 from 2^31 entries on), `format` (the
-/// bytes `csr`), `shape` (int64) and `data` (float32). Distances of 0 on the diagonal are stored entries.
+/// bytes `csr`), `shape` (int64) and `data` (float32). The distance 0 from a source to itself is a
+/// stored entry.
 ///
 /// # Errors
 /// The errors of the writer.

@@ -161,8 +161,8 @@ pub(super) fn normal<R: Real, S: Space<R>>(ways: [[R; 3]; 8]) -> [R; 3] {
     ]
 }
 
-/// Returns the unit vector along a grid line, or zero. Of two steps of different lengths the shorter one counts more, as
-/// in the derivative of a parabola.
+/// Returns the unit vector along a grid line, or zero. On surfaces whose steps are not even (`HAS_EVEN_STEPS`), the
+/// shorter of two steps counts more, as in the derivative of a parabola.
 #[inline(always)]
 fn along<R: Real, S: Space<R>>(ways: [[R; 3]; 8], to: Direction) -> [R; 3] {
     let (mut ahead, mut behind) = (ways[to as usize], ways[to.opposite() as usize]);

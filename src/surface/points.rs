@@ -21,7 +21,7 @@ impl Surface {
     }
 
     /// Returns a row of grid points, with an additional point at either end. `row` may lie beyond the border.
-    /// Points that the chart does not have are missing.
+    /// Places that the chart does not have become missing points.
     pub(super) fn row<R: Real>(&self, row: isize, origin: DVec3) -> Row<R> {
         let chart = self.chart();
         let Row(mut points) = Row::missing(chart.cols);
@@ -37,8 +37,8 @@ impl Surface {
     }
 }
 
-/// A row of grid points, with an additional point before the first and after the last. There is one array for
-/// each of the numbers of a point.
+/// A row of grid points, with an additional point before the first and after the last. Each component of
+/// a point has an array of its own.
 pub(super) struct Row<R>([Vec<R>; 4]);
 
 impl<R: Real> Row<R> {

@@ -16,7 +16,8 @@ fn checked<R: Real>(case: &Case, what: &str, solution: &Solution<R>) -> Result<V
     Ok(distances.iter().map(|distance| distance.wide()).collect())
 }
 
-/// Checks the map that is solved by patches of 16 points a side, so that even small grids have several patches.
+/// Checks the map that is solved by patches. A patch has only 16 points a side, so that many of these small grids have
+/// several patches.
 fn by_patches(
     case: &Case,
     edges: &EdgeLengths<f32>,
@@ -30,7 +31,8 @@ fn by_patches(
     if settled { Ok(()) } else { Err(named("not settled")) }
 }
 
-/// Returns the failures, and the wavefronts that have converged to two different results.
+/// Returns messages on the failures, and messages on the maps that the two orders of scans have brought to different
+/// results. Such a difference of planar maps is a failure.
 fn solve(case: &Case) -> (Vec<String>, Vec<String>) {
     let edges = EdgeLengths::<f32>::new(&case.surface).unwrap();
     let (mut failures, mut apart) = (Vec::new(), Vec::new());
@@ -52,7 +54,8 @@ fn solve(case: &Case) -> (Vec<String>, Vec<String>) {
     (failures, apart)
 }
 
-/// Checks that the bounds always hold, and that few curved fronts converge to two different results.
+/// Checks that the bounds always hold, that planar maps do not depend on the order of scans, and that at most
+/// `most_apart` of the other maps do.
 fn check(case: impl Fn(u64) -> Case, most_apart: impl Fn(usize) -> usize) {
     let cases = cases(400);
     let count = (cases.end - cases.start) as usize;
@@ -85,8 +88,8 @@ fn maps_keep_their_bounds_around_clusters_of_sources() {
     check(Case::clusters, |count| 1 + count / 500);
 }
 
-/// A front that leaves a curve comes back to the curve's own seeds at their times, up to rounding, but with a
-/// curvature that the surface has changed. Here the surface is white noise.
+/// A front that starts on a curve also arrives at the seeds of that curve. It arrives there at the start times of
+/// these seeds, up to rounding, but the surface has changed its curvature. Here the surface is white noise.
 #[test]
 fn rounding_does_not_choose_between_a_curve_and_what_leaves_it() {
     let case = Case::new(20187);

@@ -1,4 +1,4 @@
-//! Formats tables as Markdown with aligned columns, which a terminal shows as they are.
+//! Formats tables as Markdown with aligned columns, so that they are also readable as plain text in a terminal.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -43,7 +43,7 @@ pub fn percent(share: Option<f64>) -> String {
     share.map_or(String::new(), |share| format!("{:.0} %", 100.0 * share))
 }
 
-/// Formats a number with two significant digits, or with all digits before the point.
+/// Formats a number with two decimals below 1, with one decimal below 10, and without decimals otherwise.
 pub fn digits(number: f64) -> String {
     let decimals = if number < 0.995 { 2 } else { usize::from(number < 9.95) };
     format!("{number:.decimals$}")

@@ -14,10 +14,10 @@ use serde::{Serialize, Serializer};
 /// The result of a command: an exit status, or an error message.
 pub type Outcome = Result<ExitCode, Box<dyn Error>>;
 
-/// Whether to print only warnings and errors.
+/// Whether notes and progress are suppressed. Results, warnings and errors are always printed.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// Suppresses everything except warnings and errors from now on.
+/// Suppresses notes and progress from now on. Results, warnings and errors are still printed.
 pub fn be_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
@@ -106,7 +106,8 @@ pub fn progress(steps: usize) -> ProgressBar {
     bar(steps, "{wide_msg} {bar:30} {pos}/{len}")
 }
 
-/// Returns a progress bar for the rows of a matrix, with the remaining time. `done` rows were there before.
+/// Returns a progress bar for the rows of a matrix, with the remaining time. An earlier run has already
+/// computed `done` of them.
 pub fn progress_of_rows(rows: usize, done: usize) -> ProgressBar {
     let bar = bar(rows, "computing distances {bar:30} {human_pos}/{human_len} rows, {eta} left");
     bar.set_position(done as u64);

@@ -6,13 +6,14 @@ use crate::constants::EVEN_SLOWNESS;
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Surface, SurfaceError};
 use crate::update::Triangle;
 
-/// The triangles that split obtuse ones, for [`crate::cpu::fast_marching_with`] (paper, end of section 3,
-/// after Spira and Kimmel).
+/// The triangles into which obtuse triangles are split, for [`crate::cpu::fast_marching_with`] (paper, end of
+/// section 3, after Spira and Kimmel).
 ///
 /// An obtuse triangle between the neighbours x0 + a and x0 + b is split by the grid point x0 + a + b, the
-/// nearest one between their directions. The halves are split again until no angle is obtuse. A triangle is not split
-/// if a connection would cross a hole or the border, or cells among which the slowness or the lengths vary by more than
-/// a quarter: the data at the ends of a connection do not describe what lies between them.
+/// nearest one between their directions. Halves that are obtuse at x0 are split again, up to a largest distance.
+/// A triangle is not split if a connection would cross a hole or the border. It is not split either if the slowness, or
+/// the length of a step under a metric, varies by more than a quarter among the points around the connection: the data
+/// at the ends of the connection do not describe what lies between them.
 #[derive(Clone, Debug)]
 pub struct Connections<R> {
     triangles: Vec<Split<R>>,
@@ -42,7 +43,7 @@ type Step = (isize, isize);
 const FARTHEST: isize = 8;
 
 impl<R: Real> Connections<R> {
-    /// Returns no connections beyond the eight neighbours.
+    /// Returns an empty set of connections, with which points are updated from their eight neighbours only.
     pub fn eight(chart: Chart) -> Self {
         Self::new(chart, Vec::new())
     }
@@ -92,8 +93,8 @@ impl<R: Real> Connections<R> {
         Self { triangles, first, lookers }
     }
 
-    /// Returns the triangles with a point as x1 or x2: their x0, x1 and x2, their lengths, and the slowness
-    /// that weights these.
+    /// Returns the triangles that have `point` as x1 or x2: for each its x0, its x1 and x2, its lengths, and the
+    /// slowness by which the lengths are weighted.
     pub(in crate::cpu) fn around(
         &self,
         point: usize,
@@ -120,7 +121,8 @@ impl Corner<'_> {
         place.filter(|&(row, col)| self.surface.has(row, col))
     }
 
-    /// Returns the length of a step on the surface, without slowness.
+    /// Returns the length on the surface, without slowness, between the points to which two steps lead. It is
+    /// infinite if one of these points is missing.
     fn length(self, from: Step, to: Step) -> f64 {
         match self.at(from).zip(self.at(to)) {
             Some((from, to)) => self.surface.length_on_surface(from, to),

@@ -440,7 +440,8 @@ impl<R: Real, const SPLIT: bool> Bent<'_, R, SPLIT> {
     }
 }
 
-/// Returns the first fronts where the origins of some fronts behind are known.
+/// Returns the earliest front at each point of a span. At least one of the fronts behind the span carries the number of
+/// its origin.
 #[inline(always)]
 fn fronts_of_origins<R: Real, const SPLIT: bool>(
     bent: &Bent<R, SPLIT>,

@@ -103,7 +103,7 @@ impl ColumnsToLines {
         transpose(from, to, block, self.instructions);
     }
 
-    /// Transposes the edges to the column before, for some rows.
+    /// Transposes the lengths of the edges that lead to the previous column, for some rows.
     pub(in crate::cpu) fn transpose_edges_back<R: Real>(
         self,
         edges: &EdgeLengths<R>,
@@ -111,9 +111,9 @@ impl ColumnsToLines {
         skip: usize,
         rows: Range<usize>,
     ) {
-        // In the transposed grid, north is the grid's west. This edge is stored as the east of the western neighbour.
-        // North-east is the grid's south-west. This edge is stored as the north-east of the south-western neighbour.
-        // North-west is the same in both grids.
+        // North in the transposed grid is west in the grid. The edge to the west is stored as the east edge of the
+        // western neighbour. North-east in the transposed grid is south-west in the grid. The edge to the south-west
+        // is stored as the north-east edge of the south-western neighbour. North-west is the same in both grids.
         let [east, _, north_east, north_west] = edges.planes();
         let Range { start, end } = rows;
         self.transpose(east, up, skip, start + 1..end + 1, [0, 1]);

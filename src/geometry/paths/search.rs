@@ -95,9 +95,10 @@ const LEAST_FALL: f64 = crate::constants::LEAST_FALL;
 const FLAT: f64 = 1e-14;
 
 impl Tracer<'_> {
-    /// Returns the straight line across a cell on which the wavefront arrives first and which ends at a time
-    /// below `below`. If the path comes from the cell `from`, the cell on the other side of the edge is tried
-    /// first. `zero_time` is the time that is subtracted before times are squared.
+    /// Returns the straight line across a cell on which the wavefront arrives first and which ends at a time below
+    /// `below`. A source in sight and a line that descends are preferred to a line that is merely earlier. If the
+    /// path comes from the cell `from`, the cell on the other side of the edge is tried first. `zero_time` is the
+    /// time that is subtracted before times are squared.
     ///
     /// On a seam the line may cross a cell beside a copy of the place.
     pub(super) fn line(

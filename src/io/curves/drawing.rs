@@ -14,7 +14,8 @@ use crate::surface::Chart;
 pub struct Polyline {
     /// The kind of curve, such as `contour`. It is one word.
     pub kind: &'static str,
-    /// Numbers and names that describe the curve. All curves of a file have the same ones.
+    /// Numbers and names that describe the curve. All curves of a file have attributes of
+    /// the same names, in the same order.
     pub attributes: Vec<(&'static str, Attribute)>,
     /// The curve in the parameter domain.
     pub curve: Curve,
@@ -44,9 +45,9 @@ pub struct Drawing {
     pub chart: Chart,
     /// Location of the grid on the Earth.
     pub georeference: Option<Georeference>,
-    /// Whether the third coordinate of positions is a height, while map coordinates give the place.
+    /// Whether the third coordinate of a position is a height, in addition to the map coordinates of its place.
     pub has_heights: bool,
-    /// Names of the curves' attributes. They are columns of a table, which has them even if there are no curves.
+    /// Names of the curves' attributes. A CSV table has a column for each of them, even if there are no curves.
     pub attributes: Vec<&'static str>,
     /// The curves, in order.
     pub polylines: Vec<Polyline>,

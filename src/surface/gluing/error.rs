@@ -48,7 +48,7 @@ pub enum GluingError {
         /// Number of columns of the grid.
         cols: usize,
     },
-    /// Two points are glued twice, or a point to itself.
+    /// A seam or a pair of points is glued a second time.
     #[error("row {}, column {} and row {}, column {} are already one point; name each seam once",
         .places[0].0, .places[0].1, .places[1].0, .places[1].1)]
     Twice {
@@ -76,10 +76,10 @@ pub enum GluingError {
         sides: [GridSide; 2],
         /// Mean distance between their points.
         apart: f64,
-        /// Mean distance to the lines beside them.
+        /// Mean distance from each side to the next line inwards.
         step: f64,
     },
-    /// A row should surround a pole, but does not.
+    /// A row should be at a pole or surround one, but does neither.
     #[error(
         "the {side} should be at a pole or surround one, but its points lie {inner:e} from their mean, those of the \
          row beside it {outer:e}. A pole lies half a row or a row beyond; leave poles out if the grid has none"
@@ -118,7 +118,7 @@ pub enum GluingError {
         col: usize,
         /// Mean distance to the texels of the nearest side.
         apart: f64,
-        /// Mean distance to the line of texels beside the side.
+        /// Mean distance from the side's texels to the next line of texels inwards.
         step: f64,
     },
     /// No two points of the surface coincide.
@@ -152,7 +152,7 @@ pub enum GluingError {
     /// Something is not available on glued surfaces.
     #[error("{what} does not pass seams yet; {instead}")]
     Unsupported {
-        /// Name of the function that is not available.
+        /// Name of what is not available: a function, a kind of seam or a kind of grid.
         what: &'static str,
         /// Advice on another way.
         instead: &'static str,

@@ -25,8 +25,8 @@ use crate::vulkan::profile::PassKind;
 ///
 /// The image has the format R16G16_SFLOAT, N x M texels (width x height), one for each grid point. A texel is
 /// a unit vector in the chart: columns to the right, rows downwards. It is 0, 0 at sources, at points that
-/// are not reached, and at points without an earlier neighbour, such as those of a pole. All devices can
-/// filter the format bilinearly. Where ways lead apart, as beside holes and where fronts meet, filtered
+/// are not reached, and at points without an earlier neighbour, such as some of the points of a pole.
+/// All devices can filter the format bilinearly. Where ways lead apart, as beside holes and where fronts meet, filtered
 /// vectors are shorter than 1.
 ///
 /// A step by this vector does not have the length 1 on the surface.
@@ -126,7 +126,8 @@ impl Directions {
     /// Returns the largest number of records that [`Recording::directions`] makes in a
     /// [`crate::vulkan::profile::Profile`], in addition to those of [`Solver::passes_of_frame`].
     pub fn passes(&self) -> u32 {
-        // The passes clear, write the sources, examine these twice, visit all points, and copy.
+        // The passes clear the buffer, write the sources, examine the sources twice, visit the copies of points on a
+        // glued surface, visit all points, and copy the result to the image.
         1 + 1 + 2 + self.image.passes_over_copies() + 1 + 1
     }
 }

@@ -118,8 +118,9 @@ fn raster_scans_do_not_depend_on_the_order_of_workgroups() {
     }
 }
 
-/// A workgroup that takes blocks in turn is the only one of its dispatch, but the opposite scan of the pair runs at the
-/// same time.
+/// A workgroup that takes blocks in turn is the only one of its dispatch, so there is no order of workgroups to vary.
+/// But the opposite scan of the pair may run at the same time: maps must not depend on which of the two is recorded
+/// first.
 #[test]
 fn scans_of_a_pair_can_run_in_any_order() {
     let problems = problems();

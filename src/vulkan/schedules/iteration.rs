@@ -23,8 +23,8 @@ pub(crate) struct Iteration {
 }
 
 impl Iteration {
-    /// Returns the passes of the iteration, and widens `reached` to the box that can have been reached after
-    /// it.
+    /// Returns the passes of the iteration, and widens `reached` to a box that contains all texels that fronts can
+    /// have reached when the iteration ends.
     pub(super) fn passes(&self, reached: &mut Reached) -> Vec<ScanPass> {
         let mut all = Vec::new();
         if !self.pairs {
@@ -73,8 +73,8 @@ impl Iteration {
         all
     }
 
-    /// Returns the scan and the number of each block of an iteration without bounds, in the order in which
-    /// they are recorded.
+    /// Returns the scan and the number of each block of an iteration that visits the whole grid, in the order in
+    /// which the blocks are recorded.
     pub(crate) fn blocks(&self) -> Vec<(Scan, u32)> {
         let passes = self.passes(&mut Reached::everywhere(self.texels));
         let blocks = passes.iter().flat_map(|pass| {
@@ -87,7 +87,7 @@ impl Iteration {
     }
 
     /// Returns the passes of a scan over its lines in `half`, which may be the whole grid, and widens
-    /// `reached` to the box that can have been reached after them.
+    /// `reached` to a box that contains all texels that fronts can have reached when these passes end.
     ///
     /// A line of texels holds two lines of points. For each line of points that the scan passes, a front
     /// advances by one point along the line. That is one texel for each line of texels.

@@ -34,7 +34,8 @@ pub struct Args {
     /// mean_relative_error
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
-    /// Print one JSON object (docs/json.md) with maps, an array with an object for each row of the table
+    /// Print one JSON object (docs/json.md), whose member `maps` is an array with one object for each row of
+    /// the table
     #[arg(long)]
     json: bool,
 }

@@ -37,8 +37,8 @@ pub struct Args {
     /// Vulkan device: its index in `geosweep devices`, or a part of its name
     #[arg(long, value_name = "NAME|INDEX")]
     device: Option<DeviceChoice>,
-    /// Leave out a map that takes more than this with the default portions of the device (default: 2; with
-    /// --quick 0.5)
+    /// Leave out a map that takes longer than this with the device's default portions of work (default: 2;
+    /// with --quick 0.5)
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     limit: Option<f64>,
     /// Start no measurement after this time, and report what is left out (default: 300; with --quick 60)
