@@ -70,15 +70,20 @@ Fronts curved_in(Shape shape, vec4 h, bvec4 upright, EndFronts end1, EndFronts e
     vec4 edge_k = mix(near_k, k, from_far);
 
     // Where a border bends away from the front, the fan of rays that it turns is often narrower than a cell.
-    vec4 beyond = mix(crossing - width, -crossing, from_far);
-    vec4 fan = beyond * FAN * shape.per_base;
-    bvec4 from_border = equal(tags_of(edge_g) & (LACKING | DIFFRACTS), uvec4(LACKING));
+    vec4 fan = vec4(0.0);
+    bvec4 in_fan = bvec4(false);
+    bvec4 is_source = both(turns, starts_anew);
     bvec4 to_border = notEqual(tags_of(g0) & LACKING, uvec4(0u));
-    bvec4 bends_away = both(greaterThan(beyond, vec4(0.0)), either(from_far, is_known));
-    bvec4 opens = both(both(is_front, both(from_border, to_border)), bends_away);
-    bvec4 is_narrow = both(opens, lessThan(fan * edge, h));
-    bvec4 in_fan = both(is_narrow, greaterThan(fan * max(1.0 + edge_k * edge, FOCUS), abs(edge_k) * h));
-    bvec4 is_source = both(either(both(turns, starts_anew), opens), not(is_narrow));
+    if (any(to_border)) {
+        vec4 beyond = mix(crossing - width, -crossing, from_far);
+        bvec4 from_border = equal(tags_of(edge_g) & (LACKING | DIFFRACTS), uvec4(LACKING));
+        bvec4 bends_away = both(greaterThan(beyond, vec4(0.0)), either(from_far, is_known));
+        bvec4 opens = both(both(is_front, both(from_border, to_border)), bends_away);
+        fan = beyond * FAN * shape.per_base;
+        bvec4 is_narrow = both(opens, lessThan(fan * edge, h));
+        in_fan = both(is_narrow, greaterThan(fan * max(1.0 + edge_k * edge, FOCUS), abs(edge_k) * h));
+        is_source = both(either(is_source, opens), not(is_narrow));
+    }
     edge_k = mix(edge_k, vec4(SOURCE_CURVATURE), is_source);
 
     // The place where the ray crosses the base, the ray's length and the curvature share one division, both for rays

@@ -98,6 +98,16 @@ pub struct Curvatures<R> {
 /// starts there again as from a point source, or with the curvature of a narrow fan along a border ([`FAN`]).
 #[inline(always)]
 pub fn curved<R: Real>(triangle: Triangle<R>, curvatures: Curvatures<R>) -> Front<R> {
+    curved_at::<R, true>(triangle, curvatures)
+}
+
+/// Returns the front of [`curved`]. `BORDER` is false only if x0 is known to lie neither beside a hole nor at the border,
+/// so that fans along a border need no test.
+#[inline(always)]
+pub(crate) fn curved_at<R: Real, const BORDER: bool>(
+    triangle: Triangle<R>,
+    curvatures: Curvatures<R>,
+) -> Front<R> {
     let Triangle { t1, t2, l1, l2, c } = triangle;
     let Curvatures { fronts: [k1, k2], surface: [g0, g1, g2], alone, causal } = curvatures;
     let (zero, one, half, focus) = (R::zero(), R::one(), R::of(0.5), R::of(FOCUS));
@@ -163,14 +173,19 @@ pub fn curved<R: Real>(triangle: Triangle<R>, curvatures: Curvatures<R>) -> Fron
 
     // A border that bends away from the front turns it a little at each point. The fan of the turned rays is narrower
     // than the cells beside the border. As the curvature of the front there, x0 takes the mean over the width of a cell.
-    let beyond = if from_far { -crossing } else { crossing - width };
-    let fan = beyond * R::of(FAN) * shape.per_base;
-    let along_border = edge_g.tag_has(LACKING | DIFFRACTS, LACKING) & g0.tag_has(LACKING, LACKING);
-    let opens = is_front & along_border & (beyond > zero) & (from_far | is_known);
-    let is_narrow = opens & (fan * edge < h);
-    let goes_on = max(one + edge_k * edge, focus);
-    let in_fan = is_narrow & (fan * goes_on > edge_k.abs() * h);
-    let edge_k = if (diffracted | opens) & !is_narrow { at_source } else { edge_k };
+    let (mut fan, mut starts_anew, mut in_fan) = (zero, diffracted, false);
+    if BORDER {
+        let beyond = if from_far { -crossing } else { crossing - width };
+        let to_border = g0.tag_has(LACKING, LACKING);
+        let along_border = edge_g.tag_has(LACKING | DIFFRACTS, LACKING) & to_border;
+        let opens = is_front & along_border & (beyond > zero) & (from_far | is_known);
+        fan = beyond * R::of(FAN) * shape.per_base;
+        let is_narrow = opens & (fan * edge < h);
+        let goes_on = max(one + edge_k * edge, focus);
+        in_fan = is_narrow & (fan * goes_on > edge_k.abs() * h);
+        starts_anew = (diffracted | opens) & !is_narrow;
+    }
+    let edge_k = if starts_anew { at_source } else { edge_k };
 
     // One division serves the ray's place, its length and the curvature, both across the triangle and along
     // an edge.

@@ -25,6 +25,7 @@ pub use circular::circular;
 #[cfg(feature = "twins")]
 pub(crate) use crossing::base_crossing;
 pub(crate) use curvature::Curvature;
+pub(crate) use curved::curved_at;
 pub use curved::{Curvatures, Front, curved};
 pub(crate) use inside::InsideSources;
 pub use planar::planar;

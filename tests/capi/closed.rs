@@ -64,7 +64,7 @@ fn a_moving_tube_stays_closed() {
         let frame = frame(open, &sources);
         wrong(
             geosweep_record_frame(surface, commands, &frame, &mut image),
-            "create it with GeosweepMethod::over_seams",
+            "set GeosweepMethod::over_seams to 1",
         );
     });
     let mut paths = null_mut();

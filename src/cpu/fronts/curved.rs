@@ -14,10 +14,12 @@ use crate::cpu::lines::line::{GridLines, ScanLine};
 use crate::cpu::lines::settled::{Visited, from_curved};
 use crate::cpu::lines::span::{Before, LargestChanges, Span, TILE};
 use crate::cpu::scan::{Scan, UpdateOptions};
-use crate::surface::{Chart, Direction, EdgeLengths, Origins, Real, Seed, max, min};
+use crate::surface::{
+    Chart, Direction, EdgeLengths, LACKING, Origins, Real, Seed, Tagged, max, min,
+};
 use crate::update::{
     Carried, Curvature, Curvatures, EXACT, Front, Kept, Sighted, Steps, Triangle, curved,
-    curved_from_origins, line_to,
+    curved_at, curved_from_origins, line_to,
 };
 
 /// The front of [`crate::Wavefront::Curved`].
@@ -356,16 +358,22 @@ impl<R: Real> CurvedLine<'_, R> {
         span: Span<'_, R, Curvature<R>, R>,
         options: UpdateOptions,
     ) -> FirstFronts<R> {
-        let gaussian_behind = line.surface_behind(start, points);
-        let bent = Bent::<_, SPLIT> { span, gaussian_behind, causal: self.causal };
+        let (gaussian_behind, causal) = (line.surface_behind(start, points), self.causal);
         let origins =
             self.origins.as_ref().and_then(|origins| origins.behind(start, &span, points));
         if let Some(origins) = &origins {
-            fronts_of_origins(&bent, origins, points)
-        } else if span.comes_from_left(points) {
-            earliest_of_both::<R, true, false, SPLIT>(&bent, points, options)
+            let bent = Bent::<_, SPLIT, true> { span, gaussian_behind, causal };
+            return fronts_of_origins(&bent, origins, points);
+        }
+        let mut at_border = false;
+        for gaussian in &span.surface_data[..points] {
+            at_border |= gaussian.tag_has(LACKING, LACKING);
+        }
+        // Spans with obtuse triangles are few.
+        if SPLIT || at_border {
+            Bent::<_, SPLIT, true> { span, gaussian_behind, causal }.earliest(points, options)
         } else {
-            earliest_of_both::<R, false, true, SPLIT>(&bent, points, options)
+            Bent::<_, SPLIT, false> { span, gaussian_behind, causal }.earliest(points, options)
         }
     }
 }
@@ -408,14 +416,25 @@ pub(super) fn accept_all<R: Real, G>(
     Accepted { times, curvatures, any }
 }
 
-/// A span of points, and the Gaussian curvature behind them.
-struct Bent<'a, R, const SPLIT: bool> {
+/// A span of points, and the Gaussian curvature behind them. `BORDER` is false if none of the points lies beside a hole or
+/// at the border.
+struct Bent<'a, R, const SPLIT: bool, const BORDER: bool> {
     span: Span<'a, R, Curvature<R>, R>,
     gaussian_behind: [&'a [R]; 3],
     causal: bool,
 }
 
-impl<R: Real, const SPLIT: bool> Bent<'_, R, SPLIT> {
+impl<R: Real, const SPLIT: bool, const BORDER: bool> Bent<'_, R, SPLIT, BORDER> {
+    /// Returns the first fronts to reach the points.
+    #[inline(always)]
+    fn earliest(&self, points: usize, options: UpdateOptions) -> FirstFronts<R> {
+        if self.span.comes_from_left(points) {
+            earliest_of_both::<R, true, false, SPLIT, BORDER>(self, points, options)
+        } else {
+            earliest_of_both::<R, false, true, SPLIT, BORDER>(self, points, options)
+        }
+    }
+
     /// Returns the curvatures of the fronts at x1 and x2 of one of the two triangles of point `i`.
     #[inline(always)]
     fn fronts<const LEFT: bool>(&self, i: usize) -> [R; 2] {
@@ -436,7 +455,7 @@ impl<R: Real, const SPLIT: bool> Bent<'_, R, SPLIT> {
     /// Returns the front through one of the two triangles of point `i`.
     #[inline(always)]
     fn front<const LEFT: bool>(&self, i: usize) -> Front<R> {
-        curved(self.span.triangle::<LEFT, SPLIT>(i), self.bends::<LEFT>(i))
+        curved_at::<R, BORDER>(self.span.triangle::<LEFT, SPLIT>(i), self.bends::<LEFT>(i))
     }
 }
 
@@ -444,7 +463,7 @@ impl<R: Real, const SPLIT: bool> Bent<'_, R, SPLIT> {
 /// its origin.
 #[inline(always)]
 fn fronts_of_origins<R: Real, const SPLIT: bool>(
-    bent: &Bent<R, SPLIT>,
+    bent: &Bent<R, SPLIT, true>,
     origins: &SpanOrigins<R>,
     points: usize,
 ) -> FirstFronts<R> {
@@ -464,8 +483,14 @@ fn fronts_of_origins<R: Real, const SPLIT: bool>(
 /// computed first. The other one is computed only if its front might be earlier, since that test costs less than an
 /// update.
 #[inline(always)]
-fn earliest_of_both<R: Real, const LIKELY_LEFT: bool, const OTHER_LEFT: bool, const SPLIT: bool>(
-    bent: &Bent<R, SPLIT>,
+fn earliest_of_both<
+    R: Real,
+    const LIKELY_LEFT: bool,
+    const OTHER_LEFT: bool,
+    const SPLIT: bool,
+    const BORDER: bool,
+>(
+    bent: &Bent<R, SPLIT, BORDER>,
     points: usize,
     options: UpdateOptions,
 ) -> FirstFronts<R> {
