@@ -101,7 +101,7 @@ fn a_bench_without_time_says_what_it_leaves_out() {
 #[test]
 fn frames_of_a_moving_surface_are_timed() {
     let bench = Workbench::new();
-    let line = "frames --sizes 48,33 --frames 3 --iterations 20 --schedules raster,tiles --json";
+    let line = "frames --sizes 48,33 --frames 3 --limit 600 --iterations 20 --schedules raster,tiles --json";
     let report = json(&run(&bench, line));
     let frames = report["frames"].as_array().unwrap();
     let found: Vec<_> =
