@@ -95,7 +95,7 @@ pub struct Curvatures<R> {
 /// ends in place of 1 / t. The curvatures of both ends are carried to the arrival time at x0, interpolated to
 /// the place where the ray crosses the base, and bent by the surface's Gaussian curvature along the ray
 /// (`bent`). A front that turns around the end of an edge beside a hole or the border is diffracted: it
-/// starts there again as from a point source, or with the curvature of a narrow fan along a border ([`FAN`]).
+/// starts there again as from a point source, or with the curvature of a narrow fan along a border (`FAN`).
 #[inline(always)]
 pub fn curved<R: Real>(triangle: Triangle<R>, curvatures: Curvatures<R>) -> Front<R> {
     curved_at::<R, true>(triangle, curvatures)
