@@ -85,7 +85,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
         }
         submit(&mut || {
             // ==== Every frame: what to wait for, where the fronts start, who reads the result ====
-            // What the program writes before submitting is visible to the device, so `before` stays at NONE.
+            // Writes of the program before a submission are visible to the device, so `before` stays at NONE.
             // With several frames in flight, `with_slot` says which of them this is.
             let sources = [PointSource::at(60.0, 80.0 + frame as f32)];
             let map = Frame::new(&plan, SourceInput::Inline(&sources), Reader::COPY).with_points(0);

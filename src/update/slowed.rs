@@ -53,7 +53,7 @@ struct Rays<R> {
     height: R,
     /// Mean slowness along the ray from place 0, divided by the mean slowness along the base.
     near: R,
-    /// The same for the ray from place 1, less `near`.
+    /// The mean slowness along the ray from place 1, relative to that of the base, less `near`.
     slope: R,
     jump: R,
 }

@@ -40,7 +40,7 @@ fn check_variants(folder: &Path) -> usize {
                 || (found - expected).abs() <= 1e-12 * size;
             assert!(same, "{name}: {index}: {found} {expected}");
         }
-        // The same values are read as heights, as a mask and as a slowness.
+        // Files are read as heights, as a mask and as a slowness, with the same values.
         let heights = SurfaceFile::read(path).unwrap().into_surface(Some(Spacing::square(1.0)));
         if let Ok(surface) = heights {
             assert_eq!(surface.present().len(), expected.values.len(), "{name}");

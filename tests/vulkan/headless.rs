@@ -410,7 +410,7 @@ fn engines_agree_with_rough_slowness() {
     let slowness = (1..=50 * 40).map(|i| 0.5 + 1.5 * noise(i)).collect();
     let surface = rough(50, 40, 0).with_slowness(slowness).unwrap();
     assert_engines_agree(&mut solver, &surface, &middle(&surface), "rough slowness");
-    // The same noise scales a sheared metric with holes.
+    // A sheared metric with holes is scaled by this noise too.
     let tensor = |i: u64| {
         let square = (0.5 + 1.5 * noise(i)).powi(2);
         let hole = if i % 97 == 5 { f64::NAN } else { 1.0 };

@@ -52,7 +52,7 @@ extern "system" fn no_format() -> vk::Result {
     vk::Result::ERROR_FORMAT_NOT_SUPPORTED
 }
 
-/// What is missing can be asked for before a device is created. The error of a solver for such a device names it too.
+/// Requirements that a device lacks can be asked for before it is created. The error of a solver for it names them too.
 #[test]
 fn all_that_a_device_lacks_is_named() {
     let host = Host::without_validation();

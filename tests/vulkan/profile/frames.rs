@@ -108,7 +108,7 @@ fn results_without_a_readback_are_unknown() {
         renderer.timed_frame();
         let device = &renderer.host.device;
         let resolved = renderer.profile.resolve(device, None, None).unwrap().unwrap();
-        // The same holds for a profile without room for queries and decisions.
+        // A profile without room for queries and decisions leaves these values unknown too.
         renderer.profile = Profile::new(1000, Grain::Blocks, Slots::default());
         renderer.host.run(|commands| renderer.frame(device, commands, true));
         let bytes = renderer.decisions.bytes();

@@ -112,7 +112,7 @@ fn a_part_of_the_earth_has_known_distances() {
     println!("JFK to LHR: {found}");
     assert!((found - 5_551_759.4).abs() < 60.0, "{found}");
     assert_eq!((said["rows"].as_u64(), said["cols"].as_u64()), (Some(151), Some(421)));
-    // The same places, with longitudes of other turns.
+    // Longitudes that differ by full turns name the same places.
     let other = line.replace("-73.8,", "286.2,").replace("--at 67,397.5", "--at-xy 359.5,51.6");
     let mut same = json(&done(&bench, &other));
     for place in same["values"].as_array_mut().unwrap() {
