@@ -145,10 +145,11 @@ struct RimPoint {
 
 impl RimPoint {
     /// Returns whether two points coincide, or `None` for the same grid point, which two sides share at a
-    /// corner.
-    fn coincides(&self, other: &Self) -> Option<bool> {
+    /// corner. `size` is a length along the sides with which their distance is compared, besides the edges that lead
+    /// inwards: a strip may be narrower than a twentieth of these edges.
+    fn coincides(&self, other: &Self, size: f64) -> Option<bool> {
         let apart = self.position.distance(other.position);
-        let near = COINCIDENT * self.depth().max(other.depth());
+        let near = COINCIDENT * self.depth().max(other.depth()).min(size);
         (self.index != other.index).then_some(apart <= near)
     }
 
@@ -187,12 +188,27 @@ impl Rim {
         Self { side, points: side.places(chart).map(point).collect() }
     }
 
+    /// Returns the length of the longest step along the side, or 0 if it has no two points beside each other.
+    pub(super) fn longest_step(&self) -> f64 {
+        let pairs = self.points.windows(2);
+        let steps = pairs.filter_map(|pair| Some((pair[0].as_ref()?, pair[1].as_ref()?)));
+        steps.map(|(a, b)| a.position.distance(b.position)).fold(0.0, f64::max)
+    }
+
+    /// Returns how far the points of the next line inwards are from the first of them.
+    pub(super) fn spread_behind(&self) -> f64 {
+        let behind = |point: &RimPoint| point.inwards.map(|inwards| point.position + inwards);
+        let mut points = self.points.iter().flatten().filter_map(behind);
+        let Some(first) = points.next() else { return 0.0 };
+        points.map(|point| first.distance(point)).fold(0.0, f64::max)
+    }
+
     pub(super) fn pole(&self) -> Option<Seam> {
         let mut points = self.points.iter().flatten();
-        let first = points.next()?;
+        let (first, size) = (points.next()?, self.spread_behind());
         let (mut others, mut exact) = (0, true);
         for point in points {
-            if !first.coincides(point)? {
+            if !first.coincides(point, size)? {
                 return None;
             }
             others += 1;
@@ -203,7 +219,7 @@ impl Rim {
 
     fn is_folded(&self) -> bool {
         let half = self.points.len() / 2;
-        coincide(self.points.iter().zip(self.points.iter().rev()).take(half))
+        coincide(self.points.iter().zip(self.points.iter().rev()).take(half), self.longest_step())
     }
 
     /// Returns the sum of the distances between corresponding points of this side and another one, if the grid
@@ -230,17 +246,22 @@ impl Rim {
     }
 
     pub(super) fn is_along(&self, other: &Self, reversed: bool) -> bool {
+        let step = self.longest_step().max(other.longest_step());
         self.points.len() == other.points.len()
             && match reversed {
-                false => coincide(self.points.iter().zip(&other.points)),
-                true => coincide(self.points.iter().zip(other.points.iter().rev())),
+                false => coincide(self.points.iter().zip(&other.points), step),
+                true => coincide(self.points.iter().zip(other.points.iter().rev()), step),
             }
     }
 }
 
 /// Returns whether there are at least two pairs of different points that are not holes, and all such pairs coincide.
-fn coincide<'a>(pairs: impl Iterator<Item = (&'a Option<RimPoint>, &'a Option<RimPoint>)>) -> bool {
-    all_known(pairs.map(|(a, b)| a.as_ref()?.coincides(b.as_ref()?)))
+/// `step` is the longest step along the sides.
+fn coincide<'a>(
+    pairs: impl Iterator<Item = (&'a Option<RimPoint>, &'a Option<RimPoint>)>,
+    step: f64,
+) -> bool {
+    all_known(pairs.map(|(a, b)| a.as_ref()?.coincides(b.as_ref()?, step)))
 }
 
 /// Returns whether a condition holds wherever it is known, and is known at two places or more.
@@ -257,7 +278,7 @@ mod tests {
 
     use super::*;
     use crate::surface::builtin::Builtin;
-    use crate::surface::{Chart, Spacing};
+    use crate::surface::{Chart, Gluing, Spacing};
 
     fn surface(rows: usize, cols: usize, at: impl Fn(f64, f64) -> DVec3) -> Surface {
         let point = |index| {
@@ -343,7 +364,7 @@ mod tests {
             rows in 9usize..30,
             cols in 9usize..40,
             kind in 0usize..3,
-            span in 0.3..3.0f64,
+            span in prop_oneof![0.003..0.3, 0.3..3.0f64],
             hole in 0usize..4,
         ) {
             let at = |v: f64, u: f64| {
@@ -376,6 +397,42 @@ mod tests {
             let around = Seam::Neighbours { sides: rows_too, reversed: false };
             prop_assert!(found.iter().all(|found| *found == seam || kind == 1 && *found == around), "{found:?}");
             prop_assert!(!middles(cols - 2).seams().contains(&seam));
+        }
+    }
+
+    /// Strips that are narrower than a twentieth of their cells' length. Their ends are neither poles nor folded, and
+    /// they close in the order of their points.
+    #[test]
+    fn the_ends_of_narrow_strips_do_not_coincide() {
+        for width in [0.3, 0.1, 1e-3] {
+            let band = |twist: f64, end: f64| {
+                surface(10, 9, move |v, u| {
+                    let (angle, across) = (end * TAU * u, width * (v - 0.5));
+                    let (radius, half) = (4.0 + across * (twist * angle).cos(), twist * angle);
+                    DVec3::new(radius * angle.cos(), radius * angle.sin(), across * half.sin())
+                })
+            };
+            assert_eq!(names(&band(0.0, 0.5)), [""; 0], "width {width}");
+            let repeated = "its first column and its last column coincide";
+            assert_eq!(names(&band(0.0, 1.0)), [repeated], "width {width}");
+            let twisted = "its first column and its last column coincide in reverse order";
+            assert_eq!(names(&band(0.5, 1.0)), [twisted], "width {width}");
+            let beside = "its first column and its last column are neighbours one cell apart";
+            assert_eq!(names(&band(0.0, 8.0 / 9.0)), [beside], "width {width}");
+            let opposite = format!("{beside} in reverse order");
+            assert_eq!(names(&band(0.5, 8.0 / 9.0)), [opposite], "width {width}");
+            for (strip, gluing) in [
+                (band(0.5, 1.0), Gluing::columns()),
+                (band(0.0, 1.0), Gluing::flipped_columns()),
+                (band(0.0, 0.5), Gluing::Seams(vec![Seam::Fold(GridSide::FirstColumn)])),
+                (
+                    band(0.0, 0.5),
+                    Gluing::Seams(vec![Seam::Pole { side: GridSide::FirstColumn, exact: false }]),
+                ),
+            ] {
+                let refused = strip.with_gluing(gluing.clone());
+                assert!(refused.is_err(), "width {width}: {gluing:?}");
+            }
         }
     }
 

@@ -1,11 +1,12 @@
 //! Finds which grid points a gluing joins, and checks that they coincide.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use glam::DVec3;
 
 use super::super::geometry::Geometry;
-use super::super::seams::COINCIDENT;
+use super::super::seams::{COINCIDENT, Rim};
 use super::super::{Chart, Direction, GridSide, MetricTensor, Seam, Surface, SurfaceError};
 use super::lattice::Lattice;
 use super::{Gluing, GluingError, Run};
@@ -57,13 +58,8 @@ impl Compiled {
     /// Compiles a gluing whose pairs follow from the grid's size. Returns `None` for [`Gluing::Charts`], whose pairs
     /// follow from positions.
     pub(super) fn on_grid(chart: Chart, gluing: &Gluing) -> Result<Option<Self>, GluingError> {
-        use GridSide::{FirstColumn, FirstRow, LastColumn, LastRow};
         let compiled = match gluing {
-            Gluing::Seams(seams) => Self::of_seams(chart, seams)?,
-            Gluing::Octahedral => {
-                let sides = [FirstRow, LastRow, FirstColumn, LastColumn];
-                Self::of_seams(chart, &sides.map(Seam::Fold))?
-            }
+            Gluing::Seams(_) | Gluing::Octahedral => Self::of_seams(chart, &gluing.seams())?,
             Gluing::Runs(runs) => {
                 Self { pairs: pairs_of_runs(chart, runs)?, lattice: Lattice::default() }
             }
@@ -138,6 +134,19 @@ fn pairs_of_runs(chart: Chart, runs: &[[Run; 2]]) -> Result<Vec<[usize; 2]>, Glu
 }
 
 impl Gluing {
+    /// Returns the seams that the gluing names by sides of the grid.
+    fn seams(&self) -> Cow<'_, [Seam]> {
+        use GridSide::{FirstColumn, FirstRow, LastColumn, LastRow};
+        match self {
+            Self::Seams(seams) => Cow::Borrowed(seams),
+            Self::Octahedral => {
+                let sides = [FirstRow, LastRow, FirstColumn, LastColumn];
+                Cow::Owned(sides.map(Seam::Fold).to_vec())
+            }
+            Self::Runs(_) | Self::Charts => Cow::Borrowed(&[]),
+        }
+    }
+
     /// Checks that a geometry allows the gluing. `has_positions` says whether it has a position or a height at each
     /// point, and `is_in_space` whether all copies of a point have the same position.
     pub(crate) fn check_geometry(
@@ -177,7 +186,31 @@ impl Surface {
             None => Compiled { pairs: self.coinciding()?, lattice: Lattice::default() },
         };
         self.check_pairs(&compiled.pairs)?;
+        gluing.seams().iter().try_for_each(|seam| self.check_width(seam))?;
         Ok(compiled)
+    }
+
+    /// Checks that the points of each pair coincide in comparison with a length along the seam. Where a strip is much
+    /// narrower than its cells are long, each point of its end is near each other one in comparison with the cells.
+    fn check_width(&self, seam: &Seam) -> Result<(), GluingError> {
+        let Geometry::Positions(positions) = self.geometry() else { return Ok(()) };
+        let rim = |side| Rim::new(self, side);
+        let size = match *seam {
+            Seam::Sides { sides, .. } | Seam::Neighbours { sides, .. } => {
+                sides.map(|side| rim(side).longest_step()).into_iter().fold(0.0, f64::max)
+            }
+            Seam::Fold(side) => rim(side).longest_step(),
+            Seam::Pole { side, .. } | Seam::Ring(side) => rim(side).spread_behind(),
+        };
+        for pair in pairs_of(self.chart, seam)? {
+            let apart = positions[pair[0]].distance(positions[pair[1]]);
+            // A size of 0 has nothing to compare with. A distance from a hole is not a number.
+            if size > 0.0 && apart > COINCIDENT * size {
+                let places = pair.map(|index| self.chart.position(index));
+                return Err(GluingError::Apart { places, apart, edge: size });
+            }
+        }
+        Ok(())
     }
 
     /// Returns pairs of coinciding points beside holes or the border.
