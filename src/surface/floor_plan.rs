@@ -26,10 +26,16 @@ impl Surface {
 
     /// Returns the even grid of a floor plan.
     pub(crate) fn floor(&self) -> Option<EvenGrid> {
+        if let Some(floor) = self.floor.get() {
+            return *floor;
+        }
         let grid = || self.even_grid().filter(|grid| !grid.is_obtuse());
         // A path runs straight through the chart from its anchor to a point. This fails across seams.
         let is_open = has_numbers(self.chart) && !self.is_glued();
-        *self.floor.get_or_init(|| is_open.then(grid).flatten())
+        // The result is computed outside the lock: a thread that waits for others here may take up work that needs the
+        // result too.
+        let floor = is_open.then(grid).flatten();
+        *self.floor.get_or_init(|| floor)
     }
 
     /// Fits an even grid to the surface by least squares. Returns `None` if the surface is not such a grid,

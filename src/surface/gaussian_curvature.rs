@@ -33,7 +33,14 @@ impl<R: Real> EdgeLengths<R> {
     }
 
     fn kept_gaussian_curvature(&self) -> &Arc<Vec<R>> {
-        self.shared.gaussian_curvature.get_or_init(|| Arc::new(gaussian_curvature(self)))
+        let kept = &self.shared.gaussian_curvature;
+        if let Some(curvature) = kept.get() {
+            return curvature;
+        }
+        // The result is computed outside the lock: a thread that waits for others here may take up work that needs the
+        // result too.
+        let curvature = Arc::new(gaussian_curvature(self));
+        kept.get_or_init(|| curvature)
     }
 }
 

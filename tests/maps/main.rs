@@ -40,6 +40,7 @@ mod ridges;
 mod rims;
 mod rotated_scan;
 mod sampling;
+mod shared_edges;
 mod slowness;
 mod tile_order;
 mod voronoi;
