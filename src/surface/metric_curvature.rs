@@ -3,6 +3,8 @@
 //! The angles between edges cannot give this curvature. The length of an edge from the metric at its ends is
 //! accurate to second order, and the remaining error turns angles by as much as the surface's curvature does.
 
+use rayon::prelude::*;
+
 use super::Surface;
 use super::geometry::{Geometry, MetricTensor};
 use super::jump::jump;
@@ -17,21 +19,40 @@ impl Surface {
         let chart = self.chart();
         let mut curvature = vec![R::nan(); chart.bordered_points()];
         let inner = |count: usize| 1..count.saturating_sub(1);
-        for row in inner(chart.rows) {
+        let tensors = |row: usize| {
+            let at = |col| self.has(row, col).then(|| self.shape(&metric[chart.index(row, col)]));
+            RowOfTensors::new((0..chart.cols).map(at).collect())
+        };
+        chart.rows_mut(&mut curvature).enumerate().for_each(|(row, line)| {
+            if !inner(chart.rows).contains(&row) {
+                return;
+            }
+            let rows = [row - 1, row, row + 1].map(tensors);
             for col in inner(chart.cols) {
-                let at = |down: isize, right: isize| {
-                    let (row, col) =
-                        (row.wrapping_add_signed(down), col.wrapping_add_signed(right));
-                    self.has(row, col).then(|| self.shape(&metric[chart.index(row, col)]))
-                };
-                let rows = [-1, 0, 1].map(|down| [-1, 0, 1].map(|right| at(down, right)));
-                if rows.iter().flatten().all(Option::is_some) {
-                    let block = rows.map(|row| row.map(Option::unwrap_or_default));
-                    curvature[chart.bordered(row, col)] = R::of(smooth_curvature(&block));
+                if let Some(known) = smooth_curvature(&rows, col) {
+                    line[col] = R::of(known);
                 }
             }
-        }
+        });
         Some(curvature)
+    }
+}
+
+/// Steps along which the metric is compared between neighbours, in rows and columns.
+const STEPS: [[f64; 2]; 4] = [[0.0, 1.0], [1.0, 0.0], [1.0, 1.0], [1.0, -1.0]];
+
+/// The tensors of a row, and the lengths of `STEPS` by each of them.
+struct RowOfTensors {
+    tensors: Vec<Option<MetricTensor>>,
+    lengths: Vec<[f64; STEPS.len()]>,
+}
+
+impl RowOfTensors {
+    fn new(tensors: Vec<Option<MetricTensor>>) -> Self {
+        let lengths = |tensor: &Option<MetricTensor>| {
+            tensor.map_or([f64::NAN; 4], |tensor| STEPS.map(|step| tensor.length(step)))
+        };
+        Self { lengths: tensors.iter().map(lengths).collect(), tensors }
     }
 }
 
@@ -44,17 +65,24 @@ impl Surface {
 }
 
 /// Returns the curvature from the tensors at a point and around it (Brioschi's formula), reduced where the
-/// tensors do not change smoothly.
-fn smooth_curvature(block: &[[MetricTensor; 3]; 3]) -> f64 {
-    let steps = [[0.0, 1.0], [1.0, 0.0], [1.0, 1.0], [1.0, -1.0]];
-    let jumps = steps.map(|step| {
-        let lengths = block.iter().flatten().map(|tensor| tensor.length(step));
-        let range = |(least, most): (f64, f64), length: f64| (least.min(length), most.max(length));
-        let (least, most) = lengths.fold((f64::INFINITY, 0.0), range);
+/// tensors do not change smoothly. `rows` are the point's row and those beside it. The result is `None` unless all nine
+/// tensors are present.
+fn smooth_curvature(rows: &[RowOfTensors; 3], col: usize) -> Option<f64> {
+    let mut block = [[MetricTensor::default(); 3]; 3];
+    for (tensors, row) in block.iter_mut().zip(rows) {
+        for (tensor, known) in tensors.iter_mut().zip(&row.tensors[col - 1..]) {
+            *tensor = (*known)?;
+        }
+    }
+    let jumps = std::array::from_fn::<_, { STEPS.len() }, _>(|step| {
+        let (mut least, mut most) = (f64::INFINITY, 0f64);
+        for lengths in rows.iter().flat_map(|row| &row.lengths[col - 1..=col + 1]) {
+            (least, most) = (least.min(lengths[step]), most.max(lengths[step]));
+        }
         jump(most, least)
     });
     let smooth = 1.0 - jumps.into_iter().fold(0.0, f64::max);
-    if smooth > 0.0 { smooth * curvature(block) } else { 0.0 }
+    Some(if smooth > 0.0 { smooth * curvature(&block) } else { 0.0 })
 }
 
 fn curvature(block: &[[MetricTensor; 3]; 3]) -> f64 {
