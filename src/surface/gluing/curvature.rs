@@ -1,11 +1,44 @@
 //! Shares the Gaussian curvature among the copies of a point. The twin of `glsl/passes/share_curvature.comp`.
 
-use std::collections::{BTreeMap, BTreeSet};
+use rayon::prelude::*;
 
 use super::super::chart::{Direction, EdgeSlot};
 use super::super::tag::{TAG, Tagged};
 use super::super::{Chart, DIFFRACTS, EdgeLengths, LACKING, Real};
+use super::Groups;
 use crate::constants::COPIES_TOGETHER;
+
+/// Gives all copies of a point the same name, by which points of a ring are told apart.
+struct Names {
+    /// For each copy in the bordered array, the first of its group; 0 for other points. Index 0 is a point of the
+    /// border.
+    first: Vec<u32>,
+}
+
+impl Names {
+    fn of(groups: &Groups, points: usize) -> Self {
+        let mut first = vec![0; points];
+        groups.iter().for_each(|group| {
+            group.iter().for_each(|&point| first[point as usize] = group[0]);
+        });
+        Self { first }
+    }
+
+    fn get(&self, point: usize) -> u32 {
+        if self.is_copy(point) { self.first[point] } else { point as u32 }
+    }
+
+    fn is_copy(&self, point: usize) -> bool {
+        self.first[point] != 0
+    }
+}
+
+/// Working memory for the sides and ends of a ring.
+#[derive(Default)]
+struct RingSides {
+    sides: Vec<[u32; 2]>,
+    ends: Vec<u32>,
+}
 
 impl<R: Real> EdgeLengths<R> {
     /// Gives the copies of each point the mean of their curvatures. A point inside the glued surface lacks no triangle,
@@ -14,9 +47,7 @@ impl<R: Real> EdgeLengths<R> {
     pub(in super::super) fn share_curvature(&self, curvature: &mut [R]) {
         self.complete_beside_poles(curvature);
         let Some(groups) = self.copies() else { return };
-        let numbers = groups.numbers();
-        let name =
-            |point: u32| numbers.get(&point).map_or((1, point as usize), |&number| (0, number));
+        let (names, mut ring) = (Names::of(groups, curvature.len()), RingSides::default());
         for group in groups.iter() {
             // The sum is taken part by part as in the shader, which has an invocation for each part of a group.
             let of_part = |part: &[u32]| {
@@ -27,23 +58,22 @@ impl<R: Real> EdgeLengths<R> {
             let mean = sum / R::of(group.len() as f64);
             let tags = group.iter().map(|&point| tag_of(curvature[point as usize]));
             let tag = tags.fold(0, |all, tag| all | tag);
-            let tag = if tag != 0 && self.goes_round(group, name) { 0 } else { tag };
+            let tag = if tag != 0 && self.goes_round(group, &names, &mut ring) { 0 } else { tag };
             for &point in group {
                 curvature[point as usize] = mean.with_tag(tag);
             }
         }
         // The middle of a folded side has no copy but itself.
         let chart = self.chart();
-        for point in chart.places().map(|(row, col)| chart.bordered(row, col)) {
-            let is_beside_copies = || {
-                let around = Direction::ALL.map(|to| chart.beside(point, to) as u32);
-                around.iter().any(|beside| numbers.contains_key(beside))
-            };
-            let own = point as u32;
+        let beside = |&copy: &u32| {
+            let (row, col) = chart.bordered_position(copy as usize);
+            Direction::ALL.into_iter().filter_map(move |to| chart.neighbour(row, col, to))
+        };
+        for (row, col) in groups.members().iter().flat_map(beside) {
+            let point = chart.bordered(row, col);
             if tag_of(curvature[point]) != 0
-                && !numbers.contains_key(&own)
-                && is_beside_copies()
-                && self.goes_round(&[own], name)
+                && !names.is_copy(point)
+                && self.goes_round(&[point as u32], &names, &mut ring)
             {
                 curvature[point] = curvature[point].with_tag(0);
             }
@@ -54,51 +84,50 @@ impl<R: Real> EdgeLengths<R> {
     /// them as missing, but a front that passes the pole does not turn there.
     fn complete_beside_poles(&self, curvature: &mut [R]) {
         let chart = self.chart();
-        for (row, col) in chart.places() {
-            let point = chart.bordered(row, col);
-            if tag_of(curvature[point]) == 0 {
-                continue;
-            }
-            let exists =
-                |from: usize, to: Direction| self.at(from, EdgeSlot::of(chart, to)) < R::FAR;
-            let is_whole = Direction::ALL
+        let exists = |from: usize, to: Direction| self.at(from, EdgeSlot::of(chart, to)) < R::FAR;
+        let is_complete = |point: usize| {
+            Direction::ALL
                 .into_iter()
-                .all(|to| exists(point, to) && exists(chart.beside(point, to), to.base()));
-            if is_whole {
-                curvature[point] = curvature[point].with_tag(0);
-            }
-        }
-    }
-
-    /// Returns whether the cells around the copies of a point form a closed ring. `name` is the same for all copies of
-    /// a point. Each cell contributes the two sides that do not meet the point; the ring is closed if every point on it
-    /// lies on two sides.
-    fn goes_round(&self, group: &[u32], name: impl Fn(u32) -> (u8, usize)) -> bool {
-        let own = name(group[0]);
-        let mut sides = BTreeSet::new();
-        for &point in group {
-            let cells = [
-                Direction::NorthEast,
-                Direction::NorthWest,
-                Direction::SouthWest,
-                Direction::SouthEast,
-            ];
-            for corners in
-                cells.iter().filter_map(|&to| self.cell(self.chart(), point as usize, to))
-            {
-                let names = corners.map(|corner| name(corner as u32));
-                for side in names.windows(2) {
-                    if side[0] != side[1] && !side.contains(&own) {
-                        sides.insert([side[0].min(side[1]), side[0].max(side[1])]);
-                    }
+                .all(|to| exists(point, to) && exists(chart.beside(point, to), to.base()))
+        };
+        chart.rows_mut(curvature).enumerate().for_each(|(row, line)| {
+            for (point, curvature) in (chart.bordered(row, 0)..).zip(line) {
+                if tag_of(*curvature) != 0 && is_complete(point) {
+                    *curvature = curvature.with_tag(0);
                 }
             }
+        });
+    }
+
+    /// Returns whether the cells around the copies of a point form a closed ring. Each cell contributes the two sides
+    /// that do not meet the point; the ring is closed if every point on it lies on two sides.
+    fn goes_round(&self, group: &[u32], names: &Names, ring: &mut RingSides) -> bool {
+        const CELLS: [Direction; 4] = [
+            Direction::NorthEast,
+            Direction::NorthWest,
+            Direction::SouthWest,
+            Direction::SouthEast,
+        ];
+        let own = names.get(group[0] as usize);
+        let RingSides { sides, ends } = ring;
+        sides.clear();
+        ends.clear();
+        for &point in group {
+            let cells = CELLS.iter().filter_map(|&to| self.cell(self.chart(), point as usize, to));
+            for corners in cells {
+                let [a, b, c] = corners.map(|corner| names.get(corner));
+                let between = [[a.min(b), a.max(b)], [b.min(c), b.max(c)]];
+                sides.extend(
+                    between.iter().filter(|side| side[0] != side[1] && !side.contains(&own)),
+                );
+            }
         }
-        let mut ends = BTreeMap::new();
-        for end in sides.into_iter().flatten() {
-            *ends.entry(end).or_insert(0) += 1;
-        }
-        !ends.is_empty() && ends.values().all(|&count| count == 2)
+        // Copies on a folded side have cells in common.
+        sides.sort_unstable();
+        sides.dedup();
+        ends.extend(sides.iter().flatten());
+        ends.sort_unstable();
+        !ends.is_empty() && ends.chunk_by(|a, b| a == b).all(|copies| copies.len() == 2)
     }
 
     /// Returns the other three corners of a point's cell, in order around it, if all are present.

@@ -7,6 +7,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::super::chart::{Block, Chart, STORED};
 use super::super::edges::Strip;
 use super::super::{EdgeLengths, Real, Surface, SurfaceError};
@@ -16,6 +18,9 @@ use super::lattice::Lattice;
 const DEPTH: usize = 3;
 /// Number of further lines on which these edges and curvatures depend.
 const MARGIN: usize = 5;
+/// Number of columns of a strip along columns: `DEPTH + 2 * MARGIN` at least, and whole vectors of the widest
+/// instructions. Rows of fewer points would be measured one point at a time.
+const COLUMNS: usize = 16;
 
 impl<R: Real> Strip<R> {
     /// Returns the index of a grid point in the strip's bordered arrays.
@@ -42,7 +47,8 @@ pub(in super::super) fn measured<R: Real>(
         let around = |range: &Range<usize>| {
             range.start as isize - MARGIN as isize..(range.end + MARGIN) as isize
         };
-        let (rows, cols) = (around(&block.rows), around(&block.cols));
+        let (rows, mut cols) = (around(&block.rows), around(&block.cols));
+        cols.end = cols.end.max(cols.start + COLUMNS as isize);
         let first = (rows.start, cols.start);
         let part = surface.beyond(&glued.lattice, rows, cols);
         Ok(Strip { edges: open(&part)?.of_glued(), first, block })
@@ -83,6 +89,10 @@ impl<R: Real> EdgeLengths<R> {
         if !self.shared.of_glued {
             return;
         }
+        // Enters the thread pool once, and not for each loop over a strip.
+        self.shared.strips.par_iter().for_each(|strip| {
+            strip.edges.gaussian_curvature();
+        });
         for strip in &self.shared.strips {
             let of_strip = strip.edges.gaussian_curvature();
             for (row, col) in strip.block.places() {
