@@ -4,9 +4,9 @@
 //! The first table has the errors of both engines with curved fronts in single precision, on grids of about 160,000
 //! points. "Largest" is the largest relative error; on spheres it leaves out points within 0.1 radians of the place
 //! opposite to the source. The second table compares the time per iteration on a glued surface with that on the same
-//! grid cut open; the two maps are computed in turn, and the medians of their times are printed. The third table has
-//! the errors on the ellipsoid of the Earth in double precision (`-- Earth` prints it alone); measuring them takes
-//! 2 GB of memory.
+//! grid cut open, without the measuring of the surface; the two maps are computed in turn, and the medians of their
+//! times are printed. The third table has the errors on the ellipsoid of the Earth in double precision (`-- Earth`
+//! prints it alone); measuring them takes 2 GB of memory.
 
 #[path = "../tests/common/earth.rs"]
 mod earth;
@@ -14,17 +14,22 @@ mod earth;
 mod vincenty;
 
 use std::f64::consts::{PI, TAU};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use geosweep::cpu::RotatedScan;
 use geosweep::surface::builtin::Closed;
-use geosweep::surface::{Gluing, MetricTensor};
+use geosweep::surface::{EdgeLengths, Gluing, MetricTensor, Seed};
 use geosweep::vulkan::keep_devices;
 use geosweep::{
-    DeviceChoice, DistanceMap, Engine, Options, Sources, Spacing, Surface, Wavefront, distance_map,
+    DeviceChoice, DistanceMap, Engine, Options, Sources, Spacing, Stop, Surface, Wavefront,
+    distance_map,
 };
 
 /// Number of pairs of runs, on the open and on the glued surface, from which the medians are taken.
 const PAIRS: usize = 9;
+
+/// The metric of the flat torus, in cells.
+const FLAT: MetricTensor = MetricTensor { rr: 1.0, rc: 0.0, cc: 1.0 };
 
 /// A closed surface, sources on it, and the exact distances from a source.
 struct Case {
@@ -60,11 +65,10 @@ fn unrolled([rows, cols]: [usize; 2], images: &[[f64; 2]]) -> Vec<f64> {
 
 fn flat_torus() -> Case {
     let size @ [rows, cols] = [321, 501];
-    let tensor = MetricTensor { rr: 1.0, rc: 0.0, cc: 1.0 };
     let turns = || [-1.0, 0.0, 1.0].into_iter();
     Case {
         name: "flat torus",
-        surface: glued(Surface::from_metric(rows, cols, vec![tensor; rows * cols]), Gluing::both()),
+        surface: glued(Surface::from_metric(rows, cols, vec![FLAT; rows * cols]), Gluing::both()),
         sources: vec![[100.0, 33.0], [320.0, 70.0]],
         exact: Box::new(move |[row, col]| {
             let image = |down, right| [row + 320.0 * down, col + 500.0 * right];
@@ -172,40 +176,87 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Prints how much longer an iteration takes on a glued surface than on the same grid cut open.
+/// The cost of a map: its time in milliseconds without the measuring of the surface, and its numbers of iterations and
+/// of visits per point. The number of visits is known on the CPU only.
+struct Cost {
+    time: f64,
+    iterations: f64,
+    visits: f64,
+}
+
+/// Returns a function that computes the map of a source and returns its cost. The surface is measured once.
+fn measured<'a>(
+    surface: &'a Surface,
+    source @ [row, col]: [f64; 2],
+    engine: &'a Engine,
+) -> Box<dyn Fn() -> Cost + 'a> {
+    if !matches!(engine, Engine::Cpu) {
+        return Box::new(move || {
+            let report = solve(surface, source, engine).report;
+            let iterations = f64::from(report.iterations);
+            Cost { time: milliseconds(report.solve_time), iterations, visits: f64::NAN }
+        });
+    }
+    let edges = EdgeLengths::<f32>::new(surface).expect("lengths are finite");
+    let points = edges.chart().points() as f64;
+    let seeds = [Seed::at_source(row as usize, col as usize, 0.0)];
+    Box::new(move || {
+        let mut solver = RotatedScan::new(&edges, Wavefront::Curved);
+        let start = Instant::now();
+        let convergence = solver.solve(&seeds, Stop::within(1e-6).or_after(1000));
+        let time = milliseconds(start.elapsed());
+        let visits = solver.visits() as f64 / points;
+        Cost { time, iterations: f64::from(convergence.iterations), visits }
+    })
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    1e3 * time.as_secs_f64()
+}
+
+/// Prints how much longer an iteration takes on a glued surface than on the same grid cut open, from the case's first
+/// source and from the middle of the grid. From elsewhere than the middle, fronts that go round make iterations visit
+/// more points than on the open grid, where engines skip what no front can change. For the CPU, further rows compare
+/// the times per visit.
 fn print_times(cases: &[Case], engines: &[(&str, Engine)]) {
-    println!("\n| surface | engine | open: ms an iteration | glued | ratio |");
-    println!("|---|---|---:|---:|---:|");
+    println!("\n| surface | source | engine and unit | open | glued | ratio |");
+    println!("|---|---|---|---:|---:|---:|");
     // On the cube-sphere cut open, a source reaches only its own face, which is a sixth of the work.
     for case in cases.iter().filter(|case| case.name != "cube-sphere") {
         let open = opened(&case.surface);
-        for (engine_name, engine) in engines {
-            let time = |surface: &Surface| {
-                let report = solve(surface, case.sources[0], engine).report;
-                let per_iteration = |time: Duration| 1e3 * time.as_secs_f64();
-                per_iteration(report.solve_time) / f64::from(report.iterations)
-            };
-            let pairs: Vec<_> = (0..PAIRS).map(|_| [&open, &case.surface].map(time)).collect();
-            let [of_open, of_glued] =
-                [0, 1].map(|k| median(pairs.iter().map(|pair| pair[k]).collect()));
-            let ratio = median(pairs.iter().map(|[open, glued]| glued / open).collect());
-            println!(
-                "| {} | {engine_name} | {of_open:.2} | {of_glued:.2} | {ratio:.2} |",
-                case.name
-            );
+        let middle = [open.rows() / 2, open.cols() / 2].map(|at| at as f64);
+        for source in [case.sources[0], middle] {
+            for (engine_name, engine) in engines {
+                let maps = [&open, &case.surface].map(|surface| measured(surface, source, engine));
+                let pairs: Vec<_> = (0..PAIRS).map(|_| maps.each_ref().map(|map| map())).collect();
+                let print = |unit: &str, of: fn(&Cost) -> f64| {
+                    let medians =
+                        [0, 1].map(|k| median(pairs.iter().map(|pair| of(&pair[k])).collect()));
+                    let ratios = pairs.iter().map(|[open, glued]| of(glued) / of(open));
+                    println!(
+                        "| {} | {source:?} | {engine_name}, {unit} | {:.2} | {:.2} | {:.2} |",
+                        case.name,
+                        medians[0],
+                        medians[1],
+                        median(ratios.collect())
+                    );
+                };
+                print("ms an iteration", |cost| cost.time / cost.iterations);
+                if matches!(engine, Engine::Cpu) {
+                    print("ms for a visit of each point", |cost| cost.time / cost.visits);
+                }
+            }
         }
     }
 }
 
-/// Returns the grid of a surface without its gluing.
+/// Returns the grid of a surface without its gluing. Surfaces without positions are flat tori.
 fn opened(surface: &Surface) -> Surface {
     let (rows, cols) = (surface.rows(), surface.cols());
     let position = |index| surface.position(index / cols, index % cols);
     match (0..rows * cols).map(position).collect() {
         Some(positions) => Surface::from_positions(rows, cols, positions),
-        None => {
-            Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing { dx: 1.0, dy: 1.0 })
-        }
+        None => Surface::from_metric(rows, cols, vec![FLAT; rows * cols]),
     }
     .expect("the grid has points")
 }
