@@ -32,7 +32,7 @@ pub enum Error {
     },
     /// The map does not fit into memory.
     #[error(
-        "the map of a grid of {points} points needs {} MiB of memory beside the surface, more than \
+        "the map of a grid of {points} points needs {} MiB of memory in addition to the surface, more than \
          is available; take a coarser grid or a part of the surface",
         .bytes >> 20
     )]

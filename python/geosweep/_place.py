@@ -36,8 +36,8 @@ class Place:
         if outside.any():
             x, y = xy[outside][0].tolist()
             raise ValueError(
-                f"{name}: x={x:.10g}, y={y:.10g} lies off the points of the raster, whose x are "
-                f"{self.x0:.10g} to {self.x0 + self.dx * last[1]:.10g} and y "
+                f"{name}: x={x:.10g}, y={y:.10g} lies outside the raster, whose points have x from "
+                f"{self.x0:.10g} to {self.x0 + self.dx * last[1]:.10g} and y from "
                 f"{self.y0 - self.dy * last[0]:.10g} to {self.y0:.10g}"
             )
         return inside

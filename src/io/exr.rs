@@ -34,7 +34,7 @@ const POSITION_CHANNELS: [[&str; 3]; 2] = [["X", "Y", "Z"], ["R", "G", "B"]];
 pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
     let malformed = |error: Error| match error {
         Error::NotSupported(what) => format!("uses an EXR feature that is not supported: {what}"),
-        other => format!("is no usable EXR file: {other}"),
+        other => format!("is not a usable EXR file: {other}"),
     };
     let meta = MetaData::read_from_buffered(bytes, false).map_err(malformed)?;
     check_headers(&meta.headers, bytes.len())?;

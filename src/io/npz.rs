@@ -14,7 +14,7 @@ const EXTENSION: &str = ".npy";
 /// Decodes one array of the archive: the only one, or among several the one whose name comes first in
 /// `names`.
 pub(super) fn decode(bytes: &[u8], names: &[&str]) -> Result<NpyArray, String> {
-    let malformed = |error: rawzip::Error| format!("is no usable .npz file: {error}");
+    let malformed = |error: rawzip::Error| format!("is not a usable .npz file: {error}");
     let archive = ZipArchive::from_slice(bytes).map_err(malformed)?;
     let mut arrays = Vec::new();
     let mut entries = archive.entries();

@@ -15,7 +15,7 @@ pub(super) struct GreyPicture {
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<GreyPicture, String> {
-    let malformed = |error: ::png::DecodingError| format!("is no usable PNG file: {error}");
+    let malformed = |error: ::png::DecodingError| format!("is not a usable PNG file: {error}");
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: PNG_BUFFERS });
     // These chunks could decompress to any size, and they say nothing about heights.
     decoder.set_ignore_iccp_chunk(true);

@@ -28,12 +28,12 @@ struct Field {
     at: usize,
 }
 
-const CUT_SHORT: &str = "is no usable TIFF file: a directory is cut short or damaged";
+const CUT_SHORT: &str = "is not a usable TIFF file: a directory is cut short or damaged";
 
 impl<'a> File<'a> {
     /// Reads the header. Returns the file and the offset of its first directory.
     pub fn open(bytes: &'a [u8]) -> Result<(Self, u64), String> {
-        let no_tiff = || "is no usable TIFF file: its first bytes differ".to_string();
+        let no_tiff = || "is not a usable TIFF file: its first bytes differ".to_string();
         let big_endian = match bytes.get(..2) {
             Some(b"II") => false,
             Some(b"MM") => true,
@@ -72,7 +72,7 @@ impl<'a> File<'a> {
         let mut seen = HashSet::new();
         while next != 0 {
             if !seen.insert(next) {
-                return Err("is no usable TIFF file: its directories form a circle".into());
+                return Err("is not a usable TIFF file: its directories form a circle".into());
             }
             let (directory, after) = self.directory(next).ok_or(CUT_SHORT)?;
             directories.push(directory);
@@ -201,5 +201,5 @@ impl<'a> Directory<'a> {
 }
 
 fn damaged(tag: u16) -> String {
-    format!("is no usable TIFF file: the field {tag} is cut short or of a wrong type")
+    format!("is not a usable TIFF file: the field {tag} is cut short or of a wrong type")
 }

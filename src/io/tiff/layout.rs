@@ -77,7 +77,7 @@ impl Layout {
     pub fn read(directory: &Directory, cure: &Cure) -> Result<Self, String> {
         let needed = |tag, name: &str| {
             let value = directory.integer(tag)?.and_then(|value| usize::try_from(value).ok());
-            value.ok_or_else(|| format!("is no usable TIFF file: it lacks the field {name}"))
+            value.ok_or_else(|| format!("is not a usable TIFF file: it lacks the field {name}"))
         };
         let or = |tag, value| Ok::<_, String>(directory.integer(tag)?.unwrap_or(value));
         let rows = needed(tag::IMAGE_LENGTH, "ImageLength")?;
@@ -91,7 +91,7 @@ impl Layout {
         };
         let photometric = directory.integer(tag::PHOTOMETRIC)?;
         match samples - usize::from(alpha.is_some()) {
-            0 => return Err("is no usable TIFF file: it has no band".into()),
+            0 => return Err("is not a usable TIFF file: it has no band".into()),
             1 => {}
             bands => {
                 return Err(format!(
@@ -131,7 +131,7 @@ impl Layout {
             1 => false,
             2 => true,
             other => {
-                return Err(format!("is no usable TIFF file: FillOrder {other} is not valid"));
+                return Err(format!("is not a usable TIFF file: FillOrder {other} is not valid"));
             }
         };
         let planar = match or(tag::PLANAR_CONFIGURATION, 1)? {
@@ -139,7 +139,7 @@ impl Layout {
             2 => samples > 1,
             other => {
                 return Err(format!(
-                    "is no usable TIFF file: PlanarConfiguration {other} is not valid"
+                    "is not a usable TIFF file: PlanarConfiguration {other} is not valid"
                 ));
             }
         };
@@ -155,7 +155,7 @@ impl Layout {
             }
         };
         if chunk.contains(&0) {
-            return Err("is no usable TIFF file: it has strips or tiles of no size".into());
+            return Err("is not a usable TIFF file: it has strips or tiles of no size".into());
         }
         let mut layout = Self {
             rows,
@@ -181,7 +181,8 @@ impl Layout {
             true => (tag::TILE_OFFSETS, tag::TILE_BYTE_COUNTS),
             false => (tag::STRIP_OFFSETS, tag::STRIP_BYTE_COUNTS),
         };
-        let lacks = |name: &str| format!("is no usable TIFF file: it lacks the {name} of its data");
+        let lacks =
+            |name: &str| format!("is not a usable TIFF file: it lacks the {name} of its data");
         let offsets = directory.integers(offsets)?.ok_or_else(|| lacks("offsets"))?;
         let lengths = match directory.integers(lengths)? {
             Some(lengths) => lengths,
@@ -197,7 +198,7 @@ impl Layout {
         let needed = self.chunks_across().checked_mul(self.chunks_down());
         let needed = needed.and_then(|needed| needed.checked_mul(planes));
         if needed.is_none_or(|needed| needed > offsets.len().min(lengths.len())) {
-            return Err("is no usable TIFF file: it does not say where all its data lie".into());
+            return Err("is not a usable TIFF file: it does not say where all its data lie".into());
         }
         let chunks = offsets.into_iter().zip(lengths);
         Ok(chunks.map(|(offset, length)| Chunk { offset, length }).collect())
@@ -270,7 +271,9 @@ impl Sample {
                 ));
             }
             other => {
-                return Err(format!("is no usable TIFF file: SampleFormat {other} is not valid"));
+                return Err(format!(
+                    "is not a usable TIFF file: SampleFormat {other} is not valid"
+                ));
             }
         };
         let known = match kind {

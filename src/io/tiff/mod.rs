@@ -69,7 +69,7 @@ pub(super) fn decode(
     let (file, first) = File::open(bytes)?;
     let directories = file.directories(first)?;
     let Some((main, others)) = directories.split_first() else {
-        return Err("is no usable TIFF file: it holds no picture".into());
+        return Err("is not a usable TIFF file: it holds no picture".into());
     };
     let layout = Layout::read(main, &cure)?;
     if layout.photometric == Photometric::Palette && role == Role::Values {

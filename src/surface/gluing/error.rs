@@ -57,7 +57,7 @@ pub enum GluingError {
     },
     /// The grid has too few lines for the gluing.
     #[error(
-        "a grid of {rows} x {cols} points is too small to be glued; give at least four lines across the seam"
+        "a grid of {rows} x {cols} points is too small to be glued; give it at least four lines parallel to the seam"
     )]
     TooSmall {
         /// Number of rows of the grid.
@@ -67,8 +67,8 @@ pub enum GluingError {
     },
     /// Two sides that should continue each other are neither the same line nor neighbours.
     #[error(
-        "the {} and the {} should continue each other, but are {apart:e} apart on average, where the lines beside them \
-         are {step:e} apart. Check which sides continue each other, and in which order",
+        "the {} and the {} should continue each other, but are {apart:e} apart on average, while the next line of \
+         the grid is {step:e} from each. Check which sides continue each other, and in which order",
         .sides[0], .sides[1]
     )]
     NotNeighbours {
@@ -81,8 +81,9 @@ pub enum GluingError {
     },
     /// A row should be at a pole or surround one, but does neither.
     #[error(
-        "the {side} should be at a pole or surround one, but its points lie {inner:e} from their mean, those of the \
-         row beside it {outer:e}. A pole lies half a row or a row beyond; leave poles out if the grid has none"
+        "the {side} should be at a pole or surround one. Its points lie {inner:e} from their mean position on average, \
+         and those of the next row lie {outer:e} from theirs, so no pole lies half a row or one row beyond it. Leave \
+         poles out of the gluing if the grid has none"
     )]
     NoRing {
         /// The row.
@@ -94,9 +95,9 @@ pub enum GluingError {
     },
     /// A grid does not hold the six faces of a cube.
     #[error(
-        "a grid of {rows} x {cols} points does not hold the six square faces of a cube in 2 x 3, 3 x 2, 1 x 6, 6 x 1, or \
-         as a cross in 3 x 4 or 4 x 3, side by side or with a line of holes between them. Mark the rest as holes, and \
-         give faces of 4 x 4 texels or more"
+        "a grid of {rows} x {cols} points does not hold the six square faces of a cube. Arrange 2 x 3, 3 x 2, 1 x 6 or \
+         6 x 1 faces, or a cross in 3 x 4 or 4 x 3, side by side or with a line of holes between neighbours. Mark all \
+         other points as holes, and give each face at least 4 x 4 texels"
     )]
     NotCube {
         /// Number of rows of the grid.
@@ -123,7 +124,7 @@ pub enum GluingError {
     },
     /// No two points of the surface coincide.
     #[error(
-        "no two points of the surface coincide beside its holes and borders, so there is nothing to glue"
+        "no two points next to a hole or a border of the surface coincide, so there is nothing to glue"
     )]
     Nothing,
     /// The geometry does not allow the gluing.
@@ -139,9 +140,8 @@ pub enum GluingError {
     ReversedMetric,
     /// A coarser grid of every second row and column would not be glued as the surface is.
     #[error(
-        "the seams of the surface do not meet on every second row and column, which the comparison with a coarser \
-         grid needs; a grid of {rows} x {cols} points has such a coarser one, and so have charts with an odd number of \
-         points on each side"
+        "the seams of the surface do not meet on the coarser grid of every second row and column, with which the map is \
+         compared; use a grid of {rows} x {cols} points, or charts with an odd number of points on each side"
     )]
     Uneven {
         /// Number of rows of a grid that has a coarser one.

@@ -14,7 +14,7 @@ fn files(folder: &std::path::Path) -> Vec<(std::path::PathBuf, Vec<u8>)> {
 }
 
 #[test]
-fn a_store_has_one_file_a_device_which_a_fault_in_it_does_not_spoil() {
+fn a_store_keeps_one_file_per_device_and_replaces_a_damaged_file() {
     let host = Host::new();
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path().join("not yet there");

@@ -34,23 +34,23 @@ pub struct SolverArgs {
 }
 
 const BEST_WAVEFRONT: &str = "\
-    Curved; but anchored over floor plans from points, planar on a surface that turns at random, \
-    and planar for fast marching";
+    Curved, with three exceptions: anchored for point sources on floor plans, planar where normals \
+    or the slowness vary at random from point to point, and planar for fast marching";
 const WAVEFRONTS: [(Wavefront, &str); 4] = [
     (
         Wavefront::Curved,
         "Carries its curvature: the most accurate on smooth surfaces, around walls and from \
-         curves, in about twice the time of point",
+         curves, in about twice the time of circular",
     ),
     (
         Wavefront::Anchored,
-        "Stores its anchor, the corner or source from which it comes in a straight line: exact, for \
-         point sources over floor plans only (flat, evenly spaced, with holes)",
+        "Stores its anchor, the corner or source from which it comes in a straight line: exact, but \
+         only for point sources on floor plans (flat, evenly spaced, with or without holes)",
     ),
     (
         Wavefront::Circular,
-        "Circular: exact on developable surfaces apart from the sampling, for one point source; \
-         replaced by curved for several sources or with a slowness",
+        "Circular: exact on developable surfaces, except for the error of sampling the surface, from \
+         one point source; curved fronts replace it for several sources and where the slowness varies",
     ),
     (Wavefront::Planar, "Straight: first-order accurate, as in the paper"),
 ];
@@ -58,8 +58,9 @@ const WAVEFRONTS: [(Wavefront, &str); 4] = [
 const ENGINES: [(Engine, &str); 4] = [
     (
         Engine::Auto,
-        "The CPU, or a GPU if there is one and it takes less time with its set-up: from 17 million points \
-         with curved or anchored fronts, 63 with circular and 125 with planar ones, by an NVIDIA H200",
+        "The CPU, or a GPU if there is one and it is faster, its set-up included. Measured on an NVIDIA \
+         H200, that is from 17 million points with curved or anchored fronts, 63 million with circular \
+         and 125 million with planar fronts",
     ),
     (Engine::Vulkan(DeviceChoice::Any), "The best Vulkan device, or an error"),
     (Engine::Cpu, "Raster scans on the CPU"),
@@ -99,7 +100,9 @@ impl SolverArgs {
             let for_vulkan =
                 [("--device", self.device.is_some()), ("--schedule", self.schedule.is_some())];
             if let Some((option, _)) = for_vulkan.into_iter().find(|(_, is_given)| *is_given) {
-                return Err(format!("{option} is for --engine vulkan; leave one of them out"));
+                return Err(format!(
+                    "{option} is only for --engine vulkan; leave out {option} or the other --engine"
+                ));
             }
         }
         let device = self.device.clone().map(Engine::Vulkan);

@@ -43,9 +43,9 @@ pub struct Args {
 const EXAMPLES: &str = "\
 The mean relative error against the number of points per side. The plot on the left has
 one iteration of directed raster scans with the planar wavefront, as in the paper: from
-a point, and from exact values in a disc of radius 0.15 around it. The other plots have
-converged maps from a point with the other wavefronts. All maps are computed on the CPU
-in single precision.
+a point, and from exact values in a disc of radius 0.15 around it. The other two plots
+show converged maps from a point, one with circular and one with curved fronts. All maps
+are computed on the CPU in single precision.
 
 Examples:
   geosweep figure convergence -o convergence.png --csv convergence.csv

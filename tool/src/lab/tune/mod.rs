@@ -60,11 +60,12 @@ pub struct Args {
 }
 
 const EXAMPLES: &str = "\
-One number is changed at a time. The others stay as they are for the device's kind. Each
-map is timed in turn with the untuned one and compared with it. The best value of each
-number is suggested if it takes less than 0.97 of the time. All suggested values together
-are timed once more. Times are the best of several runs by the host's clock. The exit
-status is 1 if a map differs by more than 1e-5 of its largest distance.
+One number is changed at a time. The others keep the defaults for this kind of device.
+Runs of each map alternate with runs of the untuned map, and the two maps are compared.
+The best value of each number is suggested if its maps take less than 0.97 of the untuned
+time. All suggested values together are timed once more. Times are the best of several
+runs by the host's clock. The exit status is 1 if a map differs from the untuned one by
+more than 1e-5 of the largest distance.
 
 Examples:
   geosweep tune --quick
