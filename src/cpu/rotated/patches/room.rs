@@ -129,7 +129,9 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Pool<R, C, G> {
         work: impl FnOnce(&mut Panel<R, C, G>) -> T,
     ) -> T {
         let held = "no thread panics while it takes or returns a panel";
-        let mut panel = self.0.lock().expect(held).pop().unwrap_or_else(new);
+        let spare = self.0.lock().expect(held).pop();
+        // The lock is released before a new panel is allocated.
+        let mut panel = spare.unwrap_or_else(new);
         let result = work(&mut panel);
         self.0.lock().expect(held).push(panel);
         result
