@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::super::geometry::Geometry;
-use super::super::seams::{COINCIDENT, Rim};
+use super::super::seams::{COINCIDENT, Rim, spread};
 use super::super::{Chart, Direction, GridSide, MetricTensor, Seam, Surface, SurfaceError};
 use super::lattice::Lattice;
 use super::{Gluing, GluingError, Run};
@@ -186,27 +186,27 @@ impl Surface {
             None => Compiled { pairs: self.coinciding()?, lattice: Lattice::default() },
         };
         self.check_pairs(&compiled.pairs)?;
-        gluing.seams().iter().try_for_each(|seam| self.check_width(seam))?;
+        gluing.seams().iter().try_for_each(|seam| self.check_size(seam))?;
         Ok(compiled)
     }
 
-    /// Checks that the points of each pair coincide in comparison with a length along the seam. Where a strip is much
+    /// Checks that the points of each pair coincide in comparison with the size of the seam. Where a strip is much
     /// narrower than its cells are long, each point of its end is near each other one in comparison with the cells.
-    fn check_width(&self, seam: &Seam) -> Result<(), GluingError> {
+    fn check_size(&self, seam: &Seam) -> Result<(), GluingError> {
         let Geometry::Positions(positions) = self.geometry() else { return Ok(()) };
-        let rim = |side| Rim::new(self, side);
+        let mut pairs = pairs_of(self.chart, seam)?;
+        pairs.retain(|pair| pair.iter().all(|&index| self.present()[index]));
         let size = match *seam {
-            Seam::Sides { sides, .. } | Seam::Neighbours { sides, .. } => {
-                sides.map(|side| rim(side).longest_step()).into_iter().fold(0.0, f64::max)
+            Seam::Sides { .. } | Seam::Neighbours { .. } | Seam::Fold(_) => {
+                spread(pairs.iter().flatten().map(|&index| positions[index]))
             }
-            Seam::Fold(side) => rim(side).longest_step(),
-            Seam::Pole { side, .. } | Seam::Ring(side) => rim(side).spread_behind(),
+            Seam::Pole { side, .. } | Seam::Ring(side) => Rim::new(self, side).spread_behind(),
         };
-        for pair in pairs_of(self.chart, seam)? {
-            let apart = positions[pair[0]].distance(positions[pair[1]]);
-            // A size of 0 has nothing to compare with. A distance from a hole is not a number.
+        for [a, b] in pairs {
+            let apart = positions[a].distance(positions[b]);
+            // A size of 0 has nothing to compare with.
             if size > 0.0 && apart > COINCIDENT * size {
-                let places = pair.map(|index| self.chart.position(index));
+                let places = [a, b].map(|index| self.chart.position(index));
                 return Err(GluingError::Apart { places, apart, edge: size });
             }
         }

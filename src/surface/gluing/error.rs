@@ -17,8 +17,8 @@ pub enum GluingError {
         places: [(usize, usize); 2],
         /// Distance between the points, or the difference of their heights, tensors or slowness.
         apart: f64,
-        /// The size with which the difference is compared: an edge's length, or the size of a tensor or slowness. The
-        /// difference may be up to 5 % of this size.
+        /// The size with which the difference is compared: the length of an edge or of the seam, or the size of a tensor
+        /// or slowness. The difference may be up to 5 % of this size.
         edge: f64,
     },
     /// Two sides have different numbers of points.

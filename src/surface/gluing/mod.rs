@@ -99,8 +99,8 @@ impl Glued {
 impl Surface {
     /// Glues sides of the grid, so that fronts pass from one side to the other. A second gluing adds to the first.
     ///
-    /// Points that are glued must coincide up to a twentieth of an edge; each takes the position of its first
-    /// copy. Heights, metrics and slownesses of copies must agree in the same way, and each point takes those of its
+    /// Points that are glued must coincide up to a twentieth of an edge and of the seam's size; each takes the position
+    /// of its first copy. Heights, metrics and slownesses of copies must agree in the same way, and each point takes those of its
     /// first copy. A point becomes a hole if any of its copies is one.
     ///
     /// # Errors
