@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::context::{CommandBuffer, Context};
 use crate::constants::SOURCES_INSIDE;
-use crate::surface::{Origins, Seed, Surface};
+use crate::surface::{Chart, Origins, Seed, Surface};
 use crate::update::{Setting, Wavefront};
 use crate::vulkan::copies::CopyList;
 use crate::vulkan::device::passes::Variant;
@@ -59,29 +59,19 @@ impl SurfaceOnDevice {
     ) -> Result<Self, VulkanError> {
         let first = CommandBuffer::new(context)?;
         let slowed = surface.is_slowed_unevenly();
-        let (device, allocator) = (&context.device, &mut *context.allocator());
+        // These loops run before the allocator is locked. A thread that waits for others in a loop may take up other
+        // work, which may need the allocator too.
+        let anchors = Anchors::of(surface, texels);
+        let copies = surface.copies().map(|groups| CopyList::of_groups(surface.chart(), groups));
         let sizes = (surface.chart(), texels);
-        let purpose = Purpose::Headless { slowed };
-        let mut images = GridImages::new(device, allocator, pipelines, sizes, purpose)?;
-        if let Some(groups) = surface.copies() {
-            let glued = images.glue(
-                device,
-                allocator,
-                pipelines,
-                CopyList::of_groups(surface.chart(), groups),
-            );
-            if let Err(error) = glued {
-                images.destroy(device, allocator);
-                return Err(error);
-            }
-        }
+        let images = allocated(context, pipelines, sizes, Purpose::Headless { slowed }, copies)?;
         Ok(Self {
             images,
-            anchors: Anchors::of(surface, texels),
+            anchors,
             splits: false,
             slowed,
             is_anchored: false,
-            origins: Origins::none(surface.is_slowed_unevenly()),
+            origins: Origins::none(slowed),
             numbered: NumberedOrigins::default(),
             first,
             further: Vec::new(),
@@ -149,6 +139,25 @@ impl SurfaceOnDevice {
     pub fn bytes(&self) -> u64 {
         self.images.bytes()
     }
+}
+
+/// Allocates the images of a surface, and the list of its copies if it is glued. The allocator is locked meanwhile.
+fn allocated(
+    context: &Context,
+    pipelines: &Pipelines,
+    sizes: (Chart, TexelChart),
+    purpose: Purpose,
+    copies: Option<CopyList>,
+) -> Result<GridImages, VulkanError> {
+    let (device, allocator) = (&context.device, &mut *context.allocator());
+    let mut images = GridImages::new(device, allocator, pipelines, sizes, purpose)?;
+    if let Some(copies) = copies
+        && let Err(error) = images.glue(device, allocator, pipelines, copies)
+    {
+        images.destroy(device, allocator);
+        return Err(error);
+    }
+    Ok(images)
 }
 
 impl Drop for SurfaceOnDevice {
