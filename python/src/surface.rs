@@ -121,8 +121,8 @@ impl Surface {
     }
 
     #[getter]
-    fn is_floor_plan(&self) -> bool {
-        self.inner.surface.is_floor_plan()
+    fn is_floor_plan(&self, py: Python<'_>) -> PyResult<bool> {
+        work::detached(py, || self.inner.surface.is_floor_plan())
     }
 
     #[getter]
