@@ -217,16 +217,18 @@ impl Map {
     }
 
     /// Returns row, column and distance of the farthest point.
-    fn farthest(&self) -> Option<(usize, usize, f64)> {
+    fn farthest(&self, py: Python<'_>) -> PyResult<Option<(usize, usize, f64)>> {
         macro_rules! farthest_of {
             ($map:expr) => {{
                 let found = farthest($map.chart, &$map.distances)?;
                 Some((found.row, found.col, found.distance.into()))
             }};
         }
-        match &self.distances {
-            Distances::Single(map) => farthest_of!(map),
-            Distances::Double(map) => farthest_of!(map),
-        }
+        work::detached(py, || -> Option<(usize, usize, f64)> {
+            match &self.distances {
+                Distances::Single(map) => farthest_of!(map),
+                Distances::Double(map) => farthest_of!(map),
+            }
+        })
     }
 }

@@ -1,23 +1,29 @@
-//! Runs computations without the interpreter's lock.
+//! Runs computations without the interpreter's lock, on threads of this process.
 
 use std::any::Any;
 use std::cell::RefCell;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::mem::ManuallyDrop;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::process;
 use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use geosweep::Monitor;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use rayon::{Scope, ThreadPool, ThreadPoolBuilder};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// Time between two checks for signals, after each of which the progress callback is called.
 const INTERVAL: Duration = Duration::from_millis(20);
 
-/// Runs `work` without the lock. A panic becomes a `RuntimeError`.
+/// Runs `work` without the lock, on the threads that all calls share. A panic becomes a `RuntimeError`.
 pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
-    py.detach(|| catch_unwind(AssertUnwindSafe(work))).map_err(panicked)
+    let pool = shared_pool()?;
+    let run = || pool.threads.install(work);
+    py.detach(|| catch_unwind(AssertUnwindSafe(run))).map_err(panicked)
 }
 
 /// Runs `work` without the lock, on `threads` threads or, if that is `None`, on the threads that all calls share.
@@ -30,6 +36,10 @@ pub fn watched<T: Send>(
     tell: impl Fn(Python<'_>) -> PyResult<()> + Sync,
     work: impl FnOnce() -> T + Send,
 ) -> PyResult<T> {
+    let pool = match threads {
+        Some(threads) => own_pool(threads)?,
+        None => shared_pool()?,
+    };
     py.detach(|| {
         let (send, receive) = channel();
         let job = move || {
@@ -43,7 +53,7 @@ pub fn watched<T: Send>(
                 tell(py)
             })
         };
-        in_scope(threads, |scope| {
+        pool.threads.in_place_scope(|scope| {
             scope.spawn(|_| job());
             let mut failure = None;
             let done = loop {
@@ -65,7 +75,7 @@ pub fn watched<T: Send>(
                 Some(failure) => Err(failure),
                 None => done.map_err(panicked),
             }
-        })?
+        })
     })
 }
 
@@ -75,22 +85,62 @@ pub fn stoppable<T: Send>(py: Python<'_>, work: impl FnOnce(&Monitor) -> T + Sen
     watched(py, None, &monitor, |_| Ok(()), || work(&monitor))
 }
 
-/// Runs `start` in this thread. Jobs that it spawns run on `threads` threads, or on the threads that all calls share.
-fn in_scope<'s, T>(threads: Option<usize>, start: impl FnOnce(&Scope<'s>) -> T) -> PyResult<T> {
-    thread_local! {
-        /// The pools that calls from this thread have asked for.
-        static POOLS: RefCell<HashMap<usize, std::rc::Rc<ThreadPool>>> = RefCell::default();
+/// Threads of the process that has made them.
+///
+/// A child that this process makes by `fork` inherits the pool without its threads. In the child, work in the pool
+/// would never start, and dropping the pool may wait for a lock that one of the threads held. That is why nothing runs
+/// in rayon's global pool, which no child can replace.
+struct Pool {
+    process: u32,
+    threads: ManuallyDrop<ThreadPool>,
+}
+
+impl Pool {
+    /// Makes a pool of `threads` threads, or of as many as rayon chooses if that is 0.
+    fn new(threads: usize) -> PyResult<Self> {
+        let made = ThreadPoolBuilder::new().num_threads(threads).build();
+        let made = made.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+        Ok(Self { process: process::id(), threads: ManuallyDrop::new(made) })
     }
-    let Some(threads) = threads else { return Ok(rayon::in_place_scope(start)) };
-    let pool = POOLS.with_borrow_mut(|pools| match pools.get(&threads) {
-        Some(pool) => Ok(pool.clone()),
-        None => {
-            let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-            let pool = pool.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
-            Ok::<_, PyErr>(pools.entry(threads).or_insert(pool.into()).clone())
+
+    /// Returns whether this process has made the pool.
+    fn is_own(&self) -> bool {
+        self.process == process::id()
+    }
+}
+
+impl Drop for Pool {
+    fn drop(&mut self) {
+        if self.is_own() {
+            // SAFETY: nothing uses the threads after this.
+            unsafe { ManuallyDrop::drop(&mut self.threads) };
         }
-    })?;
-    Ok(pool.in_place_scope(start))
+    }
+}
+
+/// Returns the pool that all calls of this process share. The caller holds the interpreter's lock, so that no other
+/// thread forks while the pool is locked.
+fn shared_pool() -> PyResult<Arc<Pool>> {
+    static SHARED: Mutex<Option<Arc<Pool>>> = Mutex::new(None);
+    let mut shared = SHARED.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(pool) = shared.as_ref().filter(|pool| pool.is_own()) {
+        return Ok(Arc::clone(pool));
+    }
+    let pool = Arc::new(Pool::new(0)?);
+    *shared = Some(Arc::clone(&pool));
+    Ok(pool)
+}
+
+/// Returns the pool of `threads` threads that calls from this thread share.
+fn own_pool(threads: usize) -> PyResult<Arc<Pool>> {
+    thread_local! {
+        /// The pools that calls from this thread have asked for, by process and number of threads.
+        static POOLS: RefCell<HashMap<(u32, usize), Arc<Pool>>> = RefCell::default();
+    }
+    POOLS.with_borrow_mut(|pools| match pools.entry((process::id(), threads)) {
+        Entry::Occupied(pool) => Ok(Arc::clone(pool.get())),
+        Entry::Vacant(place) => Ok(Arc::clone(place.insert(Arc::new(Pool::new(threads)?)))),
+    })
 }
 
 fn panicked(panic: Box<dyn Any + Send>) -> PyErr {

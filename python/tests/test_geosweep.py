@@ -251,6 +251,40 @@ def test_threads_do_not_disturb_one_another() -> None:
     assert all(np.array_equal(found[k], expected[k]) for k in range(16))
 
 
+def exit_status(child: int, seconds: float) -> int:
+    """Return the exit status of a child. A child that takes longer than `seconds` is killed."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        ended, status = os.waitpid(child, os.WNOHANG)
+        if ended == child:
+            return os.waitstatus_to_exitcode(status)
+        time.sleep(0.02)
+    os.kill(child, signal.SIGKILL)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
+@pytest.mark.parametrize("threads", [None, 2])
+def test_a_forked_child_computes_the_same_map(threads: int | None) -> None:
+    def farthest() -> tuple[np.ndarray, tuple[int, int, float]]:
+        m = gs.Surface.from_heights(hill()).solve((3, 4), threads=threads)
+        return m.distance, m.farthest()
+
+    expected, far = farthest()
+    with warnings.catch_warnings():
+        # Python 3.12 and later warn of a fork beside other threads.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        child = os.fork()
+    if child == 0:
+        status = 1
+        try:
+            found, again = farthest()
+            status = 0 if np.array_equal(found, expected) and again == far else 2
+        finally:
+            os._exit(status)
+    assert exit_status(child, seconds=120) == 0
+
+
 def test_devices_are_listed() -> None:
     assert all(isinstance(device, gs.Device) for device in gs.devices())
 
