@@ -9,7 +9,9 @@ use crate::{Convergence, Error};
 /// the same state.
 ///
 /// A computation that is cancelled ends with [`Error::Cancelled`] after the current band of lines, part of the
-/// edges or submission to a device: on the CPU within milliseconds. Fast marching goes on to its end.
+/// edges or submission to a device: on the CPU within milliseconds. Matrices on the CPU whose maps are computed in
+/// batches ([`PairwiseScan`](crate::cpu::PairwiseScan)) end after the current batches, of up to 16 maps on each
+/// thread. Fast marching goes on to the end of its map.
 ///
 /// ```
 /// use geosweep::{Error, Monitor, Options, Sources, Spacing, Surface, distance_map};
@@ -79,11 +81,15 @@ impl PartialEq for Monitor {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
     use std::thread;
 
     use crate::pairwise::Pairwise;
     use crate::surface::Surface;
-    use crate::{Engine, Error, Monitor, Options, Sources, Spacing, distance_map};
+    use crate::{
+        Engine, Error, Monitor, Options, Sources, Spacing, Wavefront, distance_map,
+        distance_map_f64,
+    };
 
     /// A corridor that winds through the grid, so that a front takes one iteration for each of its turns.
     fn winding(side: usize) -> Surface {
@@ -112,6 +118,42 @@ mod tests {
         });
         assert!(matches!(result, Err(Error::Cancelled)), "{result:?}");
         assert!(monitor.progress().iterations < 100);
+    }
+
+    #[test]
+    fn no_engine_starts_with_a_cancelled_monitor() {
+        let (surface, monitor, source) = (winding(9), Monitor::default(), Sources::point(0.0, 0.0));
+        monitor.cancel();
+        for engine in [Engine::FastMarching, Engine::Cpu, Engine::Auto] {
+            let options = Options::default().with_engine(engine.clone());
+            let options = options.with_wavefront(Wavefront::Planar).with_monitor(monitor.clone());
+            let single = distance_map(&surface, &source, &options);
+            assert!(matches!(single, Err(Error::Cancelled)), "{engine:?}: {single:?}");
+            let double = distance_map_f64(&surface, &source, &options);
+            assert!(matches!(double, Err(Error::Cancelled)), "{engine:?}: {double:?}");
+        }
+    }
+
+    /// The matrix has 625 rows. So the batches of its first generation, of 256 rows, cannot be all.
+    #[test]
+    fn a_symmetric_matrix_is_cancelled() {
+        let (surface, monitor) = (winding(25), Monitor::default());
+        let options = Options::default().with_wavefront(Wavefront::Planar);
+        let options = options.with_monitor(monitor.clone());
+        let mut pairwise = Pairwise::new(&surface, &options).unwrap();
+        let seen = AtomicUsize::new(0);
+        let mut matrix = || {
+            pairwise.matrix_by_symmetry(|rows| {
+                seen.fetch_add(rows, Ordering::Relaxed);
+                monitor.cancel();
+                Ok::<_, Error>(())
+            })
+        };
+        let result = matrix();
+        let rows = seen.load(Ordering::Relaxed);
+        assert!(matches!(result, Err(Error::Cancelled)) && (1..=256).contains(&rows), "{rows}");
+        assert!(matches!(matrix(), Err(Error::Cancelled)), "it does not start");
+        assert_eq!(seen.load(Ordering::Relaxed), rows);
     }
 
     #[test]

@@ -174,6 +174,8 @@ impl<'a> Problem<'a> {
         let wavefront = options.resolve_wavefront(surface, sources)?;
         let stop = options.stop(surface, R::TOLERANCE)?;
         let (radius, targets) = (options.checked_radius()?, options.checked_targets(surface)?);
+        let (schedule, monitor) = (options.schedule, options.monitor());
+        monitor.check()?;
         check_memory::<R>(surface)?;
         let start = sources.start();
         for seed in &mut seeds {
@@ -184,7 +186,6 @@ impl<'a> Problem<'a> {
         let seeds = wavefront.seeds(surface, seeds);
         let seeds = seeds.into_iter().map(|seed| grid.seed(seed)).collect();
         let targets = targets.map(|targets| grid.targets(targets));
-        let (schedule, monitor) = (options.schedule, options.monitor());
         Ok(Self {
             surface,
             grid,

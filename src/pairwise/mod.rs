@@ -110,13 +110,20 @@ impl<'a> Pairwise<'a> {
     ///
     /// # Errors
     /// As for [`Self::matrix`]; if the wavefront is curved, since its start would need curvatures as well; if
-    /// the engine does not support this initialisation; if the surface is glued; and any error of `done`.
+    /// the engine does not support this initialisation; if the surface is glued; if the monitor of
+    /// [`Options::with_monitor`] cancels the computation; and any error of `done`.
     pub fn matrix_by_symmetry<E: From<Error> + Send>(
         &mut self,
         done: impl Fn(usize) -> Result<(), E> + Sync,
     ) -> Result<(Vec<f32>, PairwiseReport), E> {
         let (lanes, grid) = self.engine.for_symmetry()?;
+        let monitor = &self.engine.monitor;
+        monitor.check()?;
         let mut matrix = self.room_for_a_matrix()?;
+        let done = |rows: usize| -> Result<(), E> {
+            monitor.check()?;
+            done(rows)
+        };
         let start = Instant::now();
         let convergence = lanes.solve_by_symmetry(grid, self.stop, &mut matrix, &done)?;
         Ok((matrix, self.report(self.points(), convergence, start.elapsed())))
