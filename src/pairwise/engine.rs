@@ -60,7 +60,7 @@ impl<'a> RowEngine<'a> {
                 Kind::FastMarching(EdgeLengths::new(on_grid)?, Connections::split(on_grid)?)
             }
             Engine::Vulkan(choice) => {
-                let solver = HeadlessSolver::new(choice)?;
+                let solver = HeadlessSolver::new(choice)?.with_monitor(monitor.clone());
                 let on_device = solver.upload(on_grid)?;
                 let pairwise = solver.pairwise(&on_device, wavefront, None)?;
                 Kind::Vulkan(Box::new(OnDevice { pairwise, surface: on_device, solver }))

@@ -40,7 +40,7 @@ pub struct HeadlessSolver {
     pub(in crate::vulkan) context: Arc<Context>,
     /// Store that keeps pipelines between processes, if there is one.
     store: Option<PipelineStore>,
-    pub(super) monitor: Monitor,
+    pub(in crate::vulkan) monitor: Monitor,
 }
 
 impl HeadlessSolver {

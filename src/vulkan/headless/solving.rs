@@ -322,8 +322,12 @@ impl HeadlessSolver {
                     })?;
                 }
                 submitter.submit(commands)?;
+                if self.monitor.is_cancelled() {
+                    break;
+                }
             }
-            *goes_on = Some(wanted);
+            // A map that was cancelled may have ended before all parts were recorded.
+            *goes_on = Some(wanted).filter(|_| is_recorded || !self.monitor.is_cancelled());
             outcome = images.record(0).outcome;
         }
         let time = begin.elapsed();
@@ -491,3 +495,73 @@ fn write_seeds(seeds: &[SeedTexel], images: &mut GridImages) -> u32 {
 /// Largest number of passes in a submission beside the steps of a plan: copies of the device's decisions, and
 /// of the outcome of the iterations.
 const PASSES_AROUND: u32 = 8;
+
+#[cfg(test)]
+mod tests {
+    use ash::vk;
+
+    use super::*;
+    use crate::surface::{Sources, Spacing, Surface};
+    use crate::vulkan::profile::Profile;
+    use crate::vulkan::{DeviceChoice, Tuning};
+    use crate::{Monitor, Stop};
+
+    /// Submitter that cancels the map with one of its submissions.
+    struct Cancelling {
+        monitor: Monitor,
+        /// Number of the submission that cancels the map, counted from 1.
+        at: u32,
+        submissions: u32,
+    }
+
+    impl Submitter for Cancelling {
+        fn record(
+            &self,
+            commands: &CommandBuffer,
+            append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&Profile>),
+        ) -> Result<(), VulkanError> {
+            Unwatched.record(commands, append)
+        }
+
+        fn submit(&mut self, commands: &CommandBuffer) -> Result<(), VulkanError> {
+            self.submissions += 1;
+            if self.submissions == self.at {
+                self.monitor.cancel();
+            }
+            Unwatched.submit(commands)
+        }
+
+        fn start(&mut self, flight: &mut Flight) -> Result<(), VulkanError> {
+            Unwatched.start(flight)
+        }
+    }
+
+    /// Each iteration has two parts. The recording of the further iterations is whole after the fourth submission.
+    #[test]
+    fn a_cancelled_map_ends_after_each_part() {
+        let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
+        let solver = HeadlessSolver::with_validation(&DeviceChoice::Name(device)).unwrap();
+        let tuning = Tuning { visits: Some(1), ..solver.tuning() };
+        let mut solver = solver.with_tuning(tuning).unwrap();
+        let heights = (0..40 * 30).map(|i| f64::from(i % 7 + i / 90).sin()).collect();
+        let surface = Surface::from_heights(40, 30, heights, Spacing::square(1.0)).unwrap();
+        let seeds = Sources::point(3.0, 20.0).seeds(&surface).unwrap();
+        let stop = Stop::within(1e-6).or_after(200);
+        let method = Method::new(Wavefront::Planar, stop).with_schedule(Schedule::AllPoints);
+        let mut on_device = solver.upload(&surface).unwrap();
+        let whole = solver.solve(&mut on_device, &seeds, method).unwrap();
+        for at in 1..=6 {
+            let monitor = Monitor::default();
+            solver.monitor = monitor.clone();
+            on_device.goes_on = None;
+            let mut submitter = Cancelling { monitor, at, submissions: 0 };
+            let from = (Start::Fresh, MapLimit::NONE);
+            solver.solve_watched(&mut on_device, &seeds, method, from, &mut submitter).unwrap();
+            assert_eq!(submitter.submissions, at);
+            assert_eq!(on_device.goes_on.is_some(), at > 4, "submission {at}");
+            solver.monitor = Monitor::default();
+            let again = solver.solve(&mut on_device, &seeds, method).unwrap();
+            assert!(again.distances == whole.distances, "submission {at}");
+        }
+    }
+}

@@ -189,6 +189,9 @@ impl PairwiseOnDevice {
     /// If maps lie in images, the sources of a batch should be neighbours: the first iteration visits only
     /// what the fronts of the batch can have reached.
     ///
+    /// If the monitor of `solver` cancels the maps ([`HeadlessSolver::with_monitor`]), each batch ends after its
+    /// current submission, and its rows are incomplete.
+    ///
     /// # Panics
     /// If this was made for another solver or another surface, if `into` does not have as many rows as
     /// sources and as many values a row as points, or if a source is not a grid point.
@@ -331,7 +334,7 @@ impl PairwiseOnDevice {
                 tally.settle(passes, &before, &gone);
             }
             let outcome = BatchOutcome::read(sources.len(), self.resources.read_outcome());
-            if outcome.is_done {
+            if outcome.is_done || solver.monitor.is_cancelled() {
                 break outcome;
             }
             let left = stop.iterations - outcome.convergence.iterations;
@@ -417,6 +420,7 @@ impl Drop for PairwiseOnDevice {
 mod tests {
     use super::layout::Workgroup;
     use super::*;
+    use crate::Monitor;
     use crate::surface::{Gluing, Spacing, Surface};
     use crate::vulkan::DeviceChoice;
     use crate::vulkan::device::barrier::tests::{number as barrier_number, without};
@@ -504,6 +508,25 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_cancelled_batch_ends_after_its_submission() {
+        let solver = solver();
+        let tuning = Tuning { together: Some(1), ..solver.tuning() };
+        let monitor = Monitor::default();
+        let solver = solver.with_tuning(tuning).unwrap().with_monitor(monitor.clone());
+        let on_device = solver.upload(&hill()).unwrap();
+        let images = Some(PairwiseSchedule::Images);
+        let mut pairwise = solver.pairwise(&on_device, Wavefront::Planar, images).unwrap();
+        let mut rows = [0.0; 3 * 600];
+        let mut iterations = || {
+            let solved = pairwise.solve(&solver, &on_device, &SOURCES, STOP, &mut rows);
+            solved.unwrap().iterations
+        };
+        let whole = iterations();
+        monitor.cancel();
+        assert!(whole > 1 && iterations() == 1, "{whole}");
     }
 
     #[test]
