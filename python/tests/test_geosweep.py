@@ -2,10 +2,13 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 import warnings
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -289,9 +292,13 @@ def test_devices_are_listed() -> None:
     assert all(isinstance(device, gs.Device) for device in gs.devices())
 
 
-def test_a_device_gives_the_same_map() -> None:
+def usable_devices() -> list[gs.Device]:
     wanted = os.environ.get("GEOSWEEP_TEST_DEVICE", "")
-    usable = [device for device in gs.devices() if wanted in device.name and not device.unmet]
+    return [device for device in gs.devices() if wanted in device.name and not device.unmet]
+
+
+def test_a_device_gives_the_same_map() -> None:
+    usable = usable_devices()
     if not usable:
         with pytest.raises(RuntimeError):
             gs.distance(hill(), (3, 4), engine="gpu", device="no such device")
@@ -309,3 +316,17 @@ def test_a_device_gives_the_same_map() -> None:
         assert all(
             np.array_equal(again.distance, m.distance) for again in threads.map(solve, range(4))
         )
+
+
+def test_the_pipelines_of_an_open_device_are_saved(tmp_path: Path) -> None:
+    usable = usable_devices()
+    if not usable:
+        pytest.skip("no Vulkan device")
+    device = usable[0].index
+    program = f"""
+import numpy as np, geosweep as gs
+gs.distance(np.zeros((9, 12)), (3, 4), engine="gpu", device={device})
+"""
+    environment = {**os.environ, "GEOSWEEP_PIPELINES": str(tmp_path)}
+    subprocess.run([sys.executable, "-c", program], env=environment, check=True, timeout=300)
+    assert len(list(tmp_path.glob("*.pipelines"))) == 1

@@ -3,6 +3,7 @@
 use std::ffi::{OsStr, OsString};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{PoisonError, RwLock};
 use std::{env, fs, io, process};
 
@@ -69,6 +70,9 @@ const MOST_BYTES: u64 = 1 << 28;
 
 const EXTENSION: &str = "pipelines";
 
+/// Number of files that this process has written.
+static SAVES: AtomicU32 = AtomicU32::new(0);
+
 impl PipelineStore {
     /// Opens a store in the folder of this process, if it has one.
     pub(in crate::vulkan) fn of_process(
@@ -121,7 +125,9 @@ impl PipelineStore {
             fs::create_dir_all(folder)?;
             remove_old(folder, &self.file);
         }
-        let part = self.file.with_extension(format!("{}.part", process::id()));
+        // Two stores of this process may be saved at the same time.
+        let number = SAVES.fetch_add(1, Ordering::Relaxed);
+        let part = self.file.with_extension(format!("{}-{number}.part", process::id()));
         let all = [&digest.to_le_bytes(), &*data].concat();
         let written = fs::write(&part, all).and_then(|()| fs::rename(&part, &self.file));
         if written.is_err() {

@@ -61,6 +61,8 @@ pub(crate) struct Pipelines {
     made: Vec<[OnceLock<vk::Pipeline>; Variant::COUNT]>,
     /// Pipelines of passes that also depend on the size of maps. The pipeline used last is at the end.
     sized: Mutex<Vec<Sized>>,
+    /// Number of pipelines that were created, destroyed ones included.
+    created: AtomicUsize,
 }
 
 /// Pipeline cache with which pipelines are created.
@@ -135,6 +137,7 @@ impl Pipelines {
             layouts: [[vk::PipelineLayout::null(); SIZES_PUSHED]; 2],
             made: TABLE.iter().map(|_| [const { OnceLock::new() }; Variant::COUNT]).collect(),
             sized: Mutex::default(),
+            created: AtomicUsize::new(0),
         };
         match new.create_layouts(device) {
             Ok(()) => Ok(new),
@@ -346,6 +349,11 @@ impl Pipelines {
         made.expect("a solver begins with the common passes")
     }
 
+    /// Returns the number of pipelines that were created so far, destroyed ones included.
+    pub(crate) fn created(&self) -> usize {
+        self.created.load(Ordering::Relaxed)
+    }
+
     /// Returns all pipelines that were made, with their names.
     pub(crate) fn named(&self) -> impl Iterator<Item = (String, vk::Pipeline)> {
         let made = TABLE.iter().zip(&self.made).flat_map(|(row, made)| {
@@ -390,6 +398,7 @@ impl Pipelines {
         let how = (layout, self.flags, cache.handle);
         let spirv = row.shader_of(&of.tuning).spirv(of.variant.wavefront);
         let made = compute_pipeline(device, spirv, how, &constants)?;
+        self.created.fetch_add(1, Ordering::Relaxed);
         self.name(&row.name(of.variant), made);
         Ok(made)
     }

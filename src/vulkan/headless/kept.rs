@@ -1,7 +1,7 @@
 //! Keeps devices open between the calls that compute one map, such as [`crate::distance_map`].
 
 use std::process;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::solver::HeadlessSolver;
 use crate::Monitor;
@@ -24,7 +24,8 @@ static IDLE: Mutex<Option<Vec<Idle>>> = Mutex::new(None);
 /// call. With `false`, idle devices are closed now.
 ///
 /// Each of several calls at the same time has a device of its own. A call that fails closes its device.
-/// [`HeadlessSolver`] keeps one device open for as long as it lives, and surfaces on it too.
+/// [`HeadlessSolver`] keeps one device open for as long as it lives, and surfaces on it too. New pipelines are saved
+/// after each call, if there is a folder for them ([`crate::vulkan::keep_pipelines_in`]).
 ///
 /// ```no_run
 /// use geosweep::{Engine, DeviceChoice, Options, Sources, Spacing, Surface, distance_map, vulkan};
@@ -38,7 +39,7 @@ static IDLE: Mutex<Option<Vec<Idle>>> = Mutex::new(None);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn keep_devices(keep: bool) {
-    let mut idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut idle = lock();
     let closed = match keep {
         true if idle.is_some() => None,
         true => idle.replace(Vec::new()),
@@ -47,6 +48,10 @@ pub fn keep_devices(keep: bool) {
     // Other calls need not wait until the devices are closed.
     drop(idle);
     closed.into_iter().flatten().for_each(|device| device.close());
+}
+
+fn lock() -> MutexGuard<'static, Option<Vec<Idle>>> {
+    IDLE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Idle {
@@ -71,15 +76,26 @@ pub(crate) fn with_device<T>(
     };
     let mut solver = solver.with_monitor(monitor);
     let solved = solve(&mut solver)?;
-    if let Some(idle) = &mut *IDLE.lock().unwrap_or_else(PoisonError::into_inner) {
-        let solver = solver.with_monitor(Monitor::default());
-        idle.push(Idle { choice: choice.clone(), process: process::id(), solver });
-    }
+    keep(choice, solver);
     Ok(solved)
 }
 
+/// Leaves a device open for the next call if devices are kept, and closes it otherwise.
+fn keep(choice: &DeviceChoice, solver: HeadlessSolver) {
+    if lock().is_none() {
+        return;
+    }
+    let mut solver = solver.with_monitor(Monitor::default());
+    // A device that is idle when the process ends is not closed, so that its pipelines are saved now. Other calls need
+    // not wait for the file.
+    solver.save_pipelines();
+    if let Some(idle) = &mut *lock() {
+        idle.push(Idle { choice: choice.clone(), process: process::id(), solver });
+    }
+}
+
 fn take(choice: &DeviceChoice) -> Option<HeadlessSolver> {
-    let mut idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut idle = lock();
     let idle = idle.as_mut()?;
     let found = idle
         .iter()
@@ -96,7 +112,7 @@ mod tests {
 
     /// Returns the idle devices of a choice, if devices are kept.
     fn idle(choice: &DeviceChoice) -> Option<Vec<vk::Device>> {
-        let idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner);
+        let idle = lock();
         let of_choice = |device: &&Idle| device.choice == *choice;
         let handle = |device: &Idle| device.solver.context.device.handle();
         idle.as_ref().map(|idle| idle.iter().filter(of_choice).map(handle).collect())

@@ -40,6 +40,8 @@ pub struct HeadlessSolver {
     pub(in crate::vulkan) context: Arc<Context>,
     /// Store that keeps pipelines between processes, if there is one.
     store: Option<PipelineStore>,
+    /// Number of pipelines that had been created when the store was saved.
+    saved: usize,
     pub(in crate::vulkan) monitor: Monitor,
 }
 
@@ -95,7 +97,7 @@ impl HeadlessSolver {
             Ok(mut for_device) => {
                 let is_validated = context.instance.validation_log().is_some();
                 for_device.pipelines.separates_pairs = is_validated;
-                Ok(Self { for_device, context, store, monitor: Monitor::default() })
+                Ok(Self { for_device, context, store, saved: 0, monitor: Monitor::default() })
             }
             Err(error) => {
                 store.iter_mut().for_each(|store| store.destroy(device));
@@ -109,6 +111,19 @@ impl HeadlessSolver {
     pub fn with_monitor(mut self, monitor: Monitor) -> Self {
         self.monitor = monitor;
         self
+    }
+
+    /// Saves the pipelines created since the last call, if there are any and a store keeps them.
+    pub(super) fn save_pipelines(&mut self) {
+        let created = self.for_device.pipelines.created();
+        if created == self.saved {
+            return;
+        }
+        self.saved = created;
+        if let Some(store) = &mut self.store {
+            // A failed save is no error: the next process compiles the pipelines again.
+            let _ = store.save(&self.context.device);
+        }
     }
 
     /// Returns the device's name.
@@ -174,12 +189,10 @@ fn is_validation_wanted() -> bool {
 
 impl Drop for HeadlessSolver {
     fn drop(&mut self) {
-        let device = &self.context.device;
-        self.for_device.destroy(device);
+        self.for_device.destroy(&self.context.device);
+        self.save_pipelines();
         if let Some(store) = &mut self.store {
-            // A failed save is no error: the next process compiles the pipelines again.
-            let _ = store.save(device);
-            store.destroy(device);
+            store.destroy(&self.context.device);
         }
     }
 }
