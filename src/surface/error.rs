@@ -1,6 +1,7 @@
 //! Defines the errors of surfaces.
 
 use super::chart::{Chart, Direction};
+use super::floor_plan::AROUND;
 use super::gluing::GluingError;
 use super::real::{LONGEST_EDGE, SHORTEST_EDGE};
 
@@ -23,6 +24,17 @@ pub enum SurfaceError {
     /// The grid has no row or no column.
     #[error("a grid of {rows} x {cols} points is empty; give at least one row and one column")]
     Empty {
+        /// Number of rows of the grid.
+        rows: usize,
+        /// Number of columns of the grid.
+        cols: usize,
+    },
+    /// The grid has so many points that 32-bit numbers do not serve for them.
+    #[error(
+        "a grid of {rows} x {cols} points is too large: with {AROUND} lines on each side, it may have at most {} points; take a coarser grid or a part of the surface",
+        u32::MAX
+    )]
+    TooManyPoints {
         /// Number of rows of the grid.
         rows: usize,
         /// Number of columns of the grid.
@@ -131,5 +143,36 @@ pub(super) fn check_shape(
         Ok(())
     } else {
         Err(SurfaceError::Shape { what, found, rows, cols })
+    }
+}
+
+/// Checks that 32-bit numbers serve for the points of a grid and of the lines that engines keep around it.
+pub(super) fn check_size(Chart { rows, cols }: Chart) -> Result<(), SurfaceError> {
+    let around = |lines: usize| lines.checked_add(2 * AROUND);
+    let points = around(rows).zip(around(cols)).and_then(|(rows, cols)| rows.checked_mul(cols));
+    match points {
+        Some(points) if u32::try_from(points).is_ok() => Ok(()),
+        _ => Err(SurfaceError::TooManyPoints { rows, cols }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::{Spacing, Surface};
+
+    #[test]
+    fn grids_with_more_points_than_32_bit_numbers_are_refused() {
+        let error = |rows, cols| {
+            Surface::from_heights(rows, cols, Vec::new(), Spacing::square(1.0)).unwrap_err()
+        };
+        // With the lines around it, the first grid has 2^32 - 2^16 points and the second 2^32.
+        let side = (1 << 16) - 2 * AROUND;
+        assert!(matches!(error(side - 1, side), SurfaceError::Shape { found: 0, .. }));
+        for (rows, cols) in [(side, side), (usize::MAX, 1), (1, usize::MAX), (1 << 31, 1 << 31)] {
+            assert_eq!(error(rows, cols), SurfaceError::TooManyPoints { rows, cols });
+        }
+        let message = error(side, side).to_string();
+        assert!(message.contains("65504 x 65504") && message.contains("4294967295"), "{message}");
     }
 }

@@ -60,7 +60,7 @@ impl Surface {
 }
 
 /// Upper bound for the number of rows and columns that engines keep around a grid.
-const AROUND: usize = 16;
+pub(super) const AROUND: usize = 16;
 
 /// Returns whether fronts can carry the numbers of all points of a grid.
 pub(super) fn has_numbers(chart: Chart) -> bool {

@@ -69,7 +69,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
-use error::check_shape;
+use error::{check_shape, check_size};
 use inputs::Inputs;
 
 /// An M x N grid of points on a surface: positions, heights or a metric, with an optional slowness and holes.
@@ -173,6 +173,7 @@ impl Surface {
             return Err(SurfaceError::Empty { rows, cols });
         }
         let chart = Chart { rows, cols };
+        check_size(chart)?;
         check_shape(geometry.what(), geometry.len(), chart)?;
         let present = geometry.points_present(chart)?;
         let is_scaled = geometry.jumps_in_scale(chart, &present);
