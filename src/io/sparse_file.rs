@@ -9,9 +9,9 @@ use crate::pairwise::SparseRows;
 
 /// Writes a sparse matrix, not compressed, for `scipy.sparse.load_npz`.
 ///
-/// The archive has the arrays `indices` (int32), `indptr` (int32, or int64 from 2^31 entries on), `format` (the
-/// bytes `csr`), `shape` (int64) and `data` (float32). The distance 0 from a source to itself is a
-/// stored entry.
+/// The archive has the arrays `indices` and `indptr` (both int32, or both int64 if a number of either does not fit
+/// into 32 bits), `format` (the bytes `csr`), `shape` (int64) and `data` (float32). The distance 0 from a source to
+/// itself is a stored entry.
 ///
 /// # Errors
 /// The errors of the writer.
@@ -26,32 +26,35 @@ pub fn write_sparse_npz(writer: &mut impl Write, rows: &SparseRows) -> io::Resul
         let (_, descriptor) = data.finish().map_err(failed)?;
         entry.finish(descriptor).map(|_| ()).map_err(failed)
     };
-    let array = |writer: &mut dyn Write, shape: &[usize], values: &[i64]| {
-        write_all::<i64>(writer, shape, values)
-    };
-    put("indices.npy", &|writer| {
-        let indices: Vec<i32> = rows.indices.iter().map(|&index| index as i32).collect();
-        write_all(writer, &[indices.len()], &indices)
-    })?;
-    put("indptr.npy", &|writer| {
-        let shape = [rows.indptr.len()];
-        let small: Option<Vec<i32>> =
-            rows.indptr.iter().map(|&entry| i32::try_from(entry).ok()).collect();
-        match small {
-            Some(small) => write_all(writer, &shape, &small),
-            None => {
-                let large: Vec<_> = rows.indptr.iter().map(|&entry| entry as i64).collect();
-                array(writer, &shape, &large)
-            }
-        }
-    })?;
+    let indices = || rows.indices.iter().map(|&column| i64::from(column));
+    let indptr = || rows.indptr.iter().map(|&entry| entry as i64);
+    // SciPy wants one type for both.
+    let are_small = indices().chain(indptr()).all(|number| i32::try_from(number).is_ok());
+    put("indices.npy", &|writer| write_integers(writer, indices(), are_small))?;
+    put("indptr.npy", &|writer| write_integers(writer, indptr(), are_small))?;
     put("format.npy", &|writer| {
         writer.write_all(&header("|S3", &[]))?;
         writer.write_all(b"csr")
     })?;
-    put("shape.npy", &|writer| array(writer, &[2], &[rows.rows() as i64, rows.cols as i64]))?;
+    let shape = [rows.rows() as i64, rows.cols as i64];
+    put("shape.npy", &|writer| write_all(writer, &[2], &shape))?;
     put("data.npy", &|writer| write_all(writer, &[rows.data.len()], &rows.data))?;
     archive.finish().map(|_| ()).map_err(io::Error::other)
+}
+
+/// Writes integers as int32 if they `are_small`, else as int64.
+fn write_integers(
+    writer: &mut dyn Write,
+    numbers: impl Iterator<Item = i64>,
+    are_small: bool,
+) -> io::Result<()> {
+    if are_small {
+        let numbers: Vec<i32> = numbers.map(|number| number as i32).collect();
+        write_all(writer, &[numbers.len()], &numbers)
+    } else {
+        let numbers: Vec<i64> = numbers.collect();
+        write_all(writer, &[numbers.len()], &numbers)
+    }
 }
 
 fn write_all<T: NpyElement>(
@@ -89,5 +92,28 @@ mod tests {
         assert_eq!(array("data").values, distances);
         let format = b"csr";
         assert!(bytes.windows(3).any(|window| window == format));
+    }
+
+    #[test]
+    fn indices_and_counts_have_one_type() {
+        let rows = |column: u32| SparseRows {
+            cols: column as usize + 1,
+            indptr: vec![0, 1],
+            indices: vec![column],
+            data: vec![1.0],
+        };
+        // The columns of a grid of more than 2^31 points do not fit, but the counts of the entries would.
+        let (most, beyond) = (i32::MAX as u32, i32::MAX as u32 + 1);
+        for (column, types) in [(most, [i32::DESCR; 2]), (beyond, [i64::DESCR; 2])] {
+            let mut bytes = Vec::new();
+            write_sparse_npz(&mut bytes, &rows(column)).unwrap();
+            let file = |name| npz::decode(&bytes, &[name]).unwrap();
+            assert_eq!(file("indices").values, [f64::from(column)]);
+            assert_eq!(file("indptr").values, [0.0, 1.0]);
+            let text = String::from_utf8_lossy(&bytes);
+            let descriptions = text.split("'descr': '").skip(1);
+            let found: Vec<_> = descriptions.map(|text| &text[..3]).collect();
+            assert_eq!(found[..2], types, "column {column}");
+        }
     }
 }
