@@ -109,21 +109,22 @@ impl Voronoi {
     pub fn areas(&self, surface: &Surface) -> Vec<f64> {
         assert_eq!(surface.chart().points(), self.labels.len(), "the surface has another size");
         let inside = |index: usize| self.labels[index] != NO_REGION;
+        // A row has few of many regions.
         let of_row = |row: usize| {
-            let mut areas = vec![0.0; self.regions];
+            let mut areas = BTreeMap::<u32, f64>::new();
             for (points, area) in of_triangles(surface, row, inside) {
                 let [a, b, c] = points.map(|index| self.labels[index]);
                 if a == b && b == c {
-                    areas[a as usize] += area;
+                    *areas.entry(a).or_default() += area;
                 }
             }
             areas
         };
         // The sums run in row order, so that they do not depend on the number of threads.
-        let rows: Vec<Vec<f64>> = rows(surface).map(of_row).collect();
+        let rows: Vec<_> = rows(surface).map(of_row).collect();
         let mut areas = vec![0.0; self.regions];
-        for row in rows {
-            areas.iter_mut().zip(row).for_each(|(sum, area)| *sum += area);
+        for (label, area) in rows.into_iter().flatten() {
+            areas[label as usize] += area;
         }
         for Split { points, parts } in &self.splits {
             let area = surface.geometry().triangle_area(surface.chart(), *points);
