@@ -2,7 +2,7 @@
 // begin at a copy of the place. Include after times.glsl, path_cell.glsl, path_profile.glsl, path_places.glsl,
 // path_copies.glsl and source.glsl.
 //
-// The including shader defines find_source().
+// The including shader defines find_source(), and the push constant `slowed`.
 // Twin: src/geometry/paths/search.rs.
 
 // Twice the distance from 1 to the next number.
@@ -60,6 +60,13 @@ void offer(Place end, float time, float size, Path path, ivec2 cell) {
     if (is_better && time < path.below) best = line;
 }
 
+// Returns the lengths of the edges before and behind the edge from a point along a step, as parts of its own length.
+// Lengths that are weighted by a slowness do not tell how far apart points are; these edges count as equally long.
+vec2 ratios_along(ivec2 point, ivec2 step, float own) {
+    if (slowed != 0) return vec2(1.0);
+    return vec2(edge_length(point_at(point - step), step), edge_length(point_at(point + step), step)) / own;
+}
+
 // Looks for a better line through a cell.
 void cross_cell(Cell cell, vec4 weights, Path path) {
     float base_time = path.base_time;
@@ -87,18 +94,21 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
             && (is_beside || !is_flat)) {
             vec4 times = vec4(time_at(point - step), cell.times[a], cell.times[b],
                               time_at(point + 2 * step));
-            Profile profile = profile_of(times, path.zero_time, cell.unit, base);
+            vec2 ratios = ratios_along(point, step, cell.unit * sqrt(base));
+            Profile profile = profile_of(times, ratios, path.zero_time, cell.unit, base);
             float foot = clamp(0.5 + 0.5 * (ends.x - ends.y) / base, 0.0, 1.0);
             Crossing found = is_beside ? crossing_at(profile, ends, base, foot)
                                        : crossing(profile, ends, base);
             int end = found.share > 0.5 ? b : a;
             float away = found.share > 0.5 ? 1.0 - found.share : found.share;
             // A line that passes a point closely ends there, unless the point is reached later than the start
-            // of the line.
-            if (away == 0.0 || (away < AT_POINT && cell.times[end] - base_time < path.below)) {
-                Place there = Place(cell.first + to_corner(end), vec2(0.0));
-                float size = cell.unit * sqrt(max(squares[end], 0.0));
-                offer(there, cell.times[end] - base_time, size, path, cell.first);
+            // of the line, or lies aside from the way of a line that is short itself.
+            Place corner = Place(cell.first + to_corner(end), vec2(0.0));
+            Line moved = Line(true, -1, path.place, corner, cell.times[end] - base_time,
+                                  cell.unit * sqrt(max(squares[end], 0.0)), cell.first);
+            bool leads_on = moved.time < path.below && falls(moved, path);
+            if (away == 0.0 || (away < AT_POINT && leads_on)) {
+                offer(corner, moved.time, moved.size, path, cell.first);
             } else {
                 float time = cell.times[a] - base_time + cell.unit * found.time;
                 Place there = Place(point, found.share * vec2(step));

@@ -47,9 +47,16 @@ bool is_distance(Profile profile) {
     return abs(middle) <= most && abs(profile.last - profile.first - middle) <= most;
 }
 
+// Returns the second derivative by the share of an edge of a value that rises by `rise` along the edge, and by
+// `beyond` from one end to the next point, whose distance is `ratio` lengths of the edge. Both are counted from that end.
+float second_difference(float beyond, float rise, float ratio) {
+    return 2.0 * (beyond / ratio + rise) / (1.0 + ratio);
+}
+
 // Returns the profile of an edge. The second and third of four points in line are the ends of the edge.
-// `start` and `unit` make times comparable with lengths. `square` is the squared length of the edge.
-Profile profile_of(vec4 times, float start, float unit, float square) {
+// `ratios` are the lengths of the edges before and behind it, as parts of its own. `start` and `unit` make times
+// comparable with lengths. `square` is the squared length of the edge.
+Profile profile_of(vec4 times, vec2 ratios, float start, float unit, float square) {
     vec4 since = max(times - start, 0.0) / unit;
     vec4 steps = (max(times, start) - max(times.y, start)) / unit;
     vec4 excesses = steps * (since + since.y);
@@ -58,15 +65,18 @@ Profile profile_of(vec4 times, float start, float unit, float square) {
     profile.last = since.z;
     profile.rise = excesses.z;
     profile.size = sqrt(square);
-    float left = excesses.x + profile.rise;
-    float right = excesses.w - 2.0 * profile.rise;
-    bool has_left = is_reached(times.x);
-    bool has_right = is_reached(times.w);
+    float left = second_difference(excesses.x, profile.rise, ratios.x);
+    float right = second_difference(excesses.w - profile.rise, -profile.rise, ratios.y);
+    bool has_left = is_reached(times.x) && ratios.x >= 1.0 / MOST_UNEVEN && ratios.x <= MOST_UNEVEN;
+    bool has_right = is_reached(times.w) && ratios.y >= 1.0 / MOST_UNEVEN && ratios.y <= MOST_UNEVEN;
     if (has_left && has_right) {
         float small = abs(left) < abs(right) ? left : right;
         float large = abs(left) < abs(right) ? right : left;
         bool is_smooth = small * large > 0.0 && abs(large) < KINK * abs(small);
-        profile.bends = is_smooth ? vec2(left, right) : vec2(small);
+        // Each second difference is that at the mean of its three points.
+        float slope = (right - left) / (1.0 + ratios.x + ratios.y);
+        vec2 at_ends = vec2(left, right) + vec2(ratios.x - 1.0, 1.0 - ratios.y) * slope;
+        profile.bends = is_smooth ? at_ends : vec2(small);
     } else if (has_left || has_right) {
         profile.bends = vec2(has_left ? left : right);
     } else {

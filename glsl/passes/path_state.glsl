@@ -9,6 +9,7 @@ layout(push_constant) uniform Batch {
     int capacity;     // largest number of vertices of a path
     int first_word;   // offset of the first source
     int count;        // number of sources
+    int slowed;       // 1 if lengths are weighted by a slowness
 };
 
 #include "shared/source.glsl"

@@ -22,6 +22,7 @@ layout(push_constant) uniform Push {
     int turn;        // in way_starts.comp 1 in the second pass; in log_map_rounds.comp the number of the round
     float radius;    // points that are later than all sources by more than this are not in the log map
     float unreached; // u and v of points that are not in the log map
+    int slowed;      // 1 if lengths are weighted by a slowness
 };
 
 int index_of(ivec2 at) {

@@ -253,6 +253,8 @@
 #define LOG_MAP_STEPS 3
 // Second differences of squared times have a kink between them if they differ by more than this factor.
 #define KINK 3.0
+// Largest ratio of the lengths of two edges in line from which a second difference is taken.
+#define MOST_UNEVEN 10.0
 // Amount by which times may change faster than the length of the way, as a part of the edge. It allows for
 // curved edges and for a metric that changes.
 #define MARGIN 0.05

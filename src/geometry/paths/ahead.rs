@@ -94,6 +94,9 @@ impl Ahead {
             for (all, time) in cells.times.iter_mut().zip(times) {
                 all[lane] = time;
             }
+            for (all, ratio) in cells.ratios.iter_mut().zip(tracer.ratios_along(ends)) {
+                all[lane] = ratio;
+            }
         }
         instructions.run(cells);
     }
@@ -171,6 +174,8 @@ struct Cells {
     length: Lanes,
     /// The arrival times at four points in a row. The middle two are the ends of the side ahead.
     times: [Lanes; 4],
+    /// The lengths of the edges before and behind the sides ahead, as parts of these.
+    ratios: [Lanes; 2],
     /// The places at which the lines end, as fractions of the sides ahead, the arrival times there, and the lengths of
     /// the lines.
     found: [Lanes; 3],
@@ -184,6 +189,7 @@ impl Loop for &mut Cells {
     fn run(self) {
         for lane in 0..LANES {
             let times = self.times.each_ref().map(|all| all[lane]);
+            let ratios = self.ratios.each_ref().map(|all| all[lane]);
             let (share, length, below) = (self.share[lane], self.length[lane], self.below[lane]);
             let rest = 1.0 - share;
             let spread = rest * share * (self.own_length[lane] * self.own_length[lane]);
@@ -192,7 +198,7 @@ impl Loop for &mut Cells {
                 rest * (a * a) + share * (b * b) - spread
             };
             let ends = [square(0), square(1)];
-            let edge = EdgeTimes::new(self.zero_time[lane], times, length);
+            let edge = EdgeTimes::new(self.zero_time[lane], times, ratios, length);
             let (Crossing { share, time, distance }, is_settled) =
                 edge.crossing_near(self.share_ahead[lane], ends);
             self.found[0][lane] = share;

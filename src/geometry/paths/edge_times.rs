@@ -22,6 +22,9 @@ pub(super) struct EdgeTimes {
 /// The ratio of second differences above which there is a kink between them.
 const KINK: f64 = crate::constants::KINK;
 
+/// Largest ratio of the lengths of two edges in line at which a second difference is taken from them.
+const MOST_UNEVEN: f64 = crate::constants::MOST_UNEVEN;
+
 /// Largest change of time along an edge beyond the edge's length, as a fraction of the length. It allows for
 /// curved edges and for a metric that changes.
 const MARGIN: f64 = crate::constants::MARGIN;
@@ -39,18 +42,20 @@ pub(super) struct Crossing {
 
 impl EdgeTimes {
     /// Interpolates between the second and the third of four points in a row, which are the ends of an edge
-    /// of the length `length`. The times at the outer two points are infinite if there is no such point.
+    /// of the length `length`. The times at the outer two points are infinite if there is no such point. `ratios` are
+    /// the lengths on the surface of the edges before and behind this one, as parts of its own.
     ///
     /// Where the map is smooth, the interpolation is a cubic. Where wavefronts meet, one of the two second
     /// differences contains the kink; the other, which is the smaller one, is used for both ends. If both
     /// outer points are missing, the wavefront is taken for a circle around a point of the plane.
     #[inline(always)]
-    pub(super) fn new(start: f64, times: [f64; 4], length: f64) -> Self {
+    pub(super) fn new(start: f64, times: [f64; 4], ratios: [f64; 2], length: f64) -> Self {
         let since = times.map(|time| (time - start).max(0.0));
         let [before, first, last, after] = since.map(|since| since * since);
         let length_squared = length * length;
         let rise = last - first;
-        let (left, right) = (before + last - 2.0 * first, first + after - 2.0 * last);
+        let left = second_difference(before - first, rise, ratios[0]);
+        let right = second_difference(after - last, -rise, ratios[1]);
         // A missing second difference is infinite, and therefore the larger one.
         let is_left_small = left.abs() < right.abs();
         let small = if is_left_small { left } else { right };
@@ -60,7 +65,8 @@ impl EdgeTimes {
         let is_circle = (rise.abs() >= length_squared) | (first.min(last) >= length_squared);
         let circle = if is_circle { 2.0 * length_squared } else { 0.0 };
         let one = if small.abs() < f64::INFINITY { small } else { circle };
-        let bends = [left, right].map(|bend| if is_smooth { bend } else { one });
+        let at_ends = at_ends([left, right], ratios);
+        let bends = at_ends.map(|bend| if is_smooth { bend } else { one });
         let times = Self { start, first, rise, bends, since: [since[1], since[2]], length };
         let is_distance = times.is_distance();
         Self { bends: bends.map(|bend| if is_distance { bend } else { 0.0 }), ..times }
@@ -214,6 +220,24 @@ impl EdgeTimes {
         let slope = rise - (1.0 - 2.0 * share) * length_squared;
         (square, slope, 2.0 * length_squared)
     }
+}
+
+/// Returns the second derivative by the fraction of an edge of a value that rises by `rise` along the edge, and by
+/// `beyond` from one end to the next point, whose distance is `ratio` lengths of the edge. Both are counted from that
+/// end. The result is infinite if the next point is missing, or much nearer or farther than the edge is long.
+#[inline(always)]
+fn second_difference(beyond: f64, rise: f64, ratio: f64) -> f64 {
+    let second = 2.0 * (beyond / ratio + rise) / (1.0 + ratio);
+    if (1.0 / MOST_UNEVEN..=MOST_UNEVEN).contains(&ratio) { second } else { f64::INFINITY }
+}
+
+/// Returns the second derivatives at the ends of an edge. Each second difference is that at the mean of its three
+/// points, which is an end if the points are evenly spaced.
+#[inline(always)]
+fn at_ends([left, right]: [f64; 2], [before, behind]: [f64; 2]) -> [f64; 2] {
+    let slope = (right - left) * 3.0 / (1.0 + before + behind);
+    let third = 1.0 / 3.0;
+    [left - third * (1.0 - before) * slope, right + third * (1.0 - behind) * slope]
 }
 
 /// A function of the fraction of an edge: its value and its first two derivatives.

@@ -52,8 +52,7 @@ impl CellLine {
     /// descend. It can be so short that its arrival is earlier than that of a descending line. If such lines
     /// were taken, the path would go back and forth.
     fn is_better(&self, other: &Self, time: f64) -> bool {
-        let falls =
-            |line: &Self| time - line.time >= LEAST_FALL * line.length - ROUNDING * time.abs();
+        let falls = |line: &Self| falls(line.time, line.length, time);
         match (falls(self), falls(other)) {
             (a, b) if a != b => a,
             _ => self.arrival() < other.arrival(),
@@ -70,6 +69,11 @@ impl CellLine {
     fn fits(&self, time: f64) -> bool {
         fits(self.time, self.length, time)
     }
+}
+
+/// Returns whether the time decreases by at least [`LEAST_FALL`] of its length along a line, from `time` to `end`.
+fn falls(end: f64, length: f64, time: f64) -> bool {
+    time - end >= LEAST_FALL * length - ROUNDING * time.abs()
 }
 
 /// Returns whether a line of the given length, which ends at the time `end`, fits the arrival time `time` at
@@ -199,16 +203,21 @@ impl Tracer<'_> {
             let is_beside =
                 is_flat && support > 2 && length > 0.0 && ends[0].max(ends[1]) < NO_EDGE;
             if reached[a] && reached[b] && (is_beside || !is_flat) {
-                let times = EdgeTimes::new(zero_time, self.times_along(points), length);
+                let times = EdgeTimes::new(
+                    zero_time,
+                    self.times_along(points),
+                    self.ratios_along(points),
+                    length,
+                );
                 let crossing = if is_beside { times.foot(ends) } else { times.crossing(ends) };
                 let end = usize::from(crossing.share > 0.5);
                 let away = (crossing.share - end as f64).abs();
                 // The end of a line is not moved to a nearby grid point that is later than the start of the
-                // line.
-                let at_point = away == 0.0 || away < AT_POINT && self.time(points[end]) < below;
-                if at_point {
-                    let length = ends[end].max(0.0).sqrt();
-                    offer(Place::Point(points[end]), self.time(points[end]), length);
+                // line, or lies aside from the way of a line that is short itself.
+                let (time, length) = (self.time(points[end]), ends[end].max(0.0).sqrt());
+                let leads_on = || time < below && falls(time, length, below);
+                if away == 0.0 || away < AT_POINT && leads_on() {
+                    offer(Place::Point(points[end]), time, length);
                 } else {
                     let place = Place::Edge { first: points[0], along, share: crossing.share };
                     offer(place, crossing.time, crossing.distance);

@@ -95,6 +95,24 @@ impl Tracer<'_> {
         [first - step, first, last, last + step].map(|point| self.time(point))
     }
 
+    /// Returns the lengths on the surface of the edges before and behind an edge on the same line, as parts of the
+    /// edge's own length. They are not finite numbers where an edge is missing or has no length.
+    #[inline]
+    pub(super) fn ratios_along(&self, [first, last]: [usize; 2]) -> [f64; 2] {
+        let step = last - first;
+        let plane = usize::from(step > 1);
+        // An edge to the south is stored at its southern end, as the edge to the north.
+        let lengths = &self.edges.planes()[plane];
+        let length = |from: usize| -> f64 { lengths[from + plane * step].into() };
+        let slowness = self.edges.slowness();
+        let on_surface = |from: usize| match slowness {
+            Some(slowness) => length(from) / f64::from(slowness[from] + slowness[from + step]),
+            None => length(from),
+        };
+        let own = on_surface(first);
+        [first - step, last].map(|from| on_surface(from) / own)
+    }
+
     /// Returns the length of the edge between two neighbours. It is zero between copies of a point.
     pub(super) fn length(&self, a: usize, b: usize) -> f64 {
         let to = Direction::ALL.into_iter().find(|&to| self.chart().beside(a, to) == b);

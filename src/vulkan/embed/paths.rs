@@ -389,6 +389,7 @@ impl Recording<'_> {
             capacity: layout.capacity as i32,
             first_word: set.first_word,
             count: sources as i32,
+            slowed: self.surface.grid.is_slowed().into(),
         };
         let passes = passes_that_go_on(layout, traces(frame.sources));
         for pass in 0..=passes {

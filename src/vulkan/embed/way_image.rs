@@ -254,6 +254,7 @@ impl WayImage {
             turn: 0,
             radius: f32::INFINITY,
             unreached: 0.0,
+            slowed: surface.grid.is_slowed().into(),
         };
         let passes = WayPasses { recording, of: self, set, push };
         for turn in [0, 1] {

@@ -140,6 +140,32 @@ fn lengths_are_the_distances() {
     }
 }
 
+/// The rows of a plane have steps of two lengths in turn, grow, or begin with half a step, as beside a pole at the middle
+/// of a cell. The bounds are those of even grids.
+#[test]
+fn paths_over_uneven_rows_are_straight() {
+    let (rows, cols) = (40, 60);
+    for name in ["alternating", "growing", "half a step first"] {
+        let step = |row: usize| match name {
+            "alternating" => [1.0, 2.0][row % 2],
+            "growing" => 1.05f64.powi(row as i32),
+            _ if row == 0 => 0.5,
+            _ => 1.0,
+        };
+        let y: Vec<f64> = (0..rows).map(|row| (0..row).map(step).sum()).collect();
+        let place = |index: usize| DVec3::new((index % cols) as f64 * 0.4, y[index / cols], 0.0);
+        let places: Vec<_> = (0..rows * cols).map(place).collect();
+        let surface = Surface::from_positions(rows, cols, places.clone()).unwrap();
+        let source = [7, 23];
+        let from = places[source[0] * cols + source[1]];
+        let exact: Vec<_> = places.iter().map(|at| at.distance(from)).collect();
+        let sources = [PointSource::at(source[0] as f32, source[1] as f32)];
+        let [from_cpu, from_exact, from_map] = compare(name, &surface, &sources, Some(&exact));
+        assert!(from_cpu < 3e-4, "{name}: {from_cpu}");
+        assert!(from_exact < 2e-3 && from_map < 2e-3, "{name}: {from_exact} {from_map}");
+    }
+}
+
 /// One of the surfaces has holes, and some sources are between grid points and have different start values. The
 /// bound is half of the bound for lengths. Measured: 5e-4 with holes, 1e-5 without. At ridges of the map, the
 /// device and the CPU may choose different sides, and the map's distances differ by up to 5 % from the lengths
