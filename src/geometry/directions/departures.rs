@@ -10,20 +10,23 @@
 //! All sources move together. Where a move changes the front that arrives first, as at borders of regions and
 //! at a cut locus, the squared distance has a kink ([`super::stencil`]).
 
-use glam::{DMat2, DVec2};
+use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::frame::Frame;
-use super::stencil::{SIDE, Samples, derivative_beside_kink};
+use super::stencil::{EVEN, Places, SIDE, Samples, derivative_beside_kink};
 use crate::cpu::RotatedScan;
 use crate::geometry::NO_REGION;
-use crate::surface::{Direction, EdgeLengths, Groups, Real, Source, Sources, Surface};
+use crate::surface::{Direction, EdgeLengths, Geometry, Groups, Real, Source, Sources, Surface};
 use crate::{Engine, Error, Monitor, Options};
 
 /// The largest number of steps by which sources move to either side.
 const MOVES: isize = 2;
 /// The rounding of squared distances in double precision, as a fraction of them.
 const ROUNDING: f64 = 1e-12;
+/// The largest deviation, in steps, of places of a source from even steps that counts as even. Where the grid's steps
+/// change smoothly, differences by rows and columns are the more accurate ones.
+const UNEVEN: f64 = 0.05;
 /// The largest relative difference between the derivative's length and the distance.
 const OFF_LENGTH: f64 = 0.05;
 
@@ -61,6 +64,38 @@ impl Start {
         Some(Self { at, initial, frame, basis: frame.basis()?, slowness })
     }
 
+    /// Returns the places of the source as it moves along a grid line, in steps of the frame. On a grid with uneven
+    /// steps, the squared distance as a function of the number of steps bends like the grid, which would look like a
+    /// kink. As a function of the length it does not.
+    fn places(&self, surface: &Surface, to: Direction) -> Places {
+        let (mean, along) = (self.frame.length(to.vector()), to.vector());
+        let at = self.at.dot(along);
+        // The length of the step from one grid line to the next. Lines are counted along the move, over seams too.
+        let step = |line: f64| {
+            let middle = surface.continued_place(self.at + (line + 0.5 - at) * along)?;
+            if let Geometry::Metric(_) = surface.geometry() {
+                return Some(Frame::at(surface, middle).length(along));
+            }
+            let across = DVec2::ONE - along;
+            let end = |line: f64| on_cell(surface, middle * across + line * along);
+            let line = middle.dot(along);
+            Some(end(line.floor())?.distance(end(line.ceil())?))
+        };
+        let step = |line: f64| step(line).unwrap_or(mean) / mean;
+        let (first, share) = (at.floor(), at.fract());
+        let mut places = EVEN;
+        let [mut back, mut ahead] = [0.0; 2];
+        for k in 0..MOVES {
+            let line = k as f64;
+            ahead += (1.0 - share) * step(first + line) + share * step(first + line + 1.0);
+            back += share * step(first - line) + (1.0 - share) * step(first - line - 1.0);
+            places[SIDE + 1 + k as usize] = ahead;
+            places[SIDE - 1 - k as usize] = -back;
+        }
+        let is_even = places.iter().zip(EVEN).all(|(at, even)| (at - even).abs() <= UNEVEN);
+        if is_even { EVEN } else { places }
+    }
+
     /// Returns whether the surface reaches as far as the source moves, by `steps` steps along a grid line.
     fn can_move(&self, surface: &Surface, to: Direction, steps: isize) -> bool {
         (1..=2 * steps.abs()).all(|half| {
@@ -68,6 +103,17 @@ impl Start {
             surface.continued_place(self.at + moved).is_some_and(|at| surface.contains(at))
         })
     }
+}
+
+/// Returns the position of a place on the straight lines between the corners of its cell, on which sources inside cells
+/// lie.
+fn on_cell(surface: &Surface, at: DVec2) -> Option<DVec3> {
+    let along = |row: f64| {
+        let [west, east] =
+            [at.y.floor(), at.y.ceil()].map(|col| surface.position(row as usize, col as usize));
+        Some(west?.lerp(east?, at.y.fract()))
+    };
+    Some(along(at.x.floor())?.lerp(along(at.x.ceil())?, at.x.fract()))
 }
 
 /// Arrival times, row-major, less the smallest initial value of the sources.
@@ -142,9 +188,14 @@ impl<'a> Departures<'a> {
                 })
             })
             .collect();
+        let places = |start: &Start| AXES.map(|to| start.places(self.surface, to));
+        let places: Vec<[Places; 2]> = self.starts.iter().map(places).collect();
         let of = |index: usize| match labels[index] {
             NO_REGION => Some(DVec2::NAN),
-            label => self.departure(index, &self.starts[label as usize], &can_move[label as usize]),
+            label => {
+                let label = label as usize;
+                self.departure(index, &self.starts[label], &can_move[label], &places[label])
+            }
         };
         let found: Vec<Option<DVec2>> = (0..labels.len()).into_par_iter().map(of).collect();
         self.filled(found, labels)
@@ -160,6 +211,7 @@ impl<'a> Departures<'a> {
         index: usize,
         start: &Start,
         can_move: &[[bool; 2 * MOVES as usize + 1]; 2],
+        places: &[Places; 2],
     ) -> Option<DVec2> {
         let distance = self.distance(index, start);
         if distance == 0.0 {
@@ -177,7 +229,7 @@ impl<'a> Departures<'a> {
                 }
             }
             let scale = square * start.slowness * start.slowness;
-            derivative_beside_kink(samples, scale, ROUNDING * distance * distance)
+            derivative_beside_kink(samples, places[axis], scale, ROUNDING * distance * distance)
         };
         let DMat2 { x_axis: rows, y_axis: cols } = start.frame.metric;
         let change = DVec2::new(along(0, rows.x)?, along(1, cols.y)?);

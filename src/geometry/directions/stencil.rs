@@ -11,6 +11,12 @@ pub(super) const SIDE: usize = 3;
 /// The samples at -3, -2, ..., 3; `None` where there is none.
 pub(super) type Samples = [Option<f64>; 2 * SIDE + 1];
 
+/// The places of samples, in steps from the one in the middle.
+pub(super) type Places = [f64; 2 * SIDE + 1];
+
+/// The places of evenly spaced samples.
+pub(super) const EVEN: Places = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
+
 /// The largest change of second differences that counts as smooth, as a fraction of the squared length of a
 /// step.
 const SMOOTH: f64 = 0.5;
@@ -18,6 +24,7 @@ const SMOOTH: f64 = 0.5;
 /// Differences of samples around 0.
 struct Stencil {
     samples: Samples,
+    places: Places,
     limit: f64,
 }
 
@@ -25,7 +32,7 @@ struct Stencil {
 /// sample. If only samples on one side are used, the side given by the sign of `toward` is preferred. Returns
 /// `None` if no samples without a kink are found.
 pub(super) fn derivative(samples: Samples, scale: f64, noise: f64, toward: f64) -> Option<f64> {
-    let stencil = Stencil { samples, limit: SMOOTH * scale + 8.0 * noise };
+    let stencil = Stencil { samples, places: EVEN, limit: SMOOTH * scale + 8.0 * noise };
     let side = if toward < 0.0 { -1 } else { 1 };
     stencil.central().or_else(|| {
         let [near, far] = [side, -side].map(|side| stencil.on_side(side));
@@ -34,11 +41,16 @@ pub(super) fn derivative(samples: Samples, scale: f64, noise: f64, toward: f64) 
     })
 }
 
-/// Returns the derivative at 0. If there is a kink beside 0, only samples on the side without the kink are
-/// used. At a kink the function is the minimum of two smooth functions and bends downwards, so the side
+/// Returns the derivative at 0 of samples at given places. If there is a kink beside 0, only samples on the side
+/// without the kink are used. At a kink the function is the minimum of two smooth functions and bends downwards, so the side
 /// without the kink is the side with the larger second difference.
-pub(super) fn derivative_beside_kink(samples: Samples, scale: f64, noise: f64) -> Option<f64> {
-    let stencil = Stencil { samples, limit: SMOOTH * scale + 8.0 * noise };
+pub(super) fn derivative_beside_kink(
+    samples: Samples,
+    places: Places,
+    scale: f64,
+    noise: f64,
+) -> Option<f64> {
+    let stencil = Stencil { samples, places, limit: SMOOTH * scale + 8.0 * noise };
     stencil.central().or_else(|| {
         let [back, ahead] = [-1, 1].map(|side| stencil.bend(side));
         let side = if back > ahead || ahead.is_none() { -1 } else { 1 };
@@ -51,9 +63,19 @@ impl Stencil {
         *self.samples.get((k + SIDE as isize) as usize)?
     }
 
-    /// Returns the second difference at `k`.
+    fn place(&self, k: isize) -> f64 {
+        self.places[(k + SIDE as isize) as usize]
+    }
+
+    /// Returns the second difference at `k`: the second derivative from the three samples around.
     fn bend(&self, k: isize) -> Option<f64> {
-        Some(self.at(k - 1)? - 2.0 * self.at(k)? + self.at(k + 1)?)
+        let [back, here, ahead] = [self.at(k - 1)?, self.at(k)?, self.at(k + 1)?];
+        if self.places == EVEN {
+            return Some(back - 2.0 * here + ahead);
+        }
+        let [before, behind] =
+            [self.place(k) - self.place(k - 1), self.place(k + 1) - self.place(k)];
+        Some(2.0 * ((ahead - here) / behind - (here - back) / before) / (before + behind))
     }
 
     /// Returns whether the given second differences agree. A single second difference cannot be compared with
@@ -71,34 +93,40 @@ impl Stencil {
         here?;
         let is_whole = before.is_some() && after.is_some();
         if self.is_smooth(&[before, here, after]) {
-            let near = self.slope(1);
-            return Some(if is_whole { (4.0 * near - self.slope(2)) / 3.0 } else { near });
+            return Some(self.slope(if is_whole { &[-2, -1, 1, 2] } else { &[-1, 1] }));
         }
         // If the kink is further away, the three samples in the middle are smooth. The kink lowers one of the
         // other two second differences, so the one in the middle is compared with the larger of these two.
         let larger = if before > after { before } else { after };
-        (is_whole && self.is_smooth(&[larger, here])).then(|| self.slope(1))
+        (is_whole && self.is_smooth(&[larger, here])).then(|| self.slope(&[-1, 1]))
     }
 
-    /// Returns the slope between the samples at -k and k.
-    fn slope(&self, k: isize) -> f64 {
-        let [Some(a), Some(b)] = [self.at(-k), self.at(k)] else { return f64::NAN };
-        (b - a) / (2 * k) as f64
+    /// Returns the derivative at 0 of the polynomial through the sample at 0 and the given ones.
+    fn slope(&self, around: &[isize]) -> f64 {
+        let here = self.at(0).unwrap_or(f64::NAN);
+        let term = |&k: &isize| {
+            let place = self.place(k);
+            let others = around.iter().filter(|&&other| other != k).map(|&other| self.place(other));
+            let weight: f64 = others.map(|other| other / (other - place)).product();
+            weight / place * (self.at(k).unwrap_or(f64::NAN) - here)
+        };
+        around.iter().map(term).sum()
     }
 
     /// Returns the derivative from 0 and the samples on one side.
     fn on_side(&self, side: isize) -> Option<f64> {
-        let values = [0, side, 2 * side].map(|k| self.at(k));
-        let [Some(here), Some(near), Some(far)] = values else { return None };
-        let [bend, next] = [self.bend(side), self.bend(2 * side)];
+        let [first, second, third] = [side, 2 * side, 3 * side];
+        if [0, first, second].iter().any(|&k| self.at(k).is_none()) {
+            return None;
+        }
+        let [bend, next] = [self.bend(first), self.bend(second)];
         if !self.is_smooth(&[bend, next]) {
             return None;
         }
-        let slope = match self.at(3 * side) {
-            Some(last) => (-11.0 * here + 18.0 * near - 9.0 * far + 2.0 * last) / 6.0,
-            None => (-3.0 * here + 4.0 * near - far) / 2.0,
-        };
-        Some(side as f64 * slope)
+        Some(match self.at(third) {
+            Some(_) => self.slope(&[first, second, third]),
+            None => self.slope(&[first, second]),
+        })
     }
 }
 
@@ -128,13 +156,25 @@ mod tests {
     }
 
     #[test]
+    fn samples_at_uneven_places_have_the_derivative_of_the_polynomial_through_them() {
+        let places = [-4.5, -2.5, -2.0, 0.0, 0.25, 3.0, 3.5];
+        let all = places.map(|x| Some(cubic(x)));
+        for kept in [0..7, 0..4, 3..7, 1..6] {
+            let mut some = [None; 7];
+            some[kept.clone()].copy_from_slice(&all[kept.clone()]);
+            let found = derivative_beside_kink(some, places, 1.0, 0.0).unwrap();
+            assert_abs_diff_eq!(found, -20.0, epsilon = 1e-12);
+        }
+    }
+
+    #[test]
     fn beside_a_kink_the_derivative_is_the_one_of_its_own_side() {
         // The fronts of two sources at -20 and 20 + 2 k meet at k.
         for kink in [-2.5, -1.5, -0.75, 0.75, 1.5, 2.5] {
             let meet = samples(|x| (x + 20.0f64).min(20.0 + 2.0 * kink - x).powi(2));
             let (toward, exact) = if kink > 0.0 { (-1.0, 40.0) } else { (1.0, -40.0 - 4.0 * kink) };
             for found in
-                [derivative(meet, 1.0, 0.0, toward), derivative_beside_kink(meet, 1.0, 0.0)]
+                [derivative(meet, 1.0, 0.0, toward), derivative_beside_kink(meet, EVEN, 1.0, 0.0)]
             {
                 assert_abs_diff_eq!(found.unwrap(), exact, epsilon = 1e-9);
             }
