@@ -43,4 +43,5 @@ mod sampling;
 mod shared_edges;
 mod slowness;
 mod tile_order;
+mod uneven_steps;
 mod voronoi;

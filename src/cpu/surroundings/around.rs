@@ -30,10 +30,11 @@ pub(super) struct Surroundings<'a> {
 }
 
 impl<'a> Surroundings<'a> {
-    pub(super) fn new(surface: &'a Surface, source: DVec2, reach: usize) -> Self {
+    /// Returns the points at most `reach` rows and columns away from the cell of a source.
+    pub(super) fn new(surface: &'a Surface, source: DVec2, reach: [usize; 2]) -> Self {
         let span = |at: DVec2| at.to_array().map(|at| [at as usize, at.ceil() as usize]);
         let [rows, cols] = span(source);
-        let sheet = surface.sheet(rows, cols, reach + MARGIN);
+        let sheet = surface.sheet(rows, cols, reach.map(|reach| reach + MARGIN));
         let [rows, cols] = span(sheet.local(source));
         let own = sheet.chart().around_span(rows, cols, reach);
         let edges = EdgeLengths::<f64>::new(sheet.part()).ok().map(EdgeLengths::beside_a_source);

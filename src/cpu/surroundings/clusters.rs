@@ -187,7 +187,7 @@ impl Alone {
     ) -> Option<Self> {
         let at = origin.ends[0];
         let own = Sources::default().and_point(at.x, at.y, origin.start).seeds(surface).ok()?;
-        let surroundings = Surroundings::new(surface, at, reach);
+        let surroundings = Surroundings::new(surface, at, [reach; 2]);
         let exact = |seed: Seed| Seed { origin: None, exact: true, ..seed };
         let mut seeds: Vec<_> =
             surroundings.seeds(wavefront, &own).into_iter().map(exact).collect();

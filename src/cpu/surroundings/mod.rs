@@ -22,7 +22,7 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use crate::surface::{Direction, EdgeLengths, Origin, Seed, Surface, with_diagonals};
+use crate::surface::{Direction, EdgeLengths, Origin, Real, Seed, Surface, with_diagonals};
 use crate::update::{Setting, Wavefront};
 use around::Surroundings;
 use clusters::around_clusters;
@@ -43,10 +43,13 @@ const SHARE: usize = 40;
 /// Minimum number of grid points for surroundings among obtuse triangles. On smaller grids they would take
 /// more than a twentieth of the time of the whole map, and few iterations are saved there.
 const LEAST_AMONG_OBTUSE: usize = 1_000_000;
-/// Maximum number of sources in long cells that get surroundings on any grid, with the least reach. In long cells, maps
+/// Maximum number of sources in long cells that get surroundings on any grid, also at grid points. In long cells, maps
 /// of several sources are less accurate than maps of one source, since updates of several sources are causal
-/// ([`crate::surface::Origins`]). Without surroundings the error is up to ten times as large.
+/// ([`crate::surface::Origins`]). Without surroundings the error is up to ten times as large, and a fifth of the
+/// distance where long cells bend.
 const MOST_IN_LONG_CELLS: usize = 8;
+/// Maximum number of rows and columns of these surroundings. They reach as far across long cells as along them.
+const MOST_ACROSS: usize = 64;
 /// Ratio of a cell's edges, or of its diagonals, above which the cell is long.
 const LONG: f64 = 1.5;
 impl Wavefront {
@@ -82,13 +85,9 @@ fn with_surroundings(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) 
         around
     } else {
         let by_source = by_source(&seeds);
-        let Some(reach) =
-            reach(surface, by_source.len()).or_else(|| few_in_long_cells(surface, &by_source))
-        else {
-            return seeds;
-        };
+        let Some(reach) = reach(surface, by_source.len()) else { return seeds };
         let around = by_source.into_par_iter().flat_map_iter(|(source, own)| {
-            let surroundings = Surroundings::new(surface, source, reach);
+            let surroundings = Surroundings::new(surface, source, [reach; 2]);
             surroundings.on_surface(surroundings.seeds(wavefront, &own))
         });
         around.collect()
@@ -125,11 +124,15 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
         return earliest(around.into_iter().chain(further));
     }
     let exact = around_clusters(wavefront, surface, &seeds);
+    let in_long_cells = few_in_long_cells(wavefront, surface, &seeds);
     seeds.iter_mut().for_each(|seed| seed.origin = None);
     // Of two seeds that differ by rounding, the exact one is kept.
     let is_exact: BTreeMap<_, _> =
         exact.iter().map(|seed| ((seed.row, seed.col), seed.time)).collect();
-    let mut all = with_surroundings(wavefront, surface, seeds);
+    let mut all = match in_long_cells {
+        Some(around) => earliest(seeds.into_iter().chain(around)),
+        None => with_surroundings(wavefront, surface, seeds),
+    };
     all.retain(|seed| {
         let time = is_exact.get(&(seed.row, seed.col));
         time.is_none_or(|time| seed.time < time - SAME_TIME * time.abs())
@@ -168,7 +171,7 @@ fn among_obtuse_triangles(
     if !is_lone || surface.chart().points() < LEAST_AMONG_OBTUSE {
         return None;
     }
-    let surroundings = Surroundings::new(surface, source, REACH_AMONG_OBTUSE);
+    let surroundings = Surroundings::new(surface, source, [REACH_AMONG_OBTUSE; 2]);
     if !surroundings.edges()?.has_obtuse_triangles() {
         return None;
     }
@@ -183,25 +186,63 @@ fn reach(surface: &Surface, sources: usize) -> Option<usize> {
     (reach >= LEAST_REACH).then_some(reach)
 }
 
-/// Returns the reach of surroundings for a few sources in long cells, on any grid.
-fn few_in_long_cells(surface: &Surface, by_source: &[(DVec2, Vec<Seed>)]) -> Option<usize> {
-    let are_few = (2..=MOST_IN_LONG_CELLS).contains(&by_source.len());
-    let in_long_cells = || by_source.iter().any(|(at, _)| is_in_long_cell(surface, *at));
-    (are_few && in_long_cells()).then_some(LEAST_REACH)
+/// Returns the fronts in the surroundings of a few point sources, as seeds, if any of the sources lies in long cells.
+fn few_in_long_cells(wavefront: Wavefront, surface: &Surface, seeds: &[Seed]) -> Option<Vec<Seed>> {
+    let by_point = by_point(seeds)?;
+    if !(2..=MOST_IN_LONG_CELLS).contains(&by_point.len()) {
+        return None;
+    }
+    let reaches = by_point.iter().map(|(at, _)| reach_in_long_cells(surface, *at));
+    let reaches: Vec<_> = reaches.collect();
+    reaches.iter().any(Option::is_some).then(|| {
+        let around =
+            by_point.into_par_iter().zip(reaches).flat_map_iter(|((source, own), reach)| {
+                let surroundings =
+                    Surroundings::new(surface, source, reach.unwrap_or([LEAST_REACH; 2]));
+                surroundings.on_surface(surroundings.seeds(wavefront, &own))
+            });
+        around.collect()
+    })
 }
 
-fn is_in_long_cell(surface: &Surface, source: DVec2) -> bool {
-    let cell = surface.chart().around_place(source, 0);
-    let cell = surface.window(cell.rows, cell.cols);
-    let Ok(edges) = EdgeLengths::<f64>::new(&cell) else { return false };
-    if cell.chart().rows < 2 || cell.chart().cols < 2 {
-        return false;
+/// Returns the seeds of point sources, grouped by these points, or `None` if some seeds come from no point.
+fn by_point(seeds: &[Seed]) -> Option<Vec<(DVec2, Vec<Seed>)>> {
+    let mut found = BTreeMap::<_, (DVec2, Vec<Seed>)>::new();
+    for &seed in seeds {
+        if !seed.origin?.is_point() {
+            return None;
+        }
+        let from = seed.from.unwrap_or(seed.place());
+        let key = from.to_array().map(f64::to_bits);
+        let group = found.entry(key).or_insert((from, Vec::new()));
+        // Cells differ here, so that straight lines of the chart are none of the surface.
+        group.1.push(Seed { from: Some(from), origin: None, ..seed });
+        if found.len() > MOST_IN_LONG_CELLS {
+            return None;
+        }
     }
-    let pairs = [
-        [edges.length(0, 0, Direction::East), edges.length(1, 0, Direction::North)],
-        [edges.length(1, 0, Direction::NorthEast), edges.length(1, 1, Direction::NorthWest)],
-    ];
-    pairs.iter().any(|[a, b]| a.max(*b) > LONG * a.min(*b))
+    Some(found.into_values().collect())
+}
+
+/// Returns the reach of surroundings in rows and columns, if a cell beside a source is long: as far in space across the
+/// cells as along them.
+fn reach_in_long_cells(surface: &Surface, source: DVec2) -> Option<[usize; 2]> {
+    let cells = surface.chart().around_place(source, 1);
+    let cells = surface.window(cells.rows, cells.cols);
+    let edges = EdgeLengths::<f64>::new(&cells).ok()?;
+    let longest = |to: Direction| {
+        let lengths = cells.chart().places().map(|(row, col)| edges.length(row, col, to));
+        lengths.filter(|&length| length < f64::FAR).fold(0.0, f64::max)
+    };
+    let [col, row, rising, falling] =
+        [Direction::East, Direction::North, Direction::NorthEast, Direction::NorthWest]
+            .map(longest);
+    let ratio = |a: f64, b: f64| if b > 0.0 { a / b } else { 1.0 };
+    let pairs = [ratio(col, row), ratio(row, col), ratio(rising, falling), ratio(falling, rising)];
+    let is_long = pairs.iter().any(|&ratio| ratio > LONG);
+    let reach =
+        |ratio: f64| ((LEAST_REACH as f64 * ratio) as usize).clamp(LEAST_REACH, MOST_ACROSS);
+    is_long.then(|| [reach(pairs[0]), reach(pairs[1])])
 }
 
 #[cfg(test)]

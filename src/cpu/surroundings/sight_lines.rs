@@ -86,14 +86,14 @@ struct SurfaceData {
 
 impl SurfaceData {
     fn around(surface: &Surface, at: DVec2) -> Option<Self> {
-        let around = Surroundings::new(surface, at, 1);
+        let around = Surroundings::new(surface, at, [1, 1]);
         let metric = metric(around.edges()?);
         Some(Self { at, metric })
     }
 
     fn places(&self, surface: &Surface) -> Vec<(usize, usize)> {
         let [rows, cols] = self.at.to_array().map(|at| [at as usize, at.ceil() as usize]);
-        let block = surface.chart().around_span(rows, cols, REACH);
+        let block = surface.chart().around_span(rows, cols, [REACH; 2]);
         block.places().filter(|&(row, col)| surface.has(row, col)).collect()
     }
 

@@ -70,23 +70,27 @@ impl Block {
 impl Chart {
     /// Returns the points at most `reach` rows and columns away from a point.
     pub(crate) fn around(self, (row, col): (usize, usize), reach: usize) -> Block {
-        self.around_span([row, row], [col, col], reach)
+        self.around_span([row, row], [col, col], [reach; 2])
     }
 
     /// Returns the points at most `reach` rows and columns away from the points beside a place. If the place
     /// lies beyond the chart's border, the block may be empty.
     pub(crate) fn around_place(self, at: DVec2, reach: usize) -> Block {
         let span = |at: f64| [at.floor() as usize, at.ceil() as usize];
-        self.around_span(span(at.x), span(at.y), reach)
+        self.around_span(span(at.x), span(at.y), [reach; 2])
     }
 
-    /// Returns the points at most `reach` rows and columns away from the block between two rows and two
-    /// columns.
-    pub(crate) fn around_span(self, rows: [usize; 2], cols: [usize; 2], reach: usize) -> Block {
-        let range = |[first, last]: [usize; 2], points: usize| {
+    /// Returns the points at most `reach` rows and columns away from the block between two rows and two columns.
+    pub(crate) fn around_span(
+        self,
+        rows: [usize; 2],
+        cols: [usize; 2],
+        reach: [usize; 2],
+    ) -> Block {
+        let range = |[first, last]: [usize; 2], points: usize, reach: usize| {
             first.saturating_sub(reach)..points.min(last.saturating_add(reach + 1))
         };
-        Block { rows: range(rows, self.rows), cols: range(cols, self.cols) }
+        Block { rows: range(rows, self.rows, reach[0]), cols: range(cols, self.cols, reach[1]) }
     }
 
     /// Returns the points that have all eight neighbours.

@@ -20,10 +20,10 @@ pub(crate) struct Sheet<'a> {
 
 impl Surface {
     /// Returns the part at most `reach` rows and columns away from a span of rows and columns.
-    pub(crate) fn sheet(&self, rows: [usize; 2], cols: [usize; 2], reach: usize) -> Sheet<'_> {
+    pub(crate) fn sheet(&self, rows: [usize; 2], cols: [usize; 2], reach: [usize; 2]) -> Sheet<'_> {
         let lattice = self.lattice();
-        let rows = beyond(rows, self.rows(), lattice.rows.is_some(), reach);
-        let cols = beyond(cols, self.cols(), lattice.cols.is_some(), reach);
+        let rows = beyond(rows, self.rows(), lattice.rows.is_some(), reach[0]);
+        let cols = beyond(cols, self.cols(), lattice.cols.is_some(), reach[1]);
         let first = (rows.start, cols.start);
         let within = |range: &Range<isize>, points: usize| {
             let inside = range.start >= 0 && range.end <= points as isize;
@@ -48,7 +48,7 @@ impl Surface {
             goes_on.is_some() && (first < reach || last + reach >= points)
         };
         if leaves(rows, self.rows(), lattice.rows) || leaves(cols, self.cols(), lattice.cols) {
-            return self.sheet(rows, cols, reach);
+            return self.sheet(rows, cols, [reach; 2]);
         }
         Sheet { whole: self, part: Cow::Borrowed(self), first: (0, 0) }
     }
@@ -139,7 +139,7 @@ mod tests {
             let surface = gluing
                 .into_iter()
                 .fold(plane.clone(), |surface, gluing| surface.with_gluing(gluing).unwrap());
-            let sheet = surface.sheet([1, 1], [0, 1], 2);
+            let sheet = surface.sheet([1, 1], [0, 1], [2, 2]);
             // The sheet has rows from -1 or 0 to 3, and columns from -2 or 0 to 3.
             assert_eq!(sheet.chart(), chart);
             for local in sheet.chart().places() {
@@ -152,7 +152,7 @@ mod tests {
             assert_eq!(surface.sheet_over_seams([4, 4], [4, 5], 2).chart(), surface.chart());
         }
         let tube = plane.with_gluing(Gluing::columns()).unwrap();
-        let sheet = tube.sheet([1, 1], [0, 1], 2);
+        let sheet = tube.sheet([1, 1], [0, 1], [2, 2]);
         assert_eq!(sheet.point((0, 0)), (0, 6));
         // The last column is the first one.
         assert_eq!(sheet.points_at(&[(3, 8)]), [(0, (3, 2))]);

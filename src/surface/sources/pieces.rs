@@ -82,7 +82,7 @@ impl Pieces {
     pub(super) fn around(&self, surface: &Surface) -> BTreeSet<(usize, usize)> {
         let cells = self.by_cell.values().flatten().map(|piece| piece.cell);
         let around =
-            |Cell { rows, cols }: Cell| surface.chart().around_span(rows, cols, 1).places();
+            |Cell { rows, cols }: Cell| surface.chart().around_span(rows, cols, [1, 1]).places();
         cells.flat_map(around).filter(|&(row, col)| surface.has(row, col)).collect()
     }
 

@@ -31,7 +31,7 @@ impl Rise {
         let there = corners.map(|(row, col)| surface.has(row, col));
         let weights = corner_weights(there, cell.inside(place))?;
         // The bends at the corners depend on points up to two rows and columns around.
-        let Block { rows, cols } = surface.chart().around_span(cell.rows, cell.cols, 2);
+        let Block { rows, cols } = surface.chart().around_span(cell.rows, cell.cols, [2, 2]);
         let around = surface.window(rows.clone(), cols.clone()).unweighted();
         let lengths = |rule| EdgeLengths::<f64>::new(&around.clone().with_edge_rule(rule)).ok();
         let (arcs, chords) = (lengths(EdgeRule::Arc)?, lengths(EdgeRule::Chord)?);

@@ -114,7 +114,7 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
                 let block = tiling.points(tiling.tiles().around((row, col), 0));
                 let [rows, cols] =
                     [&block.rows, &block.cols].map(|span| [span.start, span.end - 1]);
-                let window = Window::new(chart, &chart.around_span(rows, cols, TILE));
+                let window = Window::new(chart, &chart.around_span(rows, cols, [TILE; 2]));
                 let tiles = Tiles::new(window, &block);
                 let progress = Progress::new(Stop::after(0));
                 Patch { block, window, tiles, progress }

@@ -60,7 +60,7 @@ impl<R: Real, K: LaneKind<R>> Visits<'_, R, K> {
         // Anchored fronts, whose updates need no edges, may come from anchors farther away than the reach. The window
         // then holds a whole tile around the patch.
         let reach = if K::NEEDS_EDGES { self.reach } else { TILE };
-        let seen = chart.around_span(rows, cols, reach);
+        let seen = chart.around_span(rows, cols, [reach; 2]);
         room.load(patch.window, &patch.tiles, self.far, seen);
         self.panels.with(|| self.on.panel(), |panel| self.settle(patch, room, panel));
         self.report(number, room);
