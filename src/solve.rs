@@ -9,7 +9,7 @@ use crate::auto::Choice;
 use crate::cpu::{self, Connections, Limit};
 use crate::options::{DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, Options};
 use crate::share::share;
-use crate::surface::{EdgeLengths, Real, Seed, SolverGrid, Sources, Surface};
+use crate::surface::{EdgeLengths, Groups, Real, Seed, SolverGrid, Sources, Surface, min};
 use crate::update::Wavefront;
 use crate::vulkan::{self, DeviceChoice, Schedule, VulkanError};
 use crate::{DistanceMap, Engine, Error, Monitor, Report, Targets, UsedEngine};
@@ -334,11 +334,21 @@ impl<'a> Problem<'a> {
         self.radius.min(last)
     }
 
+    /// Gives all copies of a point of a glued surface the smallest of their distances, which differ by rounding.
+    fn agree_on_copies<R: Real>(&self, distances: &mut [R]) {
+        for group in self.surface.copies().into_iter().flat_map(Groups::iter) {
+            let of_copies = group.iter().map(|&copy| distances[copy as usize]);
+            let smallest = of_copies.fold(R::infinity(), min);
+            group.iter().for_each(|&copy| distances[copy as usize] = smallest);
+        }
+    }
+
     /// Adds the subtracted initial value to all distances, and counts the points that were reached. Points
     /// beyond the radius or the needed targets become unreached.
     fn finish<R: Real>(&self, distances: Vec<R>, report: Report) -> DistanceMap<R> {
         let end = self.end(&distances);
         let mut distances = self.grid.crop(distances);
+        self.agree_on_copies(&mut distances);
         let of_row = |row: &mut [R]| {
             let (mut reached, mut largest) = (0, R::neg_infinity());
             for distance in row.iter_mut().filter(|distance| distance.is_finite()) {

@@ -7,9 +7,10 @@ use glam::DVec2;
 use super::Curve;
 use crate::Surface;
 
-/// The distance, in cells, up to which ends of curves on two sides of a seam are the same place. It can be small, since
-/// the crossings of a level are computed from equal values on both sides.
-const SAME: f64 = 1e-6;
+/// The distance, in cells, up to which ends of curves on two sides of a seam are the same place. The crossings of a level
+/// are computed from values on both sides that may differ by rounding. On grids of 10,000 points a side, rounding moves
+/// them by a thousandth of a cell.
+const SAME: f64 = 2e-3;
 
 /// One end of a curve: its index, and whether it is the last vertex.
 type End = (usize, bool);
@@ -107,11 +108,14 @@ fn partners(curves: &[Curve], surface: &Surface) -> HashMap<End, End> {
             let around = [DVec2::ZERO, DVec2::X, -DVec2::X, DVec2::Y, -DVec2::Y];
             let cells = around.map(|by| rounded(copy + 2.0 * SAME * by));
             let found = cells.into_iter().filter_map(|cell| ends.get(&cell)).flatten();
-            found.filter(move |(_, other)| other.distance(copy) <= SAME).map(|(other, _)| *other)
+            found.map(move |(other, at)| (at.distance(copy), *other))
         };
         let copies = surface.copies_of(at).into_iter().filter(|copy| *copy != at);
-        let free = |other: &End| *other != end && !partners.contains_key(other);
-        if let Some(other) = copies.flat_map(near).find(free) {
+        let is_free = |&(apart, other): &(f64, End)| {
+            apart <= SAME && other != end && !partners.contains_key(&other)
+        };
+        let nearest = copies.flat_map(near).filter(is_free).min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, other)) = nearest {
             partners.insert(end, other);
             partners.insert(other, end);
         }

@@ -157,7 +157,8 @@ impl<'a> Line<'a> {
             Some(before) if self.jumps[before] => Some(index),
             Some(before) => Some(before),
             None if !self.closed => None,
-            None => Some(if self.ends_meet() { last } else { index }),
+            // The curve may close by a step between copies of its first place.
+            None => Some(if self.ends_meet() && !self.jumps[last] { last } else { index }),
         }
     }
 
@@ -169,7 +170,7 @@ impl<'a> Line<'a> {
                 Some(if self.jumps[after] { index } else { after })
             }
             _ if !self.closed => None,
-            _ => Some(if self.ends_meet() { 0 } else { index }),
+            _ => Some(if self.ends_meet() && !self.jumps[0] { 0 } else { index }),
         }
     }
 

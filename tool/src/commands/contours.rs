@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use geosweep::geometry::{Levels, contours, join_over_seams};
+use geosweep::geometry::Levels;
 use geosweep::shown::excerpt;
 
-use super::level_curves::{LevelCurves, comment, range};
+use super::level_curves::{LevelCurves, comment, contours_of, range};
 use crate::numbers::Numbers;
 use crate::problem::{self, CurveFiles, ProblemArgs};
 use crate::terminal::{Outcome, say};
@@ -85,11 +85,7 @@ pub fn run(args: &Args) -> Outcome {
     let files = CurveFiles::new(&args.output)?;
     let problem = args.problem.solve(&files, None, None, |_| Ok(()))?;
     let levels = args.levels.levels().on(&problem.map, &problem.sources)?;
-    let mut found = contours(&problem.map, &problem.sources, &levels);
-    for contour in &mut found {
-        let curves = std::mem::take(&mut contour.curves);
-        contour.curves = join_over_seams(curves, &problem.scene.surface);
-    }
+    let found = contours_of(&problem, &levels);
     comment(&found, &problem)?;
     if found.is_empty() {
         say("note", format_args!("no curve: {}", range(&problem.map)));

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::process::ExitCode;
 
-use geosweep::geometry::{Contour, CurveError, Side};
+use geosweep::geometry::{Contour, CurveError, Side, contours, join_over_seams};
 use geosweep::io::{Attribute, Polyline};
 use geosweep::shown::{exact, seven_digits};
 use geosweep::surface::{Source, SourceError};
@@ -14,6 +14,14 @@ use crate::output::{commit, stage_picture};
 use crate::picture::{Canvas, Look, MapPicture, rgb, scale_of};
 use crate::problem::{CurveFiles, MapReport, Problem, done_with_map};
 use crate::terminal::{Outcome, print_json, say};
+
+/// Returns the contours of a map, which go on over the seams of its surface.
+pub fn contours_of(problem: &Problem, levels: &[f64]) -> Vec<Contour> {
+    let surface = &problem.scene.surface;
+    let over_seams =
+        |Contour { level, curves }| Contour { level, curves: join_over_seams(curves, surface) };
+    contours(&problem.map, &problem.sources, levels).into_iter().map(over_seams).collect()
+}
 
 /// The contours or offset curves of a map.
 pub struct LevelCurves {

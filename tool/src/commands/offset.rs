@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use geosweep::geometry::{Levels, Side, contours, offset_curves};
+use geosweep::geometry::{Levels, Side, offset_curves};
 use geosweep::shown::exact;
 use geosweep::surface::EdgeLengths;
 
-use super::level_curves::{LevelCurves, comment};
+use super::level_curves::{LevelCurves, comment, contours_of};
 use crate::choices::{Choice, one_of_or};
 use crate::numbers::Numbers;
 use crate::problem::{self, CurveFiles, Problem, ProblemArgs};
@@ -77,7 +77,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     let levels = Levels::List(args.distances.0.clone()).on(map, sources)?;
     let found = match args.side {
-        None => contours(map, sources, &levels),
+        None => contours_of(&problem, &levels),
         Some(side) => {
             let edges = EdgeLengths::new(&scene.surface)?;
             offset_curves(&scene.surface, &edges, sources, map, &levels, side)?

@@ -135,7 +135,10 @@ impl Glue {
             None => match self {
                 Self::Octahedral => Gluing::Octahedral,
                 Self::Charts => Gluing::Charts,
-                _ => Gluing::Seams(found(seams)?),
+                _ => {
+                    note_lacking_poles(shape.unwrap_or(&surface), seams);
+                    Gluing::Seams(found(seams)?)
+                }
             },
             // A glued surface cannot be glued again, and `with_gluing` below returns an error that says so.
             Some(_) if surface.is_glued() => Gluing::columns(),
@@ -207,6 +210,27 @@ impl Glue {
 /// The seam that joins the last column to the first one.
 const COLUMNS: Seam =
     Seam::Sides { sides: [GridSide::FirstColumn, GridSide::LastColumn], reversed: false };
+
+/// Prints a note if the grid may be a globe without its poles. A tube that narrows at both ends looks the same, so poles
+/// are not added unless they are asked for.
+fn note_lacking_poles(surface: &Surface, seams: &[Seam]) {
+    let goes_round = |seam: &Seam| {
+        let sides = [GridSide::FirstColumn, GridSide::LastColumn];
+        [Seam::Sides { sides, reversed: false }, Seam::Neighbours { sides, reversed: false }]
+            .contains(seam)
+    };
+    let lacks = |grid: &CompletedGrid| grid.chart().rows > surface.rows();
+    if seams.iter().any(goes_round)
+        && !surface.is_glued()
+        && CompletedGrid::new(surface, Layout::Globe).is_ok_and(|grid| lacks(&grid))
+    {
+        say(
+            "note",
+            "the first and the last row may surround poles that the grid lacks: no path crosses them; --glue globe adds \
+             them",
+        );
+    }
+}
 
 /// Returns the seams as a list, or an error if there are none.
 fn found(seams: &[Seam]) -> Result<Vec<Seam>, Box<dyn Error>> {

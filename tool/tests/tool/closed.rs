@@ -142,3 +142,49 @@ fn ridges_offsets_errors_and_matrices_pass_glued_sides() {
         assert!((found - distance).abs() < 1e-5, "{found} {distance}");
     }
 }
+
+/// Rings around a tube whose vertices name both copies of the seam, with and without a column that closes them, and from
+/// several first vertices. Offsets lie on one side, are closed, and the ring divides the tube.
+#[test]
+fn rings_around_a_tube_have_closed_offsets_on_one_side() {
+    let bench = Workbench::new();
+    let (rows, cols) = (21, 37);
+    let place = |index: usize| {
+        let (row, col) = (index / cols, index % cols);
+        let (sin, cos) = (std::f64::consts::TAU * (col % 36) as f64 / 36.0).sin_cos();
+        [cos, sin, 0.15 * row as f64]
+    };
+    let positions: Vec<f64> = (0..rows * cols).flat_map(place).collect();
+    let tube = bench.array("long.npy", &[rows, cols, 3], &positions);
+    let ring: Vec<usize> = (0..37).collect();
+    let from_middle: Vec<usize> = (18..37).chain(0..19).collect();
+    let from_end: Vec<usize> = [36].into_iter().chain(0..37).collect();
+    for (number, cols) in [ring, from_middle, from_end].into_iter().enumerate() {
+        for closes in [false, true] {
+            let header = if closes { "row,col,closed\n" } else { "row,col\n" };
+            let line = |col: &usize| match closes {
+                true => format!("10,{col},1\n"),
+                false => format!("10,{col}\n"),
+            };
+            let lines: String = cols.iter().map(line).collect();
+            let file = bench.input(&format!("{number}{closes}.csv"), format!("{header}{lines}"));
+            let case = format!("{cols:?} {closes}");
+            let words = format!("{tube} --source-curve {file} --glue columns --engine cpu --json");
+            for (side, sign) in [("left", -1.0), ("right", 1.0)] {
+                let line = format!("offset {words} --distances 0.4 --side {side} -o o.npy");
+                let level = json(&run(&bench, &line))["levels"][0].clone();
+                assert_eq!((&level["curves"], &level["closed"]), (&1.into(), &1.into()), "{case}");
+                let length = level["length"].as_f64().unwrap();
+                assert!((length - std::f64::consts::TAU).abs() < 0.02, "{case}: {level}");
+                for [row, ..] in curves(&read(&bench, "o.npy")).remove(0) {
+                    assert!(sign * (row - 10.0) > 2.0, "{case} {side}: {row}");
+                }
+            }
+            let both = json(&run(&bench, &format!("offset {words} --distances 0.4 -o o.npy")));
+            let level = &both["levels"][0];
+            assert_eq!((&level["curves"], &level["closed"]), (&2.into(), &2.into()), "{case}");
+            let signed = run(&bench, &format!("distance {words} --signed -o signed.npy"));
+            assert!(signed.status.success(), "{case}: {}", stderr(&signed));
+        }
+    }
+}

@@ -259,6 +259,18 @@ fn a_globe_of_cells_is_whole() {
     bench.refuses(&refused, &["--glue globe", "surround one", "first row"]);
 }
 
+/// `--glue auto` adds no poles, since a tube that narrows looks the same. It says how to add them.
+#[test]
+fn a_globe_glued_by_itself_has_a_note_about_its_poles() {
+    let bench = Workbench::new();
+    for (file, is_globe) in [(globe(&bench), true), (tube(&bench), false)] {
+        let output = bench.distance(&file, "-s 5,5 --glue auto --json");
+        assert_eq!(notes(&output).contains("--glue globe"), is_globe, "{}", notes(&output));
+        let output = bench.distance(&file, "-s 5,5 --glue auto --json --quiet");
+        assert_eq!(notes(&output), "");
+    }
+}
+
 /// Six faces of 12 x 12 texels, one below the other.
 #[test]
 fn a_cube_map_is_a_sphere() {
