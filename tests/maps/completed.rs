@@ -356,8 +356,16 @@ fn grids_that_do_not_fit_are_refused() {
     ] {
         assert!(matches!(refused, GluingError::Unsupported { .. }), "{refused}");
     }
-    let small = CompletedGrid::with_seams(Chart { rows: 3, cols: 9 }, &[around(sides, false)]);
-    assert!(matches!(small, Err(GluingError::TooSmall { .. })));
+    let few = Chart { rows: 9, cols: 3 };
+    for seams in [vec![around(sides, false)], vec![around(sides, false), around(rows, false)]] {
+        let small = CompletedGrid::with_seams(few, &seams);
+        assert!(matches!(small, Err(GluingError::TooSmall { .. })), "{seams:?}");
+    }
+    let few = Chart { rows: 3, cols: 9 };
+    for seam in [around(rows, false), Seam::Ring(GridSide::FirstRow)] {
+        let small = CompletedGrid::with_seams(few, &[seam]);
+        assert!(matches!(small, Err(GluingError::TooSmall { .. })), "{seam:?}");
+    }
     // Gluing alone adds no line.
     for seam in [around(sides, false), Seam::Ring(GridSide::FirstRow)] {
         let error = tube.clone().with_gluing(Gluing::Seams(vec![seam])).unwrap_err();
@@ -381,5 +389,30 @@ fn heights_tell_whether_a_line_is_repeated() {
     for (index, found) in found.iter().enumerate() {
         let wanted = expected[index / 24 * 25 + index % 24];
         assert!((found - wanted).abs() <= 1e-12 * wanted, "{index}: {found} {wanted}");
+    }
+}
+
+/// Tubes of two and three rows: only the columns need four lines. The last column is one step from the first.
+#[test]
+fn tubes_of_few_rows_are_completed() {
+    for (rows, cols) in [(2, 16), (3, 13), (16, 2), (13, 3)] {
+        let is_wide = rows < cols;
+        let angle = TAU / rows.max(cols) as f64;
+        let place = |index: usize| {
+            let (row, col) = (index / cols, index % cols);
+            let [at, up] = if is_wide { [col, row] } else { [row, col] };
+            let (sin, cos) = (angle * at as f64).sin_cos();
+            DVec3::new(cos, sin, 0.4 * up as f64)
+        };
+        let positions = (0..rows * cols).map(place).collect();
+        let given = Surface::from_positions(rows, cols, positions).unwrap();
+        let (layout, whole) = match is_wide {
+            true => (Layout::Columns, [rows, cols + 1]),
+            false => (Layout::Rows, [rows + 1, cols]),
+        };
+        let (lines, surface) = completed(&given, layout, whole);
+        let distances = map(&lines, &surface, [0.0, 0.0]);
+        let last = if is_wide { cols - 1 } else { (rows - 1) * cols };
+        assert!((distances[last] - angle).abs() < 1e-3 * angle, "{rows} x {cols}: {distances:?}");
     }
 }

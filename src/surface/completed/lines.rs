@@ -6,7 +6,7 @@ use super::added::Added;
 use super::axis::Axis;
 use super::grid::CompletedGrid;
 
-/// Smallest number of rows, and of columns, of a given grid.
+/// Smallest number of given lines along a seam between opposite sides, and of rows between poles.
 const LEAST_LINES: usize = 4;
 
 /// Lines that a grid has or lacks.
@@ -57,10 +57,6 @@ fn repeated(seam: Seam) -> Seam {
 
 impl Lines {
     fn of(chart: Chart, seams: &[Seam]) -> Result<Self, GluingError> {
-        let Chart { rows, cols } = chart;
-        if rows.min(cols) < LEAST_LINES {
-            return Err(GluingError::TooSmall { rows, cols });
-        }
         let mut lines = Self::default();
         let unsupported = |what, instead| Err(GluingError::Unsupported { what, instead });
         for seam in seams {
@@ -85,6 +81,10 @@ impl Lines {
             lines.lattice = lines.lattice.and(lattice);
         }
         let Lattice { cols, rows, .. } = lines.lattice;
+        let has_few_rows = chart.rows < LEAST_LINES && (rows.is_some() || lines.poles != [None; 2]);
+        if has_few_rows || chart.cols < LEAST_LINES && cols.is_some() {
+            return Err(GluingError::TooSmall { rows: chart.rows, cols: chart.cols });
+        }
         if cols == Some(true) && lines.has_row_added || rows == Some(true) && lines.has_column_added
         {
             return unsupported(

@@ -68,7 +68,8 @@ pub enum GluingError {
     /// Two sides that should continue each other are neither the same line nor neighbours.
     #[error(
         "the {} and the {} should continue each other, but are {apart:e} apart on average, while the next line of \
-         the grid is {step:e} from each. Check which sides continue each other, and in which order",
+         the grid is {step:e} from each. The step between them may be up to twice as long as those beside it, or half, \
+         and turn by up to 60 degrees. Check which sides continue each other, and in which order",
         .sides[0], .sides[1]
     )]
     NotNeighbours {
