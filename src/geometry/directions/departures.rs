@@ -10,14 +10,14 @@
 //! All sources move together. Where a move changes the front that arrives first, as at borders of regions and
 //! at a cut locus, the squared distance has a kink ([`super::stencil`]).
 
-use glam::{DMat2, DVec2, DVec3};
+use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
 use super::frame::Frame;
 use super::stencil::{EVEN, Places, SIDE, Samples, derivative_beside_kink};
 use crate::cpu::RotatedScan;
 use crate::geometry::NO_REGION;
-use crate::surface::{Direction, EdgeLengths, Geometry, Groups, Real, Source, Sources, Surface};
+use crate::surface::{Direction, EdgeLengths, Groups, Real, Source, Sources, Surface};
 use crate::{Engine, Error, Monitor, Options};
 
 /// The largest number of steps by which sources move to either side.
@@ -73,13 +73,10 @@ impl Start {
         // The length of the step from one grid line to the next. Lines are counted along the move, over seams too.
         let step = |line: f64| {
             let middle = surface.continued_place(self.at + (line + 0.5 - at) * along)?;
-            if let Geometry::Metric(_) = surface.geometry() {
-                return Some(Frame::at(surface, middle).length(along));
-            }
             let across = DVec2::ONE - along;
-            let end = |line: f64| on_cell(surface, middle * across + line * along);
+            let end = |line: f64| surface.place(middle * across + line * along);
             let line = middle.dot(along);
-            Some(end(line.floor())?.distance(end(line.ceil())?))
+            Some(end(line.floor())?.length_to(end(line.ceil())?))
         };
         let step = |line: f64| step(line).unwrap_or(mean) / mean;
         let (first, share) = (at.floor(), at.fract());
@@ -103,17 +100,6 @@ impl Start {
             surface.continued_place(self.at + moved).is_some_and(|at| surface.contains(at))
         })
     }
-}
-
-/// Returns the position of a place on the straight lines between the corners of its cell, on which sources inside cells
-/// lie.
-fn on_cell(surface: &Surface, at: DVec2) -> Option<DVec3> {
-    let along = |row: f64| {
-        let [west, east] =
-            [at.y.floor(), at.y.ceil()].map(|col| surface.position(row as usize, col as usize));
-        Some(west?.lerp(east?, at.y.fract()))
-    };
-    Some(along(at.x.floor())?.lerp(along(at.x.ceil())?, at.x.fract()))
 }
 
 /// Arrival times, row-major, less the smallest initial value of the sources.
