@@ -1,5 +1,5 @@
-//! What a surface computes on first use may be needed by several tasks of a thread pool at the same moment. Each of
-//! them has to end, although a thread that waits for another one takes up further tasks meanwhile.
+//! Tasks of a thread pool that need the same result of a surface at the same moment, on its first use. Each task has to
+//! end, although a thread that waits for another one takes up further tasks meanwhile.
 
 use std::sync::mpsc;
 use std::thread;
@@ -17,7 +17,7 @@ const HANGS: Duration = Duration::from_secs(300);
 /// Number of fresh surfaces. Without the precaution, tasks wait for each other within the first hundred.
 const ROUNDS: usize = 200;
 
-/// Runs `tasks` tasks at once, in pools with more threads than this machine may have cores.
+/// Runs four to six of a task at once on each fresh surface, in a pool with more threads than this machine may have cores.
 fn run_at_once<T: Sync + 'static>(new: impl Fn() -> T + Send + 'static, task: fn(&T)) {
     let (sender, receiver) = mpsc::channel();
     thread::spawn(move || {
