@@ -1,5 +1,6 @@
 //! The errors of the one-call interface. Messages give advice where the caller can mend the input.
 
+use crate::monitor::Cancelled;
 use crate::surface::{SourceError, SurfaceError};
 use crate::update::Unsuited;
 use crate::vulkan::VulkanError;
@@ -43,11 +44,17 @@ pub enum Error {
         bytes: usize,
     },
     /// The computation was cancelled by its [`crate::Monitor`].
-    #[error("the computation was cancelled")]
+    #[error("{Cancelled}")]
     Cancelled,
     /// An option is out of its range, or does not suit the surface, the sources, the engine or the precision.
     #[error("{0}")]
     Options(String),
+}
+
+impl From<Cancelled> for Error {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 impl From<Unsuited> for Error {

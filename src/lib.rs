@@ -87,7 +87,7 @@ pub use estimate::{ErrorEstimate, estimate_error, estimate_error_f64};
 pub use glam;
 pub use gpu_allocator;
 pub use map::{DistanceMap, Report, UsedEngine};
-pub use monitor::Monitor;
+pub use monitor::{Cancelled, Monitor};
 pub use name::UnknownName;
 pub use options::{DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, Options};
 pub use solve::{distance_map, distance_map_f64};

@@ -104,6 +104,21 @@ impl Options {
     }
 
     /// Sets the monitor of a computation.
+    ///
+    /// ```
+    /// use geosweep::{Error, Monitor, Options, Sources, Spacing, Surface, distance_map};
+    ///
+    /// let surface = Surface::from_heights(40, 50, vec![0.0; 2000], Spacing::square(1.0))?;
+    /// let monitor = Monitor::default();
+    /// let options = Options::default().with_monitor(monitor.clone());
+    /// distance_map(&surface, &Sources::point(3.0, 4.0), &options)?;
+    /// assert!(monitor.progress().iterations >= 1);
+    ///
+    /// monitor.cancel();
+    /// let cancelled = distance_map(&surface, &Sources::point(3.0, 4.0), &options);
+    /// assert!(matches!(cancelled, Err(Error::Cancelled)));
+    /// # Ok::<(), geosweep::Error>(())
+    /// ```
     pub fn with_monitor(self, monitor: impl Into<Option<Monitor>>) -> Self {
         Self { monitor: monitor.into(), ..self }
     }

@@ -224,7 +224,9 @@ impl<'a> Problem<'a> {
     }
 
     fn solve_on_cpu<R: Real>(&self) -> Result<DistanceMap<R>, Error> {
-        let edges = EdgeLengths::<R>::measured(self.grid.surface(), || self.monitor.check())?;
+        let edges = EdgeLengths::<R>::measured(self.grid.surface(), || {
+            Ok::<_, Error>(self.monitor.check()?)
+        })?;
         let start = Instant::now();
         let mut solver = cpu::RotatedScan::new(&edges, self.wavefront);
         solver = solver.with_monitor(self.monitor.clone());
@@ -301,7 +303,8 @@ impl<'a> Problem<'a> {
     /// Returns a map of a device, or an error if the computation was cancelled, since the map may then be
     /// incomplete.
     fn finished(&self, map: DistanceMap) -> Result<DistanceMap, Error> {
-        self.monitor.check().map(|()| map)
+        self.monitor.check()?;
+        Ok(map)
     }
 
     fn report(&self, engine: UsedEngine, schedule: &'static str, solve_time: Duration) -> Report {

@@ -50,7 +50,7 @@ impl<'a> RowEngine<'a> {
         let on_grid = grid.surface();
         let kind = match &options.engine {
             Engine::Auto | Engine::Cpu => {
-                let edges = EdgeLengths::measured(on_grid, || monitor.check())?;
+                let edges = EdgeLengths::measured(on_grid, || Ok::<_, Error>(monitor.check()?))?;
                 match LaneEngine::new(&grid, &edges, wavefront) {
                     Some(lanes) => Kind::Lanes(lanes),
                     None => Kind::Maps(edges),

@@ -118,10 +118,10 @@ impl<'a> Pairwise<'a> {
     ) -> Result<(Vec<f32>, PairwiseReport), E> {
         let (lanes, grid) = self.engine.for_symmetry()?;
         let monitor = &self.engine.monitor;
-        monitor.check()?;
+        monitor.check().map_err(Error::from)?;
         let mut matrix = self.room_for_a_matrix()?;
         let done = |rows: usize| -> Result<(), E> {
-            monitor.check()?;
+            monitor.check().map_err(Error::from)?;
             done(rows)
         };
         let start = Instant::now();

@@ -55,7 +55,7 @@ pub(super) fn stream<E: From<Error> + Send>(
             || engine.solve(now, stop, into, &|_| ()),
         );
         handed_over?;
-        engine.monitor.check()?;
+        engine.monitor.check().map_err(Error::from)?;
         convergence = convergence.worse(solved?);
         std::mem::swap(&mut ready, &mut next);
         (before, rest) = (now, after);

@@ -92,7 +92,7 @@ pub fn pairs_within(
     }
     let (wavefront, monitor) = (options.wavefront_of_rows(surface)?, options.monitor());
     let grid = surface.solver_grid();
-    let edges = EdgeLengths::measured(grid.surface(), || monitor.check())?;
+    let edges = EdgeLengths::measured(grid.surface(), || Ok::<_, Error>(monitor.check()?))?;
     let start = Instant::now();
     let solver = || {
         let solver = RotatedScan::in_order(&edges, wavefront, Order::Lines);

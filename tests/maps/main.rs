@@ -27,6 +27,7 @@ mod formats;
 mod gdal;
 mod geodetic;
 mod log_map_on_bumps;
+mod monitor;
 mod offset;
 mod origins;
 mod pairwise;

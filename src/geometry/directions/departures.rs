@@ -132,7 +132,8 @@ impl<'a> Departures<'a> {
         let stop = options.stop(surface, crate::DEFAULT_TOLERANCE_F64)?;
         let wavefront = options.resolve_wavefront(surface, &sources)?;
         let grid = surface.solver_grid();
-        let edges = EdgeLengths::<f64>::measured(grid.surface(), || monitor.check())?;
+        let edges =
+            EdgeLengths::<f64>::measured(grid.surface(), || Ok::<_, Error>(monitor.check()?))?;
         let start = sources.start();
         let mut solver = RotatedScan::new(&edges, wavefront).with_monitor(monitor.clone());
         let mut solve = |sources: &Sources| -> Result<Times, Error> {
