@@ -26,6 +26,8 @@ const GLSL: &str = "glsl";
 /// Folders of shader sources in glsl/: passes, what several passes share, and the update of a triangle.
 const FOLDERS: [&str; 3] = ["passes", "shared", "update"];
 const COMMITTED: &str = "glsl/spirv";
+/// The same constants in Rust, for all crates.
+const CONSTANTS: &str = "crates/surface/src/constants.rs";
 /// File with the fingerprint of the sources of the committed SPIR-V, and of the way in which it was compiled.
 const OF_SOURCES: &str = "glsl/spirv/sources.fnv";
 /// File with the fingerprint of the committed SPIR-V itself.
@@ -37,10 +39,7 @@ fn main() {
     println!("cargo:rerun-if-env-changed=GEOSWEEP_UPDATE_SPIRV");
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     let sources = sources();
-    write(
-        &out.join("constants.rs"),
-        constants(&read(Path::new("glsl/shared/constants.glsl"))).as_bytes(),
-    );
+    share_constants(&constants(&read(Path::new("glsl/shared/constants.glsl"))));
 
     let of_sources = fingerprint(compiled_from(&sources));
     if !cfg!(feature = "shaderc") {
@@ -168,10 +167,28 @@ fn check(path: &str, fingerprint: &str, otherwise: &str) {
     assert!(is_that, "{otherwise}");
 }
 
+/// Writes the constants for the crates below this one, or checks that they are those of the shaders. The package of this
+/// crate alone does not have the file.
+fn share_constants(rust: &str) {
+    let path = Path::new(CONSTANTS);
+    println!("cargo:rerun-if-changed={CONSTANTS}");
+    if env::var_os("GEOSWEEP_UPDATE_SPIRV").is_some() {
+        write(path, rust.as_bytes());
+    } else if path.exists() {
+        let is_that = read(path).replace('\r', "") == rust;
+        assert!(
+            is_that,
+            "{CONSTANTS} is not glsl/shared/constants.glsl: build with GEOSWEEP_UPDATE_SPIRV=1"
+        );
+    }
+}
+
 /// Translates `#define NAME value` to Rust: values with a point or an exponent are f64, others u32.
 fn constants(glsl: &str) -> String {
     let mut comment = String::new();
-    let mut rust = String::new();
+    let mut rust = String::from(
+        "//! Constants shared with the shaders, generated from `glsl/shared/constants.glsl` by `build.rs`.\n\n",
+    );
     for line in glsl.lines() {
         if let Some(text) = line.strip_prefix("// ") {
             comment += &format!("/// {text}\n");

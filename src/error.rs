@@ -1,6 +1,6 @@
 //! The errors of the one-call interface. Messages give advice where the caller can mend the input.
 
-use crate::monitor::Cancelled;
+use crate::Cancelled;
 use crate::surface::{SourceError, SurfaceError};
 use crate::update::Unsuited;
 use crate::vulkan::VulkanError;

@@ -56,45 +56,37 @@ pub mod accuracy;
 mod auto;
 #[cfg(feature = "capi")]
 pub mod capi;
-mod constants;
-pub mod cpu;
 mod engine;
 mod error;
 mod estimate;
-pub mod geometry;
-#[cfg(feature = "formats")]
-pub mod io;
-mod lanes;
-mod map;
 mod method;
-mod monitor;
-mod name;
 mod options;
 pub mod pairwise;
 mod share;
-pub mod shown;
 mod solve;
-mod stop;
-pub mod surface;
-mod targets;
-pub mod update;
 pub mod vulkan;
 
 pub use ash;
 pub use engine::Engine;
 pub use error::Error;
 pub use estimate::{ErrorEstimate, estimate_error, estimate_error_f64};
+pub use geosweep_cpu as cpu;
+pub use geosweep_geometry as geometry;
+#[cfg(feature = "formats")]
+pub use geosweep_io as io;
+pub use geosweep_surface as surface;
+#[doc(hidden)]
+pub use geosweep_surface::shown;
+pub use geosweep_surface::{
+    Cancelled, Convergence, DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, DistanceMap, EdgeRule,
+    MetricTensor, Monitor, Report, Source, Sources, Spacing, Stop, Surface, Targets, UnknownName,
+    UsedEngine, Wavefront, update,
+};
+pub(crate) use geosweep_surface::{constants, name};
 pub use glam;
 pub use gpu_allocator;
-pub use map::{DistanceMap, Report, UsedEngine};
-pub use monitor::{Cancelled, Monitor};
-pub use name::UnknownName;
-pub use options::{DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, Options};
+pub use options::Options;
 pub use solve::{distance_map, distance_map_f64};
-pub use stop::{Convergence, Stop};
-pub use surface::{EdgeRule, MetricTensor, Source, Sources, Spacing, Surface};
-pub use targets::Targets;
-pub use update::Wavefront;
 pub use vulkan::DeviceChoice;
 
 /// Compiles and runs the examples of the README.

@@ -5,11 +5,6 @@ use crate::update::{EngineKind, Setting, SourceKind, Wavefront};
 use crate::vulkan::Schedule;
 use crate::{Engine, Error, Monitor, Stop, Targets};
 
-/// Default of [`Options::tolerance`], near the rounding of single precision.
-pub const DEFAULT_TOLERANCE: f64 = 1e-6;
-/// Default of [`Options::tolerance`] in [`crate::distance_map_f64`], near the rounding of double precision.
-pub const DEFAULT_TOLERANCE_F64: f64 = 1e-13;
-
 /// Options of a map. The default suits most surfaces.
 ///
 /// ```
@@ -39,7 +34,7 @@ pub struct Options {
     /// [`Schedule::best_on`] the device. The CPU engines have one order each.
     pub schedule: Option<Schedule>,
     /// Relative change below which iterations stop: no arrival time fell by more than this fraction in an
-    /// iteration. With `None` it is [`DEFAULT_TOLERANCE`], or [`DEFAULT_TOLERANCE_F64`] in double precision.
+    /// iteration. With `None` it is [`crate::DEFAULT_TOLERANCE`], or [`crate::DEFAULT_TOLERANCE_F64`] in double precision.
     pub tolerance: Option<f64>,
     /// Maximum number of iterations of four scans. With `None` it is ten for each row and column, more than
     /// any surface but a labyrinth needs.
@@ -135,12 +130,12 @@ impl Options {
             let message = format!("tolerance {tolerance} is not in the range from 0 to 1");
             return Err(Error::Options(message));
         }
-        let enough = 10 * (surface.rows() + surface.cols());
-        let iterations = self.iterations.unwrap_or(u32::try_from(enough).unwrap_or(u32::MAX));
+        let stop = Stop::settled(surface, tolerance);
+        let iterations = self.iterations.unwrap_or(stop.iterations);
         if iterations == 0 {
             return Err(Error::Options("at least one iteration is needed".into()));
         }
-        Ok(Stop::within(tolerance).or_after(iterations))
+        Ok(stop.or_after(iterations))
     }
 
     /// Returns the radius, +infinity if there is none.

@@ -6,13 +6,16 @@ use rayon::prelude::*;
 
 use crate::Stop;
 use crate::auto::Choice;
-use crate::cpu::{self, Connections, Limit};
-use crate::options::{DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, Options};
+use crate::cpu::{self, Connections, Limit, seeds_for};
+use crate::options::Options;
 use crate::share::share;
 use crate::surface::{EdgeLengths, Groups, Real, Seed, SolverGrid, Sources, Surface, min};
 use crate::update::Wavefront;
 use crate::vulkan::{self, DeviceChoice, Schedule, VulkanError};
-use crate::{DistanceMap, Engine, Error, Monitor, Report, Targets, UsedEngine};
+use crate::{
+    DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, DistanceMap, Engine, Error, Monitor, Report, Targets,
+    UsedEngine,
+};
 
 /// Computes the geodesic distance from the sources to every point of a surface.
 ///
@@ -183,7 +186,7 @@ impl<'a> Problem<'a> {
             seed.origin = seed.origin.map(|origin| origin.started_earlier(start));
         }
         let grid = surface.solver_grid();
-        let seeds = wavefront.seeds(surface, seeds);
+        let seeds = seeds_for(wavefront, surface, seeds);
         let seeds = seeds.into_iter().map(|seed| grid.seed(seed)).collect();
         let targets = targets.map(|targets| grid.targets(targets));
         Ok(Self {
@@ -238,11 +241,8 @@ impl<'a> Problem<'a> {
         let solution = solver.into_solution(convergence);
         self.monitor.check()?;
         let time = start.elapsed();
-        let report = Report {
-            iterations: solution.iterations,
-            residual: solution.residual,
-            ..self.report(UsedEngine::Cpu, "rotated-scan", time)
-        };
+        let mut report = self.report(UsedEngine::Cpu, "rotated-scan", time);
+        (report.iterations, report.residual) = (solution.iterations, solution.residual);
         Ok(self.finish(solution.distances(), report))
     }
 
@@ -257,8 +257,8 @@ impl<'a> Problem<'a> {
         };
         let solution = cpu::limited_march(&edges, &split, &self.seeds, self.wavefront, limit);
         let time = start.elapsed();
-        let report =
-            Report { iterations: 1, ..self.report(UsedEngine::FastMarching, "heap", time) };
+        let mut report = self.report(UsedEngine::FastMarching, "heap", time);
+        report.iterations = 1;
         Ok(self.finish(solution.distances(), report))
     }
 
@@ -285,12 +285,10 @@ impl<'a> Problem<'a> {
             }
             None => solver.solve(&mut surface, &self.seeds, method)?,
         };
-        let report = Report {
-            device: Some(solver.device_name().to_owned()),
-            iterations: solution.iterations,
-            residual: solution.residual,
-            ..self.report(UsedEngine::Vulkan, solution.schedule.name(), solution.time)
-        };
+        let schedule = solution.schedule.name();
+        let mut report = self.report(UsedEngine::Vulkan, schedule, solution.time);
+        report.device = Some(solver.device_name().to_owned());
+        (report.iterations, report.residual) = (solution.iterations, solution.residual);
         Ok(self.finish(solution.distances, report))
     }
 
@@ -308,15 +306,14 @@ impl<'a> Problem<'a> {
     }
 
     fn report(&self, engine: UsedEngine, schedule: &'static str, solve_time: Duration) -> Report {
-        Report {
-            schedule,
-            tolerance: self.stop.tolerance,
-            solve_time,
-            points: self.surface.points(),
-            seams: self.surface.seams(),
-            resolution: self.surface.resolution(),
-            ..Report::new(engine, self.wavefront)
-        }
+        let mut report = Report::new(engine, self.wavefront);
+        report.schedule = schedule;
+        report.tolerance = self.stop.tolerance;
+        report.solve_time = solve_time;
+        report.points = self.surface.points();
+        report.seams = self.surface.seams();
+        report.resolution = self.surface.resolution();
+        report
     }
 
     /// Returns the time after which fronts do not matter. Like the times of the seeds, it counts from the
@@ -348,7 +345,7 @@ impl<'a> Problem<'a> {
 
     /// Adds the subtracted initial value to all distances, and counts the points that were reached. Points
     /// beyond the radius or the needed targets become unreached.
-    fn finish<R: Real>(&self, distances: Vec<R>, report: Report) -> DistanceMap<R> {
+    fn finish<R: Real>(&self, distances: Vec<R>, mut report: Report) -> DistanceMap<R> {
         let end = self.end(&distances);
         let mut distances = self.grid.crop(distances);
         self.agree_on_copies(&mut distances);
@@ -369,21 +366,9 @@ impl<'a> Problem<'a> {
             .par_chunks_mut(self.surface.cols())
             .map(of_row)
             .reduce(|| (0, R::neg_infinity()), |a, b| (a.0 + b.0, a.1.max(b.1)));
-        let max_distance = max_distance.wide();
-        let ends_at = Some(end).filter(|end| end.is_finite());
-        let converged = report.residual <= self.stop.tolerance;
-        DistanceMap {
-            chart: self.surface.chart(),
-            distances,
-            report: Report { converged, reached, max_distance, ends_at, ..report },
-        }
-    }
-}
-
-impl<R> DistanceMap<R> {
-    /// Returns the map with the reason for the choice of its engine.
-    fn because(mut self, reason: String) -> Self {
-        self.report.reason = Some(reason);
-        self
+        (report.reached, report.max_distance) = (reached, max_distance.wide());
+        report.ends_at = Some(end).filter(|end| end.is_finite());
+        report.converged = report.residual <= self.stop.tolerance;
+        DistanceMap::reported(self.surface.chart(), distances, report)
     }
 }

@@ -118,7 +118,9 @@ pub fn log_map(py: Python<'_>, map: &Map) -> PyResult<LogMap> {
         geosweep::geometry::LogMap::watched(&map.on.surface, &map.sources, monitor)
     })?;
     let inner = made.map_err(|error| match error {
-        LogMapError::Map(error) => errors::of(error),
+        LogMapError::Surface(error) => errors::of(error.into()),
+        LogMapError::Source(error) => errors::of(error.into()),
+        LogMapError::Cancelled(error) => errors::of(error.into()),
         error => errors::value(error),
     })?;
     Ok(LogMap { on: map.on.clone(), inner })

@@ -33,13 +33,14 @@ mod sparse;
 
 use std::time::{Duration, Instant};
 
+pub use crate::cpu::SparseRows;
 use crate::surface::Surface;
 use crate::{Convergence, Error, Options, Stop};
 use engine::RowEngine;
 pub use nearest::{NearPoint, nearest_points};
 pub use report::PairwiseReport;
 pub use rows::Rows;
-pub use sparse::{SparseRows, pairs_within};
+pub use sparse::pairs_within;
 
 /// Computes rows of the distance matrix of a surface. Data that all rows share is prepared once.
 ///

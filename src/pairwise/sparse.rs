@@ -5,44 +5,9 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::PairwiseReport;
-use crate::cpu::{Order, RotatedScan};
+use crate::cpu::{Order, RotatedScan, SparseRows};
 use crate::surface::{EdgeLengths, Seed, SolverGrid, Surface};
 use crate::{Convergence, Engine, Error, Options, Stop, UsedEngine};
-
-/// Rows of a distance matrix that hold the distances within a radius, in compressed sparse row format (CSR), as
-/// SciPy's `csr_array` holds them.
-///
-/// The entries of row r are those from `indptr[r]` to before `indptr[r + 1]`. Columns are grid points in
-/// row-major order. A row includes its own point, at distance 0. The row of a hole is empty.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct SparseRows {
-    /// Number of columns, which is the number of grid points.
-    pub cols: usize,
-    /// The first entry of each row, and the number of all entries.
-    pub indptr: Vec<usize>,
-    /// The column of each entry, ascending in each row.
-    pub indices: Vec<u32>,
-    /// The distance of each entry.
-    pub data: Vec<f32>,
-}
-
-impl SparseRows {
-    /// Returns the number of rows.
-    pub fn rows(&self) -> usize {
-        self.indptr.len() - 1
-    }
-
-    /// Returns the columns and the distances of a row.
-    ///
-    /// # Panics
-    /// If there is no such row.
-    pub fn row(&self, row: usize) -> impl Iterator<Item = (usize, f32)> {
-        let entries = self.indptr[row]..self.indptr[row + 1];
-        let columns = self.indices[entries.clone()].iter().map(|&column| column as usize);
-        columns.zip(self.data[entries].iter().copied())
-    }
-}
 
 /// Computes the distances from each of some points, given by their grid indices, to all points within the
 /// radius of `options`. The work is proportional to the sum, over all rows, of the area within the radius.
@@ -123,18 +88,6 @@ pub fn pairs_within(
         solve_time: start.elapsed(),
     };
     Ok((rows, report))
-}
-
-impl SparseRows {
-    fn with_cols(cols: usize) -> Self {
-        Self { cols, indptr: vec![0], indices: Vec::new(), data: Vec::new() }
-    }
-
-    fn push(&mut self, row: Vec<(usize, f32)>) {
-        self.indices.extend(row.iter().map(|&(column, _)| column as u32));
-        self.data.extend(row.iter().map(|&(_, distance)| distance));
-        self.indptr.push(self.data.len());
-    }
 }
 
 /// Returns the entries of a row in order.

@@ -12,7 +12,6 @@
 //! renderer's device and with its allocator. [`HeadlessSolver`] brings its own device, command buffers and
 //! allocator. [`requirements`] lists what a device must offer: Vulkan 1.1, and no extension or feature.
 
-mod beyond;
 pub(crate) mod copies;
 pub(crate) mod device;
 pub mod embed;

@@ -218,7 +218,7 @@ impl Case {
             return self.seeds();
         }
         let seeds = self.sources.seeds_with_origins(&self.surface).unwrap();
-        wavefront.seeds(&self.surface, seeds)
+        geosweep::cpu::seeds_for(wavefront, &self.surface, seeds)
     }
 
     /// Computes the bounds of the map.

@@ -14,6 +14,7 @@ mod closed_ridges;
 mod closed_signed;
 mod closed_sources;
 mod closed_steep;
+mod coarsening;
 #[path = "../common/mod.rs"]
 mod common;
 mod completed;
@@ -22,6 +23,7 @@ mod directions;
 mod double_precision;
 mod engines;
 mod estimate;
+mod floor_plan_twins;
 #[cfg(feature = "formats")]
 mod formats;
 mod gdal;

@@ -13,7 +13,7 @@ const STOP: Stop = Stop::within(1e-6).or_after(500);
 /// Returns how much a map is early and late at most, relative to the longer side of a cell.
 fn errors<R: Real>(sheet: &Sheet) -> [f64; 2] {
     let seeds = sheet.sources.seeds_with_origins(&sheet.surface).unwrap();
-    let seeds = Wavefront::Curved.seeds(&sheet.surface, seeds);
+    let seeds = geosweep::cpu::seeds_for(Wavefront::Curved, &sheet.surface, seeds);
     let edges = EdgeLengths::<R>::new(&sheet.surface).unwrap();
     let map = cpu::rotated_scan(&edges, &seeds, Wavefront::Curved, STOP).distances();
     let late: Vec<_> = map

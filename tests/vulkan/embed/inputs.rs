@@ -42,7 +42,8 @@ fn headless(
 fn headless_alone(solver: &mut HeadlessSolver, surface: &Surface, sources: &Sources) -> Vec<f32> {
     let mut on_device = solver.upload(surface).unwrap();
     let wavefront = Wavefront::Curved;
-    let seeds = wavefront.seeds(surface, sources.seeds_with_origins(surface).unwrap());
+    let seeds =
+        geosweep::cpu::seeds_for(wavefront, surface, sources.seeds_with_origins(surface).unwrap());
     let method = Method::new(wavefront, STOP);
     solver.solve(&mut on_device, &seeds, method).unwrap().distances
 }

@@ -164,7 +164,8 @@ fn maps_with_surroundings_are_the_headless_solvers() {
         for case in cases {
             let add = |all: Sources, &[row, col, time]: &[f64; 3]| all.and_point(row, col, time);
             let sources = case.iter().fold(Sources::default(), add);
-            let seeds = wavefront.seeds(&surface, sources.seeds(&surface).unwrap());
+            let seeds =
+                geosweep::cpu::seeds_for(wavefront, &surface, sources.seeds(&surface).unwrap());
             let expected = solver.solve(&mut on_device, &seeds, method).unwrap().distances;
             let source = |&[row, col, time]: &[f64; 3]| PointSource {
                 time: time as f32,

@@ -90,7 +90,7 @@ impl Subject {
                 // As in `distance_map`, the times of seeds are relative to the smallest one.
                 let start = seeds.iter().map(|seed| seed.time).fold(f64::INFINITY, f64::min);
                 seeds.iter_mut().for_each(|seed| seed.time -= start);
-                Maps::One(method.wavefront.seeds(surface, seeds))
+                Maps::One(geosweep::cpu::seeds_for(method.wavefront, surface, seeds))
             }
             Of::Pairwise(schedule) => {
                 let pairwise = solver.pairwise(&on_device, method.wavefront, schedule)?;

@@ -1,0 +1,214 @@
+//! Defines the interface between solvers and kinds of fronts, and the interfaces of kinds whose points are updated one
+//! by one.
+
+use crate::behind::{Behind, TriangleSlots};
+use geosweep_surface::update::{Carried, Kept, Triangle, tag_of};
+use geosweep_surface::{Chart, Direction, EdgeLengths, Real, Seed};
+
+/// A kind of front over a surface. It defines the data that fronts carry, and how fronts start, are accepted and
+/// compared. Updates are defined by [`PointKind`] for solvers that update points one by one, and by
+/// [`LaneKind`](super::LaneKind) for those that update lines in SIMD lanes.
+pub(crate) trait FrontKind<R: Real>:
+    Clone + std::fmt::Debug + Send + Sync + 'static
+{
+    /// Data that the front at a point carries besides its arrival time.
+    type Carried: Carried;
+
+    /// A front that arrives at a point.
+    type Arrival: Copy;
+
+    /// Whether a scan may replace a front that it brought earlier by a later one. A seed that the earlier front has
+    /// replaced is then lost ([`Seed::is_lost`]).
+    const TAKES_BACK: bool = false;
+
+    /// Announces all seeds that are about to be added, before the first one is added.
+    fn expect(&mut self, _: &[Seed]) {}
+
+    /// Returns the front that a seed starts.
+    fn arrival_of_seed(&mut self, seed: &Seed) -> Self::Arrival;
+
+    /// Returns `carried` without the mark of an exact seed ([`Seed::exact`]), so that fronts of sources that are added
+    /// later can replace the front.
+    fn released(carried: Self::Carried) -> Self::Carried {
+        carried
+    }
+
+    /// Forgets the seeds of the last map.
+    fn forget(&mut self) {}
+
+    /// Returns the front at a point after `arrival` has reached it, brought by `scan` (numbered from one).
+    /// The arrival is accepted if it is earlier than the present front, or if the scan `renews` a front that the same
+    /// scan brought before.
+    fn accept(
+        kept: Kept<R, Self::Carried>,
+        arrival: Self::Arrival,
+        scan: u8,
+        renews: bool,
+    ) -> Kept<R, Self::Carried>;
+
+    /// Converts the front at a point to an arrival at another copy of the point, on a glued surface.
+    fn arrival_of_front(kept: Kept<R, Self::Carried>) -> Self::Arrival;
+
+    /// Returns the first of two fronts at a point.
+    fn first(a: Kept<R, Self::Carried>, b: Kept<R, Self::Carried>) -> Kept<R, Self::Carried>;
+
+    /// Returns the change of a front, in units of the last place of its arrival time ([`Real::units_between`]).
+    fn change(before: Kept<R, Self::Carried>, after: Kept<R, Self::Carried>) -> R::Bits;
+
+    /// Starts the fronts of seeds, in bordered arrays of arrival times and of what fronts carry. Calls
+    /// `started` with each seed, its point in the arrays, and the fronts there before and after.
+    fn start(
+        &mut self,
+        chart: Chart,
+        seeds: &[Seed],
+        (times, carried): (&mut [R], &mut [Self::Carried]),
+        mut started: impl FnMut(&Seed, usize, [Kept<R, Self::Carried>; 2]),
+    ) {
+        self.expect(seeds);
+        for seed in seeds {
+            let point = chart.bordered(seed.row, seed.col);
+            let arrival = self.arrival_of_seed(seed);
+            let before = Kept { time: times[point], carried: carried[point] };
+            let after = Self::accept(before, arrival, tag_of(seed), false);
+            (times[point], carried[point]) = (after.time, after.carried);
+            started(seed, point, [before, after]);
+        }
+    }
+
+    /// Returns whether a seed is lost ([`Seed::is_lost`]), given arrival times as a bordered array.
+    fn has_lost(chart: Chart, seeds: &[Seed], times: &[R]) -> bool {
+        let is_lost = |seed: &Seed| seed.is_lost(times[chart.bordered(seed.row, seed.col)]);
+        Self::TAKES_BACK && seeds.iter().any(is_lost)
+    }
+}
+
+/// A kind of front whose points can be updated one by one.
+pub(crate) trait PointKind<R: Real>: FrontKind<R> {
+    /// Returns the first front that reaches a point through the triangles behind it. `seen` gives the fronts
+    /// at other points.
+    fn reach(
+        &self,
+        edges: &EdgeLengths<R>,
+        point: usize,
+        behind: &Behind,
+        seen: impl Fn(usize) -> Kept<R, Self::Carried>,
+    ) -> Self::Arrival;
+}
+
+/// A kind of front that can be updated from a single triangle.
+pub(crate) trait TriangleKind<R: Real>: FrontKind<R> + Triangular {
+    /// Returns the front that reaches x0 through the triangle with x1 and x2. `carried` is the data of the fronts at x1
+    /// and x2. See [`geosweep_surface::update::Curvatures`] for `alone`.
+    fn arrival(
+        &self,
+        corners: [usize; 3],
+        triangle: Triangle<R>,
+        carried: [Self::Carried; 2],
+        alone: bool,
+    ) -> Self::Arrival;
+
+    /// Returns the front through the face of one of a point's triangles. Of an obtuse triangle only the edges
+    /// are used.
+    #[inline]
+    fn face_arrival(
+        &self,
+        corners: [usize; 3],
+        triangle: Triangle<R>,
+        carried: [Self::Carried; 2],
+        alone: bool,
+    ) -> Self::Arrival {
+        let c = if self.is_obtuse(corners, triangle) { R::FAR } else { triangle.c };
+        self.arrival(corners, Triangle { c, ..triangle }, carried, alone)
+    }
+
+    /// Returns the front through a triangle whose lengths are weighted by the given slowness at x0, x1 and x2,
+    /// instead of the slowness of the points. Fronts that depend on lengths alone ignore it.
+    fn arrival_over(
+        &self,
+        corners: [usize; 3],
+        triangle: Triangle<R>,
+        carried: [Self::Carried; 2],
+        _slowness: [R; 3],
+    ) -> Self::Arrival {
+        self.arrival(corners, triangle, carried, false)
+    }
+
+    /// Returns whether a triangle is obtuse at x0.
+    fn is_obtuse(&self, _corners: [usize; 3], triangle: Triangle<R>) -> bool {
+        triangle.is_obtuse()
+    }
+
+    /// Returns the arrival time.
+    fn time(arrival: Self::Arrival) -> R;
+
+    /// Returns the first of two fronts that arrive at a point.
+    fn earlier(a: Self::Arrival, b: Self::Arrival) -> Self::Arrival;
+
+    /// Returns the first front that reaches a point through the parts of its triangle between two neighbours,
+    /// if that triangle is obtuse ([`EdgeLengths::split`]).
+    fn through_parts(
+        &self,
+        edges: &EdgeLengths<R>,
+        point: usize,
+        directions: [Direction; 2],
+        seen: impl Fn(usize) -> Kept<R, Self::Carried>,
+    ) -> Option<Self::Arrival> {
+        let mut first: Option<Self::Arrival> = None;
+        edges.split(point, directions, |[x1, x2], [l1, l2, c], slowness| {
+            let [a, b] = [x1, x2].map(&seen);
+            let triangle = Triangle { t1: a.time, t2: b.time, l1, l2, c };
+            let carried = [a.carried, b.carried];
+            let arrival = self.arrival_over([point, x1, x2], triangle, carried, slowness);
+            first = Some(first.map_or(arrival, |first| Self::earlier(first, arrival)));
+        });
+        first
+    }
+
+    /// Returns the front through one of a point's triangles, including the parts of an obtuse one.
+    #[inline]
+    fn through(
+        &self,
+        edges: &EdgeLengths<R>,
+        point: usize,
+        slots: &TriangleSlots,
+        seen: impl Fn(usize) -> Kept<R, Self::Carried>,
+    ) -> Self::Arrival {
+        let [x1, x2] = slots.corners(point);
+        let kept = [x1, x2].map(&seen);
+        let triangle = slots.triangle(edges, point, kept.map(|front| front.time));
+        let carried = kept.map(|front| front.carried);
+        let alone = slots.is_alone(triangle);
+        let arrival = self.face_arrival([point, x1, x2], triangle, carried, alone);
+        if !self.is_obtuse([point, x1, x2], triangle) {
+            return arrival;
+        }
+        let parts = self.through_parts(edges, point, slots.directions(), seen);
+        parts.map_or(arrival, |parts| Self::earlier(arrival, parts))
+    }
+
+    /// Returns the curvature of a front. If the front carries none, this is the curvature of a circle around
+    /// its source.
+    fn curvature(kept: Kept<R, Self::Carried>) -> R;
+
+    /// Returns the data that a circular front of the given radius carries over a plane.
+    fn circle(radius: R) -> Self::Carried;
+}
+
+/// Marks each [`TriangleKind`]. The marker has no type parameter. So the compiler can distinguish these kinds from
+/// others in the blanket implementation of [`PointKind`].
+pub(crate) trait Triangular {}
+
+impl<R: Real, K: TriangleKind<R> + Triangular> PointKind<R> for K {
+    #[inline]
+    fn reach(
+        &self,
+        edges: &EdgeLengths<R>,
+        point: usize,
+        behind: &Behind,
+        seen: impl Fn(usize) -> Kept<R, K::Carried>,
+    ) -> K::Arrival {
+        let [a, b] =
+            behind.triangles().each_ref().map(|slots| self.through(edges, point, slots, &seen));
+        Self::earlier(a, b)
+    }
+}

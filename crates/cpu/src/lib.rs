@@ -1,0 +1,52 @@
+//! Solves distance maps on the CPU: [`RotatedScan`] runs rotated raster scans in SIMD lanes. The
+//! point-by-point references that it is tested against are here too: directed scans, fast marching and, with
+//! the feature `twins`, the shaders' twins.
+//!
+//! All solvers share one update and one array layout, which has a border of points that are never reached.
+//! They converge to the same map. Single precision is for use, double precision for reference. Each kind of
+//! front has a file in `fronts/`, which says what the front is, how it starts, continues and is compared.
+//!
+//! [`RotatedScan`] updates a row from the row behind it, sixteen points at once with AVX-512
+//! (`line_update.rs`). Columns are updated as rows of a transposed panel of sixteen (`panel.rs`,
+//! `transposed.rs`). A scan visits only tiles beside which something has changed since it last passed
+//! (`tiles.rs`), and only if that change has an effect (`due.rs`). Large grids are scanned patch by patch, as
+//! fronts come to them, by all threads (`patches/`).
+
+mod behind;
+mod ceilings;
+mod fast_marching;
+mod fronts;
+mod limit;
+#[doc(hidden)]
+pub mod lines;
+mod outlook;
+mod pairwise;
+mod points;
+mod progress;
+mod rotated;
+mod scan;
+mod solution;
+mod sparse_rows;
+mod surroundings;
+#[cfg(any(test, feature = "twins"))]
+pub mod twins;
+
+pub use ceilings::CpuCeilings;
+#[doc(hidden)]
+pub use fast_marching::limited_march;
+pub use fast_marching::{Connections, fast_marching, fast_marching_with};
+pub use geosweep_surface::Instructions;
+#[doc(hidden)]
+pub use limit::Limit;
+#[doc(hidden)]
+pub use lines::Visited;
+#[doc(hidden)]
+pub use outlook::outlook;
+pub use pairwise::PairwiseScan;
+pub use points::raster_scan;
+#[doc(hidden)]
+pub use progress::{Progress, bend_units};
+pub use rotated::{Order, PatchCounts, RotatedScan, rotated_scan};
+pub use solution::Solution;
+pub use sparse_rows::SparseRows;
+pub use surroundings::seeds_for;

@@ -1,0 +1,159 @@
+//! Finds the points that a scan has to visit because of changes elsewhere than at their three neighbours on the line
+//! behind. These points have obtuse triangles, whose parts reach further.
+
+use super::marks::WORD;
+use crate::scan::Scan;
+use geosweep_surface::{EdgeLengths, Lines};
+
+/// Points whose changes affect points that are not beside them on the next line. Changes of other points are
+/// propagated without this.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Farther {
+    /// The affected points, by rows and by columns.
+    kinds: [Concerns; 2],
+}
+
+#[derive(Clone, Debug, Default)]
+struct Concerns {
+    /// Start of each line's entries; empty if there are no entries.
+    starts: Vec<u32>,
+    concerns: Vec<Concern>,
+}
+
+/// A point of a line whose changes a scan has to see at another point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Concern {
+    changed: u32,
+    scan: u8,
+    pub line: u32,
+    pub point: u32,
+}
+
+impl Concern {
+    pub(super) fn scan(&self) -> Scan {
+        Scan(self.scan)
+    }
+}
+
+impl Farther {
+    /// Finds the affected points of a surface whose parts of obtuse triangles are stored.
+    pub(super) fn new(edges: &EdgeLengths<f32>) -> Self {
+        Self { kinds: [Lines::Rows, Lines::Cols].map(|lines| Concerns::of(edges, lines)) }
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        let bytes = |of: &Concerns| {
+            of.starts.len() * size_of::<u32>() + of.concerns.len() * size_of::<Concern>()
+        };
+        self.kinds.iter().map(bytes).sum()
+    }
+
+    /// Returns the points that the changed points of a line affect. The changed points are given as marks.
+    pub(super) fn of(
+        &self,
+        lines: Lines,
+        line: usize,
+        changed: &[u64],
+    ) -> impl Iterator<Item = Concern> {
+        let Concerns { starts, concerns } = &self.kinds[lines as usize];
+        let of_line = match starts.get(line..line + 2) {
+            Some(&[start, end]) => &concerns[start as usize..end as usize],
+            _ => &[],
+        };
+        let has_changed = |at: usize| changed[at / WORD] >> (at % WORD) & 1 != 0;
+        of_line.iter().copied().filter(move |concern| has_changed(concern.changed as usize))
+    }
+}
+
+impl Concerns {
+    fn of(edges: &EdgeLengths<f32>, lines: Lines) -> Self {
+        let chart = edges.chart();
+        let turned = chart.by(lines);
+        let mut found = Vec::new();
+        for scan in Scan::ALL.into_iter().filter(|scan| scan.lines() == lines) {
+            let Some(parts) = edges.parts_on_side(scan.back()) else { continue };
+            for line in 0..turned.rows {
+                for (place, parts) in parts.within(line + 1, 1..turned.cols + 1).parts() {
+                    let point = place - 1;
+                    for corner in parts.flat_map(|part| part.corners) {
+                        let (row, col) = chart.bordered_position(corner);
+                        let (of_corner, changed) = lines.place(row, col);
+                        let behind = match scan.is_forward() {
+                            true => of_corner + 1 == line,
+                            false => of_corner == line + 1,
+                        };
+                        if !(behind && changed.abs_diff(point) <= 1) {
+                            let (changed, line, point) =
+                                (changed as u32, line as u32, point as u32);
+                            found.push((of_corner, Concern { changed, scan: scan.0, line, point }));
+                        }
+                    }
+                }
+            }
+        }
+        if found.is_empty() {
+            return Self::default();
+        }
+        found.sort_unstable();
+        found.dedup();
+        let before = |line: usize| found.partition_point(|&(of, _)| of < line) as u32;
+        let starts = (0..=turned.rows).map(before).collect();
+        Self { starts, concerns: found.into_iter().map(|(_, concern)| concern).collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::super::pending::Pending;
+    use super::*;
+    use geosweep_surface::builtin::Builtin;
+
+    /// A change wakes the points beside it on the next line of each scan and the points with a part that has the
+    /// changed point as a corner. It wakes no other points.
+    #[test]
+    fn changes_wake_the_points_whose_parts_have_them_as_corners() {
+        let surface = Builtin::ShearedPlane { degrees: 70.0 }.surface(9, 70).unwrap();
+        let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+        let chart = edges.chart();
+        let farther = Arc::new(Farther::new(&edges));
+        let mut far = 0;
+        for index in (0..chart.points()).step_by(7) {
+            let (row, col) = chart.position(index);
+            let mut pending = Pending::new(chart, farther.clone());
+            pending.start(0);
+            pending.touch(row, col);
+            for scan in Scan::ALL {
+                let turned = chart.by(scan.lines());
+                let (of_change, changed) = scan.lines().place(row, col);
+                let parts = edges.parts_on_side(scan.back()).unwrap();
+                for line in 0..turned.rows {
+                    let taken = pending.take(scan, line, true).map(|taken| taken.to_vec());
+                    let is_next = match scan.is_forward() {
+                        true => line == of_change + 1,
+                        false => line + 1 == of_change,
+                    };
+                    let mut expected = vec![false; turned.cols];
+                    for (point, expected) in expected.iter_mut().enumerate() {
+                        *expected = is_next && point.abs_diff(changed) <= 1;
+                    }
+                    for (place, mut parts) in parts.within(line + 1, 1..turned.cols + 1).parts() {
+                        let has_it =
+                            parts.any(|part| part.corners.contains(&chart.bordered(row, col)));
+                        far += usize::from(has_it && !expected[place - 1]);
+                        expected[place - 1] |= has_it;
+                    }
+                    let is_taken = |point: usize| {
+                        taken
+                            .as_ref()
+                            .is_some_and(|taken| taken[point / WORD] >> (point % WORD) & 1 != 0)
+                    };
+                    let found: Vec<_> = (0..turned.cols).map(is_taken).collect();
+                    assert_eq!(found, expected, "{scan:?}, line {line}, change at {row}, {col}");
+                }
+            }
+        }
+        assert!(far > 50, "{far}");
+    }
+}

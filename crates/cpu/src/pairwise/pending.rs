@@ -1,0 +1,202 @@
+//! Tracks the points that a scan has to visit: the points beside a change that the scan has not seen yet.
+
+use std::sync::Arc;
+
+use super::farther::Farther;
+use super::marks::{Marks, WORD};
+use crate::scan::Scan;
+use geosweep_surface::{Chart, Lines};
+
+/// The points that each scan has to visit. All maps of a batch share them, since their sources are
+/// neighbours.
+#[derive(Clone, Debug)]
+pub(super) struct Pending {
+    chart: Chart,
+    /// Points to visit for each scan, indexed by the number of the scan less one. Lines are those of the scan.
+    visits: [Marks; 4],
+    /// Points that the current scan has changed, by rows and by columns.
+    changed: [Marks; 2],
+    /// Number of the first points, in row-major order, that are known and never visited.
+    known: usize,
+    /// Shared by all batches of a surface.
+    farther: Arc<Farther>,
+}
+
+impl Pending {
+    pub(super) fn new(chart: Chart, farther: Arc<Farther>) -> Self {
+        let [by_rows, by_cols] = [chart, chart.transposed()].map(Marks::none);
+        Self {
+            chart,
+            visits: [by_rows.clone(), by_rows.clone(), by_cols.clone(), by_cols.clone()],
+            changed: [by_rows, by_cols],
+            known: 0,
+            farther,
+        }
+    }
+
+    pub(super) fn bytes(chart: Chart) -> usize {
+        3 * (Marks::bytes(chart) + Marks::bytes(chart.transposed()))
+    }
+
+    /// Forgets all changes. The first `known` points, row-major, are known. All points after them have yet to
+    /// be updated from them.
+    pub(super) fn start(&mut self, known: usize) {
+        self.known = known;
+        self.visits.iter_mut().for_each(|visits| visits.fill(known > 0));
+        self.changed.iter_mut().for_each(|changed| changed.fill(false));
+    }
+
+    /// Notes that a point has changed and that no scan has seen the change.
+    pub(super) fn touch(&mut self, row: usize, col: usize) {
+        for scan in [Scan::DOWN, Scan::RIGHT] {
+            let (line, point) = scan.lines().place(row, col);
+            self.changed[kind(scan)].mark(line, point);
+            self.tell(scan, line);
+            self.changed[kind(scan)].line_mut(line).fill(0);
+        }
+    }
+
+    /// Takes the points of a line that a scan has to visit, or returns `None` if there are none. The scan must leave
+    /// only the points marked that it changes, and then call [`Self::tell`]. If it does not visit the points in all
+    /// maps (`all_maps`), they stay pending for another visit.
+    pub(super) fn take(&mut self, scan: Scan, line: usize, all_maps: bool) -> Option<&mut [u64]> {
+        let first = scan.lines().before(self.chart, line, self.known);
+        let end = self.chart.by(scan.lines()).cols;
+        let visits = self.visits[index(scan)].line_mut(line);
+        let taken = self.changed[kind(scan)].line_mut(line);
+        for (k, (taken, visits)) in taken.iter_mut().zip(visits).enumerate() {
+            let below = |point: usize| match point.saturating_sub(k * WORD) {
+                bits if bits < WORD => (1 << bits) - 1,
+                _ => u64::MAX,
+            };
+            *taken = *visits & below(end) & !below(first);
+            if all_maps {
+                *visits = 0;
+            }
+        }
+        taken.iter().any(|&word| word != 0).then_some(taken)
+    }
+
+    /// Marks further points of a line that the current scan has changed.
+    pub(super) fn changed_too(&mut self, scan: Scan, line: usize, changed: &[u64]) {
+        let all = self.changed[kind(scan)].line_mut(line);
+        all.iter_mut().zip(changed).for_each(|(all, changed)| *all |= changed);
+    }
+
+    /// Reports the changes on a line to both scans over lines of this kind (rows or columns).
+    pub(super) fn tell(&mut self, scan: Scan, line: usize) {
+        let changed = self.changed[kind(scan)].line(line);
+        let over = match scan.lines() {
+            Lines::Rows => [Scan::DOWN, Scan::UP],
+            Lines::Cols => [Scan::RIGHT, Scan::LEFT],
+        };
+        let lines = self.chart.by(scan.lines());
+        for concern in self.farther.of(scan.lines(), line, changed) {
+            self.visits[index(concern.scan())].mark(concern.line as usize, concern.point as usize);
+        }
+        for scan in over {
+            let ahead = scan.over_lines().back().opposite();
+            if let Some((next, _)) = lines.neighbour(line, 0, ahead) {
+                self.visits[index(scan)].spread(next, changed);
+            }
+        }
+    }
+
+    /// Ends a scan. Reports its changes to the scans over lines of the other kind.
+    pub(super) fn end(&mut self, scan: Scan) {
+        let [rows, cols] = &mut self.changed;
+        let turned = match scan.lines() {
+            Lines::Rows => {
+                rows.transpose_into(cols);
+                Scan::RIGHT
+            }
+            Lines::Cols => {
+                cols.transpose_into(rows);
+                Scan::DOWN
+            }
+        };
+        (0..self.chart.by(turned.lines()).rows).for_each(|line| self.tell(turned, line));
+        self.changed.iter_mut().for_each(|changed| changed.fill(false));
+    }
+}
+
+/// Returns 0 if the lines of a scan are rows, and 1 if they are columns.
+fn kind(scan: Scan) -> usize {
+    scan.lines() as usize
+}
+
+fn index(scan: Scan) -> usize {
+    usize::from(scan.0) - 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the points of a line that a scan has to visit.
+    fn take(pending: &mut Pending, scan: Scan, line: usize) -> Vec<usize> {
+        let points = pending.chart.by(scan.lines()).cols.next_multiple_of(WORD);
+        let Some(taken) = pending.take(scan, line, true) else { return Vec::new() };
+        let visited = (0..points).filter(|point| taken[point / WORD] >> (point % WORD) & 1 > 0);
+        let visited = visited.collect();
+        taken.fill(0);
+        visited
+    }
+
+    fn assert_quiet(pending: &mut Pending) {
+        for scan in Scan::ALL {
+            let lines = pending.chart.by(scan.lines()).rows;
+            assert!((0..lines).all(|line| take(pending, scan, line).is_empty()));
+        }
+    }
+
+    #[test]
+    fn a_source_wakes_its_neighbours_and_nothing_else() {
+        let mut pending = Pending::new(Chart { rows: 4, cols: 5 }, Arc::default());
+        pending.start(0);
+        pending.touch(1, 4);
+        assert_eq!(take(&mut pending, Scan::DOWN, 2), [3, 4]);
+        assert_eq!(take(&mut pending, Scan::UP, 0), [3, 4]);
+        assert_eq!(take(&mut pending, Scan::LEFT, 3), [0, 1, 2]);
+        assert_quiet(&mut pending);
+    }
+
+    #[test]
+    fn a_change_wakes_its_neighbours_ahead_of_each_scan() {
+        for scan in Scan::ALL {
+            let mut pending = Pending::new(Chart { rows: 80, cols: 90 }, Arc::default());
+            pending.start(0);
+            let (line, point) = scan.lines().place(65, 64);
+            pending.changed[kind(scan)].mark(line, point);
+            pending.tell(scan, line);
+            pending.end(scan);
+            assert_eq!(take(&mut pending, Scan::DOWN, 66), [63, 64, 65]);
+            assert_eq!(take(&mut pending, Scan::UP, 64), [63, 64, 65]);
+            assert_eq!(take(&mut pending, Scan::RIGHT, 65), [64, 65, 66]);
+            assert_eq!(take(&mut pending, Scan::LEFT, 63), [64, 65, 66]);
+            assert_quiet(&mut pending);
+        }
+    }
+
+    #[test]
+    fn known_points_are_not_visited() {
+        let chart = Chart { rows: 4, cols: 5 };
+        for known in 1..=20 {
+            for scan in Scan::ALL {
+                let mut pending = Pending::new(chart, Arc::default());
+                pending.start(known);
+                let mut visited = Vec::new();
+                for line in 0..chart.by(scan.lines()).rows {
+                    let points = take(&mut pending, scan, line);
+                    let index = |point| {
+                        let (row, col) = scan.lines().place(line, point);
+                        chart.index(row, col)
+                    };
+                    visited.extend(points.into_iter().map(index));
+                }
+                visited.sort();
+                assert_eq!(visited, (known..20).collect::<Vec<_>>());
+            }
+        }
+    }
+}

@@ -1,0 +1,267 @@
+//! Finds the tiles in which scans have work, before the scans start.
+//!
+//! A scan has to examine every tile beside a change. In most of them it only confirms that the change has no
+//! effect. If all points of a tile are settled (`lines/settled.rs`) before a scan, the scan changes nothing there
+//! until it brings a change itself. This module finds such tiles for up to four scans at once. It examines points row
+//! by row, in the order of memory, with any number of threads. So scans to the right and left have to transpose the
+//! columns of few tiles only.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::tiles::Tiles;
+use crate::behind::Behind;
+use crate::fronts::LaneKind;
+use crate::lines::span::{Before, Span, TILE, prefetch_next_row};
+use crate::scan::{Scan, UpdateOptions};
+use geosweep_surface::Real;
+use geosweep_surface::lanes::Loop;
+
+/// Finds the tiles in which any of up to four scans has work. All scans start from the same fronts. Returns the number
+/// of examined points. A point that is examined for two scans counts twice. Without a limit, the points of tiles that
+/// are due anyway are included, although they are not examined. Rows of tiles are examined in parallel if the tiles are
+/// those of the whole grid.
+pub(crate) fn find_due<R: Real, K: LaneKind<R>>(
+    kind: &K,
+    before: Before<R, K::Carried, K::SurfaceData>,
+    tiles: &mut Tiles,
+    scans: &[UpdateOptions],
+) -> u64 {
+    let (chart, window, place) = (before.edges.chart(), before.fronts.window, tiles.place());
+    let strides = [window.own(), chart].map(|chart| chart.stride() as isize);
+    let seen: [Option<_>; 4] = std::array::from_fn(|scan| {
+        let options = *scans.get(scan)?;
+        Some((options, Behind::of(chart, options.scan), window.behind(options.scan)))
+    });
+    let obtuse = before.edges.obtuse_triangles().filter(|_| K::NEEDS_EDGES);
+    let in_band = |(band, (beside, due)): (usize, (&[u8], &mut [u8]))| {
+        let mut looked = 0;
+        for row in place.rows(band..band + 1) {
+            for &(options, ref behind, in_window) in seen.iter().flatten() {
+                for run in runs(beside, options.scan) {
+                    let due = &mut due[run.clone()];
+                    let cols = place.cols(run);
+                    let points = cols.len() as u64;
+                    let first = chart.bordered(row, cols.start);
+                    let behinds = (behind, in_window);
+                    let span = before.span(behinds, [row, cols.start], cols.len());
+                    let before = &before;
+                    let obtuse =
+                        obtuse.filter(|_| before.edges.has_obtuse_points(row, cols.clone()));
+                    let obtuse = obtuse.map(|bits| (&bits[first..][..cols.len()], behind.bits()));
+                    let look =
+                        Look::<R, K> { kind, before, first, span, obtuse, strides, options, due };
+                    looked += points - options.instructions.run(look);
+                }
+            }
+        }
+        looked
+    };
+    let least = if place.chart() == chart { 1 } else { usize::MAX };
+    tiles.rows_beside_changes(scans).enumerate().with_min_len(least).map(in_band).sum()
+}
+
+/// Returns the runs of adjacent tiles that a scan has to examine in a row of tiles.
+fn runs(beside: &[u8], scan: Scan) -> impl Iterator<Item = Range<usize>> {
+    let mut end = 0;
+    std::iter::from_fn(move || {
+        let start = end + beside[end..].iter().position(|scans| scans & scan.bit() != 0)?;
+        let count = beside[start..].iter().take_while(|&scans| scans & scan.bit() != 0).count();
+        end = start + count;
+        Some(start..end)
+    })
+}
+
+/// A check of whether a scan has work in the tiles along a row of points. It adds the scan to `due` of those tiles. If
+/// there is a limit, it returns the number of points that it has not examined: points beyond the limit, and points of
+/// tiles that are due anyway. Without a limit it returns 0.
+struct Look<'l, R: Real, K: LaneKind<R>> {
+    kind: &'l K,
+    before: &'l Before<'l, R, K::Carried, K::SurfaceData>,
+    /// The first point, as an index into bordered arrays of the grid.
+    first: usize,
+    span: Span<'l, R, K::Carried, K::SurfaceData>,
+    /// Bits of each point's obtuse triangles, and the bits of the triangles that the scan uses. `None` if none of
+    /// the points has an obtuse triangle.
+    obtuse: Option<(&'l [u8], u8)>,
+    /// Offsets from a row to the next, of the fronts and of the surface's data.
+    strides: [isize; 2],
+    options: UpdateOptions,
+    due: &'l mut [u8],
+}
+
+impl<R: Real, K: LaneKind<R>> Loop for Look<'_, R, K> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn run(self) -> u64 {
+        let Self { kind, before, first, span, obtuse, strides, options, due } = self;
+        let (points, mut left_out) = (span.times.len(), 0);
+        for (tile, due) in due.iter_mut().enumerate() {
+            prefetch_next_row(&span, strides, tile * TILE, K::NEEDS_EDGES);
+            let in_span = points.min(TILE);
+            let at = (tile * TILE).min(points - in_span);
+            let of_tile = (points - tile * TILE).min(TILE) as u64;
+            let is_limited = options.limit < f64::INFINITY;
+            if is_limited && span.part(at, in_span).is_beyond(in_span, options.limit) {
+                left_out += of_tile;
+                continue;
+            }
+            if *due & options.scan.bit() != 0 {
+                // The points of a tile that is due anyway are not examined.
+                if is_limited {
+                    left_out += of_tile;
+                }
+                continue;
+            }
+            // This check does not examine fronts through parts of obtuse triangles, so tiles with such triangles are
+            // due.
+            let is_split = |start: usize, points: usize| {
+                obtuse.is_some_and(|(obtuse, of_scan)| {
+                    let any = |all, bits: &u8| all | bits;
+                    obtuse[start..][..points].iter().fold(0, any) & of_scan != 0
+                })
+            };
+            // Spans are the same as in updates: the last span of a line overlaps the span before it.
+            let leaves = match points.checked_sub(TILE) {
+                Some(last) => {
+                    let start = (tile * TILE).min(last);
+                    !is_split(start, TILE)
+                        && kind.leaves(before, first + start, span.part(start, TILE), TILE, options)
+                }
+                None => {
+                    !is_split(0, points)
+                        && kind.leaves(before, first, span.part(0, points), points, options)
+                }
+            };
+            if !leaves {
+                *due |= options.scan.bit();
+            }
+        }
+        left_out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Instructions;
+    use crate::fronts::{Curved, for_triangle_kind};
+    use crate::lines::window::{Fronts, Window};
+    use crate::rotated::changed::Changed;
+    use geosweep_surface::update::{Curvature, Front, Wavefront};
+    use geosweep_surface::{Chart, EdgeLengths};
+
+    const DOWN_UP: [Scan; 2] = [Scan::DOWN, Scan::UP];
+    const RIGHT_LEFT: [Scan; 2] = [Scan::RIGHT, Scan::LEFT];
+
+    /// Returns the scans that have work around a point in the middle, given arrival times and the data that
+    /// fronts carry.
+    fn due<K: LaneKind<f32>>(
+        edges: &EdgeLengths<f32>,
+        kind: &K,
+        instructions: Instructions,
+        times: impl Fn(usize, usize) -> f32,
+        carried: Option<K::Carried>,
+    ) -> Vec<Scan> {
+        let chart = edges.chart();
+        let mut array = vec![f32::FAR; chart.bordered_points()];
+        for (row, col) in (0..chart.points()).map(|index| chart.position(index)) {
+            array[chart.bordered(row, col)] = times(row, col);
+        }
+        let carried = vec![carried.unwrap_or_default(); array.len()];
+        let surface_data = kind.surface_data(chart);
+        let window = Window::whole(chart);
+        let fronts = Fronts { window, times: &array, carried: &carried };
+        let before = Before { edges, fronts, far: None, surface_data: &surface_data };
+        let mut tiles = Tiles::new(window, &window.block());
+        tiles.touch(MIDDLE[0], MIDDLE[1]);
+        let mut found = Vec::new();
+        for scans in [DOWN_UP, RIGHT_LEFT] {
+            let options =
+                |scan| UpdateOptions { scan, renews: true, limit: f64::INFINITY, instructions };
+            assert!(find_due(kind, before, &mut tiles, &scans.map(options)) > 0);
+            let quiet = vec![Changed::No; tiles.len()];
+            for scan in scans {
+                let mut runs = Vec::new();
+                let any = tiles.bands(scan).any(|band| {
+                    tiles.runs(scan, band, &quiet, &mut runs);
+                    !runs.is_empty()
+                });
+                found.extend(any.then_some(scan));
+            }
+        }
+        found
+    }
+
+    /// Returns a plane so large that the tiles around the middle one have no border. Along borders nothing is
+    /// settled.
+    fn plane() -> EdgeLengths<f32> {
+        let chart = Chart { rows: 89, cols: 103 };
+        let heights = vec![0.0; chart.points()];
+        let spacing = geosweep_surface::Spacing::square(1.0);
+        let surface =
+            geosweep_surface::Surface::from_heights(chart.rows, chart.cols, heights, spacing);
+        EdgeLengths::new(&surface.unwrap()).unwrap()
+    }
+
+    const MIDDLE: [usize; 2] = [40, 55];
+
+    /// Returns the arrival time of a straight front that moves in the direction of a scan.
+    fn along(scan: Scan, row: usize, col: usize) -> f32 {
+        100.0
+            + match scan {
+                Scan::DOWN => row as f32,
+                Scan::UP => -(row as f32),
+                Scan::RIGHT => col as f32,
+                _ => -(col as f32),
+            }
+    }
+
+    /// A front that a scan brings itself is not settled in that scan.
+    #[test]
+    fn scans_have_something_to_do_where_their_fronts_would_come_earlier() {
+        let edges = plane();
+        for wavefront in Wavefront::FOR_ANY_SURFACE {
+            for instructions in Instructions::available() {
+                let found = |scan, late| {
+                    let times = |row, col| {
+                        along(scan, row, col) + if [row, col] == MIDDLE { late } else { 0.0 }
+                    };
+                    for_triangle_kind!(&edges, wavefront, kind => {
+                        due(&edges, &kind, instructions, times, None)
+                    })
+                };
+                let [vertical, horizontal] = [DOWN_UP, RIGHT_LEFT];
+                for (scans, across) in [(vertical, horizontal), (horizontal, vertical)] {
+                    for scan in scans {
+                        assert_eq!(found(scan, 0.0), [scan], "{wavefront} {instructions}");
+                        // Along a diagonal the front arrives 0.4 late.
+                        assert_eq!(found(scan, 0.3), [scan], "{wavefront} {instructions}");
+                        let mut three = found(scan, 0.6);
+                        three.retain(|found| !across.contains(found));
+                        assert_eq!(three, [scan], "{wavefront} {instructions}");
+                        assert_eq!(found(scan, 0.6).len(), 3, "{wavefront} {instructions}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn fronts_that_a_scan_has_brought_are_due_in_it_to_be_renewed() {
+        let edges = plane();
+        let kind = Curved::new(&edges);
+        for scan in [DOWN_UP, RIGHT_LEFT].concat() {
+            let down = |row, col| along(Scan::DOWN, row, col);
+            for whole in [false, true] {
+                let flat = Front { time: 0.0, curvature: 0.0, whole };
+                let brought = Curvature::of(flat, scan.0);
+                let found = due(&edges, &kind, Instructions::best(), down, Some(brought));
+                let expected = 1 + usize::from(scan != Scan::DOWN);
+                assert!(found.contains(&scan) && found.len() == expected, "{scan:?} {whole}");
+            }
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Finds the copies of points of closed surfaces, in bordered arrays.
+
+use std::collections::HashMap;
+
+use super::order::rank;
+use geosweep_surface::{EdgeLengths, Groups, Real};
+
+/// The groups of points that are copies of one point of the surface. Open surfaces have none.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Copies {
+    groups: Option<Groups>,
+    /// The number of each point's group.
+    numbers: HashMap<u32, usize>,
+}
+
+impl Copies {
+    pub(super) fn new(edges: &EdgeLengths<f32>) -> Self {
+        let groups = edges.copies().cloned();
+        let numbers = groups.as_ref().map(Groups::numbers).unwrap_or_default();
+        Self { groups, numbers }
+    }
+
+    /// Returns whether the surface has no copies.
+    pub(super) fn is_none(&self) -> bool {
+        self.groups.is_none()
+    }
+
+    /// Returns the copies of a point in ascending order, the point itself included. Returns `None` if it has
+    /// no other copy.
+    fn group(&self, point: usize) -> Option<&[u32]> {
+        let groups = self.groups.as_ref()?;
+        self.numbers.get(&(point as u32)).map(|&number| groups.get(number))
+    }
+
+    /// Returns the groups of copies.
+    pub(super) fn groups(&self) -> impl Iterator<Item = &[u32]> {
+        self.groups.iter().flat_map(Groups::iter)
+    }
+
+    /// Returns whether a point has other copies.
+    pub(super) fn has(&self, point: usize) -> bool {
+        self.group(point).is_some()
+    }
+
+    /// Returns all copies of a point, the point itself included. The result is empty if it has no other copy.
+    pub(super) fn copies(&self, point: usize) -> impl Iterator<Item = usize> + Clone {
+        self.group(point).into_iter().flatten().map(|&copy| copy as usize)
+    }
+
+    /// Returns a point and its other copies.
+    pub(super) fn all(&self, point: usize) -> impl Iterator<Item = usize> + Clone {
+        std::iter::once(point).chain(self.copies(point).filter(move |&copy| copy != point))
+    }
+
+    /// Returns the copy of a point with the given number, from 0. A point without copies counts as its own
+    /// first copy.
+    pub(super) fn nth(&self, point: usize, number: usize) -> Option<usize> {
+        match self.group(point) {
+            Some(group) => group.get(number).map(|&copy| copy as usize),
+            None => (number == 0).then_some(point),
+        }
+    }
+
+    /// Returns the first copy of a point, which stands for all of them.
+    #[inline]
+    pub(super) fn first(&self, point: usize) -> usize {
+        self.group(point).map_or(point, |group| group[0] as usize)
+    }
+
+    /// Gives all copies of a point the earliest of their times. The times of copies may differ by rounding.
+    pub(super) fn share_earliest(&self, times: &mut [f32]) {
+        for group in self.groups() {
+            let time = group.iter().fold(f32::FAR, |time, &copy| time.min(times[copy as usize]));
+            group.iter().for_each(|&copy| times[copy as usize] = time);
+        }
+    }
+
+    /// Returns the rank of a point in the order of arrival, which all its copies share.
+    #[inline]
+    pub(super) fn rank(&self, times: &[f32], point: usize) -> u64 {
+        let first = self.first(point);
+        rank(times[first], first)
+    }
+}

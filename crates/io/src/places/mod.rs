@@ -1,0 +1,324 @@
+//! Reads files of places: points and curves on a grid, from tables, arrays, GeoJSON and rasters.
+
+mod array;
+mod columns;
+mod content;
+mod frame;
+mod geojson;
+mod records;
+mod table;
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use super::{Grid, IoError, extension, read_bytes, read_mask};
+use content::{Content, Coordinates, CurveKind, FileCurve, FileCurves, Vertex};
+pub use frame::GridFrame;
+use geosweep_surface::Chart;
+use geosweep_surface::shown::{exact, excerpt};
+
+/// A file of points or curves on a surface, with or without start values.
+///
+/// | file | content |
+/// |---|---|
+/// | `.npy`, (K, 2) | row, column |
+/// | `.npy`, (K, 3) | row, column, start value |
+/// | `.npy`, (K, 5) | row, column, x, y, z, as the tool writes curves |
+/// | `.npy`, (K,) | row-major indices, for [`PlaceFile::grid_points`] only |
+/// | `.npz` | one such array, or among several the first named `sources`, `points` or `curves` |
+/// | `.tif`, `.asc`, `.png` | a raster of the surface's size; cells other than 0 and no-data are points |
+/// | `.geojson`, `.json`, any text that begins with `{` | GeoJSON in the surface's map coordinates |
+/// | any other text | a place on each line; the first line may name the columns |
+///
+/// In a `.npy`, rows of NaN separate curves. In GeoJSON, Points and MultiPoints are points, LineStrings and
+/// MultiLineStrings are curves, and the rings of Polygons and MultiPolygons are closed curves.
+///
+/// Tables have commas, semicolons, tabs or blanks between their columns. Names and values may be quoted.
+/// Numbers may have a decimal comma if commas do not divide the columns. `#` begins a comment. Lines of two
+/// numbers without a header are rows and columns. Lines of three numbers are row, column and start value,
+/// unless the first is a running number. A header may name the following columns, in any order and in any
+/// case:
+///
+/// | column | content |
+/// |---|---|
+/// | `row` and `col` or `column` | the place on the grid, from 0 |
+/// | otherwise `x` and `y` | the place in the surface's map coordinates |
+/// | otherwise `easting` and `northing` (`east`, `north`) | map coordinates on a projected surface |
+/// | otherwise `lon` and `lat` (`lng`, `long`, `longitude`, `latitude`) | map coordinates on a geographic surface |
+/// | `t0`, `time`, `start`, `start_value` or `start_time` | start value (default 0) |
+/// | `initial`, `initial_value` or `initial_time` | start value, under another name |
+/// | `curve` | a new value begins another curve |
+/// | `closed` | 1 where the curve returns to its first vertex |
+///
+/// Other columns are not used, and [`PlaceFile::remarks`] names them. A column whose name suggests that it
+/// changes distances (`delay`, `weight`, `start_date`) is an error. Properties of GeoJSON features are
+/// treated like columns.
+#[derive(Clone, Debug)]
+pub struct PlaceFile {
+    path: PathBuf,
+    content: Content,
+}
+
+/// A point on a grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlacedPoint {
+    /// Row and column. They may be fractional.
+    pub at: [f64; 2],
+    /// Start value.
+    pub start: f64,
+}
+
+/// A curve on a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedCurve {
+    /// Rows and columns of the vertices. The last one equals the first if the curve is closed.
+    pub vertices: Vec<[f64; 2]>,
+    /// Start value.
+    pub start: f64,
+}
+
+impl PlaceFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// If the file cannot be read, is not of one of the formats above, or holds no place.
+    pub fn read(path: &Path) -> Result<Self, IoError> {
+        let content = |reason| IoError::content(path, reason);
+        let read = match extension(path).as_str() {
+            "npy" | "npz" => array::read(path)?,
+            "tif" | "tiff" | "asc" | "png" => Content::Raster(read_mask(path)?),
+            extension => {
+                let text = text::decode(read_bytes(path)?).map_err(content)?;
+                let is_json = matches!(extension, "geojson" | "json");
+                let curves = match text.trim_start().chars().next() {
+                    Some('{' | '[') => geojson::read(&text),
+                    _ if is_json => Err(geojson::not_json(&text)),
+                    Some('<') => Err("looks like XML or HTML; give a table of row,col or \
+                                      GeoJSON (ogr2ogr converts GPX and KML)"
+                        .into()),
+                    _ => table::read(&text),
+                };
+                Content::Curves(curves.map_err(content)?)
+            }
+        };
+        let is_empty = match &read {
+            Content::Curves(curves) => curves.curves.iter().all(|curve| curve.vertices.is_empty()),
+            Content::Indices(indices) => indices.is_empty(),
+            Content::Raster(raster) => {
+                if !raster.values.contains(&true) {
+                    return Err(content("holds no source: all its cells are 0 or no-data".into()));
+                }
+                false
+            }
+        };
+        if is_empty {
+            return Err(content("holds no place; give at least one row,col".into()));
+        }
+        Ok(Self { path: path.to_owned(), content: read })
+    }
+
+    /// Returns remarks for the user: columns that are not used, and the coordinate system that is assumed for
+    /// the places.
+    pub fn remarks(&self, frame: &GridFrame) -> Vec<String> {
+        let Content::Curves(curves) = &self.content else { return Vec::new() };
+        let mut remarks = Vec::new();
+        let what = if curves.numbered == geojson::FEATURE { "property" } else { "column" };
+        remarks.extend(named(what, &curves.unused));
+        if curves.empty > 0 {
+            remarks.push(format!("{} features have no geometry", curves.empty));
+        }
+        if let Coordinates::Map(map) = &curves.coordinates {
+            remarks.extend(map.assumption(frame));
+        }
+        remarks
+    }
+
+    /// Returns whether the file gives start values.
+    pub fn has_starts(&self) -> bool {
+        matches!(&self.content, Content::Curves(FileCurves { has_starts: true, .. }))
+    }
+
+    /// Returns whether the file states that it holds lines or polygons.
+    pub fn holds_lines(&self) -> bool {
+        let is_line = |curve: &FileCurve| matches!(curve.kind, CurveKind::Line | CurveKind::Ring);
+        matches!(&self.content, Content::Curves(curves) if curves.curves.iter().any(is_line))
+    }
+
+    /// Returns the places as points: every vertex once, in the order of the file.
+    ///
+    /// # Errors
+    /// If a place lies outside the grid; if places are in map coordinates and the surface has none, or is in
+    /// another coordinate system; if the file holds indices.
+    pub fn points(&self, frame: &GridFrame) -> Result<Vec<PlacedPoint>, IoError> {
+        if let Content::Raster(raster) = &self.content {
+            let cells = self.cells(raster, frame)?.into_iter();
+            return Ok(cells.map(|at| PlacedPoint { at, start: 0.0 }).collect());
+        }
+        let curves = self.file_curves()?;
+        let point = |vertex: &Vertex| {
+            let at = self.place(curves, vertex, frame)?;
+            Ok(PlacedPoint { at, start: vertex.start })
+        };
+        curves.curves.iter().flat_map(FileCurve::once).map(point).collect()
+    }
+
+    /// Returns the places as curves. A point of GeoJSON or a cell of a raster is a curve of one vertex.
+    ///
+    /// # Errors
+    /// The errors of [`PlaceFile::points`]. It is also an error if start values differ along a curve.
+    pub fn curves(&self, frame: &GridFrame) -> Result<Vec<PlacedCurve>, IoError> {
+        if let Content::Raster(raster) = &self.content {
+            let cells = self.cells(raster, frame)?.into_iter();
+            return Ok(cells.map(|at| PlacedCurve { vertices: vec![at], start: 0.0 }).collect());
+        }
+        let file = self.file_curves()?;
+        let mut placed = Vec::new();
+        for curve in &file.curves {
+            if curve.kind == CurveKind::Points {
+                for vertex in &curve.vertices {
+                    let vertices = vec![self.place(file, vertex, frame)?];
+                    placed.push(PlacedCurve { vertices, start: vertex.start });
+                }
+                continue;
+            }
+            let Some(first) = curve.vertices.first() else { continue };
+            if let Some(other) = curve.vertices.iter().find(|vertex| vertex.start != first.start) {
+                return Err(self.content(format!(
+                    "start values differ along a curve: {} at {what} {}, {} at {what} {}; a curve \
+                     starts with one value, points may each have their own (--source-points)",
+                    exact(first.start),
+                    first.number,
+                    exact(other.start),
+                    other.number,
+                    what = file.numbered,
+                )));
+            }
+            let place = |vertex| self.place(file, vertex, frame);
+            let mut vertices: Vec<_> =
+                curve.vertices.iter().map(place).collect::<Result<_, _>>()?;
+            if curve.kind.is_closed() {
+                vertices.push(vertices[0]);
+            }
+            placed.push(PlacedCurve { vertices, start: first.start });
+        }
+        Ok(placed)
+    }
+
+    /// Returns the places as points of the grid, with whole rows and columns. In a frame with margins, a place may also
+    /// lie at an end of the surface. Its row or column may then be fractional, negative, or beyond the last one.
+    ///
+    /// # Errors
+    /// The errors of [`PlaceFile::points`]. It is also an error if a place lies between grid points.
+    pub fn grid_points(&self, frame: &GridFrame) -> Result<Vec<PlacedPoint>, IoError> {
+        if let Content::Indices(indices) = &self.content {
+            let points = frame.chart.points();
+            let index = |&value: &f64| {
+                let fits = value.fract() == 0.0 && (0.0..points as f64).contains(&value);
+                let point =
+                    || PlacedPoint { at: position(frame.chart, value as usize), start: 0.0 };
+                fits.then(point).ok_or_else(|| {
+                    let (last, value) = (points - 1, exact(value));
+                    self.content(format!(
+                        "point {value} is not a point of the grid; these are 0 to {last}"
+                    ))
+                })
+            };
+            return indices.iter().map(index).collect();
+        }
+        let points = self.points(frame)?;
+        let Content::Curves(curves) = &self.content else { return Ok(points) };
+        let vertices = curves.curves.iter().flat_map(FileCurve::once);
+        let is_between = |(_, point): &(&Vertex, &PlacedPoint)| frame.nearest(point.at) != point.at;
+        match vertices.zip(&points).find(is_between) {
+            None => Ok(points),
+            Some((vertex, point)) => {
+                let [row, col] = frame.nearest(point.at).map(exact);
+                let (what, number) = (curves.numbered, vertex.number);
+                Err(self.content(format!(
+                    "{what} {number}: {} lies between points of the grid; the nearest has row {row}, \
+                     column {col}",
+                    curves.shown(vertex),
+                )))
+            }
+        }
+    }
+
+    /// Returns rows and columns of the cells that a raster selects. The raster must have the location of the
+    /// surface.
+    fn cells(&self, raster: &Grid<bool>, frame: &GridFrame) -> Result<Vec<[f64; 2]>, IoError> {
+        let Chart { rows, cols } = frame.chart;
+        let place = frame.georeference.as_ref().ok();
+        let cells = raster.clone().fit_surface(&self.path, rows, cols, place)?;
+        let meant = cells.into_iter().enumerate().filter(|(_, meant)| *meant);
+        Ok(meant.map(|(index, _)| position(frame.chart, index)).collect())
+    }
+
+    fn file_curves(&self) -> Result<&FileCurves, IoError> {
+        match &self.content {
+            Content::Curves(curves) => Ok(curves),
+            Content::Raster(_) => Err(self.content("is a raster, not a list of places".into())),
+            Content::Indices(indices) => Err(self.content(format!(
+                "is an array of shape ({},); places have shape (K, 2): row, column, (K, 3) with a \
+                 start value, or (K, 5) as the tool writes",
+                indices.len()
+            ))),
+        }
+    }
+
+    fn place(
+        &self,
+        curves: &FileCurves,
+        vertex: &Vertex,
+        frame: &GridFrame,
+    ) -> Result<[f64; 2], IoError> {
+        let place = match &curves.coordinates {
+            Coordinates::Grid => on_grid(vertex.place, frame),
+            Coordinates::Map(map) => {
+                map.check(frame).map_err(|reason| self.content(reason))?;
+                frame.place(vertex.place)
+            }
+        };
+        let (what, number) = (curves.numbered, vertex.number);
+        place.map_err(|reason| self.content(format!("{what} {number}: {reason}")))
+    }
+
+    fn content(&self, reason: String) -> IoError {
+        IoError::content(&self.path, reason)
+    }
+}
+
+/// Returns a place given by row and column, or an error if it does not lie on the surface.
+fn on_grid(place: [f64; 2], frame: &GridFrame) -> Result<[f64; 2], String> {
+    frame.within(place).ok_or_else(|| {
+        let (last_row, last_col) = frame.chart.last();
+        let [row, col] = place.map(exact);
+        format!(
+            "row {row}, column {col} lies outside the grid: rows run from 0 to {last_row}, columns from 0 \
+             to {last_col}"
+        )
+    })
+}
+
+/// Returns the row and column of a grid point.
+fn position(chart: Chart, index: usize) -> [f64; 2] {
+    let (row, col) = chart.position(index);
+    [row as f64, col as f64]
+}
+
+/// Maximum number of names in one remark.
+const MOST_NAMES: usize = 8;
+
+/// Returns a remark on columns or properties that are not used.
+fn named(what: &str, unused: &[String]) -> Option<String> {
+    let names = unused.iter().take(MOST_NAMES).map(|name| excerpt(name));
+    let mut names = names.collect::<Vec<_>>().join(", ");
+    if unused.len() > MOST_NAMES {
+        names += &format!(" and {} more", unused.len() - MOST_NAMES);
+    }
+    match (unused.len(), what) {
+        (0, _) => None,
+        (1, _) => Some(format!("the {what} {names} is not used")),
+        (_, "property") => Some(format!("the properties {names} are not used")),
+        _ => Some(format!("the {what}s {names} are not used")),
+    }
+}

@@ -1,0 +1,235 @@
+//! Reads files of surfaces.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use super::arrays::{matrix, metric, read_array, wrong_shape};
+use super::file_spacing::FileSpacing;
+use super::{
+    CoordinateSystem, GeoTags, Georeference, Grid, IoError, checked_points, exr, extension, png,
+    raster, read_bytes,
+};
+use geosweep_surface::{MetricTensor, Spacing, Surface, SurfaceError};
+
+/// A surface file that has been read: positions, heights or a metric.
+///
+/// | extension | content |
+/// |---|---|
+/// | `.npy` | positions (M, N, 3), heights (M, N) or a metric (M, N, 2, 2), any number type |
+/// | `.npz` | one such array; of several, the first named `surface`, `positions`, `heights` or `metric` |
+/// | `.png` | heights, grey, 8 or 16 bits |
+/// | `.tif`, `.tiff` | heights, one band, as GDAL reads it: with scale, offset, no-data value and mask |
+/// | `.asc` | heights, an ESRI ASCII grid |
+/// | `.exr` | positions in channels X, Y, Z or R, G, B, or heights in a single channel |
+///
+/// Points at which a value is NaN are holes.
+#[derive(Clone, Debug)]
+pub struct SurfaceFile {
+    path: PathBuf,
+    content: Content,
+    georeference: Result<Georeference, String>,
+    system: Result<CoordinateSystem, String>,
+    geo_tags: Option<GeoTags>,
+    /// The length of the unit of heights in metres, or the reason why it is not known.
+    metres: Result<f64, String>,
+}
+
+#[derive(Clone, Debug)]
+enum Content {
+    Positions(Grid<DVec3>),
+    Heights(Grid<f64>, FileSpacing),
+    Metric(Grid<MetricTensor>),
+}
+
+impl SurfaceFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or is not of one of the formats above.
+    pub fn read(path: &Path) -> Result<Self, IoError> {
+        let reason = |reason| IoError::content(path, reason);
+        const NOWHERE: &str =
+            "only a GeoTIFF (.tif) or an ESRI ASCII grid (.asc) says where it lies";
+        let mut georeference = Err(NOWHERE.into());
+        let mut system = Err(NOWHERE.into());
+        let mut geo_tags = None;
+        let mut metres = Ok(1.0);
+        let content = match extension(path).as_str() {
+            "npy" | "npz" => array(path)?,
+            "png" => heights(png_heights(&read_bytes(path)?).map_err(reason)?),
+            "tif" | "tiff" | "asc" => {
+                let raster = raster::read_values(path)?;
+                georeference = raster.georeference;
+                system = raster.system;
+                geo_tags = Some(raster.geo_tags);
+                metres = raster.metres;
+                Content::Heights(raster.grid, raster.spacing)
+            }
+            "exr" => match exr::decode(&read_bytes(path)?).map_err(reason)? {
+                exr::Pixels::Positions(grid) => Content::Positions(grid),
+                exr::Pixels::Single(grid) => heights(grid),
+            },
+            _ => {
+                return Err(IoError::extension(
+                    path,
+                    "a surface",
+                    ".npy, .npz, .png, .tif, .asc or .exr",
+                ));
+            }
+        };
+        Ok(Self { path: path.to_owned(), content, georeference, system, geo_tags, metres })
+    }
+
+    /// Returns whether the file holds heights and gives no distance between its points.
+    pub fn lacks_spacing(&self) -> bool {
+        matches!(self.content, Content::Heights(_, FileSpacing::Unknown))
+    }
+
+    /// Returns whether the file holds heights and a distance between its points on a map, but does not state
+    /// that this distance is in metres.
+    pub fn assumes_metres(&self) -> bool {
+        let Content::Heights(_, FileSpacing::Known(_, unit)) = &self.content else { return false };
+        !unit.said
+    }
+
+    /// Returns whether the file's map coordinates may be longitudes and latitudes: the file says so, or it does not say
+    /// what they are, as an ESRI ASCII grid without a .prj.
+    pub fn may_be_in_degrees(&self) -> bool {
+        let is_projected = self.geo_tags.as_ref().is_some_and(GeoTags::is_projected);
+        match &self.content {
+            Content::Heights(_, FileSpacing::Degrees(_)) => true,
+            Content::Heights(_, FileSpacing::Known(_, unit)) => !unit.said && !is_projected,
+            _ => false,
+        }
+    }
+
+    /// Returns the map coordinates of the grid's points.
+    ///
+    /// # Errors
+    /// If the file does not give them. The error says what is missing.
+    pub fn georeference(&self) -> Result<Georeference, IoError> {
+        self.georeference.clone().map_err(|reason| IoError::content(&self.path, reason))
+    }
+
+    /// Returns the coordinate reference system of the map coordinates.
+    ///
+    /// # Errors
+    /// If the file does not name one by an EPSG code. The error says what is missing.
+    pub fn system(&self) -> Result<CoordinateSystem, IoError> {
+        self.system.clone().map_err(|reason| IoError::content(&self.path, reason))
+    }
+
+    /// Returns the fields that give the location of a GeoTIFF, to be written to maps of the same grid. For an ESRI
+    /// ASCII grid, equivalent fields are made from its header.
+    pub fn geo_tags(&self) -> Option<&GeoTags> {
+        self.geo_tags.as_ref()
+    }
+
+    /// Returns the unit of lengths, if the file has one: `m` for projected GeoTIFFs in metres, `ft` or
+    /// `US ft` where pixel sizes and heights are in feet.
+    pub fn unit(&self) -> Option<&'static str> {
+        let Content::Heights(_, FileSpacing::Known(_, unit)) = &self.content else { return None };
+        unit.name
+    }
+
+    /// Returns the heights, in metres. If the file names no unit, its numbers count as metres.
+    ///
+    /// # Errors
+    /// If the file holds no heights, or they are in a unit that is not known.
+    pub fn into_heights(self) -> Result<Grid<f64>, IoError> {
+        let held = match self.content {
+            Content::Heights(grid, _) => {
+                let metres = self.metres.map_err(|why| IoError::content(&self.path, why))?;
+                return Ok(grid.map(|height| height * metres));
+            }
+            Content::Positions(_) => "positions",
+            Content::Metric(_) => "metric tensors",
+        };
+        Err(IoError::content(&self.path, format!("holds {held}, not heights (M, N)")))
+    }
+
+    /// Makes the surface. Heights have the given spacing, otherwise the file's, otherwise 1.
+    ///
+    /// # Errors
+    /// If the values do not make a surface; if a spacing is given and the file does not hold heights; if the
+    /// file has a spacing that cannot be used and none is given.
+    pub fn into_surface(self, spacing: Option<Spacing>) -> Result<Surface, IoError> {
+        let Self { path, content, .. } = self;
+        let no_spacing_for = |what| match spacing {
+            None => Ok(()),
+            Some(_) => Err(IoError::content(
+                &path,
+                format!(
+                    "holds {what}, which need no spacing; it is for heights only, leave it out"
+                ),
+            )),
+        };
+        let surface = |result: Result<Surface, SurfaceError>| {
+            result.map_err(|source| IoError::Surface { path: path.clone(), source })
+        };
+        match content {
+            Content::Positions(Grid { rows, cols, values, .. }) => {
+                no_spacing_for("positions")?;
+                surface(Surface::from_positions(rows, cols, values))
+            }
+            Content::Metric(Grid { rows, cols, values, .. }) => {
+                no_spacing_for("metric tensors")?;
+                surface(Surface::from_metric(rows, cols, values))
+            }
+            Content::Heights(Grid { rows, cols, values, .. }, from_file) => {
+                let spacing = match (spacing, from_file) {
+                    (Some(spacing), _) | (None, FileSpacing::Known(spacing, _)) => spacing,
+                    (None, FileSpacing::Unknown) => Spacing::square(1.0),
+                    (None, FileSpacing::Degrees(why)) => {
+                        return Err(IoError::content(
+                            &path,
+                            format!(
+                                "{why}; measure on the Earth, as with the tool's --geodetic, or {GIVE_SPACING}"
+                            ),
+                        ));
+                    }
+                    (None, FileSpacing::Unusable(why)) => {
+                        return Err(IoError::content(&path, format!("{why}; {GIVE_SPACING}")));
+                    }
+                };
+                surface(Surface::from_heights(rows, cols, values, spacing))
+            }
+        }
+    }
+}
+
+/// Advice where the distance between points is not known.
+const GIVE_SPACING: &str = "give the spacing in the unit of the heights (metres, usually), as with the tool's \
+                            --spacing DX,DY";
+
+fn heights(grid: Grid<f64>) -> Content {
+    Content::Heights(grid, FileSpacing::Unknown)
+}
+
+fn array(path: &Path) -> Result<Content, IoError> {
+    let array = read_array(path, &["surface", "positions", "heights", "metric"])?;
+    let reason = |reason| IoError::content(path, reason);
+    match *array.shape {
+        [_, _] => Ok(heights(matrix(path, array, "a height field")?)),
+        [rows, cols, 3] => {
+            checked_points(rows, cols).map_err(reason)?;
+            let values = array.values.as_chunks().0.iter().map(|x| DVec3::from_array(*x)).collect();
+            Ok(Content::Positions(Grid::new(rows, cols, values)))
+        }
+        [_, _, 2, 2] => metric(array).map(Content::Metric).map_err(reason),
+        _ => Err(wrong_shape(
+            path,
+            &array,
+            "a surface has shape (M, N, 3) for positions, (M, N) for heights, or (M, N, 2, 2) for a metric",
+        )),
+    }
+}
+
+fn png_heights(bytes: &[u8]) -> Result<Grid<f64>, String> {
+    let picture = png::decode(bytes)?;
+    if picture.bits < 8 {
+        return Err(format!("has {} bits a pixel; heights need 8 or 16", picture.bits));
+    }
+    Ok(picture.grid)
+}

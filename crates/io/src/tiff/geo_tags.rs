@@ -1,0 +1,539 @@
+//! Interprets the fields of GeoTIFF (OGC 19-008r4): the distance between the points of a raster, and their
+//! location.
+
+use std::borrow::Cow;
+use std::io::{Seek, Write};
+
+use ::tiff::TiffResult;
+use ::tiff::encoder::{DirectoryEncoder, TiffKind, TiffValue};
+use ::tiff::tags::{Tag, Type};
+
+use super::directory::Directory;
+use super::{epsg_units, tag};
+use crate::file_spacing::{FileSpacing, LinearUnit};
+use crate::{CoordinateSystem, Georeference};
+use geosweep_surface::Spacing;
+
+/// Keys of the GeoKeyDirectory, and some of their values.
+mod geo_key {
+    pub const MODEL_TYPE: u16 = 1024;
+    pub const PROJECTED: u16 = 1;
+    pub const GEOGRAPHIC: u16 = 2;
+    pub const RASTER_TYPE: u16 = 1025;
+    pub const PIXEL_IS_AREA: u16 = 1;
+    pub const PIXEL_IS_POINT: u16 = 2;
+    pub const GEOGRAPHIC_SYSTEM: u16 = 2048;
+    pub const PROJECTED_SYSTEM: u16 = 3072;
+    pub const PROJECTED_LINEAR_UNITS: u16 = 3076;
+    pub const VERTICAL_SYSTEM: u16 = 4096;
+    pub const VERTICAL_UNITS: u16 = 4099;
+    pub const WGS_84_WITH_HEIGHTS: u16 = 4979;
+    pub const METRE: u16 = 9001;
+    pub const FOOT: u16 = 9002;
+    pub const US_SURVEY_FOOT: u16 = 9003;
+    /// Upper limit of EPSG codes. Larger values stand for "undefined" and "user-defined".
+    pub const LARGEST_CODE: u16 = 32766;
+}
+
+/// The fields of a GeoTIFF that give the location of its pixels: transformation, tie points and keys of the coordinate
+/// reference system. The fields of the surface's file are written to maps.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GeoTags {
+    pixel_scale: Option<Vec<f64>>,
+    tie_points: Option<Vec<f64>>,
+    transformation: Option<Vec<f64>>,
+    keys: Vec<u16>,
+    doubles: Option<Vec<f64>>,
+    text: Option<Vec<u8>>,
+}
+
+/// The coordinates at row 0, column 0 of the raster, and their changes per row and per column.
+#[derive(Clone, Copy)]
+struct Transform {
+    origin: [f64; 2],
+    down: [f64; 2],
+    right: [f64; 2],
+}
+
+impl GeoTags {
+    pub(super) fn read(directory: &Directory) -> Result<Self, String> {
+        let keys = directory.integers(tag::GEO_KEY_DIRECTORY)?.unwrap_or_default();
+        Ok(Self {
+            pixel_scale: directory.reals(tag::MODEL_PIXEL_SCALE)?,
+            tie_points: directory.reals(tag::MODEL_TIEPOINT)?,
+            transformation: directory.reals(tag::MODEL_TRANSFORMATION)?,
+            keys: keys.into_iter().map(|key| key as u16).collect(),
+            doubles: directory.reals(tag::GEO_DOUBLE_PARAMS)?,
+            text: directory.bytes(tag::GEO_ASCII_PARAMS)?.map(<[u8]>::to_vec),
+        })
+    }
+
+    /// Returns the fields for rasters on WGS 84 whose pixels lie at these longitudes and latitudes, in degrees.
+    pub fn wgs84(georeference: &Georeference) -> Self {
+        let keys = [
+            [1, 1, 0, 3],
+            [geo_key::MODEL_TYPE, 0, 1, geo_key::GEOGRAPHIC],
+            [geo_key::RASTER_TYPE, 0, 1, geo_key::PIXEL_IS_AREA],
+            [geo_key::GEOGRAPHIC_SYSTEM, 0, 1, CoordinateSystem::WGS_84.epsg()],
+        ];
+        Self { keys: keys.as_flattened().to_vec(), ..Self::of_transform(georeference) }
+    }
+
+    /// Returns the fields for a transformation alone, without a coordinate reference system.
+    pub(crate) fn of_transform(georeference: &Georeference) -> Self {
+        let &Georeference { origin, down, right, .. } = georeference;
+        // In the fields, row 0 and column 0 lie at the first pixel's corner.
+        let corner = [0, 1].map(|k| origin[k] - 0.5 * (down[k] + right[k]));
+        if right[1] == 0.0 && down[0] == 0.0 && right[0] > 0.0 && down[1] < 0.0 {
+            return Self {
+                pixel_scale: Some(vec![right[0], -down[1], 0.0]),
+                tie_points: Some(vec![0.0, 0.0, 0.0, corner[0], corner[1], 0.0]),
+                ..Self::default()
+            };
+        }
+        let mut matrix = vec![0.0; 16];
+        matrix[..2].copy_from_slice(&[right[0], down[0]]);
+        matrix[4..6].copy_from_slice(&[right[1], down[1]]);
+        (matrix[3], matrix[7], matrix[15]) = (corner[0], corner[1], 1.0);
+        Self { transformation: Some(matrix), ..Self::default() }
+    }
+
+    /// Returns whether the map coordinates are easting and northing.
+    pub(crate) fn is_projected(&self) -> bool {
+        self.key(geo_key::MODEL_TYPE) == Some(geo_key::PROJECTED)
+    }
+
+    fn key(&self, wanted: u16) -> Option<u16> {
+        // Entries are (key, location, count, value). Location 0 means that the entry holds the value itself.
+        let (entries, _) = self.keys.as_chunks::<4>();
+        entries.iter().skip(1).find(|entry| entry[..2] == [wanted, 0]).map(|entry| entry[3])
+    }
+
+    /// Returns the value of a key if it is an EPSG code.
+    fn code(&self, wanted: u16) -> Option<u16> {
+        self.key(wanted).filter(|code| (1..=geo_key::LARGEST_CODE).contains(code))
+    }
+
+    /// Returns the distance between pixels, if the file gives it in a unit of length. `unit_of_values` is the
+    /// unit of the heights according to GDAL's metadata.
+    pub(super) fn spacing(&self, unit_of_values: Option<&str>) -> FileSpacing {
+        let spacing = match self.lengths() {
+            Ok(Some(spacing)) => spacing,
+            Ok(None) => return FileSpacing::Unknown,
+            Err(why) => return FileSpacing::Unusable(why),
+        };
+        match self.key(geo_key::MODEL_TYPE) {
+            Some(geo_key::PROJECTED) => {}
+            Some(geo_key::GEOGRAPHIC) => {
+                return FileSpacing::Degrees("the file gives its pixel size in degrees");
+            }
+            _ => {
+                return FileSpacing::Degrees(
+                    "the file gives its pixel size in degrees, or does not say in what unit",
+                );
+            }
+        }
+        match self.unit(unit_of_values) {
+            Ok(unit) => FileSpacing::Known(spacing, unit),
+            Err(why) => FileSpacing::Unusable(why.into()),
+        }
+    }
+
+    /// Returns the sides of a pixel, if the file gives them and they are at right angles.
+    fn lengths(&self) -> Result<Option<Spacing>, String> {
+        let Some(Transform { down, right, .. }) = self.linear() else {
+            return match self.tie_points.as_ref().map_or(0, Vec::len) / 6 {
+                0 | 1 => Ok(None),
+                points => Err(Self::control_points(points)),
+            };
+        };
+        let [dx, dy] = [right, down].map(|[east, north]: [f64; 2]| east.hypot(north));
+        let usable = |side: f64| side.is_finite() && side > 0.0;
+        if !(usable(dx) && usable(dy)) {
+            return Err("the file's pixels have no size".into());
+        }
+        // The rounding errors of a rotated grid stay below this bound.
+        if (right[0] * down[0] + right[1] * down[1]).abs() > 1e-6 * dx * dy {
+            return Err(
+                "the file's rows and columns are not at right angles; gdalwarp makes a plain \
+                        grid of it"
+                    .into(),
+            );
+        }
+        Ok(Some(Spacing { dx, dy }))
+    }
+
+    fn control_points(points: usize) -> String {
+        format!(
+            "the file places its pixels by {points} ground control points, not by a pixel size; \
+             gdalwarp makes a plain grid of it"
+        )
+    }
+
+    /// Returns the common unit of pixel sizes and heights, or an error if they differ.
+    fn unit(&self, unit_of_values: Option<&str>) -> Result<LinearUnit, &'static str> {
+        let across = self.key(geo_key::PROJECTED_LINEAR_UNITS);
+        let across =
+            across.or_else(|| self.code(geo_key::PROJECTED_SYSTEM).and_then(epsg_units::projected));
+        let name = |unit| match unit {
+            geo_key::METRE => Some("m"),
+            geo_key::FOOT => Some("ft"),
+            geo_key::US_SURVEY_FOOT => Some("US ft"),
+            _ => None,
+        };
+        match (across, self.unit_of_heights(unit_of_values)?) {
+            (None, geo_key::METRE) => Ok(LinearUnit { name: name(geo_key::METRE), said: false }),
+            (None, _) => {
+                Err("the file gives its heights in a unit other than metres, and does not \
+                              say in what unit its pixel size is (key ProjLinearUnits)")
+            }
+            (Some(across), up) if across == up && across <= geo_key::LARGEST_CODE => {
+                Ok(LinearUnit { name: name(across), said: true })
+            }
+            (Some(geo_key::METRE), _) => {
+                Err("the file gives its heights in a unit other than its \
+                                              pixel size's, which is in metres")
+            }
+            _ => Err("the file gives its pixel size in a unit other than metres, and not its \
+                      heights in the same"),
+        }
+    }
+
+    /// Returns the unit of the heights, which are in metres unless the file states otherwise.
+    fn unit_of_heights(&self, unit_of_values: Option<&str>) -> Result<u16, &'static str> {
+        let unit = match unit_of_values.map(unit_code) {
+            Some(Some(code)) => Some(code),
+            Some(None) => {
+                return Err(
+                    "the file gives its values in a unit (UNITTYPE of GDAL_METADATA) that is \
+                            not known",
+                );
+            }
+            None => self
+                .key(geo_key::VERTICAL_UNITS)
+                .or_else(|| self.code(geo_key::VERTICAL_SYSTEM).and_then(epsg_units::vertical)),
+        };
+        Ok(unit.unwrap_or(geo_key::METRE))
+    }
+
+    /// Returns the length of the unit of the heights, in metres.
+    pub(super) fn metres_per_height(&self, unit_of_values: Option<&str>) -> Result<f64, String> {
+        match self.unit_of_heights(unit_of_values)? {
+            geo_key::METRE => Ok(1.0),
+            geo_key::FOOT => Ok(0.3048),
+            geo_key::US_SURVEY_FOOT => Ok(1200.0 / 3937.0),
+            unit => Err(format!(
+                "the file gives its heights in the unit EPSG:{unit}, which is neither metres nor feet; \
+                 gdal_calc.py converts them"
+            )),
+        }
+    }
+
+    /// Returns the scale and the offset of the values, if the transformation contains them. As in GDAL, this
+    /// is so in GeoTIFF 1.1 for files with a vertical system.
+    pub(super) fn vertical(&self) -> Result<Option<[f64; 2]>, String> {
+        let is_1_1 = self.keys.get(2).is_some_and(|minor| *minor >= 1);
+        // Geographic systems with heights are not vertical systems.
+        let vertical =
+            self.key(geo_key::VERTICAL_SYSTEM).filter(|code| *code != geo_key::WGS_84_WITH_HEIGHTS);
+        let (Some(scale), Some(tie)) = (&self.pixel_scale, &self.tie_points) else {
+            return Ok(None);
+        };
+        let ([_, _, scale], [_, _, from, _, _, to, ..]) = (&scale[..], &tie[..]) else {
+            return Ok(None);
+        };
+        match (is_1_1 && vertical.is_some(), *scale, to - from * scale) {
+            (false, ..) | (true, 0.0 | 1.0, 0.0) => Ok(None),
+            (true, 0.0, _) => {
+                Err("its ModelTiepoint shifts heights, and its ModelPixelScale gives \
+                                   them no scale; gdal_translate -a_scale 1 -a_offset 0 takes \
+                                   values as they are"
+                    .into())
+            }
+            (true, scale, offset) => Ok(Some([scale, offset])),
+        }
+    }
+
+    /// Returns the location of the pixels' middles, or a message that says what is missing.
+    pub(super) fn georeference(&self) -> Result<Georeference, String> {
+        let Transform { origin, down, right } = self.transform()?;
+        let numbers = [origin, down, right];
+        let determinant = right[0] * down[1] - right[1] * down[0];
+        if !numbers.as_flattened().iter().all(|number| number.is_finite()) || determinant == 0.0 {
+            return Err("is not georeferenced: its transformation has no inverse".into());
+        }
+        // In the fields, row 0 and column 0 lie at the first pixel's corner, unless pixels stand for points.
+        let point = self.key(geo_key::RASTER_TYPE) == Some(geo_key::PIXEL_IS_POINT);
+        let half = if point { 0.0 } else { 0.5 };
+        let origin = std::array::from_fn(|k| origin[k] + half * (down[k] + right[k]));
+        Ok(Georeference { origin, down, right, system: self.system().ok() })
+    }
+
+    /// Returns the changes per row and column with an origin of 0, from the field to which GDAL gives
+    /// precedence.
+    fn linear(&self) -> Option<Transform> {
+        let origin = [0.0; 2];
+        if let Some([dx, dy, ..]) = self.pixel_scale.as_deref()
+            && *dx != 0.0
+            && *dy != 0.0
+        {
+            // As in GDAL, files with a negative pixel height count as north-up.
+            return Some(Transform { origin, down: [0.0, -dy.abs()], right: [*dx, 0.0] });
+        }
+        let [a, b, _, _, c, d, ..] = self.transformation.as_deref()? else { return None };
+        Some(Transform { origin, down: [*b, *d], right: [*a, *c] })
+    }
+
+    fn transform(&self) -> Result<Transform, String> {
+        let missing = |what: &str| {
+            format!(
+                "is not georeferenced: it lacks the GeoTIFF tag {what}; gdal_translate -a_ullr \
+                 writes it"
+            )
+        };
+        let Some(linear) = self.linear() else {
+            return Err(match self.tie_points.as_ref().map_or(0, Vec::len) / 6 {
+                0 | 1 => missing("ModelPixelScale (or ModelTransformation)"),
+                points => format!("is not georeferenced: {}", Self::control_points(points)),
+            });
+        };
+        let has_scale = self.pixel_scale.as_deref().is_some_and(|scale| scale[..2] != [0.0; 2]);
+        if let (false, Some([_, _, _, x, _, _, _, y, ..])) =
+            (has_scale, self.transformation.as_deref())
+        {
+            return Ok(Transform { origin: [*x, *y], ..linear });
+        }
+        let Some([col, row, _, x, y, ..]) = self.tie_points.as_deref() else {
+            return Err(missing("ModelTiepoint"));
+        };
+        let origin = [x - col * linear.right[0], y - row * linear.down[1]];
+        Ok(Transform { origin, ..linear })
+    }
+
+    /// Returns the coordinate reference system, or a message that says what is missing.
+    pub(super) fn system(&self) -> Result<CoordinateSystem, String> {
+        let code = |key, name| {
+            self.code(key).ok_or_else(|| {
+                format!(
+                    "is not georeferenced: its GeoTIFF key {name} names no EPSG code; \
+                     gdal_translate -a_srs EPSG:CODE writes it"
+                )
+            })
+        };
+        match self.key(geo_key::MODEL_TYPE) {
+            Some(geo_key::PROJECTED) => {
+                code(geo_key::PROJECTED_SYSTEM, "ProjectedCRS").map(CoordinateSystem::Projected)
+            }
+            Some(geo_key::GEOGRAPHIC) => {
+                code(geo_key::GEOGRAPHIC_SYSTEM, "GeodeticCRS").map(CoordinateSystem::Geographic)
+            }
+            _ => Err("is not georeferenced: its GeoTIFF key GTModelType is missing, or says \
+                      neither projected nor geographic; gdal_translate -a_srs EPSG:CODE writes it"
+                .into()),
+        }
+    }
+
+    /// Writes the fields, for values that are not heights: no field scales or shifts them.
+    pub(super) fn write<W: Write + Seek, K: TiffKind>(
+        &self,
+        directory: &mut DirectoryEncoder<W, K>,
+    ) -> TiffResult<()> {
+        if let Some(mut scale) = self.pixel_scale.clone() {
+            if let Some(up) = scale.get_mut(2) {
+                *up = f64::from(u8::from(self.key(geo_key::VERTICAL_SYSTEM).is_some()));
+            }
+            directory.write_tag(Tag::ModelPixelScaleTag, &scale[..])?;
+        }
+        if let Some(mut points) = self.tie_points.clone() {
+            for point in points.as_chunks_mut::<6>().0 {
+                (point[2], point[5]) = (0.0, 0.0);
+            }
+            directory.write_tag(Tag::ModelTiepointTag, &points[..])?;
+        }
+        if let Some(mut matrix) = self.transformation.clone() {
+            if let Some(up) = matrix.get_mut(8..12) {
+                up.fill(0.0);
+            }
+            directory.write_tag(Tag::ModelTransformationTag, &matrix[..])?;
+        }
+        if !self.keys.is_empty() {
+            directory.write_tag(Tag::GeoKeyDirectoryTag, &self.keys[..])?;
+        }
+        if let Some(doubles) = &self.doubles {
+            directory.write_tag(Tag::GeoDoubleParamsTag, &doubles[..])?;
+        }
+        if let Some(text) = &self.text {
+            directory.write_tag(Tag::GeoAsciiParamsTag, Text(text))?;
+        }
+        Ok(())
+    }
+}
+
+/// Returns the code of a unit that GDAL writes as text.
+fn unit_code(name: &str) -> Option<u16> {
+    match &name.trim().to_ascii_lowercase()[..] {
+        "m" | "metre" | "meter" | "metres" | "meters" => Some(geo_key::METRE),
+        "ft" | "foot" | "feet" | "international foot" => Some(geo_key::FOOT),
+        "us survey foot" | "us survey feet" | "us ft" | "ftus" | "us-ft" | "foot_us" | "sft" => {
+            Some(geo_key::US_SURVEY_FOOT)
+        }
+        _ => None,
+    }
+}
+
+/// A field of text, byte for byte with its end mark.
+struct Text<'a>(&'a [u8]);
+
+impl TiffValue for Text<'_> {
+    const BYTE_LEN: u8 = 1;
+    const FIELD_TYPE: Type = Type::ASCII;
+
+    fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    fn data(&self) -> Cow<'_, [u8]> {
+        self.0.into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const UTM: [u16; 12] = [1, 1, 0, 2, 1024, 0, 1, 1, 3072, 0, 1, 32616];
+
+    fn tags(keys: &[u16]) -> GeoTags {
+        GeoTags {
+            pixel_scale: Some(vec![30.0, 20.0, 0.0]),
+            tie_points: Some(vec![1.0, 2.0, 0.0, 5e5, 4e6, 0.0]),
+            transformation: None,
+            keys: keys.to_vec(),
+            ..GeoTags::default()
+        }
+    }
+
+    #[test]
+    fn pixels_lie_by_their_middles_or_where_they_are_points() {
+        let area = tags(&UTM).georeference().unwrap();
+        assert_eq!(area.system, Some(CoordinateSystem::Projected(32616)));
+        // The upper left corner of row 2, column 1 is at the tie point.
+        assert_eq!(area.coordinates([2.0, 1.0]), [5e5 + 15.0, 4e6 - 10.0]);
+        assert_eq!(area.coordinates([3.0, 3.0]), [5e5 + 75.0, 4e6 - 30.0]);
+        let point = tags(&[&UTM[..], &[1025, 0, 1, 2]].concat()).georeference().unwrap();
+        assert_eq!(point.coordinates([2.0, 1.0]), [5e5, 4e6]);
+    }
+
+    #[test]
+    fn degrees_are_written_in_any_order_of_rows() {
+        for down in [-0.5, 0.5] {
+            let right = [0.25, 0.0];
+            let system = Some(CoordinateSystem::WGS_84);
+            let wanted = Georeference { origin: [8.0, 47.0], down: [0.0, down], right, system };
+            let tags = GeoTags::wgs84(&wanted);
+            assert_eq!(tags.georeference(), Ok(wanted));
+            assert!(matches!(tags.spacing(None), FileSpacing::Degrees(_)));
+        }
+    }
+
+    #[test]
+    fn heights_are_in_metres_or_feet() {
+        let metres = |code: u16| {
+            let keys =
+                [1, 1, 0, 2, geo_key::MODEL_TYPE, 0, 1, 2, geo_key::VERTICAL_UNITS, 0, 1, code];
+            tags(&keys).metres_per_height(None)
+        };
+        assert_eq!(metres(geo_key::METRE), Ok(1.0));
+        assert_eq!(metres(geo_key::FOOT), Ok(0.3048));
+        assert!(metres(9036).unwrap_err().contains("EPSG:9036"));
+        assert!(tags(&UTM).metres_per_height(Some("m")).is_ok());
+        assert!(tags(&UTM).metres_per_height(Some("fathom")).is_err());
+    }
+
+    #[test]
+    fn transformations_may_turn_the_raster() {
+        let mut tags = tags(&[1, 1, 0, 2, 1024, 0, 1, 2, 2048, 0, 1, 4326]);
+        let mut matrix = vec![0.0; 16];
+        matrix[..8].copy_from_slice(&[0.0, 0.5, 0.0, 10.0, 0.25, 0.0, 0.0, 50.0]);
+        tags.transformation = Some(matrix);
+        tags.pixel_scale = None;
+        let found = tags.georeference().unwrap();
+        assert_eq!(found.system, Some(CoordinateSystem::WGS_84));
+        // X grows by 0.5 per row, Y by 0.25 per column.
+        assert_eq!(found.coordinates([2.0, 4.0]), [10.0 + 0.5 * 2.5, 50.0 + 0.25 * 4.5]);
+    }
+
+    #[test]
+    fn missing_fields_are_named() {
+        let missing = |tags: GeoTags| tags.georeference().unwrap_err();
+        assert!(missing(GeoTags { tie_points: None, ..tags(&UTM) }).contains("ModelTiepoint"));
+        assert!(missing(GeoTags { pixel_scale: None, ..tags(&UTM) }).contains("ModelPixelScale"));
+        let unnamed = |keys: &[u16]| {
+            assert_eq!(tags(keys).georeference().unwrap().system, None);
+            tags(keys).system().unwrap_err()
+        };
+        assert!(unnamed(&[]).contains("GTModelType"));
+        assert!(unnamed(&[1, 1, 0, 1, 1024, 0, 1, 1]).contains("ProjectedCRS"));
+        let user_defined = [1, 1, 0, 2, 1024, 0, 1, 2, 2048, 0, 1, 32767];
+        assert!(unnamed(&user_defined).contains("GeodeticCRS"));
+    }
+
+    #[test]
+    fn pixel_sizes_count_where_heights_are_in_the_same_unit() {
+        let spacing = |units: &[[u16; 2]]| {
+            let entries = units.iter().flat_map(|&[key, unit]| [key, 0, 1, unit]);
+            tags(&UTM.into_iter().chain(entries).collect::<Vec<_>>()).spacing(None)
+        };
+        let known = |name, said| {
+            FileSpacing::Known(Spacing { dx: 30.0, dy: 20.0 }, LinearUnit { name, said })
+        };
+        assert_eq!(spacing(&[]), known(Some("m"), false));
+        assert_eq!(spacing(&[[4099, 9001]]), known(Some("m"), false));
+        assert_eq!(spacing(&[[3076, 9001]]), known(Some("m"), true));
+        assert_eq!(spacing(&[[3076, 9003], [4099, 9003]]), known(Some("US ft"), true));
+        assert_eq!(spacing(&[[3076, 9036], [4099, 9036]]), known(None, true));
+        for units in [
+            &[[3076, 9001], [4099, 9002]][..],
+            &[[3076, 9002]],
+            &[[3076, 9002], [4099, 9003]],
+            &[[4099, 9002]],
+            &[[3076, 32767], [4099, 32767]],
+        ] {
+            let found = spacing(units);
+            assert!(matches!(found, FileSpacing::Unusable(_)), "{units:?}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn units_of_values_and_control_points_count() {
+        let spacing = |unit| tags(&UTM).spacing(unit);
+        assert_eq!(spacing(Some("Metre")), spacing(None));
+        let us_feet = [&UTM[..9], &[0, 1, 2263]].concat();
+        for (keys, unit) in [(&UTM[..], "ft"), (&UTM, "degC"), (&us_feet, "m")] {
+            assert!(matches!(tags(keys).spacing(Some(unit)), FileSpacing::Unusable(_)), "{unit}");
+        }
+        let FileSpacing::Known(_, unit) = tags(&us_feet).spacing(Some("US survey foot")) else {
+            panic!("both are in US feet")
+        };
+        assert_eq!(unit.name, Some("US ft"));
+        let points = GeoTags { pixel_scale: None, tie_points: Some(vec![0.0; 18]), ..tags(&UTM) };
+        assert!(points.georeference().unwrap_err().contains("3 ground control points"));
+        let FileSpacing::Unusable(why) = points.spacing(None) else { panic!("no pixel size") };
+        assert!(why.contains("gdalwarp"), "{why}");
+    }
+
+    #[test]
+    fn a_vertical_system_makes_the_transformation_scale_heights() {
+        let vertical = |minor, scale, to| {
+            let keys = [1, 1, minor, 3, 1024, 0, 1, 1, 3072, 0, 1, 32633, 4096, 0, 1, 5773];
+            let tie_points = Some(vec![0.0, 0.0, 7.0, 5e5, 4e6, to]);
+            GeoTags { pixel_scale: Some(vec![30.0, 20.0, scale]), tie_points, ..tags(&keys) }
+                .vertical()
+        };
+        // The expected values are those of GDAL.
+        assert_eq!(vertical(1, 2.0, 100.0), Ok(Some([2.0, 86.0])));
+        assert_eq!(vertical(0, 2.0, 100.0), Ok(None));
+        assert_eq!(vertical(1, 1.0, 7.0), Ok(None));
+        assert!(vertical(1, 0.0, 100.0).unwrap_err().contains("gdal_translate"));
+    }
+}

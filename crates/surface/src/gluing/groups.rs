@@ -1,0 +1,111 @@
+//! Groups of grid points that are one point of the surface.
+
+use std::collections::HashMap;
+
+/// Groups of indices that stand for one point of a glued surface, in compressed rows: the members of group g
+/// are `members[starts[g]..starts[g + 1]]`, in ascending order. Groups have two members or more and share
+/// none.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Groups {
+    starts: Vec<u32>,
+    members: Vec<u32>,
+}
+
+impl Groups {
+    /// Joins pairs of indices to groups.
+    pub(in super::super) fn of(pairs: impl IntoIterator<Item = [usize; 2]>) -> Self {
+        let mut parents: HashMap<u32, u32> = HashMap::new();
+        for [a, b] in pairs {
+            let [a, b] = [a, b].map(|index| root(&mut parents, index as u32));
+            // The smallest index is the root.
+            parents.insert(a.max(b), a.min(b));
+        }
+        let all: Vec<u32> = parents.keys().copied().collect();
+        let mut rooted: Vec<_> =
+            all.into_iter().map(|index| (root(&mut parents, index), index)).collect();
+        rooted.sort_unstable();
+        let (mut starts, mut members) = (vec![0], Vec::with_capacity(rooted.len()));
+        for group in rooted.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
+            members.extend(group.iter().map(|&(_, index)| index));
+            starts.push(members.len() as u32);
+        }
+        Self { starts, members }
+    }
+
+    /// Returns these groups with indices converted by `to`, which must keep the order of the indices.
+    pub(crate) fn mapped(&self, to: impl Fn(usize) -> usize) -> Self {
+        let members = self.members.iter().map(|&index| to(index as usize) as u32).collect();
+        Self { starts: self.starts.clone(), members }
+    }
+
+    /// Returns the members of each group.
+    pub fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
+        self.starts.windows(2).map(|range| &self.members[range[0] as usize..range[1] as usize])
+    }
+
+    /// Returns the members of a group.
+    #[doc(hidden)]
+    pub fn get(&self, number: usize) -> &[u32] {
+        &self.members[self.starts[number] as usize..self.starts[number + 1] as usize]
+    }
+
+    /// Returns the start of each group in [`Self::members`], followed by the number of members.
+    pub fn starts(&self) -> &[u32] {
+        &self.starts
+    }
+
+    /// Returns the members of all groups.
+    pub fn members(&self) -> &[u32] {
+        &self.members
+    }
+
+    /// Returns, for each group, the pairs of its first member with each other member.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = [usize; 2]> {
+        self.iter().flat_map(|group| {
+            let first = group[0] as usize;
+            group[1..].iter().map(move |&other| [first, other as usize])
+        })
+    }
+
+    /// Returns the number of each member's group.
+    #[doc(hidden)]
+    pub fn numbers(&self) -> HashMap<u32, usize> {
+        let of_group = |(number, group): (usize, &[u32])| {
+            group.iter().map(|&index| (index, number)).collect::<Vec<_>>()
+        };
+        self.iter().enumerate().flat_map(of_group).collect()
+    }
+
+    /// Returns the number of bytes held.
+    pub(crate) fn bytes(&self) -> usize {
+        (self.starts.len() + self.members.len()) * size_of::<u32>()
+    }
+}
+
+/// Returns the root of an index, and compresses the path to it.
+fn root(parents: &mut HashMap<u32, u32>, index: u32) -> u32 {
+    let mut top = index;
+    while let Some(&parent) = parents.get(&top).filter(|&&parent| parent != top) {
+        top = parent;
+    }
+    let mut at = index;
+    while let Some(parent) = parents.insert(at, top).filter(|&parent| parent != at) {
+        at = parent;
+    }
+    top
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_join_to_groups() {
+        let groups = Groups::of([[7, 3], [1, 2], [9, 7], [2, 1], [3, 9], [5, 5]]);
+        assert!(groups.iter().eq([&[1, 2][..], &[3, 7, 9][..]]));
+        assert_eq!(groups.starts(), [0, 2, 5]);
+        assert!(groups.pairs().eq([[1, 2], [3, 7], [3, 9]]));
+        assert_eq!(groups.numbers()[&9], 1);
+        assert_eq!(groups.mapped(|index| index + 1).members(), [2, 3, 4, 8, 10]);
+    }
+}

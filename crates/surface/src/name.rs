@@ -1,0 +1,27 @@
+//! Names of choices, as the tool and reports use them.
+
+use crate::shown::excerpt;
+
+/// The error for a text that is not the name of a choice.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no {what} is called `{}`; there are {}", excerpt(text), names.join(", "))]
+pub struct UnknownName {
+    what: &'static str,
+    text: String,
+    names: Vec<&'static str>,
+}
+
+/// Returns the choice that `text` names. White space around the name is ignored.
+pub fn by_name<T: Copy>(
+    what: &'static str,
+    text: &str,
+    choices: &[T],
+    name: impl Fn(T) -> &'static str,
+) -> Result<T, UnknownName> {
+    let text = text.trim();
+    let found = choices.iter().find(|&&choice| name(choice) == text).copied();
+    found.ok_or_else(|| {
+        let names = choices.iter().map(|&choice| name(choice)).collect();
+        UnknownName { what, text: text.to_owned(), names }
+    })
+}

@@ -1,0 +1,143 @@
+//! Defines the two precisions of the solvers, and limits of lengths that fit them.
+
+/// The value for "not reached" and "no such edge" inside the solvers and the shaders.
+///
+/// It is a large finite number, since GLSL does not promise infinities, and the difference of two infinities
+/// is NaN. The public interface uses +infinity instead.
+pub const FAR: f64 = crate::constants::FAR;
+
+/// Minimum length of an edge between distinct points, in the surface's unit of length.
+pub const SHORTEST_EDGE: f64 = 1e-12;
+/// Maximum length of an edge. Squares and sums of such lengths stay within single precision and below
+/// [`FAR`].
+pub const LONGEST_EDGE: f64 = crate::constants::LONGEST_EDGE;
+
+/// A precision of the solvers: f32 for use, f64 for reference. There are no others.
+pub trait Real:
+    sealed::Precision + num_traits::Float + bytemuck::Pod + Default + Send + Sync + std::fmt::Debug
+{
+    /// [`FAR`] in this precision.
+    const FAR: Self;
+
+    /// The type of the binary digits, which also counts units in the last place.
+    type Bits: num_traits::PrimInt + From<u32> + Into<u64> + Default + Send + Sync + std::fmt::Debug;
+
+    /// Returns the binary digits of the number.
+    fn to_bits(self) -> Self::Bits;
+
+    /// Returns the number with these binary digits. Among non-negative numbers it is the one that lies `bits`
+    /// representable numbers above zero.
+    fn from_bits(bits: Self::Bits) -> Self;
+
+    /// Returns the number of representable numbers between two non-negative numbers. This is their relative
+    /// difference in units of the precision, to within a factor of two, without a division.
+    fn units_between(self, other: Self) -> Self::Bits;
+
+    /// Converts a non-negative relative change to units of this precision.
+    fn in_units(self) -> Self::Bits;
+
+    /// Rounds to this precision.
+    fn of(value: f64) -> Self;
+
+    /// Widens to double precision.
+    fn wide(self) -> f64;
+}
+
+mod sealed {
+    /// Keeps other crates from adding precisions.
+    pub trait Precision {}
+
+    impl Precision for f32 {}
+
+    impl Precision for f64 {}
+}
+
+impl Real for f32 {
+    const FAR: Self = FAR as f32;
+    type Bits = u32;
+
+    #[inline(always)]
+    fn to_bits(self) -> u32 {
+        f32::to_bits(self)
+    }
+
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        f32::from_bits(bits)
+    }
+
+    #[inline(always)]
+    fn units_between(self, other: Self) -> u32 {
+        self.to_bits().abs_diff(other.to_bits())
+    }
+
+    #[inline(always)]
+    fn in_units(self) -> u32 {
+        (self / Self::EPSILON) as u32
+    }
+
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value as f32
+    }
+
+    #[inline(always)]
+    fn wide(self) -> f64 {
+        self.into()
+    }
+}
+
+impl Real for f64 {
+    const FAR: Self = FAR;
+    type Bits = u64;
+
+    #[inline(always)]
+    fn to_bits(self) -> u64 {
+        f64::to_bits(self)
+    }
+
+    #[inline(always)]
+    fn from_bits(bits: u64) -> Self {
+        f64::from_bits(bits)
+    }
+
+    #[inline(always)]
+    fn units_between(self, other: Self) -> u64 {
+        self.to_bits().abs_diff(other.to_bits())
+    }
+
+    #[inline(always)]
+    fn in_units(self) -> u64 {
+        (self / Self::EPSILON) as u64
+    }
+
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn wide(self) -> f64 {
+        self
+    }
+}
+
+/// Converts a count of [`Real::units_between`] to a relative change of an arrival time. The result is at most
+/// twice the true change, and 1 for a point that was reached for the first time.
+pub fn relative_change<R: Real>(units: R::Bits) -> f64 {
+    let units: u64 = units.into();
+    (units as f64 * R::epsilon().wide()).min(1.0)
+}
+
+/// Returns the larger of two numbers. If one is NaN the first is returned, as in the shaders. Unlike the
+/// standard library's function, this is one instruction.
+#[inline(always)]
+pub fn max<R: Real>(a: R, b: R) -> R {
+    if a < b { b } else { a }
+}
+
+/// Returns the smaller of two numbers.
+#[inline(always)]
+pub fn min<R: Real>(a: R, b: R) -> R {
+    if b < a { b } else { a }
+}
