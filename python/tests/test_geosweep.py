@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 import warnings
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -215,6 +216,15 @@ def test_an_exception_in_the_callback_ends_the_solve() -> None:
     assert len(raised) == 1 and time.monotonic() - raised[0] < 3.0
 
 
+@pytest.fixture
+def interrupts() -> Iterator[None]:
+    """Let SIGINT raise `KeyboardInterrupt`, also where the runner of the tests ignores it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interrupts")
 @pytest.mark.parametrize("what", ["solve", "paths", "log_map", "farthest_points"])
 def test_ctrl_c_ends_a_computation(what: str) -> None:
     mask = winding(1025)
