@@ -237,6 +237,13 @@ check_vulkan() {
     lavapipe, in the package mesa-vulkan-drivers, is called llvmpipe"
 }
 
+# build_all: builds the libraries, programs, tests and examples, with all features. The tests' dependencies decide on
+# features of other crates. So the tool and the extension for Python are built together with the tests; alone, each
+# would compile the library again.
+build_all() {
+    cargo build --profile ci --workspace --all-features --lib --bins --tests --examples
+}
+
 # test_binaries TARGET...: builds these targets of the library's tests (--lib, --test NAME), and prints the name and the
 # path of each binary.
 test_binaries() {
