@@ -5,7 +5,7 @@
     python benches/peers/compare.py --geosweep target/release/geosweep --docs
 
 The first command prints tables. The second one also updates docs/peers.csv, where it replaces the rows
-of the measured surfaces and sizes, and docs/peers.md, where it replaces the summary of all rows of
+of the measured surfaces and sizes, and docs/figures/peers.md, where it replaces the summary of all rows of
 docs/peers.csv, and the tables of terrain.py and paths.py.
 """
 
@@ -81,7 +81,7 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument("--csv", type=Path, help="where to write the rows")
     parser.add_argument(
-        "--docs", action="store_true", help="update docs/peers.md and docs/peers.csv"
+        "--docs", action="store_true", help="update docs/figures/peers.md and docs/peers.csv"
     )
     parser.add_argument(
         "--no-terrain", action="store_true", help="keep the page's tables of terrain (minutes)"
@@ -160,7 +160,7 @@ def chosen(surface: str, size: int, options: argparse.Namespace) -> dict:
 
 def renew(options: argparse.Namespace, rows: list[report.Row]) -> None:
     """Writes the measurements into the documentation."""
-    page, figures = DOCS / "peers.md", DOCS / "peers.csv"
+    page, figures = DOCS / "figures" / "peers.md", DOCS / "peers.csv"
     rows = report.renewed(report.read_csv(figures), rows, SURFACES)
     report.write_csv(figures, rows)
     report.replace_between(page, "conditions", report.conditions(options.geosweep))

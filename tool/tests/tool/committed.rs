@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use crate::workbench::{Workbench, json, run};
 
-const ACCURACY: &str = include_str!("../../../docs/accuracy.md");
+const ACCURACY: &str = include_str!("../../../docs/figures/accuracy.md");
 const ACCURACY_DOUBLE: &str = include_str!("../../../docs/accuracy-double.md");
 const TABLE_2: &str = include_str!("../../../docs/figures/table-2.md");
 
@@ -22,7 +22,7 @@ fn is_same(found: f64, committed: f64, least: f64) -> bool {
 
 #[test]
 fn committed_errors_are_those_of_this_engine() {
-    compare("docs/accuracy.md", ACCURACY, "accuracy --sizes 33,65,129 --json", 1e-6);
+    compare("docs/figures/accuracy.md", ACCURACY, "accuracy --sizes 33,65,129 --json", 1e-6);
 }
 
 #[test]

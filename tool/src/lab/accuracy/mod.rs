@@ -76,7 +76,7 @@ Wavefronts: {}.
 
 Examples:
   geosweep accuracy
-  geosweep accuracy -o docs/accuracy.md --plots docs/figures --peers docs/peers.csv
+  geosweep accuracy -o docs/figures/accuracy.md --plots docs/figures --peers docs/peers.csv
   geosweep accuracy --precision double --sizes 65,129,257,513
   geosweep accuracy --surfaces sphere,sheared-plane@72 --wavefronts point --sizes 65,129 --json",
         Builtin::measurable().map(|b| b.to_string()).collect::<Vec<_>>().join(", "),
