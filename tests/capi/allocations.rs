@@ -7,15 +7,13 @@ use geosweep::capi::*;
 
 use crate::heap::allocations;
 use crate::host::Host;
-use crate::session::{COPY, Session, frame, method, ok, surface_info, wrong, zero};
+use crate::session::{COPY, Session, frame, height_points, method, ok, surface_info, wrong, zero};
 
 #[test]
 fn recording_allocates_nothing() {
     let session = Session::new(Host::without_validation());
     let data = [0.0f32; 40 * 48];
-    let kind = GeosweepPointKind::Heights as i32;
-    let points =
-        [GeosweepPoints { kind, dx: 1.0, dy: 1.0, data: data.as_ptr(), stride: 4, ..zero() }];
+    let points = [height_points(&data)];
     let surface = session.surface(&surface_info(40, 48, &points));
     let plan = session.plan(40, 48, &method(GeosweepWavefront::Curved, 4));
     let sources = [3.0, 7.5].map(|row| geosweep_source_at(row, 4.0));
@@ -44,8 +42,7 @@ fn recording_allocates_nothing() {
         record(commands, &frame);
         assert_eq!(allocations() - before, 0);
         session.host.end(commands);
-        session.host.submit(commands, vk::Fence::null());
-        unsafe { session.host.device.device_wait_idle() }.unwrap();
+        session.submit(commands);
     }
     // The counter works: a message allocates a string.
     let before = allocations();

@@ -1,16 +1,17 @@
 //! Pipeline caches of the program, through the functions of C.
 
-use std::ffi::{CStr, c_char};
+use std::ffi::CStr;
 use std::sync::{Mutex, OnceLock};
 
 use geosweep::ash::vk::{self, Handle};
 use geosweep::capi::*;
 
 use crate::host::Host;
-use crate::session::{Session, entry, frame, method, ok, solver_info, surface_info, zero};
+use crate::session::{
+    Replacement, Session, frame, height_points, method, ok, replaced, solver_info, surface_info,
+};
 
-static REAL: OnceLock<(vk::PFN_vkGetDeviceProcAddr, vk::PFN_vkCreateComputePipelines)> =
-    OnceLock::new();
+static CREATE: OnceLock<vk::PFN_vkCreateComputePipelines> = OnceLock::new();
 /// The cache with which each pipeline was created, in the order of creation.
 static CACHES: Mutex<Vec<vk::PipelineCache>> = Mutex::new(Vec::new());
 
@@ -23,38 +24,20 @@ unsafe extern "system" fn create_and_note(
     pipelines: *mut vk::Pipeline,
 ) -> vk::Result {
     CACHES.lock().unwrap().extend((0..count).map(|_| cache));
-    let (_, create) = REAL.get().unwrap();
-    unsafe { create(device, cache, count, infos, allocator, pipelines) }
+    unsafe { (CREATE.get().unwrap())(device, cache, count, infos, allocator, pipelines) }
 }
 
-unsafe extern "system" fn of_device(
-    device: vk::Device,
-    name: *const c_char,
-) -> vk::PFN_vkVoidFunction {
-    if unsafe { CStr::from_ptr(name) } == c"vkCreateComputePipelines" {
+struct Noting;
+
+impl Replacement for Noting {
+    fn of_device(name: &CStr) -> Option<vk::PFN_vkVoidFunction> {
         // SAFETY: the function is called with the type of its name.
-        return unsafe {
+        (name == c"vkCreateComputePipelines").then(|| unsafe {
             std::mem::transmute::<vk::PFN_vkCreateComputePipelines, vk::PFN_vkVoidFunction>(
                 create_and_note,
             )
-        };
+        })
     }
-    let (get, _) = REAL.get().unwrap();
-    unsafe { get(device, name) }
-}
-
-/// Finds the loader's functions, but replaces the function that creates pipelines.
-unsafe extern "system" fn noting(
-    instance: vk::Instance,
-    name: *const c_char,
-) -> vk::PFN_vkVoidFunction {
-    if unsafe { CStr::from_ptr(name) } == c"vkGetDeviceProcAddr" {
-        // SAFETY: the function is called with the type of its name.
-        return unsafe {
-            std::mem::transmute::<vk::PFN_vkGetDeviceProcAddr, vk::PFN_vkVoidFunction>(of_device)
-        };
-    }
-    unsafe { entry().get_instance_proc_addr(instance, name) }
 }
 
 fn made_with() -> Vec<vk::PipelineCache> {
@@ -67,19 +50,17 @@ fn made_with() -> Vec<vk::PipelineCache> {
 fn a_saved_cache_serves_the_next_solver() {
     let mut host = Host::new();
     let device = host.device.clone();
-    let functions = (host.instance.fp_v1_0().get_device_proc_addr, device.fp_v1_0());
-    REAL.get_or_init(|| (functions.0, functions.1.create_compute_pipelines));
+    CREATE.get_or_init(|| device.fp_v1_0().create_compute_pipelines);
     let properties = unsafe { host.instance.get_physical_device_properties(host.physical_device) };
     let heights: Vec<f32> = (0..9 * 12).map(|point| (0.3 * point as f32).sin()).collect();
-    let data = heights.as_ptr();
-    let points = [GeosweepPoints { data, stride: 4, kind: 1, dx: 1.0, dy: 1.0, ..zero() }];
+    let points = [height_points(&heights)];
 
     let (mut saved, mut runs) = (Vec::new(), Vec::new());
     for _ in 0..2 {
         let info = vk::PipelineCacheCreateInfo::default().initial_data(&saved);
         let cache = unsafe { device.create_pipeline_cache(&info, None) }.unwrap();
         let info = GeosweepSolverInfo {
-            get_instance_proc_addr: Some(noting),
+            get_instance_proc_addr: Some(replaced::<Noting>),
             pipeline_cache: cache,
             ..solver_info(&host)
         };

@@ -1,15 +1,16 @@
 //! Devices and loaders that lack something, and Vulkan calls that fail.
 
 use std::ffi::{CStr, c_char};
-use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 
 use geosweep::ash::vk;
 use geosweep::capi::*;
 
 use crate::host::Host;
 use crate::session::{
-    Session, entry, get_instance_proc_addr, last_error, ok, refused, solver_info, surface_info,
-    wrong, zero,
+    Replacement, Session, get_instance_proc_addr, height_points, last_error, ok, refused, replaced,
+    solver_info, surface_info, wrong, zero,
 };
 
 /// Result that the failing functions return.
@@ -26,59 +27,75 @@ unsafe extern "system" fn finds_nothing(
     None
 }
 
-unsafe fn really(instance: vk::Instance, name: *const c_char) -> vk::PFN_vkVoidFunction {
-    unsafe { entry().get_instance_proc_addr(instance, name) }
-}
+static PROPERTIES: OnceLock<vk::PFN_vkGetPhysicalDeviceProperties> = OnceLock::new();
 
-/// Finds the functions of a device for Vulkan 1.0 with small limits.
-unsafe extern "system" fn finds_little(
-    instance: vk::Instance,
-    name: *const c_char,
-) -> vk::PFN_vkVoidFunction {
-    unsafe extern "system" fn properties(
-        physical_device: vk::PhysicalDevice,
-        properties: *mut vk::PhysicalDeviceProperties,
-    ) {
-        // This function is given no instance, so it finds the real function through the test's instance.
-        let host = INSTANCE.get().expect("it was set before this function was installed").0;
-        unsafe {
-            let ask = really(host, c"vkGetPhysicalDeviceProperties".as_ptr()).unwrap();
-            let ask: vk::PFN_vkGetPhysicalDeviceProperties = std::mem::transmute(ask);
-            ask(physical_device, properties);
-            (*properties).api_version = vk::API_VERSION_1_0;
-            (*properties).limits.max_push_constants_size = 4;
+/// A device for Vulkan 1.0 with small limits.
+struct Little;
+
+impl Replacement for Little {
+    fn of_instance(name: &CStr) -> Option<vk::PFN_vkVoidFunction> {
+        unsafe extern "system" fn properties(
+            physical_device: vk::PhysicalDevice,
+            properties: *mut vk::PhysicalDeviceProperties,
+        ) {
+            unsafe {
+                (PROPERTIES.get().unwrap())(physical_device, properties);
+                (*properties).api_version = vk::API_VERSION_1_0;
+                (*properties).limits.max_push_constants_size = 4;
+            }
         }
-    }
-    if unsafe { CStr::from_ptr(name) } == c"vkGetPhysicalDeviceProperties" {
         // SAFETY: the function is called with the type of its name.
-        return unsafe {
+        (name == c"vkGetPhysicalDeviceProperties").then(|| unsafe {
             std::mem::transmute::<vk::PFN_vkGetPhysicalDeviceProperties, vk::PFN_vkVoidFunction>(
                 properties,
             )
-        };
+        })
     }
-    unsafe { really(instance, name) }
 }
 
-struct Shared(vk::Instance);
-// SAFETY: any thread may use an instance.
-unsafe impl Send for Shared {}
-// SAFETY: as above.
-unsafe impl Sync for Shared {}
-static INSTANCE: std::sync::OnceLock<Shared> = std::sync::OnceLock::new();
+/// A device without functions.
+struct Bare;
+
+impl Replacement for Bare {
+    fn of_device(_name: &CStr) -> Option<vk::PFN_vkVoidFunction> {
+        Some(None)
+    }
+}
+
+/// Makes `vkCreateComputePipelines` fail for solvers that are created while [`PIPELINES_FAIL`] is set, and
+/// `vkBindImageMemory` for later solvers.
+struct Failing;
+static PIPELINES_FAIL: AtomicBool = AtomicBool::new(true);
+
+impl Replacement for Failing {
+    fn of_device(name: &CStr) -> Option<vk::PFN_vkVoidFunction> {
+        let fails = match PIPELINES_FAIL.load(Ordering::SeqCst) {
+            true => c"vkCreateComputePipelines",
+            false => c"vkBindImageMemory",
+        };
+        // `fail` has no parameters. The calling convention allows arguments in a call of such a function.
+        // SAFETY: as above.
+        (name == fails).then(|| unsafe {
+            std::mem::transmute::<extern "system" fn() -> vk::Result, vk::PFN_vkVoidFunction>(fail)
+        })
+    }
+}
+
+fn solver_with<R: Replacement>(host: &Host) -> GeosweepSolverInfo {
+    GeosweepSolverInfo { get_instance_proc_addr: Some(replaced::<R>), ..solver_info(host) }
+}
 
 #[test]
 fn missing_requirements_of_a_device_are_reported() {
     let host = Host::without_validation();
-    assert!(INSTANCE.set(Shared(host.instance.handle())).is_ok());
+    PROPERTIES.get_or_init(|| host.instance.fp_v1_0().get_physical_device_properties);
     let (instance, device) = (host.instance.handle(), host.physical_device);
     ok(unsafe { geosweep_check_device(get_instance_proc_addr(), instance, device) });
-    let status = unsafe { geosweep_check_device(Some(finds_little), instance, device) };
+    let status = unsafe { geosweep_check_device(Some(replaced::<Little>), instance, device) };
     for words in ["Vulkan 1.0.0, but 1.1 is needed", "4 bytes of push constants"] {
         refused(status, GeosweepStatus::Unsupported, words);
     }
-    let get_instance_proc_addr = Some(finds_little as vk::PFN_vkGetInstanceProcAddr);
-    let info = GeosweepSolverInfo { get_instance_proc_addr, ..solver_info(&host) };
+    let info = solver_with::<Little>(&host);
     let mut solver = std::ptr::null_mut();
     let status = unsafe { geosweep_solver_create(&info, &mut solver) };
     refused(status, GeosweepStatus::Unsupported, "Vulkan 1.0.0");
@@ -104,23 +121,7 @@ fn missing_functions_are_named() {
     wrong(status, "knows no function vkDestroyInstance");
     wrong(unsafe { geosweep_check_device(None, instance, device) }, "is null");
 
-    unsafe extern "system" fn no_device_functions(
-        instance: vk::Instance,
-        name: *const c_char,
-    ) -> vk::PFN_vkVoidFunction {
-        unsafe extern "system" fn none(_: vk::Device, _: *const c_char) -> vk::PFN_vkVoidFunction {
-            None
-        }
-        if unsafe { CStr::from_ptr(name) } == c"vkGetDeviceProcAddr" {
-            // SAFETY: the function is called with the type of its name.
-            return unsafe {
-                std::mem::transmute::<vk::PFN_vkGetDeviceProcAddr, vk::PFN_vkVoidFunction>(none)
-            };
-        }
-        unsafe { really(instance, name) }
-    }
-    let get_instance_proc_addr = Some(no_device_functions as vk::PFN_vkGetInstanceProcAddr);
-    let info = GeosweepSolverInfo { get_instance_proc_addr, ..solver_info(&host) };
+    let info = solver_with::<Bare>(&host);
     let mut solver = std::ptr::null_mut();
     wrong(unsafe { geosweep_solver_create(&info, &mut solver) }, "vkGetDeviceProcAddr knows no");
 }
@@ -128,54 +129,8 @@ fn missing_functions_are_named() {
 /// A Vulkan call that fails gives a status for its result and a message with its name, and leaves nothing behind.
 #[test]
 fn calls_that_fail_have_a_status_and_a_name() {
-    /// Makes `vkCreateComputePipelines` fail for solvers that are created while `PIPELINES` is 1, and
-    /// `vkBindImageMemory` for later solvers.
-    unsafe extern "system" fn failing(
-        instance: vk::Instance,
-        name: *const c_char,
-    ) -> vk::PFN_vkVoidFunction {
-        unsafe extern "system" fn of_device(
-            device: vk::Device,
-            name: *const c_char,
-        ) -> vk::PFN_vkVoidFunction {
-            let wanted = unsafe { CStr::from_ptr(name) };
-            let fails = if PIPELINES.load(Ordering::SeqCst) == 1 {
-                c"vkCreateComputePipelines"
-            } else {
-                c"vkBindImageMemory"
-            };
-            if wanted == fails {
-                // `fail` has no parameters. The calling convention allows arguments in a call of such a function.
-                return unsafe {
-                    std::mem::transmute::<extern "system" fn() -> vk::Result, vk::PFN_vkVoidFunction>(
-                        fail,
-                    )
-                };
-            }
-            let host = FAILING_INSTANCE.get().expect("it was set before").0;
-            unsafe {
-                let ask = really(host, c"vkGetDeviceProcAddr".as_ptr()).unwrap();
-                let ask: vk::PFN_vkGetDeviceProcAddr = std::mem::transmute(ask);
-                ask(device, name)
-            }
-        }
-        if unsafe { CStr::from_ptr(name) } == c"vkGetDeviceProcAddr" {
-            // SAFETY: the function is called with the type of its name.
-            return unsafe {
-                std::mem::transmute::<vk::PFN_vkGetDeviceProcAddr, vk::PFN_vkVoidFunction>(
-                    of_device,
-                )
-            };
-        }
-        unsafe { really(instance, name) }
-    }
-    static PIPELINES: AtomicI32 = AtomicI32::new(1);
-    static FAILING_INSTANCE: std::sync::OnceLock<Shared> = std::sync::OnceLock::new();
-
     let host = Host::without_validation();
-    assert!(FAILING_INSTANCE.set(Shared(host.instance.handle())).is_ok());
-    let get_instance_proc_addr = Some(failing as vk::PFN_vkGetInstanceProcAddr);
-    let info = GeosweepSolverInfo { get_instance_proc_addr, ..solver_info(&host) };
+    let info = solver_with::<Failing>(&host);
     let cases = [
         (vk::Result::ERROR_OUT_OF_DEVICE_MEMORY, GeosweepStatus::OutOfMemory),
         (vk::Result::ERROR_DEVICE_LOST, GeosweepStatus::DeviceLost),
@@ -189,13 +144,12 @@ fn calls_that_fail_have_a_status_and_a_name() {
         assert!(solver.is_null());
     }
 
-    PIPELINES.store(0, Ordering::SeqCst);
+    PIPELINES_FAIL.store(false, Ordering::SeqCst);
     let mut solver = std::ptr::null_mut();
     ok(unsafe { geosweep_solver_create(&info, &mut solver) });
     let session = Session { host, solver };
     let data = [0.0f32; 12];
-    let points =
-        [GeosweepPoints { data: data.as_ptr(), stride: 4, kind: 1, dx: 1.0, dy: 1.0, ..zero() }];
+    let points = [height_points(&data)];
     for (result, status) in cases {
         RESULT.store(result.as_raw(), Ordering::SeqCst);
         let mut surface = std::ptr::null_mut();

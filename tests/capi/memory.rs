@@ -13,7 +13,7 @@ use geosweep::capi::*;
 
 use crate::host::Host;
 use crate::session::{
-    Session, all_wrong, frame, method, ok, refused, solver_info, surface_info, zero,
+    Session, all_wrong, frame, height_points, method, ok, refused, solver_info, surface_info,
 };
 
 /// Simple allocator of a program. It calls `vkAllocateMemory` for each block. A block begins at [`OFFSET`] in its
@@ -122,8 +122,7 @@ unsafe extern "C" fn free(user: *mut c_void, memory: *const GeosweepMemory) {
 #[test]
 fn the_programs_allocator_provides_all_memory() {
     let heights: Vec<f32> = (0..40 * 48).map(|point| (0.3 * point as f32).sin()).collect();
-    let data = heights.as_ptr();
-    let points = [GeosweepPoints { data, stride: 4, kind: 1, dx: 1.0, dy: 1.0, ..zero() }];
+    let points = [height_points(&heights)];
     let mut maps = Vec::new();
     let mut host = Host::new();
     let plain = Plain::new(&host);
@@ -180,8 +179,7 @@ fn faults_of_the_programs_allocator_are_errors() {
     let plain = Plain::new(&host);
     let solver = plain.solver(&host);
     let data = [0.0f32; 9 * 12];
-    let data = data.as_ptr();
-    let points = [GeosweepPoints { data, stride: 4, kind: 1, dx: 1.0, dy: 1.0, ..zero() }];
+    let points = [height_points(&data)];
     let info = surface_info(9, 12, &points);
     let create = || {
         plain.calls.lock().unwrap().allocated = 0;

@@ -8,19 +8,13 @@ use geosweep::capi::*;
 
 use crate::host::Host;
 use crate::session::{
-    COPY, Session, all_wrong, frame, get_instance_proc_addr, method, ok, refused, solver_info,
-    surface_info, wrong, zero,
+    COPY, Session, all_wrong, frame, get_instance_proc_addr, height_points, method, ok, refused,
+    solver_info, surface_info, wrong, zero,
 };
 
 const ROWS: u32 = 9;
 const COLS: u32 = 13;
 const POINTS: usize = (ROWS * COLS) as usize;
-
-/// Returns flat heights in the program's memory.
-fn heights(data: &[f32]) -> GeosweepPoints {
-    let kind = GeosweepPointKind::Heights as i32;
-    GeosweepPoints { kind, dx: 1.0, dy: 1.0, data: data.as_ptr(), stride: 4, ..zero() }
-}
 
 #[test]
 fn null_is_named_wherever_it_is_given() {
@@ -28,7 +22,7 @@ fn null_is_named_wherever_it_is_given() {
     let get = get_instance_proc_addr();
     let (instance, device) = (session.host.instance.handle(), session.host.physical_device);
     let data = [0.0; POINTS];
-    let points = [heights(&data)];
+    let points = [height_points(&data)];
     let info = surface_info(ROWS, COLS, &points);
     let surface = session.surface(&info);
     let method = method(GeosweepWavefront::Planar, 2);
@@ -173,7 +167,7 @@ fn unusable_arguments_of_a_surface_are_refused() {
     let buffer = session.host.buffer_of(&[0.0; 4 * POINTS]);
     let solver = session.solver;
     let data = [0.0f32; 4 * POINTS];
-    let flat = [heights(&data)];
+    let flat = [height_points(&data)];
     let good = surface_info(ROWS, COLS, &flat);
     let create = |info: &GeosweepSurfaceInfo| {
         let mut surface = null_mut();
@@ -217,12 +211,12 @@ fn unusable_arguments_of_a_surface_are_refused() {
     };
     let on_device = GeosweepPoints { data: null(), buffer: buffer.handle, ..positions(12) };
     let no_mask = [0u8; POINTS];
-    let masked = GeosweepPoints { mask: no_mask.as_ptr(), ..heights(&data) };
+    let masked = GeosweepPoints { mask: no_mask.as_ptr(), ..height_points(&data) };
     let mut huge = [1.0; 4 * POINTS];
     huge[3] = 1e13;
     let negative = [-1.0; 4 * POINTS];
     // The second float of each point is a slowness.
-    let slow = GeosweepPoints { slowness: 1, stride: 8, ..heights(&negative) };
+    let slow = GeosweepPoints { slowness: 1, stride: 8, ..height_points(&negative) };
     let with = |points: GeosweepPoints| {
         let points = [points];
         create(&GeosweepSurfaceInfo { points: points.as_ptr(), ..good })
@@ -244,13 +238,13 @@ fn unusable_arguments_of_a_surface_are_refused() {
         with(GeosweepPoints { stride: 8, ..on_device }) => "stride is 8",
         with(GeosweepPoints { offset: 2, ..on_device }) => "offset is 2",
         with(GeosweepPoints { slowness: 5, view, layout, ..zero() }) => "four components",
-        with(GeosweepPoints { dx: 0.0, ..heights(&data) }) => "info->points[0].dx or dy",
-        with(GeosweepPoints { dy: f64::NAN, ..heights(&data) }) => "NaN",
+        with(GeosweepPoints { dx: 0.0, ..height_points(&data) }) => "info->points[0].dx or dy",
+        with(GeosweepPoints { dy: f64::NAN, ..height_points(&data) }) => "NaN",
         with(slow) => "slowness -1 at row 0, column 0",
         with(masked) => "no point of the surface is left",
         with(metric(&data)) => "row 0, column 0 is not positive definite",
         with(metric(&huge)) => "data has an entry beyond 1e12 at row 0, column 1",
-        with(heights(&huge)) => "height at row 0, column 3",
+        with(height_points(&huge)) => "height at row 0, column 3",
     }
     let mut held = 0;
     ok(unsafe { geosweep_solver_bytes(solver, &mut held) });
@@ -268,7 +262,7 @@ fn refused_calls_record_nothing() {
         solver
     };
     let data = [0.0f32; POINTS];
-    let points = [heights(&data)];
+    let points = [height_points(&data)];
     let surface = session.surface(&surface_info(ROWS, COLS, &points));
     let method = method(GeosweepWavefront::Planar, 4);
     let plan = session.plan(ROWS, COLS, &method);
@@ -327,8 +321,7 @@ fn refused_calls_record_nothing() {
     // A frame can still be recorded into the same command buffer.
     ok(record(good));
     session.host.end(commands);
-    session.host.submit(commands, vk::Fence::null());
-    unsafe { session.host.device.device_wait_idle() }.unwrap();
+    session.submit(commands);
     assert!(session.outcome(surface).converged);
 
     unsafe {

@@ -6,7 +6,9 @@ use std::ptr::null_mut;
 use geosweep::capi::*;
 
 use crate::host::{self, Host};
-use crate::session::{Session, all_wrong, frame, method, ok, refused, surface_info, wrong, zero};
+use crate::session::{
+    Session, all_wrong, frame, height_points, method, ok, refused, surface_info, wrong, zero,
+};
 
 fn name(pass: &GeosweepPass) -> &str {
     unsafe { CStr::from_ptr(pass.name) }.to_str().unwrap()
@@ -17,8 +19,7 @@ fn passes_of_a_frame_are_timed_and_counted() {
     let mut session = Session::new(Host::new());
     let family = host::family(&session.host.instance, session.host.physical_device);
     let heights: Vec<f32> = (0..40 * 48).map(|point| (0.3 * point as f32).sin()).collect();
-    let data = heights.as_ptr();
-    let points = [GeosweepPoints { data, stride: 4, kind: 1, dx: 1.0, dy: 1.0, ..zero() }];
+    let points = [height_points(&heights)];
     let surface = session.surface(&surface_info(40, 48, &points));
     let plan = session.plan(40, 48, &method(GeosweepWavefront::Curved, 50));
     let sources = [geosweep_source_at(4.25, 30.5)];

@@ -1,6 +1,6 @@
 //! A host that has a solver through the interface for C.
 
-use std::ffi::CStr;
+use std::ffi::{CStr, c_char};
 use std::sync::OnceLock;
 
 use geosweep::ash::{self, vk};
@@ -53,7 +53,49 @@ pub fn get_instance_proc_addr() -> Option<vk::PFN_vkGetInstanceProcAddr> {
     Some(entry().static_fn().get_instance_proc_addr)
 }
 
-pub const RASTER: [GeosweepPasses; 4] = {
+/// Functions that take the place of Vulkan's. `Some(None)` stands for a function that is missing.
+pub trait Replacement {
+    /// Returns what replaces a function of an instance.
+    fn of_instance(_name: &CStr) -> Option<vk::PFN_vkVoidFunction> {
+        None
+    }
+
+    /// Returns what replaces a function of a device.
+    fn of_device(_name: &CStr) -> Option<vk::PFN_vkVoidFunction> {
+        None
+    }
+}
+
+/// Finds the loader's functions, but for those that are replaced.
+pub unsafe extern "system" fn replaced<R: Replacement>(
+    instance: vk::Instance,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    static REAL: OnceLock<vk::PFN_vkGetDeviceProcAddr> = OnceLock::new();
+    unsafe extern "system" fn of_device<R: Replacement>(
+        device: vk::Device,
+        name: *const c_char,
+    ) -> vk::PFN_vkVoidFunction {
+        let real = || unsafe { (REAL.get().unwrap())(device, name) };
+        R::of_device(unsafe { CStr::from_ptr(name) }).unwrap_or_else(real)
+    }
+    let wanted = unsafe { CStr::from_ptr(name) };
+    let real = unsafe { entry().get_instance_proc_addr(instance, name) };
+    if wanted == c"vkGetDeviceProcAddr" {
+        // SAFETY: a function has the type of its name.
+        return unsafe {
+            REAL.get_or_init(|| {
+                std::mem::transmute::<vk::PFN_vkVoidFunction, vk::PFN_vkGetDeviceProcAddr>(real)
+            });
+            std::mem::transmute::<vk::PFN_vkGetDeviceProcAddr, vk::PFN_vkVoidFunction>(
+                of_device::<R>,
+            )
+        };
+    }
+    R::of_instance(wanted).unwrap_or(real)
+}
+
+const RASTER: [GeosweepPasses; 4] = {
     const fn of(wavefront: GeosweepWavefront) -> GeosweepPasses {
         GeosweepPasses { schedule: GeosweepSchedule::Raster as i32, wavefront: wavefront as i32 }
     }
@@ -82,6 +124,12 @@ pub fn surface_info(rows: u32, cols: u32, points: &[GeosweepPoints]) -> Geosweep
     GeosweepSurfaceInfo { rows, cols, slots: 1, points, point_count, ..zero() }
 }
 
+/// Returns heights in the program's memory, one step apart.
+pub fn height_points(data: &[f32]) -> GeosweepPoints {
+    let kind = GeosweepPointKind::Heights as i32;
+    GeosweepPoints { kind, dx: 1.0, dy: 1.0, data: data.as_ptr(), stride: 4, ..zero() }
+}
+
 /// Returns a method whose tolerance is the limit of single precision.
 pub fn method(wavefront: GeosweepWavefront, iterations: u32) -> GeosweepMethod {
     let wavefront = wavefront as i32;
@@ -102,6 +150,14 @@ pub fn frame(plan: *const GeosweepPlan, sources: &[GeosweepSource]) -> GeosweepF
     GeosweepFrame { sources, plan, reader: COPY, unreached: f32::INFINITY, ..zero() }
 }
 
+/// Destroys objects: each function with its object.
+macro_rules! destroy {
+    ($($function:ident($object:expr)),* $(,)?) => {
+        unsafe { $($crate::session::ok($function($object));)* }
+    };
+}
+pub(crate) use destroy;
+
 /// A host with a solver. [`Session::end`] destroys it.
 pub struct Session {
     pub host: Host,
@@ -110,8 +166,20 @@ pub struct Session {
 
 impl Session {
     pub fn new(host: Host) -> Self {
+        let info = solver_info(&host);
+        Self::of(host, &info)
+    }
+
+    /// Returns a session whose solver has checks, and passes for curved fronts.
+    pub fn with_checks(host: Host) -> Self {
+        let (flags, passes) = (GEOSWEEP_SOLVER_CHECKS, RASTER[2..].as_ptr());
+        let info = GeosweepSolverInfo { flags, passes, pass_count: 1, ..solver_info(&host) };
+        Self::of(host, &info)
+    }
+
+    pub fn of(host: Host, info: &GeosweepSolverInfo) -> Self {
         let mut solver = std::ptr::null_mut();
-        ok(unsafe { geosweep_solver_create(&solver_info(&host), &mut solver) });
+        ok(unsafe { geosweep_solver_create(info, &mut solver) });
         Self { host, solver }
     }
 
@@ -129,17 +197,18 @@ impl Session {
         surface
     }
 
-    /// Runs commands that write an image of distances, and copies the image.
+    /// Runs commands that write an image, and copies its texels, each of so many floats.
     pub fn read(
         &mut self,
+        floats: usize,
         record: impl FnOnce(vk::CommandBuffer, &mut GeosweepImage) -> GeosweepStatus,
     ) -> Vec<f32> {
         let commands = self.host.commands();
         self.host.begin(commands);
         let mut image: GeosweepImage = zero();
         ok(record(commands, &mut image));
-        let points = image.extent.width as usize * image.extent.height as usize;
-        let to = self.host.buffer(4 * points as u64, true);
+        let count = floats * image.extent.width as usize * image.extent.height as usize;
+        let to = self.host.buffer(4 * count as u64, true);
         let layers = vk::ImageSubresourceLayers::default()
             .aspect_mask(vk::ImageAspectFlags::COLOR)
             .layer_count(1);
@@ -151,16 +220,21 @@ impl Session {
             self.host.device.cmd_copy_image_to_buffer(commands, from, layout, to.handle, &copy);
         }
         self.host.end(commands);
+        self.submit(commands);
+        let texels = to.floats()[..count].to_vec();
+        self.host.free(to);
+        texels
+    }
+
+    /// Runs commands and waits for them.
+    pub fn submit(&self, commands: vk::CommandBuffer) {
         self.host.submit(commands, vk::Fence::null());
         unsafe { self.host.device.device_wait_idle() }.unwrap();
-        let distances = to.floats()[..points].to_vec();
-        self.host.free(to);
-        distances
     }
 
     /// Returns the map of a frame.
     pub fn map(&mut self, surface: *const GeosweepSurface, frame: &GeosweepFrame) -> Vec<f32> {
-        self.read(|commands, image| unsafe {
+        self.read(1, |commands, image| unsafe {
             geosweep_record_frame(surface, commands, frame, image)
         })
     }

@@ -8,30 +8,18 @@ use geosweep::capi::*;
 
 use crate::host::Host;
 use crate::session::{
-    COPY, Session, all_wrong, frame, get_instance_proc_addr, method, ok, refused, solver_info,
-    surface_info, wrong, zero,
+    COPY, Session, all_wrong, destroy, frame, get_instance_proc_addr, height_points, method, ok,
+    refused, solver_info, surface_info, wrong, zero,
 };
 
 const ROWS: u32 = 12;
 const COLS: u32 = 17;
 
-fn heights(data: &[f32]) -> GeosweepPoints {
-    let kind = GeosweepPointKind::Heights as i32;
-    GeosweepPoints { kind, dx: 1.0, dy: 1.0, data: data.as_ptr(), stride: 4, ..zero() }
-}
-
-fn with_checks(host: Host) -> Session {
-    let info = GeosweepSolverInfo { flags: GEOSWEEP_SOLVER_CHECKS, ..solver_info(&host) };
-    let mut solver = null_mut();
-    ok(unsafe { geosweep_solver_create(&info, &mut solver) });
-    Session { host, solver }
-}
-
 #[test]
 fn calls_before_their_prerequisites_are_refused() {
     let session = Session::new(Host::new());
     let data = [0.5f32; (ROWS * COLS) as usize];
-    let points = [heights(&data)];
+    let points = [height_points(&data)];
     let info = surface_info(ROWS, COLS, &points);
     let mut surface = null_mut();
     ok(unsafe { geosweep_surface_create(session.solver, &info, &mut surface) });
@@ -104,8 +92,7 @@ fn calls_before_their_prerequisites_are_refused() {
     session.host.end(commands);
     let early = unsafe { geosweep_surface_outcome(surface, 0, &mut zero()) };
     refused(early, GeosweepStatus::NotReady, "slot 0 has not run");
-    session.host.submit(commands, vk::Fence::null());
-    unsafe { session.host.device.device_wait_idle() }.unwrap();
+    session.submit(commands);
     let outcome = session.outcome(surface);
     assert!(outcome.converged && outcome.measured, "{outcome:?}");
     assert_eq!((outcome.holes, outcome.passed_over), (0, 0));
@@ -120,33 +107,12 @@ fn calls_before_their_prerequisites_are_refused() {
     session.end([]);
 }
 
-#[test]
-fn ranges_beyond_a_buffer_are_refused() {
-    let mut session = Session::new(Host::new());
-    let buffer = session.host.buffer_of(&[0.0; 3 * (ROWS * COLS) as usize]);
-    let handle = buffer.handle;
-    let points = [GeosweepPoints { buffer: handle, stride: 12, ..zero() }];
-    let good = surface_info(ROWS, COLS, &points);
-    let create = |info: &GeosweepSurfaceInfo| {
-        let mut surface = null_mut();
-        unsafe { geosweep_surface_create(session.solver, info, &mut surface) }
-    };
-    let wide = [GeosweepPoints { stride: 4096, ..points[0] }];
-    let many = [GeosweepSourceBuffer { buffer: handle, count: 10_000, ..zero() }];
-    let sources = GeosweepSurfaceInfo { sources: many.as_ptr(), source_count: 1, ..good };
-    all_wrong! {
-        create(&surface_info(ROWS, COLS, &wide)) => "points cannot be used: it must have",
-        create(&sources) => "sources cannot be used: it must have",
-    }
-    session.end([buffer]);
-}
-
 /// A wrong kind of object is always detected. A destroyed object is detected with checks.
 #[test]
 fn destroyed_and_wrong_objects_are_named() {
-    let session = with_checks(Host::new());
+    let session = Session::with_checks(Host::new());
     let data = [0.5f32; (ROWS * COLS) as usize];
-    let points = [heights(&data)];
+    let points = [height_points(&data)];
     let surface = session.surface(&surface_info(ROWS, COLS, &points));
     let plan = session.plan(ROWS, COLS, &method(GeosweepWavefront::Curved, 6));
     let commands = session.host.commands();
@@ -172,12 +138,12 @@ fn destroyed_and_wrong_objects_are_named() {
 
 #[test]
 fn checks_look_at_slots_in_flight() {
-    let session = with_checks(Host::new());
+    let session = Session::with_checks(Host::new());
     let data = [0.5f32; (ROWS * COLS) as usize];
-    let points = [heights(&data)];
+    let points = [height_points(&data)];
     let info = GeosweepSurfaceInfo { slots: 2, ..surface_info(ROWS, COLS, &points) };
     let surface = session.surface(&info);
-    let plan = session.plan(ROWS, COLS, &method(GeosweepWavefront::Planar, 6));
+    let plan = session.plan(ROWS, COLS, &method(GeosweepWavefront::Curved, 6));
     let sources = [geosweep_source_at(3.0, 4.0)];
     let good = frame(plan, &sources);
     let [first, second] = [(); 2].map(|()| session.host.commands());
@@ -190,8 +156,7 @@ fn checks_look_at_slots_in_flight() {
     ok(record(first, &good));
     wrong(record(second, &good), "slot 0 is recorded again");
     ok(record(second, &GeosweepFrame { slot: 1, ..good }));
-    session.host.submit(first, vk::Fence::null());
-    unsafe { session.host.device.device_wait_idle() }.unwrap();
+    session.submit(first);
     unsafe {
         wrong(geosweep_surface_destroy(surface), "its last recording for slot 1 has not run");
         wrong(geosweep_surface_discard(surface, 2), "number 2");
@@ -209,14 +174,12 @@ fn inputs_change_from_frame_to_frame() {
     let mut session = Session::new(Host::with_synchronization_validation());
     let count = (ROWS * COLS) as usize;
     // Each plane rises by `steep` from one row to the next.
-    let heights = |steep: f32| (0..count as u32).map(move |index| steep * (index / COLS) as f32);
-    let ring: Vec<f32> = heights(0.0).chain(heights(1.0)).collect();
+    let plane = |steep: f32| (0..count as u32).map(move |index| steep * (index / COLS) as f32);
+    let ring: Vec<f32> = plane(0.0).chain(plane(1.0)).collect();
     let ring = session.host.buffer_of(&ring);
-    let other = session.host.buffer_of(&heights(3.0).collect::<Vec<_>>());
+    let other = session.host.buffer_of(&plane(3.0).collect::<Vec<_>>());
     let entries = session.host.buffer_of(&[0.0, 4.0, 0.0, 0.0, 11.0, 4.0, 0.0, 0.0]);
-    let kind = GeosweepPointKind::Heights as i32;
-    let points =
-        [GeosweepPoints { kind, dx: 1.0, dy: 1.0, buffer: ring.handle, stride: 4, ..zero() }];
+    let points = [GeosweepPoints { data: null(), buffer: ring.handle, ..height_points(&[]) }];
     let buffers = [GeosweepSourceBuffer { buffer: entries.handle, count: 1, ..zero() }];
     let info = GeosweepSurfaceInfo {
         sources: buffers.as_ptr(),
@@ -285,7 +248,7 @@ fn inputs_change_from_frame_to_frame() {
 fn the_program_may_provide_outputs() {
     let mut session = Session::new(Host::with_synchronization_validation());
     let data = [0.5f32; (ROWS * COLS) as usize];
-    let points = [heights(&data)];
+    let points = [height_points(&data)];
     let surface = session.surface(&surface_info(ROWS, COLS, &points));
     let curved = GeosweepWavefront::Curved as i32;
     let mut bytes = [0; 3];
@@ -372,32 +335,46 @@ fn the_best_schedule_is_known_before_the_solver() {
     );
 }
 
-/// On a plane, labels name the nearest of two sources.
+/// On a plane, labels name the nearest of two sources, directions lead straight to a source, and the log map is the
+/// offset of each point from the source.
 #[test]
-fn regions_are_those_of_the_nearest_source() {
+fn labels_directions_and_log_maps_of_a_plane() {
     let mut session = Session::new(Host::new());
     let data = [0.5f32; (ROWS * COLS) as usize];
-    let points = [heights(&data)];
+    let points = [height_points(&data)];
     let surface = session.surface(&surface_info(ROWS, COLS, &points));
     let plan = session.plan(ROWS, COLS, &method(GeosweepWavefront::Curved, 12));
     let sources = [geosweep_source_at(2.0, 3.0), geosweep_source_at(9.0, 13.0)];
-    let mut regions = null_mut();
+    let (mut regions, mut directions, mut log_map) = (null_mut(), null_mut(), null_mut());
+    let (mut stated, mut taken) = ([0; 3], [0; 3]);
+    let (solver, mut labels) = (session.solver, zero::<GeosweepLabels>());
     let curved = GeosweepWavefront::Curved as i32;
-    ok(unsafe { geosweep_regions_create(surface, curved, &mut regions) });
-    let (mut labels, mut stated, mut taken) = (zero::<GeosweepLabels>(), 0, 0);
     unsafe {
+        ok(geosweep_regions_create(surface, curved, &mut regions));
+        ok(geosweep_directions_create(surface, null(), &mut directions));
+        ok(geosweep_log_map_create(surface, null(), &mut log_map));
+        ok(geosweep_regions_bytes_for(solver, ROWS, COLS, &mut stated[0]));
+        ok(geosweep_directions_bytes_for(solver, ROWS, COLS, &mut stated[1]));
+        ok(geosweep_log_map_bytes_for(solver, ROWS, COLS, &mut stated[2]));
+        ok(geosweep_regions_bytes(regions, &mut taken[0]));
+        ok(geosweep_directions_bytes(directions, &mut taken[1]));
+        ok(geosweep_log_map_bytes(log_map, &mut taken[2]));
         ok(geosweep_regions_labels(regions, &mut labels));
-        ok(geosweep_regions_bytes_for(session.solver, ROWS, COLS, &mut stated));
-        ok(geosweep_regions_bytes(regions, &mut taken));
+        let none: GeosweepHostImage = zero();
+        wrong(geosweep_directions_create(surface, &none, &mut null_mut()), "null handle");
+        wrong(geosweep_log_map_set_image(log_map, &none), "belongs to the library");
     }
-    assert_eq!((labels.bytes, stated), (u64::from(4 * ROWS * COLS), taken));
+    assert_eq!(stated, taken);
+    assert_eq!(labels.bytes, u64::from(4 * ROWS * COLS));
+
     let to = session.host.buffer(labels.bytes, true);
-    let frame = frame(plan, &sources);
+    let both = frame(plan, &sources);
+    let one = frame(plan, &sources[..1]);
     let device = session.host.device.clone();
-    session.read(|commands, image| unsafe {
-        ok(geosweep_record_frame(surface, commands, &frame, image));
+    session.read(1, |commands, image| unsafe {
+        ok(geosweep_record_frame(surface, commands, &both, image));
         let reader = COPY.access;
-        let of = GeosweepRegionFrame { sources: frame.sources, reader, ..zero() };
+        let of = GeosweepRegionFrame { sources: both.sources, reader, ..zero() };
         let mut found = zero::<GeosweepLabels>();
         ok(geosweep_record_regions(surface, commands, regions, &of, &mut found));
         assert_eq!((found.buffer, found.bytes), (labels.buffer, labels.bytes));
@@ -405,83 +382,46 @@ fn regions_are_those_of_the_nearest_source() {
         device.cmd_copy_buffer(commands, found.buffer, to.handle, &[copy]);
         GeosweepStatus::Success
     });
-    for (index, label) in to.bytes()[..labels.bytes as usize].chunks(4).enumerate() {
+    let of_directions = session.read(2, |commands, image| unsafe {
+        ok(geosweep_record_frame(surface, commands, &one, null_mut()));
+        let of = GeosweepDirectionFrame { sources: one.sources, reader: COPY, ..zero() };
+        geosweep_record_directions(surface, commands, directions, &of, image)
+    });
+    let of_log_map = session.read(2, |commands, image| unsafe {
+        ok(geosweep_record_frame(surface, commands, &one, null_mut()));
+        let of = GeosweepLogMapFrame { sources: one.sources, reader: COPY, ..zero() };
+        let negative = GeosweepLogMapFrame { radius: -1.0, ..of };
+        let refused = geosweep_record_log_map(surface, commands, log_map, &negative, null_mut());
+        wrong(refused, "not positive");
+        ok(geosweep_record_log_map(surface, commands, log_map, &of, image));
+        let mut same = zero::<GeosweepImage>();
+        ok(geosweep_log_map_image(log_map, COPY.layout, &mut same));
+        assert_eq!(image.image, same.image);
+        GeosweepStatus::Success
+    });
+    let pairs = of_directions.chunks(2).zip(of_log_map.chunks(2));
+    for ((index, label), (way, found)) in to.bytes().chunks(4).enumerate().zip(pairs) {
         let label = u32::from_ne_bytes(label.try_into().unwrap());
         let (row, col) = ((index as u32 / COLS) as f32, (index as u32 % COLS) as f32);
-        let [near, far] = [0, 1].map(|k| f32::hypot(sources[k].row - row, sources[k].col - col));
+        let away = |source: &GeosweepSource| [col - source.col, row - source.row];
+        let [near, far] = [0, 1].map(|k| f32::hypot(away(&sources[k])[0], away(&sources[k])[1]));
         // Points near the border are not compared.
         if (near - far).abs() > 1.0 {
             assert_eq!(label, u32::from(far < near), "{row},{col}");
         }
+        let [right, down] = away(&sources[0]);
+        assert!(f32::hypot(found[0] - right, found[1] - down) < 1e-3, "{found:?} at {row},{col}");
+        // Components of a way are those along rows and columns.
+        let straight = [-down / near, -right / near];
+        let off = f32::hypot(way[0] - straight[0], way[1] - straight[1]);
+        assert!(near == 0.0 || off < 1e-3, "{way:?} at {row},{col}");
     }
-    unsafe {
-        ok(geosweep_regions_destroy(regions));
-        ok(geosweep_surface_destroy(surface));
-        ok(geosweep_plan_destroy(plan));
-    }
-    session.end([to]);
-}
-
-/// On a plane, directions lead straight to the source, and the log map is the offset of each point from the source.
-#[test]
-fn directions_and_log_maps_of_a_plane() {
-    let mut session = Session::new(Host::new());
-    let data = [0.5f32; (ROWS * COLS) as usize];
-    let points = [heights(&data)];
-    let surface = session.surface(&surface_info(ROWS, COLS, &points));
-    let plan = session.plan(ROWS, COLS, &method(GeosweepWavefront::Curved, 12));
-    let sources = [geosweep_source_at(2.0, 3.0)];
-    let (mut directions, mut log_map) = (null_mut(), null_mut());
-    let (mut stated, mut taken) = ([0; 2], [0; 2]);
-    unsafe {
-        ok(geosweep_directions_create(surface, null(), &mut directions));
-        ok(geosweep_log_map_create(surface, null(), &mut log_map));
-        ok(geosweep_directions_bytes_for(session.solver, ROWS, COLS, &mut stated[0]));
-        ok(geosweep_log_map_bytes_for(session.solver, ROWS, COLS, &mut stated[1]));
-        ok(geosweep_directions_bytes(directions, &mut taken[0]));
-        ok(geosweep_log_map_bytes(log_map, &mut taken[1]));
-        let none: GeosweepHostImage = zero();
-        wrong(geosweep_directions_create(surface, &none, &mut null_mut()), "null handle");
-        wrong(geosweep_log_map_set_image(log_map, &none), "belongs to the library");
-    }
-    assert_eq!(stated, taken);
-    let bytes = u64::from(ROWS * COLS) * 8;
-    let to = session.host.buffer(bytes, true);
-    let frame = frame(plan, &sources);
-    let device = session.host.device.clone();
-    session.read(|commands, image| unsafe {
-        ok(geosweep_record_frame(surface, commands, &frame, image));
-        let of = GeosweepDirectionFrame { sources: frame.sources, reader: COPY, ..zero() };
-        ok(geosweep_record_directions(surface, commands, directions, &of, null_mut()));
-        let of = GeosweepLogMapFrame { sources: frame.sources, reader: COPY, ..zero() };
-        let mut found = zero::<GeosweepImage>();
-        ok(geosweep_record_log_map(surface, commands, log_map, &of, &mut found));
-        let mut same = zero::<GeosweepImage>();
-        ok(geosweep_log_map_image(log_map, COPY.layout, &mut same));
-        assert_eq!(found.image, same.image);
-        let wrong_radius = GeosweepLogMapFrame { radius: -1.0, ..of };
-        wrong(
-            geosweep_record_log_map(surface, commands, log_map, &wrong_radius, null_mut()),
-            "not positive",
-        );
-        let layers = vk::ImageSubresourceLayers::default()
-            .aspect_mask(vk::ImageAspectFlags::COLOR)
-            .layer_count(1);
-        let extent = vk::Extent3D { width: COLS, height: ROWS, depth: 1 };
-        let part = vk::BufferImageCopy::default().image_subresource(layers).image_extent(extent);
-        device.cmd_copy_image_to_buffer(commands, found.image, COPY.layout, to.handle, &[part]);
-        GeosweepStatus::Success
-    });
-    for (index, found) in to.floats()[..(2 * ROWS * COLS) as usize].chunks(2).enumerate() {
-        let (row, col) = ((index as u32 / COLS) as f32, (index as u32 % COLS) as f32);
-        let off = f32::hypot(found[0] - (col - 3.0), found[1] - (row - 2.0));
-        assert!(off < 1e-3, "{found:?} at {row},{col}");
-    }
-    unsafe {
-        ok(geosweep_directions_destroy(directions));
-        ok(geosweep_log_map_destroy(log_map));
-        ok(geosweep_surface_destroy(surface));
-        ok(geosweep_plan_destroy(plan));
-    }
+    destroy!(
+        geosweep_regions_destroy(regions),
+        geosweep_directions_destroy(directions),
+        geosweep_log_map_destroy(log_map),
+        geosweep_surface_destroy(surface),
+        geosweep_plan_destroy(plan),
+    );
     session.end([to]);
 }
