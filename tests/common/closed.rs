@@ -30,13 +30,30 @@ pub fn tube(rows: usize, cols: usize) -> Surface {
 
 /// Returns a torus in space with uneven cells, closed both ways.
 pub fn torus(rows: usize, cols: usize) -> Surface {
+    rolled_torus(rows, cols, 0, 0.0)
+}
+
+/// Returns a torus whose grid begins at another column, with three waves of this height around it.
+pub fn rolled_torus(rows: usize, cols: usize, by: usize, waves: f64) -> Surface {
     let torus = grid(rows, cols, |row, col| {
-        let [v, u] =
-            [(row, rows), (col, cols)].map(|(k, n)| TAU * (k % (n - 1)) as f64 / (n - 1) as f64);
+        let [v, u] = [(row, rows), (col + by, cols)]
+            .map(|(k, n)| TAU * (k % (n - 1)) as f64 / (n - 1) as f64);
         let radius = 2.0 + v.cos();
-        DVec3::new(radius * u.cos(), radius * u.sin(), v.sin())
+        DVec3::new(radius * u.cos(), radius * u.sin(), v.sin() + waves * (3.0 * u).sin())
     });
     torus.with_gluing(Gluing::both()).unwrap()
+}
+
+/// Returns the angle between two directions: their distance on the unit sphere.
+pub fn angle(a: DVec3, b: DVec3) -> f64 {
+    a.cross(b).length().atan2(a.dot(b))
+}
+
+/// Returns the distances on the unit sphere from a grid point, which are infinite in holes.
+pub fn on_sphere(surface: &Surface, [row, col]: [usize; 2]) -> Vec<f64> {
+    let (chart, from) = (surface.chart(), surface.position(row, col).unwrap());
+    let exact = |(row, col)| surface.position(row, col).map_or(f64::INFINITY, |at| angle(at, from));
+    (0..chart.points()).map(|index| exact(chart.position(index))).collect()
 }
 
 /// Returns a sphere as a grid of latitudes and longitudes.
@@ -72,18 +89,22 @@ pub struct Flat {
 }
 
 impl Flat {
-    /// Returns the shortest way from one place to another in rows and columns, in the orientation that these have at
-    /// the first place.
-    pub fn way(self, from: [f64; 2], to: [f64; 2]) -> DVec2 {
+    /// Returns the ways from a place to all images of another one near the grid, in rows and columns as they are
+    /// oriented at the first place.
+    pub fn ways(self, from: [f64; 2], to: [f64; 2]) -> impl Iterator<Item = DVec2> {
         let [from, to] = [from, to].map(DVec2::from);
-        let images = |wraps: bool| if wraps { -1..=1 } else { 0..=0 };
-        let image = |down: i32, right: i32| {
-            let row = if self.flipped && right != 0 { 40.0 - to.x } else { to.x };
+        let turns = |wraps: bool| if wraps { -2..=2 } else { 0..=0 };
+        let image = move |down: i32, right: i32| {
+            let row = if self.flipped && right % 2 != 0 { 40.0 - to.x } else { to.x };
             DVec2::new(row + 40.0 * f64::from(down), to.y + 64.0 * f64::from(right)) - from
         };
-        let all =
-            images(self.rows).flat_map(|down| images(self.cols).map(move |by| image(down, by)));
-        all.min_by(|a, b| a.length().total_cmp(&b.length())).unwrap()
+        let right = turns(self.cols);
+        turns(self.rows).flat_map(move |down| right.clone().map(move |right| image(down, right)))
+    }
+
+    /// Returns the shortest of these ways.
+    pub fn way(self, from: [f64; 2], to: [f64; 2]) -> DVec2 {
+        self.ways(from, to).min_by(|a, b| a.length().total_cmp(&b.length())).unwrap()
     }
 
     /// Returns whether the shortest way to `to` is unique at a place and around it. At the cut locus either of two ways

@@ -17,7 +17,7 @@ use geosweep::accuracy::Errors;
 use geosweep::cpu::{self, Solution};
 use geosweep::surface::{EdgeLengths, Real, Seed};
 use geosweep::vulkan::{HeadlessSolver, Method};
-use geosweep::{Sources, Spacing, Surface, Wavefront};
+use geosweep::{DistanceMap, Engine, Options, Sources, Spacing, Surface, Wavefront, distance_map};
 
 #[allow(unused_imports, reason = "each binary uses its part")]
 pub use cases::cases;
@@ -55,6 +55,17 @@ pub fn directed<R: Real>(
 pub fn marched<R: Real>(surface: &Surface, sources: &Sources, wavefront: Wavefront) -> Solution<R> {
     let edges = EdgeLengths::new(surface).unwrap();
     cpu::fast_marching(&edges, &sources.seeds(surface).unwrap(), wavefront)
+}
+
+/// Returns the map of the CPU engine with its default options.
+pub fn cpu_map(surface: &Surface, sources: &Sources) -> DistanceMap {
+    let options = Options::default().with_engine(Engine::Cpu);
+    distance_map(surface, sources, &options).unwrap()
+}
+
+/// Returns options for curved fronts on the CPU.
+pub fn curved() -> Options {
+    Options::default().with_engine(Engine::Cpu).with_wavefront(Wavefront::Curved)
 }
 
 /// Returns the map of the CPU engine.
@@ -123,6 +134,35 @@ pub fn off_centre(rows: usize, cols: usize) -> [f64; 2] {
 
 pub fn at([row, col]: [f64; 2]) -> Sources {
     Sources::point(row, col)
+}
+
+/// Returns point sources that start at 0.
+pub fn points(places: &[[f64; 2]]) -> Sources {
+    places.iter().fold(Sources::default(), |all, &[row, col]| all.and_point(row, col, 0.0))
+}
+
+/// Returns the distance in cells from a place of a square grid to the line where a function is zero, from the function's
+/// change over one cell.
+pub fn cells_from_zero(points: usize, value: impl Fn([f64; 2]) -> f64, at: [f64; 2]) -> f64 {
+    let change = |step: [f64; 2]| {
+        let ahead = [0, 1].map(|k| (at[k] + step[k]).min((points - 1) as f64));
+        value(ahead) - value([0, 1].map(|k| ahead[k] - step[k]))
+    };
+    value(at).abs() / change([1.0, 0.0]).hypot(change([0.0, 1.0]))
+}
+
+/// Returns a circular curve that runs counter-clockwise, and the distance of each point of a square grid from it, in
+/// cells.
+pub fn circle(points: usize, centre: [f64; 2], radius: f64) -> (Sources, Vec<f64>) {
+    let vertex = |k: i32| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(k % 720) / 720.0).sin_cos();
+        [centre[0] - radius * sin, centre[1] + radius * cos]
+    };
+    let exact = |index: usize| {
+        let (row, col) = ((index / points) as f64, (index % points) as f64);
+        ((row - centre[0]).hypot(col - centre[1]) - radius).abs()
+    };
+    (Sources::curve((0..=720).map(vertex)), (0..points * points).map(exact).collect())
 }
 
 /// Pseudo-random numbers (xorshift), which are the same on every machine.

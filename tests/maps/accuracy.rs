@@ -5,7 +5,9 @@ use geosweep::accuracy::{Errors, exact_disc};
 use geosweep::surface::builtin::Builtin;
 use geosweep::{EdgeRule, Sources, Surface, Wavefront};
 
-use crate::common::{CONVERGED, at, directed, off_centre, on_vulkan, rotated, vulkan_solver};
+use crate::common::{
+    CONVERGED, at, circle, directed, off_centre, on_vulkan, rotated, vulkan_solver,
+};
 
 /// A way to compute a map. The tests run over all of [`ENGINES`].
 struct Engine {
@@ -30,57 +32,40 @@ const ENGINES: [Engine; 2] = [
     },
 ];
 
-/// Converged point-source maps in single precision have a mean relative error below a bound.
+/// Converged maps in single precision have a mean relative error below a bound.
 #[test]
-fn point_source_fronts_are_accurate() {
-    let steep = Builtin::ShearedPlane { degrees: 60.0 };
-    // Measured at 513: plane 1.3e-7 and sheared plane 2.6e-7 (rounding), cylinder 1e-7, cone 7e-7, sphere
-    // 2.1e-5 (its curvature bends the front).
-    let bars = [
-        (Builtin::Plane, 257, 1e-6),
-        (Builtin::Plane, 513, 1e-6),
-        (steep, 513, 1e-6),
-        (Builtin::Cylinder, 513, 1e-6),
-        (Builtin::Cone, 513, 2e-6),
-        (Builtin::Sphere, 513, 5e-5),
-    ];
-    for (builtin, points, bar) in bars {
+fn fronts_of_points_are_accurate() {
+    use Builtin::*;
+    use Wavefront::{Circular, Curved};
+    let steep = ShearedPlane { degrees: 60.0 };
+    // Circular fronts at 513: plane 1.3e-7 and sheared plane 2.6e-7 (rounding), cylinder 1e-7, cone 7e-7, sphere 2.1e-5
+    // (its curvature bends the front). Curved fronts: plane 1.4e-7, sheared plane 1.5e-7 and cylinder 1.3e-7 (rounding),
+    // sphere 1.7e-7, cone 6.2e-7, maze 4.2e-6. With chords sphere 1.5e-6, cylinder and cone 3.5e-6. From a place between
+    // grid points of the maze, outwards: 6.2e-4.
+    let (far, near) = (off_centre(513, 513), [120.0, 160.0]);
+    for (builtin, points, source, wavefront, bar) in [
+        (Plane, 257, off_centre(257, 257), Circular, 1e-6),
+        (Plane, 513, far, Circular, 1e-6),
+        (steep, 513, far, Circular, 1e-6),
+        (Cylinder, 513, far, Circular, 1e-6),
+        (Cone, 513, far, Circular, 2e-6),
+        (Sphere, 513, far, Circular, 5e-5),
+        (Plane, 400, near, Curved, 1e-6),
+        (steep, 400, near, Curved, 1e-6),
+        (Sphere, 400, near, Curved, 1e-6),
+        (Cylinder, 400, near, Curved, 1e-6),
+        (Cone, 400, near, Curved, 1e-6),
+        (Maze, 400, [0.0, 0.0], Curved, 6e-5),
+        (Maze, 129, [64.25, 63.5], Circular, 1e-3),
+    ] {
         let surface = builtin.surface(points, points).unwrap();
-        let source = off_centre(points, points);
         let exact = builtin.exact_distances(points, points, source).unwrap();
         for engine in &ENGINES {
-            let map = (engine.solve)(&surface, &at(source), Wavefront::Circular, CONVERGED);
+            let map = (engine.solve)(&surface, &at(source), wavefront, CONVERGED);
             let errors = Errors::of(&map, &exact);
-            println!("{} {builtin} {points}: {errors}", engine.name);
+            println!("{} {builtin} {points} {wavefront}: {errors}", engine.name);
             assert_eq!(errors.reached_by_one, 0, "{} {builtin} {points}", engine.name);
-            assert!(errors.mean_relative < bar, "{} {builtin} {points}", engine.name);
-        }
-    }
-}
-
-/// Converged curved maps in single precision at 400 x 400 points.
-#[test]
-fn curved_fronts_are_more_accurate() {
-    // Measured: plane 1.4e-7, sheared plane 1.5e-7 and cylinder 1.3e-7 (rounding), sphere 1.7e-7,
-    // cone 6.2e-7, maze 4.2e-6. With chords sphere 1.5e-6, cylinder and cone 3.5e-6.
-    let bars = [
-        (Builtin::Plane, 1e-6),
-        (Builtin::ShearedPlane { degrees: 60.0 }, 1e-6),
-        (Builtin::Sphere, 1e-6),
-        (Builtin::Cylinder, 1e-6),
-        (Builtin::Cone, 1e-6),
-        (Builtin::Maze, 6e-5),
-    ];
-    for (builtin, bar) in bars {
-        let surface = builtin.surface(400, 400).unwrap();
-        let source = if builtin == Builtin::Maze { [0.0, 0.0] } else { [120.0, 160.0] };
-        let exact = builtin.exact_distances(400, 400, source).unwrap();
-        for engine in &ENGINES {
-            let map = (engine.solve)(&surface, &at(source), Wavefront::Curved, CONVERGED);
-            let errors = Errors::of(&map, &exact);
-            println!("{} {builtin}: {errors}", engine.name);
-            assert_eq!(errors.reached_by_one, 0, "{} {builtin}", engine.name);
-            assert!(errors.mean_relative < bar, "{} {builtin}: {errors}", engine.name);
+            assert!(errors.mean_relative < bar, "{} {builtin} {points}: {errors}", engine.name);
         }
     }
 }
@@ -150,20 +135,10 @@ fn maps_converge_where_no_closed_form_exists() {
 /// there, and a front from points would be early.
 #[test]
 fn curved_fronts_leave_curves() {
-    let (points, centre, radius) = (201, [90.0, 110.0], 40.0);
-    let circle = (0..=720).map(|k| {
-        let angle = std::f64::consts::TAU * f64::from(k % 720) / 720.0;
-        [centre[0] + radius * angle.sin(), centre[1] + radius * angle.cos()]
-    });
-    let sources = Sources::curve(circle);
+    let points = 201;
+    let (sources, exact) = circle(points, [90.0, 110.0], 40.0);
+    let exact: Vec<f64> = exact.into_iter().map(|cells| cells / (points - 1) as f64).collect();
     let surface = Builtin::Plane.surface(points, points).unwrap();
-    let exact: Vec<f64> = (0..points * points)
-        .map(|index| {
-            let (row, col) = ((index / points) as f64, (index % points) as f64);
-            let from_centre = (row - centre[0]).hypot(col - centre[1]);
-            (from_centre - radius).abs() / (points - 1) as f64
-        })
-        .collect();
     let error = |wavefront| {
         let map = rotated::<f32>(&surface, &sources, wavefront, CONVERGED).distances();
         Errors::of(&map, &exact).max_of_largest
@@ -326,20 +301,5 @@ fn a_maze_takes_as_many_iterations_as_its_turns() {
             println!("{points} {wavefront}: {directed} directed, {rotated} rotated iterations");
             assert_eq!((directed, rotated), (5, 9), "{points} {wavefront}");
         }
-    }
-}
-
-#[test]
-fn a_maze_from_inside_is_right_too() {
-    // From a place between grid points in the middle, outwards: 6.2e-4 measured.
-    let (points, middle) = (129, [64.25, 63.5]);
-    let surface = Builtin::Maze.surface(points, points).unwrap();
-    let exact = Builtin::Maze.exact_distances(points, points, middle).unwrap();
-    for engine in &ENGINES {
-        let map = (engine.solve)(&surface, &at(middle), Wavefront::Circular, CONVERGED);
-        let errors = Errors::of(&map, &exact);
-        println!("{}: {errors}", engine.name);
-        assert_eq!(errors.reached_by_one, 0, "{}", engine.name);
-        assert!(errors.mean_relative < 1e-3, "{}", engine.name);
     }
 }

@@ -2,167 +2,73 @@
 
 use std::f64::consts::{PI, TAU};
 
+use geosweep::accuracy::Errors;
 use geosweep::geometry::{Curve, PathTracer, contours, join_over_seams};
 use geosweep::glam::DVec3;
 use geosweep::surface::{EdgeLengths, Gluing, GluingError, GridSide, Run, Seam, SurfaceError};
 use geosweep::{Engine, Options, Sources, Surface, Wavefront, distance_map, distance_map_f64};
 
 use crate::common::closed::*;
+use crate::common::curved;
 
-fn curved() -> Options {
-    Options::default().with_engine(Engine::Cpu).with_wavefront(Wavefront::Curved)
-}
-
-/// Errors of a map, relative to the distance: their mean, the mean at points that have copies, and the largest at
-/// distances for which `is_usual` of [`errors`] is true.
-struct Errors {
-    mean: f64,
-    on_seams: f64,
-    largest: f64,
-    iterations: u32,
-}
-
-fn errors(
-    name: &str,
-    surface: &Surface,
-    source: [f64; 2],
-    exact: impl Fn(usize, usize) -> f64,
-    is_usual: impl Fn(f64) -> bool,
-) -> Errors {
+/// Checks the errors of a curved map, relative to the distance: their mean, that at points with copies, and the largest
+/// up to the distance `far`.
+fn check(name: &str, surface: &Surface, source: [f64; 2], exact: &[f64], far: f64, most: [f64; 3]) {
     let map = distance_map(surface, &Sources::point(source[0], source[1]), &curved()).unwrap();
-    let copies = surface.copies().unwrap().members();
-    let (mut sum, mut count, mut on_seams, mut of_seams, mut largest) = (0.0, 0, 0.0, 0, 0f64);
-    for index in 0..surface.chart().points() {
-        let (row, col) = surface.chart().position(index);
-        let distance = exact(row, col);
-        if !surface.has(row, col) || distance < 1e-9 {
-            continue;
-        }
-        let error = (f64::from(map.distances[index]) - distance).abs() / distance;
-        (sum, count) = (sum + error, count + 1);
-        if copies.contains(&(index as u32)) {
-            (on_seams, of_seams) = (on_seams + error, of_seams + 1);
-        }
-        if is_usual(distance) {
-            largest = largest.max(error);
-        }
-    }
     assert!(map.report.converged && map.report.seams.is_empty(), "{name}: {:?}", map.report);
-    let (mean, on_seams) = (sum / f64::from(count), on_seams / f64::from(of_seams));
+    let of = |counts: &dyn Fn(usize) -> bool| {
+        let counted = |index| if counts(index) { exact[index] } else { f64::NAN };
+        Errors::of(&map.distances, &(0..exact.len()).map(counted).collect::<Vec<_>>())
+    };
+    let copies = surface.copies().unwrap().members();
+    let all = of(&|index| exact[index] > 1e-9);
+    let on_seams = of(&|index| exact[index] > 1e-9 && copies.contains(&(index as u32)));
+    let near = of(&|index| (1e-9..far).contains(&exact[index]));
     let iterations = map.report.iterations;
-    println!(
-        "{name}: {count} points, mean {mean:.1e}, on seams {on_seams:.1e}, largest {largest:.1e}, {iterations} iterations"
-    );
-    Errors { mean, on_seams, largest, iterations }
+    println!("{name} from {source:?}: {all}; on seams {on_seams}; {iterations} iterations");
+    let found = [all.mean_relative, on_seams.mean_relative, near.max_relative];
+    assert!(found.iter().zip(most).all(|(found, most)| *found < most), "{name}: {found:?}");
+    assert!(on_seams.mean_relative < 4.0 * all.mean_relative + 1e-6, "{name}: {found:?}");
+    assert!(iterations <= 16, "{name}: {iterations}");
+}
+
+/// Returns the lengths of the shortest ways from a place to all points.
+fn lengths(shape: Flat, from: [f64; 2]) -> Vec<f64> {
+    let length = |index: usize| {
+        let to = [(index / 65) as f64, (index % 65) as f64];
+        shape.way(from, to).length()
+    };
+    (0..41 * 65).map(length).collect()
 }
 
 #[test]
 fn unrolled_surfaces_are_exact_up_to_rounding() {
-    let (rows, cols) = (61, 97);
-    let step = TAU / 96.0;
-    let round = |a: f64, b: f64, n: f64| (a - b).abs().min(n - (a - b).abs());
-    let (row, col) = (20.0, 3.0);
-    let all = |_| true;
-
-    let cylinder = tube(rows, cols);
-    let exact = |r: usize, c: usize| step * round(c as f64, col, 96.0).hypot(r as f64 - row);
-    let found = errors("cylinder", &cylinder, [row, col], exact, all);
-    assert!(found.mean < 4e-7 && found.on_seams < 6e-7 && found.largest < 3e-6);
-
-    let torus = flat(rows, cols).with_gluing(Gluing::both()).unwrap();
-    let exact = |r: usize, c: usize| round(c as f64, col, 96.0).hypot(round(r as f64, row, 60.0));
-    let found = errors("flat torus", &torus, [row, col], exact, all);
-    assert!(found.mean < 4e-7 && found.on_seams < 6e-7 && found.largest < 3e-6);
-
-    let moebius = flat(rows, cols).with_gluing(Gluing::flipped_columns()).unwrap();
-    let exact = |r: usize, c: usize| {
-        let images = [(r, 0.0), (60 - r, 96.0), (60 - r, -96.0)];
-        let images = images.map(|(r, by)| (c as f64 + by - col).hypot(r as f64 - row));
-        images.into_iter().fold(f64::INFINITY, f64::min)
-    };
-    let found = errors("Moebius strip", &moebius, [row, col], exact, all);
-    assert!(found.mean < 4e-7 && found.on_seams < 6e-7 && found.largest < 3e-6);
-}
-
-fn sphere_errors(name: &str, surface: &Surface, source: [usize; 2]) -> Errors {
-    let from = surface.position(source[0], source[1]).unwrap();
-    let exact = |row, col| {
-        let Some(at) = surface.position(row, col) else { return 0.0 };
-        at.cross(from).length().atan2(at.dot(from))
-    };
-    let away = |distance| distance < PI - 0.1;
-    errors(&format!("{name} from {source:?}"), surface, source.map(|at| at as f64), exact, away)
-}
-
-#[test]
-fn a_globe_is_whole_across_its_poles_and_its_date_line() {
-    let globe = globe(101, 201);
-    for source in [[50, 70], [40, 0], [0, 17], [1, 60], [100, 100]] {
-        let found = sphere_errors("globe", &globe, source);
-        assert!(found.mean < 2e-5 && found.largest < 5e-4 && found.iterations <= 16);
-        assert!(found.on_seams < 4.0 * found.mean + 1e-6);
+    let most = [4e-7, 6e-7, 3e-6];
+    for (name, gluing, shape) in shapes() {
+        let surface = flat(41, 65).with_gluing(gluing).unwrap();
+        let exact = lengths(shape, [20.0, 3.0]);
+        check(name, &surface, [20.0, 3.0], &exact, f64::INFINITY, most);
     }
+    let (step, (_, _, shape)) = (TAU / 64.0, shapes()[0].clone());
+    let exact: Vec<_> = lengths(shape, [20.0, 3.0]).iter().map(|length| step * length).collect();
+    check("tube", &tube(41, 65), [20.0, 3.0], &exact, f64::INFINITY, most);
 }
 
 #[test]
-fn an_octahedral_map_is_a_whole_sphere() {
-    for (name, sphere) in [("octahedral", octahedral(60)), ("equal-area", equal_area(60))] {
-        for source in [[60, 60], [40, 75], [0, 60], [0, 30], [0, 0]] {
-            let found = sphere_errors(name, &sphere, source);
-            assert!(found.mean < 4.5e-5 && found.largest < 1e-3 && found.iterations <= 16);
-            assert!(found.on_seams < 4.0 * found.mean + 1e-6);
-        }
-    }
-}
-
-#[test]
-fn the_faces_of_a_cube_are_a_whole_sphere() {
-    let sphere = cube(51);
-    for source in [[25, 25], [10, 33], [0, 20], [0, 0]] {
-        let found = sphere_errors("cube", &sphere, source);
-        assert!(found.mean < 3e-5 && found.largest < 1e-3 && found.iterations <= 16);
-        assert!(found.on_seams < 4.0 * found.mean + 1e-6);
-    }
-}
-
-/// A torus whose columns are rolled and mirrored is the same torus.
-#[test]
-fn rolling_and_mirroring_changes_nothing_but_rounding() {
-    let (rows, cols, source) = (41, 61, [7, 2]);
-    let torus = |by: usize, mirrored: bool| {
-        grid(rows, cols, move |row, col| {
-            let col = if mirrored { 2 * (cols - 1) - col } else { col };
-            let turn = |k: usize, n: usize| TAU * (k % n) as f64 / n as f64;
-            let (u, v) = (turn(col + by, cols - 1), turn(row, rows - 1));
-            let radius = 2.0 + v.cos();
-            DVec3::new(radius * u.cos(), radius * u.sin(), v.sin())
-        })
-        .with_gluing(Gluing::both())
-        .unwrap()
-    };
-    let map = |surface: &Surface, col: usize| {
-        let source = Sources::point(source[0] as f64, col as f64);
-        distance_map_f64(surface, &source, &curved()).unwrap()
-    };
-    let n = cols - 1;
-    let plain = map(&torus(0, false), source[1]);
-    for by in [1, 17, 59] {
-        let rolled = map(&torus(by, false), (source[1] + n - by) % n);
-        let mirrored = map(&torus(by, true), (by + n - source[1]) % n);
-        for row in 0..rows {
-            for col in 0..cols {
-                let expected = plain.distance(row, col);
-                let pairs = [
-                    rolled.distance(row, (col + n - by) % n),
-                    mirrored.distance(row, (by + n - col % n) % n),
-                ];
-                for found in pairs {
-                    assert!(
-                        (found - expected).abs() <= 1e-9 * expected,
-                        "{by} {row},{col}: {found} {expected}"
-                    );
-                }
-            }
+fn spheres_are_whole_across_poles_folds_and_corners() {
+    type Places = [[usize; 2]; 5];
+    let globes: Places = [[50, 70], [40, 0], [0, 17], [1, 60], [100, 100]];
+    let folded: Places = [[60, 60], [40, 75], [0, 60], [0, 30], [0, 0]];
+    for (name, sphere, sources, [mean, largest]) in [
+        ("globe", globe(101, 201), &globes[..], [2e-5, 5e-4]),
+        ("octahedral", octahedral(60), &folded, [4.5e-5, 1e-3]),
+        ("equal-area", equal_area(60), &folded, [4.5e-5, 1e-3]),
+        ("cube", cube(51), &[[25, 25], [10, 33], [0, 20], [0, 0]], [3e-5, 1e-3]),
+    ] {
+        for &source in sources {
+            let exact = on_sphere(&sphere, source);
+            let most = [mean, f64::INFINITY, largest];
+            check(name, &sphere, source.map(|at| at as f64), &exact, PI - 0.1, most);
         }
     }
 }
@@ -271,21 +177,14 @@ fn trace(
 
 #[test]
 fn paths_pass_seams() {
-    let round = |a: f64, b: f64, n: f64| (a - b).abs().min(n - (a - b).abs());
-    let tube = flat(41, 65).with_gluing(Gluing::columns()).unwrap();
-    let exact = |[r, c]: [f64; 2]| round(c, 5.0, 64.0).hypot(r - 20.0);
-    assert!(trace("tube", &tube, [20.0, 5.0], exact) > 40);
-    // The source is on the seam: paths from either side end at the place that was given.
-    let exact = |[r, c]: [f64; 2]| round(c, 64.0, 64.0).hypot(r - 20.0);
-    assert!(trace("tube from its seam", &tube, [20.0, 64.0], exact) > 40);
-
-    let moebius = flat(41, 65).with_gluing(Gluing::flipped_columns()).unwrap();
-    let exact = |[r, c]: [f64; 2]| {
-        let images = [(r, 0.0), (40.0 - r, 64.0), (40.0 - r, -64.0)];
-        let images = images.map(|(r, by)| (c + by - 5.0).hypot(r - 12.0));
-        images.into_iter().fold(f64::INFINITY, f64::min)
-    };
-    assert!(trace("Moebius strip", &moebius, [12.0, 5.0], exact) > 40);
+    for (name, gluing, shape) in shapes() {
+        let surface = flat(41, 65).with_gluing(gluing).unwrap();
+        // From the seam, paths from either side end at the place that was given.
+        for source in [[12.0, 5.0], [20.0, 64.0]] {
+            let exact = |at| shape.way(source, at).length();
+            assert!(trace(name, &surface, source, exact) > 40);
+        }
+    }
 
     let on_sphere = |name, surface: &Surface, source: [usize; 2]| {
         let place = |at: [f64; 2]| {
@@ -294,7 +193,7 @@ fn paths_pass_seams() {
         };
         let source = source.map(|at| at as f64);
         let from = place(source);
-        let exact = |at| place(at).cross(from).length().atan2(place(at).dot(from));
+        let exact = |at| angle(place(at), from);
         trace(name, surface, source, exact)
     };
     assert!(on_sphere("globe", &globe(81, 161), [30, 10]) > 30);

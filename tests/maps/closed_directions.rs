@@ -3,14 +3,10 @@
 use geosweep::geometry::{BackDirections, LogMap, MapError, NO_LINK};
 use geosweep::glam::{DVec2, DVec3};
 use geosweep::surface::{Direction, EdgeLengths, Gluing, Run};
-use geosweep::{Engine, Options, Sources, Surface, distance_map};
+use geosweep::{Sources, Surface};
 
-use crate::common::closed::*;
-
-fn map(surface: &Surface, sources: &Sources) -> Vec<f32> {
-    let options = Options::default().with_engine(Engine::Cpu);
-    distance_map(surface, sources, &options).unwrap().distances
-}
+use crate::common::closed::{angle as angle_between, *};
+use crate::common::cpu_map;
 
 /// The angles between ways back and exact ones: their mean, the mean at points with copies, and the largest.
 struct Angles {
@@ -68,7 +64,7 @@ fn ways_back_pass_the_seams_of_flat_surfaces() {
         let edges = EdgeLengths::new(&surface).unwrap();
         for source in [[12.0, 5.0], [20.3, 63.6], [9.0, 0.0]] {
             let sources = Sources::point(source[0], source[1]);
-            let distances = map(&surface, &sources);
+            let distances = cpu_map(&surface, &sources).distances;
             let ways = BackDirections::new(&surface, &edges, &sources, &distances).unwrap();
             let (found, compass) = (ways.in_chart(), ways.compass());
             let angle = |index: usize, row: usize, col: usize| {
@@ -94,7 +90,7 @@ fn ways_back_pass_the_seams_of_flat_surfaces() {
 fn on_sphere(name: &str, surface: &Surface, source: [usize; 2]) -> Angles {
     let edges = EdgeLengths::new(surface).unwrap();
     let sources = Sources::point(source[0] as f64, source[1] as f64);
-    let distances = map(surface, &sources);
+    let distances = cpu_map(surface, &sources).distances;
     let ways = BackDirections::new(surface, &edges, &sources, &distances).unwrap();
     let found = ways.in_space().unwrap();
     let from = surface.position(source[0], source[1]).unwrap();
@@ -107,7 +103,7 @@ fn on_sphere(name: &str, surface: &Surface, source: [usize; 2]) -> Angles {
         }
         let way = DVec3::from(found[index].map(f64::from));
         assert!((way.length() - 1.0).abs() < 1e-5, "{name} {row},{col}: {way}");
-        Some(way.cross(exact).length().atan2(way.dot(exact)))
+        Some(angle_between(way, exact))
     };
     let name = format!("{name} from {source:?}");
     walk(&name, &ways, &distances, 0.2);
@@ -137,7 +133,7 @@ fn runs_of_points_without_positions_are_refused() {
     let plane = flat(9, 9).with_gluing(Gluing::Runs(vec![[run(0), run(8)]])).unwrap();
     let edges = EdgeLengths::new(&plane).unwrap();
     let sources = Sources::point(3.0, 3.0);
-    let distances = map(&plane, &sources);
+    let distances = cpu_map(&plane, &sources).distances;
     let refused = BackDirections::new(&plane, &edges, &sources, &distances);
     assert!(matches!(refused, Err(MapError::Glued(_))), "{refused:?}");
 }
@@ -190,7 +186,7 @@ fn log_maps_go_on_over_seams() {
         let exact = |log_map: &LogMap, row: usize, col: usize| {
             let at = globe.position(row, col)?;
             let way = (at - from * from.dot(at)).normalize_or_zero();
-            let way = way * at.cross(from).length().atan2(at.dot(from));
+            let way = way * angle_between(at, from);
             let axes = log_map.bases[0].in_space?;
             // Farther from the source, moving it by a grid step turns the ways by too much for the differences
             // from which log maps are computed.

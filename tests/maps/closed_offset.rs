@@ -3,15 +3,14 @@
 use std::f64::consts::{PI, TAU};
 
 use geosweep::geometry::{Contour, Side, offset_curves};
-use geosweep::glam::DVec3;
-use geosweep::surface::{EdgeLengths, Gluing};
-use geosweep::{Engine, Options, Sources, Surface, distance_map};
+use geosweep::surface::EdgeLengths;
+use geosweep::{Sources, Surface};
 
 use crate::common::closed::*;
+use crate::common::cpu_map;
 
 fn offsets(surface: &Surface, sources: &Sources, levels: &[f64], side: Side) -> Vec<Contour> {
-    let options = Options::default().with_engine(Engine::Cpu);
-    let map = distance_map(surface, sources, &options).unwrap();
+    let map = cpu_map(surface, sources);
     let edges = EdgeLengths::new(surface).unwrap();
     offset_curves(surface, &edges, sources, &map, levels, side).unwrap()
 }
@@ -95,18 +94,11 @@ fn offsets_of_an_arc_over_a_pole_lie_beside_it() {
     }
 }
 
-/// A torus in space whose grid begins at any other column has the same offsets.
+/// A torus whose grid begins at any other column has the same offsets.
 #[test]
 fn offsets_do_not_depend_on_where_the_grid_is_cut() {
-    let (rows, cols) = (41, 61);
     let rolled = |by: usize| {
-        let at = |row: usize, col: usize| {
-            let [v, u] = [(row, rows), (col + by, cols)]
-                .map(|(k, n)| TAU * (k % (n - 1)) as f64 / (n - 1) as f64);
-            let radius = 2.0 + v.cos();
-            DVec3::new(radius * u.cos(), radius * u.sin(), v.sin() + 0.1 * (3.0 * u).sin())
-        };
-        let surface = grid(rows, cols, at).with_gluing(Gluing::both()).unwrap();
+        let surface = rolled_torus(41, 61, by, 0.1);
         // A bent line from column 20 to column 34 of the first grid.
         let line = [[12.0, 20.0], [15.0, 24.0], [13.0, 29.0], [16.0, 34.0]];
         let mut vertices: Vec<[f64; 2]> = Vec::new();

@@ -2,14 +2,14 @@
 
 use geosweep::geometry::{NO_REGION, Nearest, Voronoi, area};
 use geosweep::surface::{EdgeLengths, Gluing};
-use geosweep::{Engine, Options, Sources, Surface, distance_map};
+use geosweep::{Sources, Surface};
 
 use crate::common::closed::*;
+use crate::common::{cpu_map, points};
 
 /// Returns the regions of sources. Asserts that the nearest sources are the same.
 fn regions(surface: &Surface, sources: &Sources) -> Voronoi {
-    let options = Options::default().with_engine(Engine::Cpu);
-    let map = distance_map(surface, sources, &options).unwrap();
+    let map = cpu_map(surface, sources);
     let edges = EdgeLengths::new(surface).unwrap();
     let regions = Voronoi::new(surface, &edges, sources, &map.distances).unwrap();
     let nearest = Nearest::new(surface, &edges, sources, &map.distances).unwrap();
@@ -26,10 +26,7 @@ fn check(
     distance: impl Fn([f64; 2], [f64; 2]) -> f64,
     slack: f64,
 ) -> Voronoi {
-    let points = places
-        .iter()
-        .fold(Sources::default(), |sources, &[row, col]| sources.and_point(row, col, 0.0));
-    let found = regions(surface, &points);
+    let found = regions(surface, &points(places));
     let mut worst = 0f64;
     for (row, col) in (0..surface.rows()).flat_map(|r| (0..surface.cols()).map(move |c| (r, c))) {
         let label = found.labels[row * surface.cols() + col];
@@ -82,19 +79,12 @@ fn borders_go_on_over_seams() {
 
 #[test]
 fn regions_of_a_globe_meet_at_poles_and_the_date_line() {
-    let globe = globe(61, 121);
-    let place = |[row, col]: [f64; 2]| globe.position(row as usize, col as usize).unwrap();
-    let distance = |a, b| {
-        let (a, b) = (place(a), place(b));
-        a.cross(b).length().atan2(a.dot(b))
-    };
-    check("globe", &globe, &[[30.0, 3.0], [20.0, 118.0], [0.0, 7.0], [57.0, 60.0]], distance, 2e-3);
-    check("globe", &globe, &[[30.0, 0.0], [30.0, 60.0]], distance, 2e-3);
-    let sphere = cube(31);
-    let place = |[row, col]: [f64; 2]| sphere.position(row as usize, col as usize).unwrap();
-    let distance = |a, b| {
-        let (a, b) = (place(a), place(b));
-        a.cross(b).length().atan2(a.dot(b))
-    };
-    check("cube", &sphere, &[[10.0, 20.0], [40.0, 40.0], [15.0, 80.0]], distance, 2e-3);
+    for (name, surface, sources) in [
+        ("globe", globe(61, 121), &[[30.0, 3.0], [20.0, 118.0], [0.0, 7.0], [57.0, 60.0]][..]),
+        ("globe", globe(61, 121), &[[30.0, 0.0], [30.0, 60.0]]),
+        ("cube", cube(31), &[[10.0, 20.0], [40.0, 40.0], [15.0, 80.0]]),
+    ] {
+        let place = |[row, col]: [f64; 2]| surface.position(row as usize, col as usize).unwrap();
+        check(name, &surface, sources, |a, b| angle(place(a), place(b)), 2e-3);
+    }
 }

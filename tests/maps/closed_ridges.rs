@@ -3,15 +3,15 @@
 use std::f64::consts::TAU;
 
 use geosweep::geometry::{Ridge, ridges};
-use geosweep::glam::{DVec2, DVec3};
-use geosweep::surface::{EdgeLengths, Gluing};
-use geosweep::{Engine, Options, Sources, Surface, distance_map};
+use geosweep::glam::DVec2;
+use geosweep::surface::EdgeLengths;
+use geosweep::{Sources, Surface};
 
 use crate::common::closed::*;
+use crate::common::cpu_map;
 
 fn of(surface: &Surface, sources: &Sources) -> Vec<Ridge> {
-    let options = Options::default().with_engine(Engine::Cpu);
-    let map = distance_map(surface, sources, &options).unwrap();
+    let map = cpu_map(surface, sources);
     let found = ridges(&EdgeLengths::new(surface).unwrap(), &map.distances, 30.0).unwrap();
     for ridge in &found {
         assert_eq!(ridge.angles.len(), ridge.curve.vertices.len());
@@ -48,18 +48,6 @@ fn the_ridge_of_a_tube_is_the_line_opposite_the_source() {
     }
 }
 
-/// Returns the ways from a place to all images of another one near the grid.
-fn ways(shape: Flat, from: DVec2, to: DVec2) -> Vec<DVec2> {
-    let turns = |wraps: bool| if wraps { -2..=2 } else { 0..=0 };
-    let image = |down: i32, right: i32| {
-        let row = if shape.flipped && right % 2 != 0 { 40.0 - to.x } else { to.x };
-        DVec2::new(row + 40.0 * f64::from(down), to.y + 64.0 * f64::from(right)) - from
-    };
-    turns(shape.rows)
-        .flat_map(|down| turns(shape.cols).map(move |right| image(down, right)))
-        .collect()
-}
-
 /// Each vertex lies within half a cell of a place with two shortest ways to the source. The lines are complete: their
 /// length is that of the cut locus.
 #[test]
@@ -70,7 +58,7 @@ fn ridges_of_flat_surfaces_are_their_cut_loci() {
             let found = of(&surface, &Sources::point(source[0], source[1]));
             let mut worst = 0f64;
             for at in vertices(&found) {
-                let mut ways = ways(shape, at, source.into());
+                let mut ways: Vec<_> = shape.ways(at.into(), source).collect();
                 ways.sort_by(|a, b| a.length().total_cmp(&b.length()));
                 let (a, b) = (ways[0], ways[1]);
                 let off = (b.length() - a.length()) / (a.normalize() - b.normalize()).length();
@@ -126,21 +114,12 @@ fn bisectors_of_spheres_are_whole_great_circles() {
     }
 }
 
-/// A torus in space whose grid begins at any other column has the same ridges.
+/// A torus whose grid begins at any other column has the same ridges.
 #[test]
 fn ridges_do_not_depend_on_where_the_grid_is_cut() {
-    let (rows, cols) = (41, 61);
-    let at = |by: usize| {
-        move |row: usize, col: usize| {
-            let [v, u] = [(row, rows), (col + by, cols)]
-                .map(|(k, n)| TAU * (k % (n - 1)) as f64 / (n - 1) as f64);
-            let radius = 2.0 + v.cos();
-            DVec3::new(radius * u.cos(), radius * u.sin(), v.sin() + 0.1 * (3.0 * u).sin())
-        }
-    };
     let rolled = |by: usize| {
-        let surface = grid(rows, cols, at(by)).with_gluing(Gluing::both()).unwrap();
-        let col = (47 + cols - 1 - by) % (cols - 1);
+        let surface = rolled_torus(41, 61, by, 0.1);
+        let col = (47 + 60 - by) % 60;
         let found = of(&surface, &Sources::point(9.0, col as f64));
         let mut places: Vec<DVec2> = vertices(&found)
             .map(|at| DVec2::new(at.x % 40.0, (at.y + by as f64).rem_euclid(60.0)))

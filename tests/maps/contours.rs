@@ -2,19 +2,11 @@
 
 use geosweep::geometry::{LevelError, Levels, contours};
 use geosweep::surface::builtin::Builtin;
-use geosweep::{DistanceMap, Engine, Options, Sources, Spacing, Surface, Wavefront, distance_map};
+use geosweep::{Engine, Options, Sources, Spacing, Surface, Wavefront, distance_map};
 use proptest::prelude::*;
 
-use crate::common::cases;
-
-fn solve(surface: &Surface, sources: &Sources) -> DistanceMap {
-    let options = Options::default().with_engine(Engine::Cpu);
-    distance_map(surface, sources, &options).unwrap()
-}
-
-fn flat(rows: usize, cols: usize) -> Surface {
-    Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
-}
+use crate::common::closed::flat;
+use crate::common::{cases, cells_from_zero, cpu_map};
 
 /// Contours lie within a tenth of a cell of the exact curve, also in the middle of each of their segments.
 /// Sources are at grid points, between them, and beside the border.
@@ -25,7 +17,7 @@ fn contours_lie_within_a_tenth_of_a_cell_of_the_exact_curve() {
         let surface = builtin.surface(POINTS, POINTS).unwrap();
         for source in [[40.0, 70.0], [40.3, 70.6], [0.0, 0.0], [2.5, 127.0]] {
             let sources = Sources::point(source[0], source[1]);
-            let map = solve(&surface, &sources);
+            let map = cpu_map(&surface, &sources);
             let levels = Levels::Count(40).on(&map, &sources).unwrap();
             let exact = |at| builtin.exact_distance(POINTS, POINTS, source, at).unwrap();
             let (mut worst, mut vertices) = (0.0f64, 0);
@@ -35,14 +27,8 @@ fn contours_lie_within_a_tenth_of_a_cell_of_the_exact_curve() {
                     for ends in points.windows(2) {
                         let middle = [0, 1].map(|k| 0.5 * (ends[0][k] + ends[1][k]));
                         for at in [ends[0], middle] {
-                            // Change of the distance over one cell, across the contour.
-                            let change = |step: [f64; 2]| {
-                                let there = [0, 1].map(|k| (at[k] + step[k]).min(128.0));
-                                let back = [0, 1].map(|k| there[k] - step[k]);
-                                exact(there) - exact(back)
-                            };
-                            let slope = change([1.0, 0.0]).hypot(change([0.0, 1.0]));
-                            worst = worst.max((exact(at) - contour.level).abs() / slope);
+                            let later = |at| exact(at) - contour.level;
+                            worst = worst.max(cells_from_zero(POINTS, later, at));
                             vertices += 1;
                         }
                     }
@@ -118,7 +104,7 @@ proptest! {
     fn a_single_farthest_point_has_no_curve((rows, cols) in (2usize..30, 2usize..30), last: bool) {
         let source = if last { [rows - 1, cols - 1] } else { [0, 0] };
         let sources = Sources::point(source[0] as f64, source[1] as f64);
-        let map = solve(&flat(rows, cols), &sources);
+        let map = cpu_map(&flat(rows, cols), &sources);
         let found = contours(&map, &sources, &[map.report.max_distance]);
         prop_assert!(found[0].curves.is_empty(), "{found:?}");
     }
@@ -127,7 +113,7 @@ proptest! {
 #[test]
 fn curves_are_closed_around_the_source_and_run_counter_clockwise() {
     let sources = Sources::point(20.0, 22.0);
-    let map = solve(&flat(41, 45), &sources);
+    let map = cpu_map(&flat(41, 45), &sources);
     for contour in contours(&map, &sources, &[0.4, 5.0, 17.5]) {
         let [curve] = &contour.curves[..] else { panic!("{contour:?}") };
         assert!(curve.closed);
@@ -145,7 +131,7 @@ fn curves_are_closed_around_the_source_and_run_counter_clockwise() {
 #[test]
 fn levels_outside_the_map_give_no_curve() {
     let sources = Sources::point(4.0, 4.0);
-    let map = solve(&flat(9, 9), &sources);
+    let map = cpu_map(&flat(9, 9), &sources);
     for contour in contours(&map, &sources, &[-3.0, 0.0, 5.7, 1e9]) {
         assert!(contour.curves.is_empty(), "{contour:?}");
     }
@@ -155,7 +141,7 @@ fn levels_outside_the_map_give_no_curve() {
 #[test]
 fn levels_are_listed_counted_or_spaced() {
     let sources = Sources::default().and_point(0.0, 0.0, 10.0);
-    let map = solve(&flat(2, 11), &Sources::default().and_point(0.0, 0.0, 10.0));
+    let map = cpu_map(&flat(2, 11), &Sources::default().and_point(0.0, 0.0, 10.0));
     let on = |levels: Levels| levels.on(&map, &sources);
     assert_eq!(on(Levels::List(vec![12.0, 11.0, 12.0])), Ok(vec![11.0, 12.0]));
     assert_eq!(on(Levels::Spacing(4.0)), Ok(vec![12.0, 16.0, 20.0]));
@@ -176,7 +162,7 @@ fn contours_end_at_holes_and_stay_on_reached_points() {
     let mask: Vec<bool> = (0..rows * cols).map(kept).collect();
     let surface = flat(rows, cols).with_mask(&mask).unwrap();
     let sources = Sources::point(10.0, 3.0);
-    let map = solve(&surface, &sources);
+    let map = cpu_map(&surface, &sources);
     let levels = Levels::Spacing(1.0).on(&map, &sources).unwrap();
     let mut curves = 0;
     for contour in contours(&map, &sources, &levels) {
@@ -193,13 +179,13 @@ fn contours_end_at_holes_and_stay_on_reached_points() {
 #[test]
 fn two_rows_a_plateau_and_a_single_row() {
     let sources = Sources::point(0.0, 0.0);
-    let found = contours(&solve(&flat(2, 9), &sources), &sources, &[3.5]);
+    let found = contours(&cpu_map(&flat(2, 9), &sources), &sources, &[3.5]);
     assert_eq!(found[0].curves[0].vertices.len(), 3);
     // All points are at the same place: the whole map is a plateau.
     let points = vec![geosweep::glam::DVec3::ONE; 12];
     let plateau = Surface::from_positions(3, 4, points).unwrap();
-    let map = solve(&plateau, &sources);
+    let map = cpu_map(&plateau, &sources);
     assert!(contours(&map, &sources, &[-1.0, 0.0, 1.0]).iter().all(|c| c.curves.is_empty()));
-    let line = solve(&flat(1, 9), &sources);
+    let line = cpu_map(&flat(1, 9), &sources);
     assert!(contours(&line, &sources, &[3.5])[0].curves.is_empty());
 }

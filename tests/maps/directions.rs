@@ -4,18 +4,10 @@ use geosweep::geometry::{BackDirections, LogMap, LogMapError, NO_LINK, Nearest};
 use geosweep::glam::{DMat2, DVec2};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::{Engine, Monitor, Options, Sources, Spacing, Surface, distance_map};
+use geosweep::{Monitor, Sources, Spacing, Surface};
 
-use crate::common::rough;
-
-fn map(surface: &Surface, sources: &Sources) -> Vec<f32> {
-    let options = Options::default().with_engine(Engine::Cpu);
-    distance_map(surface, sources, &options).unwrap().distances
-}
-
-fn flat(rows: usize, cols: usize) -> Surface {
-    Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
-}
+use crate::common::closed::flat;
+use crate::common::{cpu_map, rough};
 
 /// Returns the metric at a place of a built-in surface, from exact lengths of small steps.
 fn metric(builtin: Builtin, size: usize, at: DVec2) -> DMat2 {
@@ -40,7 +32,7 @@ fn angles(
     let surface = builtin.surface(size, size).unwrap();
     let edges = EdgeLengths::new(&surface).unwrap();
     let sources = Sources::point(source[0], source[1]);
-    let distances = map(&surface, &sources);
+    let distances = cpu_map(&surface, &sources).distances;
     let ways = BackDirections::new(&surface, &edges, &sources, &distances).unwrap().in_chart();
     let exact = |at: DVec2| builtin.exact_distance(size, size, at.to_array(), source).unwrap();
     let (mut sum, mut worst, mut count) = (0.0, 0.0f64, 0);
@@ -103,7 +95,7 @@ fn walk(surface: &Surface, sources: &Sources) -> usize {
     const STEPS: [(isize, isize); 8] =
         [(0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1)];
     let edges = EdgeLengths::new(surface).unwrap();
-    let distances = map(surface, sources);
+    let distances = cpu_map(surface, sources).distances;
     let ways = BackDirections::new(surface, &edges, sources, &distances).unwrap();
     let links = ways.links();
     let cols = surface.cols();
@@ -153,7 +145,7 @@ fn hand_made_grids_have_the_published_codes_and_degrees() {
     let surface = flat(3, 3);
     let edges = EdgeLengths::new(&surface).unwrap();
     let sources = Sources::point(1.0, 1.0);
-    let distances = map(&surface, &sources);
+    let distances = cpu_map(&surface, &sources).distances;
     let ways = BackDirections::new(&surface, &edges, &sources, &distances).unwrap();
     assert_eq!(ways.links(), [2, 3, 4, 1, 0, 5, 8, 7, 6]);
     let near = |found: Vec<f32>, expected: [f32; 9]| {
@@ -170,7 +162,7 @@ fn hand_made_grids_have_the_published_codes_and_degrees() {
     let surface = Surface::from_heights(4, 5, heights, Spacing { dx: 1.0, dy: 2.0 }).unwrap();
     let edges = EdgeLengths::new(&surface).unwrap();
     let sources = Sources::point(0.0, 0.0);
-    let distances = map(&surface, &sources);
+    let distances = cpu_map(&surface, &sources).distances;
     let ways = BackDirections::new(&surface, &edges, &sources, &distances).unwrap();
     let (compass, links) = (ways.compass(), ways.links());
     approx::assert_abs_diff_eq!(compass[5 + 2], 315.0, epsilon = 1e-3);
@@ -271,7 +263,7 @@ fn nearest_sources_and_their_places() {
     let surface = flat(25, 31);
     let edges = EdgeLengths::new(&surface).unwrap();
     let sources = Sources::curve([[2.0, 3.0], [2.0, 27.0]]).and_point(20.0, 15.0, 0.0);
-    let distances = map(&surface, &sources);
+    let distances = cpu_map(&surface, &sources).distances;
     let nearest = Nearest::new(&surface, &edges, &sources, &distances).unwrap();
     for (index, (&source, &[row, col])) in nearest.sources.iter().zip(&nearest.places).enumerate() {
         let at = DVec2::new((index / 31) as f64, (index % 31) as f64);

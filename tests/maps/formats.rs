@@ -5,7 +5,6 @@ use std::fs;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use geosweep::Spacing;
 use geosweep::io::{
     Grid, GridFrame, IoError, MapFormat, PlaceFile, SurfaceFile, read_map, read_mask, read_metric,
     read_slowness, write_npy,
@@ -27,6 +26,16 @@ fn encoded(format: MapFormat) -> Vec<u8> {
     let mut file = Cursor::new(Vec::new());
     format.write(&mut file, ROWS, COLS, &distances(), None).unwrap();
     file.into_inner()
+}
+
+/// Returns the path of a file that another program has written.
+fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/maps").join(name)
+}
+
+/// Returns the path of an archive that `numpy/make.py` has written with NumPy.
+fn archive(name: &str) -> PathBuf {
+    fixture("numpy").join(name)
 }
 
 fn npy(shape: &[usize], values: &[f64]) -> Vec<u8> {
@@ -94,35 +103,6 @@ fn heights_come_from_grey_pictures_unscaled() {
     assert_eq!(heights(&path), expected.iter().map(|h| h * 256.0).collect::<Vec<_>>());
 }
 
-/// Returns a TIFF of 16-bit heights with the tags of GDAL and GeoTIFF.
-fn geotiff(model_type: Option<u16>, units: u16) -> Vec<u8> {
-    use tiff::encoder::{TiffEncoder, colortype::GrayI16};
-    use tiff::tags::Tag;
-    let mut file = Cursor::new(Vec::new());
-    let mut encoder = TiffEncoder::new(&mut file).unwrap();
-    let mut image = encoder.new_image::<GrayI16>(COLS as u32, ROWS as u32).unwrap();
-    let tags = image.encoder();
-    tags.write_tag(Tag::GdalNodata, "-9999").unwrap();
-    tags.write_tag(Tag::ModelPixelScaleTag, &[30.0, 20.0, 0.0][..]).unwrap();
-    if let Some(model_type) = model_type {
-        let keys = [1, 1, 0, 2, 1024, 0, 1, model_type, 3076, 0, 1, units];
-        tags.write_tag(Tag::GeoKeyDirectoryTag, &keys[..]).unwrap();
-    }
-    let mut heights: Vec<i16> = (0..(ROWS * COLS) as i16).collect();
-    heights[3] = -9999;
-    image.write_data(&heights).unwrap();
-    file.into_inner()
-}
-
-#[test]
-fn geotiff_says_spacing_and_holes() {
-    let folder = Folder::new();
-    let path = folder.file("projected.tif", &geotiff(Some(1), 9001));
-    let surface = SurfaceFile::read(&path).unwrap().into_surface(None).unwrap();
-    assert_eq!(surface.position(1, 2).unwrap().to_array(), [60.0, 20.0, 9.0]);
-    assert!(!surface.has(0, 3) && surface.points() == ROWS * COLS - 1);
-}
-
 #[test]
 fn a_no_data_value_that_the_type_lacks_makes_no_hole() {
     use tiff::encoder::{TiffEncoder, colortype::Gray8};
@@ -134,25 +114,6 @@ fn a_no_data_value_that_the_type_lacks_makes_no_hole() {
     let folder = Folder::new();
     let path = folder.file("flat.tif", &file.into_inner());
     assert_eq!(heights(&path), [0.0; ROWS * COLS]);
-}
-
-#[test]
-fn geotiff_in_degrees_asks_for_the_earth_or_the_spacing() {
-    let folder = Folder::new();
-    let files = [
-        ("degrees.tif", geotiff(Some(2), 9001), "degrees"),
-        ("unsaid.tif", geotiff(None, 9001), "degrees"),
-        ("feet.tif", geotiff(Some(1), 9002), "unit other than metres"),
-    ];
-    for (name, bytes, reason) in files {
-        let path = folder.file(name, &bytes);
-        let error = SurfaceFile::read(&path).unwrap().into_surface(None).unwrap_err().to_string();
-        assert!(error.contains(reason) && error.contains("--spacing"), "{error}");
-        assert_eq!(error.contains("--geodetic"), reason == "degrees", "{error}");
-        let given = Some(Spacing { dx: 74.0, dy: 92.0 });
-        let surface = SurfaceFile::read(&path).unwrap().into_surface(given).unwrap();
-        assert_eq!(surface.position(1, 1).unwrap().to_array(), [74.0, 92.0, 8.0], "{name}");
-    }
 }
 
 #[test]
@@ -230,7 +191,7 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
     vec![
         ("sample.npy", npy(&[ROWS, COLS], &[1.5; ROWS * COLS])),
         ("sample.png", grey_png(png::BitDepth::Sixteen, &pixels)),
-        ("sample.tif", geotiff(Some(1), 9001)),
+        ("sample.tif", fs::read(fixture("gdal/north-up.tif")).unwrap()),
         ("sample.exr", encoded(MapFormat::Exr)),
     ]
 }
@@ -272,11 +233,6 @@ fn asymmetric_metrics_are_refused_where_they_are() {
     let path = folder.file("g.npy", &npy(&[ROWS, COLS, 2, 2], &tensors));
     let error = read_metric(&path).unwrap_err().to_string();
     assert!(error.contains("row 2, column 3"), "{error}");
-}
-
-/// Returns the path of an archive that `numpy/make.py` has written with NumPy.
-fn archive(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/maps/numpy").join(name)
 }
 
 #[test]

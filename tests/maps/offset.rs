@@ -5,20 +5,14 @@ use std::f64::consts::PI;
 use geosweep::geometry::{Contour, OffsetError, Side, contours, offset_curves};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::{DistanceMap, Engine, Options, Sources, Spacing, Surface, distance_map};
+use geosweep::{Sources, Surface};
 
-fn solve(surface: &Surface, sources: &Sources) -> DistanceMap {
-    let options = Options::default().with_engine(Engine::Cpu);
-    distance_map(surface, sources, &options).unwrap()
-}
+use crate::common::closed::flat;
+use crate::common::{circle, cpu_map};
 
 fn offsets(surface: &Surface, sources: &Sources, levels: &[f64], side: Side) -> Vec<Contour> {
     let edges = EdgeLengths::new(surface).unwrap();
-    offset_curves(surface, &edges, sources, &solve(surface, sources), levels, side).unwrap()
-}
-
-fn flat(rows: usize, cols: usize) -> Surface {
-    Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
+    offset_curves(surface, &edges, sources, &cpu_map(surface, sources), levels, side).unwrap()
 }
 
 fn length(surface: &Surface, contour: &Contour) -> f64 {
@@ -73,18 +67,10 @@ fn an_open_curve_has_a_line_and_two_quarter_circles_on_each_side() {
     }
 }
 
-/// Returns a counter-clockwise circle, so that its inside is on the left.
-fn circle(centre: [f64; 2], radius: f64) -> Sources {
-    Sources::curve((0..=120).map(|k| {
-        let (sin, cos) = (2.0 * PI * f64::from(k % 120) / 120.0).sin_cos();
-        [centre[0] - radius * sin, centre[1] + radius * cos]
-    }))
-}
-
 #[test]
 fn a_closed_curve_has_an_inside_and_an_outside() {
     let surface = flat(101, 101);
-    let sources = circle([50.0, 50.0], 25.0);
+    let (sources, _) = circle(101, [50.0, 50.0], 25.0);
     for (side, sign) in [(Side::Left, -1.0), (Side::Right, 1.0)] {
         for contour in offsets(&surface, &sources, &[5.0, 12.5, 20.0], side) {
             let [curve] = &contour.curves[..] else { panic!("{side:?}: {contour:?}") };
@@ -102,7 +88,7 @@ fn sides_meet_half_way_between_curves() {
     let surface = flat(81, 121);
     let sources =
         Sources::curve([[30.0, 30.0], [30.0, 90.0]]).and_curve([[50.0, 30.0], [50.0, 90.0]], 0.0);
-    let map = solve(&surface, &sources);
+    let map = cpu_map(&surface, &sources);
     let levels = [4.0, 9.0, 15.0];
     let whole = contours(&map, &sources, &levels);
     let [left, right] =
@@ -147,7 +133,7 @@ fn points_have_no_sides_and_curves_beyond_the_map_no_offsets() {
     let surface = flat(11, 21);
     let edges = EdgeLengths::new(&surface).unwrap();
     let sources = Sources::curve([[5.0, 5.0], [5.0, 15.0]]).and_point(1.0, 1.0, 0.0);
-    let map = solve(&surface, &sources);
+    let map = cpu_map(&surface, &sources);
     let error = offset_curves(&surface, &edges, &sources, &map, &[2.0], Side::Left).unwrap_err();
     assert_eq!(error, OffsetError::NoSides { source_index: 1 });
     let sources = Sources::curve([[5.0, 5.0], [5.0, 15.0]]);

@@ -73,13 +73,36 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
     ]
 }
 
+/// Compares the rows of points with the maps from these points.
+fn compare(
+    name: &str,
+    surface: &Surface,
+    edges: &EdgeLengths<f32>,
+    wavefront: Wavefront,
+    stop: Stop,
+    sources: impl IntoIterator<Item = usize>,
+    rows: &[f32],
+) {
+    let chart = surface.chart();
+    for (source, row) in sources.into_iter().zip(rows.chunks_exact(chart.points())) {
+        let (r, c) = chart.position(source);
+        if !surface.has(r, c) {
+            assert!(row.iter().all(|distance| *distance == f32::INFINITY));
+            continue;
+        }
+        let seeds = [Seed::at_source(r, c, 0.0)];
+        let apart = difference(row, &scan_outward(edges, &seeds, wavefront, stop).distances());
+        assert!(apart < 1e-5, "{name} {wavefront} {source} {stop:?}: {apart:e}");
+    }
+}
+
 /// The scans are the same in the same order, so that maps agree after any number of iterations, up to the
 /// rounding of coefficients and squares. This rounding is a unit in the last place, 6e-8, for each of the few
 /// dozen steps of the longest path.
 #[test]
 fn every_row_is_the_map_of_its_source() {
     for (name, surface) in surfaces() {
-        let (chart, edges) = (surface.chart(), EdgeLengths::<f32>::new(&surface).unwrap());
+        let edges = EdgeLengths::<f32>::new(&surface).unwrap();
         for wavefront in STRAIGHT {
             // With a slowness, rows are computed map by map.
             let Some(solver) = PairwiseScan::new(&edges, wavefront) else {
@@ -88,17 +111,8 @@ fn every_row_is_the_map_of_its_source() {
             };
             for stop in [Stop::after(1), CONVERGED] {
                 let rows = matrix(&solver, &surface, stop);
-                for (source, row) in rows.chunks_exact(chart.points()).enumerate().step_by(7) {
-                    let (r, c) = chart.position(source);
-                    if !surface.has(r, c) {
-                        assert!(row.iter().all(|distance| *distance == f32::INFINITY));
-                        continue;
-                    }
-                    let seeds = [Seed::at_source(r, c, 0.0)];
-                    let map = scan_outward(&edges, &seeds, wavefront, stop).distances();
-                    let apart = difference(row, &map);
-                    assert!(apart < 1e-5, "{name} {wavefront} {source} {stop:?}: {apart:e}");
-                }
+                let all = 0..surface.chart().points();
+                compare(name, &surface, &edges, wavefront, stop, all, &rows);
             }
         }
     }
@@ -157,26 +171,16 @@ fn rows_on_any_surface_keep_their_bounds_and_are_single_maps() {
 #[test]
 fn rows_of_curved_fronts_are_the_maps_of_their_sources() {
     for (name, surface) in surfaces() {
-        let (chart, edges) = (surface.chart(), EdgeLengths::<f32>::new(&surface).unwrap());
+        let edges = EdgeLengths::<f32>::new(&surface).unwrap();
         assert!(PairwiseScan::new(&edges, Wavefront::Anchored).is_none());
         assert!(PairwiseScan::new(&edges, Wavefront::Curved).is_none());
         // If triangles make points depend on one another, curved fronts may converge to different results.
         if name == "slowness" {
             continue;
         }
-        let sources: Vec<_> = (0..chart.points()).step_by(7).collect();
+        let sources: Vec<_> = (0..surface.chart().points()).step_by(7).collect();
         let rows = rows(&surface, Wavefront::Curved, &sources);
-        for (source, row) in sources.into_iter().zip(rows.chunks_exact(chart.points())) {
-            let (r, c) = chart.position(source);
-            if !surface.has(r, c) {
-                assert!(row.iter().all(|distance| *distance == f32::INFINITY));
-                continue;
-            }
-            let seeds = [Seed::at_source(r, c, 0.0)];
-            let map = scan_outward(&edges, &seeds, Wavefront::Curved, CONVERGED).distances();
-            let apart = difference(row, &map);
-            assert!(apart < 1e-5, "{name} {source}: {apart:e}");
-        }
+        compare(name, &surface, &edges, Wavefront::Curved, CONVERGED, sources, &rows);
     }
 }
 
@@ -202,25 +206,6 @@ fn instructions_and_threads_give_the_same_matrix_to_the_bit() {
     }
 }
 
-/// Measured: 2.0e-4. The project's bound is 3e-4.
-#[test]
-fn point_sources_on_the_sphere_are_accurate() {
-    let side = 65;
-    let surface = Builtin::Sphere.surface(side, side).unwrap();
-    let edges = EdgeLengths::<f32>::new(&surface).unwrap();
-    let solver = PairwiseScan::new(&edges, Wavefront::Circular).unwrap();
-    let rows = matrix(&solver, &surface, CONVERGED);
-    let error = |source: usize| {
-        let place = [(source / side) as f64, (source % side) as f64];
-        let exact = Builtin::Sphere.exact_distances(side, side, place).unwrap();
-        Errors::of(&rows[source * side * side..][..side * side], &exact).mean_relative
-    };
-    let sources: Vec<_> = (0..side * side).step_by(97).collect();
-    let mean = sources.iter().map(|&source| error(source)).sum::<f64>() / sources.len() as f64;
-    println!("mean relative error {mean:.2e}");
-    assert!(mean < 3e-4, "{mean:e}");
-}
-
 /// Behind each corner of the maze, two fronts touch. Fronts that take the mean of both are wrong by 1e-3 in these
 /// maps. With anchors, only rounding remains.
 #[test]
@@ -236,46 +221,5 @@ fn the_maze_is_exact_with_anchors() {
         let largest = Errors::of(row, &exact).max_relative;
         println!("from {r}, {c}: {largest:.2e}");
         assert!(largest < 4e-6, "from {r}, {c}: {largest:e}");
-    }
-}
-
-/// With the symmetric initialisation, the matrix is symmetric except within batches, and as accurate: 0.998
-/// to 1.003 times the error without it, as measured.
-#[test]
-fn symmetric_initialisation_uses_known_distances() {
-    let side = 33;
-    let points = side * side;
-    let surface = Builtin::Sphere.surface(side, side).unwrap();
-    let edges = EdgeLengths::<f32>::new(&surface).unwrap();
-    let errors = |matrix: &[f32]| {
-        let sources: Vec<_> = (0..points).step_by(53).collect();
-        let of = |&source: &usize| {
-            let place = [(source / side) as f64, (source % side) as f64];
-            let exact = Builtin::Sphere.exact_distances(side, side, place).unwrap();
-            Errors::of(&matrix[source * points..][..points], &exact).mean_relative
-        };
-        sources.iter().map(of).sum::<f64>() / sources.len() as f64
-    };
-    for wavefront in STRAIGHT {
-        for stop in [Stop::after(1), CONVERGED] {
-            let solver = PairwiseScan::new(&edges, wavefront).unwrap();
-            let plain = matrix(&solver, &surface, stop);
-            let mut symmetric = vec![0.0; points * points];
-            for first in (0..points).step_by(PairwiseScan::LANES) {
-                let (known, rest) = symmetric.split_at_mut(first * points);
-                let last = (first + PairwiseScan::LANES).min(points);
-                let sources: Vec<_> = (first..last).map(Some).collect();
-                let rows = &mut rest[..sources.len() * points];
-                solver.solve_below(known, first, &sources, stop, rows);
-            }
-            for (i, j) in (0..points).flat_map(|i| (0..i).map(move |j| (i, j))) {
-                if i / PairwiseScan::LANES != j / PairwiseScan::LANES {
-                    assert_eq!(symmetric[i * points + j], symmetric[j * points + i]);
-                }
-            }
-            let (before, after) = (errors(&plain), errors(&symmetric));
-            println!("{wavefront} {stop:?}: plain {before:.2e}, symmetric {after:.2e}");
-            assert!(after < 1.05 * before, "{wavefront}: {after:e} against {before:e}");
-        }
     }
 }

@@ -6,7 +6,7 @@
 
 use geosweep::Stop;
 use geosweep::glam::DVec3;
-use geosweep::surface::{Direction, Geometry, Gluing};
+use geosweep::surface::{Geometry, Gluing};
 use geosweep::{
     EdgeRule, Engine, MetricTensor, Options, Sources, Spacing, Surface, Wavefront, distance_map,
     distance_map_f64,
@@ -194,21 +194,6 @@ fn renumbered(
     }
 }
 
-/// Returns for each point whether edges connect it with the given point.
-fn connected(surface: &Surface, (row, col): (usize, usize)) -> Vec<bool> {
-    let chart = surface.chart();
-    let mut reached = vec![false; chart.points()];
-    let mut front = vec![(row, col)];
-    while let Some((row, col)) = front.pop() {
-        if std::mem::replace(&mut reached[chart.index(row, col)], true) {
-            continue;
-        }
-        let edges = Direction::ALL.into_iter().filter(|&to| surface.has_edge(row, col, to));
-        front.extend(edges.filter_map(|to| chart.neighbour(row, col, to)));
-    }
-    reached
-}
-
 /// Checks that the transposed grid and the grid with reversed rows have the same map. Over them, scans visit points in
 /// another order.
 fn check_turned(
@@ -247,30 +232,23 @@ proptest! {
 
     /// The triangle inequality holds exactly for the planar front, on every surface: its update is monotone, and
     /// a constant added to its inputs is added to its result, so that d(a, b) + d(b, .) lies above d(a, .). The
-    /// circular front has neither property.
+    /// circular front has neither property. On smooth surfaces it satisfies the inequality within 1% of the largest
+    /// distance in 20 000 cases.
     #[test]
-    fn no_detour_is_shorter(surface in any_surface(), a in place(), b in place()) {
-        let (a, b) = (present(&surface, a), present(&surface, b));
-        let from_a = map(&surface, &sources(a), Wavefront::Planar);
-        let to_b = from_a[surface.chart().index(b.0, b.1)];
-        let from_b = map(&surface, &sources(b), Wavefront::Planar);
-        for (direct, rest) in from_a.iter().zip(&from_b) {
-            if to_b.is_finite() && rest.is_finite() {
-                prop_assert!(*direct <= (to_b + rest) * (1.0 + ROUNDING), "{direct} {to_b} {rest}");
+    fn no_detour_is_shorter(surface in any_surface(), gentle in smooth(), a in place(), b in place()) {
+        let fronts = [(surface, Wavefront::Planar, 0.0), (gentle, Wavefront::Circular, 0.02)];
+        for (surface, wavefront, slack) in fronts {
+            let (a, b) = (present(&surface, a), present(&surface, b));
+            let from_a = map(&surface, &sources(a), wavefront);
+            let to_b = from_a[surface.chart().index(b.0, b.1)];
+            let from_b = map(&surface, &sources(b), wavefront);
+            let slack = slack * largest(&from_a);
+            for (direct, rest) in from_a.iter().zip(&from_b) {
+                if to_b.is_finite() && rest.is_finite() {
+                    let detour = (to_b + rest) * (1.0 + ROUNDING) + slack;
+                    prop_assert!(*direct <= detour, "{wavefront}: {direct} {to_b} {rest}");
+                }
             }
-        }
-    }
-
-    /// The circular front satisfies the triangle inequality within 1% of the largest distance in 20 000 cases.
-    #[test]
-    fn no_detour_is_much_shorter(surface in smooth(), a in place(), b in place()) {
-        let (a, b) = (point(&surface, a), point(&surface, b));
-        let from_a = map(&surface, &sources(a), Wavefront::Circular);
-        let from_b = map(&surface, &sources(b), Wavefront::Circular);
-        let to_b = from_a[surface.chart().index(b.0, b.1)];
-        let slack = 0.02 * largest(&from_a);
-        for (direct, rest) in from_a.iter().zip(&from_b) {
-            prop_assert!(*direct <= to_b + rest + slack, "{direct} {to_b} {rest}");
         }
     }
 
@@ -322,33 +300,15 @@ proptest! {
     #[test]
     fn turning_the_grid_turns_the_map(
         surface in prop_oneof![smooth(), rough(), holed()],
+        slow in slow(),
         a in place(),
         wavefront in wavefront(),
     ) {
         check_turned(&surface, present(&surface, a), wavefront)?;
-    }
-
-    /// This holds only for the planar front. From a fast into a much slower medium, the circular front
-    /// assumes a wrong centre and is not monotone, so that its map can depend on the order of updates (once
-    /// in ten thousand such surfaces).
-    #[test]
-    fn turning_the_grid_turns_travel_times(surface in slow(), a in place()) {
-        check_turned(&surface, present(&surface, a), Wavefront::Planar)?;
-    }
-
-    #[test]
-    fn exactly_the_connected_points_are_reached(
-        surface in prop_oneof![holed(), slow()],
-        a in place(),
-        wavefront in wavefront(),
-    ) {
-        let a = present(&surface, a);
-        let distances = rotated::<f32>(&surface, &sources(a), wavefront, CONVERGED).distances();
-        let connected = connected(&surface, a);
-        for (distance, connected) in distances.iter().zip(connected) {
-            prop_assert!(!distance.is_nan() && *distance >= 0.0);
-            prop_assert_eq!(distance.is_finite(), connected);
-        }
+        // With a slowness this holds only for the planar front. From a fast into a much slower medium, the circular
+        // front assumes a wrong centre and is not monotone, so that its map can depend on the order of updates (once in
+        // ten thousand such surfaces).
+        check_turned(&slow, present(&slow, a), Wavefront::Planar)?;
     }
 
     /// The map is exact: from inside a cell, the first update outside already finds the source.
@@ -470,20 +430,6 @@ proptest! {
         let marched = marched::<f64>(&surface, &source, Wavefront::Planar).distances();
         for (marched, scanned) in marched.iter().zip(map(&surface, &source, Wavefront::Planar)) {
             prop_assert!(*marched >= scanned * (1.0 - ROUNDING), "{marched} {scanned}");
-        }
-    }
-
-    /// The curved front is not monotone, but it reaches the points that the planar one reaches, with finite
-    /// times.
-    #[test]
-    fn curved_fronts_reach_the_same_points(surface in any_surface(), a in place()) {
-        let source = present(&surface, a);
-        let curved =
-            rotated::<f32>(&surface, &sources(source), Wavefront::Curved, CONVERGED).distances();
-        let planar = map(&surface, &sources(source), Wavefront::Planar);
-        for (curved, planar) in curved.iter().zip(&planar) {
-            prop_assert!(!curved.is_nan() && curved.is_finite() == planar.is_finite());
-            prop_assert!(*curved >= 0.0);
         }
     }
 

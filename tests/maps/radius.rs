@@ -204,24 +204,6 @@ fn targets_that_cannot_be_reached_leave_the_map_whole() {
 }
 
 #[test]
-fn seams_are_passed_within_a_radius() {
-    use geosweep::surface::Gluing;
-    let position = |row: usize, col: usize| {
-        let angle = std::f64::consts::TAU * (col % 48) as f64 / 48.0;
-        geosweep::glam::DVec3::new(angle.cos(), angle.sin(), 0.13 * row as f64)
-    };
-    let places = (0..30).flat_map(|row| (0..49).map(move |col| (row, col)));
-    let positions = places.map(|(row, col)| position(row, col)).collect();
-    let tube = Surface::from_positions(30, 49, positions).unwrap();
-    let tube = tube.with_gluing(Gluing::columns()).unwrap();
-    let options = Options::default().with_engine(Engine::Cpu);
-    let whole = distance_map(&tube, &at([12.0, 2.0]), &options).unwrap();
-    let near = distance_map(&tube, &at([12.0, 2.0]), &options.with_radius(1.0)).unwrap();
-    assert!(near.distance(12, 45).is_finite() && near.distance(12, 24).is_infinite());
-    assert_is_part(&near.distances, &whole.distances, 1.0, "tube");
-}
-
-#[test]
 fn a_solver_is_used_again_with_another_radius() {
     let surface = Builtin::Peaks.surface(90, 120).unwrap();
     let edges = EdgeLengths::<f32>::new(&surface).unwrap();

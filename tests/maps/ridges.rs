@@ -3,16 +3,14 @@
 use geosweep::geometry::{Ridge, ridges};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::{Engine, Options, Sources, Spacing, Surface, Wavefront, distance_map};
+use geosweep::{Sources, Surface, Wavefront, distance_map};
+
+use crate::common::closed::flat;
+use crate::common::{cells_from_zero, cpu_map, curved, points};
 
 fn of(surface: &Surface, sources: &Sources) -> Vec<Ridge> {
-    let options = Options::default().with_engine(Engine::Cpu);
-    let map = distance_map(surface, sources, &options).unwrap();
+    let map = cpu_map(surface, sources);
     ridges(&EdgeLengths::new(surface).unwrap(), &map.distances, 30.0).unwrap()
-}
-
-fn flat(rows: usize, cols: usize) -> Surface {
-    Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
 }
 
 /// The ridge consists of the part of the bisector where fronts meet at a large enough angle, and of nothing else.
@@ -21,18 +19,13 @@ fn the_bisector_of_two_sources_is_a_ridge() {
     for builtin in [Builtin::Plane, Builtin::Cylinder, Builtin::Sphere] {
         let surface = builtin.surface(129, 129).unwrap();
         for pair in [[[30.0, 35.0], [95.0, 75.0]], [[60.5, 20.25], [70.0, 110.0]]] {
-            let sources =
-                Sources::point(pair[0][0], pair[0][1]).and_point(pair[1][0], pair[1][1], 0.0);
+            let sources = points(&pair);
             let exact = |from, at| builtin.exact_distance(129, 129, from, at).unwrap();
             let later = |at| exact(pair[0], at) - exact(pair[1], at);
             let found = of(&surface, &sources);
             let (mut worst, mut vertices) = (0.0f64, 0);
             for at in found.iter().flat_map(|ridge| &ridge.curve.vertices) {
-                let change = |step: [f64; 2]| {
-                    let there = [0, 1].map(|k| (at[k] + step[k]).min(128.0));
-                    later(there) - later([0, 1].map(|k| there[k] - step[k]))
-                };
-                worst = worst.max(later(*at).abs() / change([1.0, 0.0]).hypot(change([0.0, 1.0])));
+                worst = worst.max(cells_from_zero(129, later, *at));
                 vertices += 1;
             }
             println!(
@@ -75,7 +68,7 @@ fn fronts_meet_behind_a_wall() {
         let surface = flat(side, side).with_mask(&mask).unwrap();
         for wavefront in Wavefront::ALL {
             let sources = Sources::point(from, middle as f64);
-            let options = Options::default().with_engine(Engine::Cpu).with_wavefront(wavefront);
+            let options = curved().with_wavefront(wavefront);
             let map = distance_map(&surface, &sources, &options).unwrap();
             let edges = EdgeLengths::new(&surface).unwrap();
             let found = ridges(&edges, &map.distances, 30.0).unwrap();

@@ -68,35 +68,3 @@ fn tiles_in_order_are_visited_some_six_times() {
         }
     }
 }
-
-/// If all tiles of a round run at once on a GPU, the round takes as long as the lines of one tile. On grids of up to
-/// 128 points a side, tiles of 16 points take fewer lines one after another than tiles of 32, although in more rounds.
-#[test]
-fn small_tiles_take_fewer_lines_one_after_another_on_small_grids() {
-    for side in [64, 128] {
-        let sphere = Builtin::Sphere.surface(side, side).unwrap();
-        let middle = [0.37 * side as f64, 0.61 * side as f64].map(f64::floor);
-        for (name, surface, [row, col], wavefront) in [
-            ("sphere", &sphere, middle, Wavefront::Planar),
-            ("sphere", &sphere, middle, Wavefront::Curved),
-            ("sphere, corner", &sphere, [1.0, 2.0], Wavefront::Curved),
-            ("steep hills", &steep_hills(side), middle, Wavefront::Curved),
-        ] {
-            let edges = EdgeLengths::<f32>::new(surface).unwrap();
-            let seeds = Sources::point(row, col).seeds(surface).unwrap();
-            let stop = Stop::within(1e-6).or_after(20_000);
-            let [small, large] = [16, 32].map(|tile| {
-                let rounds = Rounds { tile, inner: 1, recorded: 20_000, few: Some(64) };
-                let (map, visits) =
-                    tile_rounds_within(&edges, &seeds, wavefront, stop, rounds, f64::INFINITY);
-                (map.iterations, tile as u32 * map.iterations, visits)
-            });
-            println!(
-                "{name} {side}, {wavefront}: {} rounds, {} lines, {} visits by tiles of 16; {}, {}, {} by tiles of 32",
-                small.0, small.1, small.2, large.0, large.1, large.2
-            );
-            assert!(small.1 < large.1, "{name} {side}, {wavefront}");
-            assert!(small.0 <= 2 * large.0, "{name} {side}, {wavefront}");
-        }
-    }
-}

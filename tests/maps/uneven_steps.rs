@@ -6,16 +6,13 @@ use std::f64::consts::{PI, TAU};
 use geosweep::geometry::{LogMap, PathTracer};
 use geosweep::glam::{DVec2, DVec3};
 use geosweep::surface::{CompletedGrid, EdgeLengths, Gluing, Layout};
-use geosweep::{DistanceMap, Engine, Options, Sources, Surface, Wavefront, distance_map};
+use geosweep::{DistanceMap, Sources, Surface, distance_map};
 
-use crate::common::Random;
+use crate::common::closed::{globe, grid};
+use crate::common::{Random, curved};
 
 const ROWS: usize = 20;
 const COLS: usize = 30;
-
-fn curved() -> Options {
-    Options::default().with_engine(Engine::Cpu).with_wavefront(Wavefront::Curved)
-}
 
 fn map(surface: &Surface, sources: &Sources) -> DistanceMap {
     distance_map(surface, sources, &curved()).unwrap()
@@ -131,19 +128,16 @@ fn log_maps_over_uneven_steps_are_flat() {
 #[test]
 fn paths_pass_a_pole_half_a_step_away() {
     let (rows, cols) = (45, 90);
-    let point = |index: usize| {
-        let (south, east) = (
-            PI * ((index / cols) as f64 + 0.5) / rows as f64,
-            TAU * ((index % cols) as f64 + 0.5) / cols as f64,
-        );
+    let given = grid(rows, cols, |row, col| {
+        let south = PI * (row as f64 + 0.5) / rows as f64;
+        let east = TAU * (col as f64 + 0.5) / cols as f64;
         DVec3::new(south.sin() * east.cos(), south.sin() * east.sin(), south.cos())
-    };
-    let positions: Vec<_> = (0..rows * cols).map(point).collect();
-    let given = Surface::from_positions(rows, cols, positions.clone()).unwrap();
-    let grid = CompletedGrid::new(&given, Layout::Globe).unwrap();
-    let whole = grid.complete(&given).unwrap();
+    });
+    let position = |row, col| given.position(row, col).unwrap();
+    let lines = CompletedGrid::new(&given, Layout::Globe).unwrap();
+    let whole = lines.complete(&given).unwrap();
     let edges = EdgeLengths::new(&whole).unwrap();
-    let place = |row: usize, col: usize| grid.to_completed([row as f64, col as f64]).unwrap();
+    let place = |row: usize, col: usize| lines.to_completed([row as f64, col as f64]).unwrap();
     for [row, col] in [[0, 0], [1, 7], [10, 3]] {
         let [own_row, own_col] = place(row, col);
         let sources = Sources::point(own_row, own_col);
@@ -152,7 +146,7 @@ fn paths_pass_a_pole_half_a_step_away() {
         for across in [cols / 6, cols / 4, cols / 3] {
             for from in [0, 1, 5] {
                 let to = (col + across) % cols;
-                let exact = positions[row * cols + col].angle_between(positions[from * cols + to]);
+                let exact = position(row, col).angle_between(position(from, to));
                 let length = tracer.trace(place(from, to)).unwrap().length;
                 let excess = length / exact - 1.0;
                 assert!(excess.abs() < 5e-3, "{row},{col} from {from},{to}: {length} {exact}");
@@ -162,29 +156,11 @@ fn paths_pass_a_pole_half_a_step_away() {
 }
 
 fn ring(rows: usize, cols: usize, width: f64) -> Surface {
-    let point = |index: usize| {
-        let (row, col) = (index / cols, index % cols);
-        let (angle, radius) = (
-            TAU * (col % (cols - 1)) as f64 / (cols - 1) as f64,
-            1.0 - width + 2.0 * width * row as f64 / (rows - 1) as f64,
-        );
+    grid(rows, cols, |row, col| {
+        let angle = TAU * (col % (cols - 1)) as f64 / (cols - 1) as f64;
+        let radius = 1.0 - width + 2.0 * width * row as f64 / (rows - 1) as f64;
         DVec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
-    };
-    Surface::from_positions(rows, cols, (0..rows * cols).map(point).collect()).unwrap()
-}
-
-fn globe(rows: usize, cols: usize) -> Surface {
-    let point = |index: usize| {
-        let (row, col) = (index / cols, index % cols);
-        let (south, east) = (
-            PI * row as f64 / (rows - 1) as f64,
-            TAU * (col % (cols - 1)) as f64 / (cols - 1) as f64,
-        );
-        DVec3::new(south.sin() * east.cos(), south.sin() * east.sin(), south.cos())
-    };
-    let surface =
-        Surface::from_positions(rows, cols, (0..rows * cols).map(point).collect()).unwrap();
-    surface.with_gluing(Gluing::globe()).unwrap()
+    })
 }
 
 /// The front of each of several sources is that of a lone source where it arrives first. The bound is for places where

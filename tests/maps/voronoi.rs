@@ -3,28 +3,14 @@
 use geosweep::geometry::{NO_REGION, Voronoi, area};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::{
-    DeviceChoice, DistanceMap, Engine, Options, Sources, Spacing, Surface, Wavefront, distance_map,
-};
+use geosweep::{DeviceChoice, Engine, Options, Sources, Surface, Wavefront, distance_map};
 
-use crate::common::Random;
-
-fn solve(surface: &Surface, sources: &Sources) -> DistanceMap {
-    let options = Options::default().with_engine(Engine::Cpu);
-    distance_map(surface, sources, &options).unwrap()
-}
+use crate::common::closed::flat;
+use crate::common::{Random, cells_from_zero, cpu_map, points};
 
 fn regions_of(surface: &Surface, sources: &Sources) -> Voronoi {
     let edges = EdgeLengths::new(surface).unwrap();
-    Voronoi::new(surface, &edges, sources, &solve(surface, sources).distances).unwrap()
-}
-
-fn flat(rows: usize, cols: usize) -> Surface {
-    Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
-}
-
-fn of_points(points: &[[f64; 2]]) -> Sources {
-    points.iter().fold(Sources::default(), |sources, at| sources.and_point(at[0], at[1], 0.0))
+    Voronoi::new(surface, &edges, sources, &cpu_map(surface, sources).distances).unwrap()
 }
 
 /// The bound is half a cell. Bisectors of close pairs run along the fronts' direction for hundreds of cells.
@@ -44,20 +30,14 @@ fn borders_lie_within_half_a_cell_of_the_bisector() {
     for builtin in [Builtin::Plane, Builtin::Cylinder, Builtin::Sphere] {
         let surface = builtin.surface(POINTS, POINTS).unwrap();
         for pair in pairs {
-            let sources = of_points(&pair);
+            let sources = points(&pair);
             let regions = regions_of(&surface, &sources);
             assert_eq!(regions.neighbours(), [[0, 1]]);
             let exact = |from, at| builtin.exact_distance(POINTS, POINTS, from, at).unwrap();
             let later = |at| exact(pair[0], at) - exact(pair[1], at);
             let mut worst = 0.0f64;
             for at in regions.borders.iter().flat_map(|border| &border.curve.vertices) {
-                let change = |step: [f64; 2]| {
-                    let there = [0, 1].map(|k| (at[k] + step[k]).min(128.0));
-                    let back = [0, 1].map(|k| there[k] - step[k]);
-                    later(there) - later(back)
-                };
-                let slope = change([1.0, 0.0]).hypot(change([0.0, 1.0]));
-                worst = worst.max(later(*at).abs() / slope);
+                worst = worst.max(cells_from_zero(POINTS, later, *at));
             }
             println!("{builtin} {pair:?}: {worst:.4} cells");
             assert!(worst < 0.5, "{builtin} {pair:?}: {worst} cells");
@@ -75,8 +55,7 @@ fn borders_lie_within_half_a_cell_of_the_bisector() {
 #[test]
 fn areas_add_up_to_the_surface_and_are_those_of_the_exact_regions() {
     let surface = Builtin::Peaks.surface(101, 121).unwrap();
-    let points = [[10.0, 10.0], [50.5, 60.0], [90.0, 30.0], [20.0, 100.0], [70.0, 110.0]];
-    let sources = of_points(&points);
+    let sources = points(&[[10.0, 10.0], [50.5, 60.0], [90.0, 30.0], [20.0, 100.0], [70.0, 110.0]]);
     let regions = regions_of(&surface, &sources);
     let areas = regions.areas(&surface);
     approx::assert_relative_eq!(areas.iter().sum::<f64>(), area(&surface), max_relative = 1e-12);
@@ -85,7 +64,7 @@ fn areas_add_up_to_the_surface_and_are_those_of_the_exact_regions() {
     // Four sources surround the middle of a square, off its lines of symmetry. Their borders meet in the
     // middle, and each region is a quarter by symmetry of order four.
     let surface = flat(81, 81);
-    let sources = of_points(&[[10.0, 30.0], [30.0, 70.0], [70.0, 50.0], [50.0, 10.0]]);
+    let sources = points(&[[10.0, 30.0], [30.0, 70.0], [70.0, 50.0], [50.0, 10.0]]);
     let regions = regions_of(&surface, &sources);
     for area in regions.areas(&surface) {
         approx::assert_relative_eq!(area, 1600.0, max_relative = 1e-4);
@@ -98,10 +77,9 @@ fn areas_add_up_to_the_surface_and_are_those_of_the_exact_regions() {
 #[test]
 fn the_smaller_number_is_on_the_left() {
     let surface = flat(21, 21);
-    for (points, sign) in [([[10.0, 3.0], [10.0, 16.0]], 1.0), ([[10.0, 16.0], [10.0, 3.0]], -1.0)]
+    for (places, sign) in [([[10.0, 3.0], [10.0, 16.0]], 1.0), ([[10.0, 16.0], [10.0, 3.0]], -1.0)]
     {
-        let sources = of_points(&points);
-        let regions = regions_of(&surface, &sources);
+        let regions = regions_of(&surface, &points(&places));
         let vertices = &regions.borders[0].curve.vertices;
         // With the western region on its left, a border runs northwards, to smaller rows.
         let down = vertices.last().unwrap()[0] - vertices[0][0];
@@ -112,14 +90,14 @@ fn the_smaller_number_is_on_the_left() {
 #[test]
 fn sources_at_one_place_and_regions_cut_off() {
     let surface = flat(9, 9);
-    let twice = of_points(&[[4.0, 4.0], [4.0, 4.0]]);
+    let twice = points(&[[4.0, 4.0], [4.0, 4.0]]);
     let regions = regions_of(&surface, &twice);
     assert!(regions.labels.iter().all(|&label| label == 0) && regions.borders.is_empty());
     assert_eq!(regions.areas(&surface), [64.0, 0.0]);
 
     let mask: Vec<bool> = (0..81).map(|i| i % 9 != 5).collect();
     let surface = surface.with_mask(&mask).unwrap();
-    let one = of_points(&[[0.0, 0.0], [8.0, 4.0]]);
+    let one = points(&[[0.0, 0.0], [8.0, 4.0]]);
     let regions = regions_of(&surface, &one);
     for (index, &label) in regions.labels.iter().enumerate() {
         assert_eq!(label == NO_REGION, index % 9 > 4, "{index}");
@@ -134,7 +112,7 @@ fn sources_at_one_place_and_regions_cut_off() {
 #[test]
 fn two_rows_and_a_source_on_the_border() {
     let surface = flat(2, 12);
-    let sources = of_points(&[[0.0, 0.0], [0.0, 11.0]]);
+    let sources = points(&[[0.0, 0.0], [0.0, 11.0]]);
     let regions = regions_of(&surface, &sources);
     for at in &regions.borders[0].curve.vertices {
         approx::assert_abs_diff_eq!(at[1], 5.5, epsilon = 1e-4);
@@ -161,7 +139,7 @@ fn the_map_of_any_engine_will_do() {
     let surface = Builtin::Cylinder.surface(129, 129).unwrap();
     let edges = EdgeLengths::new(&surface).unwrap();
     let pair = [[30.0, 35.0], [95.0, 75.0]];
-    let sources = of_points(&pair);
+    let sources = points(&pair);
     let exact = |from, at| Builtin::Cylinder.exact_distance(129, 129, from, at).unwrap();
     for engine in [Engine::Vulkan(DeviceChoice::Any), Engine::Cpu, Engine::FastMarching] {
         for wavefront in Wavefront::FOR_ANY_SURFACE {
@@ -206,11 +184,11 @@ fn many_regions_meet_where_they_should() {
     let surface = flat(POINTS, POINTS);
     let mut random = Random::new(50);
     let mut place = || 200.0 * random.next();
-    let points: Vec<_> = (0..50).map(|_| [place(), place()]).collect();
-    let regions = regions_of(&surface, &of_points(&points));
+    let places: Vec<_> = (0..50).map(|_| [place(), place()]).collect();
+    let regions = regions_of(&surface, &points(&places));
     let distances = |at: [f64; 2]| {
         let to = |point: &[f64; 2]| (point[0] - at[0]).hypot(point[1] - at[1]);
-        points.iter().map(to).collect::<Vec<f64>>()
+        places.iter().map(to).collect::<Vec<f64>>()
     };
     for (index, &label) in regions.labels.iter().enumerate() {
         let distances = distances([(index / POINTS) as f64, (index % POINTS) as f64]);
@@ -248,7 +226,7 @@ fn regions_reach_around_holes() {
     let wall = |i: usize| i % 61 == 30 && i / 61 > 5;
     let mask: Vec<bool> = (0..61 * 61).map(|i| !wall(i)).collect();
     let surface = flat(61, 61).with_mask(&mask).unwrap();
-    let sources = of_points(&[[40.0, 10.0], [20.0, 55.0]]);
+    let sources = points(&[[40.0, 10.0], [20.0, 55.0]]);
     let regions = regions_of(&surface, &sources);
     let label = |row: usize, col: usize| regions.labels[61 * row + col];
     assert_eq!((label(40, 29), label(40, 30), label(40, 31)), (0, NO_REGION, 1));
@@ -280,14 +258,14 @@ fn regions_reach_around_holes() {
 #[test]
 fn plateaus_and_wrong_sizes() {
     // All points are at the same place.
-    let points = vec![geosweep::glam::DVec3::ONE; 12];
-    let plateau = Surface::from_positions(3, 4, points).unwrap();
-    let regions = regions_of(&plateau, &of_points(&[[0.0, 0.0], [2.0, 3.0]]));
+    let positions = vec![geosweep::glam::DVec3::ONE; 12];
+    let plateau = Surface::from_positions(3, 4, positions).unwrap();
+    let regions = regions_of(&plateau, &points(&[[0.0, 0.0], [2.0, 3.0]]));
     assert!(regions.labels.iter().all(|&label| label == 0) && regions.borders.is_empty());
 
     let surface = flat(3, 4);
     let edges = EdgeLengths::new(&surface).unwrap();
-    let error = Voronoi::new(&surface, &edges, &of_points(&[[0.0, 0.0]]), &[0.0; 7]).unwrap_err();
+    let error = Voronoi::new(&surface, &edges, &points(&[[0.0, 0.0]]), &[0.0; 7]).unwrap_err();
     assert_eq!(error.to_string(), "7 distances do not fill a grid of 3 x 4 points");
-    assert!(Voronoi::new(&surface, &edges, &of_points(&[[0.0, 9.0]]), &[0.0; 12]).is_err());
+    assert!(Voronoi::new(&surface, &edges, &points(&[[0.0, 9.0]]), &[0.0; 12]).is_err());
 }
