@@ -8,6 +8,17 @@ use shaderc::{CompileOptions, Compiler, EnvVersion, OptimizationLevel, ShaderKin
 
 use crate::names;
 
+/// First lines of every shader: the version of the language, its extensions, and the chart with the constants.
+const PRELUDE: &str = "\
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle_relative : require
+#include \"shared/chart.glsl\"
+#line 1
+";
+
 /// Returns the SPIR-V of a shader named `name`, whose includes lie in the folder `includes`. It is compiled with
 /// the macro of the given name and value, if there is one.
 pub fn spirv(
@@ -34,7 +45,13 @@ pub fn spirv(
         Ok(shaderc::ResolvedInclude { resolved_name, content })
     });
     let artifact = compiler
-        .compile_into_spirv(text, ShaderKind::Compute, name, "main", Some(&options))
+        .compile_into_spirv(
+            &format!("{PRELUDE}{text}"),
+            ShaderKind::Compute,
+            name,
+            "main",
+            Some(&options),
+        )
         .unwrap_or_else(|error| panic!("{error}"));
     names::keep_those_of_interfaces(artifact.as_binary())
 }

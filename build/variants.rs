@@ -6,14 +6,8 @@
 const WAVEFRONTS: [&str; 4] = ["planar", "circular", "curved", "anchored"];
 
 /// Shaders that are compiled for each kind of front, and for how many kinds: the first ones of [`WAVEFRONTS`].
-const BY_WAVEFRONT: [(&str, usize); 6] = [
-    ("all_points", 4),
-    ("pairwise_scan", 3),
-    ("scan", 4),
-    ("tiles", 4),
-    ("tiles_points", 4),
-    ("tiles_shuffled", 4),
-];
+const BY_WAVEFRONT: [(&str, usize); 5] =
+    [("pairwise_scan", 3), ("scan", 4), ("tiles", 4), ("tiles_points", 4), ("tiles_shuffled", 4)];
 
 /// The specialization constant that a macro replaces: its number and name.
 pub const WAVEFRONT: (u32, &str) = (2, "WAVEFRONT");

@@ -228,10 +228,9 @@ fn plan(
     // The tolerance is below what a picture shows.
     let stop = Stop::within(1e-4).or_after(10_000);
     // Number of iterations that smooth surfaces need in one frame. If they are not enough, the next frames continue
-    // the map. With the schedule of all points at once, the front can then be seen to advance.
+    // the map.
     let iterations = match schedule {
         Some(Schedule::Tiles) => 128,
-        Some(Schedule::AllPoints) => 48,
         Some(Schedule::Raster) | None => 8,
     };
     let method = Method::new(wavefront, stop).with_schedule(schedule);

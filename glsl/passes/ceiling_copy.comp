@@ -1,10 +1,5 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Copies the fronts from one image to the other. It serves to measure the rate of a pass that only moves
 // data. One invocation is one texel.
-
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 

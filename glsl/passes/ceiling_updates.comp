@@ -1,10 +1,6 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Repeats updates from four triangles in registers, to measure the rate of a pass that only computes. One
 // invocation is one texel. The texel is written at the end; otherwise a compiler would remove the updates.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "update/wavefront.glsl"
 
 layout(local_size_x = WORKGROUP) in;

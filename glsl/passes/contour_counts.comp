@@ -1,11 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Counts the segments of contours in each row of cells, and within a row the segments before each strip. One
 // workgroup is one row of cells. One invocation is one strip of cells in it.
 // Twin: src/geometry/contours.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/times.glsl"
 #include "passes/contours.glsl"
 

@@ -1,11 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Computes the number of segments in all rows before each row of cells, and writes the record that a draw of
 // all segments reads. A single workgroup is dispatched. One invocation takes some consecutive rows.
 // Twin: src/geometry/contours.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/times.glsl"
 #include "passes/contours.glsl"
 #include "shared/curve.glsl"

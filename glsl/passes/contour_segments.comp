@@ -1,12 +1,8 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Writes the segments of contours, two vertices each. Nearer points lie to the left as seen in a picture. If
 // the buffer is too small, the southernmost segments are left out. One workgroup is one row of cells. One
 // invocation is one strip of cells in it.
 // Twin: src/geometry/contours.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/times.glsl"
 #include "passes/contours.glsl"
 #include "shared/curve.glsl"

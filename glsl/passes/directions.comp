@@ -1,12 +1,8 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Computes the direction in which the way back leaves each grid point, as a unit vector in columns and rows.
 // Copies of a point of a glued surface have the same direction, each in the columns and rows of its own side, except at
 // poles and at the corners of octahedral maps. One invocation is one point.
 // Twin: src/geometry/directions, in double precision.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/edge_image.glsl"
 #include "shared/cell.glsl"
 #include "shared/times.glsl"

@@ -1,11 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Computes the edge lengths of a surface given by its metric. The lengths at both ends of an edge are
 // averaged, weighted by slowness. One invocation is one grid point.
 // Twin: src/surface/measure.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "passes/band.glsl"
 
 layout(local_size_x = WORKGROUP) in;

@@ -1,11 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Computes the edge lengths of a surface given by 3D points. One invocation is one grid point. Also samples how sharply
 // the surface turns, and stores the slowness where it varies (edges.glsl).
 // Twin: src/surface/measure.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "passes/band.glsl"
 
 layout(local_size_x = WORKGROUP) in;

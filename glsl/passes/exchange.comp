@@ -1,12 +1,8 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
-// Gives all copies of a point of a glued surface the earliest front among them. It runs after the seeds, each scan,
-// each update of all points and each round of tiles.
+// Gives all copies of a point of a glued surface the earliest front among them. It runs after the seeds, each scan
+// and each round of tiles.
 // A single workgroup is dispatched; see exchange.glsl.
 // Twin: src/cpu/fronts/exchange.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "update/wavefront.glsl"
 #include "shared/progress.glsl"
 

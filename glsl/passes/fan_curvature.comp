@@ -1,11 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Computes the Gaussian curvature of each point's fan of triangles from edge lengths. It is written to the
 // layer CARRIED of the second image of fronts, which is free until a map starts. One invocation is one texel.
 // Twin: src/surface/gaussian_curvature.rs, where the formulas are explained.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "update/tag.glsl"
 #include "shared/edge_image.glsl"
 

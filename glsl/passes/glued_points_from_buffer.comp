@@ -1,10 +1,5 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Reads positions, heights or metrics of a glued surface from a buffer of the host, such as a vertex buffer. One
 // invocation is one point of the grid or beyond its sides. See points.glsl and glued_points.glsl.
-
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 

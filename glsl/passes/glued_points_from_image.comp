@@ -1,11 +1,5 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_samplerless_texture_functions : require
 // Reads positions, heights or metrics of a glued surface from an image of the host, one texel per point. One
 // invocation is one point of the grid or beyond its sides. See points.glsl and glued_points.glsl.
-
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 

@@ -1,11 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Follows the way of each point to places whose coordinates in the log map are known, and doubles the length
 // of all ways for the next round. One invocation is one point.
 // Twin: none; tests compare log maps with those of src/geometry/directions.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/cell.glsl"
 #include "shared/times.glsl"
 

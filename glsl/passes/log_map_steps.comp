@@ -1,11 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Takes the first step of the ways of a log map: one cell along the directions from log_map_ways.comp. The
 // direction is interpolated half a cell back, between grid points. One invocation is one point.
 // Twin: none; tests compare log maps with those of src/geometry/directions.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/cell.glsl"
 
 layout(local_size_x = WORKGROUP) in;

@@ -1,12 +1,8 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Begins a log map: computes the direction of the way back from each grid point. For points near a source it
 // also follows the way to the source, and computes the direction in which the shortest path leaves the
 // source. One invocation is one point.
 // Twin: src/geometry/directions/departures.rs computes the same from maps of sources that move.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/edge_image.glsl"
 #include "shared/cell.glsl"
 #include "shared/times.glsl"

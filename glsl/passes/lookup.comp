@@ -1,10 +1,6 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Looks up the distances at given places by bilinear interpolation between grid points. One invocation is one
 // place.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/cell.glsl"
 #include "shared/times.glsl"
 

@@ -1,12 +1,8 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Takes the earliest front of each point where the surroundings of several sources meet. One invocation is
 // one texel of the surroundings of one source. The first source that has the texel keeps it, and writes the
 // earliest fronts of all sources to it.
 // Twin: src/cpu/twins/surroundings.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "update/tag.glsl"
 #include "shared/seed_texel.glsl"
 

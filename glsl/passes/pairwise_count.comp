@@ -1,10 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Counts an iteration of all maps of a batch that are not done, and decides which of them need another one.
 // One invocation is one map.
 // Twin: src/cpu/progress.rs.
 
-#include "shared/constants.glsl"
 #include "passes/pairwise_progress.glsl"
 #include "passes/count.glsl"
 

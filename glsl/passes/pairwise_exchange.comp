@@ -1,12 +1,8 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Gives all copies of a point of a glued surface the earliest front among them, on all maps of a batch that are
 // not done. It runs after the start and after each scan. One workgroup is one map, and the third dimension of the
 // dispatch is the map's number; see exchange.glsl.
 // Twin: src/cpu/fronts/exchange.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "update/wavefront.glsl"
 #include "passes/pairwise_progress.glsl"
 #include "passes/pairwise_layers.glsl"

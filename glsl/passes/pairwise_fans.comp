@@ -1,11 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Writes the fans of a surface in the order in which one of the scans visits them. One invocation is one pair
 // of points of a line.
 // Twin: FanSlots in src/cpu/pairwise.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "update/wavefront.glsl"
 #include "shared/edge_image.glsl"
 #include "shared/surface_image.glsl"

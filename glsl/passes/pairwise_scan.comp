@@ -1,11 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Scans a block of lines on all maps of a batch that are not done; see scan.glsl. The third dimension of the
 // dispatch is the map. In the first iteration of a map, each scan visits only the lines ahead of the map's source.
 // Twin: scan_outward in src/cpu/twins/scan.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "update/wavefront.glsl"
 #include "passes/pairwise_progress.glsl"
 #include "passes/pairwise_layers.glsl"

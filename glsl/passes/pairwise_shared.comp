@@ -1,12 +1,8 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Runs iterations of four rotated scans on maps that lie in shared memory. One workgroup is one source. One
 // invocation handles some pairs of neighbouring points of each line. A map that is not done after the largest
 // number of iterations is stored, and continues in the next dispatch.
 // Twin: scan_outward in src/cpu/twins/scan.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "update/wavefront.glsl"
 #include "passes/pairwise_progress.glsl"
 #include "passes/pairwise_fans.glsl"

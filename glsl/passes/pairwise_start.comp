@@ -1,11 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Initializes the maps of a batch before the first iteration: only the sources are reached. One invocation is
 // one texel of one map, including texels of the border.
 // Twin: the start of a map in src/cpu.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "update/wavefront.glsl"
 #include "passes/pairwise_progress.glsl"
 #include "passes/pairwise_layers.glsl"

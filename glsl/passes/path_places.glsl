@@ -1,4 +1,4 @@
-// Defines the places of a path, and its state. Include after chart.glsl.
+// Defines the places of a path, and its state.
 
 // A time that is not known yet.
 const float UNKNOWN = 1e20;

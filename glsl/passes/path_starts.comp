@@ -1,10 +1,6 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Places paths at their starts, except where no path can start. One invocation is one path.
 // Twin: PathTracer::trace in src/geometry/paths.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/cell.glsl"
 #include "shared/times.glsl"
 #include "shared/curve.glsl"

@@ -1,13 +1,9 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Continues paths by some steps back to the source. A path runs from cell to cell along the straight line on
 // which the front arrives first. One invocation is one path.
 // Twin: PathTracer::along_the_map in src/geometry/paths, in double precision. Without that option the twin also pulls
 // paths taut and traces again those that are too long. To leave pits of the map, the twin looks further than two grid
 // points.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/edge_image.glsl"
 #include "shared/cell.glsl"
 #include "shared/times.glsl"

@@ -1,10 +1,5 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Reads positions, heights or metrics from a buffer of the host, such as a vertex buffer. One invocation is one grid
 // point. See points.glsl.
-
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 

@@ -1,11 +1,5 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_samplerless_texture_functions : require
 // Reads positions, heights or metrics from an image of the host, one texel per point. One invocation is one grid
 // point. See points.glsl.
-
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 

@@ -1,10 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Counts an iteration and decides whether another one follows. If so, the blocks past the middle of the grid
 // that have waited for the end of the iteration become due; see blocks.glsl. A single invocation is dispatched.
 // Twin: src/cpu/progress.rs.
 
-#include "shared/constants.glsl"
 #include "shared/progress.glsl"
 #include "passes/count.glsl"
 #include "passes/blocks.glsl"
@@ -21,7 +18,6 @@ void main() {
     last_residual = residual;
     if (count_iteration(residual, tolerance, most, iterations, since_reached, renews)) {
         done = 1u;
-        grid_groups[0] = 0u;
         for (int i = 1; i < blocks.length(); i += 3) blocks[i] = 0u;
     } else if (PAIRS != 0) {
         for (int scan = 0; scan < 4; scan++) {

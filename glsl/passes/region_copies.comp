@@ -1,12 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Gives all copies of a point of a glued surface the way on which its front has come. At first each copy has a way
 // through the cells of its own side alone. The right one is the way of the copy whose front has arrived first. One
 // invocation is one group of copies.
 // Twin: share_ways() in src/cpu/twins/regions.rs.
-
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 

@@ -1,11 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Extends the ways of all points by the ways of the points around their ends, and takes over the label of the
 // nearest point there once it is known. One invocation is one point.
 // Twin: src/cpu/twins/regions.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/cell.glsl"
 
 layout(local_size_x = WORKGROUP) in;

@@ -1,12 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Labels points whose way has led nowhere with the label of their first ancestor that has one. The parent of
 // a point is the nearer end of the base that its way crosses, which is always earlier. One invocation is one
 // point.
 // Twin: src/cpu/twins/regions.rs.
-
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 

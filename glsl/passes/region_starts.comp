@@ -1,12 +1,8 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Finds the earliest of the sources' own fronts at the points around them, and in a second pass the number of
 // the first source that brings this front. One invocation is one source. Both values are stored as
 // complements, so that zero means none, and are found by atomics whose order does not matter.
 // Twin: src/cpu/twins/regions.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/edge_image.glsl"
 #include "shared/cell.glsl"
 

@@ -1,12 +1,8 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Computes the beginning of the way to each point. A point that a source's own front reaches first gets the source's
 // label instead. On a glued surface this pass also stores when the front of each point arrives, for region_copies.comp.
 // One invocation is one point.
 // Twin: src/cpu/twins/regions.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "update/wavefront.glsl"
 #include "shared/edge_image.glsl"
 #include "shared/surface_image.glsl"

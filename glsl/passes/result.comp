@@ -1,9 +1,4 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Unpacks arrival times into an image with one distance per texel. One invocation is one texel of the fronts.
-
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 

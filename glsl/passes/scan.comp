@@ -1,11 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Scans blocks of lines of one map; see scan.glsl. A dispatch covers one block, or many in turn if a line
 // fits into a workgroup. The opposite scan may be at work in the other half of the grid.
 // Twins: src/cpu/twins/scan.rs, and scan_in_pairs in src/cpu/twins/blocks.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #define WITH_ORIGINS
 #include "update/wavefront.glsl"
 #include "shared/progress.glsl"

@@ -1,13 +1,9 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Writes the initial values of sources where they are earlier than the present fronts. One invocation is one
 // texel with sources in it. It does nothing if the column of the texel is negative. If tiles follow, the
 // tiles around the texel are put on the first list. If scans follow, the blocks with the texel become due in
 // all scans.
 // Twin: the start of a map in src/cpu.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "update/tag.glsl"
 #include "shared/progress.glsl"
 
@@ -16,7 +12,7 @@ layout(local_size_x = WORKGROUP) in;
 layout(push_constant) uniform Count {
     ivec2 texels; // columns and rows of texels, without the border
     int count;
-    uint follows; // SCANS_FOLLOW, TILES_FOLLOW or ALL_POINTS_FOLLOW
+    uint follows; // SCANS_FOLLOW or TILES_FOLLOW
     int tile_texels; // number of texels on a side of a tile
 };
 #define TEXELS tile_texels
@@ -50,8 +46,8 @@ void main() {
         int pitch = pitch_of(texels);
         make_both_due(DOWN, inner.y, pitch);
         make_both_due(RIGHT, inner.x, pitch);
+        return;
     }
-    if (follows != uint(TILES_FOLLOW)) return;
     uint urgency = urgency_of(min(min(times.x, times.y), min(times.z, times.w)));
     ivec2 tile_grid = tiles_of(texels);
     ivec2 low = tile_with(texel - 1, tile_grid);

@@ -1,13 +1,9 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Copies all fronts back to image 0 after the rounds of a recording, and resets the states of the tiles. One
 // workgroup is one tile. One invocation handles some of its texels. The very first invocation also counts the
 // rounds and decides whether more follow. It moves the list of the last round to where the first round of the
 // next recording reads it.
 // Twin: Tiles::settle in src/cpu/twins/tile_round.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/progress.glsl"
 
 layout(local_size_x = WORKGROUP) in;

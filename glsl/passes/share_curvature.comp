@@ -1,5 +1,3 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Gives the copies of each point of a glued surface the mean of their Gaussian curvatures. A point inside the glued
 // surface has all its triangles, although each copy alone has only some of them. So the tag of such a point is cleared.
 //
@@ -8,8 +6,6 @@
 // sides are groups of one member.
 // Twin: src/surface/gluing/curvature.rs. How rings are closed is explained in src/surface/gluing/rings.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "update/tag.glsl"
 #include "shared/edge_image.glsl"
 

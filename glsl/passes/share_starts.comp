@@ -1,12 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Gives all copies of a point of a glued surface the largest of their words. It runs after each pass over the sources:
 // these passes store complements, of which the largest stands for the earliest front or the first source. One
 // invocation is one group of copies.
 // Twin: share_starts() in src/cpu/twins/regions.rs.
-
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 

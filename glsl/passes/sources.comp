@@ -1,12 +1,8 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Computes the initial values around sources that lie anywhere on the grid, as seed.comp reads them. A source
 // reaches at most 2 x 2 texels. One invocation is one source and one of these texels. The first source that
 // reaches a texel writes the earliest fronts of all sources to it.
 // Twin: Sources::seeds in src/surface/sources.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "update/tag.glsl"
 #include "shared/edge_image.glsl"
 #include "shared/cell.glsl"

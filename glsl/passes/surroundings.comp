@@ -1,5 +1,3 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Solves a map of the texels around the cell of a source, as seed.comp reads it. All points are updated from their
 // eight triangles until nothing changes, or for SURROUNDINGS_STEPS steps. One workgroup is one source. One invocation
 // is one texel.
@@ -13,8 +11,6 @@
 // merge_surroundings.comp takes the earliest fronts.
 // Twin: src/cpu/twins/surroundings.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "update/wavefront.glsl"
 #include "shared/edge_image.glsl"
 #include "shared/surface_image.glsl"

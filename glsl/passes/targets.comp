@@ -1,13 +1,9 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Ends a map once fronts have reached the number of targets that is needed. The end is the arrival time at
 // the last of these nearest targets. On maps solved by tiles, this pass also lowers the limit, so that later
 // fronts are not followed. Scans bring early and late fronts in any order, so with them the whole map is
 // computed. One workgroup runs between two rounds of tiles, or between two iterations.
 // Twin: Limit::lower in src/cpu/limit.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/progress.glsl"
 layout(push_constant) uniform Ends {
     ivec2 texels; // columns and rows of texels, without the border

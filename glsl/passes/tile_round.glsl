@@ -12,8 +12,6 @@
 // constants, since drivers would spend time on code that a constant only disables.
 // Twin: src/cpu/twins/tile_round.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #define WITH_ORIGINS
 #include "update/wavefront.glsl"
 #include "shared/edge_image.glsl"

@@ -1,5 +1,3 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Runs one round of tiles with two points of a line for each invocation.
 
 #include "passes/tile_round.glsl"

@@ -1,5 +1,3 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Runs one round of tiles with one point of a line for each invocation.
 
 #define WITH_POINTS

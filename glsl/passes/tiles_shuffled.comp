@@ -1,7 +1,3 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
-#extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_shuffle_relative : require
 // Runs one round of tiles with one point of a line for each invocation, on a device whose compute shaders can shift
 // values between the invocations of a subgroup.
 

@@ -1,12 +1,8 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Removes the fronts that are later than the end of a map. Such fronts arrived before the limit was lowered,
 // or were renewed and then came later. An unfinished map keeps them, since further iterations would bring
 // them again. One invocation is one texel.
 // Twin: the end of a map in src/solve.rs.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/progress.glsl"
 
 layout(local_size_x = WORKGROUP) in;

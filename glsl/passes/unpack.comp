@@ -1,11 +1,7 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // Unpacks arrival times into rows of distances. Each invocation unpacks two points, one column of a texel.
 // Neighbouring invocations then write to adjacent addresses, which matters since the output crosses a bus to the
 // host. The third dimension of the dispatch selects the map. Twin: the distances of a solution in src/cpu.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/distance.glsl"
 
 layout(local_size_x = WORKGROUP) in;

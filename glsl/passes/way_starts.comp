@@ -1,13 +1,9 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
 // In the first pass (turn 0), stores the earliest and the latest initial value of all sources, and for each corner of a
 // source's cells when a front arrives there over a straight line from a source. In the second pass (turn 1), stores the
 // first source whose front is the earliest there. All values but the latest initial value are complements, so that
 // atomics keep the smallest one whatever their order; see ways.glsl. One invocation is one source.
 // Counterpart: src/geometry/paths/goals.rs, which lists the sources of each cell.
 
-#include "shared/constants.glsl"
-#include "shared/chart.glsl"
 #include "shared/edge_image.glsl"
 #include "shared/cell.glsl"
 #include "shared/times.glsl"

@@ -1,5 +1,5 @@
 // Places a window of TEXELS x TEXELS texels in shared memory: the points of these texels, and a ring of
-// points around them. Include after chart.glsl. The including shader defines TEXELS.
+// points around them. The including shader defines TEXELS.
 
 const int SIDE = 2 * TEXELS + 2;
 const int AREA = SIDE * SIDE;

@@ -1,5 +1,5 @@
 // Defines the chart: where each point is stored. All arithmetic on borders, neighbours, texels and lines is
-// in this file.
+// in this file. The build includes it in every shader.
 //
 // Coordinates are ivec2(column, row), with x to the east and y to the south:
 //
@@ -13,6 +13,8 @@
 //
 // The image of edge lengths has one texel per point: its edges to the east, north, north-east and north-west.
 // Twins: src/surface/chart and src/vulkan/texel_chart.rs.
+
+#include "shared/constants.glsl"
 
 // The grid. Its size is given in columns and rows.
 

@@ -164,11 +164,9 @@
 #define PATIENCE 50
 // Change in units of the last place that only a point's first front exceeds, since it takes the place of FAR.
 #define FIRST_REACHED 167772160
-// Passes that follow the seeds of a map, for which the pass of seeds prepares: scans, updates of all points,
-// or rounds of tiles.
+// Passes that follow the seeds of a map, for which the pass of seeds prepares: scans, or rounds of tiles.
 #define SCANS_FOLLOW 0
-#define ALL_POINTS_FOLLOW 1
-#define TILES_FOLLOW 2
+#define TILES_FOLLOW 1
 // Largest number of rounds of tiles in a recording. It is even.
 #define ROUNDS 128
 // Number of words that the device keeps for each round: the three numbers that its indirect dispatch reads,

@@ -1,4 +1,4 @@
-// Reads the lengths of edges from their image. Include after chart.glsl.
+// Reads the lengths of edges from their image.
 
 layout(set = 0, binding = 0, rgba32f) uniform readonly restrict image2D edges;
 

@@ -1,4 +1,4 @@
-// Continues the grid beyond its sides, where opposite sides are glued. Include after chart.glsl.
+// Continues the grid beyond its sides, where opposite sides are glued.
 // Counterpart: Lattice::at in src/surface/gluing/lattice.rs, which moves points only and allows for repeated lines.
 //
 // The including shader declares

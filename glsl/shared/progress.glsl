@@ -4,13 +4,13 @@
 layout(set = 0, binding = 4) restrict buffer Progress {
     uint residual;      // largest change of a front in this iteration, in units of the last place
     uint renews;        // 1 while curved fronts may be renewed
-    uint iterations;    // number done: iterations of four scans, updates of all points, or rounds of tiles
+    uint iterations;    // number done: iterations of four scans, or rounds of tiles
     uint last_residual; // residual of the last iteration done
     uint since_reached; // number of iterations since a point was last reached for the first time
     uint done;          // 1 once the map has converged or the iterations have run out
     uint tolerance;     // largest residual at which a map has converged
     uint most;          // largest number of iterations
-    uint visited;       // number of workgroups that have updated a tile, a part of a block, or texels
+    uint visited;       // number of workgroups that have updated a tile or a part of a block
     uint fronts_meet;   // 0, FRONTS_MEET or FRONTS_ARE_ADDED; see wavefront.glsl
     float limit;        // time after which fronts do not matter; NO_LIMIT if there is none
     float end;          // time after which points count as unreached; with targets a little earlier than `limit`
@@ -18,8 +18,6 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     // a limit have changed. Maps without a limit do not write them.
     int changed_first[2];
     int changed_last[2];
-    // Group counts of the indirect dispatches of further iterations, zero once the map is done.
-    uint grid_groups[3];   // for the grid
     // For each scan, bits of the blocks past the middle of the grid that are due in the next iteration; see
     // blocks.glsl. Bit 0 is the block next to the middle.
     uint due_past_middle[4];

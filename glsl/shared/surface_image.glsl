@@ -1,5 +1,5 @@
 // Reads the surface values: the Gaussian curvature with a tag, or on floor plans the places of holes
-// (corner.glsl). Include after chart.glsl.
+// (corner.glsl).
 
 layout(set = 0, binding = 1, rgba32f) uniform readonly restrict image2D gaussians;
 

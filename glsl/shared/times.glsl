@@ -1,5 +1,5 @@
 // Reads the arrival times of single grid points from the fronts. Up to two points beyond the grid may be
-// read; these are never reached. Include after chart.glsl.
+// read; these are never reached.
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts;
 

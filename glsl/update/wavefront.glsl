@@ -1,7 +1,7 @@
 // Selects the kind of front. Only this file asks for WAVEFRONT itself; others ask for HAS_CURVATURE, HAS_ANCHORS and
 // CARRIES. Each kind has a file of its own. It defines what the fronts carry besides their arrival time, how they are
 // updated, compared and accepted, and how their changes are measured. A kind adds a case to each function below that
-// it implements differently. Include after constants.glsl. Twins: Wavefront in src/update, and its kinds there and in
+// it implements differently. Twins: Wavefront in src/update, and its kinds there and in
 // src/cpu.
 
 // Kind of front: PLANAR, CIRCULAR, CURVED or ANCHORED. The build compiles large shaders once for each kind, with the

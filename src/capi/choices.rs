@@ -31,8 +31,6 @@ pub enum GeosweepSchedule {
     Best = 0,
     /// Four scans over the whole grid, in turn or in pairs. An iteration is all four scans.
     Raster = 1,
-    /// All points at once, for tiny grids.
-    AllPoints = 2,
     /// Scans inside the tiles in which something has changed. An iteration is a round of tiles.
     Tiles = 3,
 }
@@ -103,7 +101,6 @@ pub(super) fn schedule(number: ScheduleNumber, name: &str) -> Result<Option<Sche
     let choices = [
         (S::Best as i32, None),
         (S::Raster as i32, Some(Schedule::Raster)),
-        (S::AllPoints as i32, Some(Schedule::AllPoints)),
         (S::Tiles as i32, Some(Schedule::Tiles)),
     ];
     choose(number, name, "GeosweepSchedule", &choices)
@@ -113,7 +110,6 @@ pub(super) fn schedule(number: ScheduleNumber, name: &str) -> Result<Option<Sche
 pub(super) fn schedule_number(schedule: Schedule) -> ScheduleNumber {
     match schedule {
         Schedule::Raster => GeosweepSchedule::Raster as i32,
-        Schedule::AllPoints => GeosweepSchedule::AllPoints as i32,
         Schedule::Tiles => GeosweepSchedule::Tiles as i32,
     }
 }

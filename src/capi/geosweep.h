@@ -185,8 +185,6 @@ typedef enum GeosweepSchedule {
     GEOSWEEP_SCHEDULE_BEST = 0,
     // Four scans over the whole grid, in turn or in pairs. An iteration is all four scans.
     GEOSWEEP_SCHEDULE_RASTER = 1,
-    // All points at once, for tiny grids.
-    GEOSWEEP_SCHEDULE_ALL_POINTS = 2,
     // Scans inside the tiles in which something has changed. An iteration is a round of tiles.
     GEOSWEEP_SCHEDULE_TILES = 3,
 } GeosweepSchedule;

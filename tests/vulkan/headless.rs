@@ -225,7 +225,6 @@ fn twin(
             twins::scan_in_pairs(edges, seeds, wavefront, stop, lines)
         }
         Schedule::Raster => twins::scan_in_turn(edges, seeds, wavefront, stop),
-        Schedule::AllPoints => twins::all_points(edges, seeds, wavefront, stop),
         Schedule::Tiles => {
             let texels = TexelChart::new(edges.chart()).unwrap();
             let portions = tuning.portions(wavefront, texels);
@@ -286,7 +285,7 @@ fn every_iteration_of_the_shader_is_one_of_its_twin() {
 
 /// Some rounds are in a second recording, and some come after convergence.
 #[test]
-fn every_update_and_every_round_is_one_of_its_twin() {
+fn every_round_is_one_of_its_twin() {
     let mut solver = vulkan_solver();
     let slowness = (0..40 * 53).map(|i| if i % 53 < 30 { 1.0 } else { 2.5 }).collect();
     for (surface, source) in [
@@ -297,7 +296,6 @@ fn every_update_and_every_round_is_one_of_its_twin() {
     ] {
         let solver = &mut solver;
         let source = if surface.has(source.0, source.1) { source } else { some_point(&surface) };
-        assert_schedule_twins(solver, &surface, source, Schedule::AllPoints, [1, 2, 7, 34]);
         assert_schedule_twins(solver, &surface, source, Schedule::Tiles, [1, 2, 3, 9, 200]);
     }
 }

@@ -188,7 +188,6 @@ passes! {
         SCAN_UP: scan, Scans Up;
         SCAN_RIGHT: scan, Scans Right;
         SCAN_LEFT: scan, Scans Left;
-        ALL_POINTS: all_points;
         EXCHANGE: exchange;
         GLUED_POINTS_FROM_BUFFER: glued_points_from_buffer;
         GLUED_POINTS_FROM_IMAGE: glued_points_from_image;

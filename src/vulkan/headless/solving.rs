@@ -40,13 +40,12 @@ pub struct HeadlessSolution {
     pub wavefront: Wavefront,
     /// Order of updates that was used.
     pub schedule: Schedule,
-    /// Number of iterations, each of four scans or of two updates of all points, or number of rounds of
-    /// tiles.
+    /// Number of iterations of four scans, or of rounds of tiles.
     pub iterations: u32,
     /// Largest relative change of a front in the last iteration.
     pub residual: f64,
-    /// Number of visits, each by one workgroup: to a tile, or to the part of a block of lines, or of the grid,
-    /// that a workgroup updates.
+    /// Number of visits, each by one workgroup: to a tile, or to the part of a block of lines that a workgroup
+    /// updates.
     pub visits: u64,
     /// Time from the first submission, which forgets the previous map, to the end of the last submission.
     pub time: Duration,
@@ -282,7 +281,7 @@ impl HeadlessSolver {
             plan_of(schedule, (texels, portions), reached, most, is_glued)
         };
         let steps = plan(reached, stop.iterations);
-        let parts = plan::parts(&steps, texels, portions.visits);
+        let parts = plan::parts(&steps, portions.visits);
         for number in 0..parts.len() {
             self.record(submitter, first, images, |recorder| {
                 if number == 0 {
@@ -304,7 +303,7 @@ impl HeadlessSolver {
             // One recording serves all iterations but the last ones, of which fewer may be left.
             let left = stop.iterations - outcome.iterations;
             let wanted = (variant, plan(None, left));
-            let parts = plan::parts(&wanted.1, texels, portions.visits);
+            let parts = plan::parts(&wanted.1, portions.visits);
             // A submitter that watches passes knows only the passes of the last recording.
             let is_kept = parts.len() == 1 || !submitter.is_watching();
             let is_recorded = is_kept && goes_on.as_ref() == Some(&wanted);
@@ -536,7 +535,7 @@ mod tests {
         }
     }
 
-    /// Each iteration has two parts. The recording of the further iterations is whole after the fourth submission.
+    /// Each iteration has four parts. The recording of the further iterations is whole after the eighth submission.
     #[test]
     fn a_cancelled_map_ends_after_each_part() {
         let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
@@ -547,10 +546,10 @@ mod tests {
         let surface = Surface::from_heights(40, 30, heights, Spacing::square(1.0)).unwrap();
         let seeds = Sources::point(3.0, 20.0).seeds(&surface).unwrap();
         let stop = Stop::within(1e-6).or_after(200);
-        let method = Method::new(Wavefront::Planar, stop).with_schedule(Schedule::AllPoints);
+        let method = Method::new(Wavefront::Planar, stop).with_schedule(Schedule::Raster);
         let mut on_device = solver.upload(&surface).unwrap();
         let whole = solver.solve(&mut on_device, &seeds, method).unwrap();
-        for at in 1..=6 {
+        for at in 1..=10 {
             let monitor = Monitor::default();
             solver.monitor = monitor.clone();
             on_device.goes_on = None;
@@ -558,7 +557,7 @@ mod tests {
             let from = (Start::Fresh, MapLimit::NONE);
             solver.solve_watched(&mut on_device, &seeds, method, from, &mut submitter).unwrap();
             assert_eq!(submitter.submissions, at);
-            assert_eq!(on_device.goes_on.is_some(), at > 4, "submission {at}");
+            assert_eq!(on_device.goes_on.is_some(), at > 8, "submission {at}");
             solver.monitor = Monitor::default();
             let again = solver.solve(&mut on_device, &seeds, method).unwrap();
             assert!(again.distances == whole.distances, "submission {at}");

@@ -34,13 +34,11 @@ pub enum PassKind {
     Scan(Scan),
     /// Runs two opposite scans at the same time, or a block of lines of one of them.
     Pair(ScanPair),
-    /// Updates all points at once.
-    AllPoints,
     /// Updates the tiles on the list of a round.
     Tiles,
     /// Brings all tiles back to one image, and decides whether more rounds follow.
     Settle,
-    /// Exchanges fronts between the copies of points of a glued surface, after a scan or an update of all points.
+    /// Exchanges fronts between the copies of points of a glued surface, after a scan.
     Exchange,
     /// Exchanges fronts between the copies of points of a glued surface, after a round of tiles.
     ExchangeOfTiles,
@@ -115,7 +113,6 @@ impl PassKind {
             Self::Scan(Scan::Left) => c"scan left",
             Self::Pair(ScanPair::DownUp) => c"scan down and up",
             Self::Pair(ScanPair::RightLeft) => c"scan right and left",
-            Self::AllPoints => c"all points",
             Self::Tiles => c"tiles",
             Self::Settle => c"settle",
             Self::Exchange => c"exchange",
@@ -170,7 +167,7 @@ impl PassKind {
         use PassKind::*;
         match self {
             Forget | Start | Resume | Sources | Surroundings | Seed => Part::Start,
-            Scan(_) | Pair(_) | AllPoints | Exchange | Count => Part::Iteration,
+            Scan(_) | Pair(_) | Exchange | Count => Part::Iteration,
             Tiles | ExchangeOfTiles | Settle => Part::Rounds,
             Decisions | Targets => Part::Notes,
             Prepare | Points | Edges | Curvature | Iteration | Portion | Fans | Workgroups
@@ -188,7 +185,7 @@ pub enum Grain {
     /// A record for each portion: from the sources through all iterations or rounds of a recording. In
     /// headless solving it includes the outcome. For many maps at once, a record for each iteration.
     Portions,
-    /// A record for each iteration: its scans, or its updates of all points, with the count that ends it.
+    /// A record for each iteration: its scans, with the count that ends it.
     /// With tiles, a record for each round.
     Iterations,
     /// A record for each scan, or for each pair of scans that run at the same time. It includes all blocks of lines of

@@ -18,8 +18,8 @@ const TEXEL: u64 = 16;
 const COUNT: Work = Work::of_bytes(4 * 7, 4 * 5);
 /// Work of a count whose map was done before.
 const COUNT_BEYOND: Work = Work::of_bytes(4, 0);
-/// Additional work of a count that ends the map: it writes `done` and the number of workgroups, 0.
-const COUNT_LAST: Work = Work::of_bytes(0, 4 * 2);
+/// Additional work of a count that ends the map: it writes `done`.
+const COUNT_LAST: Work = Work::of_bytes(0, 4);
 
 /// Condition that decides whether a pass visits anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,8 +28,6 @@ pub(crate) enum Presence {
     Always,
     /// Visits the blocks of lines that are due.
     Scans(Blocks),
-    /// Visits nothing if the map converged before the iteration to which the pass belongs.
-    Iteration,
     /// An exchange between copies of points, which moves nothing if the map converged before.
     Exchange,
     /// The count that ends an iteration. It depends on whether the map converged before, and on whether this
@@ -95,13 +93,10 @@ pub(crate) fn decided(
             let groups = Some([blocks.beyond(&record), 1, 1]);
             PassRecord { groups, work: record.work.none(), ..record }
         }
-        Presence::Iteration if is_beyond => {
-            PassRecord { groups: Some([0, 1, 1]), work: record.work.none(), ..record }
-        }
         Presence::Count | Presence::Exchange if is_beyond => {
             PassRecord { work: record.work.none(), ..record }
         }
-        Presence::Always | Presence::Iteration | Presence::Exchange | Presence::Count => record,
+        Presence::Always | Presence::Exchange | Presence::Count => record,
         Presence::Scans(blocks) => blocks.visited(record, visits).unwrap_or(PassRecord {
             groups: None,
             work: Work::default(),

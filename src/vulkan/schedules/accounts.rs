@@ -28,7 +28,7 @@ pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
             Grain::Scans => matches!(&pair[1], Step::Scan(after) if before.goes_with(after)),
             Grain::Blocks => false,
         },
-        Step::AllPoints { .. } | Step::Exchange { next_round: None, .. } => {
+        Step::Exchange { next_round: None, .. } => {
             matches!(grain, Grain::Iterations | Grain::Portions)
         }
         Step::Tiles { .. } | Step::Settle { .. } | Step::Exchange { .. } | Step::Count => false,
@@ -93,29 +93,27 @@ mod tests {
         let visits = [u32::MAX; VISIT_WORDS as usize];
         let before = Decisions { before: 7, after: 8, ..Decisions::default() };
         let decisions = Decisions { is_done: true, visits: &visits, ..before };
-        for schedule in [Schedule::Raster, Schedule::AllPoints] {
-            for (record, presence) in passes(schedule, Wavefront::Planar) {
-                let after = decided(record, presence, Some(decisions));
-                assert_eq!(after.iteration, record.iteration.map(|iteration| 7 + iteration));
-                if presence == Presence::Count {
-                    // A count reads seven numbers and writes five, and two more at the end. Beyond
-                    // convergence it reads one.
-                    let found = after.work.bytes_read.zip(after.work.bytes_written);
-                    let last = record.iteration == Some(0);
-                    assert_eq!(found, Some(if last { (4 * 7, 4 * (5 + 2)) } else { (4, 0) }));
-                    assert!(!after.is_idle());
-                } else if record.iteration == Some(0) {
-                    assert_eq!((after.work, after.is_idle()), (record.work, false));
-                } else {
-                    assert_eq!((after.work.texels, after.is_idle()), (Some(0), true));
-                    assert_eq!(after.work.bytes(), Some(0));
-                    let all = record.work.texels.zip(record.work.skipped).map(|(a, b)| a + b);
-                    assert_eq!(after.work.skipped, all);
-                }
-                let unknown = decided(record, presence, None);
-                assert_eq!(unknown.work, Work::default());
-                assert_eq!(unknown.groups.is_some(), presence == Presence::Count);
+        for (record, presence) in passes(Schedule::Raster, Wavefront::Planar) {
+            let after = decided(record, presence, Some(decisions));
+            assert_eq!(after.iteration, record.iteration.map(|iteration| 7 + iteration));
+            if presence == Presence::Count {
+                // A count reads seven numbers and writes five, and one more at the end. Beyond
+                // convergence it reads one.
+                let found = after.work.bytes_read.zip(after.work.bytes_written);
+                let last = record.iteration == Some(0);
+                assert_eq!(found, Some(if last { (4 * 7, 4 * (5 + 1)) } else { (4, 0) }));
+                assert!(!after.is_idle());
+            } else if record.iteration == Some(0) {
+                assert_eq!((after.work, after.is_idle()), (record.work, false));
+            } else {
+                assert_eq!((after.work.texels, after.is_idle()), (Some(0), true));
+                assert_eq!(after.work.bytes(), Some(0));
+                let all = record.work.texels.zip(record.work.skipped).map(|(a, b)| a + b);
+                assert_eq!(after.work.skipped, all);
             }
+            let unknown = decided(record, presence, None);
+            assert_eq!(unknown.work, Work::default());
+            assert_eq!(unknown.groups.is_some(), presence == Presence::Count);
         }
     }
 
@@ -242,12 +240,10 @@ mod tests {
         let raster = steps(Schedule::Raster);
         assert_eq!(records(&raster, Grain::Blocks), 2 * (2 * 3 + 2 * 5 + 1));
         assert_eq!(records(&raster, Grain::Scans), 2 * (4 + 1));
-        for schedule in [Schedule::AllPoints, Schedule::Tiles] {
-            let steps = steps(schedule);
-            assert_eq!(records(&steps, Grain::Scans), records(&steps, Grain::Blocks));
-        }
+        let tiles = steps(Schedule::Tiles);
+        assert_eq!(records(&tiles, Grain::Scans), records(&tiles, Grain::Blocks));
         let of_iterations = |schedule| records(&steps(schedule), Grain::Iterations);
-        assert_eq!(Schedule::ALL.map(of_iterations), [2, 2, 2 + 1], "two rounds and their end");
+        assert_eq!(Schedule::ALL.map(of_iterations), [2, 2 + 1], "two rounds and their end");
     }
 
     #[test]
@@ -287,7 +283,6 @@ mod tests {
             steps.iter().filter(|step| wanted(step)).count()
         };
         assert_eq!(count(Schedule::Raster, |step| *step == Step::Count), 3);
-        assert_eq!(count(Schedule::AllPoints, |step| *step == Step::Count), 3);
         assert_eq!(count(Schedule::Tiles, |step| matches!(step, Step::Tiles { .. })), 3);
     }
 }

@@ -3,7 +3,6 @@
 //! choice of the schedule.
 
 mod accounts;
-mod all_points;
 mod iteration;
 pub(in crate::vulkan) mod method;
 mod order;
@@ -29,7 +28,6 @@ impl Schedule {
     fn order(self) -> &'static dyn Order {
         match self {
             Self::Raster => &raster::Raster,
-            Self::AllPoints => &all_points::AllPoints,
             Self::Tiles => &tiles::Tiles,
         }
     }
@@ -93,7 +91,6 @@ impl Schedule {
 fn order_of(step: &Step) -> Option<&'static dyn Order> {
     match step {
         Step::Scan(_) => Some(&raster::Raster),
-        Step::AllPoints { .. } => Some(&all_points::AllPoints),
         Step::Tiles { .. } | Step::Settle { .. } => Some(&tiles::Tiles),
         Step::Exchange { .. } | Step::Count => None,
     }

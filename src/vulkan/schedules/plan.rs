@@ -150,11 +150,6 @@ impl ScanPass {
 pub enum Step {
     /// Updates a block of lines of a scan.
     Scan(ScanPass),
-    /// Updates all points at once.
-    AllPoints {
-        /// Number of the image of fronts that is written. The other of the two images is read.
-        writes: usize,
-    },
     /// Updates the tiles on the list of a round.
     Tiles {
         /// Number of the round in the recording, counted from 0.
@@ -189,8 +184,8 @@ pub(in crate::vulkan) fn at_once(steps: &[Step]) -> impl Iterator<Item = &[Step]
 }
 
 /// Returns the steps of a map of a glued surface: `steps` with an exchange of fronts across seams after each scan, each
-/// phase of a pair of scans, each update of all points and each round of tiles. Scans must have no bounds, since bounds
-/// do not account for fronts that pass a seam.
+/// phase of a pair of scans and each round of tiles. Scans must have no bounds, since bounds do not account for fronts
+/// that pass a seam.
 ///
 /// ```
 /// use geosweep::Wavefront;
@@ -210,8 +205,7 @@ pub fn with_exchanges(steps: Vec<Step>) -> Vec<Step> {
             // Scans, or phases of pairs, write the two images alternately. Adjacent passes that write the same image
             // belong to the same scan or phase.
             (Step::Scan(pass), Some(Step::Scan(next))) if pass.writes == next.writes => None,
-            (&Step::Scan(ScanPass { writes: image, .. }), _)
-            | (&Step::AllPoints { writes: image }, _) => {
+            (&Step::Scan(ScanPass { writes: image, .. }), _) => {
                 Some(Step::Exchange { image, next_round: None })
             }
             (Step::Tiles { round }, _) => {
@@ -302,12 +296,11 @@ impl Portions {
 /// let steps = Schedule::Raster.plan(texels, portions, None, 100);
 /// // One iteration, in eighths of scans.
 /// assert_eq!(plan::iterations(&steps), 1);
-/// assert_eq!(plan::parts(&steps, texels, visits).len(), 32);
+/// assert_eq!(plan::parts(&steps, visits).len(), 32);
 /// ```
-pub fn parts(steps: &[Step], texels: TexelChart, visits: u64) -> Vec<&[Step]> {
+pub fn parts(steps: &[Step], visits: u64) -> Vec<&[Step]> {
     let visits_of = |step: &Step| match step {
         Step::Scan(pass) => pass.visits(),
-        Step::AllPoints { .. } => texels.all(),
         Step::Tiles { .. } | Step::Settle { .. } | Step::Exchange { .. } | Step::Count => 0,
     };
     if steps.iter().map(visits_of).sum::<u64>() <= visits {
@@ -366,7 +359,7 @@ mod tests {
             for reached in [None, corner] {
                 let steps = Schedule::Raster.plan(texels, portions, reached.clone(), 100);
                 assert_eq!(iterations(&steps), if side == 1024 { 4 } else { 1 });
-                let parts = parts(&steps, texels, portions.visits);
+                let parts = parts(&steps, portions.visits);
                 assert_eq!(parts.concat(), steps);
                 let most = parts.iter().map(|part| texels_scanned(part)).max().unwrap();
                 assert!(
@@ -390,7 +383,7 @@ mod tests {
             ..TUNING.portions(Wavefront::Planar, texels)
         };
         let steps = Schedule::Raster.plan(texels, portions, None, 1);
-        let parts: Vec<_> = parts(&steps, texels, 1).iter().map(|part| part.len()).collect();
+        let parts: Vec<_> = parts(&steps, 1).iter().map(|part| part.len()).collect();
         // Eight blocks are four steps in each phase of both pairs.
         assert_eq!(parts, [vec![2; 15], vec![3]].concat());
         assert_eq!(at_once(&steps).count(), 16 + 1);
@@ -398,7 +391,7 @@ mod tests {
 
     /// Eight rows of texels are two blocks, and so are the columns. Scans of a pair have two phases.
     #[test]
-    fn fronts_pass_seams_after_each_scan_phase_update_and_round() {
+    fn fronts_pass_seams_after_each_scan_phase_and_round() {
         let texels = texels(16);
         let exchanges = |schedule: Schedule, pairs: bool| {
             let portions =
@@ -419,8 +412,6 @@ mod tests {
         for pairs in [false, true] {
             assert_eq!(exchanges(Schedule::Raster, pairs), (2 * 13, scans.clone()));
         }
-        let updates = (2 * 5, vec![(1, 1, None), (3, 0, None), (6, 1, None), (8, 0, None)]);
-        assert_eq!(exchanges(Schedule::AllPoints, false), updates);
         assert_eq!(exchanges(Schedule::Tiles, false), (5, vec![(1, 0, Some(1)), (3, 0, Some(2))]));
     }
 
@@ -430,14 +421,12 @@ mod tests {
         let tiny = Portions { visits: 1, across: 0, ..TUNING.portions(Wavefront::Planar, texels) };
         let cut = |schedule: Schedule| {
             let steps = schedule.plan(texels, tiny, None, 100);
-            let parts: Vec<_> = parts(&steps, texels, 1).iter().map(|part| part.len()).collect();
+            let parts: Vec<_> = parts(&steps, 1).iter().map(|part| part.len()).collect();
             parts
         };
-        // Raster scans have four times eight blocks, and the last part also has the count. The schedule of all points
-        // has two updates, and the count follows the second one.
+        // Raster scans have four times eight blocks, and the last part also has the count.
         let blocks = [vec![1; 31], vec![2]].concat();
         assert_eq!(cut(Schedule::Raster), blocks);
-        assert_eq!(cut(Schedule::AllPoints), [1, 2]);
         assert_eq!(cut(Schedule::Tiles).len(), 1);
         assert_eq!(Schedule::Tiles.together(texels, tiny), 2);
     }

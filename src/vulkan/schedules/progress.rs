@@ -16,7 +16,7 @@ pub(crate) use crate::vulkan::device::shaders::progress::Progress;
 pub(crate) struct Outcome {
     residual: u32,
     renews: u32,
-    /// Number of iterations of four scans or of two updates of all points, or number of rounds of tiles.
+    /// Number of iterations of four scans, or of rounds of tiles.
     pub(crate) iterations: u32,
     /// Largest change in the last iteration, in units of the last place.
     pub(crate) last_residual: u32,
@@ -24,7 +24,7 @@ pub(crate) struct Outcome {
     done: u32,
     tolerance: u32,
     most: u32,
-    /// Number of workgroups that have visited something: a tile, a part of a block of lines, or texels.
+    /// Number of workgroups that have visited a tile or a part of a block of lines.
     pub(crate) visited: u32,
 }
 
@@ -87,8 +87,6 @@ pub(crate) const BYTES: u64 = size_of::<Progress>() as u64;
 /// Offsets of parts of the progress, in bytes.
 pub(crate) mod offset {
     use super::*;
-
-    pub(crate) const GRID_GROUPS: u64 = offset_of!(Progress, grid_groups) as u64;
 
     /// Returns the offset of a round: the arguments of its dispatch, then the number of tiles on its list.
     pub(crate) const fn round(round: u32) -> u64 {
@@ -153,13 +151,11 @@ fn limit_of(radius: f32) -> f32 {
 }
 
 /// Returns the progress before the first iteration of a map. `fronts_meet` says whether its fronts may meet
-/// ([`crate::surface::Origins`]). A dispatch over the whole grid takes `grid` workgroups, and the grid has `tiles`
-/// tiles. Visits need no initial value.
+/// ([`crate::surface::Origins`]). The grid has `tiles` tiles. Visits need no initial value.
 pub(crate) fn start(
     stop: Stop,
     radius: f32,
     (fronts_meet, changed): (u32, Changed),
-    grid: [u32; 2],
     tiles: u32,
 ) -> Progress {
     let Changed { first, last } = changed;
@@ -173,7 +169,6 @@ pub(crate) fn start(
         last_residual: u32::MAX,
         tolerance: (stop.tolerance / f64::from(f32::EPSILON)) as u32,
         most: stop.iterations,
-        grid_groups: [grid[0], grid[1], 1],
         ..before_rounds(tiles)
     }
 }

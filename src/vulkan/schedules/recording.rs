@@ -8,7 +8,7 @@ use super::progress::{self, Changed, VISITS, offset};
 use super::raster::{self, halves_of};
 use super::{account, order_of};
 use crate::Stop;
-use crate::constants::{FRONTS_ARE_ADDED, FRONTS_MEET, WORKGROUP};
+use crate::constants::{FRONTS_ARE_ADDED, FRONTS_MEET};
 use crate::vulkan::copies::Copies;
 use crate::vulkan::device::barrier::MOST_TOGETHER;
 use crate::vulkan::device::barrier::{
@@ -64,8 +64,6 @@ impl Recorder<'_> {
             offset::VISITS + TILE_WORDS as u64 * self.tile_bytes() + 4 * order.start_words(self);
         let work = Work::of_bytes(0, written);
         let _pass = self.pass_with(PassRecord { work, ..PassRecord::new(PassKind::Start) });
-        let texels = self.grid.texels.inner();
-        let grid = [texels[0].div_ceil(WORKGROUP), texels[1]];
         self.barrier(TRANSFER_READ, TRANSFER_WRITE);
         self.barrier(PASS, TRANSFER_WRITE);
         let fronts_meet = match (causal, is_added) {
@@ -77,7 +75,7 @@ impl Recorder<'_> {
         // then.
         let is_noted = !is_added && limit.radius < f32::INFINITY;
         let changed = if is_noted { Changed::NOWHERE } else { Changed::ANYWHERE };
-        let start = progress::start(stop, limit.radius, (fronts_meet, changed), grid, self.tiles());
+        let start = progress::start(stop, limit.radius, (fronts_meet, changed), self.tiles());
         self.write_progress(&start, 0);
         self.write_targets(limit);
         if !is_added {

@@ -13,9 +13,6 @@ pub enum Schedule {
     /// The schedule of the paper: four rotated scans over the whole grid, in turn or in pairs. A dispatch updates
     /// several lines of texels.
     Raster,
-    /// Updates of all points at once from their eight triangles, repeated. A front advances by one point per
-    /// update, so that this schedule suits only tiny grids and comparisons.
-    AllPoints,
     /// Rounds of scans inside tiles, in shared memory. A round visits the tiles in which or beside which the previous
     /// round has changed a front.
     Tiles,
@@ -23,13 +20,12 @@ pub enum Schedule {
 
 impl Schedule {
     /// All schedules.
-    pub const ALL: [Self; 3] = [Self::Raster, Self::AllPoints, Self::Tiles];
+    pub const ALL: [Self; 2] = [Self::Raster, Self::Tiles];
 
     /// Returns the name used on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Raster => "raster",
-            Self::AllPoints => "all-points",
             Self::Tiles => "tiles",
         }
     }
@@ -38,7 +34,6 @@ impl Schedule {
     pub fn about(self) -> &'static str {
         match self {
             Self::Raster => "Scans over rows and columns, as in the paper",
-            Self::AllPoints => "All points at once: for tiny grids, and for comparison",
             Self::Tiles => "Tiles in the device's shared memory, where something has changed",
         }
     }
@@ -79,7 +74,7 @@ struct Choice {
 const CHOICES: [Choice; 3] = [
     // Measured on lavapipe (Mesa 22.3, two cores), planar and curved fronts. Tiles take 0.2 to 1.0 of the
     // time of raster scans at 9 to 25 points a side, and 0.75 to 1.7 at 33 points. On such grids a dispatch costs more
-    // than the work of a tile. Updates of all points at once came closest at 9 points, where they took twice as long.
+    // than the work of a tile.
     Choice { on_cpu: true, side: 32, schedule: Schedule::Tiles },
     // Measured as above. From 49 points a side on, tiles take 2 to 20 times as long as raster scans on a sphere, since
     // barriers inside shaders are expensive on lavapipe. In a maze each round visits few tiles. When scans still

@@ -27,8 +27,7 @@ fn limited(
 
 #[test]
 fn a_radius_and_targets_change_from_frame_to_frame() {
-    let passes = [Schedule::Raster, Schedule::Tiles, Schedule::AllPoints]
-        .map(|schedule| (schedule, Wavefront::Curved));
+    let passes = Schedule::ALL.map(|schedule| (schedule, Wavefront::Curved));
     let mut host = Kept::watched();
     let buffer = host.buffer_of(&vertices(CHART, 0.4));
     let points = [Points::positions(buffer.handle, 32)];
@@ -44,10 +43,8 @@ fn a_radius_and_targets_change_from_frame_to_frame() {
             let radius = share * farthest(&whole) as f32;
             let (near, visits) = limited(&stage, &plan, MapLimit::at(radius));
             assert_is_part(&near, &whole, radius.into(), &format!("{schedule}, {share}"));
-            if schedule != Schedule::AllPoints {
-                assert!(before < visits && visits < all, "{schedule}: {visits} of {all}");
-                before = visits;
-            }
+            assert!(before < visits && visits < all, "{schedule}: {visits} of {all}");
+            before = visits;
         }
         let targets = [(20, 30), (140, 150), (70, 95)].map(|(row, col)| TargetPoint::at(row, col));
         for needed in [1, 2, 3] {

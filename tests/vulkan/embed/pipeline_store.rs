@@ -23,7 +23,7 @@ fn a_store_keeps_one_file_per_device_and_replaces_a_damaged_file() {
     let solve = || {
         let mut store = PipelineStore::open(&properties, &host.device, &folder).unwrap();
         assert_ne!(store.cache(), vk::PipelineCache::null());
-        let passes = [(Schedule::AllPoints, Wavefront::Planar)];
+        let passes = [(Schedule::Raster, Wavefront::Planar)];
         let (instance, physical_device) = (&host.instance, host.physical_device);
         let cache = store.cache();
         let tools = Tools::default();

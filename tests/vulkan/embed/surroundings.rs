@@ -53,7 +53,7 @@ fn stage_of(
 
 /// Returns the map of some sources and its outcome.
 fn map(stage: &Stage, sources: &[PointSource], method: Method) -> (Vec<f32>, Outcome) {
-    // With all points at once, a front needs an iteration for each point on its way.
+    // With tiles, a front needs a round for each tile on its way.
     let iterations = if method.schedule == Some(Schedule::Raster) { ITERATIONS } else { 300 };
     let plan = stage.solver.plan(stage.surface.chart(), method, iterations).unwrap();
     stage.run(|recording| {

@@ -222,20 +222,15 @@ fn bytes_agree_with_a_count_by_hand() {
         assert_eq!(sum(&scans, |pass| pass.work.bytes_read), texels * read);
         assert_eq!(sum(&scans, |pass| pass.work.bytes_written), texels * written);
         assert_eq!(sum(&scans, |pass| pass.work.triangles), texels * 4 * 2);
-        let all_points = bench.profile(method(wavefront, Schedule::AllPoints), Detail::default());
-        let first = of_kind(&all_points, PassKind::AllPoints).next().unwrap();
-        assert_eq!(first.work.bytes(), Some(8 * (read + written)));
-        assert_eq!(first.work.triangles, Some(8 * 4 * 8));
         let unpack = of_kind(&profile, PassKind::Unpack).next().unwrap();
         assert_eq!((unpack.work.bytes_read, unpack.work.bytes_written), (Some(112), Some(112)));
     }
 }
 
-/// The progress has 927 numbers: 16 for the state of a map, three for dispatches of the grid, one for each scan's
-/// blocks past the middle, six for each of 128 rounds and for the next one, the largest change of each of 128 rounds,
+/// The progress has 924 numbers: 16 for the state of a map, one for each scan's blocks past the middle, six for each of 128 rounds and for the next one, the largest change of each of 128 rounds,
 /// whether a point was reached, and how many texels were settled. A tile has six numbers. For raster scans, each
 /// block has three numbers for each scan; a scan has the blocks of the grid's longer side, and one more at each end.
-/// A count reads seven numbers and writes five, in the last iteration two more; after the last iteration, it reads
+/// A count reads seven numbers and writes five, in the last iteration one more; after the last iteration, it reads
 /// one.
 #[test]
 fn counts_and_starts_agree_with_a_count_by_hand() {
@@ -244,21 +239,20 @@ fn counts_and_starts_agree_with_a_count_by_hand() {
     let tile = bench.solver.tuning().on_grid(texels).tile as usize;
     let tiles = (61usize.div_ceil(tile) * 90usize.div_ceil(tile)) as u64;
     let mut seen = [false; 3];
-    for schedule in [Schedule::Raster, Schedule::AllPoints] {
-        let profile = bench.profile(method(Wavefront::Planar, schedule), Detail::default());
-        let last = bench.iterations(method(Wavefront::Planar, schedule)) - 1;
-        for pass in of_kind(&profile, PassKind::Count) {
-            let place = (pass.iteration.unwrap().cmp(&last) as i8 + 1) as usize;
-            seen[place] = true;
-            let by_hand = [(4 * 7, 4 * 5), (4 * 7, 4 * (5 + 2)), (4, 0)][place];
-            assert_eq!(moved(pass), Some(by_hand), "{schedule}: {pass:?}");
-        }
-        let start = of_kind(&profile, PassKind::Start).next().unwrap();
-        let progress = 4 * (16 + 3 + 4 + 6 * (128 + 1) + 128 + 2);
-        let lines = u64::from(bench.solver.tuning().scan_lines);
-        let blocks = if schedule == Schedule::Raster { 4 * (45u64.div_ceil(lines) + 2) } else { 0 };
-        assert_eq!(moved(start), Some((0, progress + 4 * 6 * tiles + 4 * 3 * blocks)));
+    let method = method(Wavefront::Planar, Schedule::Raster);
+    let profile = bench.profile(method, Detail::default());
+    let last = bench.iterations(method) - 1;
+    for pass in of_kind(&profile, PassKind::Count) {
+        let place = (pass.iteration.unwrap().cmp(&last) as i8 + 1) as usize;
+        seen[place] = true;
+        let by_hand = [(4 * 7, 4 * 5), (4 * 7, 4 * (5 + 1)), (4, 0)][place];
+        assert_eq!(moved(pass), Some(by_hand), "{pass:?}");
     }
+    let start = of_kind(&profile, PassKind::Start).next().unwrap();
+    let progress = 4 * (16 + 4 + 6 * (128 + 1) + 128 + 2);
+    let lines = u64::from(bench.solver.tuning().scan_lines);
+    let blocks = 4 * (45u64.div_ceil(lines) + 2);
+    assert_eq!(moved(start), Some((0, progress + 4 * 6 * tiles + 4 * 3 * blocks)));
     assert_eq!(seen, [true; 3], "before the last iteration, at it, and beyond");
 }
 
@@ -320,18 +314,14 @@ fn the_device_counts_the_invocations_of_the_groups_in_the_records() {
     let tuning = bench.solver.tuning();
     let counts = bench.solver.capabilities().unwrap().statistics.is_ok();
     let detail = Detail { grain: Grain::Blocks, invocations: true, tiles: true, whole: true };
-    for (schedule, group) in [
-        (Schedule::Raster, tuning.scan_width),
-        (Schedule::AllPoints, 64),
-        (Schedule::Tiles, tuning.tile / 2 * 4),
-    ] {
+    for (schedule, group) in
+        [(Schedule::Raster, tuning.scan_width), (Schedule::Tiles, tuning.tile / 2 * 4)]
+    {
         let profile = bench.profile(method(Wavefront::Circular, schedule), detail);
         let mut counted = 0;
         for pass in profile.passes() {
             let group = match pass.kind {
-                PassKind::Scan(_) | PassKind::Pair(_) | PassKind::AllPoints | PassKind::Tiles => {
-                    Some(group)
-                }
+                PassKind::Scan(_) | PassKind::Pair(_) | PassKind::Tiles => Some(group),
                 PassKind::Seed | PassKind::Unpack => Some(64),
                 _ => None,
             };

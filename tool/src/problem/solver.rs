@@ -23,8 +23,8 @@ pub struct SolverArgs {
     #[arg(long, default_value = "auto", value_parser = auto_or(BEST_SCHEDULE, &schedules()))]
     #[arg(help_heading = "Solver")]
     schedule: Choice<Schedule>,
-    /// Stop after this many iterations. An iteration is four scans, two updates of all points, or a round of
-    /// tiles (default: 10 for each row and column)
+    /// Stop after this many iterations. An iteration is four scans, or a round of tiles
+    /// (default: 10 for each row and column)
     #[arg(long, value_name = "N", help_heading = "Solver")]
     iterations: Option<u32>,
     /// Stop when no distance falls by more than this fraction in an iteration (default: 1e-6; in

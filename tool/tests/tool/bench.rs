@@ -12,12 +12,12 @@ fn every_schedule_gives_the_same_map() {
         );
         json(&run(&bench, &line))["schedule"].as_str().unwrap().to_owned()
     };
-    for schedule in ["raster", "all-points", "tiles"] {
+    for schedule in ["raster", "tiles"] {
         assert_eq!(map(schedule), schedule);
     }
     assert!(["raster", "tiles"].contains(&map("auto").as_str()));
     // Tolerances are relative to the largest distance. Each map stops at changes of 1e-6.
-    for schedule in ["auto", "all-points", "tiles"] {
+    for schedule in ["auto", "tiles"] {
         let compared = run(&bench, &format!("compare {schedule}.npy raster.npy --tolerance 1e-5"));
         assert!(compared.status.success(), "{schedule}: {}", stderr(&compared));
     }
@@ -33,7 +33,7 @@ fn a_schedule_is_for_vulkan_alone() {
         bench.refuses(&run(&bench, &line), &["--schedule", "--engine vulkan"]);
     }
     let wrong = "distance builtin:plane:9x9 -s 1,1 --schedule spiral -o map.npy";
-    bench.refuses(&run(&bench, wrong), &["spiral", "all-points"]);
+    bench.refuses(&run(&bench, wrong), &["spiral", "tiles"]);
     let options = geosweep::Options::default()
         .with_engine(geosweep::Engine::Cpu)
         .with_schedule(geosweep::vulkan::Schedule::Tiles);
@@ -93,11 +93,11 @@ fn a_bench_counts_right_and_its_numbers_fit() {
     let bench = Workbench::new();
     let line = "bench --sizes 40,17,24 --surfaces sphere,terrain --engines \
                 cpu,vulkan,fast-marching --wavefront planar,curved --quick --json --plot speed.png \
-                --schedules raster,all-points,tiles";
+                --schedules raster,tiles";
     let report = json(&run(&bench, line));
     let maps = report["maps"].as_array().unwrap();
-    // Two surfaces, two wavefronts, three sizes, five methods.
-    assert_eq!(maps.len(), 2 * 2 * 3 * 5);
+    // Two surfaces, two wavefronts, three sizes, four methods.
+    assert_eq!(maps.len(), 2 * 2 * 3 * 4);
     for map in maps {
         let number = |name: &str| map[name].as_f64().unwrap_or_else(|| panic!("{name}: {map}"));
         assert_eq!(map["converged"], true, "{map}");
@@ -120,14 +120,9 @@ fn a_bench_counts_right_and_its_numbers_fit() {
                 assert!(shares["arithmetic"].as_f64().unwrap() > 0.0, "{map}");
                 assert!(number("bytes") < 400.0 * number("points"), "{map}");
             }
-            schedule @ ("raster" | "all-points") => {
-                let all = all_scans * 4.0 * texels;
-                match schedule {
-                    // The first iteration is bounded around the source.
-                    "raster" => assert!(triangles.unwrap() < all, "{map}"),
-                    // An iteration updates each point twice, from eight triangles.
-                    _ => assert_eq!(triangles.unwrap(), 2.0 * all, "{map}"),
-                }
+            "raster" => {
+                // The first iteration is bounded around the source.
+                assert!(triangles.unwrap() < all_scans * 4.0 * texels, "{map}");
                 assert!(work["dispatches"].as_f64().unwrap() > number("iterations"), "{map}");
                 for part in ["data", "arithmetic", "dispatches"] {
                     assert!(shares[part].as_f64().unwrap() > 0.0, "{map}");

@@ -2,7 +2,6 @@
 //! and shader after any number of iterations. The twins are slow. They need the feature `twins` and are not covered by
 //! the crate's promises of compatibility.
 
-mod all_points;
 mod blocks;
 mod phases;
 mod regions;
@@ -10,7 +9,6 @@ mod scan;
 mod surroundings;
 mod tile_round;
 
-pub use all_points::all_points;
 pub use blocks::{Visits, scan_due, scan_in_pairs};
 pub use phases::ScanOrder;
 pub use regions::regions;

@@ -68,7 +68,7 @@ fn title(what: String, passes: &[PassRecord], run: &SolveProfile) -> String {
 }
 
 /// Returns one row of pictures for the first iteration and one for the last iteration that visits anything.
-/// Each row shows the scans, or the updates of all points, coloured by the order of blocks.
+/// Each row shows the scans, coloured by the order of blocks.
 fn scans(measured: &Measured, visits: &SolveProfile) -> (Vec<Vec<Visit>>, Key) {
     // Passes that count points do not visit any.
     let is_scan = |pass: &&PassRecord| pass.kind.is_step() && pass.area.is_some();

@@ -127,10 +127,8 @@ fn of_schedule(
     let stop = Stop::within(1e-4).or_after(10_000);
     let method = Method::new(plan.wavefront, stop).with_schedule(schedule);
     let iterations = match schedule {
-        // In a round of tiles or an update of all points, a wavefront crosses only one tile or one point, so
-        // more iterations are planned.
+        // In a round, a wavefront crosses only one tile, so more iterations are planned.
         Schedule::Tiles => u32::MAX,
-        Schedule::AllPoints => (2 * chart.rows) as u32,
         Schedule::Raster => plan.iterations,
     };
     let of_frame = solver.plan(chart, method, iterations)?;
