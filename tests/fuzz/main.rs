@@ -5,13 +5,11 @@
 //!
 //! - `GEOSWEEP_FUZZ_CASES`: cases per body (default 500).
 //! - `GEOSWEEP_FUZZ_SEED`: seed of the first case; each further case adds 1 (default: a fresh number).
-//! - `GEOSWEEP_UPDATE_SEEDS=1`: writes the valid files from which cases are made.
 
 mod bodies;
 mod cap;
 mod current;
 mod mutate;
-mod random;
 mod seeds;
 
 use std::hash::{BuildHasher, RandomState};
@@ -20,16 +18,13 @@ use std::path::Path;
 use std::sync::PoisonError;
 
 use bodies::BODIES;
-use random::Random;
+use bodies::dice::Dice;
 
 const CASES: u64 = 500;
 
 /// Runs a body on its valid files, first unchanged and then mutated.
 fn fuzz(name: &str) {
     let _alone = current::ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    if setting("GEOSWEEP_UPDATE_SEEDS").is_some() {
-        seeds::write();
-    }
     let (index, body) = BODIES.iter().enumerate().find(|(_, body)| body.name == name).unwrap();
     let seeds = seeds::of(name);
     seeds.iter().for_each(|seed| (body.run)(seed));
@@ -37,7 +32,7 @@ fn fuzz(name: &str) {
     let first = setting("GEOSWEEP_FUZZ_SEED").unwrap_or(fresh);
     for seed in (first..).take(setting("GEOSWEEP_FUZZ_CASES").unwrap_or(CASES) as usize) {
         current::set(index, seed);
-        let bytes = mutate::mutated(name, &seeds, &mut Random::new(seed));
+        let bytes = mutate::mutated(name, &seeds, &mut Dice::new(&seed.to_le_bytes()));
         if let Err(panic) = catch_unwind(AssertUnwindSafe(|| (body.run)(&bytes))) {
             let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{seed}"));
             std::fs::write(&path, &bytes).unwrap();

@@ -4,7 +4,7 @@
 
 #![allow(dead_code, unused_imports, reason = "each target of cargo-fuzz calls one body")]
 
-mod dice;
+pub mod dice;
 mod readers;
 mod surface;
 

@@ -17,25 +17,16 @@ use tempfile::TempDir;
 const SOLVED: usize = 1 << 10;
 
 pub fn npy(data: &[u8]) {
-    with_file("file.npy", data, |path| {
-        surface(path);
-        grid(path, read_map(path));
-        grid(path, read_mask(path));
-        grid(path, read_slowness(path));
-        grid(path, read_metric(path));
-        places(path);
-    });
+    with_file("file.npy", data, arrays);
 }
 
 pub fn npz(data: &[u8]) {
-    with_file("file.npz", data, |path| {
-        surface(path);
-        grid(path, read_map(path));
-        grid(path, read_mask(path));
-        grid(path, read_slowness(path));
-        grid(path, read_metric(path));
-        places(path);
-    });
+    with_file("file.npz", data, arrays);
+}
+
+fn arrays(path: &Path) {
+    rasters(path);
+    grid(path, read_metric(path));
 }
 
 pub fn png(data: &[u8]) {

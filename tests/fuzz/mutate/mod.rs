@@ -7,7 +7,7 @@ mod png;
 mod text;
 mod tiff;
 
-use crate::random::Random;
+use crate::bodies::dice::Dice;
 
 /// Sizes and counts that break arithmetic.
 pub const NUMBERS: [u64; 20] = [
@@ -34,54 +34,54 @@ pub const NUMBERS: [u64; 20] = [
 ];
 
 /// Returns a mutated file for the body with this name, made from one of its valid files.
-pub fn mutated(name: &str, seeds: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
-    if name == "surface" && !random.once_in(4) {
-        let length = random.below(96);
-        return (0..length).map(|_| random.next() as u8).collect();
+pub fn mutated(name: &str, seeds: &[Vec<u8>], dice: &mut Dice) -> Vec<u8> {
+    if name == "surface" && !dice.once_in(4) {
+        let length = dice.below(96);
+        return (0..length).map(|_| dice.byte()).collect();
     }
-    let mut bytes = seeds[random.below(seeds.len())].clone();
-    for _ in 0..1 + random.below(4) {
-        if random.once_in(2) {
+    let mut bytes = seeds[dice.below(seeds.len())].clone();
+    for _ in 0..1 + dice.below(4) {
+        if dice.once_in(2) {
             match name {
-                "npy" | "matrix" => npy::mutate(&mut bytes, random),
-                "npz" => npz::mutate(&mut bytes, random),
-                "png" => png::mutate(&mut bytes, random),
-                "tiff" => tiff::mutate(&mut bytes, random),
-                "exr" => exr::mutate(&mut bytes, random),
-                _ => text::mutate(&mut bytes, random),
+                "npy" | "matrix" => npy::mutate(&mut bytes, dice),
+                "npz" => npz::mutate(&mut bytes, dice),
+                "png" => png::mutate(&mut bytes, dice),
+                "tiff" => tiff::mutate(&mut bytes, dice),
+                "exr" => exr::mutate(&mut bytes, dice),
+                _ => text::mutate(&mut bytes, dice),
             }
         } else {
-            let other = &seeds[random.below(seeds.len())];
-            mutate(&mut bytes, other, random);
+            let other = &seeds[dice.below(seeds.len())];
+            mutate(&mut bytes, other, dice);
         }
     }
-    if name == "png" && !random.once_in(8) {
+    if name == "png" && !dice.once_in(8) {
         png::seal(&mut bytes);
     }
     bytes
 }
 
 /// Changes bytes without regard to their meaning.
-fn mutate(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
+fn mutate(bytes: &mut Vec<u8>, other: &[u8], dice: &mut Dice) {
     if bytes.is_empty() {
         bytes.extend_from_slice(other);
         return;
     }
-    let place = random.below(bytes.len());
-    let length = 1 + random.below((bytes.len() - place).min(64));
-    match random.below(8) {
-        0 => bytes[place] = random.next() as u8,
-        1 => bytes[place] ^= 1 << random.below(8),
-        2 | 3 => put(bytes, place, random),
+    let place = dice.below(bytes.len());
+    let length = 1 + dice.below((bytes.len() - place).min(64));
+    match dice.below(8) {
+        0 => bytes[place] = dice.byte(),
+        1 => bytes[place] ^= 1 << dice.below(8),
+        2 | 3 => put(bytes, place, dice),
         4 => bytes.truncate(place),
         5 => drop(bytes.drain(place..place + length)),
         6 => {
             let part = bytes[place..place + length].to_vec();
-            let to = random.below(bytes.len());
+            let to = dice.below(bytes.len());
             bytes.splice(to..to, part);
         }
         _ => {
-            let cut = random.below(other.len() + 1);
+            let cut = dice.below(other.len() + 1);
             bytes.truncate(place);
             bytes.extend_from_slice(&other[cut..]);
         }
@@ -89,10 +89,10 @@ fn mutate(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
 }
 
 /// Writes one of [`NUMBERS`] at a place, with any width and byte order.
-pub fn put(bytes: &mut [u8], place: usize, random: &mut Random) {
-    let number = random.one_of(&NUMBERS);
-    let width = random.one_of(&[1, 2, 4, 8]);
-    let encoded = if random.once_in(2) {
+pub fn put(bytes: &mut [u8], place: usize, dice: &mut Dice) {
+    let number = dice.one_of(&NUMBERS);
+    let width = dice.one_of(&[1, 2, 4, 8]);
+    let encoded = if dice.once_in(2) {
         number.to_le_bytes()[..width].to_vec()
     } else {
         number.to_be_bytes()[8 - width..].to_vec()

@@ -1,7 +1,7 @@
 //! PNG: changed, moved and added chunks with correct checksums.
 
 use super::put;
-use crate::random::Random;
+use crate::bodies::dice::Dice;
 
 const SIGNATURE: usize = 8;
 const KINDS: [&[u8; 4]; 14] = [
@@ -9,30 +9,30 @@ const KINDS: [&[u8; 4]; 14] = [
     b"acTL", b"fcTL", b"fdAT", b"sBIT",
 ];
 
-pub fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
+pub fn mutate(bytes: &mut Vec<u8>, dice: &mut Dice) {
     let mut chunks = chunks(bytes);
     if chunks.is_empty() {
         return;
     }
-    let which = random.below(chunks.len());
-    match random.below(6) {
+    let which = dice.below(chunks.len());
+    match dice.below(6) {
         // The first chunk has the sizes and the kind of the picture.
         0 | 1 if !chunks[0].1.is_empty() => {
             let data = &mut chunks[0].1;
-            let place = random.below(data.len());
-            put(data, place, random);
+            let place = dice.below(data.len());
+            put(data, place, dice);
         }
-        2 => chunks[which].0 = *random.one_of(&KINDS),
+        2 => chunks[which].0 = *dice.one_of(&KINDS),
         3 => {
             let copy = chunks[which].clone();
-            chunks.insert(random.below(chunks.len() + 1), copy);
+            chunks.insert(dice.below(chunks.len() + 1), copy);
         }
         4 => drop(chunks.remove(which)),
         _ => {
             let data = &mut chunks[which].1;
             if !data.is_empty() {
-                let place = random.below(data.len());
-                put(data, place, random);
+                let place = dice.below(data.len());
+                put(data, place, dice);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Text: its numbers, its lines and the other characters.
 
-use crate::random::Random;
+use crate::bodies::dice::Dice;
 
 const WORDS: [&str; 20] = [
     "0",
@@ -26,13 +26,13 @@ const WORDS: [&str; 20] = [
 ];
 const CHARACTERS: &[u8] = b",;\t \n\r#'\"{}[]():\0\xff\\";
 
-pub fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
+pub fn mutate(bytes: &mut Vec<u8>, dice: &mut Dice) {
     if bytes.is_empty() {
         return;
     }
-    let place = random.below(bytes.len());
-    let word = random.one_of(&WORDS).bytes();
-    match random.below(6) {
+    let place = dice.below(bytes.len());
+    let word = dice.one_of(&WORDS).bytes();
+    match dice.below(6) {
         0 | 1 => {
             // Replaces the next number.
             let is_digit = |byte: &u8| byte.is_ascii_digit() || b".-+eE".contains(byte);
@@ -42,15 +42,15 @@ pub fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
             bytes.splice(start..start + length, word);
         }
         2 => drop(bytes.splice(place..place, word)),
-        3 => bytes.insert(place, random.one_of(CHARACTERS)),
+        3 => bytes.insert(place, dice.one_of(CHARACTERS)),
         4 => {
             let end = bytes[place..].iter().position(|&byte| byte == b'\n');
             let end = end.map_or(bytes.len(), |end| place + end + 1);
             drop(bytes.drain(place..end));
         }
         _ => {
-            let end = (place + 1 + random.below(64)).min(bytes.len());
-            let part = bytes[place..end].repeat(random.one_of(&[1, 2, 50]));
+            let end = (place + 1 + dice.below(64)).min(bytes.len());
+            let part = bytes[place..end].repeat(dice.one_of(&[1, 2, 50]));
             bytes.splice(place..place, part);
         }
     }

@@ -1,7 +1,7 @@
 //! TIFF: the entries of the directory.
 
 use super::put;
-use crate::random::Random;
+use crate::bodies::dice::Dice;
 
 /// Tags of sizes, bits, compression, colours, strips, predictor, tiles, sample formats, GDAL and GeoTIFF.
 const TAGS: [u16; 30] = [
@@ -10,7 +10,7 @@ const TAGS: [u16; 30] = [
 ];
 const COMPRESSIONS: [u16; 12] = [1, 2, 3, 4, 5, 6, 7, 8, 32773, 32946, 50000, 50001];
 
-pub fn mutate(bytes: &mut [u8], random: &mut Random) {
+pub fn mutate(bytes: &mut [u8], dice: &mut Dice) {
     // The seeds are little-endian files with one directory, whose entries have 12 bytes, or 20 in BigTIFF.
     let Some(&[b'I', b'I', version, _, a, b, c, d]) = bytes.first_chunk::<8>() else { return };
     let big = version == 43;
@@ -23,26 +23,26 @@ pub fn mutate(bytes: &mut [u8], random: &mut Random) {
     let (before, entry) = if big { (8, 20) } else { (2, 12) };
     let Some(count) = bytes.get(directory..directory.saturating_add(2)) else { return };
     let count = usize::from(u16::from_le_bytes([count[0], count[1]])).max(1);
-    let at = directory + before + entry * random.below(count);
+    let at = directory + before + entry * dice.below(count);
     if at + entry > bytes.len() {
         return;
     }
-    match random.below(6) {
-        0 => bytes[at..at + 2].copy_from_slice(&random.one_of(&TAGS).to_le_bytes()),
-        1 => bytes[at + 2..at + 4].copy_from_slice(&(random.below(19) as u16).to_le_bytes()),
+    match dice.below(6) {
+        0 => bytes[at..at + 2].copy_from_slice(&dice.one_of(&TAGS).to_le_bytes()),
+        1 => bytes[at + 2..at + 4].copy_from_slice(&(dice.below(19) as u16).to_le_bytes()),
         2 => {
             let tag = (0..count).map(|index| directory + before + entry * index).find(|&at| {
                 bytes.get(at..at + entry).is_some_and(|entry| entry[..2] == 259u16.to_le_bytes())
             });
             if let Some(at) = tag {
                 let value = at + entry - entry / 3;
-                let compression = random.one_of(&COMPRESSIONS).to_le_bytes();
+                let compression = dice.one_of(&COMPRESSIONS).to_le_bytes();
                 bytes[value..value + 2].copy_from_slice(&compression);
             }
         }
         _ => {
-            let place = at + 4 + random.below(entry - 4);
-            put(&mut bytes[..at + entry], place, random);
+            let place = at + 4 + dice.below(entry - 4);
+            put(&mut bytes[..at + entry], place, dice);
         }
     }
 }
