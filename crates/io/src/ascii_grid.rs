@@ -198,17 +198,6 @@ mod tests {
     }
 
     #[test]
-    fn rows_come_from_the_north() {
-        let read = grid(&format!("{HEADER}NODATA_value -1\n1 2 3\n4 -1 6\n"));
-        assert_eq!((read.grid.rows, read.grid.cols), (2, 3));
-        assert_eq!(read.grid.values[..3], [1.0, 2.0, 3.0]);
-        assert!(read.grid.values[4].is_nan());
-        let georeference = read.georeference.unwrap();
-        assert_eq!(georeference.coordinates([0.0, 0.0]), [1005.0, 2015.0]);
-        assert_eq!(georeference.coordinates([1.0, 2.0]), [1025.0, 2005.0]);
-    }
-
-    #[test]
     fn headers_vary() {
         let centers = "NCOLS 3 NROWS 2 XLLCENTER 1005 YLLCENTER 2005 DX 10 DY 10";
         for text in [

@@ -40,7 +40,8 @@ pub use georeference::{CoordinateSystem, Georeference};
 pub use grid::Grid;
 pub use limits::{MAX_POINTS, checked_points};
 pub use map_file::{
-    MapFormat, MapValue, read_map, write_bearings_tiff, write_labels_tiff, write_vectors_tiff,
+    MapFormat, MapValue, MapValues, read_map, write_bearings_tiff, write_labels_tiff,
+    write_vectors_tiff,
 };
 pub use matrix_file::{
     Element, MatrixFile, MatrixLayout, Provenance, SquareMatrix, is_distance_matrix, read_matrix,

@@ -56,61 +56,47 @@ impl MapFormat {
         distances: &[T],
         geo_tags: Option<&GeoTags>,
     ) -> io::Result<()> {
-        match self {
-            Self::Npy => write_npy(writer, &[rows, cols], distances),
-            Self::Tiff => T::write_tiff(writer, [rows, cols], distances, geo_tags),
-            Self::Exr => match T::as_single(distances) {
-                Some(distances) => exr::encode(writer, rows, cols, distances),
-                None => Err(io::Error::new(
-                    io::ErrorKind::Unsupported,
-                    "OpenEXR has no channels of double precision",
-                )),
-            },
+        match (self, T::values(distances)) {
+            (Self::Npy, _) => write_npy(writer, &[rows, cols], distances),
+            (Self::Tiff, MapValues::Single(distances)) => {
+                tiff::encode::<Gray32Float>(writer, [rows, cols], distances, UNREACHED, geo_tags)
+            }
+            (Self::Tiff, MapValues::Double(distances)) => {
+                tiff::encode::<Gray64Float>(writer, [rows, cols], distances, UNREACHED, geo_tags)
+            }
+            (Self::Exr, MapValues::Single(distances)) => exr::encode(writer, rows, cols, distances),
+            (Self::Exr, MapValues::Double(_)) => Err(io::Error::new(
+                io::ErrorKind::Unsupported,
+                "OpenEXR has no channels of double precision",
+            )),
         }
     }
 }
 
 /// A precision of maps in files: f32 or f64.
 pub trait MapValue: NpyElement {
-    /// Writes a grey channel of this type.
-    fn write_tiff(
-        writer: &mut (impl Write + Seek),
-        size: [usize; 2],
-        values: &[Self],
-        geo_tags: Option<&GeoTags>,
-    ) -> io::Result<()>;
+    /// Returns the values with their precision.
+    fn values(values: &[Self]) -> MapValues<'_>;
+}
 
-    /// Returns the values, if they are of single precision.
-    fn as_single(values: &[Self]) -> Option<&[f32]>;
+/// The values of a map in either precision.
+#[derive(Clone, Copy, Debug)]
+pub enum MapValues<'a> {
+    /// In single precision.
+    Single(&'a [f32]),
+    /// In double precision.
+    Double(&'a [f64]),
 }
 
 impl MapValue for f32 {
-    fn write_tiff(
-        writer: &mut (impl Write + Seek),
-        size: [usize; 2],
-        values: &[Self],
-        geo_tags: Option<&GeoTags>,
-    ) -> io::Result<()> {
-        tiff::encode::<Gray32Float>(writer, size, values, UNREACHED, geo_tags)
-    }
-
-    fn as_single(values: &[Self]) -> Option<&[f32]> {
-        Some(values)
+    fn values(values: &[Self]) -> MapValues<'_> {
+        MapValues::Single(values)
     }
 }
 
 impl MapValue for f64 {
-    fn write_tiff(
-        writer: &mut (impl Write + Seek),
-        size: [usize; 2],
-        values: &[Self],
-        geo_tags: Option<&GeoTags>,
-    ) -> io::Result<()> {
-        tiff::encode::<Gray64Float>(writer, size, values, UNREACHED, geo_tags)
-    }
-
-    fn as_single(_: &[Self]) -> Option<&[f32]> {
-        None
+    fn values(values: &[Self]) -> MapValues<'_> {
+        MapValues::Double(values)
     }
 }
 

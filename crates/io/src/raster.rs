@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::tiff::{self, Raster, Role};
+use super::tiff::{self, Location, Raster, Role};
 use super::{GeoTags, Grid, IoError, ascii_grid, extension, read_beside, read_bytes};
 
 /// Reads numbers. They are NaN where the file has no data.
@@ -39,10 +39,12 @@ fn ascii_grid(bytes: &[u8], projection: Option<&[u8]>) -> Result<Raster, String>
     Ok(Raster {
         grid: Grid { georeference: georeference.as_ref().ok().copied(), ..grid },
         spacing,
-        system: Err(system.into()),
-        geo_tags: georeference.as_ref().map(GeoTags::of_transform).unwrap_or_default(),
-        georeference,
-        metres: Ok(1.0),
+        location: Location {
+            system: Err(system.into()),
+            geo_tags: Some(georeference.as_ref().map(GeoTags::of_transform).unwrap_or_default()),
+            georeference,
+            metres: Ok(1.0),
+        },
         unreached: false,
     })
 }

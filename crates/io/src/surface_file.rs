@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::arrays::{matrix, metric, read_array, wrong_shape};
 use super::file_spacing::FileSpacing;
+use super::tiff::Location;
 use super::{
     CoordinateSystem, GeoTags, Georeference, Grid, IoError, checked_points, exr, extension, png,
     raster, read_bytes,
@@ -28,11 +29,7 @@ use geosweep_surface::{MetricTensor, Spacing, Surface, SurfaceError};
 pub struct SurfaceFile {
     path: PathBuf,
     content: Content,
-    georeference: Result<Georeference, String>,
-    system: Result<CoordinateSystem, String>,
-    geo_tags: Option<GeoTags>,
-    /// The length of the unit of heights in metres, or the reason why it is not known.
-    metres: Result<f64, String>,
+    location: Location,
 }
 
 #[derive(Clone, Debug)]
@@ -51,19 +48,18 @@ impl SurfaceFile {
         let reason = |reason| IoError::content(path, reason);
         const NOWHERE: &str =
             "only a GeoTIFF (.tif) or an ESRI ASCII grid (.asc) says where it lies";
-        let mut georeference = Err(NOWHERE.into());
-        let mut system = Err(NOWHERE.into());
-        let mut geo_tags = None;
-        let mut metres = Ok(1.0);
+        let mut location = Location {
+            georeference: Err(NOWHERE.into()),
+            system: Err(NOWHERE.into()),
+            geo_tags: None,
+            metres: Ok(1.0),
+        };
         let content = match extension(path).as_str() {
             "npy" | "npz" => array(path)?,
             "png" => heights(png_heights(&read_bytes(path)?).map_err(reason)?),
             "tif" | "tiff" | "asc" => {
                 let raster = raster::read_values(path)?;
-                georeference = raster.georeference;
-                system = raster.system;
-                geo_tags = Some(raster.geo_tags);
-                metres = raster.metres;
+                location = raster.location;
                 Content::Heights(raster.grid, raster.spacing)
             }
             "exr" => match exr::decode(&read_bytes(path)?).map_err(reason)? {
@@ -78,7 +74,7 @@ impl SurfaceFile {
                 ));
             }
         };
-        Ok(Self { path: path.to_owned(), content, georeference, system, geo_tags, metres })
+        Ok(Self { path: path.to_owned(), content, location })
     }
 
     /// Returns whether the file holds heights and gives no distance between its points.
@@ -96,7 +92,7 @@ impl SurfaceFile {
     /// Returns whether the file's map coordinates may be longitudes and latitudes: the file says so, or it does not say
     /// what they are, as an ESRI ASCII grid without a .prj.
     pub fn may_be_in_degrees(&self) -> bool {
-        let is_projected = self.geo_tags.as_ref().is_some_and(GeoTags::is_projected);
+        let is_projected = self.location.geo_tags.as_ref().is_some_and(GeoTags::is_projected);
         match &self.content {
             Content::Heights(_, FileSpacing::Degrees(_)) => true,
             Content::Heights(_, FileSpacing::Known(_, unit)) => !unit.said && !is_projected,
@@ -109,7 +105,7 @@ impl SurfaceFile {
     /// # Errors
     /// If the file does not give them. The error says what is missing.
     pub fn georeference(&self) -> Result<Georeference, IoError> {
-        self.georeference.clone().map_err(|reason| IoError::content(&self.path, reason))
+        self.location.georeference.clone().map_err(|reason| IoError::content(&self.path, reason))
     }
 
     /// Returns the coordinate reference system of the map coordinates.
@@ -117,13 +113,13 @@ impl SurfaceFile {
     /// # Errors
     /// If the file does not name one by an EPSG code. The error says what is missing.
     pub fn system(&self) -> Result<CoordinateSystem, IoError> {
-        self.system.clone().map_err(|reason| IoError::content(&self.path, reason))
+        self.location.system.clone().map_err(|reason| IoError::content(&self.path, reason))
     }
 
     /// Returns the fields that give the location of a GeoTIFF, to be written to maps of the same grid. For an ESRI
     /// ASCII grid, equivalent fields are made from its header.
     pub fn geo_tags(&self) -> Option<&GeoTags> {
-        self.geo_tags.as_ref()
+        self.location.geo_tags.as_ref()
     }
 
     /// Returns the unit of lengths, if the file has one: `m` for projected GeoTIFFs in metres, `ft` or
@@ -140,7 +136,8 @@ impl SurfaceFile {
     pub fn into_heights(self) -> Result<Grid<f64>, IoError> {
         let held = match self.content {
             Content::Heights(grid, _) => {
-                let metres = self.metres.map_err(|why| IoError::content(&self.path, why))?;
+                let metres =
+                    self.location.metres.map_err(|why| IoError::content(&self.path, why))?;
                 return Ok(grid.map(|height| height * metres));
             }
             Content::Positions(_) => "positions",

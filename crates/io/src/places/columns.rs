@@ -37,18 +37,12 @@ const PLACES: [(&[&str], &[&str], Coordinates); 4] = [
     ),
 ];
 
-/// The name of a column or property, for messages.
-pub(super) enum Named<'a> {
-    Column(&'a str),
-    Property(&'a str),
-}
+/// A column or property with its name, for messages.
+pub(super) struct Named<'a>(pub &'static str, pub &'a str);
 
 impl fmt::Display for Named<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Column(name) => write!(f, "in column {}", excerpt(name)),
-            Self::Property(name) => write!(f, "in property {}", excerpt(name)),
-        }
+        write!(f, "in {} {}", self.0, excerpt(self.1))
     }
 }
 

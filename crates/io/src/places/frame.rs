@@ -119,20 +119,10 @@ impl GridFrame {
         let on_axis = |k: usize, last: f64| {
             let ([first, end], at) = (ends[k], place[k]);
             match at {
-                ..0.0 => {
-                    if at > 0.5 * first {
-                        0.0
-                    } else {
-                        first
-                    }
-                }
-                _ if at > last => {
-                    if at - last < 0.5 * (end - last) {
-                        last
-                    } else {
-                        end
-                    }
-                }
+                ..0.0 if at > 0.5 * first => 0.0,
+                ..0.0 => first,
+                _ if at > last && at - last < 0.5 * (end - last) => last,
+                _ if at > last => end,
                 _ => at.round(),
             }
         };

@@ -86,7 +86,7 @@ impl Reader {
                 }
                 continue;
             }
-            let (text, property) = (value.to_string(), Named::Property(name));
+            let (text, property) = (value.to_string(), Named("property", name));
             let number = match value {
                 JsonValue::Number(number) => number.as_f64(),
                 JsonValue::String(text) => text.trim().parse().ok(),

@@ -9,9 +9,10 @@ mod records;
 mod table;
 mod text;
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use super::{Grid, IoError, extension, read_bytes, read_mask};
+use super::{IoError, extension, read_bytes, read_mask};
 use content::{Content, Coordinates, CurveKind, FileCurve, FileCurves, Vertex};
 pub use frame::GridFrame;
 use geosweep_surface::Chart;
@@ -150,11 +151,10 @@ impl PlaceFile {
     /// If a place lies outside the grid; if places are in map coordinates and the surface has none, or is in
     /// another coordinate system; if the file holds indices.
     pub fn points(&self, frame: &GridFrame) -> Result<Vec<PlacedPoint>, IoError> {
-        if let Content::Raster(raster) = &self.content {
-            let cells = self.cells(raster, frame)?.into_iter();
-            return Ok(cells.map(|at| PlacedPoint { at, start: 0.0 }).collect());
-        }
-        let curves = self.file_curves()?;
+        self.placed(&*self.file_curves(frame)?, frame)
+    }
+
+    fn placed(&self, curves: &FileCurves, frame: &GridFrame) -> Result<Vec<PlacedPoint>, IoError> {
         let point = |vertex: &Vertex| {
             let at = self.place(curves, vertex, frame)?;
             Ok(PlacedPoint { at, start: vertex.start })
@@ -167,11 +167,7 @@ impl PlaceFile {
     /// # Errors
     /// The errors of [`PlaceFile::points`]. It is also an error if start values differ along a curve.
     pub fn curves(&self, frame: &GridFrame) -> Result<Vec<PlacedCurve>, IoError> {
-        if let Content::Raster(raster) = &self.content {
-            let cells = self.cells(raster, frame)?.into_iter();
-            return Ok(cells.map(|at| PlacedCurve { vertices: vec![at], start: 0.0 }).collect());
-        }
-        let file = self.file_curves()?;
+        let file = &*self.file_curves(frame)?;
         let mut placed = Vec::new();
         for curve in &file.curves {
             if curve.kind == CurveKind::Points {
@@ -225,8 +221,8 @@ impl PlaceFile {
             };
             return indices.iter().map(index).collect();
         }
-        let points = self.points(frame)?;
-        let Content::Curves(curves) = &self.content else { return Ok(points) };
+        let curves = &*self.file_curves(frame)?;
+        let points = self.placed(curves, frame)?;
         let vertices = curves.curves.iter().flat_map(FileCurve::once);
         let is_between = |(_, point): &(&Vertex, &PlacedPoint)| frame.nearest(point.at) != point.at;
         match vertices.zip(&points).find(is_between) {
@@ -243,26 +239,31 @@ impl PlaceFile {
         }
     }
 
-    /// Returns rows and columns of the cells that a raster selects. The raster must have the location of the
-    /// surface.
-    fn cells(&self, raster: &Grid<bool>, frame: &GridFrame) -> Result<Vec<[f64; 2]>, IoError> {
+    /// Returns the curves of the file. The cells that a raster selects are points; the raster must have the location of
+    /// the surface.
+    fn file_curves(&self, frame: &GridFrame) -> Result<Cow<'_, FileCurves>, IoError> {
+        let raster = match &self.content {
+            Content::Curves(curves) => return Ok(Cow::Borrowed(curves)),
+            Content::Indices(indices) => {
+                return Err(self.content(format!(
+                    "is an array of shape ({},); places have shape (K, 2): row, column, (K, 3) with a \
+                     start value, or (K, 5) as the tool writes",
+                    indices.len()
+                )));
+            }
+            Content::Raster(raster) => raster.clone(),
+        };
         let Chart { rows, cols } = frame.chart;
-        let place = frame.georeference.as_ref().ok();
-        let cells = raster.clone().fit_surface(&self.path, rows, cols, place)?;
-        let meant = cells.into_iter().enumerate().filter(|(_, meant)| *meant);
-        Ok(meant.map(|(index, _)| position(frame.chart, index)).collect())
-    }
-
-    fn file_curves(&self) -> Result<&FileCurves, IoError> {
-        match &self.content {
-            Content::Curves(curves) => Ok(curves),
-            Content::Raster(_) => Err(self.content("is a raster, not a list of places".into())),
-            Content::Indices(indices) => Err(self.content(format!(
-                "is an array of shape ({},); places have shape (K, 2): row, column, (K, 3) with a \
-                 start value, or (K, 5) as the tool writes",
-                indices.len()
-            ))),
-        }
+        let cells = raster.fit_surface(&self.path, rows, cols, frame.georeference.as_ref().ok())?;
+        let meant = (0..).zip(cells).filter(|(_, meant)| *meant);
+        let vertex =
+            |(number, _)| Vertex { place: position(frame.chart, number), start: 0.0, number };
+        let points = FileCurve { vertices: meant.map(vertex).collect(), kind: CurveKind::Points };
+        Ok(Cow::Owned(FileCurves {
+            curves: vec![points],
+            numbered: "cell",
+            ..FileCurves::default()
+        }))
     }
 
     fn place(

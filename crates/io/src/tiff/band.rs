@@ -2,8 +2,11 @@
 
 use std::borrow::Cow;
 
+use ::tiff::tags::Predictor;
+
+use super::compression::decode;
 use super::directory::File;
-use super::layout::{Layout, Predictor};
+use super::layout::Layout;
 
 /// Calls `put` with the row-major index of each grid point and the bits of its number, chunk by chunk. The
 /// bits are `None` in sparse chunks, which were never written.
@@ -41,7 +44,7 @@ pub fn read_band(
                 Cow::Borrowed(data)
             };
             let decoded =
-                layout.compression.decode(data, layout.chunk_bytes(down)).map_err(place)?;
+                decode(layout.compression, data, layout.chunk_bytes(down)).map_err(place)?;
             let (stride, first) = (layout.interleaved(), if layout.planar { 0 } else { band });
             for (row, bytes) in rows.zip(decoded.chunks_exact(layout.row_bytes())) {
                 unpack(bytes, layout, file.is_big_endian(), &mut words);

@@ -3,76 +3,56 @@
 use std::borrow::Cow;
 use std::io::Read;
 
+use ::tiff::tags::CompressionMethod;
 use flate2::read::ZlibDecoder;
 use weezl::LzwStatus;
 
 use super::cure::Cure;
 use crate::limits::{check_decoded, ratio};
 
-/// A supported compression.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Compression {
-    None,
-    PackBits,
-    Lzw,
-    Deflate,
+/// Returns the supported compression with this number, or an error with a command that converts the file.
+pub fn supported(number: u64, cure: &Cure) -> Result<CompressionMethod, String> {
+    let name = match number {
+        1 => return Ok(CompressionMethod::None),
+        5 => return Ok(CompressionMethod::LZW),
+        8 | 32946 => return Ok(CompressionMethod::Deflate),
+        32773 => return Ok(CompressionMethod::PackBits),
+        2..=4 => "CCITT fax",
+        6 | 7 => "JPEG, which loses digits",
+        34676 | 34677 => "SGI Log, which loses digits",
+        34712 => "JPEG 2000",
+        34887 => "LERC",
+        34892 | 50002 | 52546 => "JPEG XL",
+        34925 => "LZMA",
+        50000 => "ZSTD",
+        50001 => "WebP",
+        _ => "a kind that is not known",
+    };
+    Err(format!(
+        "is compressed by {name} (Compression {number}), which is not read; convert it: {}",
+        cure.translate("-co COMPRESS=DEFLATE")
+    ))
 }
 
-impl Compression {
-    /// Returns the compression with this number, or an error with a command that converts the file.
-    pub fn of(number: u64, cure: &Cure) -> Result<Self, String> {
-        let name = match number {
-            1 => return Ok(Self::None),
-            5 => return Ok(Self::Lzw),
-            8 | 32946 => return Ok(Self::Deflate),
-            32773 => return Ok(Self::PackBits),
-            2..=4 => "CCITT fax",
-            6 | 7 => "JPEG, which loses digits",
-            34676 | 34677 => "SGI Log, which loses digits",
-            34712 => "JPEG 2000",
-            34887 => "LERC",
-            34892 | 52546 => "JPEG XL",
-            34925 => "LZMA",
-            50000 => "ZSTD",
-            50001 => "WebP",
-            50002 => "JPEG XL",
-            _ => "a kind that is not known",
-        };
-        Err(format!(
-            "is compressed by {name} (Compression {number}), which is not read; convert it: {}",
-            cure.translate("-co COMPRESS=DEFLATE")
-        ))
-    }
-
-    /// Returns whether streams of this compression may hold differences instead of numbers.
-    pub fn has_predictor(self) -> bool {
-        matches!(self, Self::Lzw | Self::Deflate)
-    }
-
-    /// Returns the maximum ratio of decompressed to compressed bytes.
-    fn ratio(self) -> u64 {
-        match self {
-            Self::None => ratio::STORED,
-            Self::PackBits => ratio::RUNS,
-            Self::Lzw => ratio::LZW,
-            Self::Deflate => ratio::DEFLATE,
+/// Decompresses the first `size` bytes of a supported compression. The result may be longer, and callers ignore its
+/// rest. As in libtiff, data after the first `size` bytes are not decoded.
+pub fn decode(
+    compression: CompressionMethod,
+    data: Cow<[u8]>,
+    size: usize,
+) -> Result<Cow<[u8]>, String> {
+    let check = |ratio| check_decoded(data.len(), ratio, size);
+    let decoded: Cow<[u8]> = match compression {
+        CompressionMethod::PackBits => check(ratio::RUNS).map(|()| unpacked(&data, size))?.into(),
+        CompressionMethod::LZW => check(ratio::LZW).and_then(|()| lzw(&data, size))?.into(),
+        CompressionMethod::Deflate => {
+            check(ratio::DEFLATE).and_then(|()| inflated(&data, size))?.into()
         }
-    }
-
-    /// Decompresses the first `size` bytes. The result may be longer, and callers ignore its rest. As in libtiff, data
-    /// after the first `size` bytes are not decoded.
-    pub fn decode(self, data: Cow<[u8]>, size: usize) -> Result<Cow<[u8]>, String> {
-        check_decoded(data.len(), self.ratio(), size)?;
-        let decoded: Cow<[u8]> = match self {
-            Self::None => data,
-            Self::PackBits => unpacked(&data, size).into(),
-            Self::Lzw => lzw(&data, size)?.into(),
-            Self::Deflate => inflated(&data, size)?.into(),
-        };
-        match decoded.len() {
-            there if there < size => Err(format!("ends after {there} of {size} bytes")),
-            _ => Ok(decoded),
-        }
+        _ => check(ratio::STORED).map(|()| data)?,
+    };
+    match decoded.len() {
+        there if there < size => Err(format!("ends after {there} of {size} bytes")),
+        _ => Ok(decoded),
     }
 }
 

@@ -1,11 +1,13 @@
 //! Reads the fields that GDAL adds to GeoTIFF: the no-data value, scale and offset, and units.
 
+use ::tiff::tags::{SampleFormat, Tag};
 use roxmltree::Document;
 
 use super::directory::Directory;
-use super::layout::{Kind, Sample};
-use super::tag;
+use super::layout::Sample;
 use crate::c_number::c_number;
+
+const GDAL_METADATA: Tag = Tag::Unknown(42112);
 
 /// GDAL's metadata of a band.
 #[derive(Default)]
@@ -32,16 +34,15 @@ impl Metadata {
     /// Reads the fields 42112 and 42113 of a picture with one band and perhaps an opacity channel.
     pub fn read(directory: &Directory, sample: Sample) -> Result<Self, String> {
         let mut metadata = Self::default();
-        if let Some(text) = directory.text(tag::GDAL_NODATA)? {
+        if let Some(text) = directory.text(Tag::GdalNodata)? {
             metadata.add_no_data(&text, sample)?;
         }
-        let Some(text) = directory.text(tag::GDAL_METADATA)? else { return Ok(metadata) };
+        let Some(text) = directory.text(GDAL_METADATA)? else { return Ok(metadata) };
         if text.trim().is_empty() {
             return Ok(metadata);
         }
-        let document = Document::parse(text.trim()).map_err(|error| {
-            format!("its GDAL_METADATA (field {}) is no XML: {error}", tag::GDAL_METADATA)
-        })?;
+        let document = Document::parse(text.trim())
+            .map_err(|error| format!("its GDAL_METADATA (field 42112) is no XML: {error}"))?;
         let items = document.root_element().children();
         for item in items.filter(|item| item.tag_name().name().eq_ignore_ascii_case("Item")) {
             let attribute = |wanted: &str| {
@@ -83,10 +84,10 @@ impl Metadata {
             )
         })?;
         let exact = text.parse().ok();
-        let no_data = match sample.kind {
-            Kind::Float => Some(NoData::Float(value)),
+        let no_data = match sample.format {
+            SampleFormat::IEEEFP => Some(NoData::Float(value)),
             // GDAL drops the fraction, and ignores values beyond the range of the type.
-            Kind::Unsigned | Kind::Signed => {
+            _ => {
                 let (from, to) = sample.range();
                 let whole = exact.unwrap_or(value as i128);
                 let fits = !value.is_nan() && value >= from as f64 && (from..=to).contains(&whole);
@@ -134,8 +135,8 @@ impl Sample {
 
     /// Returns the least and the greatest integer that a sample can hold.
     fn range(self) -> (i128, i128) {
-        match self.kind {
-            Kind::Signed => (-(1 << (self.bits - 1)), (1 << (self.bits - 1)) - 1),
+        match self.format {
+            SampleFormat::Int => (-(1 << (self.bits - 1)), (1 << (self.bits - 1)) - 1),
             _ => (0, i128::from(self.mask())),
         }
     }

@@ -9,7 +9,7 @@ use ::tiff::encoder::{DirectoryEncoder, TiffKind, TiffValue};
 use ::tiff::tags::{Tag, Type};
 
 use super::directory::Directory;
-use super::{epsg_units, tag};
+use super::epsg_units;
 use crate::file_spacing::{FileSpacing, LinearUnit};
 use crate::{CoordinateSystem, Georeference};
 use geosweep_surface::Spacing;
@@ -57,14 +57,14 @@ struct Transform {
 
 impl GeoTags {
     pub(super) fn read(directory: &Directory) -> Result<Self, String> {
-        let keys = directory.integers(tag::GEO_KEY_DIRECTORY)?.unwrap_or_default();
+        let keys = directory.integers(Tag::GeoKeyDirectoryTag)?.unwrap_or_default();
         Ok(Self {
-            pixel_scale: directory.reals(tag::MODEL_PIXEL_SCALE)?,
-            tie_points: directory.reals(tag::MODEL_TIEPOINT)?,
-            transformation: directory.reals(tag::MODEL_TRANSFORMATION)?,
+            pixel_scale: directory.reals(Tag::ModelPixelScaleTag)?,
+            tie_points: directory.reals(Tag::ModelTiepointTag)?,
+            transformation: directory.reals(Tag::ModelTransformationTag)?,
             keys: keys.into_iter().map(|key| key as u16).collect(),
-            doubles: directory.reals(tag::GEO_DOUBLE_PARAMS)?,
-            text: directory.bytes(tag::GEO_ASCII_PARAMS)?.map(<[u8]>::to_vec),
+            doubles: directory.reals(Tag::GeoDoubleParamsTag)?,
+            text: directory.bytes(Tag::GeoAsciiParamsTag)?.map(<[u8]>::to_vec),
         })
     }
 
@@ -414,17 +414,6 @@ mod tests {
     }
 
     #[test]
-    fn pixels_lie_by_their_middles_or_where_they_are_points() {
-        let area = tags(&UTM).georeference().unwrap();
-        assert_eq!(area.system, Some(CoordinateSystem::Projected(32616)));
-        // The upper left corner of row 2, column 1 is at the tie point.
-        assert_eq!(area.coordinates([2.0, 1.0]), [5e5 + 15.0, 4e6 - 10.0]);
-        assert_eq!(area.coordinates([3.0, 3.0]), [5e5 + 75.0, 4e6 - 30.0]);
-        let point = tags(&[&UTM[..], &[1025, 0, 1, 2]].concat()).georeference().unwrap();
-        assert_eq!(point.coordinates([2.0, 1.0]), [5e5, 4e6]);
-    }
-
-    #[test]
     fn degrees_are_written_in_any_order_of_rows() {
         for down in [-0.5, 0.5] {
             let right = [0.25, 0.0];
@@ -448,19 +437,6 @@ mod tests {
         assert!(metres(9036).unwrap_err().contains("EPSG:9036"));
         assert!(tags(&UTM).metres_per_height(Some("m")).is_ok());
         assert!(tags(&UTM).metres_per_height(Some("fathom")).is_err());
-    }
-
-    #[test]
-    fn transformations_may_turn_the_raster() {
-        let mut tags = tags(&[1, 1, 0, 2, 1024, 0, 1, 2, 2048, 0, 1, 4326]);
-        let mut matrix = vec![0.0; 16];
-        matrix[..8].copy_from_slice(&[0.0, 0.5, 0.0, 10.0, 0.25, 0.0, 0.0, 50.0]);
-        tags.transformation = Some(matrix);
-        tags.pixel_scale = None;
-        let found = tags.georeference().unwrap();
-        assert_eq!(found.system, Some(CoordinateSystem::WGS_84));
-        // X grows by 0.5 per row, Y by 0.25 per column.
-        assert_eq!(found.coordinates([2.0, 4.0]), [10.0 + 0.5 * 2.5, 50.0 + 0.25 * 4.5]);
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! Reads the layout of a picture: its size, the type of its numbers, and the location of its strips or tiles.
 
-use super::compression::Compression;
+use ::tiff::tags::{CompressionMethod, PhotometricInterpretation, Predictor, SampleFormat, Tag};
+
+use super::compression::supported;
 use super::cure::Cure;
 use super::directory::Directory;
-use super::tag;
 use crate::limits::checked_points;
 
 /// The layout of a picture.
@@ -18,9 +19,10 @@ pub struct Layout {
     pub planar: bool,
     /// Index of the opacity channel, if there is one.
     pub alpha: Option<usize>,
-    pub photometric: Photometric,
+    /// Grey numbers, which are not inverted even if 0 is white, as in GDAL; indices into a table of colours; or a mask.
+    pub photometric: PhotometricInterpretation,
     pub predictor: Predictor,
-    pub compression: Compression,
+    pub compression: CompressionMethod,
     /// Whether the bits of each byte are stored in reverse order.
     pub reversed: bool,
     /// Rows and columns of a chunk. The last strip has fewer rows; tiles are padded.
@@ -39,38 +41,10 @@ pub struct Chunk {
 /// The type of a picture's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sample {
-    pub kind: Kind,
+    /// Unsigned or signed integers, or floating-point numbers.
+    pub format: SampleFormat,
     /// Number of bits, from 1 to 64.
     pub bits: usize,
-}
-
-/// The interpretation of the bits of a number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    Unsigned,
-    Signed,
-    Float,
-}
-
-/// The meaning of the numbers of a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Photometric {
-    /// The numbers themselves, even if 0 is white: as in GDAL they are not inverted.
-    Grey,
-    /// Indices into a table of colours.
-    Palette,
-    /// A mask of another picture.
-    Mask,
-}
-
-/// The transformation of numbers before compression.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Predictor {
-    None,
-    /// Differences of neighbours in a row.
-    Horizontal,
-    /// Differences of bytes. The most significant bytes of all numbers of a row come first.
-    FloatingPoint,
 }
 
 impl Layout {
@@ -80,16 +54,16 @@ impl Layout {
             value.ok_or_else(|| format!("is not a usable TIFF file: it lacks the field {name}"))
         };
         let or = |tag, value| Ok::<_, String>(directory.integer(tag)?.unwrap_or(value));
-        let rows = needed(tag::IMAGE_LENGTH, "ImageLength")?;
-        let cols = needed(tag::IMAGE_WIDTH, "ImageWidth")?;
+        let rows = needed(Tag::ImageLength, "ImageLength")?;
+        let cols = needed(Tag::ImageWidth, "ImageWidth")?;
         checked_points(rows, cols)?;
-        let samples = or(tag::SAMPLES_PER_PIXEL, 1)? as usize;
-        let alpha = match directory.integers(tag::EXTRA_SAMPLES)?.unwrap_or_default()[..] {
+        let samples = or(Tag::SamplesPerPixel, 1)? as usize;
+        let alpha = match directory.integers(Tag::ExtraSamples)?.unwrap_or_default()[..] {
             // Associated or unassociated alpha.
             [.., 1 | 2] if samples > 1 => Some(samples - 1),
             _ => None,
         };
-        let photometric = directory.integer(tag::PHOTOMETRIC)?;
+        let photometric = directory.integer(Tag::PhotometricInterpretation)?;
         match samples - usize::from(alpha.is_some()) {
             0 => return Err("is not a usable TIFF file: it has no band".into()),
             1 => {}
@@ -101,23 +75,25 @@ impl Layout {
             }
         }
         let photometric = match photometric {
-            None | Some(0 | 1) => Photometric::Grey,
-            Some(3) => Photometric::Palette,
-            Some(4) => Photometric::Mask,
+            None | Some(0 | 1) => PhotometricInterpretation::BlackIsZero,
+            Some(3) => PhotometricInterpretation::RGBPalette,
+            Some(4) => PhotometricInterpretation::TransparencyMask,
             Some(other) => {
                 return Err(format!(
                     "is a picture of colours (PhotometricInterpretation {other}), not of numbers"
                 ));
             }
         };
-        let compression = Compression::of(or(tag::COMPRESSION, 1)?, cure)?;
+        let compression = supported(or(Tag::Compression, 1)?, cure)?;
         let sample = Sample::read(directory, cure)?;
-        let predictor = match or(tag::PREDICTOR, 1)? {
+        let predictor = match or(Tag::Predictor, 1)? {
             // Other compressions have no predictor, and the field is ignored.
-            _ if !compression.has_predictor() => Predictor::None,
+            _ if !matches!(compression, CompressionMethod::LZW | CompressionMethod::Deflate) => {
+                Predictor::None
+            }
             1 => Predictor::None,
             2 if sample.is_whole_bytes() => Predictor::Horizontal,
-            3 if sample.kind == Kind::Float => Predictor::FloatingPoint,
+            3 if sample.format == SampleFormat::IEEEFP => Predictor::FloatingPoint,
             other => {
                 let Sample { bits, .. } = sample;
                 return Err(format!(
@@ -127,14 +103,14 @@ impl Layout {
                 ));
             }
         };
-        let reversed = match or(tag::FILL_ORDER, 1)? {
+        let reversed = match or(Tag::FillOrder, 1)? {
             1 => false,
             2 => true,
             other => {
                 return Err(format!("is not a usable TIFF file: FillOrder {other} is not valid"));
             }
         };
-        let planar = match or(tag::PLANAR_CONFIGURATION, 1)? {
+        let planar = match or(Tag::PlanarConfiguration, 1)? {
             1 => false,
             2 => samples > 1,
             other => {
@@ -143,15 +119,13 @@ impl Layout {
                 ));
             }
         };
-        let tiled = directory.has(tag::TILE_WIDTH);
+        let tiled = directory.has(Tag::TileWidth);
         let chunk = match tiled {
-            true => {
-                [needed(tag::TILE_LENGTH, "TileLength")?, needed(tag::TILE_WIDTH, "TileWidth")?]
-            }
+            true => [needed(Tag::TileLength, "TileLength")?, needed(Tag::TileWidth, "TileWidth")?],
             // The field's default, 2^32 - 1, stands for all rows.
             false => {
                 let all = u64::from(u32::MAX);
-                [(or(tag::ROWS_PER_STRIP, all)?.min(rows as u64)) as usize, cols]
+                [(or(Tag::RowsPerStrip, all)?.min(rows as u64)) as usize, cols]
             }
         };
         if chunk.contains(&0) {
@@ -178,8 +152,8 @@ impl Layout {
 
     fn chunks(&self, directory: &Directory) -> Result<Vec<Chunk>, String> {
         let (offsets, lengths) = match self.tiled {
-            true => (tag::TILE_OFFSETS, tag::TILE_BYTE_COUNTS),
-            false => (tag::STRIP_OFFSETS, tag::STRIP_BYTE_COUNTS),
+            true => (Tag::TileOffsets, Tag::TileByteCounts),
+            false => (Tag::StripOffsets, Tag::StripByteCounts),
         };
         let lacks =
             |name: &str| format!("is not a usable TIFF file: it lacks the {name} of its data");
@@ -187,7 +161,7 @@ impl Layout {
         let lengths = match directory.integers(lengths)? {
             Some(lengths) => lengths,
             // Old writers omit the lengths of chunks, which then follow from the picture's size.
-            None if self.compression == Compression::None => {
+            None if self.compression == CompressionMethod::None => {
                 let per_plane = self.chunks_down() * self.chunks_across();
                 let length = |index| self.chunk_bytes((index % per_plane) / self.chunks_across());
                 (0..offsets.len()).map(|index| length(index) as u64).collect()
@@ -257,13 +231,14 @@ impl Sample {
             }
             Ok(first)
         };
-        let bits = same(tag::BITS_PER_SAMPLE, 1, "BitsPerSample")?;
-        let format = same(tag::SAMPLE_FORMAT, 1, "SampleFormat")?;
-        let (kind, name) = match format {
-            // The value 4 is "undefined", which libtiff and GDAL treat as unsigned.
-            1 | 4 => (Kind::Unsigned, "unsigned"),
-            2 => (Kind::Signed, "signed"),
-            3 => (Kind::Float, "floating-point"),
+        let bits = same(Tag::BitsPerSample, 1, "BitsPerSample")?;
+        let format = same(Tag::SampleFormat, 1, "SampleFormat")?;
+        let (format, name, known) = match format {
+            // The value 4 is "undefined", which libtiff and GDAL treat as unsigned. GDAL stores the bytes of 24-bit
+            // numbers in an order of its own, whatever the byte order of the file.
+            1 | 4 => (SampleFormat::Uint, "unsigned", matches!(bits, 1..=23 | 25..=32 | 64)),
+            2 => (SampleFormat::Int, "signed", matches!(bits, 8 | 16 | 32 | 64)),
+            3 => (SampleFormat::IEEEFP, "floating-point", matches!(bits, 16 | 32 | 64)),
             5 | 6 => {
                 return Err(format!(
                     "holds complex numbers; this takes their real parts: {}",
@@ -276,20 +251,13 @@ impl Sample {
                 ));
             }
         };
-        let known = match kind {
-            // GDAL stores the bytes of 24-bit numbers in an order of its own, whatever the byte order of the
-            // file.
-            Kind::Unsigned => matches!(bits, 1..=23 | 25..=32 | 64),
-            Kind::Signed => matches!(bits, 8 | 16 | 32 | 64),
-            Kind::Float => matches!(bits, 16 | 32 | 64),
-        };
         if !known {
             return Err(format!(
                 "holds {name} numbers of {bits} bits, which are not read; convert them: {}",
                 cure.translate("-ot Float64")
             ));
         }
-        Ok(Self { kind, bits: bits as usize })
+        Ok(Self { format, bits: bits as usize })
     }
 
     /// Returns whether numbers fill whole bytes, and the number of bytes is a power of two.
@@ -299,12 +267,12 @@ impl Sample {
 
     /// Returns the number that the bits stand for.
     pub fn value(self, word: u64) -> f64 {
-        match (self.kind, self.bits) {
-            (Kind::Unsigned, _) => word as f64,
-            (Kind::Signed, bits) => ((word << (64 - bits)) as i64 >> (64 - bits)) as f64,
-            (Kind::Float, 16) => half::f16::from_bits(word as u16).to_f64(),
-            (Kind::Float, 32) => f64::from(f32::from_bits(word as u32)),
-            (Kind::Float, _) => f64::from_bits(word),
+        match (self.format, self.bits) {
+            (SampleFormat::Uint, _) => word as f64,
+            (SampleFormat::Int, bits) => ((word << (64 - bits)) as i64 >> (64 - bits)) as f64,
+            (_, 16) => half::f16::from_bits(word as u16).to_f64(),
+            (_, 32) => f64::from(f32::from_bits(word as u32)),
+            _ => f64::from_bits(word),
         }
     }
 }

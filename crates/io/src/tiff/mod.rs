@@ -11,17 +11,18 @@ mod epsg_units;
 mod gdal;
 mod geo_tags;
 mod layout;
-mod tag;
 mod write;
 
 use std::path::Path;
+
+use ::tiff::tags::{PhotometricInterpretation, Tag};
 
 use band::read_band;
 use cure::Cure;
 use directory::{Directory, File};
 use gdal::Metadata;
 pub use geo_tags::GeoTags;
-use layout::{Layout, Photometric};
+use layout::Layout;
 pub(super) use write::{Pair32Float, encode};
 
 use super::file_spacing::FileSpacing;
@@ -32,16 +33,19 @@ use super::{CoordinateSystem, Georeference, Grid};
 pub(super) struct Raster {
     pub grid: Grid<f64>,
     pub spacing: FileSpacing,
-    /// The location of the points, or a message that says which information is missing.
-    pub georeference: Result<Georeference, String>,
-    /// The coordinate reference system, or a message that says what is missing.
-    pub system: Result<CoordinateSystem, String>,
-    pub geo_tags: GeoTags,
-    /// The length of the unit of the values in metres, if they are heights, or a message that says why it is not
-    /// known.
-    pub metres: Result<f64, String>,
+    pub location: Location,
     /// Whether +infinity is the no-data value, as in maps that this crate writes.
     pub unreached: bool,
+}
+
+/// The location of a file's points, and the unit of its heights. Messages say what is missing.
+#[derive(Clone, Debug)]
+pub(super) struct Location {
+    pub georeference: Result<Georeference, String>,
+    pub system: Result<CoordinateSystem, String>,
+    pub geo_tags: Option<GeoTags>,
+    /// The length of the unit of heights in metres.
+    pub metres: Result<f64, String>,
 }
 
 /// The purpose for which a raster is read.
@@ -72,7 +76,7 @@ pub(super) fn decode(
         return Err("is not a usable TIFF file: it holds no picture".into());
     };
     let layout = Layout::read(main, &cure)?;
-    if layout.photometric == Photometric::Palette && role == Role::Values {
+    if layout.photometric == PhotometricInterpretation::RGBPalette && role == Role::Values {
         return Err(format!(
             "holds indices into a table of colours; this makes grey levels of the colours: {}; \
              this takes the indices as values: gdal_calc.py -A {} --calc=A --outfile=plain.tif",
@@ -94,7 +98,7 @@ pub(super) fn decode(
         read_band(&file, &layout, alpha, |point, word| hide(point, word.is_some_and(|a| a != 0)))?;
     }
     for other in others {
-        if other.integer(tag::NEW_SUBFILE_TYPE)?.unwrap_or(0) & (REDUCED | MASK) == MASK {
+        if other.integer(Tag::NewSubfileType)?.unwrap_or(0) & (REDUCED | MASK) == MASK {
             apply_mask(&file, other, &layout, &cure, &mut hide)
                 .map_err(|reason| format!("its mask: {reason}"))?;
         }
@@ -113,11 +117,13 @@ pub(super) fn decode(
     Ok(Raster {
         grid: Grid { georeference: georeference.as_ref().ok().copied(), ..grid },
         spacing: geo_tags.spacing(metadata.unit.as_deref()),
-        georeference,
-        system: geo_tags.system(),
-        metres: geo_tags.metres_per_height(metadata.unit.as_deref()),
+        location: Location {
+            georeference,
+            system: geo_tags.system(),
+            metres: geo_tags.metres_per_height(metadata.unit.as_deref()),
+            geo_tags: Some(geo_tags),
+        },
         unreached: metadata.is_infinite(),
-        geo_tags,
     })
 }
 
