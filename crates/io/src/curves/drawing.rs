@@ -6,8 +6,7 @@ use glam::DVec3;
 
 use crate::Georeference;
 use geosweep_geometry::{Curve, CurveError};
-use geosweep_surface::Chart;
-use geosweep_surface::Surface;
+use geosweep_surface::{Chart, Surface};
 
 /// A curve on a surface with its attributes.
 #[derive(Clone, Debug, PartialEq)]

@@ -310,11 +310,6 @@ mod tests {
     }
 
     #[test]
-    fn interrupted_matrices_are_resumed() {
-        assert_eq!(resumed_after(|_, _| {}).unwrap().rows(), 1);
-    }
-
-    #[test]
     fn an_unfinished_matrix_that_something_has_changed_is_refused() {
         let overwrite = |bytes: &'static [u8]| {
             move |part: &Path, _: &Path| {

@@ -1,18 +1,23 @@
 //! Splits a text table into records of fields, quoted or not, divided by separators or blanks.
 
+use std::io::{Chain, Read};
+
 use csv::{ReaderBuilder, StringRecord, Trim};
 
 /// A reader of records, line by line.
 pub(super) struct Records<'a> {
     text: &'a str,
-    separator: Option<u8>,
     source: Source<'a>,
 }
 
 enum Source<'a> {
-    Separated(Box<csv::Reader<&'a [u8]>>),
+    /// The text, followed by [`END`].
+    Separated(Box<csv::Reader<Chain<&'a [u8], &'static [u8]>>>),
     Blanks(std::iter::Enumerate<std::str::Lines<'a>>),
 }
+
+/// A line after a text, which is a record of its own unless the text ends inside quotes.
+const END: &[u8] = b"\nend";
 
 /// The fields of one record.
 #[derive(Default)]
@@ -34,11 +39,11 @@ impl<'a> Records<'a> {
                     .has_headers(false)
                     .flexible(true)
                     .trim(Trim::All)
-                    .from_reader(text.as_bytes()),
+                    .from_reader(text.as_bytes().chain(END)),
             )),
             None => Source::Blanks(text.lines().enumerate()),
         };
-        Self { text, separator, source }
+        Self { text, source }
     }
 
     /// Returns the next record that has a non-empty field.
@@ -68,14 +73,18 @@ impl<'a> Records<'a> {
             return Ok(None);
         }
         let (start, first_line) = record.position().map_or((0, 1), |at| (at.byte(), at.line()));
-        let raw = &self.text[start as usize..reader.position().byte() as usize];
+        let (end, size) = (reader.position().byte() as usize, self.text.len());
+        let raw = &self.text[size.min(start as usize)..size.min(end)];
         // The position is the end of the previous record. The reader skips empty lines between that place and
         // this record.
         let begin = raw.trim_start_matches(['\r', '\n']);
         let passed = raw[..raw.len() - begin.len()].matches('\n').count();
         let line = first_line as usize + passed;
-        if ends_inside_quotes(begin, self.separator) {
-            return Err(format!("line {line}: a quoted field has no end; close it by a `\"`"));
+        if end == size + END.len() {
+            return match begin.trim().is_empty() {
+                true => Ok(None),
+                false => Err(format!("line {line}: a quoted field has no end; close it by a `\"`")),
+            };
         }
         let fields = record.iter().map(unquoted).collect();
         Ok(Some(Record { fields, line, is_named: begin.trim_start().starts_with('"') }))
@@ -86,22 +95,6 @@ impl<'a> Records<'a> {
 fn unquoted(field: &str) -> String {
     let inside = field.strip_prefix('"').and_then(|field| field.strip_suffix('"'));
     inside.unwrap_or(field).to_owned()
-}
-
-/// Returns whether the text of a record ends inside a quoted field.
-fn ends_inside_quotes(record: &str, separator: Option<u8>) -> bool {
-    let separator = separator.map_or(' ', char::from);
-    let (mut is_quoted, mut at_start) = (false, true);
-    for c in record.chars() {
-        match c {
-            '"' if is_quoted => is_quoted = false,
-            // A doubled quote stands for a quote. Its first half closes the field, and its second half opens it again.
-            '"' if at_start => is_quoted = true,
-            _ => {}
-        }
-        at_start = !is_quoted && (c == separator || c == '"' || c == '\n' || c == '\r');
-    }
-    is_quoted
 }
 
 /// Splits a line into fields divided by blanks.
