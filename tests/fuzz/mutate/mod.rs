@@ -9,29 +9,11 @@ mod tiff;
 
 use crate::bodies::dice::Dice;
 
-/// Sizes and counts that break arithmetic.
-pub const NUMBERS: [u64; 20] = [
-    0,
-    1,
-    2,
-    3,
-    7,
-    16,
-    127,
-    255,
-    256,
-    1000,
-    0x7fff,
-    0xffff,
-    0x1_0000,
-    1 << 24,
-    1 << 28,
-    0x7fff_ffff,
-    0xffff_ffff,
-    1 << 32,
-    1 << 61,
-    u64::MAX,
-];
+/// Returns a size or count that may break arithmetic: a power of two from 1 to 2^64, or a neighbour of one.
+pub fn number(dice: &mut Dice) -> u64 {
+    let power = 1u64.checked_shl(dice.below(65) as u32).unwrap_or(0);
+    power.wrapping_add(dice.below(3) as u64).wrapping_sub(1)
+}
 
 /// Returns a mutated file for the body with this name, made from one of its valid files.
 pub fn mutated(name: &str, seeds: &[Vec<u8>], dice: &mut Dice) -> Vec<u8> {
@@ -88,9 +70,9 @@ fn mutate(bytes: &mut Vec<u8>, other: &[u8], dice: &mut Dice) {
     }
 }
 
-/// Writes one of [`NUMBERS`] at a place, with any width and byte order.
+/// Writes a [`number`] at a place, with any width and byte order.
 pub fn put(bytes: &mut [u8], place: usize, dice: &mut Dice) {
-    let number = dice.one_of(&NUMBERS);
+    let number = number(dice);
     let width = dice.one_of(&[1, 2, 4, 8]);
     let encoded = if dice.once_in(2) {
         number.to_le_bytes()[..width].to_vec()

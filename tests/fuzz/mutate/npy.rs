@@ -1,6 +1,6 @@
 //! NumPy's arrays: other types and shapes over the same data.
 
-use super::{NUMBERS, text};
+use super::{number, text};
 use crate::bodies::dice::Dice;
 
 const TYPES: [&str; 14] = [
@@ -33,5 +33,5 @@ pub fn mutate(bytes: &mut Vec<u8>, dice: &mut Dice) {
 }
 
 fn size(dice: &mut Dice) -> u64 {
-    if dice.once_in(2) { dice.below(8) as u64 } else { dice.one_of(&NUMBERS) }
+    if dice.once_in(2) { dice.below(8) as u64 } else { number(dice) }
 }

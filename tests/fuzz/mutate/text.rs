@@ -2,28 +2,8 @@
 
 use crate::bodies::dice::Dice;
 
-const WORDS: [&str; 20] = [
-    "0",
-    "-1",
-    "4",
-    "4.5",
-    "NaN",
-    "inf",
-    "-1e300",
-    "1e-320",
-    "4294967296",
-    "18446744073709551615",
-    "18446744073709551616",
-    "99999999999999999999999999999999",
-    "row",
-    "col",
-    "curve",
-    "closed",
-    "null",
-    "[[[[[[[[",
-    "\u{feff}",
-    "é",
-];
+const WORDS: &str = "0 -1 4 4.5 NaN inf -1e300 1e-320 4294967296 18446744073709551615 18446744073709551616 \
+                     99999999999999999999999999999999 row col curve closed null [[[[[[[[ \u{feff} é";
 const CHARACTERS: &[u8] = b",;\t \n\r#'\"{}[]():\0\xff\\";
 
 pub fn mutate(bytes: &mut Vec<u8>, dice: &mut Dice) {
@@ -31,7 +11,7 @@ pub fn mutate(bytes: &mut Vec<u8>, dice: &mut Dice) {
         return;
     }
     let place = dice.below(bytes.len());
-    let word = dice.one_of(&WORDS).bytes();
+    let word = dice.one_of(&WORDS.split(' ').collect::<Vec<_>>()).bytes();
     match dice.below(6) {
         0 | 1 => {
             // Replaces the next number.
