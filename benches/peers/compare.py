@@ -100,7 +100,7 @@ def numbers(text: str) -> list[int]:
 
 
 def source_of(surface: str, size: int) -> Place:
-    """Returns a source off the centre, as in `geosweep accuracy`, or the maze's first point."""
+    """Returns a source off the centre, as in `geosweep-lab accuracy`, or the maze's first point."""
     return (0, 0) if surface == "maze" else (round(0.31 * (size - 1)), round(0.41 * (size - 1)))
 
 

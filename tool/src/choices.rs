@@ -9,25 +9,17 @@ use geosweep::Wavefront;
 /// omitted.
 pub type Choice<T> = Option<T>;
 
-/// Parses one of several values by the name that the library prints. A hyphen stands for a space. Each value
-/// has a line of help, which may be empty.
+/// Additional names, each with the name that it stands for: the former name of circular fronts, and a common name
+/// of the Vulkan engine.
+const ALIASES: [(&str, &str); 2] = [("point", "circular"), ("gpu", "vulkan")];
+
+/// Parses one of several values by the name that the library prints, or by its alias. A hyphen stands for a
+/// space. Each value has a line of help, which may be empty.
 pub fn one_of<T>(table: &[(T, &'static str)]) -> impl TypedValueParser<Value = T> + use<T>
 where
     T: Clone + Display + Send + Sync + 'static,
 {
-    one_of_with_alias(table, None)
-}
-
-/// Parses one of several values, like [`one_of`]. `alias` is an additional name and the name that it stands
-/// for.
-pub fn one_of_with_alias<T>(
-    table: &[(T, &'static str)],
-    alias: Option<(&'static str, &'static str)>,
-) -> impl TypedValueParser<Value = T> + use<T>
-where
-    T: Clone + Display + Send + Sync + 'static,
-{
-    parser(table.iter().map(named).collect(), alias)
+    parser(table.iter().map(named).collect())
 }
 
 /// Parses one of several values, or `auto`, which leaves the choice open.
@@ -38,21 +30,9 @@ pub fn auto_or<T>(
 where
     T: Clone + Display + Send + Sync + 'static,
 {
-    auto_or_with_alias(help, table, None)
-}
-
-/// Parses one of several values or `auto`, like [`auto_or`]. `alias` is as in [`one_of_with_alias`].
-pub fn auto_or_with_alias<T>(
-    help: &'static str,
-    table: &[(T, &'static str)],
-    alias: Option<(&'static str, &'static str)>,
-) -> impl TypedValueParser<Value = Choice<T>> + use<T>
-where
-    T: Clone + Display + Send + Sync + 'static,
-{
     let auto = ("auto".into(), help, None);
     let named = |entry| some(named(entry));
-    parser(std::iter::once(auto).chain(table.iter().map(named)).collect(), alias)
+    parser(std::iter::once(auto).chain(table.iter().map(named)).collect())
 }
 
 /// Parses one of several values, or a given name that leaves the choice open.
@@ -65,7 +45,7 @@ where
 {
     let open = (name.into(), help, None);
     let named = |entry| some(named(entry));
-    parser(table.iter().map(named).chain([open]).collect(), None)
+    parser(table.iter().map(named).chain([open]).collect())
 }
 
 /// The name of a value, its line of help, and the value.
@@ -79,28 +59,19 @@ fn some<T>((name, help, value): Entry<T>) -> Entry<Choice<T>> {
     (name, help, Some(value))
 }
 
-fn parser<T>(
-    entries: Vec<Entry<T>>,
-    alias: Option<(&'static str, &'static str)>,
-) -> impl TypedValueParser<Value = T>
+fn parser<T>(entries: Vec<Entry<T>>) -> impl TypedValueParser<Value = T>
 where
     T: Clone + Send + Sync + 'static,
 {
     let possible = |(name, help, _): &Entry<T>| {
-        let value = PossibleValue::new(name.clone());
-        let value = if help.is_empty() { value } else { value.help(*help) };
-        match alias {
-            Some((alias, meant)) if meant == name => value.alias(alias),
-            _ => value,
-        }
+        let aliases = ALIASES.iter().filter(|(_, meant)| meant == name).map(|(alias, _)| alias);
+        let value = PossibleValue::new(name.clone()).aliases(aliases);
+        if help.is_empty() { value } else { value.help(*help) }
     };
     let names = PossibleValuesParser::new(entries.iter().map(possible));
     names.map(move |name| {
-        let name = match alias {
-            Some((alias, meant)) if alias == name => meant.into(),
-            _ => name,
-        };
-        let entry = entries.iter().find(|entry| entry.0 == name);
+        let meant = ALIASES.iter().find(|(alias, _)| *alias == name).map(|(_, meant)| *meant);
+        let entry = entries.iter().find(|entry| entry.0 == meant.unwrap_or(&name));
         entry.expect("only these names are possible").2.clone()
     })
 }

@@ -36,6 +36,18 @@ pub fn say(kind: &str, message: impl Display) {
     }
 }
 
+/// Prints a note, formatted as by `format!`.
+#[macro_export]
+macro_rules! note {
+    ($($words:tt)*) => { $crate::terminal::say("note", format_args!($($words)*)) };
+}
+
+/// Prints a warning, formatted as by `format!`.
+#[macro_export]
+macro_rules! warning {
+    ($($words:tt)*) => { $crate::terminal::say("warning", format_args!($($words)*)) };
+}
+
 /// The largest number of characters of a word in a message. Longer words are shortened. Usual file names are shorter.
 const LONGEST_WORD: usize = 300;
 

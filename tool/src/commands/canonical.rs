@@ -22,7 +22,7 @@ use crate::output::{Written, check_outputs, commit, done, stage_picture, wanted_
 use crate::picture::FormPicture;
 use crate::picture::scene::grid_triangles;
 use crate::problem::{SurfaceArgs, builtin_names, warn_of_no_convergence};
-use crate::terminal::{Outcome, Spinner, counted, print_json, progress, say};
+use crate::terminal::{Outcome, Spinner, counted, print_json, progress};
 
 /// The arguments of `geosweep canonical`.
 #[derive(clap::Args)]
@@ -64,10 +64,7 @@ pub struct Args {
     /// lines
     #[arg(long, value_name = "FILE.png", help_heading = "Reports")]
     picture: Option<PathBuf>,
-    /// Print one JSON object (docs/json.md): dimensions, placed and left_out (points), rows and cols (of the
-    /// grid that is used, null for a matrix), iterations, converged, raw_stress (the sum over all pairs of
-    /// the squared difference between straight and given distance), stress_1 (Kruskal's: the square root of
-    /// raw_stress over the sum of squared straight distances), start_stress, distance_seconds, form_seconds
+    /// Print one JSON object; docs/json.md and docs/geosweep.schema.json describe it
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -115,17 +112,14 @@ pub fn run(args: &Args) -> Outcome {
     let left_out = given - kept.len();
     if left_out > 0 {
         let kept = kept.len();
-        say(
-            "note",
-            format_args!("{left_out} points are left out: no path leads to the {kept} others"),
-        );
+        note!("{left_out} points are left out: no path leads to the {kept} others");
     }
     let start = Instant::now();
     let form = args.form(&distances)?;
     let form_seconds = start.elapsed().as_secs_f64();
     if !form.converged {
         let iterations = counted(form.iterations() as u64, "iteration");
-        say("warning", format_args!("not settled after {iterations}; give more --iterations"));
+        warning!("not settled after {iterations}; give more --iterations");
     }
     let placed = Placed::new(&form, points, &kept, chart);
     let written = outputs.write(&placed)?;
@@ -194,7 +188,7 @@ impl Pairs {
         }
         if let Some(path) = file.filter(|path| is_distance_matrix(path)) {
             let name = path.display();
-            say("note", format_args!("{name}: taken as a matrix of distances"));
+            note!("{name}: taken as a matrix of distances");
             return Self::from_matrix(path);
         }
         Self::from_surface(args)
@@ -212,12 +206,10 @@ impl Pairs {
         let (chart, points) = every_few(scene.chart(), args.points);
         if chart != scene.chart() {
             let (Chart { rows, cols }, whole) = (chart, scene.chart());
-            say(
-                "note",
-                format_args!(
-                    "{rows} x {cols} of the {} x {} points are used; --points takes more",
-                    whole.rows, whole.cols
-                ),
+            note!(
+                "{rows} x {cols} of the {} x {} points are used; --points takes more",
+                whole.rows,
+                whole.cols
             );
         }
         let points: Vec<usize> =

@@ -21,9 +21,7 @@ pub struct Args {
     /// is 0
     #[arg(short, long, value_name = "T", default_value_t = 1e-5, value_parser = tolerance)]
     tolerance: f64,
-    /// Print one JSON object (docs/json.md): max_difference and mean_difference (as fractions of scale), at
-    /// (row, column of the largest difference; null if no point is finite in both), scale (B's largest finite
-    /// value; null if B has only 0, so that differences are absolute), compared, only_in_a, only_in_b, equal
+    /// Print one JSON object; docs/json.md and docs/geosweep.schema.json describe it
     #[arg(long)]
     json: bool,
 }

@@ -8,7 +8,7 @@ use geosweep::shown::excerpt;
 use super::level_curves::{LevelCurves, comment, contours_of, range};
 use crate::numbers::Numbers;
 use crate::problem::{self, CurveFiles, ProblemArgs};
-use crate::terminal::{Outcome, say};
+use crate::terminal::Outcome;
 
 /// The arguments of `geosweep contours`.
 #[derive(clap::Args)]
@@ -25,8 +25,7 @@ pub struct Args {
     #[command(flatten)]
     problem: ProblemArgs,
 
-    /// Print one JSON object: the members of `distance --json` on the map, and levels, an array of objects
-    /// with level, curves, closed (number of closed curves), vertices and length (in the unit of the surface)
+    /// Print one JSON object; docs/json.md and docs/geosweep.schema.json describe it
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -88,7 +87,7 @@ pub fn run(args: &Args) -> Outcome {
     let found = contours_of(&problem, &levels);
     comment(&found, &problem)?;
     if found.is_empty() {
-        say("note", format_args!("no curve: {}", range(&problem.map)));
+        note!("no curve: {}", range(&problem.map));
     }
     let quantity = args.problem.quantity(&problem.scene);
     LevelCurves { command: "contours", kind: "contour", side: None, problem, found }

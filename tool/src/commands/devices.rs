@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::limits;
 use crate::ceilings::{CpuCeilings, DeviceCeilings};
-use crate::terminal::{List, Outcome, Spinner, print, print_json, say};
+use crate::terminal::{List, Outcome, Spinner, print, print_json};
 
 /// The arguments of `geosweep devices`.
 #[derive(clap::Args)]
@@ -21,9 +21,7 @@ pub struct Args {
     /// Print, as Markdown, the properties of each device that matter for maps: its limits, queues and memory
     #[arg(long, conflicts_with_all = ["measure", "json"])]
     limits: bool,
-    /// Print one JSON object (docs/json.md): devices, an array of index, name, kind, api_version, driver,
-    /// unmet (requirements). With --measure, each usable device has its ceilings too, and cpu is an array of
-    /// ceilings by number of threads. Rates are per second, times in seconds
+    /// Print one JSON object; docs/json.md and docs/geosweep.schema.json describe it
     #[arg(long)]
     json: bool,
 }
@@ -69,7 +67,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     let found = match vulkan::devices() {
         Err(error) if args.measure => {
-            say("note", format_args!("no Vulkan device: {error}"));
+            note!("no Vulkan device: {error}");
             Vec::new()
         }
         other => other?,

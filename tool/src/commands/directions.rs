@@ -8,15 +8,12 @@ use clap::ValueEnum;
 use geosweep::geometry::{
     BackDirections, LogMap, Nearest, signed_distances, signed_distances_by_mask,
 };
-use geosweep::io::{
-    OutputFile, StagedFile, read_mask, write_bearings_tiff, write_labels_tiff, write_npy,
-    write_vectors_tiff,
-};
+use geosweep::io::{OutputFile, StagedFile, read_mask};
 use geosweep::surface::{EdgeLengths, Real};
 use geosweep::{DistanceMap, Sources};
 
-use super::labels::has_extension;
-use crate::output::{stage_picture, wanted_png};
+use super::labels::{Values, grid_output, stage_values};
+use crate::output::{png_output, stage_picture};
 use crate::picture::Arrows;
 use crate::precision::Number;
 use crate::problem::Scene;
@@ -83,51 +80,60 @@ enum DirectionFormat {
     Vector,
 }
 
+/// An output beside the map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    BackDirection,
+    BackLink,
+    Nearest,
+    SourceDirection,
+    LogMap,
+    Picture,
+}
+
 /// The files to write. They are checked before the computation starts.
 pub struct DirectionOutputs {
     format: DirectionFormat,
-    back_direction: Option<OutputFile>,
-    back_link: Option<OutputFile>,
-    nearest: Option<OutputFile>,
-    source_direction: Option<OutputFile>,
-    log_map: Option<OutputFile>,
-    picture: Option<OutputFile>,
+    files: Vec<(Kind, OutputFile)>,
 }
 
 impl DirectionArgs {
+    /// Returns the requested outputs: the kind, the option, what is written, and the file.
+    fn wanted(&self) -> impl Iterator<Item = (Kind, &'static str, &'static str, &PathBuf)> {
+        [
+            (Kind::BackDirection, "--back-direction", "directions are", &self.back_direction),
+            (Kind::BackLink, "--back-link", "back links are", &self.back_link),
+            (Kind::Nearest, "--nearest", "nearest sources are", &self.nearest),
+            (Kind::SourceDirection, "--source-direction", "directions are", &self.source_direction),
+            (Kind::LogMap, "--log-map", "a log map is", &self.log_map),
+            (Kind::Picture, "--direction-picture", "a picture is", &self.direction_picture),
+        ]
+        .into_iter()
+        .filter_map(|(kind, option, what, path)| Some((kind, option, what, path.as_ref()?)))
+    }
+
     pub fn outputs(&self) -> Result<DirectionOutputs, Box<dyn Error>> {
         let format = self.direction_format;
-        let grid = |path: &Option<PathBuf>, what| {
-            path.as_ref().map(|path| grid_output(path, what)).transpose()
-        };
         if format == DirectionFormat::Vector && self.source_direction.is_some() {
             return Err("--source-direction is in degrees; choose --direction-format compass or \
                         grass, or write --log-map, which has vectors"
                 .into());
         }
+        let file = |(kind, _, what, path): (_, _, _, &PathBuf)| {
+            let file =
+                if kind == Kind::Picture { png_output(path) } else { grid_output(path, what) };
+            Ok((kind, file?))
+        };
         Ok(DirectionOutputs {
             format,
-            back_direction: grid(&self.back_direction, "directions are")?,
-            back_link: grid(&self.back_link, "back links are")?,
-            nearest: grid(&self.nearest, "nearest sources are")?,
-            source_direction: grid(&self.source_direction, "directions are")?,
-            log_map: grid(&self.log_map, "a log map is")?,
-            picture: wanted_png(self.direction_picture.as_ref())?,
+            files: self.wanted().map(file).collect::<Result<_, Box<dyn Error>>>()?,
         })
     }
 
     /// Refuses directions on surfaces that have none.
     pub fn check(&self, scene: &Scene) -> Result<(), String> {
-        let wanted = [
-            ("--back-direction", self.back_direction.is_some()),
-            ("--back-link", self.back_link.is_some()),
-            ("--nearest", self.nearest.is_some()),
-            ("--source-direction", self.source_direction.is_some()),
-            ("--log-map", self.log_map.is_some()),
-            ("--direction-picture", self.direction_picture.is_some()),
-        ];
-        let first = wanted.into_iter().find(|(_, is_wanted)| *is_wanted);
-        first.map_or(Ok(()), |(what, _)| scene.refuse_directions(what))
+        let first = self.wanted().next();
+        first.map_or(Ok(()), |(_, option, ..)| scene.refuse_directions(option))
     }
 
     /// Returns the input file of these arguments, the mask of the inside.
@@ -162,22 +168,9 @@ impl SignArgs {
     }
 }
 
-/// Returns the output file for numbers at each point.
-fn grid_output(path: &Path, what: &str) -> Result<OutputFile, Box<dyn Error>> {
-    if !has_extension(path, &["npy", "tif", "tiff"]) {
-        let name = path.display();
-        return Err(format!("{name}: {what} written as .npy or .tif; choose such a name").into());
-    }
-    Ok(OutputFile::new(path)?)
-}
-
 impl DirectionOutputs {
     pub fn files(&self) -> impl Iterator<Item = &OutputFile> {
-        let Self { back_direction, back_link, nearest, source_direction, log_map, picture, .. } =
-            self;
-        [back_direction, back_link, nearest, source_direction, log_map, picture]
-            .into_iter()
-            .flatten()
+        self.files.iter().map(|(_, file)| file)
     }
 
     /// Writes all files. They do not have their final names yet.
@@ -187,102 +180,62 @@ impl DirectionOutputs {
         sources: &Sources,
         map: &DistanceMap<R>,
     ) -> Result<Vec<StagedFile>, Box<dyn Error>> {
-        let mut staged = Vec::new();
-        if self.files().next().is_none() {
-            return Ok(staged);
+        if self.files.is_empty() {
+            return Ok(Vec::new());
         }
         let map = map.to_single();
         let surface = &scene.surface;
         let edges = EdgeLengths::new(surface)?;
         let spinner = Spinner::new("finding directions");
-        let is_back = self.back_direction.is_some() || self.back_link.is_some();
-        let ways = (is_back || self.picture.is_some())
+        let wants = |kinds: &[Kind]| self.files.iter().any(|(kind, _)| kinds.contains(kind));
+        let ways = wants(&[Kind::BackDirection, Kind::BackLink, Kind::Picture])
             .then(|| BackDirections::new(surface, &edges, sources, &map.distances))
             .transpose()?;
-        let is_log = self.log_map.is_some() || self.source_direction.is_some();
-        let log_map = is_log.then(|| LogMap::new(surface, sources)).transpose()?;
+        let ways = || ways.as_ref().expect("these outputs want it");
+        let log_map = wants(&[Kind::SourceDirection, Kind::LogMap])
+            .then(|| LogMap::new(surface, sources))
+            .transpose()?;
         let log_map = log_map.map(|log_map| log_map.where_reached(&map.distances));
+        let log_map = || log_map.as_ref().expect("these outputs want it");
         drop(spinner);
-        let write = Write { scene };
-        if let Some((output, ways)) = self.back_direction.zip(ways.as_ref()) {
-            staged.push(match self.format {
-                DirectionFormat::Compass => write.bearings(output, &ways.compass())?,
-                DirectionFormat::Grass => write.bearings(output, &ways.grass())?,
-                DirectionFormat::Vector => write.vectors(output, &ways.in_chart())?,
-            });
-        }
-        if let Some((output, ways)) = self.back_link.zip(ways.as_ref()) {
-            let links: Vec<i32> = ways.links().into_iter().map(i32::from).collect();
-            staged.push(write.labels(output, &links)?);
-        }
-        if let Some(output) = self.nearest {
-            let nearest = Nearest::new(surface, &edges, sources, &map.distances)?;
-            staged.push(write.labels(output, &nearest.sources)?);
-        }
-        if let Some((output, log_map)) = self.source_direction.zip(log_map.as_ref()) {
-            staged.push(match self.format {
-                DirectionFormat::Grass => write.bearings(output, &log_map.source_grass(surface))?,
-                _ => write.bearings(output, &log_map.source_compass(surface))?,
-            });
-        }
-        if let Some((output, log_map)) = self.log_map.zip(log_map.as_ref()) {
-            staged.push(write.vectors(output, &log_map.coordinates)?);
-        }
-        if let Some((output, ways)) = self.picture.zip(ways.as_ref()) {
-            let picture = Arrows {
-                surface,
-                shape: scene.shape(),
-                sources,
-                values: &map.distances,
-                directions: &ways.in_chart(),
-                bearings: &ways.compass(),
+        let stage = |(kind, output): (Kind, OutputFile)| {
+            let angles = match (kind, self.format) {
+                (Kind::BackDirection, DirectionFormat::Compass) => ways().compass(),
+                (Kind::BackDirection, DirectionFormat::Grass) => ways().grass(),
+                (Kind::SourceDirection, DirectionFormat::Grass) => log_map().source_grass(surface),
+                (Kind::SourceDirection, _) => log_map().source_compass(surface),
+                _ => Vec::new(),
             };
-            staged.push(stage_picture(output, || picture.draw())?);
-        }
-        Ok(staged)
-    }
-}
-
-/// A writer of values at the given points. Its methods take values at all points of a map.
-struct Write<'a> {
-    scene: &'a Scene,
-}
-
-impl Write<'_> {
-    fn shape(&self) -> [usize; 2] {
-        [self.scene.chart().rows, self.scene.chart().cols]
-    }
-
-    fn bearings(&self, output: OutputFile, bearings: &[f32]) -> Result<StagedFile, Box<dyn Error>> {
-        let ([rows, cols], bearings) = (self.shape(), &self.scene.crop(bearings));
-        let is_array = has_extension(output.path(), &["npy"]);
-        Ok(output.stage(|writer| match is_array {
-            true => write_npy(writer, &[rows, cols], bearings),
-            false => {
-                write_bearings_tiff(writer, rows, cols, bearings, self.scene.geo_tags.as_ref())
-            }
-        })?)
-    }
-
-    fn labels(&self, output: OutputFile, labels: &[i32]) -> Result<StagedFile, Box<dyn Error>> {
-        let ([rows, cols], labels) = (self.shape(), &self.scene.crop(labels));
-        let is_array = has_extension(output.path(), &["npy"]);
-        Ok(output.stage(|writer| match is_array {
-            true => write_npy(writer, &[rows, cols], labels),
-            false => write_labels_tiff(writer, rows, cols, labels, self.scene.geo_tags.as_ref()),
-        })?)
-    }
-
-    fn vectors(
-        &self,
-        output: OutputFile,
-        vectors: &[[f32; 2]],
-    ) -> Result<StagedFile, Box<dyn Error>> {
-        let ([rows, cols], vectors) = (self.shape(), &self.scene.crop(vectors));
-        let is_array = has_extension(output.path(), &["npy"]);
-        Ok(output.stage(|writer| match is_array {
-            true => write_npy(writer, &[rows, cols, 2], vectors.as_flattened()),
-            false => write_vectors_tiff(writer, rows, cols, vectors, self.scene.geo_tags.as_ref()),
-        })?)
+            let (labels, vectors);
+            let values = match kind {
+                Kind::BackDirection if self.format == DirectionFormat::Vector => {
+                    vectors = ways().in_chart();
+                    Values::Vectors(&vectors)
+                }
+                Kind::BackDirection | Kind::SourceDirection => Values::Bearings(&angles),
+                Kind::BackLink => {
+                    labels = ways().links().into_iter().map(i32::from).collect::<Vec<_>>();
+                    Values::Labels(&labels)
+                }
+                Kind::Nearest => {
+                    labels = Nearest::new(surface, &edges, sources, &map.distances)?.sources;
+                    Values::Labels(&labels)
+                }
+                Kind::LogMap => Values::Vectors(&log_map().coordinates),
+                Kind::Picture => {
+                    let picture = Arrows {
+                        surface,
+                        shape: scene.shape(),
+                        sources,
+                        values: &map.distances,
+                        directions: &ways().in_chart(),
+                        bearings: &ways().compass(),
+                    };
+                    return Ok(stage_picture(output, || picture.draw())?);
+                }
+            };
+            Ok(stage_values(output, scene, values)?)
+        };
+        self.files.into_iter().map(stage).collect()
     }
 }

@@ -17,7 +17,7 @@ use crate::precision::{InPrecision, Number, Precision};
 use crate::problem::{
     self, LimitArgs, MapSummary, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs,
 };
-use crate::terminal::{Outcome, Spinner, print_json, say};
+use crate::terminal::{Outcome, Spinner, print_json};
 
 /// The arguments of `geosweep distance`.
 #[derive(clap::Args)]
@@ -60,13 +60,7 @@ pub struct Args {
 
     #[command(flatten)]
     picture: PictureArgs,
-    /// Print one JSON object (docs/json.md): version, command, precision, engine, device, reason (why the
-    /// tool chose this engine, if it did), fallback, schedule, wavefront, iterations, iteration_bound
-    /// (Theorem 1's, where it applies), residual, converged, solve_seconds, rows, cols, points, reached,
-    /// max_distance, farthest (row and column of the first point at that distance), seams (where a closed
-    /// surface is cut open), sharp_edges (the share of edges along which the surface turns by more than 30
-    /// degrees), extrapolated, and with --error or --extrapolate the estimated mean_relative_error and
-    /// max_relative_error before extrapolation
+    /// Print one JSON object; docs/json.md and docs/geosweep.schema.json describe it
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -196,23 +190,19 @@ impl Args {
         problem::comment(report, options);
         if let Some(Estimate { mean_relative, max_relative, unknown, .. }) = solved.estimate {
             let before = if self.extrapolate { " before extrapolation" } else { "" };
-            say(
-                "note",
-                format_args!(
-                    "estimated relative error{before}: mean {mean_relative:.1e}, largest \
+            note!(
+                "estimated relative error{before}: mean {mean_relative:.1e}, largest \
                      {max_relative:.1e}"
-                ),
             );
             if unknown > 0 {
-                say("note", format_args!("{unknown} points have no estimate of their error"));
+                note!("{unknown} points have no estimate of their error");
             }
         }
         let holes = report.points < surface.chart().points();
         if self.extrapolate && holes && report.wavefront != Wavefront::Anchored {
-            say(
-                "note",
+            note!(
                 "extrapolated distances are less accurate than plain ones where paths bend around \
-                 holes",
+                 holes"
             );
         }
     }

@@ -12,8 +12,8 @@ use serde::Serialize;
 
 use crate::output::{commit, stage_picture};
 use crate::picture::{Canvas, Look, MapPicture, rgb, scale_of};
-use crate::problem::{CurveFiles, MapReport, Problem, done_with_map};
-use crate::terminal::{Outcome, print_json, say};
+use crate::problem::{CurveFiles, Problem, done_with_map};
+use crate::terminal::{List, Outcome};
 
 /// Returns the contours of a map, which go on over the seams of its surface.
 pub fn contours_of(problem: &Problem, levels: &[f64]) -> Vec<Contour> {
@@ -47,11 +47,8 @@ impl LevelCurves {
         done_with_map(scene, &map.report, &written);
         if json {
             let level = |(contour, lengths): (_, &Vec<f64>)| Level::new(contour, lengths);
-            let summary = Summary {
-                map: self.problem.report(),
-                levels: self.found.iter().zip(&lengths).map(level).collect(),
-            };
-            print_json(self.command, &summary)?;
+            let levels: Vec<_> = self.found.iter().zip(&lengths).map(level).collect();
+            self.problem.report().print(self.command, &List("levels", &levels))?;
         }
         Ok(ExitCode::SUCCESS)
     }
@@ -107,13 +104,6 @@ impl LevelCurves {
 }
 
 #[derive(Serialize)]
-struct Summary<'a> {
-    #[serde(flatten)]
-    map: MapReport<'a>,
-    levels: Vec<Level>,
-}
-
-#[derive(Serialize)]
 struct Level {
     level: f64,
     curves: usize,
@@ -149,12 +139,12 @@ pub fn comment(found: &[Contour], problem: &Problem) -> Result<(), SourceError> 
     };
     let outside = levels(&|contour| contour.curves.is_empty() && !is_within(contour));
     if !outside.is_empty() {
-        say("note", format_args!("no curve at {outside}: {}", range(map)));
+        note!("no curve at {outside}: {}", range(map));
     }
     let within = levels(&|contour| contour.curves.is_empty() && is_within(contour));
     if !within.is_empty() {
         let why = why_none(found.iter().filter(|contour| is_within(contour)), problem);
-        say("note", format_args!("no curve at {within}: {why}"));
+        note!("no curve at {within}: {why}");
     }
     let near = sources
         .iter()
@@ -164,13 +154,10 @@ pub fn comment(found: &[Contour], problem: &Problem) -> Result<(), SourceError> 
         !contour.curves.is_empty() && near.iter().any(|near| near.contains(&contour.level))
     });
     if !cut.is_empty() {
-        say(
-            "note",
-            format_args!(
-                "the curves at {cut} run between a source and the points of the grid beside it, \
+        note!(
+            "the curves at {cut} run between a source and the points of the grid beside it, \
                  closer than the grid's spacing there, and parts of them are missing; a finer grid \
                  has them whole"
-            ),
         );
     }
     Ok(())

@@ -31,8 +31,7 @@ pub struct Args {
     #[command(flatten)]
     problem: ProblemArgs,
 
-    /// Print one JSON object: the members of `distance --json` on the map, and levels, an array of objects
-    /// with level, curves, closed (number of closed curves), vertices and length (in the unit of the surface)
+    /// Print one JSON object; docs/json.md and docs/geosweep.schema.json describe it
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }

@@ -14,8 +14,8 @@ use super::over_map::draw_over_map;
 use crate::numbers::{coordinates, place, place_xy};
 use crate::output::{commit, stage_picture};
 use crate::picture::{path_line, rgb};
-use crate::problem::{self, CurveFiles, MapReport, Problem, ProblemArgs, Scene};
-use crate::terminal::{Outcome, Spinner, counted, print_json, say};
+use crate::problem::{self, CurveFiles, Problem, ProblemArgs, Scene};
+use crate::terminal::{List, Outcome, Spinner, counted};
 
 /// The arguments of `geosweep path`.
 #[derive(clap::Args)]
@@ -44,11 +44,7 @@ pub struct Args {
     #[command(flatten)]
     problem: ProblemArgs,
 
-    /// Print one JSON object: the members of `distance --json` on the map, and paths, an array of objects
-    /// with from, distance (the map's value at the start), length (of the path, times the slowness; together
-    /// with the source's start value it equals the distance, apart from errors), time (length as a travel
-    /// time; null without a slowness), surface_length (without any slowness), source (its index in the order
-    /// of --source, --source-xy, --source-lonlat, --source-points and --source-curve) and vertices
+    /// Print one JSON object; docs/json.md and docs/geosweep.schema.json describe it
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -102,7 +98,7 @@ pub fn run(args: &Args) -> Outcome {
     let written = commit(staged)?;
     problem::done_with(scene, &map.report, [lengths(&rows, args.problem.unit(scene))], &written);
     if args.json {
-        print_json("path", &Summary { map: problem.report(), paths: rows })?;
+        problem.report().print("path", &List("paths", &rows))?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -122,10 +118,7 @@ impl Args {
             problem::remark(path, file, frame);
             if file.has_starts() {
                 let name = path.display();
-                say(
-                    "note",
-                    format_args!("{name}: its start values are not used, since paths start there"),
-                );
+                note!("{name}: its start values are not used, since paths start there");
             }
         }
         Ok(starts)
@@ -166,13 +159,6 @@ fn polylines(paths: &[Path], rows: &[Row], scene: &Scene) -> Result<Vec<Polyline
         Ok(Polyline { color: rgb([0.75, 0.2, 0.1]), ..polyline })
     };
     paths.iter().zip(rows).map(polyline).collect()
-}
-
-#[derive(Serialize)]
-struct Summary<'a> {
-    #[serde(flatten)]
-    map: MapReport<'a>,
-    paths: Vec<Row>,
 }
 
 #[derive(Serialize)]

@@ -12,8 +12,8 @@ use serde::Serialize;
 use super::over_map::draw_over_map;
 use crate::output::{commit, stage_picture};
 use crate::picture::{rgb, ridge_line};
-use crate::problem::{self, CurveFiles, MapReport, Problem, ProblemArgs, Scene};
-use crate::terminal::{Outcome, Spinner, print_json};
+use crate::problem::{self, CurveFiles, Problem, ProblemArgs, Scene};
+use crate::terminal::{List, Outcome, Spinner};
 
 /// The arguments of `geosweep ridges`.
 #[derive(clap::Args)]
@@ -32,9 +32,7 @@ pub struct Args {
     #[command(flatten)]
     problem: ProblemArgs,
 
-    /// Print one JSON object: the members of `distance --json` on the map, and ridges, an array of objects
-    /// with vertices, closed, length (in the unit of the surface), least_angle and largest_angle (between the
-    /// fronts along the line, in degrees)
+    /// Print one JSON object; docs/json.md and docs/geosweep.schema.json describe it
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -86,8 +84,7 @@ pub fn run(args: &Args) -> Outcome {
     let written = commit(staged)?;
     problem::done_with_map(scene, &map.report, &written);
     if args.json {
-        let map = problem.report();
-        print_json("ridges", &Summary { map, ridges: rows })?;
+        problem.report().print("ridges", &List("ridges", &rows))?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -104,13 +101,6 @@ fn polylines(ridges: &[Ridge], rows: &[Row], scene: &Scene) -> Result<Vec<Polyli
         Ok(Polyline { color: rgb([0.75, 0.2, 0.1]), ..polyline })
     };
     ridges.iter().zip(rows).map(polyline).collect()
-}
-
-#[derive(Serialize)]
-struct Summary<'a> {
-    #[serde(flatten)]
-    map: MapReport<'a>,
-    ridges: Vec<Row>,
 }
 
 #[derive(Serialize)]

@@ -44,10 +44,7 @@ pub struct Args {
     #[command(flatten)]
     picture: PictureArgs,
 
-    /// Print one JSON object: radius (the largest distance from a point to its nearest sample; null while a
-    /// part of the surface has no sample) and samples, an array of objects with row, col and radius (the
-    /// distance from all samples before it; null for the first sample, and for the first on each part of the
-    /// surface)
+    /// Print one JSON object; docs/json.md and docs/geosweep.schema.json describe it
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }

@@ -5,7 +5,7 @@ use geosweep::surface::EdgeLengths;
 use geosweep::{Sources, Surface};
 use serde::Serialize;
 
-use crate::terminal::{progress, say};
+use crate::terminal::progress;
 
 /// Computes `count` samples, or fewer if the surface has fewer points, and the map from them. All samples but the first
 /// are taken from `candidates`, if these are given.
@@ -28,7 +28,7 @@ pub fn farthest_points<'a>(
     bar.finish_and_clear();
     let found = samples.len();
     if found < count {
-        say("note", format_args!("only {found} samples, not {count}: every point is a sample"));
+        note!("only {found} samples, not {count}: every point is a sample");
     }
     Ok((points, samples))
 }

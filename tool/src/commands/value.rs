@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::numbers::{coordinates, place, place_xy};
 use crate::output::check_outputs;
 use crate::problem::{self, MapReport, SolverArgs, SourceArgs, SurfaceArgs};
-use crate::terminal::{Outcome, print, print_json};
+use crate::terminal::{List, Outcome, print};
 
 /// The arguments of `geosweep value`.
 #[derive(clap::Args)]
@@ -33,17 +33,9 @@ pub struct Args {
     #[command(flatten)]
     solver: SolverArgs,
 
-    /// Print one JSON object (docs/json.md) in place of lines: what `distance` prints of the map, and values,
-    /// an object with row, col and distance for each place
+    /// Print one JSON object in place of lines; docs/json.md and docs/geosweep.schema.json describe it
     #[arg(long, help_heading = "Reports")]
     json: bool,
-}
-
-#[derive(Serialize)]
-struct Summary<'a> {
-    #[serde(flatten)]
-    map: MapReport<'a>,
-    values: Vec<Value>,
 }
 
 /// The distance of a place.
@@ -113,7 +105,7 @@ pub fn run(args: &Args) -> Outcome {
     });
     if args.json {
         let map = MapReport::new(&scene, &map, double.as_ref());
-        print_json("value", &Summary { map, values: values.collect() })?;
+        map.print("value", &List("values", &values.collect::<Vec<_>>()))?;
         return Ok(ExitCode::SUCCESS);
     }
     for Value { row, col, distance } in values {

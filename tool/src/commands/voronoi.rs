@@ -11,8 +11,8 @@ use serde::Serialize;
 use super::labels::{labels_output, stage_labels};
 use crate::output::{commit, stage_picture};
 use crate::picture::Regions;
-use crate::problem::{self, CurveFiles, MapReport, Problem, ProblemArgs, Scene};
-use crate::terminal::{Outcome, Spinner, print_json};
+use crate::problem::{self, CurveFiles, Problem, ProblemArgs, Scene};
+use crate::terminal::{Outcome, Spinner};
 
 /// The arguments of `geosweep voronoi`.
 #[derive(clap::Args)]
@@ -32,9 +32,7 @@ pub struct Args {
     #[command(flatten)]
     problem: ProblemArgs,
 
-    /// Print one JSON object: the members of `distance --json` on the map, area (of all regions), regions (an
-    /// array of objects with source, points and area) and neighbours (pairs of regions with a common border,
-    /// the Delaunay graph)
+    /// Print one JSON object; docs/json.md and docs/geosweep.schema.json describe it
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -93,12 +91,11 @@ pub fn run(args: &Args) -> Outcome {
         reached.for_each(|label| points[*label as usize] += 1);
         let region = |(source, (&points, &area))| Region { source, points, area };
         let summary = Summary {
-            map: problem.report(),
             area: areas.iter().sum(),
             regions: points.iter().zip(&areas).enumerate().map(region).collect(),
             neighbours: voronoi.neighbours(),
         };
-        print_json("voronoi", &summary)?;
+        problem.report().print("voronoi", &summary)?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -119,9 +116,7 @@ fn polylines(voronoi: &Voronoi, scene: &Scene) -> Result<Vec<Polyline>, CurveErr
 }
 
 #[derive(Serialize)]
-struct Summary<'a> {
-    #[serde(flatten)]
-    map: MapReport<'a>,
+struct Summary {
     area: f64,
     regions: Vec<Region>,
     neighbours: Vec<[u32; 2]>,

@@ -1,22 +1,8 @@
-//! Draws surfaces side by side, each above its form.
+//! Arranges pictures with titles in rows and columns.
 
 use super::canvas::Canvas;
 use super::colors::{INK, PAPER};
-use super::form::FormPicture;
 use super::text::Pen;
-
-/// A surface and its form, with their titles.
-pub struct Exhibit<'a> {
-    pub title: String,
-    pub surface: FormPicture<'a>,
-    pub subtitle: String,
-    pub form: FormPicture<'a>,
-}
-
-/// Exhibits from left to right. All pictures have the same size.
-pub struct Gallery<'a> {
-    pub exhibits: &'a [Exhibit<'a>],
-}
 
 const TEXT: usize = 30;
 /// The height of a line of text, including the space around it.
@@ -28,22 +14,6 @@ pub struct Tile {
     /// Whether the title is a heading.
     pub heading: bool,
     pub picture: Canvas,
-}
-
-impl Gallery<'_> {
-    pub fn draw(&self) -> Canvas {
-        let tile = |title: &str, heading, picture: &FormPicture| Tile {
-            title: title.into(),
-            heading,
-            picture: picture.draw(),
-        };
-        let surface = |exhibit: &Exhibit| tile(&exhibit.title, true, &exhibit.surface);
-        let form = |exhibit: &Exhibit| tile(&exhibit.subtitle, false, &exhibit.form);
-        tiled(&[
-            self.exhibits.iter().map(surface).collect(),
-            self.exhibits.iter().map(form).collect(),
-        ])
-    }
 }
 
 /// Arranges pictures of similar size in rows and columns. Each column is as wide as the widest picture.

@@ -1,23 +1,19 @@
 //! Draws distance maps, with colours and lines of equal distance over the shaded surface, and plots.
 
 mod arrows;
-mod canvas;
-mod colors;
+pub mod canvas;
+pub mod colors;
 mod curves;
 mod form;
 mod gallery;
-mod isolines;
-mod legend;
-mod panels;
-pub mod plot;
-mod raster;
+pub mod isolines;
+pub mod legend;
+pub mod raster;
 mod regions;
-mod relief;
+pub mod relief;
 pub mod scene;
-mod sketches;
-mod stencils;
 mod swatches;
-mod text;
+pub mod text;
 mod visits;
 
 use geosweep::glam::{DVec2, Vec2};
@@ -29,17 +25,14 @@ pub use canvas::{Canvas, Color};
 pub use colors::Scale;
 pub use curves::{Line, Look, MapPicture, Mark, path_line, rgb, ridge_line};
 pub use form::FormPicture;
-pub use gallery::{Exhibit, Gallery, Tile, tiled};
+pub use gallery::{Tile, tiled};
 pub use isolines::round_levels;
 use isolines::{Isolines, MOST_LINES};
 use legend::{Legend, Lines};
-pub use panels::{Panel, Panels};
 pub use raster::Paint;
 use raster::{Raster, View};
 pub use regions::Regions;
 use relief::Relief;
-pub use sketches::update_figure;
-pub use stencils::scan_figure;
 pub use swatches::Swatches;
 pub use visits::{Visit, Visits};
 
@@ -83,13 +76,13 @@ pub fn scale_of(map: &DistanceMap, sources: &Sources) -> Scale {
 }
 
 /// Returns the smallest distance, which need not occur at a grid point.
-fn start(sources: &Sources) -> f32 {
+pub fn start(sources: &Sources) -> f32 {
     sources.start() as f32
 }
 
 /// Returns the mean distance between columns divided by the mean distance between rows. For heights, these
 /// are the horizontal distances, as seen from above.
-fn aspect(shape: &Surface) -> f64 {
+pub fn aspect(shape: &Surface) -> f64 {
     if let Geometry::Heights { spacing, .. } = shape.geometry() {
         return spacing.dx / spacing.dy;
     }
@@ -115,7 +108,7 @@ fn mean_step(shape: &Surface, to: Direction) -> f64 {
 
 /// Draws points as discs and curves as bands, white with dark rims. `corner` is the position of the picture's
 /// first pixel.
-fn mark_sources(canvas: &mut Canvas, view: View, corner: Vec2, sources: &Sources) {
+pub fn mark_sources(canvas: &mut Canvas, view: View, corner: Vec2, sources: &Sources) {
     const RIM: [f32; 3] = [0.1, 0.1, 0.1];
     const FILL: [f32; 3] = [1.0, 1.0, 1.0];
     let size = view.thickness();

@@ -9,7 +9,6 @@ use geosweep::shown::exact;
 use geosweep::surface::Chart;
 
 use crate::numbers::numbers;
-use crate::terminal::say;
 
 #[derive(clap::Args)]
 pub struct GeodeticArgs {
@@ -210,16 +209,10 @@ fn remark(path: &Path, system: Option<CoordinateSystem>) {
     let name = path.display();
     match system {
         Some(system) if WGS_84.contains(&system) => {}
-        Some(system) => say(
-            "note",
-            format_args!(
-                "{name}: its longitudes and latitudes, EPSG:{}, are taken as those of WGS 84",
-                system.epsg()
-            ),
+        Some(system) => note!(
+            "{name}: its longitudes and latitudes, EPSG:{}, are taken as those of WGS 84",
+            system.epsg()
         ),
-        None => say(
-            "note",
-            format_args!("{name} names no coordinate system; it is taken as WGS 84, in degrees"),
-        ),
+        None => note!("{name} names no coordinate system; it is taken as WGS 84, in degrees"),
     }
 }

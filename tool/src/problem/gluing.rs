@@ -6,8 +6,6 @@ use clap::ValueEnum;
 use geosweep::Surface;
 use geosweep::surface::{CompletedGrid, Gluing, GridSide, Layout, Seam};
 
-use crate::terminal::say;
-
 #[derive(clap::Args)]
 pub struct GlueArgs {
     /// Sides of the grid that continue each other on a closed surface, so that distances pass from one to the other.
@@ -177,13 +175,13 @@ impl Glue {
         let whole = lines.complete(&surface)?;
         let shape = shape.map(|shape| lines.complete(shape)).transpose()?;
         let (given, chart) = (lines.given(), lines.chart());
-        say(
-            "note",
-            format_args!(
-                "the grid of {} x {} points does not repeat the samples of its seams; the surface has {} x {}, and \
+        note!(
+            "the grid of {} x {} points does not repeat the samples of its seams; the surface has {} x {}, and \
                  outputs have those of the grid",
-                given.rows, given.cols, chart.rows, chart.cols
-            ),
+            given.rows,
+            given.cols,
+            chart.rows,
+            chart.cols
         );
         let goes_round = match lines.gluing() {
             Gluing::Seams(seams) => seams.contains(&COLUMNS),
@@ -224,10 +222,9 @@ fn note_lacking_poles(surface: &Surface, seams: &[Seam]) {
         && !surface.is_glued()
         && CompletedGrid::new(surface, Layout::Globe).is_ok_and(|grid| lacks(&grid))
     {
-        say(
-            "note",
+        note!(
             "the first and the last row may surround poles that the grid lacks: no path crosses them; --glue globe adds \
-             them",
+             them"
         );
     }
 }

@@ -11,7 +11,6 @@ use geosweep::{DistanceMap, Options, Targets};
 
 use super::{Scene, remark};
 use crate::numbers::numbers;
-use crate::terminal::say;
 
 #[derive(clap::Args)]
 pub struct LimitArgs {
@@ -105,5 +104,5 @@ pub fn comment_on_targets<R: Real>(scene: &Scene, map: &DistanceMap<R>, options:
         Some(radius) if radius.is_finite() => "within the radius",
         _ => "by any path; the map is whole",
     };
-    say("note", format_args!("the target {row},{col}{others} is not reached {why}"));
+    note!("the target {row},{col}{others} is not reached {why}");
 }

@@ -35,7 +35,7 @@ pub use surface::SurfaceArgs;
 use crate::output::{Written, done};
 use crate::precision::{Number, Precision};
 use crate::surface_arg;
-use crate::terminal::{Spinner, counted, say};
+use crate::terminal::{Spinner, counted};
 
 /// Returns a sentence on the built-in surfaces for the end of a command's help.
 pub fn builtin_names() -> String {
@@ -100,14 +100,11 @@ pub fn inputs<'a>(
 /// Prints notes on how the map was computed that the user should know.
 pub fn comment(report: &Report, options: &Options) {
     if let Some(reason) = &report.fallback {
-        say("warning", format_args!("computed on the CPU, since the GPU failed: {reason}"));
+        warning!("computed on the CPU, since the GPU failed: {reason}");
     }
     if let Some(asked) = options.wavefront.filter(|&asked| asked != report.wavefront) {
         let solved = report.wavefront;
-        say(
-            "note",
-            format_args!("solved with {solved} fronts, since {asked} ones are for a single source"),
-        );
+        note!("solved with {solved} fronts, since {asked} ones are for a single source");
     }
     if !report.converged {
         warn_of_no_convergence(options, report.iterations, report.residual, report.tolerance);
@@ -190,14 +187,11 @@ pub fn comment_on_starts<R: Real>(surface: &Surface, sources: &Sources) {
             true => format!("; subtract the smallest, {}, from all", exact(smallest)),
             false => String::new(),
         };
-        say(
-            "note",
-            format_args!(
-                "distances beyond a start value of {} are rounded by up to {:.1e}, where neighbouring \
+        note!(
+            "distances beyond a start value of {} are rounded by up to {:.1e}, where neighbouring \
                  points are {edge:.1e} apart{advice}",
-                exact(largest),
-                rounded(largest)
-            ),
+            exact(largest),
+            rounded(largest)
         );
     }
 }
@@ -206,12 +200,9 @@ pub fn comment_on_starts<R: Real>(surface: &Surface, sources: &Sources) {
 pub fn comment_on_size<R: Real>(surface: &Surface) {
     let most = surface.rows().max(surface.cols());
     if most as f64 * R::epsilon().wide() > ROUNDING {
-        say(
-            "note",
-            format_args!(
-                "distances over {most} edges in a row can err by thousandths, since rounding adds up \
+        note!(
+            "distances over {most} edges in a row can err by thousandths, since rounding adds up \
                  in single precision; `geosweep distance --precision double` avoids this"
-            ),
         );
     }
 }
@@ -243,16 +234,13 @@ pub fn comment_on_corners<R: Real>(surface: &Surface, map: &DistanceMap<R>) {
     let places = (0..map.chart.points()).map(|point| map.chart.position(point));
     let cut = places.filter(|&place| is_cut(place)).count();
     if cut > 0 {
-        say(
-            "note",
-            format_args!(
-                "{} not reached though next to a reached one: the two touch only at a corner, between \
+        note!(
+            "{} not reached though next to a reached one: the two touch only at a corner, between \
                  holes, where no path passes; widen such lines of the mask to points side by side",
-                match cut {
-                    1 => "1 point is".into(),
-                    cut => format!("{cut} points are"),
-                }
-            ),
+            match cut {
+                1 => "1 point is".into(),
+                cut => format!("{cut} points are"),
+            }
         );
     }
 }
@@ -282,11 +270,8 @@ pub fn warn_of_no_convergence(options: &Options, iterations: u32, residual: f64,
         return;
     }
     let iterations = counted(iterations, "iteration");
-    say(
-        "warning",
-        format_args!(
-            "not converged after {iterations}: the last changed a distance by a \
+    warning!(
+        "not converged after {iterations}: the last changed a distance by a \
              fraction of {residual:.1e}, the tolerance is {tolerance:.1e}; give more --iterations"
-        ),
     );
 }

@@ -3,16 +3,16 @@
 use geosweep::vulkan::Schedule;
 use geosweep::{DeviceChoice, Engine, Options, Wavefront};
 
-use crate::choices::{Choice, auto_or, auto_or_with_alias, one_of_with_alias};
+use crate::choices::{Choice, auto_or, one_of};
 
 #[derive(clap::Args)]
 pub struct SolverArgs {
     /// Wavefront assumed between points
-    #[arg(long, default_value = "auto", value_parser = auto_or_with_alias(BEST_WAVEFRONT, &WAVEFRONTS, Some(POINT)))]
+    #[arg(long, default_value = "auto", value_parser = auto_or(BEST_WAVEFRONT, &WAVEFRONTS))]
     #[arg(help_heading = "Solver")]
     wavefront: Choice<Wavefront>,
     /// Engine that computes the map
-    #[arg(long, default_value = "auto", value_parser = one_of_with_alias(&ENGINES, Some(GPU)))]
+    #[arg(long, default_value = "auto", value_parser = one_of(&ENGINES))]
     #[arg(help_heading = "Solver")]
     engine: Engine,
     /// Vulkan device: its index in `geosweep devices`, or a part of its name; implies --engine vulkan
@@ -69,12 +69,6 @@ const ENGINES: [(Engine, &str); 4] = [
         "Fast marching on the CPU, the sequential reference for the planar front",
     ),
 ];
-
-/// The former name of circular fronts.
-const POINT: (&str, &str) = ("point", "circular");
-
-/// A common name for the Vulkan engine.
-const GPU: (&str, &str) = ("gpu", "vulkan");
 
 const BEST_SCHEDULE: &str = "The best schedule on the device";
 

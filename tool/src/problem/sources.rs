@@ -11,7 +11,6 @@ use geosweep::shown::exact;
 use super::Scene;
 use super::geodetic::{check_latitude, check_longitude};
 use crate::numbers::{numbers, place_xy};
-use crate::terminal::say;
 
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("sources").required(true).multiple(true))]
@@ -101,12 +100,9 @@ impl SourceArgs {
             remark(path, &file, frame);
             if file.holds_lines() {
                 let name = path.display();
-                say(
-                    "note",
-                    format_args!(
-                        "{name}: holds lines, of which only the vertices are sources here; with \
+                note!(
+                    "{name}: holds lines, of which only the vertices are sources here; with \
                          --source-curve all their points are"
-                    ),
                 );
             }
         }
@@ -150,6 +146,6 @@ fn lonlat(scene: &Scene, [longitude, latitude]: [f64; 2]) -> Result<[f64; 2], St
 /// Prints which parts of a file are not used, and what is assumed about it.
 pub fn remark(path: &std::path::Path, file: &PlaceFile, frame: &GridFrame) {
     for remark in file.remarks(frame) {
-        say("note", format_args!("{}: {remark}", path.display()));
+        note!("{}: {remark}", path.display());
     }
 }

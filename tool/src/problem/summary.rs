@@ -1,5 +1,7 @@
 //! Reports how a map was computed.
 
+use std::io;
+
 use geosweep::DistanceMap;
 use geosweep::geometry::farthest;
 use geosweep::surface::Seam;
@@ -7,6 +9,7 @@ use serde::Serialize;
 
 use super::Scene;
 use crate::precision::{Number, Precision};
+use crate::terminal::print_json;
 
 /// The part of the JSON output that describes the map. Every command on a map prints it.
 #[derive(Serialize)]
@@ -49,6 +52,19 @@ impl<'a> MapReport<'a> {
             Some(map) => Self::Double(MapSummary::new(scene, map)),
         }
     }
+
+    /// Prints this report and the results that follow from the map as one JSON object.
+    pub fn print(&self, command: &str, results: &impl Serialize) -> io::Result<()> {
+        print_json(command, &WithResults { map: self, results })
+    }
+}
+
+#[derive(Serialize)]
+struct WithResults<'a, T> {
+    #[serde(flatten)]
+    map: &'a MapReport<'a>,
+    #[serde(flatten)]
+    results: &'a T,
 }
 
 impl<'a, R: Number> MapSummary<'a, R> {

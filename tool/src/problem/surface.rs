@@ -16,7 +16,7 @@ use super::scene::Scene;
 use crate::choices::one_of;
 use crate::numbers::numbers;
 use crate::surface_arg::SurfaceArg;
-use crate::terminal::{Spinner, say};
+use crate::terminal::Spinner;
 
 #[derive(clap::Args)]
 pub struct SurfaceArgs {
@@ -203,21 +203,13 @@ impl SurfaceArgs {
                 }
                 if file.lacks_spacing() && self.spacing.is_none() {
                     let name = path.display();
-                    say(
-                        "note",
-                        format_args!(
-                            "{name}: heights are taken as 1 apart; --spacing sets another distance"
-                        ),
-                    );
+                    note!("{name}: heights are taken as 1 apart; --spacing sets another distance");
                 }
                 if file.assumes_metres() && self.spacing.is_none() {
                     let name = path.display();
-                    say(
-                        "note",
-                        format_args!(
-                            "{name}: pixel size and heights are taken as metres, since the file \
+                    note!(
+                        "{name}: pixel size and heights are taken as metres, since the file \
                              does not say its unit; --spacing sets another distance"
-                        ),
                     );
                 }
                 let georeference = file.georeference().map_err(|error| error.to_string());
@@ -239,7 +231,7 @@ impl SurfaceArgs {
         let earth = Earth::new(&georeference, chart, &heights.values).map_err(named)?;
         let surface = earth.grid.surface(&heights.values);
         let surface = surface.map_err(|error| named(error.to_string()))?;
-        say("note", EARTH);
+        note!("{EARTH}");
         Ok(Given {
             surface,
             system: georeference.system.ok_or_else(String::new),
@@ -273,7 +265,7 @@ fn warn_of_resolution(surface: &Surface, args: &SurfaceArgs) {
     if is_unspaced {
         said += "; no --spacing was given, so points lie one unit apart";
     }
-    say("warning", said);
+    warning!("{said}");
 }
 
 /// The largest fraction of sharp edges of a resolved surface. Built-in surfaces with creases have a smaller
@@ -296,5 +288,5 @@ fn warn_of_seams(seams: &[Seam]) {
     if seams.iter().any(|seam| matches!(seam, Seam::Pole { exact: false, .. })) {
         said += ". Mask all but one of a pole's points, or make them equal to the last digit";
     }
-    say("warning", said);
+    warning!("{said}");
 }

@@ -1,6 +1,6 @@
 //! Closed surfaces: the warning where they are cut open, and the options that glue their sides.
 
-use crate::workbench::{Workbench, curves, json, map, notes, read, run, stderr};
+use crate::workbench::{Workbench, json, notes, stderr};
 use serde_json::Value;
 
 #[test]
@@ -22,7 +22,7 @@ fn a_closed_surface_is_not_silently_cut_open() {
     }
     assert_eq!(said.lines().count(), 1, "{said}");
     // Other commands read surfaces too.
-    let output = run(&bench, &format!("pairwise {tube} --wavefront planar --json"));
+    let output = bench.run(format!("pairwise {tube} --wavefront planar --json"));
     assert!(stderr(&output).contains(seam), "{}", stderr(&output));
     // As advised: without the second of two equal columns, each point has one distance.
     let mask: Vec<f64> = (0..9 * 33).map(|index| f64::from(index % 33 != 32)).collect();
@@ -42,7 +42,7 @@ fn glued_sides_have_one_distance() {
     let tube = bench.tube();
     let output = bench.distance(&tube, "-s 4,0 --glue auto --json -o map.npy");
     assert_eq!((json(&output)["seams"].clone(), notes(&output)), (Value::Array(vec![]), "".into()));
-    let map = map(&bench.output("map.npy"));
+    let map = bench.map("map.npy");
     let step = std::f64::consts::TAU / 32.0;
     assert_eq!(map[4 * 33 + 32], 0.0);
     assert!((map[4 * 33 + 31] - step).abs() < 1e-5 * step, "{}", map[4 * 33 + 31]);
@@ -52,9 +52,9 @@ fn glued_sides_have_one_distance() {
         assert!(stderr(&output).contains(&format!("--glue {way}: ")), "{}", stderr(&output));
     }
     let words = "-s 4,0 --glue columns --engine vulkan --json -o device.npy";
-    let output = run(&bench, &format!("distance {tube} {words}"));
+    let output = bench.run(format!("distance {tube} {words}"));
     assert_eq!((json(&output)["engine"].as_str(), notes(&output)), (Some("vulkan"), "".into()));
-    let on_device = self::map(&bench.output("device.npy"));
+    let on_device = bench.map("device.npy");
     for (on_device, on_cpu) in on_device.iter().zip(&map) {
         assert!((on_device - on_cpu).abs() <= 1e-6 * on_cpu, "{on_device} {on_cpu}");
     }
@@ -71,19 +71,19 @@ fn directions_and_regions_pass_glued_sides() {
     let outputs = ["link.tif", "log.npy", "map.npy", "nearest.tif", "way.npy", "ways.png"];
     assert_eq!(bench.outputs(), outputs);
     // The ways back lead east on both sides of the seam, and on both copies of the points on the seam.
-    let way = map(&bench.output("way.npy"));
+    let way = bench.map("way.npy");
     for col in [28, 32, 0, 1] {
         assert!((way[4 * 33 + col] - 90.0).abs() < 1e-3, "{col}: {}", way[4 * 33 + col]);
     }
     let step = std::f64::consts::TAU / 32.0;
-    let log = read(&bench, "log.npy");
+    let log = bench.read("log.npy");
     let log: Vec<f64> = log[log.len() - 4 * 2 * 9 * 33..]
         .as_chunks()
         .0
         .iter()
         .map(|bytes| f32::from_le_bytes(*bytes).into())
         .collect();
-    let [link, nearest] = ["link.tif", "nearest.tif"].map(|name| map(&bench.output(name)));
+    let [link, nearest] = ["link.tif", "nearest.tif"].map(|name| bench.map(name));
     // The link to the east is 1, the link to the west is 5.
     for (col, steps, to) in [(28, -6.0, 1.0), (32, -2.0, 1.0), (0, -2.0, 1.0), (5, 3.0, 5.0)] {
         let point = 4 * 33 + col;
@@ -92,12 +92,12 @@ fn directions_and_regions_pass_glued_sides() {
         assert!((east - steps * step).abs() < 1e-5 && up.abs() < 1e-5, "{col}: {east} {up}");
     }
     let line = format!("voronoi {tube} -s 4,2 -s 4,18 --glue columns --borders b.npy --json");
-    let report = json(&run(&bench, &line));
+    let report = bench.json(&line);
     assert_eq!(report["neighbours"], serde_json::json!([[0, 1]]));
     let area = |region: usize| report["regions"][region]["area"].as_f64().unwrap();
     assert!((area(0) - area(1)).abs() < 1e-3 * area(0), "{} {}", area(0), area(1));
     // The two borders lie midway between the sources, one on each side of the tube.
-    let borders = curves(&read(&bench, "b.npy"));
+    let borders = bench.curves("b.npy");
     let cols = |border: &Vec<[f64; 5]>| {
         let cols = border.iter().map(|vertex| vertex[1]);
         cols.fold([f64::INFINITY, 0.0], |[least, most], col| [col.min(least), col.max(most)])
@@ -117,74 +117,28 @@ fn ridges_offsets_errors_and_matrices_pass_glued_sides() {
     let bench = Workbench::new();
     let tube = bench.tube();
     let line = format!("ridges {tube} -s 4,16 --glue columns -o ridges.npy --json");
-    let report = json(&run(&bench, &line));
+    let report = bench.json(&line);
     let [ridge] = &report["ridges"].as_array().unwrap()[..] else { panic!("{report}") };
     assert!(ridge["least_angle"].as_f64().unwrap() > 120.0, "{report}");
-    let [ridge] = &curves(&read(&bench, "ridges.npy"))[..] else { panic!("one ridge") };
+    let [ridge] = &bench.curves("ridges.npy")[..] else { panic!("one ridge") };
     assert!(ridge.iter().all(|at| at[1].min(32.0 - at[1]) < 0.5), "{ridge:?}");
     // A circle around the tube has one offset curve on each side.
     let around = bench.input("around.csv", "row,col\n4,0\n4,16\n4,32\n");
     let words = format!("--source-curve {around} --glue columns --distances 0.5 --side left");
-    let report = json(&run(&bench, &format!("offset {tube} {words} -o left.npy --json")));
+    let report = bench.json(format!("offset {tube} {words} -o left.npy --json"));
     assert_eq!([&report["levels"][0]["curves"], &report["levels"][0]["closed"]], [1, 1]);
     let length = report["levels"][0]["length"].as_f64().unwrap();
     assert!((length - std::f64::consts::TAU).abs() < 0.05, "{report}");
     let line = "-s 4,2 --glue columns -o map.npy --error error.npy --json";
     let report = json(&bench.distance(&tube, line));
     assert!(report["mean_relative_error"].as_f64().unwrap() < 1e-3, "{report}");
-    let [distances, errors] = ["map.npy", "error.npy"].map(|name| map(&bench.output(name)));
+    let [distances, errors] = ["map.npy", "error.npy"].map(|name| bench.map(name));
     assert!(errors.iter().all(|error| error.is_finite()));
     let words =
         format!("pairwise {tube} --glue columns --sources 134..135 --engine vulkan -o row.npy");
-    let output = run(&bench, &words);
+    let output = bench.run(&words);
     assert!(output.status.success(), "{}", stderr(&output));
-    for (found, distance) in map(&bench.output("row.npy")).iter().zip(&distances) {
+    for (found, distance) in bench.map("row.npy").iter().zip(&distances) {
         assert!((found - distance).abs() < 1e-5, "{found} {distance}");
-    }
-}
-
-/// Rings around a tube whose vertices name both copies of the seam, with and without a column that closes them, and from
-/// several first vertices. Offsets lie on one side, are closed, and the ring divides the tube.
-#[test]
-fn rings_around_a_tube_have_closed_offsets_on_one_side() {
-    let bench = Workbench::new();
-    let (rows, cols) = (21, 37);
-    let place = |index: usize| {
-        let (row, col) = (index / cols, index % cols);
-        let (sin, cos) = (std::f64::consts::TAU * (col % 36) as f64 / 36.0).sin_cos();
-        [cos, sin, 0.15 * row as f64]
-    };
-    let positions: Vec<f64> = (0..rows * cols).flat_map(place).collect();
-    let tube = bench.array("long.npy", &[rows, cols, 3], &positions);
-    let ring: Vec<usize> = (0..37).collect();
-    let from_middle: Vec<usize> = (18..37).chain(0..19).collect();
-    let from_end: Vec<usize> = [36].into_iter().chain(0..37).collect();
-    for (number, cols) in [ring, from_middle, from_end].into_iter().enumerate() {
-        for closes in [false, true] {
-            let header = if closes { "row,col,closed\n" } else { "row,col\n" };
-            let line = |col: &usize| match closes {
-                true => format!("10,{col},1\n"),
-                false => format!("10,{col}\n"),
-            };
-            let lines: String = cols.iter().map(line).collect();
-            let file = bench.input(&format!("{number}{closes}.csv"), format!("{header}{lines}"));
-            let case = format!("{cols:?} {closes}");
-            let words = format!("{tube} --source-curve {file} --glue columns --engine cpu --json");
-            for (side, sign) in [("left", -1.0), ("right", 1.0)] {
-                let line = format!("offset {words} --distances 0.4 --side {side} -o o.npy");
-                let level = json(&run(&bench, &line))["levels"][0].clone();
-                assert_eq!((&level["curves"], &level["closed"]), (&1.into(), &1.into()), "{case}");
-                let length = level["length"].as_f64().unwrap();
-                assert!((length - std::f64::consts::TAU).abs() < 0.02, "{case}: {level}");
-                for [row, ..] in curves(&read(&bench, "o.npy")).remove(0) {
-                    assert!(sign * (row - 10.0) > 2.0, "{case} {side}: {row}");
-                }
-            }
-            let both = json(&run(&bench, &format!("offset {words} --distances 0.4 -o o.npy")));
-            let level = &both["levels"][0];
-            assert_eq!((&level["curves"], &level["closed"]), (&2.into(), &2.into()), "{case}");
-            let signed = run(&bench, &format!("distance {words} --signed -o signed.npy"));
-            assert!(signed.status.success(), "{case}: {}", stderr(&signed));
-        }
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use serde_json::Value;
 
-use crate::workbench::{Workbench, curves, done, json, map, notes, read, run, stderr, text};
+use crate::workbench::{Workbench, json, notes, stderr};
 
 /// Writes positions at rows and columns.
 fn surface(
@@ -77,7 +77,7 @@ fn a_tube_needs_no_second_column() {
         let said = notes(&output);
         assert!(said.contains("9 x 32") && said.contains("9 x 33"), "{words}: {said}");
         assert_eq!(said.lines().count(), 1, "{said}");
-        let found = map(&bench.output(&name));
+        let found = bench.map(&name);
         assert_eq!(found.len(), 9 * 32);
         for (index, found) in found.iter().enumerate() {
             let exact = on_tube(index, 4 * 32 + 1);
@@ -94,34 +94,34 @@ fn outputs_have_the_places_of_the_file() {
     // Places between the last column and the first one have columns beyond the last one.
     let line =
         format!("value {given} -s 4,1 --wrap columns --at 4,31 --at 4,31.5 --at 4,32 --json");
-    let said = json(&done(&bench, &line));
+    let said = bench.json(&line);
     let found = said["values"].as_array().unwrap().iter().map(|value| value["distance"].as_f64());
     for (found, steps) in found.zip([2.0, 1.5, 1.0]) {
         assert!((found.unwrap() - steps * step).abs() < 1e-5, "{found:?} {steps}");
     }
     let line = format!("path {given} -s 4,1 --wrap columns --from 4,29 -o path.npy --json");
-    let said = json(&done(&bench, &line));
+    let said = bench.json(&line);
     let length = said["paths"][0]["length"].as_f64().unwrap();
     assert!((length - 4.0 * step).abs() < 1e-5, "{length}");
-    let path = &curves(&read(&bench, "path.npy"))[0];
+    let path = &bench.curves("path.npy")[0];
     assert!(path.iter().all(|vertex| (0.0..=32.0).contains(&vertex[1])), "{path:?}");
     assert_eq!([path[0][1], path[path.len() - 1][1]], [29.0, 1.0]);
     let line = format!("contours {given} -s 4,1 --wrap columns --levels 0.7 -o c.csv --json");
-    assert_eq!(json(&done(&bench, &line))["levels"][0]["closed"], 1);
-    assert!(text(&bench, "c.csv").lines().count() > 20);
+    assert_eq!(bench.json(&line)["levels"][0]["closed"], 1);
+    assert!(bench.text("c.csv").lines().count() > 20);
 
     let line = "-s 4,2 --glue columns -o map.npy --back-direction way.npy --back-link link.tif \
                 --nearest nearest.tif --log-map log.npy --direction-picture ways.png";
     let output = bench.distance(&given, line);
     assert!(output.status.success(), "{}", stderr(&output));
-    let way = map(&bench.output("way.npy"));
+    let way = bench.map("way.npy");
     assert_eq!(way.len(), 9 * 32);
     for (col, wanted) in [(28, 90.0), (31, 90.0), (0, 90.0), (5, 270.0)] {
         assert!((way[4 * 32 + col] - wanted).abs() < 1e-3, "{col}: {}", way[4 * 32 + col]);
     }
     let line = format!("voronoi {given} -s 4,2 -s 4,18 --wrap columns -o regions.npy --json");
-    let said = json(&done(&bench, &line));
-    let regions = map(&bench.output("regions.npy"));
+    let said = bench.json(&line);
+    let regions = bench.map("regions.npy");
     let near = |col: usize| if (11..26).contains(&col) { 1.0 } else { 0.0 };
     assert!((0..288).all(|k| [10, 26].contains(&(k % 32)) || regions[k] == near(k % 32)));
     let points = |region: usize| said["regions"][region]["points"].as_u64().unwrap();
@@ -134,9 +134,9 @@ fn all_pairs_are_those_of_the_points_of_the_file() {
     let given = tube(&bench);
     for (name, words) in [("curved.npy", "curved"), ("circular.npy", "circular")] {
         let line = format!("pairwise {given} --wrap columns --wavefront {words} -o {name} --json");
-        let said = json(&done(&bench, &line));
+        let said = bench.json(&line);
         assert_eq!([&said["matrix_rows"], &said["matrix_cols"]], [288, 288]);
-        let found = map(&bench.output(name));
+        let found = bench.map(name);
         assert_eq!(found.len(), 288 * 288);
         for (index, found) in found.iter().enumerate() {
             let exact = on_tube(index / 288, index % 288);
@@ -155,7 +155,7 @@ fn samples_of_a_matrix_are_points_of_the_file() {
     for (given, (glue, [rows, cols])) in files.into_iter().zip(kinds) {
         let line =
             format!("pairwise {given} --glue {glue} --sample 9 -o m.npy --labels l.npy --json");
-        let said = json(&done(&bench, &line));
+        let said = bench.json(&line);
         assert_eq!([&said["matrix_rows"], &said["matrix_cols"]], [9, rows * cols], "{glue}");
         let samples: Vec<usize> = (0..9)
             .map(|k| {
@@ -163,8 +163,8 @@ fn samples_of_a_matrix_are_points_of_the_file() {
                 at(0) * cols + at(1)
             })
             .collect();
-        let matrix = map(&bench.output("m.npy"));
-        let labels = map(&bench.output("l.npy"));
+        let matrix = bench.map("m.npy");
+        let labels = bench.map("l.npy");
         assert_eq!((matrix.len(), labels.len()), (9 * rows * cols, rows * cols));
         for (k, &sample) in samples.iter().enumerate() {
             assert_eq!(matrix[k * rows * cols + sample], 0.0, "{glue} {k}");
@@ -176,45 +176,19 @@ fn samples_of_a_matrix_are_points_of_the_file() {
     }
 }
 
-/// A curve around the tube of the file divides it, and so does a circle around a pole that the file lacks.
+/// A circle around a pole that the file lacks divides the surface.
 #[test]
 fn signed_distances_pass_seams() {
     let bench = Workbench::new();
-    let given = tube(&bench);
-    let around: String = (0..=32).map(|col| format!("3.5,{col}\n")).collect();
-    let around = bench.input("around.csv", &around);
-    let line = format!("--glue columns --source-curve {around} --signed -o signed.npy");
-    assert!(bench.distance(&given, &line).status.success());
-    for (index, found) in map(&bench.output("signed.npy")).into_iter().enumerate() {
-        let exact = ((index / 32) as f64 - 3.5) * TAU / 32.0;
-        assert!((found - exact).abs() < 1e-5, "{index}: {found} {exact}");
-    }
     let given = globe(&bench);
     let latitude: String = (0..=90).map(|col| format!("9.5,{col}\n")).collect();
     let curve = bench.input("latitude.csv", &latitude);
     let line = format!("--glue globe --source-curve {curve} --signed -o signed.npy");
     assert!(bench.distance(&given, &line).status.success());
-    for (index, found) in map(&bench.output("signed.npy")).into_iter().enumerate() {
+    for (index, found) in bench.map("signed.npy").into_iter().enumerate() {
         let exact = ((index / 90) as f64 - 9.5) * PI / 45.0;
         assert!((found - exact).abs() < 1e-3, "{index}: {found} {exact}");
     }
-}
-
-/// One curve around a torus has the same part of it on both sides.
-#[test]
-fn a_curve_that_divides_nothing_has_no_inside() {
-    let bench = Workbench::new();
-    let around: String = (0..=32).map(|col| format!("3.5,{col}\n")).collect();
-    let around = bench.input("around.csv", &around);
-    let torus = surface(&bench, "torus.npy", [16, 32], |row, col| {
-        let [(sin, cos), (up, out)] = [TAU * col / 32.0, TAU * row / 16.0].map(f64::sin_cos);
-        [(2.0 + out) * cos, (2.0 + out) * sin, up]
-    });
-    let output = run(
-        &bench,
-        &format!("distance {torus} --glue both --source-curve {around} --signed -o t.npy"),
-    );
-    bench.refuses(&output, &["do not divide the surface", "mask of the inside"]);
 }
 
 #[test]
@@ -231,7 +205,7 @@ fn a_globe_of_cells_is_whole() {
         let output = bench.distance(&given, &format!("-s 8,88 {words} -o {name} --picture p.png"));
         assert!(output.status.success(), "{}", stderr(&output));
         assert!(notes(&output).contains("45 x 90") && notes(&output).contains("47 x 91"));
-        let found = map(&bench.output(&name));
+        let found = bench.map(&name);
         assert_eq!(found.len(), 45 * 90);
         for (index, found) in found.iter().enumerate() {
             let at = [(index / 90) as f64, (index % 90) as f64];
@@ -246,7 +220,7 @@ fn a_globe_of_cells_is_whole() {
     }
     // The pole lies half a row before the first one.
     let line = format!("value {given} -s=-0.5,3 --glue globe --at 44.5,0 --at 22,7 --json");
-    let said = json(&done(&bench, &line));
+    let said = bench.json(&line);
     for (value, wanted) in [(0, PI), (1, PI / 2.0)] {
         let found = said["values"][value]["distance"].as_f64().unwrap();
         assert!((found - wanted).abs() < 1e-3, "{found}");
@@ -285,7 +259,7 @@ fn a_cube_map_is_a_sphere() {
         "{}",
         notes(&output)
     );
-    let found = map(&bench.output("map.npy"));
+    let found = bench.map("map.npy");
     for (row, col, wanted) in [(17, 5, PI), (29, 5, PI / 2.0), (53, 6, PI / 2.0)] {
         // The middle of a face lies between its four middle texels, a twelfth of a quarter turn apart.
         assert!(
@@ -295,7 +269,7 @@ fn a_cube_map_is_a_sphere() {
         );
     }
     let line = format!("value {faces} -s 5.5,5.5 --glue cube --at 29.5,5.5 --at 17.5,5.5 --json");
-    let said = json(&done(&bench, &line));
+    let said = bench.json(&line);
     for (value, wanted) in [(0, PI / 2.0), (1, PI)] {
         let found = said["values"][value]["distance"].as_f64().unwrap();
         assert!((found - wanted).abs() < 2e-2, "{value}: {found}");
@@ -328,10 +302,10 @@ fn names_that_contradict_each_other_are_refused() {
 fn errors_and_forms_are_those_of_the_points_of_the_file() {
     let bench = Workbench::new();
     let given = tube(&bench);
-    done(&bench, &format!("distance {given} -s 4,1 --glue columns -o map.npy --error errors.npy"));
-    let errors = map(&bench.output("errors.npy"));
+    bench.done(format!("distance {given} -s 4,1 --glue columns -o map.npy --error errors.npy"));
+    let errors = bench.map("errors.npy");
     assert_eq!(errors.len(), 9 * 32);
     assert!(errors.iter().all(|error| error.abs() < 1e-2), "{errors:?}");
-    let said = json(&run(&bench, &format!("canonical {given} --glue columns -o form.npy --json")));
+    let said = bench.json(format!("canonical {given} --glue columns -o form.npy --json"));
     assert_eq!([&said["rows"], &said["cols"], &said["placed"]], [9, 32, 288]);
 }

@@ -4,46 +4,24 @@ use geosweep::glam::{DVec2, DVec3};
 use geosweep::surface::builtin::Builtin;
 use serde_json::Value;
 
-use crate::workbench::{Workbench, curves, done, json, notes, read, run, stderr, text};
-
-/// Contours are within a tenth of a cell, the bound for contours.
-#[test]
-fn contours_on_the_sphere_are_circles() {
-    let bench = Workbench::new();
-    let (rows, cols, source) = (129, 129, [64, 60]);
-    let line = "contours builtin:sphere:129x129 -s 64,60 --levels 0.3,0.6 -o c.npy --engine cpu";
-    done(&bench, line);
-    let surface = Builtin::Sphere.surface(rows, cols).unwrap();
-    let from = surface.position(source[0], source[1]).unwrap();
-    let cell = from.distance(surface.position(source[0] + 1, source[1]).unwrap());
-    let curves = curves(&read(&bench, "c.npy"));
-    assert_eq!(curves.len(), 2);
-    for (curve, level) in curves.iter().zip([0.3, 0.6]) {
-        assert_eq!(curve.first(), curve.last(), "closed");
-        for [_, _, x, y, z] in curve {
-            let at = DVec3::new(*x, *y, *z);
-            let distance = from.length() * at.angle_between(from);
-            assert!((distance - level).abs() < 0.1 * cell, "{distance} {level}");
-        }
-    }
-}
+use crate::workbench::{Workbench, json, notes, stderr};
 
 #[test]
 fn levels_that_the_map_lacks_have_no_curves() {
     let bench = Workbench::new();
     let line = "contours builtin:plane:17x17 -s 8,8 --levels=-1,0.2,99 --engine cpu --json \
                 -o c.npy -o c.csv -o c.svg -o c.obj -o c.ply";
-    let output = done(&bench, line);
+    let output = bench.done(line);
     assert!(stderr(&output).contains("no curve at -1, 99"), "{}", stderr(&output));
     let report = json(&output);
     let curves: Vec<_> =
         report["levels"].as_array().unwrap().iter().map(|l| &l["curves"]).collect();
     assert_eq!(curves, [&Value::from(0), &Value::from(1), &Value::from(0)]);
     let none = "contours builtin:plane:17x17 -s 8,8 --levels 99 --engine cpu -o n.npy -o n.csv";
-    done(&bench, none);
-    assert!(self::curves(&read(&bench, "n.npy")).concat().is_empty());
+    bench.done(none);
+    assert!(bench.curves("n.npy").concat().is_empty());
     let wide = "contours builtin:plane:17x17 -s 8,8 --every 1e9 --engine cpu -o n.npy";
-    let said = stderr(&done(&bench, wide));
+    let said = stderr(&bench.done(wide));
     assert!(said.contains("no curve: the distances on the grid run from 0 to 0.7"), "{said}");
 
     let bench = Workbench::new();
@@ -58,7 +36,7 @@ fn levels_that_the_map_lacks_have_no_curves() {
         ("", "--levels"),
     ] {
         let line = format!("contours builtin:plane:17x17 -s 8,8 {levels} -o c.npy --engine cpu");
-        bench.refuses(&run(&bench, &line), &[part]);
+        bench.refuse(&line, &[part]);
     }
 }
 
@@ -72,8 +50,8 @@ fn a_table_without_curves_has_the_header_of_one_with_them() {
         ("ridges builtin:plane:9x9 -s 4,1 -o", "--least-angle 170", "-s 4,7"),
     ] {
         let header = |words: &str| {
-            done(&bench, &format!("{command} c.csv {words} --engine cpu"));
-            let table = text(&bench, "c.csv");
+            bench.done(format!("{command} c.csv {words} --engine cpu"));
+            let table = bench.text("c.csv");
             (table.lines().next().unwrap().to_owned(), table.lines().count())
         };
         let ((none, lines), (some, more)) = (header(none), header(some));
@@ -85,8 +63,7 @@ fn a_table_without_curves_has_the_header_of_one_with_them() {
 #[test]
 fn levels_without_a_curve_get_a_reason() {
     let bench = Workbench::new();
-    let said =
-        |words: &str| notes(&done(&bench, &format!("contours {words} --engine cpu -o c.csv")));
+    let said = |words: &str| notes(&bench.done(format!("contours {words} --engine cpu -o c.csv")));
     for shape in [[1, 20], [20, 1]] {
         let strip = bench.array("strip.npy", &shape, &[0.0; 20]);
         let line = if shape[0] == 1 { "row" } else { "column" };
@@ -107,7 +84,7 @@ fn curves_cut_beside_a_source_are_reported() {
     let plane = bench.flat(9, 9);
     let said = |line: &str| {
         let line = line.replace("PLANE", &format!("{plane} --spacing 1 --engine cpu --json"));
-        let output = done(&bench, &line);
+        let output = bench.done(&line);
         let curves = json(&output)["levels"][0]["curves"].as_u64().unwrap();
         assert!(!String::from_utf8(output.stdout.clone()).unwrap().contains("-0.0"));
         (curves, notes(&output))
@@ -128,30 +105,12 @@ fn curves_cut_beside_a_source_are_reported() {
 
     let bench = Workbench::new();
     let before = format!("offset {plane} -s 4,4 --engine cpu --distances 1,-1 -o c.npy");
-    bench.refuses(&run(&bench, &before), &["--distances -1", "nearer than the sources"]);
+    bench.refuse(&before, &["--distances -1", "nearer than the sources"]);
 }
 
 #[test]
-fn odd_grids_and_sources_have_contours() {
+fn strips_are_drawn_in_both_views() {
     let bench = Workbench::new();
-    // The source is on the border, and half circles end there.
-    let line = "contours builtin:plane:17x17 -s 0,8 --levels 0.3 --engine cpu --json";
-    let report = json(&done(&bench, line));
-    assert_eq!(
-        (&report["levels"][0]["curves"], &report["levels"][0]["closed"]),
-        (&1.into(), &0.into())
-    );
-    // Two sources at one point count as one.
-    let twice = "contours builtin:plane:17x17 -s 5,8 -s 5,8 --levels 0.2 --engine cpu -o twice.npy";
-    let once = "contours builtin:plane:17x17 -s 5,8 --levels 0.2 --engine cpu -o once.npy";
-    done(&bench, twice);
-    done(&bench, once);
-    let [twice, once] = ["twice.npy", "once.npy"].map(|name| curves(&read(&bench, name)));
-    assert_eq!(twice.len(), once.len());
-    for (a, b) in twice[0].iter().zip(&once[0]) {
-        assert!(DVec2::new(a[0], a[1]).distance(DVec2::new(b[0], b[1])) < 1e-3, "{a:?} {b:?}");
-    }
-    // Strips, in both views.
     for (rows, cols, source) in [(2, 9, "1,0"), (9, 2, "0,1"), (2, 2, "0,0"), (1, 9, "0,2")] {
         let flat = bench.array("strip.npy", &[rows, cols], &vec![0.0; rows * cols]);
         for view in ["map", "shaded"] {
@@ -159,14 +118,14 @@ fn odd_grids_and_sources_have_contours() {
                 "contours {flat} --spacing 1 -s {source} --levels 0.5 --engine cpu -o s.csv \
                  --picture s.png --view {view}"
             );
-            done(&bench, &line);
+            bench.done(&line);
             let line = format!(
                 "path {flat} --spacing 1 -s {source} --from {},{} --engine cpu -o p.npy \
                  --picture p.png --view {view}",
                 rows - 1,
                 cols - 1
             );
-            done(&bench, &line);
+            bench.done(&line);
         }
     }
 }

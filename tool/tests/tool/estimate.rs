@@ -20,8 +20,8 @@ fn errors_are_estimated_on_request() {
     let report = json(&output);
     assert!(stderr(&output).contains("estimated relative error: mean"), "{}", stderr(&output));
     assert_eq!(bench.outputs(), ["error.tif", "map.npy", "same.npy"]);
-    let (same, errors) = (map(&bench.output("same.npy")), map(&bench.output("error.tif")));
-    assert_eq!(same, map(&bench.output("map.npy")));
+    let (same, errors) = (bench.map("same.npy"), bench.map("error.tif"));
+    assert_eq!(same, bench.map("map.npy"));
     let relative: Vec<_> =
         errors.iter().zip(&same).filter(|(_, map)| **map > 0.0).map(|(e, map)| e / map).collect();
     let mean = relative.iter().sum::<f64>() / relative.len() as f64;
@@ -43,7 +43,7 @@ fn errors_are_estimated_on_request() {
     assert!(report["mean_relative_error"].as_f64().unwrap() > 0.5 * mean);
     let said = stderr(&output);
     assert!(said.contains("before extrapolation") && !said.contains("holes"), "{said}");
-    let best = map(&bench.output("best.npy"));
+    let best = bench.map("best.npy");
     let largest = best.iter().copied().fold(0.0, f64::max);
     approx::assert_relative_eq!(report["max_distance"].as_f64().unwrap(), largest, epsilon = 1e-6);
     let exact = Builtin::Sphere.exact_distances(65, 65, [20.0, 26.0]).unwrap();
@@ -74,7 +74,7 @@ fn floor_plans_of_two_rows_have_estimates() {
     let bench = Workbench::new();
     let words = "-s 0,0 --json -o map.npy --error error.npy";
     let report = json(&bench.distance(&bench.flat(2, 9), words));
-    let (map, errors) = (map(&bench.output("map.npy")), map(&bench.output("error.npy")));
+    let (map, errors) = (bench.map("map.npy"), bench.map("error.npy"));
     for (index, (distance, error)) in map.iter().zip(&errors).enumerate() {
         let exact = f64::hypot((index / 9) as f64, (index % 9) as f64);
         // The estimate is one of rounding here, which is known only up to a factor. So the bound is twice the

@@ -5,14 +5,14 @@ use std::io::Cursor;
 use geosweep::glam::DVec2;
 use serde_json::Value;
 
-use crate::workbench::{Workbench, curves, done, json, read, run, stderr, text};
+use crate::workbench::{Workbench, read, stderr};
 
 #[test]
 fn every_format_holds_the_same_curves() {
     let bench = Workbench::new();
     let line = "contours builtin:peaks:41x37 -s 20,18 --count 5 --engine cpu --json \
                 -o c.npy -o c.csv -o c.svg -o c.ply -o c.obj";
-    let report = json(&done(&bench, line));
+    let report = bench.json(line);
     assert_eq!(bench.outputs(), ["c.csv", "c.npy", "c.obj", "c.ply", "c.svg"]);
     let levels = report["levels"].as_array().unwrap();
     assert_eq!(levels.len(), 5);
@@ -21,7 +21,7 @@ fn every_format_holds_the_same_curves() {
         (total("curves") as usize, total("closed") as usize, total("vertices") as usize);
     assert!(closed >= 1 && count > closed, "{report}");
 
-    let npy = curves(&read(&bench, "c.npy"));
+    let npy = bench.curves("c.npy");
     assert_eq!(npy.len(), count);
     assert_eq!(npy.iter().map(Vec::len).sum::<usize>(), vertices + closed);
 
@@ -39,7 +39,7 @@ fn every_format_holds_the_same_curves() {
         }
     }
 
-    let svg = text(&bench, "c.svg");
+    let svg = bench.text("c.svg");
     let paths = svg::read(&svg).unwrap().filter_map(|event| match event {
         svg::parser::Event::Tag("path", svg::node::element::tag::Type::Start, attributes) => {
             Some(attributes)
@@ -66,7 +66,7 @@ fn every_format_holds_the_same_curves() {
     // 36 columns and 40 rows of cells in a margin of a fiftieth of 40.
     assert!(svg.contains("viewBox=\"-0.8 -0.8 37.6 41.6\""), "{}", &svg[..200]);
 
-    let obj = text(&bench, "c.obj");
+    let obj = bench.text("c.obj");
     let places: Vec<Vec<f64>> = obj
         .lines()
         .filter_map(|line| line.strip_prefix("v "))
@@ -83,7 +83,7 @@ fn every_format_holds_the_same_curves() {
     }
     assert_eq!(obj.lines().filter(|line| line.starts_with("l ")).count(), count);
 
-    let ply = read(&bench, "c.ply");
+    let ply = bench.read("c.ply");
     let end = b"end_header\n";
     let data = ply.windows(end.len()).position(|window| window == end).unwrap() + end.len();
     let header = std::str::from_utf8(&ply[..data]).unwrap();
@@ -122,13 +122,13 @@ fn curves_on_a_geotiff_lie_where_it_does() {
     let utm = [1024, 0, 1, 1, 3072, 0, 1, 32616];
     let dem = bench.input("dem.tif", geotiff(41, 31, corner, &utm));
     let line = "-s 20,15 --every 100 -o c.geojson --engine cpu";
-    let output = done(&bench, &format!("contours {dem} {line}"));
+    let output = bench.done(format!("contours {dem} {line}"));
     assert!(stderr(&output).contains("dem.tif: pixel size and heights are taken as metres"));
     let said =
         bench.input("said.tif", geotiff(41, 31, corner, &[&utm[..], &[3076, 0, 1, 9001]].concat()));
-    let output = done(&bench, &format!("contours {said} -s 20,15 --every 100 --json"));
+    let output = bench.done(format!("contours {said} -s 20,15 --every 100 --json"));
     assert!(!stderr(&output).contains("metres"), "{}", stderr(&output));
-    let file: Value = serde_json::from_str(&text(&bench, "c.geojson")).unwrap();
+    let file: Value = serde_json::from_str(&bench.text("c.geojson")).unwrap();
     assert_eq!(file["crs"]["properties"]["name"], "urn:ogc:def:crs:EPSG::32616");
     // Points are at the middles of pixels, half a pixel from the corner.
     let source = DVec2::new(500_000.0 + 15.5 * 30.0, 4_000_000.0 - 20.5 * 20.0);
@@ -150,8 +150,8 @@ fn curves_on_a_geotiff_lie_where_it_does() {
     for (epsg, named) in [(4326, false), (4269, true)] {
         let degrees = [1024, 0, 1, 2, 2048, 0, 1, epsg];
         let dem = bench.input("degrees.tif", geotiff(41, 31, corner, &degrees));
-        done(&bench, &format!("contours {dem} --spacing 1 -s 20,15 --count 2 -o d.geojson"));
-        let file: Value = serde_json::from_str(&text(&bench, "d.geojson")).unwrap();
+        bench.done(format!("contours {dem} --spacing 1 -s 20,15 --count 2 -o d.geojson"));
+        let file: Value = serde_json::from_str(&bench.text("d.geojson")).unwrap();
         assert_eq!(!file["crs"].is_null(), named, "{epsg}");
     }
 }
@@ -166,12 +166,12 @@ fn geojson_asks_for_a_georeference() {
         let bench = Workbench::new();
         let dem = bench.input(name, bytes);
         let line = format!("contours {dem} --spacing 1 -s 4,4 --count 2 -o c.geojson -o c.npy");
-        bench.refuses(&run(&bench, &line), &["c.geojson", "georeferenced", part]);
+        bench.refuse(&line, &["c.geojson", "georeferenced", part]);
     }
     let bench = Workbench::new();
     let line = "path builtin:plane:9x9 -s 4,4 --from 1,1 -o p.geojson";
-    bench.refuses(&run(&bench, line), &["p.geojson", "built-in"]);
+    bench.refuse(line, &["p.geojson", "built-in"]);
     let flat = bench.flat(9, 9);
     let line = format!("path {flat} --spacing 1 -s 4,4 --from 1,1 -o p.geojson");
-    bench.refuses(&run(&bench, &line), &["p.geojson", "GeoTIFF"]);
+    bench.refuse(&line, &["p.geojson", "GeoTIFF"]);
 }

@@ -4,7 +4,7 @@ use geosweep::io::write_npy;
 use serde_json::Value;
 
 use crate::vincenty::vincenty;
-use crate::workbench::{Workbench, done, json, map, notes, run, stderr, text};
+use crate::workbench::{Workbench, notes, stderr};
 
 /// Distance, in metres, beyond which Vincenty's formula may fail, since the points are nearly opposite.
 const OPPOSITE: f64 = 1.9e7;
@@ -86,13 +86,13 @@ fn maps_of_the_ellipsoid_are_those_of_geodesics() {
             let earth = tail.replacen(' ', " --registration ", 1);
             let earth = format!("--geodetic --extent {earth}");
             let line = format!("distance {file} {earth} --source-lonlat {lon},{lat}");
-            let said = json(&done(&bench, &format!("{line} -o {name}.npy --json")));
+            let said = bench.json(format!("{line} -o {name}.npy --json"));
             assert_eq!(
                 (&said["precision"], &said["seams"]),
                 (&"double".into(), &Value::Array(vec![]))
             );
             assert_eq!([&said["rows"], &said["cols"]], grid.shape().map(Value::from).each_ref());
-            let [mean, largest] = grid.errors(source, &map(&bench.output(&format!("{name}.npy"))));
+            let [mean, largest] = grid.errors(source, &bench.map(&format!("{name}.npy")));
             println!("{name} from {source:?}: mean {mean:.1e}, largest {largest:.1e}");
             let bound = if lat == 90.0 { 1e-6 } else { 6e-5 };
             assert!(mean < bound && largest < 7e-3, "{name} {source:?}: {mean:e} {largest:e}");
@@ -107,57 +107,20 @@ fn a_part_of_the_earth_has_known_distances() {
     let heights = bench.array("part.npy", &[151, 421], &vec![0.0; 151 * 421]);
     let earth = "--geodetic --extent -80,35,4,65 --registration gridline";
     let line = format!("value {heights} {earth} --source-lonlat -73.8,40.6 --at 67,397.5 --json");
-    let said = json(&done(&bench, &line));
+    let said = bench.json(&line);
     let found = said["values"][0]["distance"].as_f64().unwrap();
     println!("JFK to LHR: {found}");
     assert!((found - 5_551_759.4).abs() < 60.0, "{found}");
     assert_eq!((said["rows"].as_u64(), said["cols"].as_u64()), (Some(151), Some(421)));
     // Longitudes that differ by full turns name the same places.
     let other = line.replace("-73.8,", "286.2,").replace("--at 67,397.5", "--at-xy 359.5,51.6");
-    let mut same = json(&done(&bench, &other));
+    let mut same = bench.json(&other);
     for place in same["values"].as_array_mut().unwrap() {
         let near = |name: &str, exact: f64| (place[name].as_f64().unwrap() - exact).abs() < 1e-6;
         assert!(near("row", 67.0) && near("col", 397.5), "{place}");
         (place["row"], place["col"]) = (67.0.into(), 397.5.into());
     }
     assert_eq!(same["values"], said["values"]);
-}
-
-/// Returns the distances from 53 degrees north, 13 degrees east on a grid with hills, sorted by place. Each place
-/// occurs once.
-fn placed(bench: &Workbench, grid: &Grid, words: &str) -> Vec<([i64; 2], f64)> {
-    let file = grid.file(bench, "hills.npy", true);
-    done(bench, &format!("distance {file} --geodetic {words} --source-lonlat 13,53 -o map.npy"));
-    let key =
-        |[lon, lat]: [f64; 2]| [lon.rem_euclid(360.0), lat].map(|degrees| (100.0 * degrees) as i64);
-    let found = map(&bench.output("map.npy"));
-    let mut placed: Vec<_> = grid.places().map(key).zip(found).collect();
-    placed.sort_by_key(|(place, _)| *place);
-    placed.dedup_by_key(|(place, _)| *place);
-    placed
-}
-
-#[test]
-fn the_order_of_rows_and_columns_changes_nothing() {
-    let bench = Workbench::new();
-    let (down, up) = ([89.0, 90.0, -STEP], [-89.0, 90.0, STEP]);
-    let around = "--registration pixel --extent";
-    let first =
-        placed(&bench, &Grid::new([-179.0, 180.0], down), &format!("{around} -180,-90,180,90"));
-    for (name, grid, words) in [
-        ("south up", Grid::new([-179.0, 180.0], up), "-180,-90,180,90 --south-up"),
-        ("from Greenwich", Grid::new([1.0, 180.0], down), "0,-90,360,90"),
-        ("from 100 degrees", Grid::new([101.0, 180.0], up), "-260,-90,100,90 --south-up"),
-    ] {
-        let other = placed(&bench, &grid, &format!("{around} {words}"));
-        let mut largest = 0f64;
-        for ((place, found), (there, expected)) in other.iter().zip(&first) {
-            assert_eq!(place, there, "{name}");
-            largest = largest.max((found - expected).abs() / expected.max(1e5));
-        }
-        println!("{name}: differs by {largest:.1e}");
-        assert!(largest < 1e-9, "{name}: {largest:e}");
-    }
 }
 
 /// Returns a property of each line of GeoJSON, and the parts of the line.
@@ -198,10 +161,10 @@ fn contours_are_circles_on_the_earth() {
     let earth = "--geodetic --extent=-0.7,-90,359.3,90 --registration pixel --source-lonlat 170,30";
     let line =
         format!("contours {cells} {earth} --levels 5e5,4e6,1e7 -o c.geojson -o c.csv --json");
-    let said = json(&done(&bench, &line));
+    let said = bench.json(&line);
     let closed = said["levels"].as_array().unwrap().iter().map(|level| level["closed"].as_u64());
     assert_eq!(closed.collect::<Vec<_>>(), [Some(1); 3]);
-    let found = parts(&text(&bench, "c.geojson"), "level");
+    let found = parts(&bench.text("c.geojson"), "level");
     // The first circle stays west of the date line, the second crosses it twice, the third goes round the Earth.
     assert_eq!(found.iter().map(|(_, parts)| parts.len()).collect::<Vec<_>>(), [1, 2, 1]);
     for (level, parts) in &found {
@@ -212,7 +175,7 @@ fn contours_are_circles_on_the_earth() {
             assert!((exact - level).abs() < 2e-3 * level, "{level} {place:?}: {exact}");
         }
     }
-    assert!(text(&bench, "c.csv").lines().count() > 300);
+    assert!(bench.text("c.csv").lines().count() > 300);
 }
 
 #[test]
@@ -227,8 +190,8 @@ fn paths_cross_the_date_line_and_the_pole() {
     for (name, grid, first) in grids {
         let file = grid.file(&bench, "globe.npy", false);
         let line = format!("path {file} {GLOBE} {name} --source-lonlat 170,30 {}", from.join(" "));
-        let said = json(&done(&bench, &format!("{line} -o p.geojson --json")));
-        let found = parts(&text(&bench, "p.geojson"), "length");
+        let said = bench.json(format!("{line} -o p.geojson --json"));
+        let found = parts(&bench.text("p.geojson"), "length");
         assert_eq!([&found[0], &found[2]].map(|(_, parts)| parts.len()), [2, 1], "{name}");
         for ((length, parts), start) in found.iter().zip(starts) {
             assert_divided(parts);
@@ -261,10 +224,10 @@ fn masks_slowness_and_targets_have_the_size_of_the_file() {
     let grid = Grid::new([-179.0, 180.0], [89.0, 90.0, -STEP]);
     let cells = grid.file(&bench, "cells.npy", true);
     let line = format!("distance {cells} {GLOBE} pixel --source-lonlat 31,-5 -o");
-    done(&bench, &format!("{line} plain.npy"));
+    bench.done(format!("{line} plain.npy"));
     let twice = bench.array("twice.npy", &grid.shape(), &vec![2.0; 90 * 180]);
-    done(&bench, &format!("{line} slow.npy --slowness {twice}"));
-    let [plain, slow] = ["plain.npy", "slow.npy"].map(|name| map(&bench.output(name)));
+    bench.done(format!("{line} slow.npy --slowness {twice}"));
+    let [plain, slow] = ["plain.npy", "slow.npy"].map(|name| bench.map(name));
     assert!(plain.iter().zip(&slow).all(|(plain, slow)| (slow - 2.0 * plain).abs() <= 1e-9 * slow));
     // Africa and the Arctic are islands.
     let is_africa = |[lon, lat]: [f64; 2]| (lon - 20.0).abs() < 30.0 && lat.abs() < 30.0;
@@ -273,30 +236,30 @@ fn masks_slowness_and_targets_have_the_size_of_the_file() {
     let mut bytes = Vec::new();
     write_npy(&mut bytes, &grid.shape(), &mask).unwrap();
     let africa = bench.input("mask.npy", bytes);
-    let said = json(&done(&bench, &format!("{line} africa.npy --mask {africa} --json")));
+    let said = bench.json(format!("{line} africa.npy --mask {africa} --json"));
     let land = mask.iter().filter(|&&land| land == 1).count() as u64;
     let africa_has = grid.places().filter(|&place| is_africa(place)).count() as u64;
     let counts = [&said["points"], &said["reached"]].map(Value::as_u64);
     assert_eq!(counts, [Some(land), Some(africa_has)]);
-    let found = map(&bench.output("africa.npy"));
+    let found = bench.map("africa.npy");
     let is_right = |(place, found): ([f64; 2], &f64)| found.is_finite() == is_africa(place);
     assert!(grid.places().zip(&found).all(is_right));
     for (target, said) in [("47,105", true), ("0,0", false)] {
-        let output = done(&bench, &format!("{line} part.npy --mask {africa} --target {target}"));
+        let output = bench.done(format!("{line} part.npy --mask {africa} --target {target}"));
         let [row, col] = target.split_once(',').map(|(row, col)| [row, col]).unwrap();
         let at = row.parse::<usize>().unwrap() * 180 + col.parse::<usize>().unwrap();
-        assert_eq!(map(&bench.output("part.npy"))[at].is_finite(), said);
+        assert_eq!(bench.map("part.npy")[at].is_finite(), said);
         let missed = notes(&output).contains(&format!("the target {target} is not reached"));
         assert_eq!(missed, !said, "{}", notes(&output));
     }
-    let hole = run(&bench, &format!("{line} hole.npy --mask {africa} --target 89,0"));
+    let hole = bench.run(format!("{line} hole.npy --mask {africa} --target 89,0"));
     assert!(stderr(&hole).contains("the target 89,0 is in a hole"), "{}", stderr(&hole));
-    let hole = run(&bench, &format!("{line} hole.npy --mask {africa} --source-lonlat 100,40"));
+    let hole = bench.run(format!("{line} hole.npy --mask {africa} --source-lonlat 100,40"));
     assert!(!hole.status.success());
     let said = stderr(&hole);
     assert!(said.contains("--source-lonlat 100,40") && said.contains("hole"), "{said}");
     // A source that is given by row and column is reported with the row of the file, not of the completed surface.
-    let hole = run(&bench, &format!("{line} hole.npy --mask {africa} -s 13,7"));
+    let hole = bench.run(format!("{line} hole.npy --mask {africa} -s 13,7"));
     assert!(stderr(&hole).contains("source 13,7 lies in a hole"), "{}", stderr(&hole));
 }
 
@@ -314,8 +277,8 @@ fn curves_are_sources_on_the_seam_but_do_not_leap_over_it() {
     // The equator up to Greenwich, where the grid begins and ends. Fronts around the ends of a curve err by up to a
     // fifth of a cell, which is 220 km wide.
     let whole = curve("whole.geojson", "[-5,0],[0,0]");
-    done(&bench, &format!("{line} {whole}"));
-    let found = map(&bench.output("map.npy"));
+    bench.done(format!("{line} {whole}"));
+    let found = bench.map("map.npy");
     for ([lon, lat], found) in grid.places().zip(found) {
         let lon = if lon > 180.0 { lon - 360.0 } else { lon };
         if lon.abs() < 60.0 && lat.abs() < 30.0 {
@@ -325,7 +288,7 @@ fn curves_are_sources_on_the_seam_but_do_not_leap_over_it() {
     }
     std::fs::remove_file(bench.output("map.npy")).unwrap();
     let leaping = curve("leaping.geojson", "[-5,0],[5,0]");
-    let output = run(&bench, &format!("{line} {leaping}"));
+    let output = bench.run(format!("{line} {leaping}"));
     bench.refuses(&output, &["leaping.geojson", "half a turn", "divide it"]);
 }
 
@@ -335,12 +298,12 @@ fn devices_map_the_earth_in_single_precision() {
     let grid = Grid::new([-179.0, 180.0], [89.0, 90.0, -STEP]);
     let cells = grid.file(&bench, "cells.npy", false);
     let line = format!("distance {cells} {GLOBE} pixel --source-lonlat 13,52 -o map.npy --json");
-    let said = json(&done(&bench, &format!("{line} --engine vulkan")));
+    let said = bench.json(format!("{line} --engine vulkan"));
     assert_eq!([&said["precision"], &said["engine"]], ["single", "vulkan"]);
-    let [mean, largest] = grid.errors([13.0, 52.0], &map(&bench.output("map.npy")));
+    let [mean, largest] = grid.errors([13.0, 52.0], &bench.map("map.npy"));
     println!("on a device: mean {mean:.1e}, largest {largest:.1e}");
     assert!(mean < 4e-5 && largest < 4e-3, "{mean:e} {largest:e}");
-    let said = json(&done(&bench, &format!("{line} --precision single --engine cpu")));
+    let said = bench.json(format!("{line} --precision single --engine cpu"));
     assert_eq!(said["precision"], "single");
 }
 
@@ -349,10 +312,10 @@ fn what_the_commands_cannot_do_on_the_earth_is_refused() {
     let bench = Workbench::new();
     let flat = bench.flat(20, 30);
     let whole = format!("{GLOBE} pixel");
-    let output = run(&bench, &format!("distance {flat} {whole} -s 3,3 -o map.exr"));
+    let output = bench.run(format!("distance {flat} {whole} -s 3,3 -o map.exr"));
     bench.refuses(&output, &["single precision only", "--precision single"]);
     let vector = "--back-direction way.npy --direction-format vector";
-    let output = run(&bench, &format!("distance {flat} {whole} -s 3,3 {vector}"));
+    let output = bench.run(format!("distance {flat} {whole} -s 3,3 {vector}"));
     bench.refuses(&output, &["--back-direction: the surface has lines that the grid lacks"]);
 }
 
@@ -362,7 +325,7 @@ fn maps_of_the_whole_earth_are_profiled() {
     let bench = Workbench::new();
     let cells = bench.flat(18, 36);
     let line = format!("profile {cells} {GLOBE} pixel --source-lonlat 179,-50 --repeat 1 --json");
-    let said = json(&done(&bench, &line));
+    let said = bench.json(&line);
     assert_eq!([&said["rows"], &said["cols"]], [20, 37]);
     assert_eq!(said["converged"], true);
 }

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use geosweep::io::SurfaceFile;
 
 use crate::geodetic::{Grid, STEP};
-use crate::workbench::{Workbench, done, map, notes};
+use crate::workbench::{Workbench, notes};
 
 /// Returns a GeoTIFF of the grid's heights with coordinates in degrees. Its first pixel lies at `corner`. Its pixels
 /// are points if `is_point`, otherwise areas.
@@ -73,10 +73,10 @@ fn a_geotiff_in_degrees_says_where_it_lies() {
     ];
     for (name, grid, bytes, extent) in files {
         let file = bench.input(name, bytes);
-        let refused = bench.run(["distance", &file, "-s", "3,4", "-o", "map.tif"]);
+        let refused = bench.run_args(["distance", &file, "-s", "3,4", "-o", "map.tif"]);
         bench.refuses(&refused, &[name, "degrees", "--geodetic", "--spacing"]);
         let output =
-            done(&bench, &format!("distance {file} --geodetic --source-lonlat -20,64 -o map.tif"));
+            bench.done(format!("distance {file} --geodetic --source-lonlat -20,64 -o map.tif"));
         let said = notes(&output);
         assert!(
             said.contains("ellipsoid") && said.contains("60,000th") && said.contains("double"),
@@ -86,9 +86,9 @@ fn a_geotiff_in_degrees_says_where_it_lies() {
         // Single precision of the file's heights changes distances by less than a millimetre.
         let array = grid.file(&bench, "same.npy", true);
         let line = format!("distance {array} --geodetic --extent {extent} --source-lonlat -20,64");
-        done(&bench, &format!("{line} -o same.npy"));
-        let found = map(&bench.output("map.tif"));
-        for (found, expected) in found.iter().zip(map(&bench.output("same.npy"))) {
+        bench.done(format!("{line} -o same.npy"));
+        let found = bench.map("map.tif");
+        for (found, expected) in found.iter().zip(bench.map("same.npy")) {
             assert!((found - expected).abs() < 1e-2, "{name}: {found} {expected}");
         }
         let [given, written] = [file.as_ref(), bench.output("map.tif").as_path()]
@@ -110,9 +110,9 @@ fn heights_in_feet_become_metres() {
     let extent = "--extent 0,-90,360,90 --registration pixel";
     for (surface, words, name) in [(feet, "", "feet.npy"), (metres, extent, "metres.npy")] {
         let line = format!("distance {surface} --geodetic {words} --source-lonlat 9,1 -o {name}");
-        done(&bench, &line);
+        bench.done(&line);
     }
-    let [feet, metres] = ["feet.npy", "metres.npy"].map(|name| map(&bench.output(name)));
+    let [feet, metres] = ["feet.npy", "metres.npy"].map(|name| bench.map(name));
     assert!(feet.iter().zip(&metres).all(|(feet, metres)| (feet - metres).abs() < 1e-2));
 }
 
@@ -123,13 +123,13 @@ fn an_ascii_grid_in_degrees_is_a_part_of_the_earth() {
     let asc = bench.input("part.asc", format!("{header}{}", "0 ".repeat(1200)));
     bench.refuses(&bench.distance(&asc, "-s 3,3 -o map.npy"), &["degrees", "--geodetic"]);
     let line = format!("distance {asc} --geodetic --source-lonlat -178.75,60.25 -o map.npy");
-    let said = notes(&done(&bench, &line));
+    let said = notes(&bench.done(&line));
     assert!(said.contains("part.asc names no coordinate system; it is taken as WGS 84"), "{said}");
     let grid = Grid {
         longitudes: (0..40).map(|col| 170.25 + 0.5 * f64::from(col)).collect(),
         latitudes: (0..30).map(|row| 64.75 - 0.5 * f64::from(row)).collect(),
     };
-    let [mean, largest] = grid.errors([181.25, 60.25], &map(&bench.output("map.npy")));
+    let [mean, largest] = grid.errors([181.25, 60.25], &bench.map("map.npy"));
     println!("a part by cells of half a degree: mean {mean:.1e}, largest {largest:.1e}");
     assert!(mean < 5e-6 && largest < 2e-5, "{mean:e} {largest:e}");
 }

@@ -2,7 +2,7 @@
 
 use crate::geodetic::{GLOBE, Grid};
 use crate::vincenty::vincenty;
-use crate::workbench::{Workbench, done, json, map, run, stderr};
+use crate::workbench::{Workbench, map, stderr};
 
 /// Returns the rows of a matrix in a .npy file.
 fn matrix(bench: &Workbench, name: &str, cols: usize) -> Vec<Vec<f64>> {
@@ -13,82 +13,22 @@ fn matrix(bench: &Workbench, name: &str, cols: usize) -> Vec<Vec<f64>> {
 }
 
 #[test]
-fn estimates_of_errors_go_round_the_earth() {
-    let bench = Workbench::new();
-    let cells = bench.array("cells.npy", &[60, 120], &vec![0.0; 60 * 120]);
-    let line =
-        format!("distance {cells} {GLOBE} pixel -s 20,3 -o map.npy --error error.npy --json");
-    let said = json(&done(&bench, &line));
-    let mean = said["mean_relative_error"].as_f64().unwrap();
-    let [distances, errors] = ["map.npy", "error.npy"].map(|name| map(&bench.output(name)));
-    assert_eq!([distances.len(), errors.len()], [60 * 120; 2]);
-    let place =
-        |index: usize| [-178.5 + 3.0 * (index % 120) as f64, 88.5 - 3.0 * (index / 120) as f64];
-    let source = place(20 * 120 + 3);
-    let (mut true_mean, mut estimated, mut within, mut count) = (0.0, 0.0, 0.0, 0.0);
-    for (index, (&found, &bound)) in distances.iter().zip(&errors).enumerate() {
-        let Some(exact) =
-            vincenty(source, place(index)).filter(|exact| (1.0..1.9e7).contains(exact))
-        else {
-            continue;
-        };
-        let error = (found - exact).abs();
-        (true_mean, estimated) = (true_mean + error, estimated + bound);
-        within += f64::from(u8::from(error <= 2.0 * bound));
-        count += 1.0;
-    }
-    let (ratio, within) = (estimated / true_mean, within / count);
-    println!("estimate over error {ratio:.2}, within twice {within:.3}, mean {mean:.1e}");
-    assert!((0.5..4.0).contains(&ratio) && within > 0.9, "{ratio} {within}");
-}
-
-#[test]
-fn ridges_and_offsets_go_round_the_earth() {
-    let bench = Workbench::new();
-    let cells = bench.array("cells.npy", &[60, 120], &vec![0.0; 60 * 120]);
-    // The bisector of two places on one parallel is a meridian and its opposite, over both poles.
-    let sources = "--source-lonlat 160,20 --source-lonlat -160,20";
-    let line = format!("ridges {cells} {GLOBE} pixel {sources} --json -o ridges.geojson");
-    let said = json(&done(&bench, &line));
-    let length: f64 = said["ridges"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|ridge| ridge["length"].as_f64().unwrap())
-        .sum();
-    // A meridian and its opposite are 40,008 km long. On a part of them, the fronts meet at less than 30
-    // degrees.
-    assert!(length > 2e7 && length < 4.05e7, "{said}");
-    // A line of latitude across the seam, with an offset on its north. The line has a vertex at the grid's first
-    // column, which the surface repeats after the grid's last column.
-    let curve = r#"{"type":"LineString","coordinates":[[170,0],[-178.5,0],[-170,0]]}"#;
-    let curve = bench.input("curve.geojson", curve);
-    let line =
-        format!("offset {cells} {GLOBE} pixel --source-curve {curve} --distances 1e6 --side left");
-    let said = json(&done(&bench, &format!("{line} --json -o left.geojson")));
-    let length = said["levels"][0]["length"].as_f64().unwrap();
-    // The equator is 40,075 km long. The offset lies 9 degrees north of it, and ends in two quarters of a circle.
-    let exact = 20.0 / 360.0 * 4.0075e7 * 9f64.to_radians().cos() + 3.1416e6;
-    assert!((length - exact).abs() < 0.03 * exact, "{length} {exact}");
-}
-
-#[test]
 fn matrices_leave_added_lines_out() {
     let bench = Workbench::new();
     let cells = bench.array("cells.npy", &[18, 36], &vec![0.0; 18 * 36]);
-    done(&bench, &format!("distance {cells} {GLOBE} pixel -s 5,35 -o map.npy"));
+    bench.done(format!("distance {cells} {GLOBE} pixel -s 5,35 -o map.npy"));
     let source = 5 * 36 + 35;
     let range = format!("{source}..{}", source + 2);
     let words = format!("pairwise {cells} {GLOBE} pixel --sources {range} --json -o rows.npy");
-    let said = json(&done(&bench, &words));
+    let said = bench.json(&words);
     assert_eq!([&said["matrix_cols"], &said["points"]], [18 * 36, 18 * 36]);
     let rows = matrix(&bench, "rows.npy", 18 * 36);
     assert_eq!((rows.len(), rows[0][source], rows[1][source + 1]), (2, 0.0, 0.0));
-    for (found, exact) in rows[0].iter().zip(map(&bench.output("map.npy"))) {
+    for (found, exact) in rows[0].iter().zip(bench.map("map.npy")) {
         assert!((found - exact).abs() < 1e-4 * exact + 1.0, "{found} {exact}");
     }
     assert!((rows[0][source + 1] - rows[1][source]).abs() < 1e-3 * rows[1][source]);
-    let said = json(&done(&bench, &format!("canonical {cells} {GLOBE} pixel --json -o form.npy")));
+    let said = bench.json(format!("canonical {cells} {GLOBE} pixel --json -o form.npy"));
     assert_eq!([&said["rows"], &said["cols"]], [18, 36]);
 }
 
@@ -99,8 +39,8 @@ fn regions_and_pairs_are_those_of_the_cells_of_the_file() {
     let file = cells.file(&bench, "cells.npy", false);
     let sources = "--source-lonlat -175,5 --source-lonlat 5,5";
     let line = format!("voronoi {file} {GLOBE} pixel {sources} -o regions.npy --json");
-    let said = json(&done(&bench, &line));
-    let regions = map(&bench.output("regions.npy"));
+    let said = bench.json(&line);
+    let regions = bench.map("regions.npy");
     let count = |region: f64| regions.iter().filter(|&&found| found == region).count() as u64;
     for (region, place) in [(0, [-155.0, 25.0]), (1, [15.0, 85.0]), (0, [175.0, -75.0])] {
         let index = cells.places().position(|other| other == place).unwrap();
@@ -110,24 +50,24 @@ fn regions_and_pairs_are_those_of_the_cells_of_the_file() {
     let areas = [0, 1].map(|region| said["regions"][region]["area"].as_f64().unwrap());
     assert!((areas[0] - areas[1]).abs() < 1e-2 * areas[0], "{areas:?}");
     assert!((areas[0] + areas[1] - 5.10066e14).abs() < 5e12, "{areas:?}");
-    done(&bench, &format!("sample {file} {GLOBE} pixel -k 5 --labels labels.npy --picture s.png"));
-    assert_eq!(map(&bench.output("labels.npy")).len(), 18 * 36);
+    bench.done(format!("sample {file} {GLOBE} pixel -k 5 --labels labels.npy --picture s.png"));
+    assert_eq!(bench.map("labels.npy").len(), 18 * 36);
 
     let all = format!("pairwise {file} {GLOBE} pixel --wavefront curved");
-    let said = json(&done(&bench, &format!("{all} -o d.npy --sources 323..326 --json")));
+    let said = bench.json(format!("{all} -o d.npy --sources 323..326 --json"));
     assert_eq!([&said["matrix_rows"], &said["matrix_cols"], &said["points"]], [3, 648, 648]);
-    let rows = map(&bench.output("d.npy"));
+    let rows = bench.map("d.npy");
     let row = format!("distance {file} {GLOBE} pixel --precision single -s 8,36 -o row.npy");
-    let outside = run(&bench, &row);
+    let outside = bench.run(&row);
     assert!(outside.status.success(), "the column that is added is a place: {}", stderr(&outside));
-    done(&bench, &row.replace("8,36", "8,35").replace("row.npy", "other.npy"));
-    let row = map(&bench.output("other.npy"));
+    bench.done(&row.replace("8,36", "8,35").replace("row.npy", "other.npy"));
+    let row = bench.map("other.npy");
     assert_eq!(rows.len(), 3 * 648);
     for (found, exact) in rows[..648].iter().zip(&row) {
         assert!((found - exact).abs() < 1e-3 * exact.max(1e6), "{found} {exact}");
     }
     let line = format!("{all} -o near.npz --format csr --radius 1.5e6 --sources 323..324 --json");
-    let said = json(&done(&bench, &line));
+    let said = bench.json(&line);
     let near = row.iter().filter(|&&distance| distance <= 1.5e6).count() as u64;
     assert_eq!((&said["stored"], &said["matrix_cols"]), (&near.into(), &648.into()));
 }
@@ -143,15 +83,15 @@ fn regions_and_directions_pass_the_date_line() {
         let [near, far] = [west + 355.0, west + 175.0];
         let sources = format!("--source-lonlat {near},0 --source-lonlat {far},0");
         let line = format!("voronoi {lines} {earth} {sources} -o regions.npy --json");
-        let said = json(&done(&bench, &line));
+        let said = bench.json(&line);
         let area = |region: usize| said["regions"][region]["area"].as_f64().unwrap();
         // The ellipsoid has 5.10066e14 square metres.
         assert!((area(0) - area(1)).abs() < 1e-3 * area(0), "{} {}", area(0), area(1));
         assert!((area(0) + area(1) - 5.10066e14).abs() < 5e12, "{}", area(0) + area(1));
         let line = format!("distance {lines} {earth} {sources} --back-direction way.npy");
-        done(&bench, &format!("{line} --nearest nearest.npy --log-map log.npy"));
+        bench.done(format!("{line} --nearest nearest.npy --log-map log.npy"));
         let [regions, nearest, way] =
-            ["regions.npy", "nearest.npy", "way.npy"].map(|name| map(&bench.output(name)));
+            ["regions.npy", "nearest.npy", "way.npy"].map(|name| bench.map(name));
         for col in [0, 1, 8, 64, 71, 72] {
             assert_eq!([regions[18 * 73 + col], nearest[18 * 73 + col]], [0.0; 2], "{west} {col}");
             let wanted = if (36..71).contains(&col) { 90.0 } else { 270.0 };
@@ -161,8 +101,8 @@ fn regions_and_directions_pass_the_date_line() {
                 way[18 * 73 + col]
             );
         }
-        done(&bench, &format!("sample {lines} {earth} -k 5 --labels labels.npy --picture s.png"));
-        let labels = map(&bench.output("labels.npy"));
+        bench.done(format!("sample {lines} {earth} -k 5 --labels labels.npy --picture s.png"));
+        let labels = bench.map("labels.npy");
         assert!((0..5).all(|label| labels.contains(&f64::from(label))));
         assert!((0..37).all(|row| labels[row * 73] == labels[row * 73 + 72]), "{labels:?}");
     }
@@ -175,14 +115,14 @@ fn grids_with_all_lines_have_matrices() {
     let bench = Workbench::new();
     let lines = bench.flat(13, 25);
     let earth = "--geodetic --extent 0,-90,360,90 --registration gridline";
-    done(&bench, &format!("pairwise {lines} {earth} --sources 156..157 -o rows.npy"));
-    let row = map(&bench.output("rows.npy"));
+    bench.done(format!("pairwise {lines} {earth} --sources 156..157 -o rows.npy"));
+    let row = bench.map("rows.npy");
     // From the equator at 90 degrees east to both poles, by a quarter of a meridian, and to the same place at 0 and
     // 360 degrees, by a quarter of the equator.
     let quarter = 10_001_966.0;
     for (point, exact) in [(0, quarter), (324, quarter), (150, 10_018_754.0), (174, 10_018_754.0)] {
         assert!((row[point] - exact).abs() < 2e-3 * exact, "{point}: {}", row[point]);
     }
-    let said = json(&done(&bench, &format!("sample {lines} {earth} -k 2 -o s.geojson --json")));
+    let said = bench.json(format!("sample {lines} {earth} -k 2 -o s.geojson --json"));
     assert_eq!(said["samples"][0]["row"], 6.0);
 }

@@ -5,7 +5,7 @@ use geosweep::io::{CoordinateSystem, SurfaceFile};
 use crate::geodetic::{Grid, assert_divided, parts};
 use crate::geodetic_files::{geotiff, geotiff_of_a_map, with_keys};
 use crate::vincenty::vincenty;
-use crate::workbench::{Workbench, done, json, map, notes, run, stderr, text};
+use crate::workbench::{Workbench, notes, stderr};
 
 /// Writes heights of zero.
 fn zeros(bench: &Workbench, [rows, cols]: [usize; 2]) -> String {
@@ -38,7 +38,7 @@ fn targets_of_files_lie_on_the_seam_and_at_poles() {
         ] {
             let file = bench.input(name, file);
             let line = format!("distance {earth} --source-lonlat 0,0 --targets {file} --json");
-            let ends = json(&done(&bench, &line))["max_distance"].as_f64().unwrap();
+            let ends = bench.json(&line)["max_distance"].as_f64().unwrap();
             let exact = vincenty([0.0, 0.0], target).unwrap();
             println!("{target:?}: the map ends at {ends}, the target is at {exact}");
             // Points of cells beside the pole lie half a step before it.
@@ -62,7 +62,7 @@ fn targets_between_points_are_refused_with_the_nearest_one() {
     ] {
         let file = bench.input("t.csv", format!("lon,lat\n{target}\n"));
         let words = "--geodetic --extent -180,-90,180,90 --registration pixel --source-lonlat 5,5";
-        let output = run(&bench, &format!("distance {cells} {words} --targets {file} -o map.npy"));
+        let output = bench.run(format!("distance {cells} {words} --targets {file} -o map.npy"));
         bench.refuses(&output, &["t.csv: line 2", "between points", near]);
     }
 }
@@ -75,8 +75,8 @@ fn paths_over_the_south_pole_have_two_parts() {
         let cells = zeros(&bench, [rows, 20]);
         let earth = "--geodetic --extent -180,-90,180,90 --registration pixel";
         let line = format!("path {cells} {earth} --source-lonlat 9,-80 --from-xy=-171,-80");
-        done(&bench, &format!("{line} -o p.geojson"));
-        let found = parts(&text(&bench, "p.geojson"), "length");
+        bench.done(format!("{line} -o p.geojson"));
+        let found = parts(&bench.text("p.geojson"), "length");
         let [(length, parts)] = &found[..] else { panic!("{found:?}") };
         assert_divided(parts);
         let [to, from] = &parts[..] else { panic!("{rows}: {parts:?}") };
@@ -92,44 +92,18 @@ fn paths_over_the_south_pole_have_two_parts() {
 }
 
 #[test]
-fn rings_round_the_earth_are_cut_at_the_antimeridian_alone() {
-    let bench = Workbench::new();
-    let cells = zeros(&bench, [30, 70]);
-    for west in [0.0, -100.3, -30.7, -0.3, -180.0, -179.9] {
-        let extent = format!("{west},-90,{},90", west + 360.0);
-        let words = "--registration pixel --source-lonlat 7,90 --levels 2.2e6,5e6,9e6";
-        done(
-            &bench,
-            &format!("contours {cells} --geodetic --extent {extent} {words} -o c.geojson"),
-        );
-        let found = parts(&text(&bench, "c.geojson"), "level");
-        assert_eq!(found.len(), 3);
-        for (level, parts) in found {
-            assert_divided(&parts);
-            assert_eq!(parts.len(), 1, "{west} {level}: {parts:?}");
-            let ends = [parts[0][0], parts[0][parts[0].len() - 1]];
-            assert!(ends.iter().all(|[lon, _]| lon.abs() == 180.0), "{west} {level}: {ends:?}");
-        }
-        std::fs::remove_file(bench.output("c.geojson")).unwrap();
-    }
-}
-
-#[test]
 fn lengths_on_a_map_are_no_degrees() {
     let bench = Workbench::new();
     let header = "ncols 36\nnrows 18\nxllcorner 10\nyllcorner 20\ncellsize 2\n";
     let asc = bench.input("map.asc", format!("{header}{}", "0 ".repeat(648)));
     let line = format!("distance {asc} --geodetic --source-lonlat 20,30 -o map.npy");
     // The file's coordinates could be longitudes and latitudes.
-    assert!(notes(&done(&bench, &line)).contains("names no coordinate system"));
+    assert!(notes(&bench.done(&line)).contains("names no coordinate system"));
     std::fs::remove_file(bench.output("map.npy")).unwrap();
     for unit in [r#"UNIT["Metre",1]"#, r#"UNIT["Foot_US",0.3048006096]"#] {
         let system = r#"PROJCS["own",GEOGCS["WGS 84",UNIT["Degree",0.0174532925199433]]"#;
         bench.input("map.prj", format!("{system},{unit}]"));
-        bench.refuses(
-            &run(&bench, &line),
-            &["map.asc", "a length on a map", "not degrees", "gdalwarp"],
-        );
+        bench.refuse(&line, &["map.asc", "a length on a map", "not degrees", "gdalwarp"]);
     }
     let grid = Grid::new([0.0, 30.0], [20.0, 20.0, -1.0]);
     // A user-defined system in metres, in feet, or without a unit.
@@ -140,7 +114,7 @@ fn lengths_on_a_map_are_no_degrees() {
     ] {
         let file = bench.input(name, with_keys(geotiff(&grid, [10.0, 60.0], false), keys));
         let line = format!("distance {file} --geodetic --source-lonlat 20,50 -o map.npy");
-        bench.refuses(&run(&bench, &line), &[name, "a length on a map", "not degrees"]);
+        bench.refuse(&line, &[name, "a length on a map", "not degrees"]);
     }
 }
 
@@ -160,20 +134,20 @@ fn values_are_checked_where_the_file_has_them() {
         let mut slowness = vec![2.0; points];
         slowness[at] = -1.0;
         let slow = bench.array("slow.npy", &size, &slowness);
-        let output = run(&bench, &format!("distance {surface} {words} --slowness {slow}"));
+        let output = bench.run(format!("distance {surface} {words} --slowness {slow}"));
         bench.refuses(&output, &["slow.npy", &format!("slowness -1 at row {row}, column {col}")]);
         let mut heights = vec![0.0; points];
         heights[at] = f64::INFINITY;
         let high = bench.array("high.npy", &size, &heights);
-        let output = run(&bench, &format!("distance {high} {words}"));
+        let output = bench.run(format!("distance {high} {words}"));
         bench.refuses(&output, &["high.npy", &format!("at row {row}, column {col} is infinite")]);
         // A hole has no slowness.
         heights[at] = f64::NAN;
         let hole = bench.array("hole.npy", &size, &heights);
-        done(&bench, &format!("distance {hole} {words}"));
-        let plain = map(&bench.output("map.npy"));
-        done(&bench, &format!("distance {hole} {words} --slowness {slow}"));
-        for (slow, plain) in map(&bench.output("map.npy")).iter().zip(plain) {
+        bench.done(format!("distance {hole} {words}"));
+        let plain = bench.map("map.npy");
+        bench.done(format!("distance {hole} {words} --slowness {slow}"));
+        for (slow, plain) in bench.map("map.npy").iter().zip(plain) {
             assert!(*slow == 2.0 * plain || (slow - 2.0 * plain).abs() < 1e-9 * plain, "{slow}");
         }
         std::fs::remove_file(bench.output("map.npy")).unwrap();
@@ -186,19 +160,19 @@ fn values_have_the_precision_of_their_map() {
     let cells = zeros(&bench, [18, 36]);
     let earth = format!("{cells} --geodetic --extent=-0.1,-90,359.9,90 --registration pixel");
     let earth = format!("{earth} --source-lonlat 23.7,31.9");
-    done(&bench, &format!("distance {earth} -o map.npy"));
-    let found = map(&bench.output("map.npy"));
+    bench.done(format!("distance {earth} -o map.npy"));
+    let found = bench.map("map.npy");
     let line = format!("value {earth} --at 4,7 --at 17,35 --at 4.5,7.25");
-    let said = json(&done(&bench, &format!("{line} --json")));
+    let said = bench.json(format!("{line} --json"));
     assert_eq!(said["precision"], "double");
     let at = |index: usize| said["values"][index]["distance"].as_f64().unwrap();
     assert_eq!([at(0), at(1)], [found[4 * 36 + 7], found[17 * 36 + 35]]);
     assert_ne!(at(0), f64::from(at(0) as f32));
-    let printed = String::from_utf8(done(&bench, &line).stdout).unwrap();
+    let printed = String::from_utf8(bench.done(&line).stdout).unwrap();
     let printed: Vec<f64> =
         printed.lines().map(|line| line.rsplit(',').next().unwrap().parse().unwrap()).collect();
     assert_eq!(printed, [at(0), at(1), at(2)]);
-    let said = json(&done(&bench, &format!("{line} --engine vulkan --json")));
+    let said = bench.json(format!("{line} --engine vulkan --json"));
     assert_eq!(said["precision"], "single");
 }
 
@@ -209,11 +183,11 @@ fn the_tool_reads_its_own_points_and_curves() {
     let cells = zeros(&bench, [36, 72]);
     for extent in ["-180,-90,180,90", "-100.3,-90,259.7,90"] {
         let earth = format!("{cells} --geodetic --extent {extent} --registration pixel");
-        done(&bench, &format!("sample {earth} -k 9 -o s.csv -o s.npy -o s.geojson"));
+        bench.done(format!("sample {earth} -k 9 -o s.csv -o s.npy -o s.geojson"));
         let maps = ["s.csv", "s.npy", "s.geojson"].map(|name| {
             let file = bench.output(name).display().to_string();
-            done(&bench, &format!("distance {earth} --source-points {file} -o map.npy"));
-            map(&bench.output("map.npy"))
+            bench.done(format!("distance {earth} --source-points {file} -o map.npy"));
+            bench.map("map.npy")
         });
         assert_eq!(maps[0], maps[1], "{extent}");
         let differs = |(a, b): (&f64, &f64)| (a - b).abs() > 1e-3;
@@ -222,15 +196,15 @@ fn the_tool_reads_its_own_points_and_curves() {
         let source = [178.0, 61.0];
         for level in ["2e6", "4e6", "1.3e7"] {
             let line = format!("contours {earth} --source-lonlat 178,61 --levels {level}");
-            done(&bench, &format!("{line} -o c.csv -o c.npy"));
+            bench.done(format!("{line} -o c.csv -o c.npy"));
             for name in ["c.csv", "c.npy"] {
                 let file = bench.output(name).display().to_string();
-                done(&bench, &format!("distance {earth} --source-curve {file} -o map.npy"));
+                bench.done(format!("distance {earth} --source-curve {file} -o map.npy"));
                 let west: f64 = extent.split(',').next().unwrap().parse().unwrap();
                 let grid = Grid::new([west + 2.5, 72.0], [87.5, 36.0, -5.0]);
                 let level: f64 = level.parse().unwrap();
                 let mut largest = 0f64;
-                for (place, found) in grid.places().zip(map(&bench.output("map.npy"))) {
+                for (place, found) in grid.places().zip(bench.map("map.npy")) {
                     let Some(far) = vincenty(source, place).filter(|far| *far < 1.9e7) else {
                         continue;
                     };
@@ -264,8 +238,8 @@ fn curves_along_the_seam_are_on_the_side_of_their_neighbours() {
         ] {
             let file = line_string(&bench, &format!("{name}.geojson"), &places);
             let line = |west: f64| {
-                done(&bench, &format!("distance {} --source-curve {file} -o map.npy", grid(west)));
-                map(&bench.output("map.npy"))
+                bench.done(format!("distance {} --source-curve {file} -o map.npy", grid(west)));
+                bench.map("map.npy")
             };
             let (on_seam, inside) = (line(seam), line(seam - 180.0));
             let mut largest = 0f64;
@@ -280,7 +254,7 @@ fn curves_along_the_seam_are_on_the_side_of_their_neighbours() {
         }
         let leaping = line_string(&bench, "leaping.geojson", &[at(-10.0, 5.0), at(10.0, 5.0)]);
         let line = format!("distance {} --source-curve {leaping} -o leap.npy", grid(seam));
-        let output = run(&bench, &line);
+        let output = bench.run(&line);
         assert!(stderr(&output).contains("half a turn"), "{}", stderr(&output));
     }
 }
@@ -290,7 +264,7 @@ fn maps_of_ascii_grids_name_the_assumed_system() {
     let bench = Workbench::new();
     let header = "ncols 40\nnrows 30\nxllcorner 170.25\nyllcorner 50.1\ncellsize 0.3\n";
     let asc = bench.input("deg.asc", format!("{header}{}", "0 ".repeat(1200)));
-    done(&bench, &format!("distance {asc} --geodetic -s 3,3 -o d.tif"));
+    bench.done(format!("distance {asc} --geodetic -s 3,3 -o d.tif"));
     let [given, written] = [asc.as_ref(), bench.output("d.tif").as_path()]
         .map(|path: &std::path::Path| SurfaceFile::read(path).unwrap().georeference().unwrap());
     assert_eq!(written.system, Some(CoordinateSystem::WGS_84));
@@ -312,7 +286,7 @@ fn extents_without_a_span_are_refused() {
         "0,10.3,90,10.300000000000002",
     ] {
         let line = format!("distance {cells} --geodetic --extent={extent} --registration pixel");
-        let output = run(&bench, &format!("{line} -s 3,3 -o map.npy"));
+        let output = bench.run(format!("{line} -s 3,3 -o map.npy"));
         bench.refuses(&output, &["--extent", "more than 0 degrees"]);
     }
 }
@@ -364,7 +338,7 @@ fn what_is_no_place_on_the_earth_is_refused() {
         (&projected, "--geodetic -s 3,3".into(), "EPSG:32616"),
         (&"builtin:sphere:9x9".into(), "--geodetic -s 3,3".into(), "built-in"),
     ] {
-        let output = run(&bench, &format!("distance {surface} {words} -o map.npy"));
+        let output = bench.run(format!("distance {surface} {words} -o map.npy"));
         bench.refuses(&output, &[said]);
     }
 }

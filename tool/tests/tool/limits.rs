@@ -2,11 +2,11 @@
 
 use std::fs;
 
-use crate::workbench::{Workbench, done, json, map, notes, run, stderr, words};
+use crate::workbench::{Workbench, json, notes, stderr};
 
 /// Returns the distances of a map and the number of reached points.
 fn reached(bench: &Workbench, file: &str) -> (Vec<f64>, usize) {
-    let map = map(&bench.output(file));
+    let map = bench.map(file);
     let count = map.iter().filter(|distance| distance.is_finite()).count();
     (map, count)
 }
@@ -16,10 +16,10 @@ fn a_radius_cuts_the_map_and_what_is_made_of_it() {
     let bench = Workbench::new();
     let flat = bench.flat(41, 41);
     let line = format!("distance {flat} --spacing 1 -s 20,20 --engine cpu");
-    done(&bench, &format!("{line} -o whole.npy --back-link whole-links.npy"));
+    bench.done(format!("{line} -o whole.npy --back-link whole-links.npy"));
     let outputs = "-o near.npy --back-link links.npy --log-map log.npy --picture near.png \
                    --error error.npy --nearest nearest.npy --json";
-    let output = run(&bench, &format!("{line} --radius 8 {outputs}"));
+    let output = bench.run(format!("{line} --radius 8 {outputs}"));
     let report = json(&output);
     assert!(stderr(&output).contains("beyond the part that was asked for"), "{}", stderr(&output));
     let (whole, _) = reached(&bench, "whole.npy");
@@ -29,7 +29,7 @@ fn a_radius_cuts_the_map_and_what_is_made_of_it() {
     for (near, whole) in near.iter().zip(&whole) {
         assert_eq!(*near, if *whole <= 8.0 { *whole } else { f64::INFINITY });
     }
-    let links = ["whole-links.npy", "links.npy"].map(|file| map(&bench.output(file)));
+    let links = ["whole-links.npy", "links.npy"].map(|file| bench.map(file));
     for ((of_whole, of_near), distance) in links[0].iter().zip(&links[1]).zip(&near) {
         assert_eq!(of_near, if distance.is_finite() { of_whole } else { &-1.0 });
     }
@@ -49,10 +49,10 @@ fn a_map_ends_at_its_targets() {
         ("--target 20,25 --engine fast-marching", 5.0),
         ("--target 20,25 --radius 3", 3.0),
     ] {
-        let report = json(&run(&bench, &format!("{line} --json {options}")));
+        let report = bench.json(format!("{line} --json {options}"));
         assert_eq!(report["max_distance"], largest, "{options}");
     }
-    let output = run(&bench, &format!("{line} --target 20,25 --radius 3"));
+    let output = bench.run(format!("{line} --target 20,25 --radius 3"));
     let said = notes(&output);
     assert!(said.contains("the target 20,25 is not reached within the radius"), "{said}");
 }
@@ -74,9 +74,9 @@ fn limits_that_cannot_be_are_refused() {
         ("--target 5.5,2", ["--target", "whole numbers"]),
     ] {
         let line = format!("distance {flat} --mask {mask} -s 2,2 --engine cpu -o d.npy {options}");
-        bench.refuses(&run(&bench, &line), &parts);
+        bench.refuse(&line, &parts);
     }
-    let none = run(&bench, &format!("distance {flat} --mask {mask} -s 2,2 -o d.npy --target 9,9"));
+    let none = bench.run(format!("distance {flat} --mask {mask} -s 2,2 -o d.npy --target 9,9"));
     let said = notes(&none);
     assert!(said.contains("9,9 is not reached by any path"), "{said}");
 }
@@ -85,9 +85,9 @@ fn limits_that_cannot_be_are_refused() {
 fn sparse_pairs_are_those_of_the_whole_rows() {
     let bench = Workbench::new();
     let surface = "builtin:sphere:12x15";
-    done(&bench, &format!("pairwise {surface} -o whole.npy --radius 0.4"));
+    bench.done(format!("pairwise {surface} -o whole.npy --radius 0.4"));
     let line = format!("pairwise {surface} --radius 0.4 --format csr --json");
-    let report = json(&bench.run(words(&format!("{line} -o near.npz"))));
+    let report = bench.json(format!("{line} -o near.npz"));
     let (whole, stored) = reached(&bench, "whole.npy");
     assert_eq!(whole.len(), 180 * 180);
     // Whole rows are computed in other lanes, which round differently. So a pair at the radius may be stored in one of
@@ -102,23 +102,7 @@ fn sparse_pairs_are_those_of_the_whole_rows() {
     }
     // Refused commands write nothing, which a new folder shows.
     let bench = Workbench::new();
-    bench.refuses(
-        &bench.run(words(&format!("pairwise {surface} --format csr -o d.npz"))),
-        &["--radius"],
-    );
-    bench.refuses(&bench.run(words(&format!("{line} -o d.npy"))), &[".npz"]);
-    bench.refuses(&bench.run(words(&format!("{line} -o d.npz --upper"))), &["--upper"]);
-}
-
-#[test]
-fn values_are_printed_as_json() {
-    let bench = Workbench::new();
-    let flat = bench.flat(21, 21);
-    let line = format!("value {flat} --spacing 1 -s 2,2 --engine cpu --at 5,6 --at 2,5.5 --json");
-    let report = json(&run(&bench, &line));
-    assert_eq!(report["values"][0]["distance"], 5.0);
-    assert_eq!(
-        (&report["values"][1]["col"], &report["values"][1]["distance"]),
-        (&5.5.into(), &3.5.into())
-    );
+    bench.refuse(format!("pairwise {surface} --format csr -o d.npz"), &["--radius"]);
+    bench.refuse(format!("{line} -o d.npy"), &[".npz"]);
+    bench.refuse(format!("{line} -o d.npz --upper"), &["--upper"]);
 }

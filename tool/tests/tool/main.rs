@@ -1,17 +1,15 @@
 //! The tool through its command line: the files that it writes for given arguments, and its messages.
 
-mod bench;
 mod canonical;
 mod closed;
-mod committed;
 mod completed;
 mod contours;
+mod devices;
 mod directions;
 mod distance;
 #[cfg(unix)]
 mod documentation;
 mod estimate;
-mod figures;
 mod formats;
 mod geodetic;
 mod geodetic_files;
@@ -30,7 +28,9 @@ mod refusals;
 mod regions;
 mod ridges;
 mod samples;
-mod tuning;
 #[path = "../../../tests/common/vincenty.rs"]
 mod vincenty;
 mod workbench;
+
+/// The program that the tests run.
+const TOOL: &str = env!("CARGO_BIN_EXE_geosweep");

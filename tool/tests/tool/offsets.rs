@@ -1,6 +1,6 @@
 //! Offset curves through the tool.
 
-use crate::workbench::{Workbench, curves, done, json, read, run, text};
+use crate::workbench::Workbench;
 
 #[test]
 fn offsets_keep_to_their_side() {
@@ -13,9 +13,9 @@ fn offsets_keep_to_their_side() {
             "offset {flat} --spacing 1 --source-curve {line} --distances 8 --engine cpu --json \
              -o o.npy -o o.csv {rest}"
         );
-        let level = json(&done(&bench, &line))["levels"][0].clone();
+        let level = bench.json(&line)["levels"][0].clone();
         assert_eq!((&level["level"], &level["curves"]), (&8.0.into(), &1.into()), "{rest}");
-        (curves(&read(&bench, "o.npy")).remove(0), level)
+        (bench.curves("o.npy").remove(0), level)
     };
     let half = 30.0 + std::f64::consts::PI * 8.0;
     let (all, level) = offset("");
@@ -35,7 +35,7 @@ fn offsets_keep_to_their_side() {
             let tolerance = if beyond > 0.0 { 0.2 } else { 0.1 };
             assert!(((row - 20.0).hypot(beyond) - 8.0).abs() < tolerance, "{side}: {row},{col}");
         }
-        let table = text(&bench, "o.csv");
+        let table = bench.text("o.csv");
         let header = table.lines().next().unwrap();
         assert!(header.contains(",level,length,side,"), "{header}");
         assert!(table.lines().nth(1).unwrap().contains(&format!(",{side},")));
@@ -47,7 +47,7 @@ fn offsets_keep_to_their_side() {
         "offset {flat} --spacing 1 --source-curve {line} --source-curve {loops} --distances 2,3.5 \
          --engine cpu --json -o two.svg --picture two.png"
     );
-    let report = json(&done(&bench, &line));
+    let report = bench.json(&line);
     // At distance 2 there is a closed curve around the line, one outside the square and one inside it. At distance 3.5
     // the one inside is missing, since the middle of the square is only 3 away from its sides.
     assert_eq!(report["levels"][0]["closed"], 3);
@@ -62,6 +62,6 @@ fn offsets_keep_to_their_side() {
         ("--source-curve nowhere.csv --distances 3", "nowhere.csv"),
     ] {
         let line = format!("offset {flat} --spacing 1 {rest} --engine cpu -o o.npy");
-        bench.refuses(&run(&bench, &line), &[part]);
+        bench.refuse(&line, &[part]);
     }
 }

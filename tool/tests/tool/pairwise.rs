@@ -17,7 +17,7 @@ fn the_matrix_holds_the_maps_of_all_points() {
     let bench = Workbench::new();
     for wavefront in ["planar", "circular", "curved"] {
         let line = format!("pairwise {SPHERE} -o d.npy --wavefront {wavefront} --json");
-        let report = json(&bench.run(words(&line)));
+        let report = bench.json(&line);
         assert_eq!(bench.outputs(), ["d.npy"]);
         assert_eq!((&report["matrix_rows"], &report["points"]), (&POINTS.into(), &POINTS.into()));
         assert_eq!((&report["engine"], &report["converged"]), (&"cpu".into(), &true.into()));
@@ -42,11 +42,11 @@ fn the_matrix_holds_the_maps_of_all_points() {
 #[test]
 fn the_solver_is_timed_alone() {
     let bench = Workbench::new();
-    let report = json(&bench.run(words(&format!("pairwise {SPHERE} --json"))));
+    let report = bench.json(format!("pairwise {SPHERE} --json"));
     assert_eq!((&report["matrix_rows"], &report["disk_bytes"]), (&POINTS.into(), &0.into()));
     assert_eq!(bench.outputs(), [""; 0]);
-    bench.refuses(&bench.run(words(&format!("pairwise {SPHERE}"))), &["--output"]);
-    bench.refuses(&bench.run(words(&format!("pairwise {SPHERE} --json --resume"))), &["--output"]);
+    bench.refuse(format!("pairwise {SPHERE}"), &["--output"]);
+    bench.refuse(format!("pairwise {SPHERE} --json --resume"), &["--output"]);
 }
 
 #[test]
@@ -54,7 +54,7 @@ fn rows_triangles_halves_and_means_fit_together() {
     let bench = Workbench::new();
     let run = |options: &str| {
         let line = format!("pairwise {SPHERE} --wavefront circular {options}");
-        let output = bench.run(words(&line));
+        let output = bench.run(&line);
         assert!(output.status.success(), "{}", stderr(&output));
         assert!(stderr(&output).contains("on disk"), "{}", stderr(&output));
     };
@@ -217,7 +217,7 @@ fn invalid_requests_for_a_matrix_are_refused() {
     let bench = Workbench::new();
     let refuses = |options: &str, parts: &[&str]| {
         let line = format!("pairwise {SPHERE} {options}");
-        bench.refuses(&bench.run(words(&line)), parts);
+        bench.refuse(&line, parts);
     };
     refuses("-o d.tif", &["d.tif", ".npy"]);
     refuses("-o d.npy --sources 7..7", &["empty range"]);
@@ -246,19 +246,19 @@ fn invalid_requests_for_a_matrix_are_refused() {
 
     // 64 TB are more than any disk here has. This is reported before anything is computed.
     let line = "pairwise builtin:plane:2000x2000 -o d.npy --wavefront curved";
-    bench.refuses(&bench.run(words(line)), &["d.npy", "61035157 MiB", "are free"]);
+    bench.refuse(line, &["d.npy", "61035157 MiB", "are free"]);
 
     // Distances beyond half precision.
     let flat = bench.flat(9, 9);
     let line = format!("pairwise {flat} --spacing 20000 --numbers float16 -o d.npy");
-    bench.refuses(&bench.run(words(&line)), &["float16", "65504"]);
+    bench.refuse(&line, &["float16", "65504"]);
 }
 
 #[test]
 fn samples_have_rows_and_regions() {
     let bench = Workbench::new();
     let line = format!("pairwise {SPHERE} --sample 9 --labels labels.npy -o rows.npy --json");
-    let report = json(&bench.run(words(&line)));
+    let report = bench.json(&line);
     assert_eq!(bench.outputs(), ["labels.npy", "rows.npy"]);
     let places: Vec<usize> = report["samples"]
         .as_array()
@@ -279,36 +279,9 @@ fn samples_have_rows_and_regions() {
         assert!(own <= nearest + 1e-5, "{point}: {own} to {label}, {nearest} to another");
     }
     // The output of `sample` names the same rows.
-    assert!(bench.run(words(&format!("sample {SPHERE} -k 9 -o samples.npy"))).status.success());
+    assert!(bench.run(format!("sample {SPHERE} -k 9 -o samples.npy")).status.success());
     let line = format!("pairwise {SPHERE} --sources samples.npy -o again.npy");
-    assert!(bench.run(words(&line)).status.success());
+    assert!(bench.run(&line).status.success());
     let [rows, again] = ["rows.npy", "again.npy"].map(|name| fs::read(bench.output(name)).unwrap());
     assert!(rows == again);
-}
-
-#[test]
-fn table_1_is_a_table() {
-    let bench = Workbench::new();
-    let line = "figure table-1 --sizes 8,32 --runs 3 --json -o table.md";
-    let rows = json(&bench.run(words(line)));
-    let rows = rows["sizes"].as_array().unwrap();
-    assert_eq!(
-        rows.iter().map(|row| row["vertices"].as_u64()).collect::<Vec<_>>(),
-        [Some(64), Some(1024)]
-    );
-    for row in rows {
-        let number = |name: &str| row[name].as_f64().unwrap();
-        let ratio = number("fast_marching_seconds") / number("planar_seconds");
-        approx::assert_relative_eq!(ratio, number("speed_up"), max_relative = 1e-9);
-        let rate = number("distances") / number("circular_seconds");
-        let told = number("circular_distances_per_second");
-        approx::assert_relative_eq!(rate, told, max_relative = 1e-9);
-    }
-    let table = fs::read_to_string(bench.output("table.md")).unwrap();
-    let lines: Vec<_> = table.lines().filter(|line| line.starts_with('|')).collect();
-    assert_eq!(lines.len(), 4, "{table}");
-    let columns = |line: &&str| line.matches('|').count();
-    assert!(lines.iter().all(|line| columns(line) == 12), "{table}");
-    // The paper's figures are next to its own sizes only.
-    assert!(lines[2].ends_with("|  |  |  |") && lines[3].ends_with("| 0.15 | 1.3 | 8.3 |"));
 }

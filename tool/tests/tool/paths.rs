@@ -2,7 +2,7 @@
 
 use geosweep::surface::builtin::Builtin;
 
-use crate::workbench::{Workbench, curves, done, json, read, run, stderr, text};
+use crate::workbench::{Workbench, json, stderr};
 
 #[test]
 fn paths_run_from_their_starts_to_the_source() {
@@ -12,8 +12,8 @@ fn paths_run_from_their_starts_to_the_source() {
         "path builtin:sphere:65x65 -s 30,20 --from 10,40 --from 30,20 --from-file {starts} \
          --engine cpu --json -o p.npy -o p.csv"
     );
-    let report = json(&done(&bench, &line));
-    let paths = curves(&read(&bench, "p.npy"));
+    let report = bench.json(&line);
+    let paths = bench.curves("p.npy");
     let starts = [[10.0, 40.0], [30.0, 20.0], [3.5, 50.0], [60.0, 60.25]];
     assert_eq!(paths.len(), starts.len());
     let surface = Builtin::Sphere.surface(65, 65).unwrap();
@@ -33,8 +33,8 @@ fn paths_run_from_their_starts_to_the_source() {
     }
     assert_eq!(paths[1].len(), 1, "a start at the source");
     let single = "path builtin:plane:17x17 -s 3,3 --from 12,9 --engine cpu -o one.npy";
-    done(&bench, single);
-    let one = curves(&read(&bench, "one.npy"));
+    bench.done(single);
+    let one = bench.curves("one.npy");
     assert_eq!(one.len(), 1, "one path is one array without NaN");
     for [row, col, ..] in &one[0] {
         let across = (row - 3.0) * 6.0 - (col - 3.0) * 9.0;
@@ -58,13 +58,13 @@ fn impossible_starts_are_refused() {
             "path {cut} --spacing 1 -s 2,2 --from 1,1 --from {from} -o p.npy -o p.svg \
              --picture p.png --engine cpu"
         );
-        let output = run(&bench, &line);
+        let output = bench.run(&line);
         bench.refuses(&output, &parts);
     }
     let line = format!("path {cut} --spacing 1 -s 2,2 -o p.npy");
-    bench.refuses(&run(&bench, &line), &["--from"]);
+    bench.refuse(&line, &["--from"]);
     let line = format!("path {cut} --spacing 1 -s 2,2 --from 1 -o p.npy");
-    bench.refuses(&run(&bench, &line), &["R,C"]);
+    bench.refuse(&line, &["R,C"]);
 }
 
 /// With a slowness, a path's length is a travel time, and its length on the surface is reported too.
@@ -78,9 +78,9 @@ fn paths_tell_lengths_and_travel_times() {
             "path {flat} --spacing 2 --slowness {slowness} -s 3,4,1.5 --from 15,20 --from 3,24 --engine cpu \
              --json -o p.csv"
         );
-        let output = done(&bench, &line);
+        let output = bench.done(&line);
         let report = json(&output);
-        let table = text(&bench, "p.csv");
+        let table = bench.text("p.csv");
         let mut rows = table.lines().skip(1).map(|line| line.split(',').collect::<Vec<_>>());
         let exact = [20.0 * 2.0, 2.0 * 12f64.hypot(16.0)];
         for (index, exact) in [(0, exact[1]), (1, exact[0])] {
@@ -102,7 +102,7 @@ fn paths_tell_lengths_and_travel_times() {
             "{said}"
         );
     }
-    let report = json(&done(&bench, &format!("path {flat} --spacing 1 -s 3,4 --from 3,9 --json")));
+    let report = bench.json(format!("path {flat} --spacing 1 -s 3,4 --from 3,9 --json"));
     let path = &report["paths"][0];
     assert!(path["time"].is_null() && path["surface_length"] == path["length"], "{path}");
 }
@@ -116,7 +116,7 @@ fn maps_of_paths_and_regions_come_in_double_precision() {
         ["path builtin:plane:30x40 -s 3,4 --from 29,39", "voronoi builtin:plane:30x40 -s 3,4"]
     {
         let report = |precision: &str| {
-            json(&done(&bench, &format!("{words} --engine cpu --json --precision {precision}")))
+            bench.json(format!("{words} --engine cpu --json --precision {precision}"))
         };
         let (single, double) = (report("single"), report("double"));
         assert_eq!(
@@ -131,6 +131,6 @@ fn maps_of_paths_and_regions_come_in_double_precision() {
             assert!(error(&single["paths"][0]["distance"]) > 1e-13, "{single}");
         }
         let line = format!("{words} --precision double --engine vulkan --json");
-        assert!(!run(&bench, &line).status.success(), "shaders compute in single precision");
+        assert!(!bench.run(&line).status.success(), "shaders compute in single precision");
     }
 }

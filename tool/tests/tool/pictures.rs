@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use crate::workbench::{Workbench, curves, done, read, run};
+use crate::workbench::Workbench;
 
 #[test]
 fn pictures_come_in_both_views() {
@@ -12,15 +12,15 @@ fn pictures_come_in_both_views() {
             "contours builtin:face:61x51 -s 34,25 --every 20 --unit mm --engine cpu \
              --view {view} --picture {name}"
         );
-        done(&bench, &line);
-        let picture = png::Decoder::new(Cursor::new(read(&bench, name))).read_info().unwrap();
+        bench.done(&line);
+        let picture = png::Decoder::new(Cursor::new(bench.read(name))).read_info().unwrap();
         let info = picture.info();
         assert!(info.width.min(info.height) > 500, "{view}: {} x {}", info.width, info.height);
     }
-    assert_ne!(read(&bench, "map.png"), read(&bench, "shaded.png"));
+    assert_ne!(bench.read("map.png"), bench.read("shaded.png"));
     let metric = bench.array("metric.npy", &[5, 5, 2, 2], &[1.0, 0.0, 0.0, 1.0].repeat(25));
-    done(&bench, &format!("path {metric} -s 0,0 --from 4,4 --picture m.png -o m.npy -o m.svg"));
-    let path = &curves(&read(&bench, "m.npy"))[0];
+    bench.done(format!("path {metric} -s 0,0 --from 4,4 --picture m.png -o m.npy -o m.svg"));
+    let path = &bench.curves("m.npy")[0];
     assert!(path.iter().all(|row| row[2].is_nan() && row[1].is_finite()));
 
     let bench = Workbench::new();
@@ -36,22 +36,6 @@ fn pictures_come_in_both_views() {
         ("", ["--output", "PATHS"]),
     ] {
         let line = format!("path {metric} -s 0,0 --from 4,4 --engine cpu {rest}");
-        bench.refuses(&run(&bench, &line), &parts);
+        bench.refuse(&line, &parts);
     }
-}
-
-#[test]
-fn figures_are_drawn() {
-    let bench = Workbench::new();
-    done(&bench, "figure scans -o scans.png");
-    done(&bench, "figure update -o update.png");
-    done(&bench, "figure face -o face.png");
-    assert_eq!(bench.outputs(), ["face.png", "scans.png", "update.png"]);
-    for name in ["scans.png", "update.png", "face.png"] {
-        let picture = png::Decoder::new(Cursor::new(read(&bench, name))).read_info().unwrap();
-        assert!(picture.info().width >= 1500, "{name}");
-    }
-    let bench = Workbench::new();
-    bench.refuses(&run(&bench, "figure all -o nowhere"), &["nowhere", "create it"]);
-    bench.refuses(&run(&bench, "figure face -o face.gif"), &["face.gif", ".png"]);
 }

@@ -5,7 +5,7 @@ use geosweep::io::read_map;
 use serde_json::{Value, json};
 
 use crate::formats::geotiff;
-use crate::workbench::{Workbench, done, json, map, notes, read, run, stderr, text};
+use crate::workbench::{Workbench, json, notes, stderr};
 
 const CORNER: [f64; 6] = [0.0, 0.0, 0.0, 500_000.0, 4_000_000.0, 0.0];
 const UTM: [u16; 12] = [1024, 0, 1, 1, 3072, 0, 1, 32616, 3076, 0, 1, 9001];
@@ -31,31 +31,31 @@ fn start_values_of_files_are_those_of_options() {
     ];
     let said = sources.map(|[row, col, start]| format!("-s {row},{col},{start}")).join(" ");
     let tail = "--spacing 1 --engine cpu";
-    done(&bench, &format!("distance {flat} {said} {tail} -o expected.npy"));
-    done(&bench, &format!("voronoi {flat} {said} {tail} -o labels.npy"));
-    done(&bench, &format!("contours {flat} {said} {tail} --levels 3,5 -o contours.csv"));
+    bench.done(format!("distance {flat} {said} {tail} -o expected.npy"));
+    bench.done(format!("voronoi {flat} {said} {tail} -o labels.npy"));
+    bench.done(format!("contours {flat} {said} {tail} --levels 3,5 -o contours.csv"));
     let path = format!("path {flat} {said} {tail} --from 9,9 --json");
-    let path = json(&done(&bench, &path))["paths"].clone();
+    let path = bench.json(&path)["paths"].clone();
     for file in &files {
         let given = format!("--source-points {file} {tail}");
-        let output = done(&bench, &format!("distance {flat} {given} -o found.npy"));
-        assert_eq!(read(&bench, "found.npy"), read(&bench, "expected.npy"), "{file}");
+        let output = bench.done(format!("distance {flat} {given} -o found.npy"));
+        assert_eq!(bench.read("found.npy"), bench.read("expected.npy"), "{file}");
         let unused = file.ends_with("named.csv");
         assert_eq!(
             notes(&output).contains("named.csv: the column id is not used"),
             unused,
             "{file}"
         );
-        done(&bench, &format!("voronoi {flat} {given} -o found.npy"));
-        assert_eq!(read(&bench, "found.npy"), read(&bench, "labels.npy"), "{file}");
-        done(&bench, &format!("contours {flat} {given} --levels 3,5 -o found.csv"));
-        assert_eq!(text(&bench, "found.csv"), text(&bench, "contours.csv"), "{file}");
-        let found = json(&done(&bench, &format!("path {flat} {given} --from 9,9 --json")));
+        bench.done(format!("voronoi {flat} {given} -o found.npy"));
+        assert_eq!(bench.read("found.npy"), bench.read("labels.npy"), "{file}");
+        bench.done(format!("contours {flat} {given} --levels 3,5 -o found.csv"));
+        assert_eq!(bench.text("found.csv"), bench.text("contours.csv"), "{file}");
+        let found = bench.json(format!("path {flat} {given} --from 9,9 --json"));
         assert_eq!(found["paths"], path, "{file}");
 
         // Rows of a matrix start with the start value too.
         let line = format!("pairwise {flat} --spacing 1 --engine cpu --sources {file} -o rows.npy");
-        done(&bench, &line);
+        bench.done(&line);
         let rows = read_map(&bench.output("rows.npy")).unwrap();
         for ([row, col, start], found) in sources.iter().zip(rows.values.chunks(11 * 13)) {
             for (index, distance) in found.iter().enumerate() {
@@ -81,8 +81,8 @@ fn curves_start_with_one_value() {
         &[0., 0., 2., 8., 0., 2., f64::NAN, f64::NAN, f64::NAN, 0., 8., 5., 8., 8., 5.],
     );
     for file in [curve, array] {
-        done(&bench, &line(&file));
-        for (index, distance) in map(&bench.output("map.npy")).iter().enumerate() {
+        bench.done(&line(&file));
+        for (index, distance) in bench.map("map.npy").iter().enumerate() {
             let col = (index % 9) as f64;
             let exact = (2.0 + col).min(5.0 + 8.0 - col);
             assert!((distance - exact).abs() < 1e-4, "{file} {index}: {distance} {exact}");
@@ -91,7 +91,7 @@ fn curves_start_with_one_value() {
     let bench = Workbench::new();
     let differing = bench.input("differing.csv", "row,col,t0\n0,0,2\n4,0,2\n8,0,3\n");
     let line = format!("distance {} --source-curve {differing} -o map.npy", bench.flat(9, 9));
-    bench.refuses(&run(&bench, &line), &["differing.csv", "line 4", "--source-points"]);
+    bench.refuse(&line, &["differing.csv", "line 4", "--source-points"]);
 }
 
 /// The places are the same by row and column, in map coordinates, in tables of map coordinates and in GeoJSON.
@@ -112,7 +112,7 @@ fn map_coordinates_are_places_on_the_grid() {
     };
     let named = json!({"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32616"}});
     let table = |names: &str| format!("{names},t0\n{},{},0\n{},{},100\n", a[0], a[1], b[0], b[1]);
-    done(&bench, &format!("distance {dem} {rows} --engine cpu -o expected.npy"));
+    bench.done(format!("distance {dem} {rows} --engine cpu -o expected.npy"));
     for (given, note) in [
         (format!("--source-xy {},{} --source-xy {},{},100", a[0], a[1], b[0], b[1]), ""),
         (format!("--source-points {}", bench.input("xy.csv", table("x,y"))), ""),
@@ -130,12 +130,12 @@ fn map_coordinates_are_places_on_the_grid() {
             "EPSG:32616",
         ),
     ] {
-        let output = done(&bench, &format!("distance {dem} {given} --engine cpu -o found.npy"));
-        assert_eq!(read(&bench, "found.npy"), read(&bench, "expected.npy"), "{given}");
+        let output = bench.done(format!("distance {dem} {given} --engine cpu -o found.npy"));
+        assert_eq!(bench.read("found.npy"), bench.read("expected.npy"), "{given}");
         assert!(notes(&output).contains(note), "{given}: {}", notes(&output));
     }
 
-    let path = |words: &str| json(&done(&bench, &format!("path {dem} {rows} {words} --json")));
+    let path = |words: &str| bench.json(format!("path {dem} {rows} {words} --json"));
     let expected = path("--from 15.25,20.5")["paths"].clone();
     let xy = format!("--from-xy {},{}", b[0], b[1]);
     let file = bench.input("start.csv", format!("x,y\n{},{}\n", b[0], b[1]));
@@ -160,22 +160,19 @@ fn lines_and_polygons_are_curves() {
         let curve = bench.input("curve.csv", rows);
         let json = json!({"type": kind, "coordinates": coordinates}).to_string();
         let json = bench.input("curve.geojson", json);
-        done(&bench, &format!("distance {dem} --source-curve {curve} --engine cpu -o a.npy"));
-        done(&bench, &format!("distance {dem} --source-curve {json} --engine cpu -o b.npy"));
-        assert_eq!(read(&bench, "a.npy"), read(&bench, "b.npy"), "{kind}");
-        let vertices = done(&bench, &format!("distance {dem} --source-points {json} -o c.npy"));
+        bench.done(format!("distance {dem} --source-curve {curve} --engine cpu -o a.npy"));
+        bench.done(format!("distance {dem} --source-curve {json} --engine cpu -o b.npy"));
+        assert_eq!(bench.read("a.npy"), bench.read("b.npy"), "{kind}");
+        let vertices = bench.done(format!("distance {dem} --source-points {json} -o c.npy"));
         assert!(notes(&vertices).contains("only the vertices"), "{}", notes(&vertices));
     }
-    done(
-        &bench,
-        &format!("contours {dem} -s 10,15 --levels 100 --engine cpu -o c.geojson -o c.csv"),
-    );
+    bench.done(format!("contours {dem} -s 10,15 --levels 100 --engine cpu -o c.geojson -o c.csv"));
     for file in ["c.geojson", "c.csv"] {
         let curve = bench.output(file);
         let curve = curve.to_str().unwrap();
-        done(&bench, &format!("distance {dem} --source-curve {curve} --engine cpu -o {file}.npy"));
+        bench.done(format!("distance {dem} --source-curve {curve} --engine cpu -o {file}.npy"));
     }
-    let [a, b] = ["c.geojson.npy", "c.csv.npy"].map(|name| map(&bench.output(name)));
+    let [a, b] = ["c.geojson.npy", "c.csv.npy"].map(|name| bench.map(name));
     assert!(
         a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-3),
         "GeoJSON has tenths of millimetres"
@@ -222,11 +219,11 @@ fn impossible_places_are_refused_with_the_extent() {
         bench.refuses(&bench.distance(surface, &format!("{words} -o map.npy")), parts);
     }
     let line = format!("pairwise {dem} --sources {xy} -o d.npy");
-    bench.refuses(&run(&bench, &line), &["xy.csv", "outside the grid"]);
+    bench.refuse(&line, &["xy.csv", "outside the grid"]);
     let [x, y] = coordinates(3.5, 4.0);
     let between = bench.input("between.csv", format!("x,y\n{x},{y}\n"));
     let line = format!("pairwise {dem} --sources {between} -o d.npy");
-    bench.refuses(&run(&bench, &line), &["between.csv", "between points of the grid"]);
+    bench.refuse(&line, &["between.csv", "between points of the grid"]);
 }
 
 /// A message stays short, whatever it quotes from a file or an argument.
@@ -272,7 +269,7 @@ fn messages_quote_excerpts() {
         format!("sample builtin:plane:9x9 -o o.npy -k {long}"),
         long.clone(),
     ] {
-        let output = run(&bench, &line);
+        let output = bench.run(&line);
         bench.refuses(&output, &[]);
         assert!(stderr(&output).len() < 2000, "{}: {}", &line[..60], stderr(&output).len());
     }
@@ -323,7 +320,7 @@ fn lines_of_a_mask_are_passed_along_sides_alone() {
         };
         assert_eq!(reached(1), (1, size as u64));
         let line = format!("distance {flat} -s 0,0 --spacing 1 --mask {} --json", diagonal(1));
-        let said = notes(&done(&bench, &line));
+        let said = notes(&bench.done(&line));
         assert!(
             said.contains("1 point is not reached") && said.contains("only at a corner"),
             "{said}"
@@ -331,7 +328,7 @@ fn lines_of_a_mask_are_passed_along_sides_alone() {
         let (reached, points) = reached(2);
         assert_eq!(reached, points);
     }
-    let help = String::from_utf8(run(&bench, "distance --help").stdout).unwrap();
+    let help = String::from_utf8(bench.run("distance --help").stdout).unwrap();
     let words = help.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(words.contains("touch only at a corner"), "{help}");
 }
@@ -365,27 +362,4 @@ fn numbers_in_messages_have_few_digits() {
     }
     let output = bench.distance("builtin:plane:9x9", "-s 1e38,0 -o map.npy");
     bench.refuses(&output, &["source 1e38,0"]);
-}
-
-/// A globe that is sampled at the middles of its cells has no repeated column, but it is closed.
-#[test]
-fn a_globe_sampled_at_cell_middles_gets_a_warning() {
-    use std::f64::consts::{PI, TAU};
-    let bench = Workbench::new();
-    for (rows, cols) in [(18, 36), (9, 12), (40, 25)] {
-        let mut positions = Vec::new();
-        for row in 0..rows {
-            for col in 0..cols {
-                let latitude = PI * ((f64::from(row) + 0.5) / f64::from(rows) - 0.5);
-                let longitude = TAU * (f64::from(col) + 0.5) / f64::from(cols);
-                let around = [longitude.cos(), longitude.sin()].map(|x| latitude.cos() * x);
-                positions.extend([around[0], around[1], latitude.sin()]);
-            }
-        }
-        let globe = bench.array("globe.npy", &[rows as usize, cols as usize, 3], &positions);
-        let output = bench.distance(&globe, "-s 4,4 --json");
-        let warned = stderr(&output);
-        assert!(warned.contains("warning: the surface is closed: its first column and its last column are neighbours"), "{warned}");
-        assert_eq!(json(&output)["seams"].as_array().unwrap().len(), 1);
-    }
 }

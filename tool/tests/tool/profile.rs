@@ -412,7 +412,7 @@ fn unsupported_profiles_are_refused() {
     let bench = Workbench::new();
     let nonsense = bench.input("nonsense.json", "{\"rows\": 3}");
     for (words, parts) in [
-        ("--engine cpu", vec!["Vulkan", "geosweep bench"]),
+        ("--engine cpu", vec!["Vulkan", "geosweep-lab bench"]),
         ("--renderdoc", vec!["RenderDoc is not loaded", "renderdoccmd"]),
         ("--repeat 0", vec!["--repeat", "0"]),
         ("--trace trace.txt", vec!["trace.txt", ".json"]),

@@ -23,7 +23,7 @@ fn asc(corner: [f64; 2], value: impl Fn(usize, usize) -> f64) -> String {
 const CORNER: [f64; 2] = [5e5, 4e6];
 
 fn run(bench: &Workbench, line: &str) -> Vec<f64> {
-    let output = bench.run(line.split_whitespace());
+    let output = bench.run(line);
     assert!(output.status.success(), "{line}: {}", stderr(&output));
     let file = line.split_whitespace().last().unwrap();
     read_map(&bench.output(file)).unwrap().values
@@ -69,12 +69,11 @@ fn rasters_that_lie_elsewhere_are_refused() {
         format!("--slowness {shifted} -s 3,4"),
         format!("--source-points {shifted}"),
     ] {
-        let output = bench.run(format!("distance {flat} {line} -o d.npy").split_whitespace());
+        let output = bench.run(format!("distance {flat} {line} -o d.npy"));
         bench.refuses(&output, &["shifted.asc", "row 0, column 0", "gdalwarp"]);
     }
     let empty = bench.input("empty.asc", asc(CORNER, |_, _| 0.0));
-    let output =
-        bench.run(format!("distance {flat} --source-points {empty} -o d.npy").split_whitespace());
+    let output = bench.run(format!("distance {flat} --source-points {empty} -o d.npy"));
     bench.refuses(&output, &["empty.asc", "no source"]);
 }
 

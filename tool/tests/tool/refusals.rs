@@ -48,7 +48,7 @@ fn wrong_words_are_refused() {
     }
     for stop in ["--iterations 3", "--tolerance 1e-3"] {
         let line = format!("distance {flat} --engine fast-marching -s 1,1 -o map.npy {stop}");
-        bench.refuses(&bench.run(line.split_whitespace()), &["--iterations", "fast marching"]);
+        bench.refuse(line, &["--iterations", "fast marching"]);
     }
 }
 
@@ -182,7 +182,7 @@ fn existing_files_in_the_way_stay() {
     let bench = Workbench::new();
     let flat = bench.flat(5, 5);
     let before = fs::read(&flat).unwrap();
-    let output = bench.run(["distance", &flat, "--engine", "cpu", "-s", "0,0", "-o", &flat]);
+    let output = bench.run_args(["distance", &flat, "--engine", "cpu", "-s", "0,0", "-o", &flat]);
     bench.refuses(&output, &["flat.npy", "also an input"]);
     assert_eq!(fs::read(&flat).unwrap(), before);
 
@@ -199,15 +199,15 @@ fn names_need_not_be_text() {
     let bench = Workbench::new();
     let name = OsStr::from_bytes(b"\xff.npy");
     let words = |words: &'static str| words.split(' ').map(OsStr::new);
-    let output = bench.run(words("distance").chain([name]).chain(words("-s 0,0 -o map.npy")));
+    let output = bench.run_args(words("distance").chain([name]).chain(words("-s 0,0 -o map.npy")));
     bench.refuses(&output, &[".npy: cannot be read"]);
     let output =
-        bench.run(words("distance builtin:plane:5x5 --engine cpu -s 0,0 -o").chain([name]));
+        bench.run_args(words("distance builtin:plane:5x5 --engine cpu -s 0,0 -o").chain([name]));
     assert!(output.status.success(), "{}", stderr(&output));
     assert_eq!(map(&bench.output("").join(name)).len(), 25);
     let source = OsStr::from_bytes(b"1,\xff");
     let bench = Workbench::new();
-    let output = bench.run(words("distance builtin:plane:5x5 -o map.npy -s").chain([source]));
+    let output = bench.run_args(words("distance builtin:plane:5x5 -o map.npy -s").chain([source]));
     bench.refuses(&output, &["UTF-8"]);
 }
 

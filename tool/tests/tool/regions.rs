@@ -2,7 +2,7 @@
 
 use geosweep::io::read_map;
 
-use crate::workbench::{Workbench, curves, done, json, read, run, stderr};
+use crate::workbench::{Workbench, json, stderr};
 
 #[test]
 fn regions_contain_the_nearest_points() {
@@ -13,7 +13,7 @@ fn regions_contain_the_nearest_points() {
         "voronoi {flat} --spacing 1 -s 8,10 -s 20,30 -s 28,6 --engine cpu -o labels.npy \
          --borders b.npy --borders b.csv --picture v.png --json"
     );
-    let report = json(&done(&bench, &line));
+    let report = bench.json(&line);
     assert_eq!(bench.outputs(), ["b.csv", "b.npy", "labels.npy", "v.png"]);
     let labels = read_map(&bench.output("labels.npy")).unwrap();
     let far = |row: f64, col: f64, [r, c]: [f64; 2]| (row - r).hypot(col - c);
@@ -34,7 +34,7 @@ fn regions_contain_the_nearest_points() {
     let mut table = csv::Reader::from_path(bench.output("b.csv")).unwrap();
     assert_eq!(&table.headers().unwrap().iter().collect::<Vec<_>>()[2..4], ["left", "right"]);
     let rows: Vec<_> = table.records().map(Result::unwrap).collect();
-    let borders = curves(&read(&bench, "b.npy"));
+    let borders = bench.curves("b.npy");
     assert_eq!(borders.len(), 3);
     assert_eq!(rows.len(), borders.iter().map(Vec::len).sum::<usize>());
     for row in &rows {
@@ -57,7 +57,7 @@ fn unreached_points_have_no_region() {
     let cut = bench.array("cut.npy", &[9, 12], &heights);
     let line =
         format!("voronoi {cut} --spacing 1 -s 4,1 -s 4,1 -s 4,5 --engine cpu -o l.npy --json");
-    let output = done(&bench, &line);
+    let output = bench.done(&line);
     assert!(stderr(&output).contains("cannot be reached"), "{}", stderr(&output));
     let labels = read_map(&bench.output("l.npy")).unwrap();
     for (index, label) in labels.values.iter().enumerate() {
@@ -70,5 +70,5 @@ fn unreached_points_have_no_region() {
     assert_eq!(report["regions"][1]["area"], 0.0);
     let line = format!("voronoi {cut} --spacing 1 -s 4,1 -o l.png");
     let bench = Workbench::new();
-    bench.refuses(&run(&bench, &line), &["l.png", ".npy or .tif"]);
+    bench.refuse(&line, &["l.png", ".npy or .tif"]);
 }

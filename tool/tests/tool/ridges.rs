@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::workbench::{Workbench, json, run};
+use crate::workbench::Workbench;
 use serde_json::Value;
 
 /// Returns rows and columns of all vertices in a .csv of curves.
@@ -25,7 +25,7 @@ fn ridges_are_the_bisector_as_far_as_the_angle_is_wide() {
     let bench = Workbench::new();
     let line = "ridges builtin:plane:65x65 -s 20,32 -s 45,32 --engine cpu --json";
     for (angle, half) in [("", 32.0), ("--least-angle 90", 12.5)] {
-        let report = json(&run(&bench, &format!("{line} {angle} -o r.csv")));
+        let report = bench.json(format!("{line} {angle} -o r.csv"));
         let [ridge] = &report["ridges"].as_array().unwrap()[..] else { panic!("{report}") };
         let number = |key: &str| ridge[key].as_f64().unwrap();
         let places = places(&bench, "r.csv");
@@ -51,7 +51,7 @@ fn ridges_come_in_every_format_and_as_a_picture() {
     let bench = Workbench::new();
     let line = "ridges builtin:peaks:65x65 -s 8,8 --engine cpu --least-angle 25 --json \
                 -o r.npy -o r.svg -o r.ply -o r.obj -o r.csv --picture r.png";
-    let report = json(&run(&bench, line));
+    let report = bench.json(line);
     let count = report["ridges"].as_array().unwrap().len();
     assert!(count > 0, "fronts meet behind the hills");
     let files = ["r.csv", "r.npy", "r.obj", "r.ply", "r.png", "r.svg"];
@@ -61,7 +61,7 @@ fn ridges_come_in_every_format_and_as_a_picture() {
     assert_eq!(text("r.obj").lines().filter(|line| line.starts_with("l ")).count(), count);
     assert!(fs::read(bench.output("r.png")).unwrap().starts_with(b"\x89PNG"));
 
-    let none = json(&run(&bench, "ridges builtin:plane:17x17 -s 8,8 --engine cpu --json -o n.svg"));
+    let none = bench.json("ridges builtin:plane:17x17 -s 8,8 --engine cpu --json -o n.svg");
     assert_eq!(none["ridges"], Value::from(Vec::<Value>::new()));
     assert!(!text("n.svg").contains("<path"));
 }
@@ -71,7 +71,7 @@ fn ridges_come_in_every_format_and_as_a_picture() {
 fn reports_have_the_farthest_point() {
     let bench = Workbench::new();
     for line in ["contours builtin:plane:17x17 --count 3", "ridges builtin:plane:17x17"] {
-        let report = json(&run(&bench, &format!("{line} -s 2,3 --engine cpu --json")));
+        let report = bench.json(format!("{line} -s 2,3 --engine cpu --json"));
         assert_eq!(report["farthest"], serde_json::json!([16, 16]));
         let exact = 14f64.hypot(13.0) / 16.0;
         let farthest = report["max_distance"].as_f64().unwrap();
@@ -92,7 +92,7 @@ fn invalid_requests_for_ridges_are_refused() {
         ("-o r.csv -o r.geojson", ["r.geojson", "georeferenced"]),
         ("-o r.csv --picture missing/r.png", ["missing", "no folder"]),
     ] {
-        let output = run(&bench, &format!("ridges builtin:plane:17x17 -s 2,2 {words}"));
+        let output = bench.run(format!("ridges builtin:plane:17x17 -s 2,2 {words}"));
         bench.refuses(&output, &parts);
     }
 }

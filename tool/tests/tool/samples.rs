@@ -3,7 +3,7 @@
 use geosweep::io::read_map;
 use serde_json::Value;
 
-use crate::workbench::{Workbench, curves, done, json, map, read, run, stderr};
+use crate::workbench::{Workbench, json, stderr};
 
 #[test]
 fn samples_are_far_from_one_another() {
@@ -13,9 +13,9 @@ fn samples_are_far_from_one_another() {
         "sample {flat} --spacing 1 -k 5 -o s.npy -o s.csv -o s.ply --labels l.npy \
          --picture s.png --json"
     );
-    let report = json(&done(&bench, &line));
+    let report = bench.json(&line);
     assert_eq!(bench.outputs(), ["l.npy", "s.csv", "s.npy", "s.ply", "s.png"]);
-    let samples = &curves(&read(&bench, "s.npy"))[0];
+    let samples = &bench.curves("s.npy")[0];
     // The middle, then the corners in some order.
     assert_eq!(samples[0][..2], [10.0, 10.0]);
     let mut corners: Vec<_> = samples[1..].iter().map(|s| [s[0] as i32, s[1] as i32]).collect();
@@ -34,7 +34,7 @@ fn samples_are_far_from_one_another() {
     assert!(labels.values.iter().all(|label| (0.0..5.0).contains(label)));
 
     let line = "sample builtin:plane:2x2 -k 9 --first 0,0 -o few.npy --json";
-    let output = done(&bench, line);
+    let output = bench.done(line);
     assert!(stderr(&output).contains("only 4 samples, not 9"), "{}", stderr(&output));
     assert_eq!(json(&output)["samples"].as_array().unwrap().len(), 4);
 
@@ -46,7 +46,7 @@ fn samples_are_far_from_one_another() {
         ("", "--count"),
     ] {
         let line = format!("sample {flat} --spacing 1 {rest} -o s.npy");
-        bench.refuses(&run(&bench, &line), &[part]);
+        bench.refuse(&line, &[part]);
     }
 }
 
@@ -55,47 +55,47 @@ fn samples_are_far_from_one_another() {
 fn samples_and_curves_are_inputs_too() {
     let bench = Workbench::new();
     let plane = "builtin:plane:17x19 --engine cpu";
-    done(&bench, "sample builtin:plane:17x19 -k 5 -o s.csv -o s.npy");
-    let samples = curves(&read(&bench, "s.npy")).concat();
+    bench.done("sample builtin:plane:17x19 -k 5 -o s.csv -o s.npy");
+    let samples = bench.curves("s.npy").concat();
     assert_eq!(samples.len(), 5);
 
     // Samples of a table are points.
     let words: Vec<_> = samples.iter().map(|v| format!("-s {},{}", v[0], v[1])).collect();
-    done(&bench, &format!("distance {plane} -o points.npy {}", words.join(" ")));
-    done(&bench, &format!("distance {plane} -o table.npy --source-curve s.csv"));
-    let points = map(&bench.output("points.npy"));
-    assert_eq!(points, map(&bench.output("table.npy")));
+    bench.done(format!("distance {plane} -o points.npy {}", words.join(" ")));
+    bench.done(format!("distance {plane} -o table.npy --source-curve s.csv"));
+    let points = bench.map("points.npy");
+    assert_eq!(points, bench.map("table.npy"));
     for format in ["csv", "npy"] {
-        done(&bench, &format!("distance {plane} -o {format}.npy --source-points s.{format}"));
-        assert_eq!(points, map(&bench.output(&format!("{format}.npy"))), "{format}");
+        bench.done(format!("distance {plane} -o {format}.npy --source-points s.{format}"));
+        assert_eq!(points, bench.map(&format!("{format}.npy")), "{format}");
     }
 
     let ends = |file: &str| {
         let line = format!("path {plane} -s 8,9 -o p.npy --json --from-file {file}");
-        let report = json(&done(&bench, &line));
+        let report = bench.json(&line);
         report["paths"].as_array().unwrap().iter().map(|path| path["from"].clone()).collect()
     };
     let [from_csv, from_npy]: [Vec<Value>; 2] = ["s.csv", "s.npy"].map(ends);
     assert_eq!((from_csv.len(), &from_csv), (5, &from_npy));
     for format in ["csv", "npy"] {
         let line = format!("pairwise builtin:plane:17x19 --sources s.{format} -o {format}-d.npy");
-        done(&bench, &line);
+        bench.done(&line);
     }
-    assert_eq!(map(&bench.output("csv-d.npy")), map(&bench.output("npy-d.npy")));
+    assert_eq!(bench.map("csv-d.npy"), bench.map("npy-d.npy"));
 
     // Curves stay apart: no point between two circles is a source.
-    done(&bench, &format!("contours {plane} -s 4,4 -s 12,14 --levels 0.1 -o c.csv -o c.npy"));
+    bench.done(format!("contours {plane} -s 4,4 -s 12,14 --levels 0.1 -o c.csv -o c.npy"));
     for format in ["csv", "npy"] {
-        done(&bench, &format!("distance {plane} --source-curve c.{format} -o {format}.npy"));
+        bench.done(format!("distance {plane} --source-curve c.{format} -o {format}.npy"));
     }
-    let distances = map(&bench.output("csv.npy"));
-    assert_eq!(distances, map(&bench.output("npy.npy")));
+    let distances = bench.map("csv.npy");
+    assert_eq!(distances, bench.map("npy.npy"));
     assert!(distances[8 * 19 + 9] > 0.2, "{}", distances[8 * 19 + 9]);
     let bench = Workbench::new();
     let named = bench.input("xy.csv", "x,y\n1,2\n");
-    let refused = run(&bench, &format!("distance {plane} --source-curve {named} -o d.npy"));
+    let refused = bench.run(format!("distance {plane} --source-curve {named} -o d.npy"));
     bench.refuses(&refused, &["xy.csv", "map coordinates", "georeferenced"]);
     let named = bench.input("ab.csv", "a,b\n1,2\n");
-    let refused = run(&bench, &format!("distance {plane} --source-curve {named} -o d.npy"));
+    let refused = bench.run(format!("distance {plane} --source-curve {named} -o d.npy"));
     bench.refuses(&refused, &["ab.csv", "header `a,b`", "row and col"]);
 }

@@ -7,7 +7,6 @@ use std::process::Output;
 use std::sync::LazyLock;
 
 use assert_cmd::Command;
-use assert_cmd::cargo::cargo_bin_cmd;
 use geosweep::io::{read_map, write_npy};
 use jsonschema::Validator;
 use serde_json::Value;
@@ -56,20 +55,61 @@ impl Workbench {
 
     /// Returns a command that runs the tool in the folder of outputs.
     pub fn command(&self) -> Command {
-        let mut command = cargo_bin_cmd!("geosweep");
+        let mut command = Command::new(crate::TOOL);
         command.current_dir(self.outputs.path());
         command
     }
 
     /// Runs the tool.
-    pub fn run(&self, args: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Output {
+    pub fn run_args(&self, args: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Output {
         self.command().args(args).output().unwrap()
+    }
+
+    /// Runs the tool with the words of a command line.
+    pub fn run(&self, line: impl AsRef<str>) -> Output {
+        self.run_args(line.as_ref().split_whitespace())
+    }
+
+    /// Runs a command line that must succeed.
+    pub fn done(&self, line: impl AsRef<str>) -> Output {
+        let output = self.run(line.as_ref());
+        assert!(output.status.success(), "{}: {}", line.as_ref(), stderr(&output));
+        output
+    }
+
+    /// Returns the JSON output of a command line that must succeed.
+    pub fn json(&self, line: impl AsRef<str>) -> Value {
+        json(&self.run(line))
+    }
+
+    /// Asserts that the tool refuses a command line, as [`Self::refuses`] does.
+    pub fn refuse(&self, line: impl AsRef<str>, parts: &[&str]) {
+        self.refuses(&self.run(line), parts);
+    }
+
+    /// Returns the contents of an output file.
+    pub fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.output(name)).unwrap()
+    }
+
+    /// Returns an output file as text.
+    pub fn text(&self, name: &str) -> String {
+        String::from_utf8(self.read(name)).unwrap()
+    }
+
+    /// Returns the distances of a map that was written.
+    pub fn map(&self, name: &str) -> Vec<f64> {
+        map(&self.output(name))
+    }
+
+    /// Returns the rows of a float64 array (K, 5) that was written, split where they are NaN.
+    fn curves(&self, name: &str) -> Vec<Vec<[f64; 5]>> {
+        curves(&self.read(name))
     }
 
     /// Runs `geosweep distance` on the CPU with the words of a command line.
     pub fn distance(&self, surface: &str, words: &str) -> Output {
-        let words = words.split_whitespace();
-        self.run(["distance", surface, "--engine", "cpu"].into_iter().chain(words))
+        self.run(format!("distance {surface} --engine cpu {words}"))
     }
 
     pub fn outputs(&self) -> Vec<String> {
@@ -133,24 +173,8 @@ pub fn printed_json(output: &Output) -> Value {
     printed
 }
 
-pub fn words(line: &str) -> Vec<&str> {
-    line.split_whitespace().collect()
-}
-
-/// Runs the tool with the words of a command line.
-pub fn run(bench: &Workbench, line: &str) -> Output {
-    bench.run(words(line))
-}
-
-/// Runs a command line that must succeed.
-pub fn done(bench: &Workbench, line: &str) -> Output {
-    let output = run(bench, line);
-    assert!(output.status.success(), "{line}: {}", stderr(&output));
-    output
-}
-
 /// Returns the rows of a float64 array (K, 5), split where they are NaN.
-pub fn curves(bytes: &[u8]) -> Vec<Vec<[f64; 5]>> {
+fn curves(bytes: &[u8]) -> Vec<Vec<[f64; 5]>> {
     let length = u16::from_le_bytes([bytes[8], bytes[9]]) as usize;
     let header = std::str::from_utf8(&bytes[10..10 + length]).unwrap();
     assert!(header.contains("'descr': '<f8'") && header.contains(", 5)"), "{header}");
@@ -158,14 +182,4 @@ pub fn curves(bytes: &[u8]) -> Vec<Vec<[f64; 5]>> {
         bytes[10 + length..].as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
     let rows = values.as_chunks::<5>().0;
     rows.split(|row| row[0].is_nan()).map(<[_]>::to_vec).collect()
-}
-
-/// Returns the contents of an output file.
-pub fn read(bench: &Workbench, name: &str) -> Vec<u8> {
-    fs::read(bench.output(name)).unwrap()
-}
-
-/// Returns an output file as text.
-pub fn text(bench: &Workbench, name: &str) -> String {
-    String::from_utf8(read(bench, name)).unwrap()
 }

@@ -28,7 +28,7 @@ use crate::precision::Precision;
 use crate::problem::{
     Scene, SolverArgs, SurfaceArgs, builtin_names, convergence, seconds, warn_of_no_convergence,
 };
-use crate::terminal::{Outcome, Spinner, print_json, progress_of_rows, say};
+use crate::terminal::{Outcome, Spinner, print_json, progress_of_rows};
 use sources::RowsOf;
 
 /// The arguments of `geosweep pairwise`.
@@ -86,10 +86,7 @@ pub struct Args {
     /// without the interruption. If there is no such file, start from the first row
     #[arg(long, requires = "output")]
     resume: bool,
-    /// Print one JSON object (docs/json.md): precision, rows, cols and points of the grid, matrix_rows,
-    /// matrix_cols, engine, device, wavefront, iterations (of the slowest map), converged, residual,
-    /// solve_seconds, distances_per_second, resumed_rows, memory_bytes (without the surface), disk_bytes,
-    /// samples (with --sample, an array of [row, column]), stored (with --format csr, the number of distances)
+    /// Print one JSON object; docs/json.md and docs/geosweep.schema.json describe it
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -183,7 +180,7 @@ pub fn run(args: &Args) -> Outcome {
     let held = if args.from_symmetry { points * points * size_of::<f32>() } else { 0 };
     let memory_bytes = held + pairwise.bytes();
     let disk_bytes = matrix.as_ref().map_or(0, |_| layout.bytes());
-    say("note", needs(layout, memory_bytes, disk_bytes));
+    note!("{}", needs(layout, memory_bytes, disk_bytes));
 
     // A second interruption ends the program immediately, as it would without this handler.
     ctrlc::set_handler(|| {
@@ -199,7 +196,7 @@ pub fn run(args: &Args) -> Outcome {
     let mut file = matrix.map(begin).transpose()?;
     let resumed_rows = file.as_ref().map_or(0, MatrixFile::rows);
     if resumed_rows > 0 {
-        say("note", format_args!("continues after row {resumed_rows} of {}", layout.rows));
+        note!("continues after row {resumed_rows} of {}", layout.rows);
     }
     let bar = progress_of_rows(layout.rows, resumed_rows);
     let solved = if args.from_symmetry {
@@ -311,7 +308,7 @@ impl Args {
         let (sources, starts): (Vec<_>, Vec<_>) = points.into_iter().unzip();
         let holes = sources.iter().filter(|&&source| !surface.present()[source]).count();
         if holes > 0 && rows.file().is_some() {
-            say("note", format_args!("{holes} of the sources are holes; their rows are +infinity"));
+            note!("{holes} of the sources are holes; their rows are +infinity");
         }
         Ok((sources, starts))
     }

@@ -1,14 +1,14 @@
 //! Defines the JSON format of a profile.
 
-use std::collections::BTreeMap;
 use std::time::Duration;
 
-use geosweep::vulkan::profile::{Capability, Grain, SolveProfile};
+use geosweep::vulkan::profile::{Capability, Executable, Grain, SolveProfile, Statistic};
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
 
 use super::kinds::{Kind, kinds, median};
 use super::measure::Measured;
-use crate::ceilings::{DeviceCeilings, Shares};
+use crate::ceilings::DeviceCeilings;
 
 /// A profile.
 #[derive(Serialize)]
@@ -19,11 +19,11 @@ pub struct Summary {
     pub residual: f64,
     pub converged: bool,
     /// The capabilities by name: whether each is available, or why not.
-    pub capabilities: BTreeMap<&'static str, Offered>,
+    pub capabilities: Map<String, Value>,
     pub ceilings: DeviceCeilings,
-    pub executables: Vec<Executable>,
+    pub executables: Vec<Value>,
     pub runs: usize,
-    pub kinds: Vec<KindRow>,
+    pub kinds: Vec<Kind>,
     pub total: Total,
 }
 
@@ -52,42 +52,6 @@ fn scans() -> String {
     Grain::Scans.name().into()
 }
 
-#[derive(Serialize)]
-#[serde(untagged)]
-pub enum Offered {
-    Is(bool),
-    Not(String),
-}
-
-/// A pipeline as compiled by its driver.
-#[derive(Serialize)]
-pub struct Executable {
-    pub pipeline: String,
-    pub name: String,
-    pub subgroup_size: u32,
-    pub statistics: BTreeMap<String, f64>,
-}
-
-/// All passes of one kind.
-#[derive(Serialize)]
-pub struct KindRow {
-    pub name: &'static str,
-    pub count: usize,
-    pub dispatches: u64,
-    pub seconds: Vec<f64>,
-    pub median_seconds: Option<f64>,
-    pub median_pass_seconds: Option<f64>,
-    /// The share of the time of all passes.
-    pub share: Option<f64>,
-    pub texels: Option<u64>,
-    pub skipped: Option<u64>,
-    pub bytes_read: Option<u64>,
-    pub bytes_written: Option<u64>,
-    pub triangles: Option<u64>,
-    pub invocations: Option<u64>,
-    pub shares: Shares,
-}
-
 /// The times of each run, in seconds.
 #[derive(Serialize)]
 pub struct Total {
@@ -105,10 +69,9 @@ impl Summary {
     pub fn new(measured: &Measured) -> Self {
         let passes = measured.runs.iter().filter_map(SolveProfile::pass_nanoseconds);
         let passes: Vec<_> = passes.map(|nanoseconds| 1e-9 * nanoseconds as f64).collect();
-        let all = median(&passes);
         let offered = |capability| match measured.capabilities.reason(capability) {
-            None => Offered::Is(true),
-            Some(reason) => Offered::Not(reason.to_string()),
+            None => true.into(),
+            Some(reason) => reason.to_string().into(),
         };
         let host = measured.runs.iter().map(|run| run.time);
         Self {
@@ -125,11 +88,14 @@ impl Summary {
             iterations: measured.iterations,
             residual: measured.residual,
             converged: measured.converged,
-            capabilities: Capability::ALL.map(|one| (one.name(), offered(one))).into(),
+            capabilities: Capability::ALL
+                .map(|one| (one.name().into(), offered(one)))
+                .into_iter()
+                .collect(),
             ceilings: measured.ceilings.into(),
-            executables: measured.executables.iter().map(Executable::from).collect(),
+            executables: measured.executables.iter().map(executable).collect(),
             runs: measured.runs.len(),
-            kinds: kinds(measured).into_iter().map(|kind| KindRow::new(kind, all)).collect(),
+            kinds: kinds(measured, median(&passes)),
             total: Total {
                 passes,
                 share_of_command_buffers: measured
@@ -144,44 +110,13 @@ impl Summary {
     }
 }
 
-impl KindRow {
-    fn new(kind: Kind, all: Option<f64>) -> Self {
-        let Kind { name, count, dispatches, work, invocations, seconds, median_pass, shares } =
-            kind;
-        let median_seconds = median(&seconds);
-        Self {
-            name,
-            count,
-            dispatches,
-            seconds,
-            median_seconds,
-            median_pass_seconds: median_pass,
-            share: median_seconds.zip(all).map(|(seconds, all)| seconds / all),
-            texels: work.texels,
-            skipped: work.skipped,
-            bytes_read: work.bytes_read,
-            bytes_written: work.bytes_written,
-            triangles: work.triangles,
-            invocations,
-            shares,
-        }
-    }
-
-    /// Returns the share of the texels that were not visited, thanks to bounds, lists and convergence.
-    pub fn skipped_share(&self) -> Option<f64> {
-        let (texels, skipped) = (self.texels? as f64, self.skipped? as f64);
-        (texels + skipped > 0.0).then(|| skipped / (texels + skipped))
-    }
-}
-
-impl From<&geosweep::vulkan::profile::Executable> for Executable {
-    fn from(found: &geosweep::vulkan::profile::Executable) -> Self {
-        let statistic = |one: &geosweep::vulkan::profile::Statistic| (one.name.clone(), one.value);
-        Self {
-            pipeline: found.pipeline.clone(),
-            name: found.name.clone(),
-            subgroup_size: found.subgroup_size,
-            statistics: found.statistics.iter().map(statistic).collect(),
-        }
-    }
+/// Returns a pipeline, as compiled by its driver, as JSON.
+fn executable(found: &Executable) -> Value {
+    let statistic = |one: &Statistic| (one.name.clone(), one.value.into());
+    json!({
+        "pipeline": found.pipeline,
+        "name": found.name,
+        "subgroup_size": found.subgroup_size,
+        "statistics": found.statistics.iter().map(statistic).collect::<Map<_, _>>(),
+    })
 }

@@ -12,7 +12,7 @@ use geosweep::{DeviceChoice, Engine, Options, Surface, Wavefront};
 
 use super::renderdoc::Capture;
 use super::subject::{Of, Solved, Subject};
-use crate::terminal::{progress, say};
+use crate::terminal::progress;
 
 /// The measurements to perform, and their number.
 pub struct Wanted<'a> {
@@ -84,7 +84,7 @@ pub fn measure(wanted: &Wanted, capture: Option<Capture>) -> Result<Measured, Bo
     if let Some(capture) = capture {
         let (solved, file) = capture.around(|| subject.solve(&mut solver));
         solved?;
-        say("note", format_args!("RenderDoc has captured a map: {}", file?));
+        note!("RenderDoc has captured a map: {}", file?);
     }
     bar.inc(1);
     let timestamp = before.and_then(|ceilings| ceilings.timestamp);
@@ -177,7 +177,7 @@ fn device(engine: &Engine) -> Result<&DeviceChoice, String> {
         Engine::Vulkan(choice) => Ok(choice),
         Engine::Cpu | Engine::FastMarching => {
             Err("only Vulkan devices can be profiled; leave --engine \
-                                                   out (`geosweep bench` times the CPU engine)"
+                                                   out (`geosweep-lab bench` times the CPU engine)"
                 .into())
         }
     }

@@ -80,12 +80,7 @@ pub struct Args {
     /// that is more than the noise between runs
     #[arg(long, value_name = "FILE.json", help_heading = "Reports")]
     against: Option<PathBuf>,
-    /// Print one JSON object: device, driver, rows, cols, maps (at once), schedule, wavefront, grain,
-    /// iterations, residual, converged, capabilities (true, or why one is missing), ceilings (as from
-    /// `geosweep devices`), executables, runs, kinds and total. A kind of pass: name, count, dispatches,
-    /// seconds (of each run), median_seconds, median_pass_seconds, share, texels, skipped, bytes_read,
-    /// bytes_written, triangles, invocations, and its shares of the ceilings. Total: seconds of the passes,
-    /// their share of the command buffers' time, and seconds on the host's clock, with and without profiling
+    /// Print one JSON object; docs/json.md and docs/geosweep.schema.json describe it
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }

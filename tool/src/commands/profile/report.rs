@@ -5,8 +5,8 @@ use std::fmt::{self, Display, Formatter};
 use geosweep::vulkan::profile::Capability;
 
 use super::against::Comparison;
-use super::file::{KindRow, Summary};
-use super::kinds::median;
+use super::file::Summary;
+use super::kinds::{Kind, median};
 use super::measure::Measured;
 use crate::columns::{Columns, digits, percent};
 
@@ -83,9 +83,8 @@ fn table(f: &mut Formatter<'_>, summary: &Summary) -> fmt::Result {
     write!(f, "{}", Columns { heads, texts: &[0], lines })
 }
 
-fn line(kind: &KindRow) -> [String; 13] {
+fn line(kind: &Kind) -> [String; 13] {
     let scaled = |by: f64, number: Option<f64>| number.map_or(String::new(), |n| digits(by * n));
-    let bytes = kind.bytes_read.zip(kind.bytes_written).map(|(read, written)| read + written);
     let rate = |count: Option<u64>| {
         let count = count.filter(|&count| count > 0)?;
         kind.median_seconds.filter(|&seconds| seconds > 0.0).map(|seconds| count as f64 / seconds)
@@ -99,7 +98,7 @@ fn line(kind: &KindRow) -> [String; 13] {
         scaled(1e6, kind.median_pass_seconds),
         percent(kind.share),
         scaled(1e-6, rate(kind.texels)),
-        scaled(1e-9, rate(bytes)),
+        scaled(1e-9, rate(kind.bytes())),
         percent(kind.shares.data),
         percent(kind.shares.arithmetic),
         percent(kind.shares.dispatches),
@@ -155,14 +154,14 @@ impl Report<'_> {
     fn executables(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let used = format!("{}, ", self.summary.setting.schedule);
         let is_used = |name: &str| name.starts_with(&used);
-        for found in self.summary.executables.iter().filter(|found| is_used(&found.pipeline)) {
+        for found in self.measured.executables.iter().filter(|found| is_used(&found.pipeline)) {
             write!(
                 f,
                 "\n{} ({}): subgroups of {}",
                 found.pipeline, found.name, found.subgroup_size
             )?;
-            for (name, value) in &found.statistics {
-                write!(f, ", {name} {value}")?;
+            for statistic in &found.statistics {
+                write!(f, ", {} {}", statistic.name, statistic.value)?;
             }
             writeln!(f, ".")?;
         }
