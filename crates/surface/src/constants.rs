@@ -163,11 +163,9 @@ pub const BORDER: u32 = 1;
 pub const PATIENCE: u32 = 50;
 /// Change in units of the last place that only a point's first front exceeds, since it takes the place of FAR.
 pub const FIRST_REACHED: u32 = 167772160;
-/// Passes that follow the seeds of a map, for which the pass of seeds prepares: scans, updates of all points,
-/// or rounds of tiles.
+/// Passes that follow the seeds of a map, for which the pass of seeds prepares: scans, or rounds of tiles.
 pub const SCANS_FOLLOW: u32 = 0;
-pub const ALL_POINTS_FOLLOW: u32 = 1;
-pub const TILES_FOLLOW: u32 = 2;
+pub const TILES_FOLLOW: u32 = 1;
 /// Largest number of rounds of tiles in a recording. It is even.
 pub const ROUNDS: u32 = 128;
 /// Number of words that the device keeps for each round: the three numbers that its indirect dispatch reads,

@@ -12,12 +12,12 @@ fn every_schedule_gives_the_same_map() {
         );
         bench.json(&line)["schedule"].as_str().unwrap().to_owned()
     };
-    for schedule in ["raster", "all-points", "tiles"] {
+    for schedule in ["raster", "tiles"] {
         assert_eq!(map(schedule), schedule);
     }
     assert!(["raster", "tiles"].contains(&map("auto").as_str()));
     // Tolerances are relative to the largest distance. Each map stops at changes of 1e-6.
-    for schedule in ["auto", "all-points", "tiles"] {
+    for schedule in ["auto", "tiles"] {
         let compared = bench.run(format!("compare {schedule}.npy raster.npy --tolerance 1e-5"));
         assert!(compared.status.success(), "{schedule}: {}", stderr(&compared));
     }
@@ -33,7 +33,7 @@ fn a_schedule_is_for_vulkan_alone() {
         bench.refuse(&line, &["--schedule", "--engine vulkan"]);
     }
     let wrong = "distance builtin:plane:9x9 -s 1,1 --schedule spiral -o map.npy";
-    bench.refuse(wrong, &["spiral", "all-points"]);
+    bench.refuse(wrong, &["spiral", "tiles"]);
     let options = geosweep::Options::default()
         .with_engine(geosweep::Engine::Cpu)
         .with_schedule(geosweep::vulkan::Schedule::Tiles);
