@@ -120,6 +120,7 @@ impl<R: Real> EdgeLengths<R> {
     /// Returns whether the front of a single source may meet itself, as the fronts of several sources meet each other.
     /// It may if the slowness is uneven, or if there are obtuse triangles, as on steep surfaces.
     #[doc(hidden)]
+    #[inline]
     pub fn front_meets_itself(&self) -> bool {
         !self.beside_a_source && (self.shared.slowed_unevenly || self.has_obtuse_triangles())
     }
@@ -127,6 +128,7 @@ impl<R: Real> EdgeLengths<R> {
     /// Returns these edges for a region around a single source, in which the front has not gone far enough to
     /// meet itself.
     #[doc(hidden)]
+    #[inline]
     pub fn beside_a_source(mut self) -> Self {
         self.beside_a_source = true;
         self
@@ -135,6 +137,7 @@ impl<R: Real> EdgeLengths<R> {
     /// Returns the groups of points that are one point of the surface, by their indices in bordered arrays, if
     /// the surface is glued.
     #[doc(hidden)]
+    #[inline]
     pub fn copies(&self) -> Option<&Groups> {
         self.shared.copies.as_ref()
     }
@@ -154,17 +157,20 @@ impl<R: Real> EdgeLengths<R> {
     /// length of an edge on the surface is the stored length divided by the mean slowness of its ends. The
     /// value is 1 where there is no point.
     #[doc(hidden)]
+    #[inline]
     pub fn slowness(&self) -> Option<&[R]> {
         self.shared.slowness.as_ref().map(|slowness| slowness.as_slice())
     }
 
     /// Returns the array of [`Self::slowness`] for data that may outlive these edges.
     #[doc(hidden)]
+    #[inline]
     pub fn shared_slowness(&self) -> Option<Arc<Vec<R>>> {
         self.shared.slowness.clone()
     }
 
     /// Returns the grid's size.
+    #[inline]
     pub fn chart(&self) -> Chart {
         self.shared.chart
     }
@@ -173,6 +179,7 @@ impl<R: Real> EdgeLengths<R> {
     ///
     /// # Panics
     /// If the grid has no such point.
+    #[inline]
     pub fn length(&self, row: usize, col: usize, to: Direction) -> R {
         let chart = self.chart();
         assert!(row < chart.rows && col < chart.cols, "point outside the grid");
@@ -181,11 +188,13 @@ impl<R: Real> EdgeLengths<R> {
 
     /// Returns the even grid if the surface is a floor plan ([`Surface::is_floor_plan`]).
     #[doc(hidden)]
+    #[inline]
     pub fn floor(&self) -> Option<EvenGrid> {
         self.shared.floor
     }
 
     /// Returns the rule by which the edges were measured.
+    #[inline]
     pub(crate) fn rule(&self) -> EdgeRule {
         self.shared.rule
     }
@@ -242,6 +251,7 @@ impl<R: Real> EdgeLengths<R> {
 
     /// Returns the lengths of all edges to the east, north, north-east and north-west, as bordered arrays.
     #[doc(hidden)]
+    #[inline]
     pub fn planes(&self) -> [&[R]; 4] {
         self.shared.lengths.each_ref().map(Vec::as_slice)
     }

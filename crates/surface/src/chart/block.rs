@@ -17,24 +17,28 @@ pub struct Block {
 impl Block {
     /// Returns a chart that has only the points of the block.
     #[doc(hidden)]
+    #[inline]
     pub fn chart(&self) -> Chart {
         Chart { rows: self.rows.len(), cols: self.cols.len() }
     }
 
     /// Returns the first row and column of the block.
     #[doc(hidden)]
+    #[inline]
     pub fn first(&self) -> (usize, usize) {
         (self.rows.start, self.cols.start)
     }
 
     /// Returns the first row and column of the block as a place.
     #[doc(hidden)]
+    #[inline]
     pub fn origin(&self) -> DVec2 {
         DVec2::new(self.rows.start as f64, self.cols.start as f64)
     }
 
     /// Returns row and column of the block's points, row by row.
     #[doc(hidden)]
+    #[inline]
     pub fn places(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
         let Self { rows, cols } = self.clone();
         rows.flat_map(move |row| cols.clone().map(move |col| (row, col)))
@@ -42,23 +46,27 @@ impl Block {
 
     /// Returns whether a point of the chart belongs to the block.
     #[doc(hidden)]
+    #[inline]
     pub fn has(&self, (row, col): (usize, usize)) -> bool {
         self.rows.contains(&row) && self.cols.contains(&col)
     }
 
     /// Returns whether a place lies between the points of the block.
     #[doc(hidden)]
+    #[inline]
     pub fn holds(&self, at: DVec2) -> bool {
         self.chart().holds(at - self.origin())
     }
 
     /// Converts a point's row and column to those in the block.
     #[doc(hidden)]
+    #[inline]
     pub fn local(&self, (row, col): (usize, usize)) -> (usize, usize) {
         (row - self.rows.start, col - self.cols.start)
     }
 
     /// Returns the values of the block's points from an array of the whole `chart`.
+    #[inline]
     pub(crate) fn cut<T: Copy>(&self, chart: Chart, whole: &[T]) -> Vec<T> {
         let row = |row| &whole[chart.index(row, self.cols.start)..][..self.cols.len()];
         self.rows.clone().flat_map(row).copied().collect()
@@ -79,6 +87,7 @@ impl Block {
 impl Chart {
     /// Returns the points at most `reach` rows and columns away from a point.
     #[doc(hidden)]
+    #[inline]
     pub fn around(self, (row, col): (usize, usize), reach: usize) -> Block {
         self.around_span([row, row], [col, col], [reach; 2])
     }
@@ -86,6 +95,7 @@ impl Chart {
     /// Returns the points at most `reach` rows and columns away from the points beside a place. If the place
     /// lies beyond the chart's border, the block may be empty.
     #[doc(hidden)]
+    #[inline]
     pub fn around_place(self, at: DVec2, reach: usize) -> Block {
         let span = |at: f64| [at.floor() as usize, at.ceil() as usize];
         self.around_span(span(at.x), span(at.y), [reach; 2])
@@ -101,6 +111,7 @@ impl Chart {
     }
 
     /// Returns the points that have all eight neighbours.
+    #[inline]
     pub(crate) fn interior(self) -> Block {
         let inner = |points: usize| 1..points.saturating_sub(1).max(1);
         Block { rows: inner(self.rows), cols: inner(self.cols) }

@@ -13,24 +13,28 @@ use super::{Chart, Direction};
 impl Chart {
     /// Returns the distance between rows of a bordered array.
     #[doc(hidden)]
+    #[inline]
     pub const fn stride(self) -> usize {
         self.cols + 2
     }
 
     /// Returns the number of entries of a bordered array.
     #[doc(hidden)]
+    #[inline]
     pub const fn bordered_points(self) -> usize {
         (self.rows + 2) * self.stride()
     }
 
     /// Returns the index of a grid point in a bordered array.
     #[doc(hidden)]
+    #[inline]
     pub const fn bordered(self, row: usize, col: usize) -> usize {
         self.entry_index(row + 1, col + 1)
     }
 
     /// Returns row and column of a grid point, given its index in a bordered array.
     #[doc(hidden)]
+    #[inline]
     pub const fn bordered_position(self, point: usize) -> (usize, usize) {
         let (row, col) = self.entry(point);
         (row - 1, col - 1)
@@ -61,6 +65,7 @@ impl Chart {
     /// Returns row and column of a point of a bordered array, counted from the grid's first point. The point
     /// may be one of the border.
     #[doc(hidden)]
+    #[inline]
     pub fn bordered_place(self, point: usize) -> DVec2 {
         let (row, col) = self.entry(point);
         DVec2::new(row as f64 - 1.0, col as f64 - 1.0)
@@ -69,6 +74,7 @@ impl Chart {
     /// Returns the index in a bordered array of the point at a row and column. The point may be one of the
     /// border.
     #[doc(hidden)]
+    #[inline]
     pub fn bordered_at(self, place: DVec2) -> usize {
         (place.x + 1.0) as usize * self.stride() + (place.y + 1.0) as usize
     }
@@ -88,6 +94,7 @@ impl Chart {
     }
 
     /// Returns the grid's rows in a bordered array, each with a point of the border at either end.
+    #[inline]
     pub(crate) fn bordered_rows_mut<T: Send>(
         self,
         array: &mut [T],
@@ -97,6 +104,7 @@ impl Chart {
 
     /// Returns the grid's rows in a bordered array, without the border.
     #[doc(hidden)]
+    #[inline]
     pub fn rows_mut<T: Send>(
         self,
         array: &mut [T],
@@ -106,6 +114,7 @@ impl Chart {
 
     /// Returns the grid's rows in a bordered array in bands of `rows` rows, with their points of the border.
     #[doc(hidden)]
+    #[inline]
     pub fn bands_mut<T: Send>(
         self,
         array: &mut [T],
@@ -117,6 +126,7 @@ impl Chart {
 
     /// Returns the indices, in a band, of some columns of a row. Rows are counted from the band's first one.
     #[doc(hidden)]
+    #[inline]
     pub const fn in_band(self, row: usize, cols: &Range<usize>) -> Range<usize> {
         let first = row * self.stride() + 1;
         first + cols.start..first + cols.end
@@ -124,12 +134,14 @@ impl Chart {
 
     /// Returns a row of the grid in a bordered array.
     #[doc(hidden)]
+    #[inline]
     pub fn row_of<T>(self, array: &[T], row: usize) -> &[T] {
         &array[self.bordered(row, 0)..][..self.cols]
     }
 
     /// Returns a mutable row of the grid in a bordered array.
     #[doc(hidden)]
+    #[inline]
     pub fn row_of_mut<T>(self, array: &mut [T], row: usize) -> &mut [T] {
         &mut array[self.bordered(row, 0)..][..self.cols]
     }
@@ -146,6 +158,7 @@ impl Chart {
 
     /// Fills the rows of a bordered array before the grid's first and after its last row.
     #[doc(hidden)]
+    #[inline]
     pub fn fill_border_rows<T: Copy>(self, array: &mut [T], value: T) {
         let last = array.len() - self.stride();
         array[..self.stride()].fill(value);
@@ -167,6 +180,7 @@ impl Chart {
     /// Returns whether a point of a bordered array lies in a block or its halo.
     #[cfg(any(test, feature = "twins"))]
     #[doc(hidden)]
+    #[inline]
     pub fn is_near(self, block: &Block, point: usize) -> bool {
         let (row, col) = self.entry(point);
         let near = |lines: &Range<usize>, at: usize| (lines.start..lines.end + 2).contains(&at);

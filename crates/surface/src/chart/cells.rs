@@ -17,12 +17,14 @@ pub struct Cell {
 impl Chart {
     /// Returns the rows of cells. Each row of cells has the number of the row of points at its north.
     #[doc(hidden)]
+    #[inline]
     pub const fn rows_of_cells(self) -> Range<usize> {
         0..self.rows.saturating_sub(1)
     }
 
     /// Returns the cells of a row of cells.
     #[doc(hidden)]
+    #[inline]
     pub fn cells_of_row(self, row: usize) -> impl Iterator<Item = Cell> {
         (0..self.cols.saturating_sub(1)).map(move |col| Cell::of((row, col)))
     }
@@ -40,6 +42,7 @@ impl Chart {
 
     /// Returns the first corners of the cells at most `reach` rows and columns around a point. In the grid's
     /// last row and column, the first points of edges and the last point count as such corners too.
+    #[inline]
     pub(crate) fn cells_near(
         self,
         (row, col): (usize, usize),
@@ -81,6 +84,7 @@ impl Chart {
 impl Cell {
     /// Returns the cell to the south-east of a grid point.
     #[doc(hidden)]
+    #[inline]
     pub const fn of((row, col): (usize, usize)) -> Self {
         Self { rows: [row, row + 1], cols: [col, col + 1] }
     }
@@ -94,6 +98,7 @@ impl Cell {
     }
 
     /// Returns the first corner, which identifies the cell.
+    #[inline]
     pub(crate) const fn north_west(self) -> (usize, usize) {
         (self.rows[0], self.cols[0])
     }
@@ -106,6 +111,7 @@ impl Cell {
     }
 
     /// Returns row and column of a place relative to the first corner.
+    #[inline]
     pub(crate) fn inside(self, at: DVec2) -> DVec2 {
         at - DVec2::new(self.rows[0] as f64, self.cols[0] as f64)
     }

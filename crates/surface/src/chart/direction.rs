@@ -45,6 +45,7 @@ impl Direction {
 
     /// Returns the step to the neighbour as a vector of rows and columns.
     #[doc(hidden)]
+    #[inline]
     pub const fn vector(self) -> DVec2 {
         let (down, right) = self.step();
         DVec2::new(down as f64, right as f64)
@@ -52,28 +53,33 @@ impl Direction {
 
     /// Returns whether the neighbour lies in another row and another column.
     #[doc(hidden)]
+    #[inline]
     pub const fn is_diagonal(self) -> bool {
         self as usize % 2 == 1
     }
 
     /// Returns the opposite direction.
+    #[inline]
     pub const fn opposite(self) -> Self {
         Self::ALL[ring::opposite(self as usize)]
     }
 
     /// Returns the direction of the next neighbour counter-clockwise. Both neighbours and the point itself
     /// span a triangle.
+    #[inline]
     pub const fn next(self) -> Self {
         Self::ALL[ring::next(self as usize)]
     }
 
     /// Returns the direction from this neighbour to the next one counter-clockwise: the base of their
     /// triangle.
+    #[inline]
     pub const fn base(self) -> Self {
         Self::ALL[((self as usize).div_ceil(2) * 2 + 2) % 8]
     }
 
     /// Returns the direction of the next neighbour clockwise.
+    #[inline]
     pub const fn previous(self) -> Self {
         Self::ALL[ring::previous(self as usize)]
     }

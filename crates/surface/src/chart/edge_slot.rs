@@ -18,12 +18,14 @@ impl EdgeSlot {
     /// Returns the lengths of this edge for `points` points of a row, beginning with `first`. `planes` are
     /// bordered arrays, one for each direction of [`STORED`].
     #[doc(hidden)]
+    #[inline]
     pub fn row<R>(self, planes: [&[R]; 4], first: usize, points: usize) -> &[R] {
         &planes[self.stored][self.offset.from(first)..][..points]
     }
 
     /// Returns the slot of a point's edge in the direction `to`.
     #[doc(hidden)]
+    #[inline]
     pub fn of(chart: Chart, to: Direction) -> Self {
         Self::new(chart, Offset::NONE, to)
     }

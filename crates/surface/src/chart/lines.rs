@@ -44,12 +44,14 @@ impl Lines {
 impl Chart {
     /// Returns the chart whose rows are this one's columns.
     #[doc(hidden)]
+    #[inline]
     pub const fn transposed(self) -> Self {
         Self { rows: self.cols, cols: self.rows }
     }
 
     /// Returns the distance in a bordered array from a point of a line to the next one.
     #[doc(hidden)]
+    #[inline]
     pub const fn stride_along(self, lines: Lines) -> usize {
         self.offset(lines.along()).distance()
     }

@@ -51,40 +51,47 @@ pub struct Chart {
 
 impl Chart {
     /// Returns the number of grid points, holes included.
+    #[inline]
     pub const fn points(self) -> usize {
         self.rows * self.cols
     }
 
     /// Returns the index of a grid point in a row-major array without border.
+    #[inline]
     pub const fn index(self, row: usize, col: usize) -> usize {
         row * self.cols + col
     }
 
     /// Returns row and column of an index into a row-major array without border.
+    #[inline]
     pub const fn position(self, index: usize) -> (usize, usize) {
         (index / self.cols, index % self.cols)
     }
 
     /// Returns the indices of a row in a row-major array without border.
     #[doc(hidden)]
+    #[inline]
     pub const fn row(self, row: usize) -> Range<usize> {
         self.index(row, 0)..self.index(row + 1, 0)
     }
 
     /// Returns row and column of all grid points, row by row.
     #[doc(hidden)]
+    #[inline]
     pub fn places(self) -> impl Iterator<Item = (usize, usize)> + Clone {
         (0..self.rows).flat_map(move |row| (0..self.cols).map(move |col| (row, col)))
     }
 
     /// Returns the last row and the last column.
     #[doc(hidden)]
+    #[inline]
     pub const fn last(self) -> (usize, usize) {
         (self.rows - 1, self.cols - 1)
     }
 
     /// Returns whether a place lies on the grid: x is its fractional row, y its column.
     #[doc(hidden)]
+    #[inline]
     pub fn holds(self, at: DVec2) -> bool {
         let (last_row, last_col) = self.last();
         (0.0..=last_row as f64).contains(&at.x) && (0.0..=last_col as f64).contains(&at.y)
@@ -99,6 +106,7 @@ impl Chart {
     }
 
     /// Returns the neighbour of a grid point, if the grid has it.
+    #[inline]
     pub fn neighbour(self, row: usize, col: usize, to: Direction) -> Option<(usize, usize)> {
         self.along((row, col), to, 1)
     }
@@ -106,6 +114,7 @@ impl Chart {
     /// Returns the grid point `steps` steps away from another one, in the direction `to`. Negative steps lead the other
     /// way. Returns `None` off the grid.
     #[doc(hidden)]
+    #[inline]
     pub fn along(
         self,
         (row, col): (usize, usize),
@@ -117,6 +126,7 @@ impl Chart {
     }
 
     /// Returns the points from `from` in the direction `to`, up to the end of the grid.
+    #[inline]
     pub(crate) fn walk(
         self,
         from: (usize, usize),
@@ -127,6 +137,7 @@ impl Chart {
 
     /// Returns the chart with an additional point between any two neighbours: row r and column c become 2 r
     /// and 2 c.
+    #[inline]
     pub(crate) const fn refined(self) -> Self {
         Self { rows: 2 * self.rows - 1, cols: 2 * self.cols - 1 }
     }

@@ -18,6 +18,7 @@ impl Offset {
     }
 
     /// Returns the distance between the indices of the two points.
+    #[inline]
     pub(crate) const fn distance(self) -> usize {
         self.0.unsigned_abs()
     }

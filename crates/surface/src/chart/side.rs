@@ -41,11 +41,13 @@ impl GridSide {
     }
 
     /// Returns whether the side is a row.
+    #[inline]
     pub(crate) fn is_row(self) -> bool {
         matches!(self, Self::FirstRow | Self::LastRow)
     }
 
     /// Returns whether this is the first of two opposite sides, and `other` the last.
+    #[inline]
     pub(crate) fn is_opposite(self, other: Self) -> bool {
         use GridSide::{FirstColumn, FirstRow, LastColumn, LastRow};
         matches!((self, other), (FirstRow, LastRow) | (FirstColumn, LastColumn))

@@ -13,18 +13,21 @@ pub struct Tiling {
 
 impl Tiling {
     #[doc(hidden)]
+    #[inline]
     pub const fn new(chart: Chart, side: usize) -> Self {
         Self { chart, side }
     }
 
     /// Returns the chart that is cut.
     #[doc(hidden)]
+    #[inline]
     pub const fn chart(self) -> Chart {
         self.chart
     }
 
     /// Returns a chart whose points are the tiles.
     #[doc(hidden)]
+    #[inline]
     pub const fn tiles(self) -> Chart {
         let Chart { rows, cols } = self.chart;
         Chart { rows: rows.div_ceil(self.side), cols: cols.div_ceil(self.side) }
@@ -32,6 +35,7 @@ impl Tiling {
 
     /// Returns the tile of a point, and the point's place in the tile, both by row and column.
     #[doc(hidden)]
+    #[inline]
     pub const fn tile_of(self, (row, col): (usize, usize)) -> ((usize, usize), (usize, usize)) {
         let side = self.side;
         ((row / side, col / side), (row % side, col % side))
@@ -41,6 +45,7 @@ impl Tiling {
     /// away from it. A tile may occur more than once.
     #[cfg(any(test, feature = "twins"))]
     #[doc(hidden)]
+    #[inline]
     pub fn beside(
         self,
         point: (usize, usize),
@@ -53,18 +58,21 @@ impl Tiling {
 
     /// Returns the rows of points of some rows of tiles.
     #[doc(hidden)]
+    #[inline]
     pub fn rows(self, tiles: Range<usize>) -> Range<usize> {
         self.lines(tiles, self.chart.rows)
     }
 
     /// Returns the columns of points of some columns of tiles.
     #[doc(hidden)]
+    #[inline]
     pub fn cols(self, tiles: Range<usize>) -> Range<usize> {
         self.lines(tiles, self.chart.cols)
     }
 
     /// Returns the points of some rows and columns of tiles.
     #[doc(hidden)]
+    #[inline]
     pub fn points(self, tiles: Block) -> Block {
         Block { rows: self.rows(tiles.rows), cols: self.cols(tiles.cols) }
     }

@@ -28,12 +28,14 @@ impl Edge {
 
     /// Returns row and column of the first point, and the direction of the other.
     #[doc(hidden)]
+    #[inline]
     pub fn ends(self, chart: Chart) -> ((usize, usize), Direction) {
         (chart.position((self.0 / 4) as usize), FORWARD[(self.0 % 4) as usize])
     }
 
     /// Returns the indices of both points.
     #[doc(hidden)]
+    #[inline]
     pub fn points(self, chart: Chart) -> [usize; 2] {
         let ((row, col), to) = self.ends(chart);
         let last = chart.neighbour(row, col, to).expect("the edge of a chart has two ends");
@@ -42,17 +44,20 @@ impl Edge {
 
     /// Returns a number that identifies the edge. Numbers larger than those of the grid's edges are unused.
     #[doc(hidden)]
+    #[inline]
     pub fn number(self) -> u64 {
         self.0
     }
 
     #[doc(hidden)]
+    #[inline]
     pub fn from_number(number: u64) -> Self {
         Self(number)
     }
 
     /// Returns a number above those of all edges of the grid.
     #[doc(hidden)]
+    #[inline]
     pub fn end(chart: Chart) -> u64 {
         4 * chart.points() as u64
     }

@@ -21,6 +21,7 @@ unsafe impl<T: Sync> Sync for Values<T> {}
 
 impl<T> Values<T> {
     /// Takes values from memory that belongs to the program, without a copy.
+    #[inline]
     pub(crate) fn shared(owner: Arc<dyn AsRef<[T]> + Send + Sync>) -> Self {
         // The slice is taken from the owner once, rather than for each element that is read.
         let slice: *const [T] = (*owner).as_ref();

@@ -33,28 +33,33 @@ impl Groups {
     }
 
     /// Returns these groups with indices converted by `to`, which must keep the order of the indices.
+    #[inline]
     pub(crate) fn mapped(&self, to: impl Fn(usize) -> usize) -> Self {
         let members = self.members.iter().map(|&index| to(index as usize) as u32).collect();
         Self { starts: self.starts.clone(), members }
     }
 
     /// Returns the members of each group.
+    #[inline]
     pub fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
         self.starts.windows(2).map(|range| &self.members[range[0] as usize..range[1] as usize])
     }
 
     /// Returns the members of a group.
     #[doc(hidden)]
+    #[inline]
     pub fn get(&self, number: usize) -> &[u32] {
         &self.members[self.starts[number] as usize..self.starts[number + 1] as usize]
     }
 
     /// Returns the start of each group in [`Self::members`], followed by the number of members.
+    #[inline]
     pub fn starts(&self) -> &[u32] {
         &self.starts
     }
 
     /// Returns the members of all groups.
+    #[inline]
     pub fn members(&self) -> &[u32] {
         &self.members
     }
@@ -77,6 +82,7 @@ impl Groups {
     }
 
     /// Returns the number of bytes held.
+    #[inline]
     pub(crate) fn bytes(&self) -> usize {
         (self.starts.len() + self.members.len()) * size_of::<u32>()
     }

@@ -21,6 +21,7 @@ impl<R> Default for Parts<R> {
 
 impl<R: Real> Parts<R> {
     /// Returns the number of bytes held.
+    #[inline]
     pub(crate) fn bytes(&self) -> usize {
         let sides = self.0.get().and_then(Option::as_ref);
         sides.map_or(0, |sides| sides.iter().map(SideParts::bytes).sum())
@@ -91,6 +92,7 @@ pub struct SplitTriangles<'a, R> {
 
 impl<'a, R: Real> SplitTriangles<'a, R> {
     #[doc(hidden)]
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.triangles.is_empty()
     }
