@@ -6,7 +6,7 @@ use std::fs;
 
 use shaderc::{CompileOptions, Compiler, EnvVersion, OptimizationLevel, ShaderKind, TargetEnv};
 
-use crate::names;
+use super::names;
 
 /// First lines of every shader: the version of the language, its extensions, and the chart with the constants.
 const PRELUDE: &str = "\

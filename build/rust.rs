@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use crate::interface::{Block, Interface, Kind};
+use super::interface::{Block, Interface, Kind};
 
 /// A shader, with the names of its SPIR-V modules and the interface of all of them.
 pub struct Shader {

@@ -1,6 +1,7 @@
 //! Names the engines that compute maps.
 
 use crate::name::{UnknownName, by_name};
+#[cfg(feature = "vulkan")]
 use crate::vulkan::DeviceChoice;
 use crate::{Report, UsedEngine};
 
@@ -15,6 +16,7 @@ pub enum Engine {
     #[default]
     Auto,
     /// A Vulkan device. It is an error if none can be used.
+    #[cfg(feature = "vulkan")]
     Vulkan(DeviceChoice),
     /// Rotated raster scans on the CPU.
     Cpu,
@@ -31,6 +33,7 @@ impl Engine {
     pub(crate) fn as_for(&self, report: &Report) -> Self {
         match (self, report.engine) {
             (Self::Auto, UsedEngine::Cpu) => Self::Cpu,
+            #[cfg(feature = "vulkan")]
             (Self::Auto, _) => Self::Vulkan(DeviceChoice::Any),
             _ => self.clone(),
         }
@@ -40,6 +43,7 @@ impl Engine {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Auto => "auto",
+            #[cfg(feature = "vulkan")]
             Self::Vulkan(_) => "vulkan",
             Self::Cpu => "cpu",
             Self::FastMarching => "fast-marching",
@@ -58,7 +62,13 @@ impl std::str::FromStr for Engine {
     type Err = UnknownName;
 
     fn from_str(text: &str) -> Result<Self, UnknownName> {
-        let all = [Self::Auto, Self::Vulkan(DeviceChoice::Any), Self::Cpu, Self::FastMarching];
+        let all = [
+            Self::Auto,
+            #[cfg(feature = "vulkan")]
+            Self::Vulkan(DeviceChoice::Any),
+            Self::Cpu,
+            Self::FastMarching,
+        ];
         by_name("engine", text, &all.each_ref(), |engine| engine.name()).cloned()
     }
 }

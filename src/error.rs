@@ -3,6 +3,7 @@
 use crate::Cancelled;
 use crate::surface::{SourceError, SurfaceError};
 use crate::update::Unsuited;
+#[cfg(feature = "vulkan")]
 use crate::vulkan::VulkanError;
 
 /// Any failure of [`crate::distance_map`] and of the other functions that compute maps, such as those of
@@ -17,6 +18,7 @@ pub enum Error {
     #[error(transparent)]
     Source(#[from] SourceError),
     /// The Vulkan engine was requested and cannot run.
+    #[cfg(feature = "vulkan")]
     #[error(transparent)]
     Vulkan(#[from] VulkanError),
     /// The distances do not fit into memory.

@@ -37,10 +37,11 @@
 //!
 //! # Features
 //!
-//! All features are off by default.
+//! All features but `vulkan` are off by default.
 //!
 //! | feature | adds |
 //! |---|---|
+//! | `vulkan` | the Vulkan engine; without it the CPU computes all maps |
 //! | `formats` | the module `io`: grids, images, curves, and matrices larger than memory as files |
 //! | `canonical` | canonical forms: multidimensional scaling of geodesic distances |
 //! | `capi` | the functions for C and C++ of `geosweep.h` |
@@ -53,19 +54,26 @@
 //! [`estimate_error`], [`accuracy`] and [`geometry`], file formats and the tool.
 
 pub mod accuracy;
+#[cfg(feature = "vulkan")]
 mod auto;
 #[cfg(feature = "capi")]
 pub mod capi;
 mod engine;
 mod error;
 mod estimate;
+#[cfg(feature = "vulkan")]
 mod method;
 mod options;
 pub mod pairwise;
+#[cfg(feature = "vulkan")]
 mod share;
 mod solve;
+#[cfg(feature = "vulkan")]
+mod solve_on_device;
+#[cfg(feature = "vulkan")]
 pub mod vulkan;
 
+#[cfg(feature = "vulkan")]
 pub use ash;
 pub use engine::Engine;
 pub use error::Error;
@@ -75,6 +83,9 @@ pub use geosweep_geometry as geometry;
 #[cfg(feature = "formats")]
 pub use geosweep_io as io;
 pub use geosweep_surface as surface;
+#[cfg(feature = "vulkan")]
+pub(crate) use geosweep_surface::constants;
+pub(crate) use geosweep_surface::name;
 #[doc(hidden)]
 pub use geosweep_surface::shown;
 pub use geosweep_surface::{
@@ -82,11 +93,12 @@ pub use geosweep_surface::{
     MetricTensor, Monitor, Report, Source, Sources, Spacing, Stop, Surface, Targets, UnknownName,
     UsedEngine, Wavefront, update,
 };
-pub(crate) use geosweep_surface::{constants, name};
 pub use glam;
+#[cfg(feature = "vulkan")]
 pub use gpu_allocator;
 pub use options::Options;
 pub use solve::{distance_map, distance_map_f64};
+#[cfg(feature = "vulkan")]
 pub use vulkan::DeviceChoice;
 
 /// Compiles and runs the examples of the README.

@@ -2,6 +2,7 @@
 
 use crate::surface::{Sources, Surface};
 use crate::update::{EngineKind, Setting, SourceKind, Wavefront};
+#[cfg(feature = "vulkan")]
 use crate::vulkan::Schedule;
 use crate::{Engine, Error, Monitor, Stop, Targets};
 
@@ -32,6 +33,7 @@ pub struct Options {
     pub wavefront: Option<Wavefront>,
     /// The order of updates on a Vulkan device. It makes no difference to the map. With `None` it is
     /// [`Schedule::best_on`] the device. The CPU engines have one order each.
+    #[cfg(feature = "vulkan")]
     pub schedule: Option<Schedule>,
     /// Relative change below which iterations stop: no arrival time fell by more than this fraction in an
     /// iteration. With `None` it is [`crate::DEFAULT_TOLERANCE`], or [`crate::DEFAULT_TOLERANCE_F64`] in double precision.
@@ -64,6 +66,7 @@ impl Options {
     }
 
     /// Sets [`Options::schedule`].
+    #[cfg(feature = "vulkan")]
     pub fn with_schedule(self, schedule: impl Into<Option<Schedule>>) -> Self {
         Self { schedule: schedule.into(), ..self }
     }
@@ -152,6 +155,7 @@ impl Options {
     /// Returns an error if an option is set that rows of a distance matrix do not have.
     pub(crate) fn check_for_rows(&self) -> Result<(), Error> {
         let fault = |message: &str| Err(Error::Options(message.into()));
+        #[cfg(feature = "vulkan")]
         if self.schedule.is_some() {
             return fault(
                 "a schedule is for single maps; the rows of a matrix have one order of updates on \
@@ -206,7 +210,7 @@ impl Options {
     ) -> Result<Wavefront, Error> {
         let engine = match self.engine {
             Engine::FastMarching => EngineKind::FastMarching,
-            Engine::Auto | Engine::Vulkan(_) | Engine::Cpu => EngineKind::Map,
+            _ => EngineKind::Map,
         };
         let setting = Setting::new(surface, sources, engine);
         Ok(Wavefront::resolve(self.wavefront, setting)?)
@@ -217,6 +221,7 @@ impl Options {
         let engine = match self.engine {
             Engine::FastMarching => EngineKind::FastMarching,
             Engine::Auto | Engine::Cpu => EngineKind::Matrix,
+            #[cfg(feature = "vulkan")]
             Engine::Vulkan(_) => EngineKind::MatrixOnDevice,
         };
         let setting = Setting::new(surface, SourceKind::POINT, engine);

@@ -5,13 +5,12 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use crate::Stop;
-use crate::auto::Choice;
 use crate::cpu::{self, Connections, Limit, seeds_for};
 use crate::options::Options;
-use crate::share::share;
 use crate::surface::{EdgeLengths, Groups, Real, Seed, SolverGrid, Sources, Surface, min};
 use crate::update::Wavefront;
-use crate::vulkan::{self, DeviceChoice, Schedule, VulkanError};
+#[cfg(feature = "vulkan")]
+use crate::vulkan::{DeviceChoice, Schedule};
 use crate::{
     DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, DistanceMap, Engine, Error, Monitor, Report, Targets,
     UsedEngine,
@@ -82,16 +81,22 @@ impl Precision for f32 {
 
     fn solve(problem: &Problem, engine: &Engine) -> Result<DistanceMap, Error> {
         match engine {
+            #[cfg(feature = "vulkan")]
             Engine::Cpu | Engine::FastMarching if problem.schedule.is_some() => {
                 Err(Error::Options("a schedule is for a Vulkan device, not for the CPU".into()))
             }
+            #[cfg(feature = "vulkan")]
             Engine::Auto if problem.schedule.is_some() => {
                 problem.finished(problem.solve_on_vulkan(&DeviceChoice::Any)?)
             }
             Engine::Cpu => problem.solve_on_cpu(),
             Engine::FastMarching => problem.solve_by_fast_marching(),
+            #[cfg(feature = "vulkan")]
             Engine::Vulkan(choice) => problem.finished(problem.solve_on_vulkan(choice)?),
+            #[cfg(feature = "vulkan")]
             Engine::Auto => problem.solve_on_the_best(),
+            #[cfg(not(feature = "vulkan"))]
+            Engine::Auto => problem.solve_on_cpu(),
         }
     }
 }
@@ -101,7 +106,9 @@ impl Precision for f64 {
 
     fn solve(problem: &Problem, engine: &Engine) -> Result<DistanceMap<f64>, Error> {
         match engine {
+            #[cfg(feature = "vulkan")]
             _ if problem.schedule.is_some() => Err(only_single("a schedule")),
+            #[cfg(feature = "vulkan")]
             Engine::Vulkan(_) => Err(only_single("a Vulkan device")),
             Engine::Auto => {
                 let reason = "only the CPU computes in double precision".into();
@@ -113,6 +120,7 @@ impl Precision for f64 {
     }
 }
 
+#[cfg(feature = "vulkan")]
 fn only_single(what: &str) -> Error {
     Error::Options(format!(
         "{what} is for single precision, in which shaders compute; leave it out, and the CPU computes \
@@ -138,19 +146,20 @@ fn check_memory<R: Real>(surface: &Surface) -> Result<(), Error> {
 
 /// A checked problem, ready for any engine.
 pub(crate) struct Problem<'a> {
-    surface: &'a Surface,
-    grid: SolverGrid<'a>,
+    pub surface: &'a Surface,
+    pub grid: SolverGrid<'a>,
     /// The seeds on the solver's grid, with the smallest initial value subtracted. A single source then starts at zero,
     /// where the circular front is exact.
-    seeds: Vec<Seed>,
-    start: f64,
-    wavefront: Wavefront,
-    schedule: Option<Schedule>,
-    stop: Stop,
-    radius: f64,
+    pub seeds: Vec<Seed>,
+    pub start: f64,
+    pub wavefront: Wavefront,
+    #[cfg(feature = "vulkan")]
+    pub schedule: Option<Schedule>,
+    pub stop: Stop,
+    pub radius: f64,
     /// The targets on the solver's grid.
-    targets: Option<Targets>,
-    monitor: Monitor,
+    pub targets: Option<Targets>,
+    pub monitor: Monitor,
 }
 
 /// Margin by which fronts go beyond the radius, as a fraction of the radius, so that rounding leaves out no point
@@ -177,7 +186,7 @@ impl<'a> Problem<'a> {
         let wavefront = options.resolve_wavefront(surface, sources)?;
         let stop = options.stop(surface, R::TOLERANCE)?;
         let (radius, targets) = (options.checked_radius()?, options.checked_targets(surface)?);
-        let (schedule, monitor) = (options.schedule, options.monitor());
+        let monitor = options.monitor();
         monitor.check()?;
         check_memory::<R>(surface)?;
         let start = sources.start();
@@ -195,7 +204,8 @@ impl<'a> Problem<'a> {
             seeds,
             start,
             wavefront,
-            schedule,
+            #[cfg(feature = "vulkan")]
+            schedule: options.schedule,
             stop,
             radius,
             targets,
@@ -203,30 +213,7 @@ impl<'a> Problem<'a> {
         })
     }
 
-    fn solve_on_the_best(&self) -> Result<DistanceMap, Error> {
-        let time = self.time_limit();
-        let share = share(self.grid.surface(), &self.seeds, time, self.targets.as_ref());
-        let (chart, is_kept) = (self.surface.chart(), vulkan::are_pipelines_kept());
-        let reason = match Choice::of(chart, self.wavefront, share, is_kept) {
-            Choice::Cpu(reason) => return Ok(self.solve_on_cpu()?.because(reason)),
-            Choice::Gpu(reason) => reason,
-        };
-        use VulkanError::{NoDevice, NoLoader, NoUsableDevice, Surface};
-        match self.solve_on_vulkan(&DeviceChoice::Gpu) {
-            Ok(map) => self.finished(map.because(reason)),
-            Err(Surface(error)) => Err(error.into()),
-            Err(error @ (NoLoader(_) | NoDevice | NoUsableDevice(_))) => {
-                Ok(self.solve_on_cpu()?.because(format!("there is no GPU: {error}")))
-            }
-            Err(error) => {
-                let mut map = self.solve_on_cpu()?.because(reason);
-                map.report.fallback = Some(error.to_string());
-                Ok(map)
-            }
-        }
-    }
-
-    fn solve_on_cpu<R: Real>(&self) -> Result<DistanceMap<R>, Error> {
+    pub fn solve_on_cpu<R: Real>(&self) -> Result<DistanceMap<R>, Error> {
         let edges = EdgeLengths::<R>::measured(self.grid.surface(), || {
             Ok::<_, Error>(self.monitor.check()?)
         })?;
@@ -262,50 +249,12 @@ impl<'a> Problem<'a> {
         Ok(self.finish(solution.distances(), report))
     }
 
-    fn solve_on_vulkan(&self, choice: &DeviceChoice) -> Result<DistanceMap, VulkanError> {
-        let monitor = self.monitor.clone();
-        vulkan::with_device(choice, monitor, |solver| self.solve_on_device(solver))
-    }
-
-    fn solve_on_device(
+    pub fn report(
         &self,
-        solver: &mut vulkan::HeadlessSolver,
-    ) -> Result<DistanceMap, VulkanError> {
-        let mut surface = solver.upload(self.grid.surface())?;
-        let method = vulkan::Method::new(self.wavefront, self.stop)
-            .with_schedule(self.schedule)
-            .with_radius(self.time_limit());
-        let solution = match &self.targets {
-            Some(targets) => {
-                let estimate = match solver.schedule(&surface, method) {
-                    Schedule::Raster => self.estimate(targets)?,
-                    _ => f64::INFINITY,
-                };
-                solver.solve_to_about(&mut surface, &self.seeds, targets, estimate, method)?
-            }
-            None => solver.solve(&mut surface, &self.seeds, method)?,
-        };
-        let schedule = solution.schedule.name();
-        let mut report = self.report(UsedEngine::Vulkan, schedule, solution.time);
-        report.device = Some(solver.device_name().to_owned());
-        (report.iterations, report.residual) = (solution.iterations, solution.residual);
-        Ok(self.finish(solution.distances, report))
-    }
-
-    /// Returns an estimate of the time at which fronts come to the targets.
-    fn estimate(&self, targets: &Targets) -> Result<f64, VulkanError> {
-        let edges = EdgeLengths::<f32>::new(self.grid.surface())?;
-        Ok(cpu::outlook(&edges, &self.seeds, targets).0)
-    }
-
-    /// Returns a map of a device, or an error if the computation was cancelled, since the map may then be
-    /// incomplete.
-    fn finished(&self, map: DistanceMap) -> Result<DistanceMap, Error> {
-        self.monitor.check()?;
-        Ok(map)
-    }
-
-    fn report(&self, engine: UsedEngine, schedule: &'static str, solve_time: Duration) -> Report {
+        engine: UsedEngine,
+        schedule: &'static str,
+        solve_time: Duration,
+    ) -> Report {
         let mut report = Report::new(engine, self.wavefront);
         report.schedule = schedule;
         report.tolerance = self.stop.tolerance;
@@ -318,7 +267,7 @@ impl<'a> Problem<'a> {
 
     /// Returns the time after which fronts do not matter. Like the times of the seeds, it counts from the
     /// smallest initial value.
-    fn time_limit(&self) -> f64 {
+    pub fn time_limit(&self) -> f64 {
         self.radius * (1.0 + ROUNDING) - self.start
     }
 
@@ -345,7 +294,7 @@ impl<'a> Problem<'a> {
 
     /// Adds the subtracted initial value to all distances, and counts the points that were reached. Points
     /// beyond the radius or the needed targets become unreached.
-    fn finish<R: Real>(&self, distances: Vec<R>, mut report: Report) -> DistanceMap<R> {
+    pub fn finish<R: Real>(&self, distances: Vec<R>, mut report: Report) -> DistanceMap<R> {
         let end = self.end(&distances);
         let mut distances = self.grid.crop(distances);
         self.agree_on_copies(&mut distances);

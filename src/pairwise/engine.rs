@@ -3,9 +3,10 @@
 use rayon::prelude::*;
 
 use super::lanes::LaneEngine;
+#[cfg(feature = "vulkan")]
+use super::on_device::OnDevice;
 use crate::cpu::{Connections, Order, RotatedScan, fast_marching_with};
 use crate::surface::{EdgeLengths, Seed, SolverGrid, Surface};
-use crate::vulkan::{HeadlessSolver, PairwiseOnDevice, SurfaceOnDevice};
 use crate::{Convergence, Engine, Error, Monitor, Options, Stop, UsedEngine, Wavefront};
 
 /// An engine, prepared for a surface.
@@ -27,13 +28,8 @@ enum Kind {
     /// Fast marching, the reference, with one map per thread.
     FastMarching(EdgeLengths<f32>, Connections<f32>),
     /// Maps on a Vulkan device.
+    #[cfg(feature = "vulkan")]
     Vulkan(Box<OnDevice>),
-}
-
-struct OnDevice {
-    pairwise: PairwiseOnDevice,
-    surface: SurfaceOnDevice,
-    solver: HeadlessSolver,
 }
 
 /// The convergence of a map from fast marching, which takes a single pass.
@@ -59,11 +55,9 @@ impl<'a> RowEngine<'a> {
             Engine::FastMarching => {
                 Kind::FastMarching(EdgeLengths::new(on_grid)?, Connections::split(on_grid)?)
             }
+            #[cfg(feature = "vulkan")]
             Engine::Vulkan(choice) => {
-                let solver = HeadlessSolver::new(choice)?.with_monitor(monitor.clone());
-                let on_device = solver.upload(on_grid)?;
-                let pairwise = solver.pairwise(&on_device, wavefront, None)?;
-                Kind::Vulkan(Box::new(OnDevice { pairwise, surface: on_device, solver }))
+                Kind::Vulkan(Box::new(OnDevice::new(choice, on_grid, wavefront, &monitor)?))
             }
         };
         Ok(Self { surface, grid, wavefront, monitor, radius, kind })
@@ -74,13 +68,15 @@ impl<'a> RowEngine<'a> {
         match self.kind {
             Kind::Lanes(_) | Kind::Maps(_) => UsedEngine::Cpu,
             Kind::FastMarching(..) => UsedEngine::FastMarching,
+            #[cfg(feature = "vulkan")]
             Kind::Vulkan(_) => UsedEngine::Vulkan,
         }
     }
 
     pub fn device(&self) -> Option<&str> {
         match &self.kind {
-            Kind::Vulkan(device) => Some(device.solver.device_name()),
+            #[cfg(feature = "vulkan")]
+            Kind::Vulkan(device) => Some(device.name()),
             _ => None,
         }
     }
@@ -119,7 +115,8 @@ impl<'a> RowEngine<'a> {
                 // For each point: the front, a flag, a few entries of the heap, and additional connections.
                 edges.bytes() + threads * edges.chart().bordered_points() * 64
             }
-            Kind::Vulkan(device) => (device.surface.bytes() + device.pairwise.bytes()) as usize,
+            #[cfg(feature = "vulkan")]
+            Kind::Vulkan(device) => device.bytes(),
         }
     }
 
@@ -128,7 +125,8 @@ impl<'a> RowEngine<'a> {
         match &self.kind {
             Kind::Lanes(lanes) => lanes.rows_at_once(threads),
             Kind::Maps(_) | Kind::FastMarching(..) => 4 * threads,
-            Kind::Vulkan(device) => device.pairwise.batch(),
+            #[cfg(feature = "vulkan")]
+            Kind::Vulkan(device) => device.batch(),
         }
     }
 
@@ -199,46 +197,22 @@ impl<'a> RowEngine<'a> {
                 // Rows of holes count as marched too.
                 Ok(marched.worse(MARCHED))
             }
+            #[cfg(feature = "vulkan")]
             Kind::Vulkan(device) => {
-                let OnDevice { pairwise, surface: on_device, solver } = &mut **device;
-                let points = surface.chart().points();
-                let of_grid = grid.surface().chart().points();
-                let mut wide = vec![
-                    f32::INFINITY;
-                    if grid.is_wider() { pairwise.batch() * of_grid } else { 0 }
-                ];
-                let mut convergence = Convergence::NONE;
-                let batch = pairwise.batch();
-                for (sources, rows) in sources.chunks(batch).zip(into.chunks_mut(batch * points)) {
-                    self.monitor.check()?;
-                    let sources = grid.points(sources);
-                    let solved = if grid.is_wider() {
-                        let wide = &mut wide[..sources.len() * of_grid];
-                        let solved = pairwise.solve(solver, on_device, &sources, stop, wide)?;
-                        let own = rows.chunks_exact_mut(points);
-                        own.zip(wide.chunks_exact(of_grid))
-                            .for_each(|(own, wide)| grid.crop_into(wide, own));
-                        solved
-                    } else {
-                        pairwise.solve(solver, on_device, &sources, stop, rows)?
-                    };
-                    convergence = convergence.worse(solved);
-                    done(sources.len());
-                }
-                Ok(convergence)
+                device.solve((surface, grid), sources, stop, into, (&self.monitor, done))
             }
         }
     }
 }
 
 /// Fills each row with a map of its own, one map per thread at a time. The row of a hole is +infinity.
-fn map_by_map<HeadlessSolver>(
+fn map_by_map<S>(
     surface: &Surface,
     sources: &[usize],
     into: &mut [f32],
     (monitor, done): (&Monitor, &(dyn Fn(usize) + Sync)),
-    new: impl Fn() -> HeadlessSolver + Sync + Send,
-    map: impl Fn(&mut HeadlessSolver, Seed) -> (Convergence, Vec<f32>) + Sync + Send,
+    new: impl Fn() -> S + Sync + Send,
+    map: impl Fn(&mut S, Seed) -> (Convergence, Vec<f32>) + Sync + Send,
 ) -> Convergence {
     let rows = into.par_chunks_exact_mut(surface.chart().points()).zip(sources);
     let maps = rows.map_init(new, |solver, (into, &source)| {

@@ -27,6 +27,8 @@ mod batches;
 mod engine;
 mod lanes;
 mod nearest;
+#[cfg(feature = "vulkan")]
+mod on_device;
 mod report;
 mod rows;
 mod sparse;

@@ -8,7 +8,6 @@ use crate::Seed;
 /// its tag bits. Points that no front has reached hold the default.
 pub trait Carried: Pod + Default + PartialEq + Send + Sync + std::fmt::Debug {
     /// Whether fronts record which scan brought them, so that this scan can renew them.
-    #[cfg_attr(not(feature = "twins"), expect(dead_code, reason = "twins alone ask"))]
     const TELLS_SCANS: bool;
 
     /// Returns whether `scan` brought the front, if fronts record that.
