@@ -44,7 +44,8 @@ class Solved:
 
     def __init__(self, compiled: "gs._geosweep.Surface") -> None:
         self.shape = compiled.shape
-        self.found = compiled.solve(*native((3, 4), compiled.shape), settings("cpu"), False, None)
+        problem = (*native((3, 4), compiled.shape), settings("cpu"), False)
+        self.found = compiled.solve(problem, None)
 
     def solve(self, *_: object) -> "gs._geosweep.Map":
         """Return the map."""

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from ._arrays import Floats
 from ._settings import Settings
+from ._sources import Problem
 
 __version__: str
 
@@ -62,25 +63,11 @@ class Surface:
     def present(self) -> NDArray[np.bool_]: ...
     @property
     def slowness(self) -> Floats | None: ...
-    def solve(
-        self,
-        points: Floats,
-        lines: _Lines,
-        settings: Settings,
-        double: bool,
-        progress: Callable[[int, float], object] | None,
-    ) -> Map: ...
+    def solve(self, problem: Problem, progress: Callable[[int, float], object] | None) -> Map: ...
     def distances(
-        self,
-        points: Floats,
-        lines: _Lines,
-        settings: Settings,
-        double: bool,
-        progress: Callable[[int, float], object] | None,
+        self, problem: Problem, progress: Callable[[int, float], object] | None
     ) -> tuple[NDArray[Any], dict[str, Any]]: ...
-    def error(
-        self, points: Floats, lines: _Lines, settings: Settings, double: bool
-    ) -> tuple[NDArray[Any], NDArray[Any], float | None]: ...
+    def error(self, problem: Problem) -> tuple[NDArray[Any], NDArray[Any], float | None]: ...
     def farthest_points(
         self, points: Floats, lines: _Lines, count: int
     ) -> tuple[list[tuple[int, int]], float]: ...

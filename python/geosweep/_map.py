@@ -9,8 +9,8 @@ from . import _geosweep
 from ._arrays import Floats, flags, numbers
 from ._plot import draw, round_levels
 from ._results import Basis, Curves, Path, Ridge, Voronoi
-from ._settings import Settings, refuse
-from ._sources import Native
+from ._settings import refuse
+from ._sources import Problem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -70,7 +70,7 @@ class DistanceMap:
         self,
         surface: "_geosweep.Surface",
         map_: "_geosweep.Map",
-        problem: tuple[Native, Settings, bool],
+        problem: Problem,
         out: NDArray[Any] | None,
     ) -> None:
         self._surface = surface
@@ -180,8 +180,7 @@ class DistanceMap:
 
         This takes the time of one and a third maps, or of four to five maps over floor plans.
         """
-        points, lines = self._problem[0]
-        return self._surface.error(points, lines, *self._problem[1:])[0]
+        return self._surface.error(self._problem)[0]
 
     def paths(self, ends: ArrayLike) -> list[Path]:
         """Trace the shortest path from each end, rows and columns (n, 2), to its source."""

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._arrays import Floats, is_number, numbers, on_host
+from ._settings import Settings
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,8 @@ class Mixed:
 
 Source = ArrayLike | Lines | Mixed
 Native = tuple[Floats, list[tuple[Floats, float]]]
+# Points, lines, options, and whether a map is in double precision, as the compiled part takes them.
+Problem = tuple[Floats, list[tuple[Floats, float]], Settings, bool]
 
 
 def native(source: Source, shape: tuple[int, int]) -> Native:

@@ -316,13 +316,13 @@ class Surface:
         chosen = settings(
             engine, device, wavefront, tolerance, iterations, threads, radius, targets, needed
         )
-        points, lines = native(source, self.shape)
-        found = self._surface.solve(points, lines, chosen, double, progress)
+        problem = (*native(source, self.shape), chosen, double)
+        found = self._surface.solve(problem, progress)
         report = found.report
         check(report["converged"], report, strict)
         if out is not None:
             np.copyto(out, found.distance)
-        return DistanceMap(self._surface, found, ((points, lines), chosen, double), out)
+        return DistanceMap(self._surface, found, problem, out)
 
     def farthest_points(self, source: Source, count: int) -> tuple[NDArray[np.int64], float]:
         """Sample the surface evenly.
@@ -417,8 +417,8 @@ def distance(
     chosen = settings(
         engine, device, wavefront, tolerance, iterations, threads, radius, targets, needed
     )
-    points, lines = native(source, surface.shape)
-    found, report = surface._surface.distances(points, lines, chosen, double, progress)
+    problem = (*native(source, surface.shape), chosen, double)
+    found, report = surface._surface.distances(problem, progress)
     check(report["converged"], report, strict)
     if out is None:
         return found

@@ -89,6 +89,15 @@ pub fn handed_over<'py, T: Element>(
     array.reshape([rows, cols])
 }
 
+/// Hands labels of regions over as an array of rows x cols. `NO_REGION` becomes -1.
+pub fn labels<'py>(
+    py: Python<'py>,
+    shape: (usize, usize),
+    labels: &[u32],
+) -> PyResult<Bound<'py, PyArray2<i32>>> {
+    handed_over(py, shape, labels.iter().map(|label| label.cast_signed()).collect())
+}
+
 /// Hands vectors over as an array of rows x cols x `N` numbers, without a copy.
 pub fn vectors_handed_over<'py, T: Element, const N: usize>(
     py: Python<'py>,

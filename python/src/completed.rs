@@ -5,7 +5,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::surface::Surface;
-use crate::{errors, work};
+use crate::{arrays, errors, work};
 
 /// A given grid that lacks lines, and the completed grid that has them.
 #[pyclass(frozen, module = "geosweep._geosweep")]
@@ -104,8 +104,5 @@ fn each<'py>(
     let given = places.as_array();
     let converted: Vec<[f64; 2]> =
         given.rows().into_iter().map(|at| convert([at[0], at[1]])).collect::<PyResult<_>>()?;
-    let converted = converted.into_flattened();
-    Ok(numpy::ndarray::Array2::from_shape_vec((given.nrows(), 2), converted)
-        .expect("two numbers for each place")
-        .into_pyarray(py))
+    arrays::handed_over(py, (given.nrows(), 2), converted.into_flattened())
 }

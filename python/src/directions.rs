@@ -2,13 +2,11 @@
 
 use std::sync::Arc;
 
-use geosweep::geometry::{
-    BackDirections, MapError, Nearest, signed_distances, signed_distances_by_mask,
-};
+use geosweep::geometry::{BackDirections, Nearest, signed_distances, signed_distances_by_mask};
 use numpy::{PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::map::{Distances, Map};
+use crate::map::{Map, in_either};
 use crate::on_grid::OnGrid;
 use crate::{arrays, errors, work};
 
@@ -18,12 +16,9 @@ type NearestItems<'py> = (Bound<'py, PyArray2<i32>>, Bound<'py, PyArray3<f64>>);
 /// Returns the nearest source of each point, and the place on it (M, N, 2).
 #[pyfunction]
 pub fn nearest<'py>(py: Python<'py>, map: &Map) -> PyResult<NearestItems<'py>> {
-    let found = work::detached(py, || {
-        let edges = map.on.edges().map_err(|error| error.to_string())?;
-        Nearest::new(&map.on.surface, edges, &map.sources, &map.single().distances)
-            .map_err(|error| error.to_string())
+    let found = map.read(py, |edges, single| {
+        Nearest::new(&map.on.surface, edges, &map.sources, &single.distances)
     })?;
-    let found = found.map_err(errors::value)?;
     let shape = map.on.shape();
     let places = arrays::vectors_handed_over(py, shape, found.places)?;
     Ok((arrays::handed_over(py, shape, found.sources)?, places))
@@ -35,14 +30,10 @@ fn on_ways<T: Send>(
     map: &Map,
     read: impl FnOnce(&BackDirections<'_>) -> T + Send,
 ) -> PyResult<T> {
-    let found = work::detached(py, || {
-        let single = map.single();
-        let edges = map.on.edges().map_err(|error| error.to_string())?;
+    map.read(py, |edges, single| {
         BackDirections::new(&map.on.surface, edges, &map.sources, &single.distances)
             .map(|ways| read(&ways))
-            .map_err(|error: MapError| error.to_string())
-    })?;
-    found.map_err(errors::value)
+    })
 }
 
 /// Returns the way back at each point: a bearing (M, N), or a vector in the grid (M, N, 2) or in space
@@ -84,19 +75,13 @@ pub fn signed<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let inside: Option<Vec<bool>> = inside.map(|mask| mask.as_array().iter().copied().collect());
     let (chart, shape) = (map.on.surface.chart(), map.on.shape());
-    macro_rules! signed_of {
-        ($distances:expr) => {{
-            let found = work::detached(py, || match &inside {
-                Some(inside) => signed_distances_by_mask(chart, $distances, inside),
-                None => signed_distances(&map.on.surface, &map.sources, $distances),
-            })?;
-            arrays::handed_over(py, shape, found.map_err(errors::value)?)?.into_any()
-        }};
-    }
-    Ok(match &map.distances {
-        Distances::Single(map) => signed_of!(&map.distances),
-        Distances::Double(map) => signed_of!(&map.distances),
-    })
+    Ok(in_either!(&map.distances, values => {
+        let found = work::detached(py, || match &inside {
+            Some(inside) => signed_distances_by_mask(chart, &values.distances, inside),
+            None => signed_distances(&map.on.surface, &map.sources, &values.distances),
+        })?;
+        arrays::handed_over(py, shape, found.map_err(errors::value)?)?.into_any()
+    }))
 }
 
 /// The place of each point in the tangent plane of its source.
@@ -137,9 +122,7 @@ impl LogMap {
     /// The nearest source of each point; -1 where there is none.
     #[getter]
     fn labels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i32>>> {
-        // NO_REGION becomes -1.
-        let labels = self.inner.labels.iter().map(|label| label.cast_signed()).collect();
-        arrays::handed_over(py, self.on.shape(), labels)
+        arrays::labels(py, self.on.shape(), &self.inner.labels)
     }
 
     #[getter]

@@ -2,11 +2,13 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::sync::Arc;
 
 use geosweep::geometry::{
     Contour, Levels, PathTracer, Side, Voronoi, contours, farthest, offset_curves, ridges,
 };
+use geosweep::surface::EdgeLengths;
 use geosweep::{DistanceMap, Report, Sources};
 use numpy::{PyArray1, PyArray2, ToPyArray};
 use pyo3::IntoPyObjectExt;
@@ -20,6 +22,17 @@ pub enum Distances {
     Single(DistanceMap<f32>),
     Double(DistanceMap<f64>),
 }
+
+/// Evaluates an expression for a map of either precision.
+macro_rules! in_either {
+    ($distances:expr, $map:ident => $value:expr) => {
+        match $distances {
+            $crate::map::Distances::Single($map) => $value,
+            $crate::map::Distances::Double($map) => $value,
+        }
+    };
+}
+pub(crate) use in_either;
 
 /// The number of paths that are traced between two checks for Ctrl-C. They take tens of milliseconds on large grids.
 const PATHS_AT_ONCE: usize = 256;
@@ -70,6 +83,19 @@ impl Map {
             Distances::Double(map) => Cow::Owned(map.to_single()),
         }
     }
+
+    /// Runs `read` on the edges of the surface and on the map in single precision, without the interpreter's lock.
+    pub fn read<T: Send, E: Display>(
+        &self,
+        py: Python<'_>,
+        read: impl FnOnce(&EdgeLengths<f32>, &DistanceMap) -> Result<T, E> + Send,
+    ) -> PyResult<T> {
+        let found = work::detached(py, || {
+            let edges = self.on.edges().map_err(|error| error.to_string())?;
+            read(edges, &self.single()).map_err(|error| error.to_string())
+        })?;
+        found.map_err(errors::value)
+    }
 }
 
 /// Curves as arrays (n, 2).
@@ -94,20 +120,14 @@ impl Map {
         let (map, owner) = (self_.get(), self_.clone().into_any());
         let shape = map.on.shape();
         // SAFETY: the map is never changed, and the array keeps it.
-        unsafe {
-            Ok(match &map.distances {
-                Distances::Single(map) => arrays::view(shape, &map.distances, owner)?.into_any(),
-                Distances::Double(map) => arrays::view(shape, &map.distances, owner)?.into_any(),
-            })
-        }
+        Ok(in_either!(&map.distances, map => unsafe {
+            arrays::view(shape, &map.distances, owner)?.into_any()
+        }))
     }
 
     #[getter]
     fn report(&self) -> ReportItems {
-        match &self.distances {
-            Distances::Single(map) => report(&map.report),
-            Distances::Double(map) => report(&map.report),
-        }
+        in_either!(&self.distances, map => report(&map.report))
     }
 
     /// Returns the path from each end to its source: its vertices, length and source.
@@ -164,32 +184,23 @@ impl Map {
         left: bool,
     ) -> PyResult<Vec<(f64, Curves<'py>)>> {
         let side = if left { Side::Left } else { Side::Right };
-        let found = work::detached(py, || {
-            let (map, surface) = (self.single(), &self.on.surface);
-            let edges = self.on.edges().map_err(|error| error.to_string())?;
-            offset_curves(surface, edges, &self.sources, &map, &levels, side)
-                .map_err(|error| error.to_string())
+        let found = self.read(py, |edges, map| {
+            offset_curves(&self.on.surface, edges, &self.sources, map, &levels, side)
         })?;
-        levelled(py, &found.map_err(errors::value)?)
+        levelled(py, &found)
     }
 
     /// Returns the regions of the sources.
     fn voronoi<'py>(&self, py: Python<'py>) -> PyResult<Regions<'py>> {
-        let found = work::detached(py, || {
-            let (map, surface) = (self.single(), &self.on.surface);
-            let edges = self.on.edges().map_err(|error| error.to_string())?;
+        let surface = &self.on.surface;
+        let (areas, found) = self.read(py, |edges, map| {
             let found = Voronoi::new(surface, edges, &self.sources, &map.distances);
-            let found = found.map_err(|error| error.to_string())?;
-            let areas = found.areas(surface);
-            Ok::<_, String>((found, areas))
+            found.map(|found| (found.areas(surface), found))
         })?;
-        let (found, areas) = found.map_err(errors::value)?;
-        // NO_REGION becomes -1.
-        let labels: Vec<i32> = found.labels.iter().map(|&label| label.cast_signed()).collect();
         let borders = found.borders.iter();
         let borders = borders.map(|it| Ok((it.regions, arrays::curve(py, &it.curve)?)));
         let borders = borders.collect::<PyResult<_>>()?;
-        Ok((arrays::handed_over(py, self.on.shape(), labels)?, borders, areas))
+        Ok((arrays::labels(py, self.on.shape(), &found.labels)?, borders, areas))
     }
 
     /// Returns the ridges: each curve, and the angle at each of its vertices.
@@ -199,12 +210,7 @@ impl Map {
         py: Python<'py>,
         least_angle: f64,
     ) -> PyResult<Vec<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>)>> {
-        let found = work::detached(py, || {
-            let edges = self.on.edges().map_err(|error| error.to_string())?;
-            ridges(edges, &self.single().distances, least_angle).map_err(|error| error.to_string())
-        })?;
-        let found = found.map_err(errors::value)?;
-        found
+        self.read(py, |edges, map| ridges(edges, &map.distances, least_angle))?
             .iter()
             .map(|ridge| {
                 let mut angles = ridge.angles.clone();
@@ -218,17 +224,11 @@ impl Map {
 
     /// Returns row, column and distance of the farthest point.
     fn farthest(&self, py: Python<'_>) -> PyResult<Option<(usize, usize, f64)>> {
-        macro_rules! farthest_of {
-            ($map:expr) => {{
-                let found = farthest($map.chart, &$map.distances)?;
+        work::detached(py, || {
+            in_either!(&self.distances, map => {
+                let found = farthest(map.chart, &map.distances)?;
                 Some((found.row, found.col, found.distance.into()))
-            }};
-        }
-        work::detached(py, || -> Option<(usize, usize, f64)> {
-            match &self.distances {
-                Distances::Single(map) => farthest_of!(map),
-                Distances::Double(map) => farthest_of!(map),
-            }
+            })
         })
     }
 }

@@ -53,6 +53,16 @@ impl Settings {
 /// A line's vertices (n, 2), and the start time along it.
 pub type Line<'py> = (PyReadonlyArray2<'py, f64>, f64);
 
+/// What a map is computed from: points, lines, options, and whether the map is in double precision.
+#[derive(FromPyObject)]
+pub struct Problem<'py>(pub PyReadonlyArray2<'py, f64>, pub Vec<Line<'py>>, pub Settings, pub bool);
+
+impl Problem<'_> {
+    pub fn sources(&self) -> PyResult<Sources> {
+        sources(&self.0, &self.1)
+    }
+}
+
 /// Returns sources from `lines` and from `points`, whose rows are (row, col, start).
 pub fn sources(points: &PyReadonlyArray2<'_, f64>, lines: &[Line<'_>]) -> PyResult<Sources> {
     let mut sources = Sources::default();

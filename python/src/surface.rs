@@ -13,9 +13,9 @@ use numpy::{
 use pyo3::prelude::*;
 
 use crate::gluing::Glue;
-use crate::map::{Distances, Map, ReportItems, report};
+use crate::map::{Distances, Map, ReportItems, in_either, report};
 use crate::on_grid::OnGrid;
-use crate::settings::{Line, Settings, sources};
+use crate::settings::{Line, Problem, sources};
 use crate::{arrays, errors, work};
 
 /// A surface, and its edges once they are needed. Maps on the surface share both.
@@ -183,70 +183,48 @@ impl Surface {
     }
 
     /// Computes a map.
-    #[pyo3(signature = (points, lines, settings, double, progress))]
     fn solve(
         &self,
         py: Python<'_>,
-        points: PyReadonlyArray2<'_, f64>,
-        lines: Vec<Line<'_>>,
-        settings: Settings,
-        double: bool,
+        problem: Problem<'_>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Map> {
-        let sources = sources(&points, &lines)?;
-        let distances = self.distances_of(py, &sources, &settings, double, progress)?;
+        let sources = problem.sources()?;
+        let distances = self.distances_of(py, &sources, &problem, progress)?;
         Ok(Map::new(self.inner.clone(), sources, distances))
     }
 
     /// Computes only the distances, in an array that belongs to the caller, and the report.
-    #[pyo3(signature = (points, lines, settings, double, progress))]
     fn distances<'py>(
         &self,
         py: Python<'py>,
-        points: PyReadonlyArray2<'_, f64>,
-        lines: Vec<Line<'_>>,
-        settings: Settings,
-        double: bool,
+        problem: Problem<'_>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(Bound<'py, PyAny>, ReportItems)> {
-        let sources = sources(&points, &lines)?;
-        let shape = self.inner.shape();
-        Ok(match self.distances_of(py, &sources, &settings, double, progress)? {
-            Distances::Single(map) => {
-                let items = report(&map.report);
-                (arrays::handed_over(py, shape, map.distances)?.into_any(), items)
-            }
-            Distances::Double(map) => {
-                let items = report(&map.report);
-                (arrays::handed_over(py, shape, map.distances)?.into_any(), items)
-            }
-        })
+        let (sources, shape) = (problem.sources()?, self.inner.shape());
+        Ok(in_either!(self.distances_of(py, &sources, &problem, progress)?, map => {
+            let items = report(&map.report);
+            (arrays::handed_over(py, shape, map.distances)?.into_any(), items)
+        }))
     }
 
     /// Estimates the error of a map.
-    fn error<'py>(
-        &self,
-        py: Python<'py>,
-        points: PyReadonlyArray2<'_, f64>,
-        lines: Vec<Line<'_>>,
-        settings: Settings,
-        double: bool,
-    ) -> PyResult<Estimate<'py>> {
-        let (sources, shape, monitor) =
-            (sources(&points, &lines)?, self.inner.shape(), Monitor::default());
-        let (options, surface) = (settings.options(&monitor)?, &self.inner.surface);
-        let threads = settings.threads;
+    fn error<'py>(&self, py: Python<'py>, problem: Problem<'_>) -> PyResult<Estimate<'py>> {
+        let (sources, shape) = (problem.sources()?, self.inner.shape());
+        let (monitor, surface) = (Monitor::default(), &self.inner.surface);
+        let Problem(_, _, settings, double) = &problem;
+        let options = settings.options(&monitor)?;
         macro_rules! estimated {
             ($estimate:ident) => {{
                 let work = || $estimate(surface, &sources, &options);
-                let found = work::watched(py, threads, &monitor, |_| Ok(()), work)?;
+                let found = work::watched(py, settings.threads, &monitor, |_| Ok(()), work)?;
                 let found = found.map_err(errors::of)?;
                 let errors = arrays::handed_over(py, shape, found.errors)?.into_any();
                 let better = arrays::handed_over(py, shape, found.extrapolated)?.into_any();
                 Ok((errors, better, found.observed_order))
             }};
         }
-        if double { estimated!(estimate_error_f64) } else { estimated!(estimate_error) }
+        if *double { estimated!(estimate_error_f64) } else { estimated!(estimate_error) }
     }
 
     /// Returns `count` samples, each the point farthest from the sources and the samples before it, and the covering
@@ -275,25 +253,19 @@ impl Surface {
         &self,
         py: Python<'_>,
         sources: &geosweep::Sources,
-        settings: &Settings,
-        double: bool,
+        Problem(_, _, settings, double): &Problem<'_>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Distances> {
         let monitor = Monitor::default();
         let (options, surface) = (settings.options(&monitor)?, &self.inner.surface);
-        let tell = |py: Python<'_>| match &progress {
-            Some(progress) => {
-                let now = monitor.progress();
-                progress.call1(py, (now.iterations, now.residual)).map(|_| ())
-            }
-            None => Ok(()),
+        let tell = |py: Python<'_>| {
+            let Some(progress) = &progress else { return Ok(()) };
+            let now = monitor.progress();
+            progress.call1(py, (now.iterations, now.residual)).map(drop)
         };
-        let solve = || {
-            Ok(if double {
-                Distances::Double(distance_map_f64(surface, sources, &options)?)
-            } else {
-                Distances::Single(distance_map(surface, sources, &options)?)
-            })
+        let solve = || match double {
+            true => distance_map_f64(surface, sources, &options).map(Distances::Double),
+            false => distance_map(surface, sources, &options).map(Distances::Single),
         };
         let solved = work::watched(py, settings.threads, &monitor, tell, solve)?;
         solved.map_err(errors::of)

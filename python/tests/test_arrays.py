@@ -1,11 +1,7 @@
-"""Memory that is shared, arrays of other libraries, and interruptions."""
+"""Arrays of other libraries, and maps of the tool."""
 
 import os
-import signal
 import subprocess
-import sys
-import textwrap
-import time
 from pathlib import Path
 
 import numpy as np
@@ -36,32 +32,12 @@ class Elsewhere:
         return self.array.__dlpack__(**options)
 
 
-def test_a_surface_reads_an_array_where_it_is() -> None:
-    z = Z.copy()
-    surface = gs.Surface.from_heights(z, copy=False)
-    before = surface.solve((3, 4)).distance
-    # That the surface follows the array shows that it holds no copy.
-    z[:] = 0.0
-    assert not np.array_equal(surface.solve((3, 4)).distance, before)
-
-
 def test_arrays_that_are_not_aligned_are_copied() -> None:
     memory = np.empty(Z.nbytes + 1, np.uint8)
     z = memory[1:].view(np.float64).reshape(Z.shape)
     z[:] = Z
     assert not z.flags.aligned
     assert np.array_equal(gs.distance(z, (3, 4)), gs.distance(Z, (3, 4)))
-
-
-def test_results_share_the_memory_of_the_map() -> None:
-    surface = gs.Surface.from_heights(Z)
-    m = surface.solve((3, 4))
-    assert np.shares_memory(m.distance, m.distance)
-    assert np.shares_memory(surface.present, surface.present)
-    out = np.empty(Z.shape, np.float32)
-    assert np.shares_memory(surface.solve((3, 4), out=out).distance, out)
-    rows = np.empty((2, Z.size), np.float32)
-    assert np.shares_memory(gs.pairwise(surface, [3, 4], out=rows), rows)
 
 
 def test_dlpack_on_the_host_is_not_copied() -> None:
@@ -101,47 +77,6 @@ def test_arrays_of_other_libraries(library: str) -> None:
     assert np.array_equal(
         gs.distance(there, (3, 4), mask=inside), gs.distance(z, (3, 4), mask=Z > 1)
     )
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="sends SIGINT")
-def test_ctrl_c_ends_a_solve_at_once() -> None:
-    # Fronts wind through a long corridor. The first solve runs to the end, and the signal
-    # interrupts the second one.
-    code = """
-        import signal
-        import time
-        import numpy as np
-        import geosweep as gs
-        # A runner that ignores SIGINT passes that on.
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-        mask = np.ones((1537, 1537), bool)
-        mask[1::2] = False
-        mask[1::4, -1] = True
-        mask[3::4, 0] = True
-        surface = gs.Surface.from_heights(np.zeros(mask.shape), mask=mask)
-        start = time.time()
-        surface.solve((0, 0), wavefront="curved", engine="cpu")
-        print(time.time() - start, flush=True)
-        try:
-            surface.solve((0, 0), wavefront="curved", engine="cpu")
-        except KeyboardInterrupt:
-            print(time.time(), flush=True)
-    """
-    child = subprocess.Popen(
-        [sys.executable, "-c", textwrap.dedent(code)], stdout=subprocess.PIPE, text=True
-    )
-    try:
-        assert child.stdout is not None
-        whole = float(child.stdout.readline())
-        time.sleep(0.1 * whole)
-        sent = time.time()
-        os.kill(child.pid, signal.SIGINT)
-        ended = float(child.communicate(timeout=60)[0])
-    finally:
-        child.kill()
-    print(f"Ctrl-C: ended after {ended - sent:.3f} s, without it {0.9 * whole:.1f} s were left")
-    # The interruption takes some 0.03 s, and longer only if other work occupies the processor.
-    assert ended - sent < 0.5 * whole
 
 
 def test_maps_equal_those_of_the_tool(tmp_path: Path) -> None:

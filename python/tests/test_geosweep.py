@@ -7,7 +7,6 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -107,6 +106,8 @@ def test_results_are_views_of_memory_that_outlives_the_map() -> None:
     assert np.shares_memory(surface.present, surface.present)
     out = np.empty((ROWS, COLS), np.float32)
     assert np.shares_memory(surface.solve((3, 4), out=out).distance, out)
+    rows = np.empty((2, ROWS * COLS), np.float32)
+    assert np.shares_memory(gs.pairwise(surface, [3, 4], out=rows), rows)
     present = surface.present
     del surface
     assert np.array_equal(present, np.isfinite(m.distance))
@@ -216,15 +217,6 @@ def test_an_exception_in_the_callback_ends_the_solve() -> None:
     assert len(raised) == 1 and time.monotonic() - raised[0] < 3.0
 
 
-@pytest.fixture
-def interrupts() -> Iterator[None]:
-    """Let SIGINT raise `KeyboardInterrupt`, also where the runner of the tests ignores it."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
-@pytest.mark.usefixtures("interrupts")
 @pytest.mark.parametrize("what", ["solve", "paths", "log_map", "farthest_points"])
 def test_ctrl_c_ends_a_computation(what: str) -> None:
     mask = winding(1025)
@@ -239,11 +231,16 @@ def test_ctrl_c_ends_a_computation(what: str) -> None:
         "log_map": m.log_map,
         "farthest_points": lambda: surface.farthest_points((0, 0), 100000),
     }[what]
+    # Programs that are started in the background may ignore the signal.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(0.1, signal.raise_signal, [signal.SIGINT])
     timer.start()
-    with pytest.raises(KeyboardInterrupt):
-        call()
-    timer.join()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            call()
+    finally:
+        timer.join()
+        signal.signal(signal.SIGINT, before)
 
 
 def test_threads_do_not_disturb_one_another() -> None:
