@@ -34,13 +34,10 @@ fn ascii_grid(bytes: &[u8], projection: Option<&[u8]>) -> Result<Raster, String>
     let projection = projection.map(String::from_utf8_lossy);
     let ascii_grid::AsciiGrid { grid, spacing, georeference } =
         ascii_grid::decode(bytes, projection.as_deref())?;
-    let system = "is an ESRI ASCII grid, which names no coordinate system; gdal_translate -a_srs \
-                  EPSG:CODE makes a GeoTIFF with one";
     Ok(Raster {
         grid: Grid { georeference: georeference.as_ref().ok().copied(), ..grid },
         spacing,
         location: Location {
-            system: Err(system.into()),
             geo_tags: Some(georeference.as_ref().map(GeoTags::of_transform).unwrap_or_default()),
             georeference,
             metres: Ok(1.0),

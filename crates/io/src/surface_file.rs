@@ -8,8 +8,7 @@ use super::arrays::{matrix, metric, read_array, wrong_shape};
 use super::file_spacing::FileSpacing;
 use super::tiff::Location;
 use super::{
-    CoordinateSystem, GeoTags, Georeference, Grid, IoError, checked_points, exr, extension, png,
-    raster, read_bytes,
+    GeoTags, Georeference, Grid, IoError, checked_points, exr, extension, png, raster, read_bytes,
 };
 use geosweep_surface::{MetricTensor, Spacing, Surface, SurfaceError};
 
@@ -48,12 +47,8 @@ impl SurfaceFile {
         let reason = |reason| IoError::content(path, reason);
         const NOWHERE: &str =
             "only a GeoTIFF (.tif) or an ESRI ASCII grid (.asc) says where it lies";
-        let mut location = Location {
-            georeference: Err(NOWHERE.into()),
-            system: Err(NOWHERE.into()),
-            geo_tags: None,
-            metres: Ok(1.0),
-        };
+        let mut location =
+            Location { georeference: Err(NOWHERE.into()), geo_tags: None, metres: Ok(1.0) };
         let content = match extension(path).as_str() {
             "npy" | "npz" => array(path)?,
             "png" => heights(png_heights(&read_bytes(path)?).map_err(reason)?),
@@ -106,14 +101,6 @@ impl SurfaceFile {
     /// If the file does not give them. The error says what is missing.
     pub fn georeference(&self) -> Result<Georeference, IoError> {
         self.location.georeference.clone().map_err(|reason| IoError::content(&self.path, reason))
-    }
-
-    /// Returns the coordinate reference system of the map coordinates.
-    ///
-    /// # Errors
-    /// If the file does not name one by an EPSG code. The error says what is missing.
-    pub fn system(&self) -> Result<CoordinateSystem, IoError> {
-        self.location.system.clone().map_err(|reason| IoError::content(&self.path, reason))
     }
 
     /// Returns the fields that give the location of a GeoTIFF, to be written to maps of the same grid. For an ESRI

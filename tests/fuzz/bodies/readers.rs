@@ -101,7 +101,6 @@ pub const UNFINISHED: MatrixLayout =
 fn surface(path: &Path) {
     let surface = SurfaceFile::read(path).and_then(|file| {
         file.georeference().map_or_else(|error| named(path, &error), |_| ());
-        file.system().map_or_else(|error| named(path, &error), |_| ());
         assert!(file.geo_tags().is_none_or(|tags| written_again(path, tags)));
         file.into_surface(None)
     });

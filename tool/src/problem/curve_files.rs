@@ -11,6 +11,10 @@ use super::Scene;
 /// The files to which the same curves are written, each in the format that its extension names.
 pub struct CurveFiles(Vec<(OutputFile, CurveFormat)>);
 
+/// The reason why GeoJSON cannot be written for some files.
+const UNNAMED: &str = "the surface's file names no coordinate reference system by an EPSG code; gdal_translate \
+                       -a_srs EPSG:CODE writes a GeoTIFF with one";
+
 impl CurveFiles {
     /// Checks the names and folders of the files before the computation starts.
     pub fn new(paths: &[PathBuf]) -> Result<Self, IoError> {
@@ -30,8 +34,9 @@ impl CurveFiles {
         let bare = matches!(scene.shape().geometry(), Geometry::Metric(_));
         for (file, format) in &self.0 {
             let name = file.path().display();
-            let place = scene.georeference.as_ref().map(drop).and(scene.system.as_ref().map(drop));
-            if let (CurveFormat::GeoJson, Err(reason)) = (format, place) {
+            let georeference = scene.georeference.as_ref().map_err(String::as_str);
+            let system = georeference.and_then(|found| found.system.ok_or(UNNAMED));
+            if let (CurveFormat::GeoJson, Err(reason)) = (format, system) {
                 return Err(format!("{name}: GeoJSON needs a georeferenced surface; {reason}"));
             }
             if format.needs_positions() && bare {

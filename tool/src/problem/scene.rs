@@ -4,7 +4,7 @@
 use std::borrow::Cow;
 
 use geosweep::geometry::PathError;
-use geosweep::io::{CoordinateSystem, GeoTags, Georeference, GridFrame};
+use geosweep::io::{GeoTags, Georeference, GridFrame};
 use geosweep::surface::{Chart, Real};
 use geosweep::{DistanceMap, Surface};
 
@@ -18,8 +18,6 @@ pub struct Scene {
     pub(super) shape: Option<Surface>,
     /// The map coordinates of the points, or why they are not known.
     pub georeference: Result<Georeference, String>,
-    /// The coordinate reference system of the map coordinates, or why it is not known.
-    pub system: Result<CoordinateSystem, String>,
     /// The tags that georeference a GeoTIFF of the same grid.
     pub geo_tags: Option<GeoTags>,
     /// The unit of lengths, if the file has one.

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{OsStringValueParser, TypedValueParser};
-use geosweep::io::{self, CoordinateSystem, GeoTags, Georeference, SurfaceFile};
+use geosweep::io::{self, GeoTags, Georeference, SurfaceFile};
 use geosweep::surface::{Chart, Geometry, Resolution, Seam};
 use geosweep::{EdgeRule, Spacing, Surface};
 
@@ -79,7 +79,6 @@ fn spacing(text: &str) -> Result<Spacing, String> {
 struct Given {
     surface: Surface,
     georeference: Result<Georeference, String>,
-    system: Result<CoordinateSystem, String>,
     geo_tags: Option<GeoTags>,
     unit: Option<&'static str>,
     earth: Option<Earth>,
@@ -87,7 +86,7 @@ struct Given {
 
 impl SurfaceArgs {
     pub fn read(&self) -> Result<Scene, Box<dyn Error>> {
-        let Given { surface: given, georeference, system, geo_tags, unit, mut earth } =
+        let Given { surface: given, georeference, geo_tags, unit, mut earth } =
             self.read_surface()?;
         // Seams are taken from the positions, since a metric does not define them.
         let mut seams = given.seams();
@@ -140,7 +139,7 @@ impl SurfaceArgs {
         // With a slowness, lengths become times. A separate metric may be in another unit.
         let unit = unit.filter(|_| shape.is_none() && surface.slowness().is_none());
         let is_on_earth = earth.is_some();
-        Ok(Scene { surface, shape, georeference, system, geo_tags, unit, grid, is_on_earth })
+        Ok(Scene { surface, shape, georeference, geo_tags, unit, grid, is_on_earth })
     }
 
     /// Returns the surface with the lengths of the metric, and the given surface, which has the positions.
@@ -189,7 +188,6 @@ impl SurfaceArgs {
                 Ok(Given {
                     surface: builtin.surface()?,
                     georeference: Err(nowhere.into()),
-                    system: Err(nowhere.into()),
                     geo_tags: None,
                     unit: None,
                     earth: None,
@@ -215,10 +213,9 @@ impl SurfaceArgs {
                 let georeference = file.georeference().map_err(|error| error.to_string());
                 // A spacing from the command line may be in any unit.
                 let unit = file.unit().filter(|_| self.spacing.is_none());
-                let system = file.system().map_err(|error| error.to_string());
                 let geo_tags = file.geo_tags().cloned();
                 let surface = file.into_surface(self.spacing)?;
-                Ok(Given { surface, georeference, system, geo_tags, unit, earth: None })
+                Ok(Given { surface, georeference, geo_tags, unit, earth: None })
             }
         }
     }
@@ -234,7 +231,6 @@ impl SurfaceArgs {
         note!("{EARTH}");
         Ok(Given {
             surface,
-            system: georeference.system.ok_or_else(String::new),
             georeference: Ok(georeference),
             geo_tags: Some(geo_tags),
             unit: Some("m"),

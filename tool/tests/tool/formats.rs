@@ -159,14 +159,14 @@ fn curves_on_a_geotiff_lie_where_it_does() {
 #[test]
 fn geojson_asks_for_a_georeference() {
     let corner = [0.0; 6];
-    for (name, bytes, part) in [
-        ("untold.tif", geotiff(9, 9, corner, &[1024, 0, 1, 1]), "ProjectedCRS"),
-        ("model.tif", geotiff(9, 9, corner, &[]), "GTModelType"),
+    for (name, bytes) in [
+        ("untold.tif", geotiff(9, 9, corner, &[1024, 0, 1, 1])),
+        ("model.tif", geotiff(9, 9, corner, &[])),
     ] {
         let bench = Workbench::new();
         let dem = bench.input(name, bytes);
         let line = format!("contours {dem} --spacing 1 -s 4,4 --count 2 -o c.geojson -o c.npy");
-        bench.refuse(&line, &["c.geojson", "georeferenced", part]);
+        bench.refuse(&line, &["c.geojson", "georeferenced", "EPSG code"]);
     }
     let bench = Workbench::new();
     let line = "path builtin:plane:9x9 -s 4,4 --from 1,1 -o p.geojson";

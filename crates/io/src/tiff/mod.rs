@@ -27,7 +27,7 @@ pub(super) use write::{Pair32Float, encode};
 
 use super::file_spacing::FileSpacing;
 use super::limits::check_memory;
-use super::{CoordinateSystem, Georeference, Grid};
+use super::{Georeference, Grid};
 
 /// The values of a band. They are NaN where the file has no data.
 pub(super) struct Raster {
@@ -42,7 +42,6 @@ pub(super) struct Raster {
 #[derive(Clone, Debug)]
 pub(super) struct Location {
     pub georeference: Result<Georeference, String>,
-    pub system: Result<CoordinateSystem, String>,
     pub geo_tags: Option<GeoTags>,
     /// The length of the unit of heights in metres.
     pub metres: Result<f64, String>,
@@ -119,7 +118,6 @@ pub(super) fn decode(
         spacing: geo_tags.spacing(metadata.unit.as_deref()),
         location: Location {
             georeference,
-            system: geo_tags.system(),
             metres: geo_tags.metres_per_height(metadata.unit.as_deref()),
             geo_tags: Some(geo_tags),
         },
