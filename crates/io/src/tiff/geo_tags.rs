@@ -47,14 +47,6 @@ pub struct GeoTags {
     text: Option<Vec<u8>>,
 }
 
-/// The coordinates at row 0, column 0 of the raster, and their changes per row and per column.
-#[derive(Clone, Copy)]
-struct Transform {
-    origin: [f64; 2],
-    down: [f64; 2],
-    right: [f64; 2],
-}
-
 impl GeoTags {
     pub(super) fn read(directory: &Directory) -> Result<Self, String> {
         let keys = directory.integers(Tag::GeoKeyDirectoryTag)?.unwrap_or_default();
@@ -141,7 +133,7 @@ impl GeoTags {
 
     /// Returns the sides of a pixel, if the file gives them and they are at right angles.
     fn lengths(&self) -> Result<Option<Spacing>, String> {
-        let Some(Transform { down, right, .. }) = self.linear() else {
+        let Some((_, [down, right])) = self.linear() else {
             return match self.tie_points.as_ref().map_or(0, Vec::len) / 6 {
                 0 | 1 => Ok(None),
                 points => Err(Self::control_points(points)),
@@ -256,7 +248,23 @@ impl GeoTags {
 
     /// Returns the location of the pixels' middles, or a message that says what is missing.
     pub(super) fn georeference(&self) -> Result<Georeference, String> {
-        let Transform { origin, down, right } = self.transform()?;
+        let missing = |what: &str| {
+            format!(
+                "is not georeferenced: it lacks the GeoTIFF tag {what}; gdal_translate -a_ullr \
+                 writes it"
+            )
+        };
+        let Some((origin, [down, right])) = self.linear() else {
+            return Err(match self.tie_points.as_ref().map_or(0, Vec::len) / 6 {
+                0 | 1 => missing("ModelPixelScale (or ModelTransformation)"),
+                points => format!("is not georeferenced: {}", Self::control_points(points)),
+            });
+        };
+        let of_tie_point = || match self.tie_points.as_deref() {
+            Some(&[col, row, _, x, y, ..]) => Some([x - col * right[0], y - row * down[1]]),
+            _ => None,
+        };
+        let origin = origin.or_else(of_tie_point).ok_or_else(|| missing("ModelTiepoint"))?;
         let numbers = [origin, down, right];
         let determinant = right[0] * down[1] - right[1] * down[0];
         if !numbers.as_flattened().iter().all(|number| number.is_finite()) || determinant == 0.0 {
@@ -269,45 +277,17 @@ impl GeoTags {
         Ok(Georeference { origin, down, right, system: self.system() })
     }
 
-    /// Returns the changes per row and column with an origin of 0, from the field to which GDAL gives
-    /// precedence.
-    fn linear(&self) -> Option<Transform> {
-        let origin = [0.0; 2];
-        if let Some([dx, dy, ..]) = self.pixel_scale.as_deref()
-            && *dx != 0.0
-            && *dy != 0.0
-        {
+    /// Returns the coordinates at row 0, column 0 of the raster, unless a tie point gives them, and their changes per
+    /// row and per column, from the field to which GDAL gives precedence.
+    fn linear(&self) -> Option<(Option<[f64; 2]>, [[f64; 2]; 2])> {
+        match (self.pixel_scale.as_deref(), self.transformation.as_deref()) {
             // As in GDAL, files with a negative pixel height count as north-up.
-            return Some(Transform { origin, down: [0.0, -dy.abs()], right: [*dx, 0.0] });
+            (Some(&[dx, dy, ..]), _) if dx != 0.0 && dy != 0.0 => {
+                Some((None, [[0.0, -dy.abs()], [dx, 0.0]]))
+            }
+            (_, Some(&[a, b, _, x, c, d, _, y, ..])) => Some((Some([x, y]), [[b, d], [a, c]])),
+            _ => None,
         }
-        let [a, b, _, _, c, d, ..] = self.transformation.as_deref()? else { return None };
-        Some(Transform { origin, down: [*b, *d], right: [*a, *c] })
-    }
-
-    fn transform(&self) -> Result<Transform, String> {
-        let missing = |what: &str| {
-            format!(
-                "is not georeferenced: it lacks the GeoTIFF tag {what}; gdal_translate -a_ullr \
-                 writes it"
-            )
-        };
-        let Some(linear) = self.linear() else {
-            return Err(match self.tie_points.as_ref().map_or(0, Vec::len) / 6 {
-                0 | 1 => missing("ModelPixelScale (or ModelTransformation)"),
-                points => format!("is not georeferenced: {}", Self::control_points(points)),
-            });
-        };
-        let has_scale = self.pixel_scale.as_deref().is_some_and(|scale| scale[..2] != [0.0; 2]);
-        if let (false, Some([_, _, _, x, _, _, _, y, ..])) =
-            (has_scale, self.transformation.as_deref())
-        {
-            return Ok(Transform { origin: [*x, *y], ..linear });
-        }
-        let Some([col, row, _, x, y, ..]) = self.tie_points.as_deref() else {
-            return Err(missing("ModelTiepoint"));
-        };
-        let origin = [x - col * linear.right[0], y - row * linear.down[1]];
-        Ok(Transform { origin, ..linear })
     }
 
     /// Returns the coordinate reference system, if the keys name it by an EPSG code.
@@ -434,6 +414,9 @@ mod tests {
         let missing = |tags: GeoTags| tags.georeference().unwrap_err();
         assert!(missing(GeoTags { tie_points: None, ..tags(&UTM) }).contains("ModelTiepoint"));
         assert!(missing(GeoTags { pixel_scale: None, ..tags(&UTM) }).contains("ModelPixelScale"));
+        let transformation = Some([[1.0, 0.0, 0.0, 5.0]; 4].concat());
+        let short = GeoTags { pixel_scale: Some(vec![30.0]), transformation, ..tags(&UTM) };
+        assert!(short.georeference().unwrap_err().contains("no inverse"));
         let user_defined = [1, 1, 0, 2, 1024, 0, 1, 2, 2048, 0, 1, 32767];
         for keys in [&[][..], &[1, 1, 0, 1, 1024, 0, 1, 1], &user_defined] {
             assert_eq!(tags(keys).georeference().unwrap().system, None);
