@@ -6,10 +6,12 @@ use pyo3::exceptions::{PyMemoryError, PyRuntimeError, PyValueError};
 /// Returns the exception for an error: `MemoryError`, `RuntimeError` for a device and for a computation that
 /// was cancelled, else `ValueError`.
 pub fn of(error: geosweep::Error) -> PyErr {
-    use geosweep::Error::{Cancelled, MapMemory, Memory, Vulkan};
+    use geosweep::Error::{Cancelled, MapMemory, Memory};
     match error {
         Memory { .. } | MapMemory { .. } => PyMemoryError::new_err(error.to_string()),
-        Vulkan(_) | Cancelled => PyRuntimeError::new_err(error.to_string()),
+        #[cfg(feature = "vulkan")]
+        geosweep::Error::Vulkan(_) => PyRuntimeError::new_err(error.to_string()),
+        Cancelled => PyRuntimeError::new_err(error.to_string()),
         _ => value(error),
     }
 }

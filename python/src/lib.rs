@@ -20,7 +20,15 @@ use pyo3::prelude::*;
 /// A Vulkan device: its index, name, kind, Vulkan version and driver, and what it lacks.
 type Device = (usize, String, &'static str, String, String, Vec<String>);
 
+/// Lists no devices: this build has no Vulkan engine.
+#[cfg(not(feature = "vulkan"))]
+#[pyfunction]
+fn devices() -> Vec<Device> {
+    Vec::new()
+}
+
 /// Lists the Vulkan devices of this machine.
+#[cfg(feature = "vulkan")]
 #[pyfunction]
 fn devices(py: Python<'_>) -> PyResult<Vec<Device>> {
     use geosweep::vulkan::VulkanError::{NoDevice, NoLoader};
@@ -37,6 +45,7 @@ fn devices(py: Python<'_>) -> PyResult<Vec<Device>> {
 #[pymodule(gil_used = false)]
 fn _geosweep(module: &Bound<'_, PyModule>) -> PyResult<()> {
     // Programs compute one map after another, and opening a device takes longer than most maps.
+    #[cfg(feature = "vulkan")]
     geosweep::vulkan::keep_devices(true);
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<surface::Surface>()?;

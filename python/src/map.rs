@@ -227,7 +227,7 @@ impl Map {
         work::detached(py, || {
             in_either!(&self.distances, map => {
                 let found = farthest(map.chart, &map.distances)?;
-                Some((found.row, found.col, found.distance.into()))
+                Some((found.row, found.col, geosweep::surface::Real::wide(found.distance)))
             })
         })
     }

@@ -1,7 +1,7 @@
 //! Sparse pairs of points: those within a radius, and the nearest ones.
 
 use geosweep::pairwise::{nearest_points, pairs_within};
-use geosweep::{Engine, Error, Monitor};
+use geosweep::{Error, Monitor};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use rayon::prelude::*;
@@ -58,10 +58,12 @@ pub fn nearest_others<'py>(
         others.sort_by_key(|&(index, _)| index);
         Ok::<_, Error>(others)
     };
-    let work = || match &options.engine {
-        // Each of several calls at the same time opens a device of its own.
-        Engine::Vulkan(_) => points.iter().enumerate().map(row).collect::<Result<Vec<_>, _>>(),
-        _ => points.par_iter().enumerate().map(row).collect(),
+    let work = || {
+        // Each of several calls at the same time would open a device of its own.
+        if settings.are_for_device() {
+            return points.iter().enumerate().map(row).collect::<Result<Vec<_>, _>>();
+        }
+        points.par_iter().enumerate().map(row).collect()
     };
     let solved = work::watched(py, settings.threads, &monitor, |_| Ok(()), work)?;
     let rows = solved.map_err(errors::of)?;

@@ -1,6 +1,6 @@
 //! Converts sources and options.
 
-use geosweep::{DeviceChoice, Engine, Monitor, Options, Sources, Targets, Wavefront};
+use geosweep::{Engine, Monitor, Options, Sources, Targets, Wavefront};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -25,12 +25,8 @@ pub struct Settings {
 impl Settings {
     /// Returns the library's options, with a monitor.
     pub fn options(&self, monitor: &Monitor) -> PyResult<Options> {
-        let choice = |device: &Option<String>| match device {
-            Some(name) => name.parse().unwrap_or(DeviceChoice::Any),
-            None => DeviceChoice::Any,
-        };
         let engine = match &*self.engine {
-            "gpu" => Engine::Vulkan(choice(&self.device)),
+            "gpu" => self.device_engine()?,
             "cpu" => Engine::Cpu,
             _ => Engine::Auto,
         };
@@ -47,6 +43,26 @@ impl Settings {
             .with_radius(self.radius)
             .with_targets(targets)
             .with_monitor(monitor.clone()))
+    }
+
+    /// Returns whether a device was asked for.
+    pub fn are_for_device(&self) -> bool {
+        self.engine == "gpu"
+    }
+
+    #[cfg(feature = "vulkan")]
+    fn device_engine(&self) -> PyResult<Engine> {
+        use geosweep::DeviceChoice;
+        let named = self.device.as_ref().and_then(|name| name.parse().ok());
+        Ok(Engine::Vulkan(named.unwrap_or(DeviceChoice::Any)))
+    }
+
+    #[cfg(not(feature = "vulkan"))]
+    fn device_engine(&self) -> PyResult<Engine> {
+        let device = self.device.as_deref().map(|name| format!(" for {name}")).unwrap_or_default();
+        Err(errors::value(format!(
+            "this build of geosweep has no Vulkan engine{device}; leave engine=\"gpu\" out"
+        )))
     }
 }
 
