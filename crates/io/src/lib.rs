@@ -55,7 +55,7 @@ pub use surface_file::SurfaceFile;
 pub use tiff::GeoTags;
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Checks that the path is a regular file, since devices and pipes may never end. Returns its size in bytes.
 fn check_regular(path: &Path) -> Result<u64, IoError> {
@@ -87,4 +87,11 @@ fn read_beside(path: &Path) -> Result<Option<Vec<u8>>, IoError> {
 /// Returns the extension of a name in lower case, or an empty string.
 fn extension(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+/// Returns the path with a suffix after its name.
+fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(suffix);
+    name.into()
 }

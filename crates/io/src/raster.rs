@@ -1,9 +1,9 @@
 //! Reads rasters of numbers with a location: GeoTIFF and ESRI ASCII grids.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::tiff::{self, Location, Raster, Role};
-use super::{GeoTags, Grid, IoError, ascii_grid, extension, read_beside, read_bytes};
+use super::{GeoTags, Grid, IoError, ascii_grid, extension, read_beside, read_bytes, with_suffix};
 
 /// Reads numbers. They are NaN where the file has no data.
 pub(super) fn read_values(path: &Path) -> Result<Raster, IoError> {
@@ -21,9 +21,7 @@ fn read(path: &Path, role: Role) -> Result<Raster, IoError> {
         "asc" => ascii_grid(&bytes, read_beside(&path.with_extension("prj"))?.as_deref()),
         _ => {
             // GDAL stores masks in a file of this name if they are not in the raster's own file.
-            let mut name = path.as_os_str().to_owned();
-            name.push(".msk");
-            let mask = read_beside(&PathBuf::from(name))?;
+            let mask = read_beside(&with_suffix(path, ".msk"))?;
             tiff::decode(path, &bytes, mask.as_deref(), role)
         }
     };

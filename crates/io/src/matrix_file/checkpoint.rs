@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::MatrixLayout;
 use crate::npy::shape_text;
-use crate::{IoError, OutputFile};
+use crate::{IoError, OutputFile, with_suffix};
 use geosweep_surface::{EdgeLengths, Surface, SurfaceError};
 
 /// The inputs on which the numbers of a matrix depend, as readable names and values. An unfinished matrix is
@@ -126,13 +126,6 @@ impl Checkpoint {
 
 fn path(part: &Path) -> PathBuf {
     with_suffix(part, ".json")
-}
-
-/// Returns the path with a suffix after its name.
-pub(super) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
-    let mut name = path.as_os_str().to_owned();
-    name.push(suffix);
-    name.into()
 }
 
 fn described(made_from: Provenance, layout: MatrixLayout) -> Provenance {

@@ -15,8 +15,8 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::{IoError, OutputFile};
-use checkpoint::{Checkpoint, with_suffix};
+use super::{IoError, OutputFile, with_suffix};
+use checkpoint::Checkpoint;
 pub use checkpoint::{Provenance, surface_checksum};
 pub use layout::{Element, MatrixLayout};
 pub use read::{SquareMatrix, is_distance_matrix, read_matrix};

@@ -25,13 +25,9 @@ pub fn read_matrix(path: &Path) -> Result<SquareMatrix, IoError> {
     if extension(path) != "npy" {
         return Err(IoError::extension(path, "a matrix of distances", ".npy"));
     }
-    let size = check_regular(path)?;
     let read_error = |source| IoError::Read { path: path.to_owned(), source };
     let content = |reason| IoError::content(path, reason);
-    let mut file = BufReader::new(File::open(path).map_err(read_error)?);
-    let header = Header::read(&mut file).map_err(content)?;
-    let after_header = file.stream_position().map_err(read_error)?;
-    let bytes = header.check_size(size.saturating_sub(after_header)).map_err(content)?;
+    let (mut file, header, bytes) = open(path)?;
     let place = Place::of(&header).map_err(content)?;
     let points = place.points();
 
@@ -51,16 +47,25 @@ pub fn read_matrix(path: &Path) -> Result<SquareMatrix, IoError> {
     Ok(SquareMatrix { points, distances })
 }
 
+/// Opens an array, and returns a reader of its numbers, its header and the number of bytes of its numbers. The file has
+/// these bytes, so that memory for them may be allocated.
+fn open(path: &Path) -> Result<(BufReader<File>, Header, usize), IoError> {
+    let read_error = |source| IoError::Read { path: path.to_owned(), source };
+    let content = |reason| IoError::content(path, reason);
+    let size = check_regular(path)?;
+    let mut file = BufReader::new(File::open(path).map_err(read_error)?);
+    let header = Header::read(&mut file).map_err(content)?;
+    let after_header = file.stream_position().map_err(read_error)?;
+    let bytes = header.check_size(size.saturating_sub(after_header)).map_err(content)?;
+    Ok((file, header, bytes))
+}
+
 /// Returns whether a file is an `.npy` array that can be a matrix of distances and is unlikely to be anything
 /// else: an array with one axis (an upper triangle), or a square floating-point array. The diagonal of a square
 /// array must have only 0 and, for holes, +infinity, and its first row a positive value.
 pub fn is_distance_matrix(path: &Path) -> bool {
     let is = || {
-        let size = check_regular(path).ok()?;
-        let mut file = BufReader::new(File::open(path).ok()?);
-        let header = Header::read(&mut file).ok()?;
-        // Memory for a row is allocated only if the file is large enough.
-        header.check_size(size.saturating_sub(file.stream_position().ok()?)).ok()?;
+        let (mut file, header, _) = open(path).ok()?;
         let points = match header.shape[..] {
             [_] => return Some(true),
             [rows, cols] if rows == cols && rows > 0 && header.dtype.kind == b'f' => rows,

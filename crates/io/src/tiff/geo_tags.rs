@@ -47,8 +47,8 @@ pub struct GeoTags {
     text: Option<Vec<u8>>,
 }
 
-/// The coordinates of a raster's first corner, if a transformation gives them, and their changes per row and per column.
-type Linear = (Option<[f64; 2]>, [[f64; 2]; 2]);
+/// Coordinates eastwards and northwards, or their change.
+type Pair = [f64; 2];
 
 impl GeoTags {
     pub(super) fn read(directory: &Directory) -> Result<Self, String> {
@@ -282,7 +282,7 @@ impl GeoTags {
 
     /// Returns the coordinates at row 0, column 0 of the raster, unless a tie point gives them, and their changes per
     /// row and per column, from the field to which GDAL gives precedence.
-    fn linear(&self) -> Option<Linear> {
+    fn linear(&self) -> Option<(Option<Pair>, [Pair; 2])> {
         match (self.pixel_scale.as_deref(), self.transformation.as_deref()) {
             // As in GDAL, files with a negative pixel height count as north-up.
             (Some(&[dx, dy, ..]), _) if dx != 0.0 && dy != 0.0 => {
