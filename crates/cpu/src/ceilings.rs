@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::Instructions;
 use super::behind::Behind;
-use super::fronts::{LaneKind, SurfaceArray, TriangleKind, for_triangle_kind};
+use super::fronts::{LaneKind, SurfaceArray, TriangleFronts, TriangleKind, for_triangle_kind};
 use super::lines::line::{GridLines, LinesInGrid};
 use super::lines::span::TILE;
 use super::rotated::changed::Changed;
@@ -115,7 +115,7 @@ impl<'a, K: TriangleKind<f32> + LaneKind<f32>> WarmLine<'a, K> {
         let mut carried = vec![K::Carried::default(); times.len()];
         for col in 0..POINTS {
             let (point, radius) = (chart.bordered(0, col), (col as f32).hypot(300.0));
-            (times[point], carried[point]) = (radius, K::circle(radius));
+            (times[point], carried[point]) = (radius, K::Carried::circle(radius));
         }
         let surface_data = kind.surface_data(chart);
         Self { edges, kind, surface_data, times, carried, changed: [Changed::No; POINTS / TILE] }

@@ -8,7 +8,7 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::{BinaryHeap, HashMap, HashSet};
 
 use super::behind::Behind;
-use super::fronts::{Anchored, FrontOver, PointKind, TriangleKind};
+use super::fronts::{Anchored, FrontOver, Fronts, PointKind, TriangleFronts, TriangleKind};
 use super::limit::Limit;
 use super::points::PointFronts;
 use super::solution::Solution;
@@ -81,8 +81,8 @@ fn by_triangles<R: Real, K: TriangleKind<R>>(
     let copies = CopiesOf::new(edges);
     while let Some(point) = march.next() {
         for &x0 in copies.of(point).iter().filter(|&&x0| x0 as usize != point) {
-            let arrival = K::arrival_of_front(march.known(point));
-            march.lower(x0 as usize, arrival, K::time(arrival));
+            let arrival = K::Carried::arrival_of_front(march.known(point));
+            march.lower(x0 as usize, arrival, K::Carried::time(arrival));
         }
         for (offset, edge, behind) in &neighbours {
             let x0 = offset.from(point);
@@ -93,7 +93,7 @@ fn by_triangles<R: Real, K: TriangleKind<R>>(
             for slots in [after, before] {
                 let fronts = &march.fronts;
                 let arrival = fronts.kind.through(edges, x0, slots, |x| march.known(x));
-                march.lower(x0, arrival, K::time(arrival));
+                march.lower(x0, arrival, K::Carried::time(arrival));
             }
         }
         for (x0, [x1, x2], lengths, slowness) in connections.around(point) {
@@ -105,7 +105,7 @@ fn by_triangles<R: Real, K: TriangleKind<R>>(
             let carried = [a.carried, b.carried];
             let kind = &march.fronts.kind;
             let arrival = kind.arrival_over([x0, x1, x2], triangle, carried, [slowness; 3]);
-            march.lower(x0, arrival, K::time(arrival));
+            march.lower(x0, arrival, K::Carried::time(arrival));
         }
     }
     march.fronts.finish(1, 0.0)

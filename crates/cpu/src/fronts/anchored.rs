@@ -10,7 +10,7 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
-use super::kind::{FrontKind, PointKind};
+use super::kind::{FrontKind, Fronts, PointKind};
 use super::lanes::LaneKind;
 use super::surface_array::SurfaceArray;
 use crate::behind::Behind;
@@ -70,6 +70,10 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
     fn forget(&mut self) {
         self.floor.forget();
     }
+}
+
+impl<R: Real> Fronts<R> for Anchor<R> {
+    type Arrival = KeptAnchored<R>;
 
     /// Accepts an arrival that is shorter than the present front by more than rounding. If the scan `renews`, an
     /// arrival also replaces a front that the same scan brought before, unless both agree within rounding.
@@ -178,8 +182,8 @@ impl<R: Real> LaneKind<R> for Anchored<R> {
         for i in 0..points {
             let before = Kept { time: span.times[i], carried: span.carried[i] };
             let arrival = Kept { time: brought.times[i], carried: brought.anchors[i] };
-            let after = Self::accept(before, arrival, options.scan.0, options.renews);
-            changes.note(i, Self::change(before, after));
+            let after = Anchor::accept(before, arrival, options.scan.0, options.renews);
+            changes.note(i, Anchor::change(before, after));
             any |= (before.time.units_between(after.time) > R::Bits::default())
                 | before.carried.differs(after.carried);
             (times[i], anchors[i]) = (after.time, after.carried);

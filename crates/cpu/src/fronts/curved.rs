@@ -1,21 +1,20 @@
 //! Implements fronts that carry their curvature.
 
-use std::ops::Range;
 use std::sync::Arc;
 
-use super::kind::{FrontKind, TriangleKind, Triangular};
-use super::lanes::{LaneKind, Splits, splits_of_line};
+use super::kind::{FrontKind, Fronts, TriangleFronts, TriangleKind, Triangular};
+use super::lanes::LaneKind;
 use super::origins::{LineOrigins, OriginTable, SpanOrigins};
 use super::surface_array::SurfaceArray;
 use crate::behind::TriangleSlots;
 use crate::bend_units;
-use crate::lines::line::{GridLines, ScanLine};
+use crate::lines::line::ScanLine;
 use crate::lines::settled::{Visited, from_curved};
 use crate::lines::span::{Before, LargestChanges, Span, TILE};
 use crate::scan::{Scan, UpdateOptions};
 use geosweep_surface::constants::IN_SIGHT;
 use geosweep_surface::update::{
-    Carried, Curvature, Curvatures, EXACT, Front, Kept, Sighted, Steps, Triangle, curved,
+    Carried, Curvature, Curvatures, EXACT, Front, Kept, SEED, Sighted, Steps, Triangle, curved,
     curved_at, curved_from_origins, line_to,
 };
 use geosweep_surface::{
@@ -36,7 +35,7 @@ pub(crate) struct Curved<R> {
 }
 
 /// The front that a point keeps.
-pub(super) type KeptCurved<R> = Kept<R, Curvature<R>>;
+type KeptCurved<R> = Kept<R, Curvature<R>>;
 
 impl<R: Real> Curved<R> {
     pub(crate) fn new(edges: &EdgeLengths<R>) -> Self {
@@ -83,7 +82,6 @@ impl<R: Real> Curved<R> {
 impl<R: Real> FrontKind<R> for Curved<R> {
     type Carried = Curvature<R>;
     type Arrival = Front<R>;
-    const TAKES_BACK: bool = true;
 
     fn expect(&mut self, seeds: &[Seed]) {
         seeds.iter().for_each(|seed| self.origins.add(seed));
@@ -101,32 +99,6 @@ impl<R: Real> FrontKind<R> for Curved<R> {
         self.table.clear();
         self.has_names = false;
     }
-
-    #[inline(always)]
-    fn accept(kept: KeptCurved<R>, arrival: Front<R>, scan: u8, renews: bool) -> KeptCurved<R> {
-        accept(kept, arrival, scan, renews)
-    }
-
-    fn arrival_of_front(kept: KeptCurved<R>) -> Front<R> {
-        kept.carried.front(kept.time)
-    }
-
-    /// Returns the earlier front. If both arrive together, [`Front::first`] decides.
-    #[inline(always)]
-    fn first(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R> {
-        first(a, b)
-    }
-
-    fn released(carried: Curvature<R>) -> Curvature<R> {
-        carried.released()
-    }
-
-    /// Returns the larger of the changes of arrival time and curvature.
-    #[inline(always)]
-    fn change(before: KeptCurved<R>, after: KeptCurved<R>) -> R::Bits {
-        let bend = after.carried.bend_from(before.carried, after.time);
-        before.time.units_between(after.time).max(bend_units(bend))
-    }
 }
 
 impl<R: Real> LaneKind<R> for Curved<R> {
@@ -141,15 +113,6 @@ impl<R: Real> LaneKind<R> for Curved<R> {
     fn of_line(&self, first: [usize; 2], scan: Scan) -> CurvedLine<'_, R> {
         let origins = self.has_numbers().then(|| LineOrigins::new(&self.table, first, scan));
         CurvedLine { causal: self.origins.are_causal(), origins }
-    }
-
-    fn splits(
-        &self,
-        lines: &GridLines<'_, R, Self::Carried, Self::SurfaceData>,
-        line: usize,
-        points: &Range<usize>,
-    ) -> Option<Splits<Self::Arrival>> {
-        splits_of_line(self, lines, line, points)
     }
 
     #[inline(always)]
@@ -234,7 +197,75 @@ impl<R: Real> TriangleKind<R> for Curved<R> {
         let face = if has_names { triangle } else { triangle.without_obtuse_face() };
         self.arrival(corners, face, carried, alone)
     }
+}
 
+impl<R: Real> Fronts<R> for Curvature<R> {
+    type Arrival = Front<R>;
+    const TAKES_BACK: bool = true;
+
+    fn released(self) -> Self {
+        Curvature::released(self)
+    }
+
+    /// Returns the front at a point after a scan has brought `front` to it.
+    ///
+    /// The new front is accepted in three cases:
+    ///
+    /// - It arrives earlier than the present one.
+    /// - It arrives together with the present one, and is preferred ([`Front::replaces`]).
+    /// - The scan `renews`, and the same scan brought the present front. The new front may then be earlier or later.
+    ///   Both came through the same triangles, whose fronts have changed in between. So no front stays that was computed
+    ///   from a preliminary curvature. A difference within rounding is no change ([`Front::is_same_as`]). Otherwise the
+    ///   last digits of a distant front would spread from point to point, and all these points would be visited again.
+    ///
+    /// In all other cases the present front stays, so that scans whose fronts arrive together do not replace each
+    /// other's fronts forever.
+    #[inline(always)]
+    fn accept(kept: KeptCurved<R>, front: Front<R>, scan: u8, renews: bool) -> KeptCurved<R> {
+        let Kept { time, carried: curvature } = kept;
+        let before = curvature.front(time);
+        let brought = Curvature::of(front, scan);
+        let front = Front { curvature: brought.value(), ..front };
+        let was_reached = time < R::FAR;
+        let together = was_reached & front.arrives_with(before);
+        let first = if together { front.replaces(before) } else { front.time < time };
+        let is_new = !(together & front.is_same_as(before));
+        // A front from the seed's own source does not replace the seed, whose time is more accurate than an update.
+        let own = was_reached & curvature.is_seed_of(front.curvature);
+        // Exact seeds stay: where two fronts meet, an update may take them for one front, which arrives too early.
+        let held = was_reached & curvature.is_from(EXACT);
+        let accepted =
+            (first & !own & !held) | (was_reached & renews & curvature.is_from(scan) & is_new);
+        let arrival = if together { min(time, front.time) } else { front.time };
+        Kept {
+            time: if accepted { arrival } else { time },
+            carried: if accepted { brought } else { curvature },
+        }
+    }
+
+    fn arrival_of_front(kept: KeptCurved<R>) -> Front<R> {
+        kept.carried.front(kept.time)
+    }
+
+    /// Returns the earlier front. If both arrive together, [`Front::first`] decides.
+    #[inline(always)]
+    fn first(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R> {
+        let (of_a, of_b) = (a.carried.front(a.time), b.carried.front(b.time));
+        let time = min(a.time, b.time);
+        let second =
+            if of_a.arrives_with(of_b) { of_b.knows_better(of_a) } else { of_b.time < of_a.time };
+        Kept { time, carried: if second { b.carried } else { a.carried } }
+    }
+
+    /// Returns the larger of the changes of arrival time and curvature.
+    #[inline(always)]
+    fn change(before: KeptCurved<R>, after: KeptCurved<R>) -> R::Bits {
+        let bend = after.carried.bend_from(before.carried, after.time);
+        before.time.units_between(after.time).max(bend_units(bend))
+    }
+}
+
+impl<R: Real> TriangleFronts<R> for Curvature<R> {
     fn time(arrival: Front<R>) -> R {
         arrival.time
     }
@@ -243,64 +274,13 @@ impl<R: Real> TriangleKind<R> for Curved<R> {
         Front::first(a, b)
     }
 
-    fn curvature(kept: Kept<R, Self::Carried>) -> R {
+    fn curvature(kept: KeptCurved<R>) -> R {
         kept.carried.value()
     }
 
-    fn circle(radius: R) -> Curvature<R> {
+    fn circle(radius: R) -> Self {
         let front = Front { time: radius, curvature: radius.recip(), whole: false };
-        Curvature::of(front, geosweep_surface::update::SEED)
-    }
-}
-
-/// Returns the first of two fronts at a point.
-#[inline(always)]
-pub(super) fn first<R: Real>(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R> {
-    let (of_a, of_b) = (a.carried.front(a.time), b.carried.front(b.time));
-    let time = min(a.time, b.time);
-    let second =
-        if of_a.arrives_with(of_b) { of_b.knows_better(of_a) } else { of_b.time < of_a.time };
-    Kept { time, carried: if second { b.carried } else { a.carried } }
-}
-
-/// Returns the front at a point after a scan has brought `front` to it.
-///
-/// The new front is accepted in three cases:
-///
-/// - It arrives earlier than the present one.
-/// - It arrives together with the present one, and is preferred ([`Front::replaces`]).
-/// - The scan `renews`, and the same scan brought the present front. The new front may then be earlier or later. Both
-///   came through the same triangles, whose fronts have changed in between. So no front stays that was computed from a
-///   preliminary curvature. A difference within rounding is no change ([`Front::is_same_as`]). Otherwise the last
-///   digits of a distant front would spread from point to point, and all these points would be visited again.
-///
-/// In all other cases the present front stays, so that scans whose fronts arrive together do not replace each other's
-/// fronts forever.
-#[inline(always)]
-pub(super) fn accept<R: Real>(
-    kept: KeptCurved<R>,
-    front: Front<R>,
-    scan: u8,
-    renews: bool,
-) -> KeptCurved<R> {
-    let Kept { time, carried: curvature } = kept;
-    let before = curvature.front(time);
-    let brought = Curvature::of(front, scan);
-    let front = Front { curvature: brought.value(), ..front };
-    let was_reached = time < R::FAR;
-    let together = was_reached & front.arrives_with(before);
-    let first = if together { front.replaces(before) } else { front.time < time };
-    let is_new = !(together & front.is_same_as(before));
-    // A front from the seed's own source does not replace the seed, whose time is more accurate than an update.
-    let own = was_reached & curvature.is_seed_of(front.curvature);
-    // Exact seeds stay: where two fronts meet, an update may take them for one front, which arrives too early.
-    let held = was_reached & curvature.is_from(EXACT);
-    let accepted =
-        (first & !own & !held) | (was_reached & renews & curvature.is_from(scan) & is_new);
-    let arrival = if together { min(time, front.time) } else { front.time };
-    Kept {
-        time: if accepted { arrival } else { time },
-        carried: if accepted { brought } else { curvature },
+        Curvature::of(front, SEED)
     }
 }
 
@@ -401,7 +381,7 @@ pub(super) fn accept_all<R: Real, G>(
     let mut any = false;
     for i in 0..points {
         let before = Kept { time: span.times[i], carried: span.carried[i] };
-        let after = accept(before, first.get(i), options.scan.0, options.renews);
+        let after = Curvature::accept(before, first.get(i), options.scan.0, options.renews);
         (times[i], curvatures[i]) = (after.time, after.carried);
         let [bent_before, bent] = [before.carried.value(), after.carried.value()];
         let change = before.time.units_between(after.time);
@@ -568,7 +548,7 @@ mod tests {
         let whole = true;
         let old = Curvature::of(Front { time: R::of(1.5), curvature: R::of(0.3), whole }, 2);
         let front = Front { time: R::of(time), curvature: R::of(curvature), whole };
-        accept(Kept { time: R::of(1.5), carried: old }, front, scan, renews)
+        Curvature::accept(Kept { time: R::of(1.5), carried: old }, front, scan, renews)
     }
 
     fn assert_renews_but_for_rounding<R: Real>() {

@@ -1,7 +1,7 @@
 //! Gives all copies of each point of a glued surface the earliest front among them. The twin of
 //! `glsl/passes/exchange.comp`.
 
-use super::FrontKind;
+use super::{FrontKind, Fronts};
 use geosweep_surface::constants::COPIES_TOGETHER;
 use geosweep_surface::update::{Carried, EXACT, EXCHANGED, Kept};
 use geosweep_surface::{EdgeLengths, Groups, Real};
@@ -16,9 +16,9 @@ fn earliest<R: Real, K: FrontKind<R>>(
         |front: &Kept<R, K::Carried>| front.time < R::FAR && !front.carried.is_from(EXCHANGED);
     // The shader has an invocation for each part of a group.
     let of_part = |part: &[u32]| {
-        part.iter().map(|&point| front(point as usize)).filter(counts).reduce(K::first)
+        part.iter().map(|&point| front(point as usize)).filter(counts).reduce(K::Carried::first)
     };
-    group.chunks(COPIES_TOGETHER as usize).filter_map(of_part).reduce(K::first)
+    group.chunks(COPIES_TOGETHER as usize).filter_map(of_part).reduce(K::Carried::first)
 }
 
 /// Returns the front at a copy after the earliest front of all copies has reached it, or `None` if the present one
@@ -32,7 +32,7 @@ fn after_arrival<R: Real, K: FrontKind<R>>(
         return None;
     }
     let scan = if first.carried.is_from(EXACT) { EXACT } else { EXCHANGED };
-    let after = K::accept(before, K::arrival_of_front(first), scan, renews);
+    let after = K::Carried::accept(before, K::Carried::arrival_of_front(first), scan, renews);
     Some(after).filter(|&after| after != before)
 }
 

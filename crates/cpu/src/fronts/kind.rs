@@ -1,25 +1,25 @@
 //! Defines the interface between solvers and kinds of fronts, and the interfaces of kinds whose points are updated one
 //! by one.
 
+use std::ops::Range;
+
+use super::lanes::{Splits, splits_of_line};
 use crate::behind::{Behind, TriangleSlots};
+use crate::lines::line::GridLines;
 use geosweep_surface::update::{Carried, Kept, Triangle, tag_of};
 use geosweep_surface::{Chart, Direction, EdgeLengths, Real, Seed};
 
-/// A kind of front over a surface. It defines the data that fronts carry, and how fronts start, are accepted and
-/// compared. Updates are defined by [`PointKind`] for solvers that update points one by one, and by
-/// [`LaneKind`](super::LaneKind) for those that update lines in SIMD lanes.
+/// A kind of front over a surface. It defines the data that fronts carry, and how fronts start. Updates are defined by
+/// [`PointKind`] for solvers that update points one by one, and by [`LaneKind`](super::LaneKind) for those that update
+/// lines in SIMD lanes.
 pub(crate) trait FrontKind<R: Real>:
     Clone + std::fmt::Debug + Send + Sync + 'static
 {
     /// Data that the front at a point carries besides its arrival time.
-    type Carried: Carried;
+    type Carried: Fronts<R, Arrival = Self::Arrival>;
 
     /// A front that arrives at a point.
     type Arrival: Copy;
-
-    /// Whether a scan may replace a front that it brought earlier by a later one. A seed that the earlier front has
-    /// replaced is then lost ([`Seed::is_lost`]).
-    const TAKES_BACK: bool = false;
 
     /// Announces all seeds that are about to be added, before the first one is added.
     fn expect(&mut self, _: &[Seed]) {}
@@ -27,33 +27,8 @@ pub(crate) trait FrontKind<R: Real>:
     /// Returns the front that a seed starts.
     fn arrival_of_seed(&mut self, seed: &Seed) -> Self::Arrival;
 
-    /// Returns `carried` without the mark of an exact seed ([`Seed::exact`]), so that fronts of sources that are added
-    /// later can replace the front.
-    fn released(carried: Self::Carried) -> Self::Carried {
-        carried
-    }
-
     /// Forgets the seeds of the last map.
     fn forget(&mut self) {}
-
-    /// Returns the front at a point after `arrival` has reached it, brought by `scan` (numbered from one).
-    /// The arrival is accepted if it is earlier than the present front, or if the scan `renews` a front that the same
-    /// scan brought before.
-    fn accept(
-        kept: Kept<R, Self::Carried>,
-        arrival: Self::Arrival,
-        scan: u8,
-        renews: bool,
-    ) -> Kept<R, Self::Carried>;
-
-    /// Converts the front at a point to an arrival at another copy of the point, on a glued surface.
-    fn arrival_of_front(kept: Kept<R, Self::Carried>) -> Self::Arrival;
-
-    /// Returns the first of two fronts at a point.
-    fn first(a: Kept<R, Self::Carried>, b: Kept<R, Self::Carried>) -> Kept<R, Self::Carried>;
-
-    /// Returns the change of a front, in units of the last place of its arrival time ([`Real::units_between`]).
-    fn change(before: Kept<R, Self::Carried>, after: Kept<R, Self::Carried>) -> R::Bits;
 
     /// Starts the fronts of seeds, in bordered arrays of arrival times and of what fronts carry. Calls
     /// `started` with each seed, its point in the arrays, and the fronts there before and after.
@@ -69,7 +44,7 @@ pub(crate) trait FrontKind<R: Real>:
             let point = chart.bordered(seed.row, seed.col);
             let arrival = self.arrival_of_seed(seed);
             let before = Kept { time: times[point], carried: carried[point] };
-            let after = Self::accept(before, arrival, tag_of(seed), false);
+            let after = Self::Carried::accept(before, arrival, tag_of(seed), false);
             (times[point], carried[point]) = (after.time, after.carried);
             started(seed, point, [before, after]);
         }
@@ -78,8 +53,55 @@ pub(crate) trait FrontKind<R: Real>:
     /// Returns whether a seed is lost ([`Seed::is_lost`]), given arrival times as a bordered array.
     fn has_lost(chart: Chart, seeds: &[Seed], times: &[R]) -> bool {
         let is_lost = |seed: &Seed| seed.is_lost(times[chart.bordered(seed.row, seed.col)]);
-        Self::TAKES_BACK && seeds.iter().any(is_lost)
+        Self::Carried::TAKES_BACK && seeds.iter().any(is_lost)
     }
+}
+
+/// What fronts carry, and how fronts that carry it are accepted and compared. Several kinds of fronts carry the same.
+pub(crate) trait Fronts<R: Real>: Carried {
+    /// A front that arrives at a point.
+    type Arrival: Copy;
+
+    /// Whether a scan may replace a front that it brought earlier by a later one. A seed that the earlier front has
+    /// replaced is then lost ([`Seed::is_lost`]).
+    const TAKES_BACK: bool = false;
+
+    /// Returns this data without the mark of an exact seed ([`Seed::exact`]), so that fronts of sources that are added
+    /// later can replace the front.
+    fn released(self) -> Self {
+        self
+    }
+
+    /// Returns the front at a point after `arrival` has reached it, brought by `scan` (numbered from one).
+    /// The arrival is accepted if it is earlier than the present front, or if the scan `renews` a front that the same
+    /// scan brought before.
+    fn accept(kept: Kept<R, Self>, arrival: Self::Arrival, scan: u8, renews: bool)
+    -> Kept<R, Self>;
+
+    /// Converts the front at a point to an arrival at another copy of the point, on a glued surface.
+    fn arrival_of_front(kept: Kept<R, Self>) -> Self::Arrival;
+
+    /// Returns the first of two fronts at a point.
+    fn first(a: Kept<R, Self>, b: Kept<R, Self>) -> Kept<R, Self>;
+
+    /// Returns the change of a front, in units of the last place of its arrival time ([`Real::units_between`]).
+    fn change(before: Kept<R, Self>, after: Kept<R, Self>) -> R::Bits;
+}
+
+/// What fronts carry that can be updated from a single triangle.
+pub(crate) trait TriangleFronts<R: Real>: Fronts<R> {
+    /// Returns the arrival time.
+    fn time(arrival: Self::Arrival) -> R;
+
+    /// Returns the first of two fronts that arrive at a point.
+    fn earlier(a: Self::Arrival, b: Self::Arrival) -> Self::Arrival;
+
+    /// Returns the curvature of a front. If the front carries none, this is the curvature of a circle around
+    /// its source.
+    fn curvature(kept: Kept<R, Self>) -> R;
+
+    /// Returns the data that a circular front of the given radius carries over a plane.
+    fn circle(radius: R) -> Self;
 }
 
 /// A kind of front whose points can be updated one by one.
@@ -93,10 +115,23 @@ pub(crate) trait PointKind<R: Real>: FrontKind<R> {
         behind: &Behind,
         seen: impl Fn(usize) -> Kept<R, Self::Carried>,
     ) -> Self::Arrival;
+
+    /// Finds the fronts that reach the points of a line through parts of obtuse triangles behind them.
+    /// Returns `None` if no triangle there is obtuse.
+    fn splits<G>(
+        &self,
+        _lines: &GridLines<'_, R, Self::Carried, G>,
+        _line: usize,
+        _points: &Range<usize>,
+    ) -> Option<Splits<Self::Arrival>> {
+        None
+    }
 }
 
 /// A kind of front that can be updated from a single triangle.
-pub(crate) trait TriangleKind<R: Real>: FrontKind<R> + Triangular {
+pub(crate) trait TriangleKind<R: Real>:
+    FrontKind<R, Carried: TriangleFronts<R>> + Triangular
+{
     /// Returns the front that reaches x0 through the triangle with x1 and x2. `carried` is the data of the fronts at x1
     /// and x2. See [`geosweep_surface::update::Curvatures`] for `alone`.
     fn arrival(
@@ -138,12 +173,6 @@ pub(crate) trait TriangleKind<R: Real>: FrontKind<R> + Triangular {
         triangle.is_obtuse()
     }
 
-    /// Returns the arrival time.
-    fn time(arrival: Self::Arrival) -> R;
-
-    /// Returns the first of two fronts that arrive at a point.
-    fn earlier(a: Self::Arrival, b: Self::Arrival) -> Self::Arrival;
-
     /// Returns the first front that reaches a point through the parts of its triangle between two neighbours,
     /// if that triangle is obtuse ([`EdgeLengths::split`]).
     fn through_parts(
@@ -159,7 +188,7 @@ pub(crate) trait TriangleKind<R: Real>: FrontKind<R> + Triangular {
             let triangle = Triangle { t1: a.time, t2: b.time, l1, l2, c };
             let carried = [a.carried, b.carried];
             let arrival = self.arrival_over([point, x1, x2], triangle, carried, slowness);
-            first = Some(first.map_or(arrival, |first| Self::earlier(first, arrival)));
+            first = Some(first.map_or(arrival, |first| Self::Carried::earlier(first, arrival)));
         });
         first
     }
@@ -183,15 +212,8 @@ pub(crate) trait TriangleKind<R: Real>: FrontKind<R> + Triangular {
             return arrival;
         }
         let parts = self.through_parts(edges, point, slots.directions(), seen);
-        parts.map_or(arrival, |parts| Self::earlier(arrival, parts))
+        parts.map_or(arrival, |parts| Self::Carried::earlier(arrival, parts))
     }
-
-    /// Returns the curvature of a front. If the front carries none, this is the curvature of a circle around
-    /// its source.
-    fn curvature(kept: Kept<R, Self::Carried>) -> R;
-
-    /// Returns the data that a circular front of the given radius carries over a plane.
-    fn circle(radius: R) -> Self::Carried;
 }
 
 /// Marks each [`TriangleKind`]. The marker has no type parameter. So the compiler can distinguish these kinds from
@@ -209,6 +231,15 @@ impl<R: Real, K: TriangleKind<R> + Triangular> PointKind<R> for K {
     ) -> K::Arrival {
         let [a, b] =
             behind.triangles().each_ref().map(|slots| self.through(edges, point, slots, &seen));
-        Self::earlier(a, b)
+        Self::Carried::earlier(a, b)
+    }
+
+    fn splits<G>(
+        &self,
+        lines: &GridLines<'_, R, Self::Carried, G>,
+        line: usize,
+        points: &Range<usize>,
+    ) -> Option<Splits<Self::Arrival>> {
+        splits_of_line(self, lines, line, points)
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use bytemuck::Pod;
 
-use super::kind::{FrontKind, TriangleKind};
+use super::kind::{PointKind, TriangleFronts, TriangleKind};
 use super::surface_array::SurfaceArray;
 use crate::behind::Behind;
 use crate::lines::line::{GridLines, ScanLine};
@@ -14,7 +14,7 @@ use geosweep_surface::update::Triangle;
 use geosweep_surface::{Chart, Part, Real};
 
 /// A kind of front whose points can be updated line by line, in SIMD lanes.
-pub(crate) trait LaneKind<R: Real>: FrontKind<R> {
+pub(crate) trait LaneKind<R: Real>: PointKind<R> {
     /// Data of a point of the surface that updates read.
     type SurfaceData: Pod + Send + Sync + std::fmt::Debug;
 
@@ -37,17 +37,6 @@ pub(crate) trait LaneKind<R: Real>: FrontKind<R> {
 
     /// Prepares the update of a line, given the row and column of its first point, counted from the border.
     fn of_line(&self, first: [usize; 2], scan: Scan) -> Self::OfLine<'_>;
-
-    /// Finds the fronts that reach the points of a line through parts of obtuse triangles behind them.
-    /// Returns `None` if no triangle there is obtuse.
-    fn splits(
-        &self,
-        _lines: &GridLines<'_, R, Self::Carried, Self::SurfaceData>,
-        _line: usize,
-        _points: &Range<usize>,
-    ) -> Option<Splits<Self::Arrival>> {
-        None
-    }
 
     /// Updates some points of a line, given the first of them, their number, and the `splits` among them. Returns
     /// whether any front or tag has changed, or `None` if all points are settled. Implementations must be inlined
@@ -104,11 +93,11 @@ pub(super) fn splits_of_line<R: Real, K: TriangleKind<R>, G>(
             let carried = [a.carried, b.carried];
             kind.arrival_over([point, x1, x2], triangle, carried, slowness)
         });
-        let arrival = arrivals.reduce(K::earlier);
+        let arrival = arrivals.reduce(K::Carried::earlier);
         match found.last_mut() {
             // The previous entry is the other triangle of the same point.
             Some((last, other)) if *last == place - first => {
-                *other = [*other, arrival].into_iter().flatten().reduce(K::earlier);
+                *other = [*other, arrival].into_iter().flatten().reduce(K::Carried::earlier);
             }
             _ => found.push((place - first, arrival)),
         }
@@ -141,7 +130,7 @@ fn splits_found_now<R: Real, K: TriangleKind<R>, G>(
         let arrivals = of_point.filter_map(|slots| {
             kind.through_parts(edges, point, slots.directions(), |x| lines.front(x))
         });
-        found.push((at - first, arrivals.reduce(K::earlier)));
+        found.push((at - first, arrivals.reduce(K::Carried::earlier)));
     }
     found
 }

@@ -23,7 +23,7 @@ mod surface_array;
 pub(super) use anchored::Anchored;
 pub(super) use circular::Circular;
 pub(super) use curved::Curved;
-pub(super) use kind::{FrontKind, PointKind, TriangleKind};
+pub(super) use kind::{FrontKind, Fronts, PointKind, TriangleFronts, TriangleKind};
 pub(super) use lanes::LaneKind;
 pub(super) use planar::Planar;
 pub(super) use slowed_curved::SlowedCurved;

@@ -1,25 +1,42 @@
 //! Provides the triangles of a span of points together with the slowness at their corners.
 
-use crate::lines::span::Span;
+use crate::behind::Behind;
+use crate::lines::span::{Before, Span};
+use crate::scan::Scan;
 use geosweep_surface::Real;
 use geosweep_surface::update::{Carried, Triangle};
 
 /// A span of points, with the slowness at each point and at the neighbours behind.
-pub(super) struct Seen<'s, R, C, G, O, B> {
+pub(super) struct Seen<'s, R, C, G, S> {
     pub span: &'s Span<'s, R, C, G>,
-    /// Slowness at point `i`.
-    pub own: O,
-    /// Slowness at the neighbour `k` behind point `i`.
-    pub behind: B,
+    /// Surface data at the neighbours behind each point.
+    pub behind: [&'s [G]; 3],
+    /// Returns the slowness in the data of a point.
+    pub slowness: S,
 }
 
-impl<R: Real, C: Carried, G, O: Fn(usize) -> R, B: Fn(usize, usize) -> R> Seen<'_, R, C, G, O, B> {
+impl<'s, R: Real, C: Carried, G: Copy, S: Fn(G) -> R> Seen<'s, R, C, G, S> {
+    /// Creates the span whose first point is `first`, before a scan.
+    #[inline(always)]
+    pub(super) fn before(
+        before: &Before<'s, R, C, G>,
+        first: usize,
+        span: &'s Span<'s, R, C, G>,
+        points: usize,
+        scan: Scan,
+        slowness: S,
+    ) -> Self {
+        let at = Behind::of(before.edges.chart(), scan).points().map(|offset| offset.from(first));
+        Self { span, behind: at.map(|at| &before.surface_data[at..][..points]), slowness }
+    }
+
     /// Returns one of the two triangles of point `i`, and the slowness at x0, x1 and x2. An obtuse triangle
     /// is reduced to its edges.
     #[inline(always)]
     pub(super) fn triangle<const LEFT: bool>(&self, i: usize) -> (Triangle<R>, [R; 3]) {
         let x1 = if LEFT { 0 } else { 1 };
-        let slowness = [(self.own)(i), (self.behind)(x1, i), (self.behind)(x1 + 1, i)];
+        let data = [self.span.surface_data[i], self.behind[x1][i], self.behind[x1 + 1][i]];
+        let slowness = data.map(&self.slowness);
         let triangle = self.span.weighted_triangle::<LEFT>(i);
         (triangle.without_obtuse_face_on_surface(slowness), slowness)
     }

@@ -1,20 +1,17 @@
 //! Implements fronts that carry their curvature over an uneven slowness.
 
-use std::ops::Range;
 use std::sync::Arc;
 
-use super::curved::{Accepted, FirstFronts, KeptCurved, accept, accept_all, first};
+use super::curved::{Accepted, FirstFronts, accept_all};
 use super::kind::{FrontKind, TriangleKind, Triangular};
-use super::lanes::{LaneKind, Splits, splits_of_line};
+use super::lanes::LaneKind;
 use super::slowed::Seen;
 use super::surface_array::SurfaceArray;
-use crate::behind::Behind;
-use crate::bend_units;
-use crate::lines::line::{GridLines, ScanLine};
+use crate::lines::line::ScanLine;
 use crate::lines::span::{Before, LargestChanges, Span};
 use crate::scan::{Scan, UpdateOptions};
 use geosweep_surface::update::{
-    Curvature, Curvatures, Front, Kept, Triangle, curved_slowed, is_settled_slowed,
+    Curvature, Curvatures, Front, Triangle, curved_slowed, is_settled_slowed,
 };
 use geosweep_surface::{Chart, EdgeLengths, Origins, Real, Seed, min};
 
@@ -44,7 +41,6 @@ impl<R: Real> SlowedCurved<R> {
 impl<R: Real> FrontKind<R> for SlowedCurved<R> {
     type Carried = Curvature<R>;
     type Arrival = Front<R>;
-    const TAKES_BACK: bool = true;
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> Front<R> {
         self.origins.add(seed);
@@ -53,30 +49,6 @@ impl<R: Real> FrontKind<R> for SlowedCurved<R> {
 
     fn forget(&mut self) {
         self.origins.forget();
-    }
-
-    fn released(carried: Curvature<R>) -> Curvature<R> {
-        carried.released()
-    }
-
-    #[inline(always)]
-    fn accept(kept: KeptCurved<R>, arrival: Front<R>, scan: u8, renews: bool) -> KeptCurved<R> {
-        accept(kept, arrival, scan, renews)
-    }
-
-    fn arrival_of_front(kept: KeptCurved<R>) -> Front<R> {
-        kept.carried.front(kept.time)
-    }
-
-    #[inline(always)]
-    fn first(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R> {
-        first(a, b)
-    }
-
-    #[inline(always)]
-    fn change(before: KeptCurved<R>, after: KeptCurved<R>) -> R::Bits {
-        let bend = (after.carried.value() - before.carried.value()).abs() * after.time;
-        before.time.units_between(after.time).max(bend_units(bend))
     }
 }
 
@@ -95,15 +67,6 @@ impl<R: Real> LaneKind<R> for SlowedCurved<R> {
         self.origins.are_causal()
     }
 
-    fn splits(
-        &self,
-        lines: &GridLines<'_, R, Self::Carried, Self::SurfaceData>,
-        line: usize,
-        points: &Range<usize>,
-    ) -> Option<Splits<Self::Arrival>> {
-        splits_of_line(self, lines, line, points)
-    }
-
     #[inline(always)]
     fn update_span(
         &causal: &bool,
@@ -115,11 +78,8 @@ impl<R: Real> LaneKind<R> for SlowedCurved<R> {
     ) -> Option<bool> {
         let span = line.span(start, points);
         let surface_data = line.surface_behind(start, points);
-        let seen = Seen {
-            span: &span,
-            own: |i: usize| span.surface_data[i][SLOWNESS],
-            behind: |k: usize, i: usize| surface_data[k][i][SLOWNESS],
-        };
+        let slowness = |data: SurfaceData<R>| data[SLOWNESS];
+        let seen = Seen { span: &span, behind: surface_data, slowness };
         let is_alone = splits.iter().all(|(_, front)| front.is_none());
         if is_alone && leaves(&seen, points, options) {
             return None;
@@ -154,15 +114,8 @@ impl<R: Real> LaneKind<R> for SlowedCurved<R> {
         points: usize,
         options: UpdateOptions,
     ) -> bool {
-        let behind = Behind::of(before.edges.chart(), options.scan);
-        let at = behind.points().map(|offset| offset.from(first));
-        let surface_data = at.map(|at| &before.surface_data[at..][..points]);
-        let seen = Seen {
-            span: &span,
-            own: |i: usize| span.surface_data[i][SLOWNESS],
-            behind: |k: usize, i: usize| surface_data[k][i][SLOWNESS],
-        };
-        leaves(&seen, points, options)
+        let slowness = |data: SurfaceData<R>| data[SLOWNESS];
+        leaves(&Seen::before(before, first, &span, points, options.scan, slowness), points, options)
     }
 }
 
@@ -202,29 +155,12 @@ impl<R: Real> TriangleKind<R> for SlowedCurved<R> {
     fn is_obtuse(&self, corners: [usize; 3], triangle: Triangle<R>) -> bool {
         triangle.is_obtuse_on_surface(corners.map(|corner| self.slowness[corner]))
     }
-
-    fn time(arrival: Front<R>) -> R {
-        arrival.time
-    }
-
-    fn earlier(a: Front<R>, b: Front<R>) -> Front<R> {
-        Front::first(a, b)
-    }
-
-    fn curvature(kept: Kept<R, Self::Carried>) -> R {
-        kept.carried.value()
-    }
-
-    fn circle(radius: R) -> Curvature<R> {
-        let front = Front { time: radius, curvature: radius.recip(), whole: false };
-        Curvature::of(front, geosweep_surface::update::SEED)
-    }
 }
 
 /// Returns whether a scan leaves a span of points unchanged.
 #[inline(always)]
-fn leaves<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
-    seen: &Seen<'_, R, Curvature<R>, SurfaceData<R>, O, B>,
+fn leaves<R: Real>(
+    seen: &Seen<'_, R, Curvature<R>, SurfaceData<R>, impl Fn(SurfaceData<R>) -> R>,
     points: usize,
     options: UpdateOptions,
 ) -> bool {

@@ -1,17 +1,15 @@
 //! Implements planar fronts over an uneven slowness.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::kind::{FrontKind, TriangleKind, Triangular};
-use super::lanes::{LaneKind, Splits, splits_of_line};
+use super::lanes::LaneKind;
 use super::slowed::Seen;
 use super::surface_array::SurfaceArray;
-use crate::behind::Behind;
-use crate::lines::line::{GridLines, ScanLine};
+use crate::lines::line::ScanLine;
 use crate::lines::span::{Before, LargestChanges, Span, TILE};
 use crate::scan::{Scan, UpdateOptions};
-use geosweep_surface::update::{Kept, Triangle, is_settled_slowed, planar_slowed};
+use geosweep_surface::update::{Triangle, is_settled_slowed, planar_slowed};
 use geosweep_surface::{Chart, Real, Seed, min};
 
 /// The front of [`geosweep_surface::Wavefront::Planar`] over a surface with an uneven slowness.
@@ -35,25 +33,6 @@ impl<R: Real> FrontKind<R> for SlowedPlanar<R> {
     fn arrival_of_seed(&mut self, seed: &Seed) -> R {
         R::of(seed.time)
     }
-
-    #[inline(always)]
-    fn accept(kept: Kept<R, ()>, time: R, _: u8, _: bool) -> Kept<R, ()> {
-        Kept { time: min(kept.time, time), carried: () }
-    }
-
-    fn arrival_of_front(kept: Kept<R, ()>) -> R {
-        kept.time
-    }
-
-    #[inline(always)]
-    fn first(a: Kept<R, ()>, b: Kept<R, ()>) -> Kept<R, ()> {
-        Kept { time: min(a.time, b.time), carried: () }
-    }
-
-    #[inline(always)]
-    fn change(before: Kept<R, ()>, after: Kept<R, ()>) -> R::Bits {
-        before.time.units_between(after.time)
-    }
 }
 
 impl<R: Real> LaneKind<R> for SlowedPlanar<R> {
@@ -66,15 +45,6 @@ impl<R: Real> LaneKind<R> for SlowedPlanar<R> {
 
     fn of_line(&self, _: [usize; 2], _: Scan) {}
 
-    fn splits(
-        &self,
-        lines: &GridLines<'_, R, Self::Carried, Self::SurfaceData>,
-        line: usize,
-        points: &Range<usize>,
-    ) -> Option<Splits<Self::Arrival>> {
-        splits_of_line(self, lines, line, points)
-    }
-
     #[inline(always)]
     fn update_span(
         _: &(),
@@ -86,11 +56,7 @@ impl<R: Real> LaneKind<R> for SlowedPlanar<R> {
     ) -> Option<bool> {
         let span = line.span(start, points);
         let behind = line.surface_behind(start, points);
-        let seen = Seen {
-            span: &span,
-            own: |i: usize| span.surface_data[i],
-            behind: |k: usize, i: usize| behind[k][i],
-        };
+        let seen = Seen { span: &span, behind, slowness: |slowness| slowness };
         let is_alone = splits.iter().all(|(_, time)| time.is_none());
         if is_alone && (span.leads(points) || stays(&seen, points, options.limit)) {
             return None;
@@ -122,21 +88,8 @@ impl<R: Real> LaneKind<R> for SlowedPlanar<R> {
         points: usize,
         options: UpdateOptions,
     ) -> bool {
-        if span.leads(points) {
-            return true;
-        }
-        let behind = Behind::of(before.edges.chart(), options.scan);
-        let at = behind.points().map(|offset| offset.from(first));
-        let slowness_behind = at.map(|at| &before.surface_data[at..][..points]);
-        stays(
-            &Seen {
-                span: &span,
-                own: |i: usize| span.surface_data[i],
-                behind: |k: usize, i: usize| slowness_behind[k][i],
-            },
-            points,
-            options.limit,
-        )
+        let seen = Seen::before(before, first, &span, points, options.scan, |slowness| slowness);
+        span.leads(points) || stays(&seen, points, options.limit)
     }
 }
 
@@ -161,29 +114,11 @@ impl<R: Real> TriangleKind<R> for SlowedPlanar<R> {
     fn is_obtuse(&self, corners: [usize; 3], triangle: Triangle<R>) -> bool {
         triangle.is_obtuse_on_surface(corners.map(|corner| self.slowness[corner]))
     }
-
-    fn time(arrival: R) -> R {
-        arrival
-    }
-
-    fn earlier(a: R, b: R) -> R {
-        min(a, b)
-    }
-
-    fn curvature(kept: Kept<R, Self::Carried>) -> R {
-        kept.time.recip()
-    }
-
-    fn circle(_: R) {}
 }
 
 /// Returns whether no front arrives earlier at any of the points.
 #[inline(always)]
-fn stays<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
-    seen: &Seen<'_, R, (), R, O, B>,
-    points: usize,
-    limit: f64,
-) -> bool {
+fn stays<R: Real>(seen: &Seen<'_, R, (), R, impl Fn(R) -> R>, points: usize, limit: f64) -> bool {
     let (mut settled, limit) = (true, R::of(limit));
     for i in 0..points {
         let now = min(seen.span.times[i], limit);

@@ -1,11 +1,9 @@
 //! Implements planar and circular fronts, which carry nothing besides their arrival time.
 
-use std::ops::Range;
-
-use super::kind::{FrontKind, TriangleKind, Triangular};
-use super::lanes::{LaneKind, Splits, splits_of_line};
+use super::kind::{FrontKind, Fronts, TriangleFronts, TriangleKind, Triangular};
+use super::lanes::LaneKind;
 use super::surface_array::SurfaceArray;
-use crate::lines::line::{GridLines, ScanLine};
+use crate::lines::line::ScanLine;
 use crate::lines::settled::Visited;
 use crate::lines::span::{Before, LargestChanges, Span, TILE};
 use crate::scan::{Scan, UpdateOptions};
@@ -39,22 +37,8 @@ fn at<R>(time: R) -> Kept<R, ()> {
     Kept { time, carried: () }
 }
 
-impl<R: Real, S: Straight> FrontKind<R> for S {
-    type Carried = ();
+impl<R: Real> Fronts<R> for () {
     type Arrival = R;
-
-    fn arrival_of_seed(&mut self, seed: &Seed) -> R {
-        if let Some(origins) = self.origins() {
-            origins.add(seed);
-        }
-        R::of(seed.time)
-    }
-
-    fn forget(&mut self) {
-        if let Some(origins) = self.origins() {
-            origins.forget();
-        }
-    }
 
     #[inline(always)]
     fn accept(kept: Kept<R, ()>, time: R, _: u8, _: bool) -> Kept<R, ()> {
@@ -76,6 +60,40 @@ impl<R: Real, S: Straight> FrontKind<R> for S {
     }
 }
 
+impl<R: Real> TriangleFronts<R> for () {
+    fn time(arrival: R) -> R {
+        arrival
+    }
+
+    fn earlier(a: R, b: R) -> R {
+        min(a, b)
+    }
+
+    fn curvature(kept: Kept<R, ()>) -> R {
+        kept.time.recip()
+    }
+
+    fn circle(_: R) {}
+}
+
+impl<R: Real, S: Straight> FrontKind<R> for S {
+    type Carried = ();
+    type Arrival = R;
+
+    fn arrival_of_seed(&mut self, seed: &Seed) -> R {
+        if let Some(origins) = self.origins() {
+            origins.add(seed);
+        }
+        R::of(seed.time)
+    }
+
+    fn forget(&mut self) {
+        if let Some(origins) = self.origins() {
+            origins.forget();
+        }
+    }
+}
+
 impl<R: Real, S: Straight> LaneKind<R> for S {
     type SurfaceData = ();
     type OfLine<'k> = S;
@@ -86,15 +104,6 @@ impl<R: Real, S: Straight> LaneKind<R> for S {
 
     fn of_line(&self, _: [usize; 2], _: Scan) -> S {
         *self
-    }
-
-    fn splits(
-        &self,
-        lines: &GridLines<'_, R, Self::Carried, Self::SurfaceData>,
-        line: usize,
-        points: &Range<usize>,
-    ) -> Option<Splits<Self::Arrival>> {
-        splits_of_line(self, lines, line, points)
     }
 
     #[inline(always)]
@@ -159,20 +168,6 @@ impl<R: Real, S: Straight> TriangleKind<R> for S {
     fn arrival(&self, _: [usize; 3], triangle: Triangle<R>, _: [(); 2], _: bool) -> R {
         Straight::time(*self, triangle)
     }
-
-    fn time(arrival: R) -> R {
-        arrival
-    }
-
-    fn earlier(a: R, b: R) -> R {
-        min(a, b)
-    }
-
-    fn curvature(kept: Kept<R, Self::Carried>) -> R {
-        kept.time.recip()
-    }
-
-    fn circle(_: R) {}
 }
 
 /// Returns whether tests find that no front arrives earlier at any of the points.

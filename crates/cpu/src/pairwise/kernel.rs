@@ -2,9 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::behind::Behind;
-use crate::scan::Scan;
-use geosweep_surface::{Chart, EdgeLengths, Real, min};
+use crate::behind::{Behind, TriangleSlots};
+use geosweep_surface::{EdgeLengths, Real, min};
 
 /// Number of maps that are computed side by side: the number of single-precision lanes of AVX-512. With narrower
 /// instructions the maps fill several vectors, which hides the latency of square roots.
@@ -102,24 +101,14 @@ pub(super) fn merged(new: Lanes, old: Lanes, maps: [u32; LANES]) -> Lanes {
     bytemuck::cast(new)
 }
 
-/// The positions of the two triangles of a scan, relative to their point.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct FanSlots(Behind);
-
-impl FanSlots {
-    pub(super) fn new(chart: Chart, scan: Scan) -> Self {
-        Self(Behind::of(chart, scan))
-    }
-
-    /// Returns the fan of a point of a bordered array. Of obtuse triangles it has only the edges.
-    pub(super) fn fan(&self, edges: &EdgeLengths<f32>, point: usize) -> Fan {
-        Fan {
-            edges: self.0.edges().map(|slot| edges.at(point, slot)),
-            bases: self
-                .0
-                .triangles()
-                .each_ref()
-                .map(|slots| slots.triangle(edges, point, [0.0; 2]).without_obtuse_face().c),
+impl Fan {
+    /// Returns the fan behind a point of a bordered array. Of obtuse triangles it has only the edges.
+    pub(super) fn of(behind: &Behind, edges: &EdgeLengths<f32>, point: usize) -> Self {
+        let base =
+            |slots: &TriangleSlots| slots.triangle(edges, point, [0.0; 2]).without_obtuse_face().c;
+        Self {
+            edges: behind.edges().map(|slot| edges.at(point, slot)),
+            bases: behind.triangles().each_ref().map(base),
         }
     }
 }

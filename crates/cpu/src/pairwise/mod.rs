@@ -15,12 +15,13 @@ mod scans;
 mod stage;
 
 use super::Instructions;
+use super::behind::Behind;
 use super::scan::Scan;
 use circular::Circular;
 use geosweep_surface::update::Wavefront;
 use geosweep_surface::{Chart, Direction, EdgeLengths, Real};
 use geosweep_surface::{Convergence, Stop};
-use kernel::{FanSlots, LANES};
+use kernel::{Fan, LANES};
 use maps::Known;
 use planar::Planar;
 use scans::{BatchSolver, Scans};
@@ -167,10 +168,10 @@ impl PairwiseScan {
 /// Returns whether an angle between two successive edges around some point exceeds a right angle by too little to count
 /// as obtuse.
 fn has_wide_angles(edges: &EdgeLengths<f32>) -> bool {
-    let fans = Scan::ALL.map(|scan| FanSlots::new(edges.chart(), scan));
+    let fans = Scan::ALL.map(|scan| Behind::of(edges.chart(), scan));
     edges.chart().places().any(|(row, col)| {
         let point = edges.chart().bordered(row, col);
-        fans.iter().any(|slots| slots.fan(edges, point).triangles().into_iter().any(is_wide))
+        fans.iter().any(|behind| Fan::of(behind, edges, point).triangles().into_iter().any(is_wide))
     })
 }
 

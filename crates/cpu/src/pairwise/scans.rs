@@ -3,11 +3,12 @@
 use std::sync::{Arc, Mutex};
 
 use super::farther::Farther;
-use super::kernel::{FanSlots, Kernel, LANES, Lanes, merged};
+use super::kernel::{Fan, Kernel, LANES, Lanes, merged};
 use super::maps::{Known, Maps};
 use super::marks::WORD;
 use super::outward::Passing;
 use super::parts::{Parts, VisitParts};
+use crate::behind::Behind;
 use crate::scan::Scan;
 use crate::{Instructions, Progress};
 use geosweep_surface::lanes::Loop;
@@ -46,8 +47,8 @@ impl<K: Kernel> Scans<K> {
     pub(super) fn new(edges: &EdgeLengths<f32>) -> Self {
         let chart = edges.chart();
         let coefficients = Scan::ALL.map(|scan| {
-            let slots = FanSlots::new(chart, scan);
-            let at = |row, col| K::coefficients(slots.fan(edges, chart.bordered(row, col)));
+            let behind = Behind::of(chart, scan);
+            let at = |row, col| K::coefficients(Fan::of(&behind, edges, chart.bordered(row, col)));
             let lines = chart.by(scan.lines());
             let places = lines.places().map(|(line, point)| scan.lines().place(line, point));
             places.map(|(row, col)| at(row, col)).collect()
@@ -76,8 +77,7 @@ impl<K: Kernel> Scans<K> {
                 largest = u32::MAX;
             }
             if progress.is_done::<f32>(largest) {
-                let Progress { iterations, residual, .. } = progress;
-                return Convergence { iterations, residual };
+                return progress.convergence();
             }
         }
     }

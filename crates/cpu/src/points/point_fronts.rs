@@ -1,9 +1,9 @@
 //! Holds the fronts at all points of a bordered array, and updates them one by one.
 
 use crate::behind::Behind;
-use crate::fronts::PointKind;
 #[cfg(any(test, feature = "twins"))]
 use crate::fronts::exchange::exchange;
+use crate::fronts::{Fronts, PointKind};
 use crate::solution::Solution;
 #[cfg(any(test, feature = "twins"))]
 use geosweep_surface::update::Carried;
@@ -94,7 +94,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
     }
 
     /// Accepts a front that a scan, numbered from 1, brings to a point
-    /// ([`accept`](crate::fronts::FrontKind::accept)). Returns the change of the front.
+    /// ([`accept`](crate::fronts::Fronts::accept)). Returns the change of the front.
     #[inline]
     pub(crate) fn accept(
         &mut self,
@@ -104,7 +104,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         renews: bool,
     ) -> R::Bits {
         let before = self.at(point);
-        let after = K::accept(before, arrival, scan, renews);
+        let after = K::Carried::accept(before, arrival, scan, renews);
         #[cfg(any(test, feature = "twins"))]
         if before.time >= R::FAR && after.time > self.limit {
             return R::Bits::default();
@@ -120,7 +120,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         if before.time.min(after.time) > self.limit {
             return R::Bits::default();
         }
-        K::change(before, after)
+        K::Carried::change(before, after)
     }
 
     pub(crate) fn finish(self, iterations: u32, residual: f64) -> Solution<R> {
@@ -168,7 +168,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         let at = |map: &Self, point| (map.at(point), renews);
         exchange::<R, K, _>(&edges, self, at, |map, point, [before, after]| {
             map.set(point, after);
-            largest = largest.max(K::change(before, after));
+            largest = largest.max(K::Carried::change(before, after));
             changed(edges.chart().bordered_position(point), [before, after]);
         });
         largest
@@ -186,7 +186,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
             if other.time >= R::FAR {
                 left = other;
             } else if !K::Carried::TELLS_SCANS || other.carried.is_from(scan) {
-                taken = Some(taken.map_or(other, |taken| K::first(taken, other)));
+                taken = Some(taken.map_or(other, |taken| K::Carried::first(taken, other)));
             }
         }
         let after = taken.unwrap_or(left);

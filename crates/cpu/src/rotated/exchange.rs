@@ -2,8 +2,8 @@
 
 use super::scan_copy::ScanCopy;
 use super::tiles::Tiles;
-use crate::fronts::FrontKind;
 use crate::fronts::exchange;
+use crate::fronts::{FrontKind, Fronts};
 use geosweep_surface::update::Kept;
 use geosweep_surface::{EdgeLengths, Real, min};
 
@@ -26,7 +26,7 @@ pub(crate) fn exchange<R: Real, K: FrontKind<R>>(
             copy.times[point] = after.time;
             copy.carried[point] = after.carried;
         }
-        largest = largest.max(K::change(before, after));
+        largest = largest.max(K::Carried::change(before, after));
         let (row, col) = edges.chart().bordered_position(point);
         match min(before.time, after.time).wide() <= limit {
             true => tiles.touch(row, col),

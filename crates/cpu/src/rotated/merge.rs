@@ -8,7 +8,7 @@ use super::changed::Changed;
 use super::scan_copy::ScanCopy;
 use super::tiles::Tiles;
 use crate::Instructions;
-use crate::fronts::FrontKind;
+use crate::fronts::{FrontKind, Fronts};
 use crate::lines::span::TILE;
 use crate::scan::Scan;
 use geosweep_surface::lanes::Loop;
@@ -96,7 +96,7 @@ impl<R: Real, K: FrontKind<R>> Loop for Merge<'_, R, K> {
             let of_b = Kept { time: *b, carried: *b_carried };
             let a_is_old = of_a.carried.is_from(scans[1].0);
             let b_is_old = of_b.carried.is_from(scans[0].0);
-            let Kept { time, carried } = K::first(of_a, of_b);
+            let Kept { time, carried } = K::Carried::first(of_a, of_b);
             let (time, carried) = (
                 if b_is_old { of_a.time } else { time },
                 if b_is_old { of_a.carried } else { carried },

@@ -4,6 +4,7 @@ use super::panel::{Grid, Panel};
 use super::transposed::TransposedEdges;
 use crate::Instructions;
 use crate::fronts::{LaneKind, SurfaceArray};
+use crate::limit::Limit;
 use crate::scan::Scan;
 use geosweep_surface::Monitor;
 use geosweep_surface::{Chart, EdgeLengths, Real};
@@ -15,13 +16,22 @@ pub(crate) struct Prepared<R: Real, K: LaneKind<R>> {
     pub kind: K,
     /// Data of each surface point that the front needs.
     surface_data: SurfaceArray<K::SurfaceData>,
-    pub instructions: Instructions,
-    pub monitor: Monitor,
+    pub settings: Settings,
     /// Transposed edges, for straight fronts on large grids. The second map fills them. Other fronts have
     /// more data per point to keep.
     transposed: Option<TransposedEdges<R>>,
     /// Whether a map has been solved.
     solved: bool,
+}
+
+/// How maps are solved.
+#[derive(Clone, Debug)]
+pub(crate) struct Settings {
+    /// The limit of the next map, or the current one of the last map. It falls with the times of its targets. Arrival
+    /// times after it are not final.
+    pub limit: Limit,
+    pub instructions: Instructions,
+    pub monitor: Monitor,
 }
 
 /// Minimum number of grid points for keeping transposed edges. On smaller grids the transposed edges and the panels
@@ -47,8 +57,11 @@ impl<R: Real, K: LaneKind<R>> Prepared<R, K> {
             edges: edges.clone(),
             surface_data: kind.surface_data(chart),
             kind,
-            instructions: Instructions::best(),
-            monitor: Monitor::default(),
+            settings: Settings {
+                limit: Limit::NONE,
+                instructions: Instructions::best(),
+                monitor: Monitor::default(),
+            },
             transposed: keeps_edges.then(|| TransposedEdges::new(chart)),
             solved: false,
         }
@@ -84,9 +97,15 @@ impl<R: Real, K: LaneKind<R>> Prepared<R, K> {
         self.store_parts();
         let was_filled = self.grid().transposed.is_some();
         if let Some(transposed) = &mut self.transposed {
-            transposed.fill(&self.edges, self.instructions);
+            transposed.fill(&self.edges, self.settings.instructions);
         }
         !was_filled && self.transposed.is_some()
+    }
+
+    /// Lowers the limit to the time that its targets need, given the arrival times.
+    pub(crate) fn lower_limit(&mut self, times: &[R]) {
+        let chart = self.chart();
+        self.settings.limit.lower(|[row, col]| times[chart.bordered(row, col)].wide());
     }
 
     /// Stores the parts of all obtuse triangles, if that has not been done yet.

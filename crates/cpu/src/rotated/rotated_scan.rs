@@ -149,14 +149,14 @@ impl<R: Real> RotatedScan<R> {
             Instructions::available().contains(&instructions),
             "this machine does not have {instructions}"
         );
-        self.scanner.set_instructions(instructions);
+        self.scanner.settings().instructions = instructions;
         self
     }
 
     /// Reports each iteration to `monitor`. If the monitor cancels a map, [`Self::solve`] and [`Self::add`]
     /// return at once, and the map is incomplete.
     pub fn with_monitor(mut self, monitor: Monitor) -> Self {
-        self.scanner.set_monitor(monitor);
+        self.scanner.settings().monitor = monitor;
         self
     }
 
@@ -192,7 +192,7 @@ impl<R: Real> RotatedScan<R> {
     /// Computes the distance map of `seeds`.
     pub fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         (self.end, self.foreseen) = (self.radius, 0);
-        self.scanner.set_limit(Limit::at(self.radius));
+        self.scanner.settings().limit = Limit::at(self.radius);
         self.scanner.solve(seeds, stop)
     }
 
@@ -210,11 +210,12 @@ impl<R: Real> RotatedScan<R> {
         assert!(targets.points().iter().all(inside), "a target lies outside the grid");
         let (estimate, foreseen) = outlook(&self.edges, seeds, targets);
         self.foreseen = foreseen;
-        self.scanner.set_limit(Limit::to(targets, radius.min(estimate * (1.0 + FURTHER[0]))));
+        let first = radius.min(estimate * (1.0 + FURTHER[0]));
+        self.scanner.settings().limit = Limit::to(targets, first);
         let mut convergence = self.scanner.solve(seeds, stop);
         let mut further = FURTHER[1..].iter();
         loop {
-            let limit = self.scanner.limit();
+            let limit = self.scanner.settings().limit.time();
             let times = self.scanner.times();
             let last = targets.last(|[row, col]| times[chart.bordered(row, col)].wide());
             let left = stop.iterations.saturating_sub(convergence.iterations);
@@ -269,9 +270,9 @@ impl<R: Real> RotatedScan<R> {
     pub fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         let limit = Limit::at(self.radius);
         // The last map may have ended before the radius, at its targets.
-        match self.scanner.limit() < self.radius {
+        match self.scanner.settings().limit.time() < self.radius {
             true => drop(self.scanner.go_on(&[], stop, limit)),
-            false => self.scanner.set_limit(limit),
+            false => self.scanner.settings().limit = limit,
         }
         self.end = self.radius;
         self.scanner.add(seeds, stop)

@@ -7,12 +7,11 @@ use super::due::find_due;
 use super::exchange::exchange;
 use super::merge::merge;
 use super::panel::Panel;
-use super::prepared::{FEW_ITERATIONS, Prepared};
+use super::prepared::{FEW_ITERATIONS, Prepared, Settings};
 use super::scan_copy::{On, ScanCopy};
 use super::scans::Scans;
 use super::tiles::Tiles;
-use crate::Instructions;
-use crate::fronts::LaneKind;
+use crate::fronts::{Fronts, LaneKind};
 use crate::limit::Limit;
 use crate::lines::span::Before;
 use crate::lines::window::Window;
@@ -20,7 +19,7 @@ use crate::progress::Progress;
 use crate::scan::{Scan, UpdateOptions};
 use geosweep_surface::update::Kept;
 use geosweep_surface::{Block, EdgeLengths, Real, Seed};
-use geosweep_surface::{Convergence, Monitor, Stop};
+use geosweep_surface::{Convergence, Stop};
 
 /// A solver for one kind of front; see [`crate::RotatedScan`].
 #[derive(Clone, Debug)]
@@ -30,7 +29,6 @@ pub(crate) struct Scanner<R: Real, K: LaneKind<R>> {
     /// The fronts as two opposite scans see them. Between pairs of scans both copies are equal.
     copies: [ScanCopy<R, K::Carried>; 2],
     panels: [Panel<R, K::Carried, K::SurfaceData>; 2],
-    limit: Limit,
     /// Number of points that were examined before scans, to find the tiles in which the scans have work.
     looked: u64,
 }
@@ -42,14 +40,7 @@ impl<R: Real, K: LaneKind<R>> Scanner<R, K> {
         // Each copy is allocated by the thread that will use it.
         let copy = || (ScanCopy::new(window, &tiles), on.panel());
         let ((a, panel_a), (b, panel_b)) = rayon::join(copy, copy);
-        Self {
-            on,
-            tiles,
-            copies: [a, b],
-            panels: [panel_a, panel_b],
-            limit: Limit::NONE,
-            looked: 0,
-        }
+        Self { on, tiles, copies: [a, b], panels: [panel_a, panel_b], looked: 0 }
     }
 
     fn converge(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
@@ -58,9 +49,10 @@ impl<R: Real, K: LaneKind<R>> Scanner<R, K> {
             let vertical = self.scan([Scan::DOWN, Scan::UP], progress.renews());
             let horizontal = self.scan([Scan::RIGHT, Scan::LEFT], progress.renews());
             let is_done = progress.is_done::<R>(vertical.max(horizontal));
-            self.lower_limit();
-            self.on.monitor.note(progress.iterations, progress.residual);
-            if self.on.monitor.is_cancelled() {
+            self.on.lower_limit(&self.copies[0].times);
+            let monitor = &self.on.settings.monitor;
+            monitor.note(progress.iterations, progress.residual);
+            if monitor.is_cancelled() {
                 return progress.convergence();
             }
             if !is_done {
@@ -74,12 +66,6 @@ impl<R: Real, K: LaneKind<R>> Scanner<R, K> {
             }
             self.seed(seeds);
         }
-    }
-
-    /// Lowers the limit to the time that the targets need.
-    fn lower_limit(&mut self) {
-        let (chart, times) = (self.on.chart(), &self.copies[0].times);
-        self.limit.lower(|[row, col]| times[chart.bordered(row, col)].wide());
     }
 
     /// Returns the front at a point of the last map.
@@ -109,16 +95,15 @@ impl<R: Real, K: LaneKind<R>> Scanner<R, K> {
                 tiles.touch(seed.row, seed.col);
             }
         });
-        let limit = self.limit.time();
+        let limit = self.on.settings.limit.time();
         exchange::<R, K>(&self.on.edges, &mut self.copies, &mut self.tiles, false, limit);
     }
 
     /// Runs two opposite scans and returns the largest change.
     fn scan(&mut self, scans: [Scan; 2], renews: bool) -> R::Bits {
-        let Prepared { edges, kind, instructions, monitor, .. } = &self.on;
-        let instructions = *instructions;
-        let grid = self.on.grid();
-        let limit = self.limit.time();
+        let Prepared { edges, kind, settings, .. } = &self.on;
+        let Settings { instructions, ref monitor, .. } = *settings;
+        let (grid, limit) = (self.on.grid(), settings.limit.time());
         let options = scans.map(|scan| UpdateOptions { scan, renews, limit, instructions });
         let fronts = self.copies[0].fronts();
         let before = Before { edges, fronts, far: None, surface_data: grid.surface_data };
@@ -151,7 +136,7 @@ impl<R: Real, K: LaneKind<R>> Scans<R> for Scanner<R, K> {
 
     fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         for ScanCopy { carried, .. } in &mut self.copies {
-            carried.iter_mut().for_each(|carried| *carried = K::released(*carried));
+            carried.iter_mut().for_each(|carried| *carried = carried.released());
         }
         self.seed(seeds);
         // Enters the thread pool once, and not for each pair of scans.
@@ -159,7 +144,7 @@ impl<R: Real, K: LaneKind<R>> Scans<R> for Scanner<R, K> {
     }
 
     fn go_on(&mut self, seeds: &[Seed], stop: Stop, limit: Limit) -> Option<Convergence> {
-        let before = std::mem::replace(&mut self.limit, limit).time();
+        let before = std::mem::replace(&mut self.on.settings.limit, limit).time();
         let beyond = |&time: &R| time.wide() > before && time < R::FAR;
         let fronts = self.copies[0].fronts();
         let place = |(row, col)| (fronts.of(row, col).time, (row, col));
@@ -173,20 +158,8 @@ impl<R: Real, K: LaneKind<R>> Scans<R> for Scanner<R, K> {
         self.tiles.used().collect()
     }
 
-    fn set_limit(&mut self, limit: Limit) {
-        self.limit = limit;
-    }
-
-    fn limit(&self) -> f64 {
-        self.limit.time()
-    }
-
-    fn set_instructions(&mut self, instructions: Instructions) {
-        self.on.instructions = instructions;
-    }
-
-    fn set_monitor(&mut self, monitor: Monitor) {
-        self.on.monitor = monitor;
+    fn settings(&mut self) -> &mut Settings {
+        &mut self.on.settings
     }
 
     fn times(&self) -> &[R] {

@@ -1,9 +1,9 @@
 //! Defines the common interface of solvers of all kinds of fronts, in either order of updates.
 
-use crate::Instructions;
+use super::prepared::Settings;
 use crate::limit::Limit;
 use geosweep_surface::{Block, Seed};
-use geosweep_surface::{Convergence, Monitor, Stop};
+use geosweep_surface::{Convergence, Stop};
 
 /// A solver for the maps of one surface, of any kind of front. Kinds are types, so that scans are compiled
 /// for each of them.
@@ -21,15 +21,7 @@ pub(crate) trait Scans<R>: std::fmt::Debug + Send + Sync {
     /// Returns blocks of the grid that hold all points that the last map has reached.
     fn used(&self) -> Vec<Block>;
 
-    /// Sets the limit of the next map. The limit falls with the times of its targets.
-    fn set_limit(&mut self, limit: Limit);
-
-    /// Returns the current limit. Arrival times after it are not final.
-    fn limit(&self) -> f64;
-
-    fn set_instructions(&mut self, instructions: Instructions);
-
-    fn set_monitor(&mut self, monitor: Monitor);
+    fn settings(&mut self) -> &mut Settings;
 
     /// Returns the arrival times of the last map, as a bordered array.
     fn times(&self) -> &[R];

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-use crate::fronts::{LaneKind, TriangleKind, for_triangle_kind};
+use crate::fronts::{LaneKind, TriangleFronts, TriangleKind, for_triangle_kind};
 use crate::rotated::scanner::Scanner;
 use crate::rotated::scans::Scans;
 use geosweep_surface::Stop;
@@ -108,7 +108,7 @@ impl<'a> Surroundings<'a> {
         let (from, origin) = (first.and_then(|s| s.from), first.and_then(|s| s.origin));
         let arrived = self.own.places().filter_map(|(row, col)| {
             let front = scanner.front(row, col);
-            let (time, curvature) = (front.time, K::curvature(front));
+            let (time, curvature) = (front.time, K::Carried::curvature(front));
             (time < f64::FAR).then_some(Seed {
                 row,
                 col,

@@ -2,7 +2,7 @@
 
 use super::scan::scan;
 use crate::behind::TriangleSlots;
-use crate::fronts::{TriangleKind, for_triangle_kind};
+use crate::fronts::{TriangleFronts, TriangleKind, for_triangle_kind};
 use crate::points::PointFronts;
 use geosweep_surface::Stop;
 use geosweep_surface::constants::{FLOW_JUMPS, NEAR_PLACES, PARENT_JUMPS};
@@ -157,7 +157,7 @@ fn begin<K: TriangleKind<f32>>(
     };
     let mut first = (f32::FAR, 0);
     for (number, triangle) in triangles.iter().enumerate() {
-        let time = K::time(fronts.kind.through(&fronts.edges, point, triangle, earlier));
+        let time = K::Carried::time(fronts.kind.through(&fronts.edges, point, triangle, earlier));
         if time < first.0 {
             first = (time, number);
         }
@@ -174,7 +174,7 @@ fn begin<K: TriangleKind<f32>>(
     let ends = triangles[first.1].corners(point).map(earlier);
     let times = ends.map(|front| front.time);
     let triangle = triangles[first.1].triangle(&fronts.edges, point, times);
-    let share = base_crossing(wavefront, triangle, ends.map(K::curvature));
+    let share = base_crossing(wavefront, triangle, ends.map(K::Carried::curvature));
     let step = |to: Direction| [to.step().1 as f32, to.step().0 as f32];
     let (a, b) = (step(to), step(to.next()));
     let place = [0, 1].map(|k| own[k] + (a[k] + share * (b[k] - a[k])));

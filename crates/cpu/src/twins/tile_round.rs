@@ -4,7 +4,7 @@
 use super::behind;
 use crate::Solution;
 use crate::behind::Behind;
-use crate::fronts::{PointKind, for_kind};
+use crate::fronts::{Fronts, PointKind, for_kind};
 use crate::points::PointFronts;
 use crate::rotated::typical_edge::typical_edge;
 use crate::scan::Scan;
@@ -178,7 +178,7 @@ impl<R: Real, K: PointKind<R>> Tiles<R, K> {
         let mut found = Visit::<R::Bits>::default();
         for (place, [before, after]) in changes {
             found.reached |= before.time >= R::FAR && after.time < R::FAR;
-            let by = K::change(before, after);
+            let by = K::Carried::change(before, after);
             if by <= self.tolerance {
                 continue;
             }

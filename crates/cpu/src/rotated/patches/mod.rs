@@ -16,13 +16,12 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
-use super::prepared::{FEW_ITERATIONS, Prepared};
+use super::prepared::{FEW_ITERATIONS, Prepared, Settings};
 use super::scans::{PatchCounts, Scans};
 use super::tiles::Tiles;
 use super::typical_edge::typical_edge;
-use crate::Instructions;
-use crate::fronts::LaneKind;
 use crate::fronts::exchange::exchange;
+use crate::fronts::{Fronts as _, LaneKind};
 use crate::limit::Limit;
 use crate::lines::span::TILE;
 use crate::lines::window::{Fronts, Window};
@@ -31,7 +30,7 @@ use crate::scan::Scan;
 use geosweep_surface::constants::SPLIT_REACH;
 use geosweep_surface::update::Kept;
 use geosweep_surface::{Block, EdgeLengths, Real, Seed, Tiling, min, relative_change};
-use geosweep_surface::{Convergence, Monitor, Stop};
+use geosweep_surface::{Convergence, Stop};
 use order::Dues;
 use patch::{News, Patch, Woken};
 use room::{Pool, Room};
@@ -47,7 +46,7 @@ macro_rules! visits {
             tiling: $scanner.tiling,
             reach: $reach,
             inner: $scanner.plan.inner,
-            limit: $scanner.limit.time(),
+            limit: $scanner.on.settings.limit.time(),
         }
     };
 }
@@ -82,7 +81,6 @@ const PASSED_ON: u32 = 8;
 pub(crate) struct PatchScanner<R: Real, K: LaneKind<R>> {
     pub(crate) on: Prepared<R, K>,
     plan: Plan,
-    limit: Limit,
     tiling: Tiling,
     patches: Vec<Patch>,
     dues: Dues<R>,
@@ -123,7 +121,6 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
         Self {
             on,
             plan,
-            limit: Limit::NONE,
             tiling,
             dues: Dues::new(tiling.tiles(), band, lag),
             patches,
@@ -211,8 +208,8 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
         };
         exchange::<R, K, _>(&edges, self, at, |map, point, [before, after]| {
             (map.times[point], map.carried[point]) = (after.time, after.carried);
-            let (change, time) = (K::change(before, after), min(before.time, after.time));
-            if change > R::Bits::default() && time.wide() <= map.limit.time() {
+            let (change, time) = (K::Carried::change(before, after), min(before.time, after.time));
+            if change > R::Bits::default() && time.wide() <= map.on.settings.limit.time() {
                 for to in map.seeing(place(point)) {
                     map.tell(News { to, at: place(point), time, change }, tolerance);
                 }
@@ -231,7 +228,7 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
         self.counts.patches = self.patches.len() as u64;
         let mut many = u64::from(FEW_ITERATIONS) * self.counts.patches;
         loop {
-            let round = self.dues.next_round(self.plan.most, R::of(self.limit.time()));
+            let round = self.dues.next_round(self.plan.most, R::of(self.on.settings.limit.time()));
             if round.is_empty() {
                 let is_last = self.patches.iter().any(|patch| patch.progress.is_last());
                 if is_last || !K::has_lost(self.on.chart(), seeds, &self.times) {
@@ -242,12 +239,12 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
             }
             self.visit(&round);
             let Convergence { iterations, residual } = self.convergence();
-            self.on.monitor.note(iterations, residual);
-            if self.on.monitor.is_cancelled() {
+            let monitor = &self.on.settings.monitor;
+            monitor.note(iterations, residual);
+            if monitor.is_cancelled() {
                 return self.convergence();
             }
-            let (chart, times) = (self.on.chart(), &self.times);
-            self.limit.lower(|[row, col]| times[chart.bordered(row, col)].wide());
+            self.on.lower_limit(&self.times);
             self.pass_on(&round, tolerance);
             if self.counts.iterations > many {
                 many = u64::MAX;
@@ -260,10 +257,8 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
     fn convergence(&self) -> Convergence {
         let visited = self.patches.iter().map(|patch| &patch.progress);
         let visited = visited.filter(|progress| progress.iterations > 0);
-        let all = visited.fold(Convergence::NONE, |all, progress| {
-            let Progress { iterations, residual, .. } = *progress;
-            all.worse(Convergence { iterations, residual })
-        });
+        let all =
+            visited.fold(Convergence::NONE, |all, progress| all.worse(progress.convergence()));
         let unseen = relative_change::<R>(self.unseen);
         all.worse(Convergence { iterations: 1, residual: unseen })
     }
@@ -370,7 +365,7 @@ impl<R: Real, K: LaneKind<R>> Scans<R> for PatchScanner<R, K> {
     }
 
     fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
-        self.carried.iter_mut().for_each(|carried| *carried = K::released(*carried));
+        self.carried.iter_mut().for_each(|carried| *carried = carried.released());
         let was_stopped = self.patches.iter().any(|patch| patch.progress.is_last());
         self.start(stop);
         self.seed(seeds);
@@ -383,7 +378,7 @@ impl<R: Real, K: LaneKind<R>> Scans<R> for PatchScanner<R, K> {
     }
 
     fn go_on(&mut self, seeds: &[Seed], stop: Stop, limit: Limit) -> Option<Convergence> {
-        let before = std::mem::replace(&mut self.limit, limit).time();
+        let before = std::mem::replace(&mut self.on.settings.limit, limit).time();
         self.start(stop);
         let chart = self.on.chart();
         let beyond = |time: R| time.wide() > before && time < R::FAR;
@@ -400,20 +395,8 @@ impl<R: Real, K: LaneKind<R>> Scans<R> for PatchScanner<R, K> {
         vec![Window::whole(self.on.chart()).block()]
     }
 
-    fn set_limit(&mut self, limit: Limit) {
-        self.limit = limit;
-    }
-
-    fn limit(&self) -> f64 {
-        self.limit.time()
-    }
-
-    fn set_instructions(&mut self, instructions: Instructions) {
-        self.on.instructions = instructions;
-    }
-
-    fn set_monitor(&mut self, monitor: Monitor) {
-        self.on.monitor = monitor;
+    fn settings(&mut self) -> &mut Settings {
+        &mut self.on.settings
     }
 
     fn times(&self) -> &[R] {

@@ -2,7 +2,7 @@
 
 use super::patch::{News, Patch, Woken};
 use super::room::{Pool, Room};
-use crate::fronts::LaneKind;
+use crate::fronts::{Fronts as _, LaneKind};
 use crate::lines::span::{Before, TILE};
 use crate::lines::window::Fronts;
 use crate::rotated::changed::Changed;
@@ -50,7 +50,12 @@ impl<R: Real, K: LaneKind<R>> Visits<'_, R, K> {
     }
 
     fn options(&self, scan: Scan, renews: bool) -> UpdateOptions {
-        UpdateOptions { scan, renews, limit: self.limit, instructions: self.on.instructions }
+        UpdateOptions {
+            scan,
+            renews,
+            limit: self.limit,
+            instructions: self.on.settings.instructions,
+        }
     }
 
     /// Visits a patch, given its number.
@@ -115,7 +120,7 @@ impl<R: Real, K: LaneKind<R>> Visits<'_, R, K> {
         room.looked += find_due(&self.on.kind, before, tiles, &[options]);
         let change = room.copy.scan(
             &self.on.kind,
-            On { grid, panel, far, monitor: &self.on.monitor },
+            On { grid, panel, far, monitor: &self.on.settings.monitor },
             tiles,
             options,
         );
@@ -155,7 +160,7 @@ impl<R: Real, K: LaneKind<R>> Visits<'_, R, K> {
         for (row, col) in block.places() {
             let before: Kept<R, K::Carried> = self.far.of(row, col);
             let after: Kept<R, K::Carried> = room.copy.fronts().of(row, col);
-            let change = K::change(before, after);
+            let change = K::Carried::change(before, after);
             if change > R::Bits::default() {
                 largest = largest.max(change);
                 first = min(first, min(before.time, after.time));
